@@ -1,0 +1,74 @@
+// One GI-Cube board: everything behind the bus connector, values and simulated time, without sockets.
+//
+// What enters: transactions of the data plane in the order in which the host issued them, each stamped with the host's
+// clock. What leaves: replies and completions stamped with simulated time. Values are computed as a transaction arrives;
+// time is computed when it can no longer change: up to the stamp of the latest transaction, or up to what the host waits for.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gicube/v1/board_config.pb.h"
+#include "gicube/wire/counter_list.h"
+#include "gicube/wire/frame.h"
+
+namespace gicube::emu {
+
+struct Reply {
+  wire::ErrorCode error = wire::ErrorCode::kNone;
+  std::uint64_t time_ps = 0;
+  std::vector<std::uint8_t> payload;  // with an error: its text
+};
+
+// The answer to a kCommand, in simulated-time order.
+struct Completion {
+  std::uint32_t ticket = 0;
+  wire::ErrorCode error = wire::ErrorCode::kNone;
+  std::uint64_t time_ps = 0;
+  std::vector<std::uint8_t> payload;  // traced rays; with an error: its text
+};
+
+// What one transaction brought about. Completions go to the host before the reply.
+struct Outcome {
+  std::vector<Completion> completions;
+  std::optional<Reply> reply;  // nothing for posted transactions
+};
+
+// Shared by the thread that works and the threads that watch it.
+struct Work {
+  std::atomic<bool> cancel{false};      // set by the watcher: finish as soon as possible, with ErrorCode::kCancelled
+  std::atomic<std::uint32_t> ticket{0}; // the command in work, and how much of it is done
+  std::atomic<std::uint32_t> done{0};
+  std::atomic<std::uint32_t> all{0};
+};
+
+class Board {
+ public:
+  // `config` must be resolved and checked (config.h).
+  explicit Board(const v1::BoardConfig& config);
+  ~Board();
+
+  // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
+  // host sends can throw: faults are error replies, error completions, or for posted writes STATUS bits.
+  Outcome transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work);
+
+  // All state back to power-up. Simulated time starts at 0 again; so do the counters.
+  void reset();
+
+  // The counters after the latest transaction. Any thread.
+  std::vector<wire::Counter> counters() const;
+  std::uint64_t simulated_ps() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace gicube::emu

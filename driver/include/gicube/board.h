@@ -1,0 +1,155 @@
+// The host's handle to one GI-Cube board: open it, load a volume and its tables, render or trace rays, read back.
+//
+//   auto board = gicube::Board::open("emu:");          // a private emulated board
+//   board.load_volume(view);                           // voxels, gradients, blocks
+//   board.set_transfer_function(transfer_function);    // segmentation LUT and empty flags
+//   gicube::Image image = board.render(camera);        // simulated time: board.now()
+//
+// Sources: the coprocessor API of [P §3.5, §5.6]. Simulated time: nothing here depends on the wall clock but the watchdog.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gicube/counters.h"
+#include "gicube/error.h"
+#include "gicube/image.h"
+#include "gicube/ray.h"
+#include "gicube/shading.h"
+#include "gicube/time.h"
+#include "gicube/transfer_function.h"
+#include "gicube/view.h"
+#include "gicube/volume.h"
+
+namespace gicube {
+
+enum class Fidelity { kFunctional, kApproximate, kCycle };
+
+// What the board said of itself when it was opened.
+struct BoardInfo {
+  int protocol_major = 0;
+  int protocol_minor = 0;        // the smaller of both sides
+  Fidelity fidelity = Fidelity::kFunctional;
+  int processors = 0;
+  int block_voxels = 0;          // n, voxels
+  int max_volume_voxels = 0;     // N, voxels
+  int queue_rays = 0;
+  std::uint32_t core_khz = 0;
+  std::uint64_t config_hash = 0; // of the board's resolved configuration
+  std::uint16_t vendor_id = 0;   // PCI configuration space
+  std::uint16_t device_id = 0;
+  bool agp = false;              // the card has an AGP capability
+  bool host_rays = false;        // submit() is offered
+};
+
+struct OpenOptions {
+  // Wall-clock limit for one answer of the board; 0 = wait for ever.
+  std::chrono::milliseconds watchdog{std::chrono::minutes{10}};
+};
+
+// Parts done and parts in all of a long call; called on the calling thread.
+using Progress = std::function<void(std::uint32_t done, std::uint32_t all)>;
+
+// Names one submitted batch until its rays have been received.
+struct Ticket {
+  std::uint32_t id = 0;
+  friend constexpr bool operator==(Ticket, Ticket) = default;
+};
+
+// A ray batch that has come back.
+struct RayBatch {
+  Ticket ticket;
+  Picoseconds completed = 0;       // simulated time at which the last byte reached the host
+  std::vector<TracedRay> rays;     // in the order in which they were submitted
+};
+
+// Movable, not copyable: one Board owns one session, which ends with it. Its calls may come from several threads; each
+// call is one transaction and they take turns, so the simulated host is one host. A moved-from Board may only be
+// destroyed or assigned to.
+class Board {
+ public:
+  // Opens a board and resets it.
+  //   emu:                  starts a private gicube-board child over a socket pair; it ends with this Board
+  //   unix:PATH             a gicube-board that listens on a Unix socket
+  //   tcp:HOST:PORT         the same on TCP
+  // emu: takes the query options fidelity, bus, threads, config=FILE and set=path.to.field=value (repeatable), as in
+  // "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8". The program is found by the environment variable
+  // GICUBE_BOARD, beside the running program, where the SDK was installed, or on the PATH, in this order.
+  // Throws BadArgument (URI), OpenFailed, BoardBusy, VersionMismatch, TimedOut.
+  static Board open(std::string_view uri, const OpenOptions& options = {});
+
+  Board(Board&&) noexcept;
+  Board& operator=(Board&&) noexcept;
+  ~Board();
+
+  const BoardInfo& info() const;
+
+  // Converts, quantises gradients by the codebook, cuts into blocks and loads the volume; replaces any former one.
+  // Blocks that are zero including their shared faces are neither sent nor stored. The simulated host waits for the
+  // transfer. The transfer function is kept and the empty flags are found again.
+  // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags): the board keeps its volume.
+  // On DeviceLost or TimedOut the volume is lost with the board.
+  void load_volume(const VolumeView& volume, const Progress& progress = {});
+
+  // The map from the loaded volume's values to densities. Throws Rejected before load_volume().
+  ValueRange value_range() const;
+
+  // Sets how tag `tag` (0..3) looks, writes its quarter of the segmentation LUT and finds the empty flags again.
+  // May come before or after load_volume(); a tag never set is invisible. Throws BadArgument: the board is untouched.
+  void set_transfer_function(const TransferFunction& function, int tag = 0);
+
+  // Phong coefficients and light of the next renderings (the reflectance map is made for each view's direction, and sent
+  // when it changes). Throws BadArgument: the board is untouched.
+  void set_shading(const Shading& shading);
+
+  // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").
+  // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded, whose codes it would
+  // give a new meaning: the board is untouched.
+  void set_gradient_codebook(std::span<const Vec3> codebook);
+
+  // Overrides the flags that the driver found, until the next load_volume() or set_transfer_function(). One value a
+  // block, x fastest, nonzero = nothing visible. A flag set on a visible block hides it: that is the caller's wish.
+  // Throws BadArgument if the count is not the volume's number of blocks: the board is untouched.
+  void set_empty_flags(std::span<const std::uint8_t> flags);
+  // The flags in force, one a block.
+  std::vector<std::uint8_t> empty_flags() const;
+  Dims blocks() const;  // how many blocks along each axis
+
+  // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image.
+  // Throws BadArgument (view's fields) and Rejected (no volume): the framebuffer is unchanged.
+  void render_to_framebuffer(const View& view, const Progress& progress = {});
+  // Transfers the framebuffer at 36 bits a pixel. Throws Rejected before the first rendering.
+  Image read_framebuffer();
+  // Both.
+  Image render(const View& view, const Progress& progress = {});
+
+  // Sends rays to be integrated with the sampling fields (step, threshold, shade, jitter, leap, cut planes) of the last
+  // view rendered, or of a default View. Returns at once; the simulated host goes on while the board works.
+  // Throws BadArgument (a ray's index and field), Rejected (no volume): nothing was sent.
+  Ticket submit(std::span<const HostRay> rays);
+  // Blocks until that batch has returned and moves the simulated host's clock to its arrival.
+  // Throws BadArgument if the ticket is unknown or its rays were received already.
+  RayBatch receive(Ticket ticket);
+  // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival.
+  std::vector<RayBatch> poll();
+
+  // The simulated host's clock, since open().
+  Picoseconds now() const;
+  // The host works for that long; the board goes on meanwhile.
+  void host_compute(Picoseconds duration);
+
+  Counters counters();
+
+ private:
+  struct State;
+  explicit Board(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gicube

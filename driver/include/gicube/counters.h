@@ -1,0 +1,50 @@
+// What the board counted, as plain values.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gicube {
+
+struct Counter {
+  std::string name;  // dotted path, as "bus.down.busy_ps"
+  std::string unit;
+  std::uint64_t value = 0;
+};
+
+// Every counter only grows within a session: a window is its end minus its begin.
+class Counters {
+ public:
+  Counters() = default;
+  explicit Counters(std::vector<Counter> list) : list_(std::move(list)) {}
+
+  const std::vector<Counter>& list() const { return list_; }
+
+  // The counter's value; 0 if the board's fidelity level does not keep it.
+  std::uint64_t value(std::string_view name) const {
+    for (const Counter& counter : list_) {
+      if (counter.name == name) return counter.value;
+    }
+    return 0;
+  }
+
+  bool has(std::string_view name) const {
+    for (const Counter& counter : list_) {
+      if (counter.name == name) return true;
+    }
+    return false;
+  }
+
+  friend Counters operator-(const Counters& end, const Counters& begin) {
+    Counters window = end;
+    for (Counter& counter : window.list_) counter.value -= begin.value(counter.name);
+    return window;
+  }
+
+ private:
+  std::vector<Counter> list_;
+};
+
+}  // namespace gicube

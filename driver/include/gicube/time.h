@@ -1,0 +1,13 @@
+// Simulated time, never the wall clock.
+#pragma once
+
+#include <cstdint>
+
+namespace gicube {
+
+// Picoseconds since the board was opened.
+using Picoseconds = std::uint64_t;
+
+constexpr double to_ms(Picoseconds time) { return static_cast<double>(time) * 1e-9; }
+
+}  // namespace gicube

@@ -1,0 +1,52 @@
+// A volume in the caller's memory, on its way to the board.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "gicube/vector.h"
+
+namespace gicube {
+
+// Samples are in the machine's byte order; kUint12 holds 0..4095 in 16 bits.
+enum class SampleType { kUint8, kUint12, kUint16, kInt16, kFloat32 };
+
+constexpr std::size_t bytes_per_sample(SampleType type) {
+  switch (type) {
+    case SampleType::kUint8: return 1;
+    case SampleType::kUint12:
+    case SampleType::kUint16:
+    case SampleType::kInt16: return 2;
+    case SampleType::kFloat32: return 4;
+  }
+  return 0;
+}
+
+// The linear map from a file's values to the board's 12-bit density: density = round(4095 (v - low) / (high - low)),
+// clamped. Low < high, both finite.
+struct ValueRange {
+  double low = 0;
+  double high = 1;
+
+  friend constexpr bool operator==(ValueRange, ValueRange) = default;
+};
+
+// Does not own its memory: everything pointed to must live until load_volume() returns.
+struct VolumeView {
+  // dims[0] * dims[1] * dims[2] samples of `type`, x fastest.
+  std::span<const std::byte> samples;
+  SampleType type = SampleType::kUint8;
+  Dims dims{};                  // voxels, 2..the board's max_volume_voxels each
+  Vec3 spacing{1, 1, 1};        // physical voxel edge; only the ratios count, each within 64 of the smallest
+  // Unset: 0..255 for kUint8, 0..4095 for kUint12, the least and the greatest sample for the others.
+  std::optional<ValueRange> range;
+  // Empty: by a 3x3x3 Sobel filter. Else 3 floats a voxel, x fastest: the physical direction in which the value grows;
+  // lengths are ignored, a zero vector is "no gradient".
+  std::span<const float> gradients;
+  // Empty: tag 0 everywhere. Else one material tag, 0..3, a voxel.
+  std::span<const std::uint8_t> tags;
+};
+
+}  // namespace gicube

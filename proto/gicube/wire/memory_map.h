@@ -1,0 +1,50 @@
+// The board's memory as the host sees it through BAR2: what a kMemoryWrite or kMemoryRead address means.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "gicube/wire/command.h"
+#include "gicube/wire/lut.h"
+#include "gicube/wire/voxel.h"
+
+namespace gicube::wire {
+
+struct MemoryRegion {
+  const char* name;
+  std::uint64_t base;
+  std::uint64_t bytes;
+  bool writable;
+  const char* meaning;
+};
+
+// Blocks of the volume: block b = bx + nx * (by + ny * bz), with nx, ny, nz = ceil(size / n), begins at
+// kVolume.base + b * n^3 * 36 / 8. Its n^3 words (x fastest) carry every voxel once; the DSP writes the copies on the
+// shared faces. A block is written whole or in pieces of whole bytes. A block never written is uniformly zero.
+inline constexpr MemoryRegion kSegmentationLut{"segmentation_lut", 0x0000'0000,
+                                               kSegmentationEntries* kSegmentationEntryBytes, true,
+                                               "2^14 words of 84 bits, 12 bytes each (lut.h)"};
+inline constexpr MemoryRegion kGradientLut{"gradient_lut", 0x0010'0000, kGradientCodes* kGradientEntryBytes, true,
+                                           "2048 words of 3 x 10 bits, 4 bytes each (lut.h)"};
+inline constexpr MemoryRegion kReflectanceMap{"reflectance_map", 0x0020'0000, kReflectanceBytes, true,
+                                              "6 x 128 x 128 bytes (lut.h)"};
+inline constexpr MemoryRegion kEmptyFlags{"empty_flags", 0x0030'0000, std::uint64_t{1} << 18, true,
+                                          "one bit a block, block 0 in bit 0 of byte 0; 1 = nothing visible"};
+inline constexpr MemoryRegion kFramebuffer{"framebuffer", 0x1000'0000, std::uint64_t{4095} * 4095 * 9 / 2 + 1, false,
+                                           "36-bit pixels packed two in nine bytes, rows from the top (voxel.h)"};
+inline constexpr MemoryRegion kVolume{"volume", 0x1'0000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, true,
+                                      "blocks of packed 36-bit voxels"};
+
+inline constexpr std::array<MemoryRegion, 6> kMemoryMap{kSegmentationLut, kGradientLut, kReflectanceMap,
+                                                        kEmptyFlags,      kFramebuffer, kVolume};
+
+// The region that holds [address, address + bytes), or null.
+constexpr const MemoryRegion* find_region(std::uint64_t address, std::uint64_t bytes) {
+  for (const MemoryRegion& region : kMemoryMap) {
+    const bool starts_inside = address >= region.base && address - region.base <= region.bytes;
+    if (starts_inside && bytes <= region.bytes - (address - region.base)) return &region;
+  }
+  return nullptr;
+}
+
+}  // namespace gicube::wire

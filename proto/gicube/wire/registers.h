@@ -1,0 +1,111 @@
+// The register table of BAR0: one list that driver, board, tests and docs/PROTOCOL.md share.
+//
+// Registers are 32 bits wide at multiples of 4. Unmapped reads give all ones, unmapped or read-only writes set
+// STATUS.bad_address and leave everything else as it was, values out of range set STATUS.bad_value.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace gicube::wire {
+
+enum class Access : std::uint8_t { kReadOnly, kReadWrite, kWriteOnly };
+
+// Where a read-only register's value comes from the configuration, `reset` is 0 and the meaning says so.
+struct RegisterInfo {
+  std::uint32_t offset;
+  std::string_view name;
+  Access access;
+  std::uint32_t reset;
+  std::string_view meaning;
+};
+
+namespace reg {
+inline constexpr std::uint32_t kId = 0x000;
+inline constexpr std::uint32_t kStatus = 0x004;
+inline constexpr std::uint32_t kStatusClear = 0x008;
+inline constexpr std::uint32_t kControl = 0x00C;
+inline constexpr std::uint32_t kErrorAddress = 0x010;
+inline constexpr std::uint32_t kFidelity = 0x020;
+inline constexpr std::uint32_t kProcessors = 0x024;
+inline constexpr std::uint32_t kBlockVoxels = 0x028;
+inline constexpr std::uint32_t kMaxVolumeVoxels = 0x02C;
+inline constexpr std::uint32_t kQueueRays = 0x030;
+inline constexpr std::uint32_t kCoreKhz = 0x034;
+inline constexpr std::uint32_t kConfigHashLow = 0x038;
+inline constexpr std::uint32_t kConfigHashHigh = 0x03C;
+inline constexpr std::uint32_t kVolumeX = 0x040;
+inline constexpr std::uint32_t kVolumeY = 0x044;
+inline constexpr std::uint32_t kVolumeZ = 0x048;
+inline constexpr std::uint32_t kSpacingX = 0x050;
+inline constexpr std::uint32_t kSpacingY = 0x054;
+inline constexpr std::uint32_t kSpacingZ = 0x058;
+inline constexpr std::uint32_t kStep = 0x060;
+inline constexpr std::uint32_t kOpacityThreshold = 0x064;
+inline constexpr std::uint32_t kPipeline = 0x068;
+inline constexpr std::uint32_t kCutPlanes = 0x080;
+inline constexpr std::uint32_t kCutPlane0 = 0x090;  // plane i, word w at kCutPlane0 + 16 i + 4 w
+}  // namespace reg
+
+inline constexpr std::uint32_t kIdValue = 0x42434947;  // "GICB"
+inline constexpr std::uint32_t kUnmappedRead = 0xFFFF'FFFF;
+inline constexpr std::uint32_t kMaxCutPlanes = 6;
+
+enum StatusBit : std::uint32_t { kStatusBadAddress = 1 << 0, kStatusBadValue = 1 << 1, kStatusBadCommand = 1 << 2 };
+enum ControlBit : std::uint32_t { kControlReset = 1 << 0, kControlClearVolume = 1 << 1 };
+enum PipelineBit : std::uint32_t { kPipelineJitter = 1 << 0, kPipelineShade = 1 << 1, kPipelineLeap = 1 << 2 };
+enum class Fidelity : std::uint32_t { kFunctional = 1, kApproximate = 2, kCycle = 3 };
+
+inline constexpr std::uint32_t kStepOne = 1u << 16;             // STEP of one voxel
+inline constexpr std::uint32_t kStepMin = kStepOne / 64;        // below that a step's fixed-point error passes 1% (HARDWARE)
+inline constexpr std::uint32_t kStepMax = 16 * kStepOne;
+inline constexpr std::uint32_t kSpacingOne = 1u << 16;
+inline constexpr std::uint32_t kSpacingMax = 64 * kSpacingOne;
+
+// clang-format off
+inline constexpr std::array kRegisterTable{
+    RegisterInfo{reg::kId, "ID", Access::kReadOnly, kIdValue, "\"GICB\""},
+    RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command"},
+    RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear the same bits of STATUS"},
+    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume and its empty flags"},
+    RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0, "low 32 bits of the address that last set bad_address or bad_value"},
+    RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0, "1 functional, 2 approximate, 3 cycle; from the configuration"},
+    RegisterInfo{reg::kProcessors, "PROCESSORS", Access::kReadOnly, 0, "ray integration processors; from the configuration"},
+    RegisterInfo{reg::kBlockVoxels, "BLOCK_VOXELS", Access::kReadOnly, 0, "block edge n in voxels; from the configuration"},
+    RegisterInfo{reg::kMaxVolumeVoxels, "MAX_VOLUME_VOXELS", Access::kReadOnly, 0, "largest volume edge N in voxels; from the configuration"},
+    RegisterInfo{reg::kQueueRays, "QUEUE_RAYS", Access::kReadOnly, 0, "rays a queue holds; from the configuration"},
+    RegisterInfo{reg::kCoreKhz, "CORE_KHZ", Access::kReadOnly, 0, "core clock in kHz; from the configuration"},
+    RegisterInfo{reg::kConfigHashLow, "CONFIG_HASH_LOW", Access::kReadOnly, 0, "hash of the resolved configuration, bits 0-31"},
+    RegisterInfo{reg::kConfigHashHigh, "CONFIG_HASH_HIGH", Access::kReadOnly, 0, "bits 32-63"},
+    RegisterInfo{reg::kVolumeX, "VOLUME_X", Access::kReadWrite, 0, "volume size in x, voxels; at least 2; written before its blocks"},
+    RegisterInfo{reg::kVolumeY, "VOLUME_Y", Access::kReadWrite, 0, "the same in y"},
+    RegisterInfo{reg::kVolumeZ, "VOLUME_Z", Access::kReadWrite, 0, "the same in z"},
+    RegisterInfo{reg::kSpacingX, "SPACING_X", Access::kReadWrite, kSpacingOne, "voxel length along x, 16.16, over the length that opacities are given for; 1/64 to 64"},
+    RegisterInfo{reg::kSpacingY, "SPACING_Y", Access::kReadWrite, kSpacingOne, "the same along y"},
+    RegisterInfo{reg::kSpacingZ, "SPACING_Z", Access::kReadWrite, kSpacingOne, "the same along z"},
+    RegisterInfo{reg::kStep, "STEP", Access::kReadWrite, kStepOne, "sample distance d, 16.16 voxels, 1/64 to 16"},
+    RegisterInfo{reg::kOpacityThreshold, "OPACITY_THRESHOLD", Access::kReadWrite, 0xFFFFFF, "a ray at or above this opacity is done; 2^24-1 = 1"},
+    RegisterInfo{reg::kPipeline, "PIPELINE", Access::kReadWrite, kPipelineShade | kPipelineLeap, "bit 0 jitter, 1 shade, 2 leap over empty blocks"},
+    RegisterInfo{reg::kCutPlanes, "CUT_PLANES", Access::kReadWrite, 0, "how many cut planes hold, 0 to 6"},
+#define GICUBE_CUT_PLANE(i)                                                                                                   \
+    RegisterInfo{reg::kCutPlane0 + 16 * (i) + 0, "CUT" #i "_NORMAL_X", Access::kReadWrite, 0, "signed 1.14: points with normal . p >= offset are kept"}, \
+    RegisterInfo{reg::kCutPlane0 + 16 * (i) + 4, "CUT" #i "_NORMAL_Y", Access::kReadWrite, 0, "the same in y"},                \
+    RegisterInfo{reg::kCutPlane0 + 16 * (i) + 8, "CUT" #i "_NORMAL_Z", Access::kReadWrite, 0, "the same in z"},                \
+    RegisterInfo{reg::kCutPlane0 + 16 * (i) + 12, "CUT" #i "_OFFSET", Access::kReadWrite, 0, "signed, 10 fraction bits, voxels"}
+    GICUBE_CUT_PLANE(0), GICUBE_CUT_PLANE(1), GICUBE_CUT_PLANE(2),
+    GICUBE_CUT_PLANE(3), GICUBE_CUT_PLANE(4), GICUBE_CUT_PLANE(5),
+#undef GICUBE_CUT_PLANE
+};
+// clang-format on
+
+inline constexpr int kCutOffsetFractionBits = 10;
+
+constexpr const RegisterInfo* find_register(std::uint32_t offset) {
+  for (const RegisterInfo& info : kRegisterTable) {
+    if (info.offset == offset) return &info;
+  }
+  return nullptr;
+}
+
+}  // namespace gicube::wire
