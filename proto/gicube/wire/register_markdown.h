@@ -1,0 +1,52 @@
+// The register table and the memory map as Markdown: what docs/PROTOCOL.md holds and `gicube-board --registers` prints.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "gicube/wire/memory_map.h"
+#include "gicube/wire/registers.h"
+
+namespace gicube::wire {
+
+constexpr std::string_view access_name(Access access) {
+  switch (access) {
+    case Access::kReadOnly: return "read";
+    case Access::kReadWrite: return "read/write";
+    case Access::kWriteOnly: return "write";
+  }
+  return "?";
+}
+
+// "0x" and at least `digits` upper-case hex digits.
+inline std::string hex_text(std::uint64_t value, int digits) {
+  std::array<char, 24> text{};
+  std::snprintf(text.data(), text.size(), "0x%0*llX", digits, static_cast<unsigned long long>(value));
+  return text.data();
+}
+
+// One row a register, in the table's order; ends with a newline.
+inline std::string register_markdown() {
+  std::string out = "| offset | name | access | reset | meaning |\n|---|---|---|---|---|\n";
+  for (const RegisterInfo& info : kRegisterTable) {
+    out += "| " + hex_text(info.offset, 3) + " | " + std::string(info.name) + " | " +
+           std::string(access_name(info.access)) + " | " + hex_text(info.reset, 8) + " | " + std::string(info.meaning) +
+           " |\n";
+  }
+  return out;
+}
+
+// One row a region, in the order of addresses; ends with a newline.
+inline std::string memory_markdown() {
+  std::string out = "| address | bytes | region | access | meaning |\n|---|---|---|---|---|\n";
+  for (const MemoryRegion& region : kMemoryMap) {
+    out += "| " + hex_text(region.base, 9) + " | " + std::to_string(region.bytes) + " | " + region.name + " | " +
+           (region.writable ? "read/write" : "read") + " | " + region.meaning + " |\n";
+  }
+  return out;
+}
+
+}  // namespace gicube::wire
