@@ -7,12 +7,10 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "gicube/v1/board_config.pb.h"
@@ -24,7 +22,7 @@ namespace gicube::emu {
 struct Reply {
   wire::ErrorCode error = wire::ErrorCode::kNone;
   std::uint64_t time_ps = 0;
-  std::vector<std::uint8_t> payload;  // with an error: its text
+  std::vector<std::uint8_t> payload{};  // with an error: its text
 };
 
 // The answer to a kCommand, in simulated-time order.
@@ -51,8 +49,8 @@ struct Work {
 
 class Board {
  public:
-  // `config` must be resolved and checked (config.h).
-  explicit Board(const v1::BoardConfig& config);
+  // `config` must be resolved and checked, and the hash its own (config.h).
+  Board(const v1::BoardConfig& config, std::uint64_t config_hash);
   ~Board();
 
   // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
@@ -68,7 +66,14 @@ class Board {
 
  private:
   struct Parts;
+
+  void publish();
+
+  std::uint64_t config_hash_;
   std::unique_ptr<Parts> parts_;
+  mutable std::mutex published_mutex_;
+  std::vector<wire::Counter> published_;
+  std::uint64_t published_ps_ = 0;
 };
 
 }  // namespace gicube::emu

@@ -1,0 +1,243 @@
+#include "board.h"
+
+#include <array>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "bus/register_file.h"
+#include "dsp_commands.h"
+#include "gicube/wire/memory_map.h"
+#include "timeline.h"
+
+namespace gicube::emu {
+
+namespace {
+
+using wire::ErrorCode;
+using wire::FrameType;
+namespace reg = wire::reg;
+
+std::uint32_t agp_rates(v1::BusModel model) {
+  switch (model) {
+    case v1::agp1x: return 1;
+    case v1::agp2x: return 3;  // a faster card can also go slower
+    case v1::agp4x: return 7;
+    default: return 0;
+  }
+}
+
+Reply refuse(ErrorCode error, const std::string& text) {
+  return {.error = error, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
+}
+
+// A processor's accesses, in dwords on the bus; a memory read is asked for by its address and length.
+constexpr Errand kRegisterWrite{.kind = TransferKind::kRegisterWrite, .down_bytes = 4};
+constexpr Errand kRegisterRead{.kind = TransferKind::kRegisterRead, .down_bytes = 4, .watched = true};
+constexpr std::uint64_t kReadRequestBytes = 16;
+
+}  // namespace
+
+// What stands on the board, from power-up to the next reset.
+struct Board::Parts {
+  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash)
+      : config(board_config),
+        pci(agp_rates(config.bus().model())),
+        commands(config, registers),
+        timeline(BusTiming(config.bus()), config.dsp().clock_khz()) {
+    registers.set_fixed(reg::kId, wire::kIdValue);
+    registers.set_fixed(reg::kFidelity, static_cast<std::uint32_t>(config.fidelity()));
+    registers.set_fixed(reg::kProcessors, config.asic().processors());
+    registers.set_fixed(reg::kBlockVoxels, config.asic().block_voxels());
+    registers.set_fixed(reg::kMaxVolumeVoxels, config.asic().max_volume_voxels());
+    registers.set_fixed(reg::kQueueRays, config.asic().queue_rays());
+    registers.set_fixed(reg::kCoreKhz, config.asic().core_khz());
+    registers.set_fixed(reg::kConfigHashLow, static_cast<std::uint32_t>(config_hash));
+    registers.set_fixed(reg::kConfigHashHigh, static_cast<std::uint32_t>(config_hash >> 32));
+  }
+
+  Reply transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  Reply read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  void write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  void command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work);
+  Reply wait(std::span<const std::uint8_t> payload);
+  void control(std::uint32_t bits);
+
+  Reply finish(const wire::FrameHeader& header, const Errand& errand, std::vector<std::uint8_t> payload) {
+    const std::uint64_t id = next_errand++;
+    timeline.add(header.time_ps, id, errand);
+    return {.time_ps = timeline.finish(id), .payload = std::move(payload)};
+  }
+  std::vector<Completion> take_completions();
+  std::vector<wire::Counter> count() const;
+
+  v1::BoardConfig config;
+  RegisterFile registers;
+  PciConfigFile pci;
+  DspCommands commands;
+  Timeline timeline;
+  std::uint64_t next_errand = 1;
+  std::unordered_map<std::uint64_t, Completion> under_way;   // by errand
+  std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> errand
+};
+
+void Board::Parts::control(std::uint32_t bits) {
+  if ((bits & wire::kControlReset) != 0) {
+    registers.reset();
+    commands.reset();
+  }
+  if ((bits & wire::kControlClearVolume) != 0) commands.clear_volume();
+}
+
+Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  const bool writes = header.type == FrameType::kConfigWrite || header.type == FrameType::kRegisterWrite;
+  if (payload.size() != (writes ? 8u : 4u)) return refuse(ErrorCode::kBadValue, "payload: expected an offset" + std::string(writes ? " and a value" : "") + ", got " + std::to_string(payload.size()) + " bytes");
+  const auto offset = wire::load<std::uint32_t>(payload, 0);
+  const std::uint32_t value = writes ? wire::load<std::uint32_t>(payload, 4) : 0;
+  std::vector<std::uint8_t> read(4);
+  switch (header.type) {
+    case FrameType::kConfigRead: wire::store(std::span(read), 0, pci.read(offset)); break;
+    case FrameType::kRegisterRead: wire::store(std::span(read), 0, registers.read(offset)); break;
+    case FrameType::kConfigWrite: pci.write(offset, value); return finish(header, kRegisterRead, {});
+    default: {
+      timeline.add(header.time_ps, next_errand++, kRegisterWrite);
+      const std::uint32_t before = registers.value(offset & (wire::kBar0Bytes - 4));
+      if (!registers.write(offset, value)) return {};
+      if (offset == reg::kControl) control(value);
+      if (!commands.accept_register(offset)) {
+        registers.write(offset, before);
+        registers.raise(wire::kStatusBadValue, offset);
+      }
+      return {};
+    }
+  }
+  return finish(header, kRegisterRead, std::move(read));
+}
+
+Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (payload.size() != 16) return refuse(ErrorCode::kBadValue, "payload: expected an address and a length, got " + std::to_string(payload.size()) + " bytes");
+  const auto address = wire::load<std::uint64_t>(payload, 0), length = wire::load<std::uint64_t>(payload, 8);
+  auto bytes = commands.aperture().read(address, length);
+  if (!bytes) return refuse(ErrorCode::kBadAddress, "no memory of " + std::to_string(length) + " bytes at address " + std::to_string(address));
+  // The DSP sends the bytes as bus master once the commands before are done.
+  const Errand errand{.kind = TransferKind::kRegisterWrite, .down_bytes = kReadRequestBytes, .dsp = true,
+                      .up_bytes = length, .watched = true};
+  return finish(header, errand, std::move(*bytes));
+}
+
+void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (payload.size() < 8) return registers.raise(wire::kStatusBadCommand, 0);
+  const auto address = wire::load<std::uint64_t>(payload, 0);
+  const auto bytes = payload.subspan(8);
+  timeline.add(header.time_ps, next_errand++, {.kind = TransferKind::kBulk, .down_bytes = bytes.size()});
+  if (!commands.aperture().write(address, bytes)) {
+    registers.raise(wire::kStatusBadAddress, static_cast<std::uint32_t>(address));
+  }
+}
+
+void Board::Parts::command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work) {
+  CommandResult result = commands.run(payload, work);
+  if (result.error != ErrorCode::kNone) registers.raise(wire::kStatusBadCommand, 0);
+  const std::uint64_t id = next_errand++;
+  timeline.add(header.time_ps, id, {.kind = TransferKind::kBulk, .down_bytes = payload.size(), .dsp = true,
+                                    .dsp_cycles = result.dsp_cycles, .up_bytes = result.up_bytes, .watched = true});
+  under_way[id] = {header.id, result.error, 0, std::move(result.payload)};
+  tickets[header.id] = id;
+}
+
+Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
+  if (payload.size() != 4) return refuse(ErrorCode::kBadValue, "payload: expected a ticket, got " + std::to_string(payload.size()) + " bytes");
+  const auto ticket = wire::load<std::uint32_t>(payload, 0);
+  const auto found = tickets.find(ticket);
+  if (found == tickets.end()) return refuse(ErrorCode::kBadValue, "ticket " + std::to_string(ticket) + " is not under way");
+  return {.time_ps = timeline.finish(found->second)};
+}
+
+std::vector<Completion> Board::Parts::take_completions() {
+  std::vector<Completion> completions;
+  for (const Finished& finished : timeline.take_finished()) {
+    const auto found = under_way.find(finished.id);
+    if (found == under_way.end()) continue;
+    completions.push_back(std::move(found->second));
+    completions.back().time_ps = finished.time_ps;
+    tickets.erase(completions.back().ticket);
+    under_way.erase(found);
+  }
+  return completions;
+}
+
+std::vector<wire::Counter> Board::Parts::count() const {
+  std::vector<wire::Counter> list;
+  for (const auto& [name, direction] : {std::pair("bus.down.", Direction::kDown), std::pair("bus.up.", Direction::kUp)}) {
+    const BusCounters& bus = timeline.bus_counters(direction);
+    const std::string prefix(name);
+    list.push_back({prefix + "bytes", "byte", bus.bytes});
+    list.push_back({prefix + "transfers", "transfer", bus.transfers});
+    list.push_back({prefix + "bursts", "burst", bus.bursts});
+    list.push_back({prefix + "busy_ps", "ps", bus.busy_ps});
+    list.push_back({prefix + "wait_ps", "ps", bus.wait_ps});
+  }
+  list.push_back({"dsp.busy_ps", "ps", timeline.dsp_busy_ps()});
+  commands.count(list);
+  return list;
+}
+
+Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash)
+    : config_hash_(config_hash), parts_(std::make_unique<Parts>(config, config_hash)) {
+  publish();
+}
+
+Board::~Board() = default;
+
+void Board::reset() {
+  const v1::BoardConfig config = parts_->config;
+  parts_ = std::make_unique<Parts>(config, config_hash_);
+  publish();
+}
+
+Outcome Board::transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work) {
+  Outcome outcome;
+  switch (header.type) {
+    case FrameType::kConfigRead:
+    case FrameType::kConfigWrite:
+    case FrameType::kRegisterRead: outcome.reply = parts_->transact_word(header, payload); break;
+    case FrameType::kRegisterWrite: parts_->transact_word(header, payload); return outcome;
+    case FrameType::kMemoryWrite: parts_->write_memory(header, payload); return outcome;
+    case FrameType::kMemoryRead: outcome.reply = parts_->read_memory(header, payload); break;
+    case FrameType::kCommand: parts_->command(header, payload, work); break;
+    case FrameType::kWait: outcome.reply = parts_->wait(payload); break;
+    case FrameType::kPoll:
+    case FrameType::kCounters: {
+      parts_->timeline.advance(header.time_ps);
+      outcome.reply = Reply{.time_ps = header.time_ps};
+      if (header.type == FrameType::kCounters) outcome.reply->payload = wire::encode(parts_->count());
+      break;
+    }
+    default: outcome.reply = refuse(ErrorCode::kUnsupported, "no such transaction"); break;
+  }
+  if (outcome.reply) {
+    outcome.completions = parts_->take_completions();
+    if (outcome.reply->error != ErrorCode::kNone) outcome.reply->time_ps = header.time_ps;
+  }
+  publish();
+  return outcome;
+}
+
+void Board::publish() {
+  auto counters = parts_->count();
+  const std::lock_guard lock(published_mutex_);
+  published_ = std::move(counters);
+  published_ps_ = parts_->timeline.now();
+}
+
+std::vector<wire::Counter> Board::counters() const {
+  const std::lock_guard lock(published_mutex_);
+  return published_;
+}
+
+std::uint64_t Board::simulated_ps() const {
+  const std::lock_guard lock(published_mutex_);
+  return published_ps_;
+}
+
+}  // namespace gicube::emu

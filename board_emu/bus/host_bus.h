@@ -1,0 +1,73 @@
+// The host bus: one half-duplex bus, two ordered directions, burst by burst.
+//
+// What enters: transfers, each with the time at which its first byte is ready. What leaves: their times of delivery.
+// Arbitration is hidden; when both directions ask they take turns, and a running burst ends at the latency timer or
+// when the other begins to ask, whichever is later [C, docs/HARDWARE.md].
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "bus/bus_timing.h"
+#include "sim/clock.h"
+
+namespace gicube::emu {
+
+struct BusTransfer {
+  std::uint64_t id = 0;
+  TransferKind kind = TransferKind::kBulk;
+  std::uint64_t bytes = 0;       // 0 takes no time, but keeps its place in its direction
+  Picoseconds ready_ps = 0;
+};
+
+struct BusDelivery {
+  std::uint64_t id = 0;
+  Direction direction = Direction::kDown;
+  Picoseconds time_ps = 0;
+};
+
+struct BusCounters {
+  std::uint64_t bytes = 0;
+  std::uint64_t transfers = 0;
+  std::uint64_t bursts = 0;
+  Picoseconds busy_ps = 0;
+  Picoseconds wait_ps = 0;  // ready transfers at the head of their direction that had to wait for the bus
+};
+
+class HostBus {
+ public:
+  explicit HostBus(const BusTiming& timing) : timing_(timing) {}
+
+  // Within one direction transfers are served in this order, whatever their ready times.
+  void enqueue(Direction direction, const BusTransfer& transfer);
+
+  // Runs until the next delivery not later than `horizon`, and returns it; nothing if there is none. Only bursts that end
+  // by `horizon` are decided, so a transfer enqueued later with ready_ps >= horizon still meets the bus as it would have.
+  std::optional<BusDelivery> next_delivery(Picoseconds horizon);
+
+  const BusCounters& counters(Direction direction) const { return side(direction).counters; }
+
+ private:
+  struct Side {
+    std::deque<BusTransfer> queue;
+    std::uint64_t dwords_left = 0;   // of the head
+    bool head_started = false;
+    Picoseconds last_delivery_ps = 0;
+    BusCounters counters;
+  };
+
+  Side& side(Direction direction) { return sides_[static_cast<std::size_t>(direction)]; }
+  const Side& side(Direction direction) const { return sides_[static_cast<std::size_t>(direction)]; }
+  // When the head of a direction could take the bus; kNever without one.
+  Picoseconds head_ready(Direction direction) const;
+  std::uint64_t bursts_alone(Direction direction, Picoseconds start, Picoseconds limit) const;
+
+  BusTiming timing_;
+  std::array<Side, 2> sides_;
+  Picoseconds free_ps_ = 0;
+  Direction last_ = Direction::kUp;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,73 @@
+#include "dsp/framebuffer.h"
+
+#include <atomic>
+#include <cstdlib>
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr int kSubPixels = 16;  // u and v are 12.4 pixels
+
+template <typename T>
+void add_atomically(T& sum, T value) {
+  std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
+}
+
+// sum * to / (weight * from), rounded.
+std::uint64_t rescale(std::uint64_t sum, std::uint64_t weight, std::uint64_t from, std::uint64_t to) {
+  const std::uint64_t divisor = weight * from;
+  return (sum * to + divisor / 2) / divisor;
+}
+
+}  // namespace
+
+void Framebuffer::clear(int width, int height, wire::Filter filter) {
+  width_ = width;
+  height_ = height;
+  filter_ = filter;
+  sums_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), Sum{});
+}
+
+void Framebuffer::add(int x, int y, std::uint32_t weight, const wire::Ray& ray) {
+  if (weight == 0 || x < 0 || x >= width_ || y < 0 || y >= height_) return;
+  Sum& sum = sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  for (std::size_t c = 0; c < 3; ++c) add_atomically(sum.colour[c], ray.colour[c] * weight);
+  add_atomically(sum.weight, weight);
+  add_atomically(sum.opacity, std::uint64_t{ray.opacity} * weight);
+}
+
+void Framebuffer::add(const wire::Ray& ray) {
+  const int u = ray.u, v = ray.v;
+  if (filter_ == wire::Filter::kBox) return add(u / kSubPixels, v / kSubPixels, 1, ray);
+  // Tent: the four pixels whose centres, at 8/16, are less than a pixel away.
+  const int left = (u + kSubPixels / 2) / kSubPixels - 1, top = (v + kSubPixels / 2) / kSubPixels - 1;
+  for (int y = top; y <= top + 1; ++y) {
+    for (int x = left; x <= left + 1; ++x) {
+      const int dx = std::abs(u - (x * kSubPixels + kSubPixels / 2));
+      const int dy = std::abs(v - (y * kSubPixels + kSubPixels / 2));
+      add(x, y, static_cast<std::uint32_t>((kSubPixels - dx) * (kSubPixels - dy)), ray);
+    }
+  }
+}
+
+wire::Pixel Framebuffer::pixel(int x, int y) const {
+  const Sum& sum = sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  if (sum.weight == 0) return {};
+  const auto colour = [&sum](std::size_t c) {
+    return static_cast<std::uint8_t>(rescale(sum.colour[c], sum.weight, wire::kColourOne, 255));
+  };
+  return {colour(0), colour(1), colour(2),
+          static_cast<std::uint16_t>(rescale(sum.opacity, sum.weight, wire::kOpacityOne, wire::kColourOne))};
+}
+
+std::vector<std::uint8_t> Framebuffer::packed() const {
+  std::vector<std::uint8_t> bytes(wire::packed36_bytes(sums_.size()));
+  std::size_t index = 0;
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) wire::store36(bytes, index++, wire::to_word(pixel(x, y)));
+  }
+  return bytes;
+}
+
+}  // namespace gicube::emu

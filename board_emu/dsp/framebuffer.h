@@ -1,0 +1,49 @@
+// The framebuffer in the DSP's SDRAM: sums of returned rays, resolved to 36-bit pixels [P §2.1, §3.6].
+//
+// Sums are integers, so the order in which rays return does not matter. add() may be called from several threads.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gicube/wire/command.h"
+#include "gicube/wire/ray.h"
+#include "gicube/wire/voxel.h"
+
+namespace gicube::emu {
+
+class Framebuffer {
+ public:
+  // Sums of one pixel: three colours, a weight (32 bits each) and an opacity (64 bits).
+  static constexpr std::uint64_t kBytesPerPixel = 24;
+
+  // A black, transparent image; what was there is gone.
+  void clear(int width, int height, wire::Filter filter);
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  // Adds a returned ray, or one that missed the volume (zero colour and opacity), at its image point (u, v).
+  void add(const wire::Ray& ray);
+
+  wire::Pixel pixel(int x, int y) const;
+  // All pixels in rows from the top, packed 36 bits each: the host's view of the framebuffer.
+  std::vector<std::uint8_t> packed() const;
+
+ private:
+  struct Sum {
+    std::uint32_t colour[3] = {0, 0, 0};
+    std::uint32_t weight = 0;
+    std::uint64_t opacity = 0;
+  };
+
+  void add(int x, int y, std::uint32_t weight, const wire::Ray& ray);
+
+  int width_ = 0;
+  int height_ = 0;
+  wire::Filter filter_ = wire::Filter::kBox;
+  std::vector<Sum> sums_;
+};
+
+}  // namespace gicube::emu

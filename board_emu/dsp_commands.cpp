@@ -1,0 +1,193 @@
+#include "dsp_commands.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <thread>
+
+#include "functional_level.h"
+#include "gicube/wire/command.h"
+#include "pipeline/advance.h"
+
+namespace gicube::emu {
+
+namespace {
+
+using wire::ErrorCode;
+namespace reg = wire::reg;
+
+CommandResult refuse(const std::string& text) {
+  return {.error = ErrorCode::kBadValue, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
+}
+
+std::string expected(const std::string& field, const std::string& range, std::uint64_t got) {
+  return field + ": expected " + range + ", got " + std::to_string(got);
+}
+
+// What is wrong with a rendering command, if anything.
+std::optional<std::string> fault(const wire::RenderCommand& command, std::uint64_t framebuffer_mb) {
+  if (command.width < 1 || command.width > wire::kMaxImageSize) return expected("width", "1..4095", command.width);
+  if (command.height < 1 || command.height > wire::kMaxImageSize) return expected("height", "1..4095", command.height);
+  if (command.projection > wire::Projection::kPerspective) {
+    return expected("projection", "0 or 1", static_cast<std::uint64_t>(command.projection));
+  }
+  const int samples = command.samples_per_axis;
+  if (samples != 1 && samples != 2 && samples != 4) {
+    return expected("samples_per_axis", "1, 2 or 4", command.samples_per_axis);
+  }
+  if (command.filter > wire::Filter::kTent) return expected("filter", "0 or 1", static_cast<std::uint64_t>(command.filter));
+  for (const auto* vector : {&command.origin, &command.forward, &command.du, &command.dv}) {
+    if (!std::all_of(vector->begin(), vector->end(), [](double x) { return std::isfinite(x); })) {
+      return "origin, forward, du, dv: expected finite numbers";
+    }
+  }
+  const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel;
+  if (bytes > framebuffer_mb * 1'000'000) {
+    return expected("width x height", "an image whose sums fit dsp.framebuffer_mb = " + std::to_string(framebuffer_mb), bytes) + " bytes";
+  }
+  return std::nullopt;
+}
+
+// A shorter direction could round to a step of nothing.
+bool unit(const std::array<std::int16_t, 3>& direction) {
+  const Point d{direction[0], direction[1], direction[2]};
+  const double length = std::sqrt(static_cast<double>(dot(d, d))) / (1 << wire::kDirectionFractionBits);
+  return std::abs(length - 1) < 0.01;
+}
+
+constexpr const char* kNoVolume = "no volume: VOLUME_X, VOLUME_Y and VOLUME_Z are not all set";
+
+}  // namespace
+
+DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& registers)
+    : config_(config),
+      registers_(registers),
+      threads_(config.threads() != 0 ? config.threads() : std::max(1u, std::thread::hardware_concurrency())),
+      aperture_(static_cast<int>(config.asic().block_voxels())) {}
+
+void DspCommands::clear_volume() {
+  std::array<int, 3> size{};
+  for (std::uint32_t axis = 0; axis < 3; ++axis) size[axis] = static_cast<int>(registers_.value(reg::kVolumeX + 4 * axis));
+  const bool complete = std::all_of(size.begin(), size.end(), [](int edge) { return edge > 0; });
+  aperture_.resize_volume(complete ? size : std::array<int, 3>{});
+}
+
+void DspCommands::reset() { aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels())); }
+
+bool DspCommands::accept_register(std::uint32_t offset) {
+  const std::uint32_t value = registers_.value(offset);
+  const auto within = [value](std::uint32_t low, std::uint32_t high) { return value >= low && value <= high; };
+  switch (offset) {
+    case reg::kVolumeX:
+    case reg::kVolumeY:
+    case reg::kVolumeZ:
+      if (!within(2, config_.asic().max_volume_voxels())) return false;
+      clear_volume();
+      return true;
+    case reg::kSpacingX:
+    case reg::kSpacingY:
+    case reg::kSpacingZ: return within(wire::kSpacingOne / 64, wire::kSpacingMax);
+    case reg::kStep: return within(wire::kStepMin, wire::kStepMax);
+    case reg::kOpacityThreshold: return within(0, wire::kOpacityOne);
+    case reg::kPipeline: return within(0, wire::kPipelineJitter | wire::kPipelineShade | wire::kPipelineLeap);
+    case reg::kCutPlanes: return within(0, wire::kMaxCutPlanes);
+    default: return true;
+  }
+}
+
+Frame DspCommands::frame() const {
+  Frame frame;
+  const VolumeMemory& volume = aperture_.volume();
+  frame.volume = &volume;
+  frame.segmentation = aperture_.segmentation();
+  frame.reflectance_map = aperture_.reflectance_map();
+  frame.opacity_correction = &opacity_correction_;
+  frame.step = registers_.value(reg::kStep);
+  frame.opacity_threshold = registers_.value(reg::kOpacityThreshold);
+  const std::uint32_t pipeline = registers_.value(reg::kPipeline);
+  frame.jitter = (pipeline & wire::kPipelineJitter) != 0;
+  frame.shade = (pipeline & wire::kPipelineShade) != 0;
+  frame.leap = (pipeline & wire::kPipelineLeap) != 0;
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    frame.extent[axis] = (volume.size()[axis] - 1) * wire::kVoxel;
+    frame.spacing[axis] = registers_.value(reg::kSpacingX + 4 * axis);
+  }
+  frame.empty.resize(volume.block_count());
+  for (std::size_t block = 0; block < frame.empty.size(); ++block) frame.empty[block] = aperture_.empty(block) ? 1 : 0;
+  for (std::uint32_t i = 0; i < registers_.value(reg::kCutPlanes); ++i) {
+    Plane plane;
+    const std::uint32_t at = reg::kCutPlane0 + 16 * i;
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      plane.normal[axis] = static_cast<std::int16_t>(registers_.value(at + 4 * axis));
+    }
+    const auto offset = static_cast<std::int32_t>(registers_.value(at + 12));
+    plane.offset = std::int64_t{offset} * (std::int64_t{1} << (kPlaneFractionBits - wire::kCutOffsetFractionBits));
+    frame.cut_planes.push_back(plane);
+  }
+  return frame;
+}
+
+CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work) {
+  const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
+  if (opcode == static_cast<std::uint32_t>(wire::Opcode::kRender)) return render(payload, work);
+  if (opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace)) return trace(payload);
+  return refuse(expected("opcode", "1 (render) or 2 (trace)", opcode));
+}
+
+CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& work) {
+  if (payload.size() != wire::kRenderCommandBytes) return refuse(expected("payload", "112 bytes", payload.size()));
+  const auto command = wire::decode_render(payload.first<wire::kRenderCommandBytes>());
+  if (const auto what = fault(command, config_.dsp().framebuffer_mb())) return refuse(*what);
+  if (!has_volume()) return refuse(kNoVolume);
+
+  aperture_.decode(threads_);
+  const Rendered rendered = emu::render(command, frame(), aperture_.framebuffer(), threads_, work);
+  if (rendered.cancelled) return {.error = ErrorCode::kCancelled};
+  aperture_.resolve_framebuffer();
+  viewing_rays_ += rendered.made;
+  rays_ += rendered.rays;
+  return {.dsp_cycles = rendered.made * config_.dsp().viewing_ray_cycles() +
+                        rendered.returned * config_.dsp().returned_ray_cycles()};
+}
+
+CommandResult DspCommands::trace(std::span<const std::uint8_t> payload) {
+  const std::uint64_t count = payload.size() >= wire::kTraceHeaderBytes ? wire::load<std::uint32_t>(payload, 4) : 0;
+  if (payload.size() != wire::kTraceHeaderBytes + count * wire::kRayBytes) {
+    return refuse(expected("payload", "8 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
+  }
+  if (!has_volume()) return refuse(kNoVolume);
+  const Frame frame = this->frame();
+  std::vector<wire::Ray> rays(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    rays[i] = wire::decode_ray(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
+    const Point position{static_cast<std::int32_t>(rays[i].position[0]), static_cast<std::int32_t>(rays[i].position[1]),
+                         static_cast<std::int32_t>(rays[i].position[2])};
+    const std::string which = "ray " + std::to_string(i) + ": ";
+    if (!inside(position, frame.extent)) return refuse(which + "position: expected a point of the volume");
+    if (!unit(rays[i].direction)) return refuse(which + "direction: expected a unit vector to within 1%");
+  }
+  aperture_.decode(threads_);
+  rays_ += emu::trace(rays, frame, threads_);
+  host_rays_ += count;
+
+  CommandResult result;
+  result.payload.resize(count * wire::kRayBytes);
+  for (std::size_t i = 0; i < count; ++i) {
+    wire::encode(rays[i], std::span(result.payload).subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
+  }
+  result.dsp_cycles = count * config_.dsp().host_ray_cycles();
+  result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
+  return result;
+}
+
+void DspCommands::count(std::vector<wire::Counter>& list) const {
+  list.push_back({"dsp.viewing_rays", "ray", viewing_rays_});
+  list.push_back({"dsp.host_rays", "ray", host_rays_});
+  list.push_back({"pipeline.rays", "ray", rays_.rays});
+  list.push_back({"pipeline.samples", "sample", rays_.samples});
+  list.push_back({"pipeline.visible_samples", "sample", rays_.visible_samples});
+  list.push_back({"pipeline.leaps", "leap", rays_.leaps});
+  list.push_back({"pipeline.terminated", "ray", rays_.terminated});
+}
+
+}  // namespace gicube::emu

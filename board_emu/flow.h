@@ -1,0 +1,39 @@
+// The records that pass between the board's parts, in the words of its datapaths. The ray itself is wire::Ray.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "gicube/wire/ray.h"
+
+namespace gicube::emu {
+
+inline constexpr int kDensityFractionBits = 3;
+inline constexpr int kGradientFractionBits = 5;
+
+// A voxel as memory hands it to the resampling unit. Channels: density, unsigned 12.3; gradient x y z, signed with five
+// fraction bits (511 * 32 = one; with six the difference of two opposite vectors would not fit 16 bits). Eight bytes, so
+// that one load brings a voxel.
+struct alignas(8) DecodedVoxel {
+  std::array<std::int16_t, 4> channel{};
+
+  int density() const { return channel[0]; }
+  friend constexpr bool operator==(const DecodedVoxel&, const DecodedVoxel&) = default;
+};
+
+// Positions and steps as signed words of 14 fraction bits: one step beyond the volume may be negative.
+using Point = std::array<std::int32_t, 3>;
+
+constexpr std::int64_t dot(const Point& a, const Point& b) {
+  return std::int64_t{a[0]} * b[0] + std::int64_t{a[1]} * b[1] + std::int64_t{a[2]} * b[2];
+}
+
+// Positions p with normal . p >= offset are kept.
+struct Plane {
+  Point normal{};           // 1.14
+  std::int64_t offset = 0;  // 28 fraction bits, as the product of normal and position
+};
+
+inline constexpr int kPlaneFractionBits = 2 * wire::kPositionFractionBits;
+
+}  // namespace gicube::emu

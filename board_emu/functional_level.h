@@ -1,0 +1,30 @@
+// The functional level carries out DSP commands: it makes rays, takes each through the pipeline, and gathers them.
+//
+// Rays are spread over host threads; what they compute does not depend on it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "board.h"
+#include "dsp/framebuffer.h"
+#include "functional.h"
+#include "gicube/wire/command.h"
+
+namespace gicube::emu {
+
+struct Rendered {
+  std::uint64_t made = 0;      // viewing rays
+  std::uint64_t returned = 0;  // those of them that entered the volume and came back
+  RayCounters rays;
+  bool cancelled = false;
+};
+
+// Fills `framebuffer` with the image of `command`. Progress is in rows.
+Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
+                Work& work);
+
+// Takes host rays to their ends, in place. A ray that misses the volume or lies behind a cut plane returns as it came.
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned threads);
+
+}  // namespace gicube::emu

@@ -1,0 +1,138 @@
+#include "memory/volume_memory.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "gicube/wire/voxel.h"
+
+namespace gicube::emu {
+
+VolumeMemory::VolumeMemory(int block_voxels)
+    : n_(block_voxels),
+      block_bytes_(wire::packed36_bytes(static_cast<std::size_t>(block_voxels) * static_cast<std::size_t>(block_voxels) *
+                                        static_cast<std::size_t>(block_voxels))) {
+  const auto edge = static_cast<std::size_t>(n_) + 1;
+  zero_.resize(edge * edge * edge);
+}
+
+void VolumeMemory::resize(const std::array<int, 3>& size) {
+  size_ = size;
+  std::size_t count = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    blocks_[axis] = (size[axis] + n_ - 1) / n_;
+    count *= static_cast<std::size_t>(blocks_[axis]);
+  }
+  packed_.assign(count, {});
+  decoded_.assign(count, {});
+}
+
+std::size_t VolumeMemory::stored_blocks() const {
+  return static_cast<std::size_t>(
+      std::count_if(packed_.begin(), packed_.end(), [](const auto& block) { return !block.empty(); }));
+}
+
+std::size_t VolumeMemory::block_index(int bx, int by, int bz) const {
+  return static_cast<std::size_t>(bx) +
+         static_cast<std::size_t>(blocks_[0]) *
+             (static_cast<std::size_t>(by) + static_cast<std::size_t>(blocks_[1]) * static_cast<std::size_t>(bz));
+}
+
+// A block's voxels stand also on the +1 faces of up to seven blocks before it.
+void VolumeMemory::mark_stale(std::size_t block) {
+  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
+  const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
+            bz = static_cast<int>(block / (nx * ny));
+  for (int dz = 0; dz <= std::min(bz, 1); ++dz) {
+    for (int dy = 0; dy <= std::min(by, 1); ++dy) {
+      for (int dx = 0; dx <= std::min(bx, 1); ++dx) decoded_[block_index(bx - dx, by - dy, bz - dz)].stale = true;
+    }
+  }
+}
+
+void VolumeMemory::write(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const auto block = static_cast<std::size_t>(offset / block_bytes_);
+    const auto at = static_cast<std::size_t>(offset % block_bytes_);
+    const std::size_t length = std::min(bytes.size(), block_bytes_ - at);
+    auto& packed = packed_[block];
+    if (packed.empty()) packed.resize(block_bytes_);
+    std::copy_n(bytes.begin(), length, packed.begin() + static_cast<std::ptrdiff_t>(at));
+    mark_stale(block);
+    bytes = bytes.subspan(length);
+    offset += length;
+  }
+}
+
+void VolumeMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+  while (!out.empty()) {
+    const auto& packed = packed_[static_cast<std::size_t>(offset / block_bytes_)];
+    const auto at = static_cast<std::size_t>(offset % block_bytes_);
+    const std::size_t length = std::min(out.size(), block_bytes_ - at);
+    if (packed.empty()) {
+      std::fill_n(out.begin(), length, std::uint8_t{0});
+    } else {
+      std::copy_n(packed.begin() + static_cast<std::ptrdiff_t>(at), length, out.begin());
+    }
+    out = out.subspan(length);
+    offset += length;
+  }
+}
+
+void VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes) {
+  Decoded& decoded = decoded_[block];
+  decoded.stale = false;
+  if (packed_[block].empty()) return;  // never written: zero with its faces
+  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
+  const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
+            bz = static_cast<int>(block / (nx * ny));
+  const auto edge = static_cast<std::size_t>(n_) + 1;
+  decoded.voxels.assign(edge * edge * edge, DecodedVoxel{});
+  decoded.tags.clear();
+
+  for (int z = 0; z <= n_; ++z) {
+    for (int y = 0; y <= n_; ++y) {
+      // The row's first n words lie in one block, the last in its neighbour along x.
+      for (int part = 0; part < 2; ++part) {
+        const int sx = bx + part, sy = by + y / n_, sz = bz + z / n_;
+        if (sx >= blocks_[0] || sy >= blocks_[1] || sz >= blocks_[2]) continue;
+        const auto& packed = packed_[block_index(sx, sy, sz)];
+        if (packed.empty()) continue;
+        const auto n = static_cast<std::size_t>(n_);
+        const std::size_t source = (static_cast<std::size_t>(z % n_) * n + static_cast<std::size_t>(y % n_)) * n;
+        const std::size_t target = (static_cast<std::size_t>(z) * edge + static_cast<std::size_t>(y)) * edge +
+                                   (part == 0 ? 0 : n);
+        for (std::size_t x = 0; x < (part == 0 ? n : 1); ++x) {
+          const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, source + x));
+          DecodedVoxel out = codes[voxel.gradient];
+          out.channel[0] = static_cast<std::int16_t>(voxel.density << kDensityFractionBits);
+          decoded.voxels[target + x] = out;
+          if (voxel.tag != 0 && decoded.tags.empty()) decoded.tags.assign(edge * edge * edge, 0);
+          if (!decoded.tags.empty()) decoded.tags[target + x] = voxel.tag;
+        }
+      }
+    }
+  }
+}
+
+void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads) {
+  std::vector<DecodedVoxel> codes(wire::kGradientCodes);
+  for (std::size_t code = 0; code < codes.size(); ++code) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      codes[code].channel[axis + 1] = static_cast<std::int16_t>(gradients[code][axis] * (1 << kGradientFractionBits));
+    }
+  }
+  std::vector<std::size_t> stale;
+  for (std::size_t block = 0; block < decoded_.size(); ++block) {
+    if (decoded_[block].stale || gradients_changed) stale.push_back(block);
+  }
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < stale.size(); i = next++) decode_block(stale[i], codes);
+  };
+  std::vector<std::jthread> others;
+  for (unsigned t = 1; t < threads && t < stale.size(); ++t) others.emplace_back(work);
+  work();
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,36 @@
+// Front-to-back compositing by the over operator [P §2.1; Porter and Duff 1984] in the ray's own words.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "gicube/wire/ray.h"
+#include "pipeline/fixed.h"
+#include "pipeline/shade.h"
+
+namespace gicube::emu {
+
+// What a ray has gathered: colour premultiplied, 4095 = one; opacity 2^24 - 1 = one.
+struct Gathered {
+  std::array<std::uint32_t, 3> colour{};
+  std::uint32_t opacity = 0;
+};
+
+// Adds a sample of corrected opacity `alpha` (24 bits) behind what the ray has gathered.
+constexpr void over(Gathered& ray, const Colour12& colour, std::uint32_t alpha) {
+  const std::uint64_t weight = divide_by_full_scale<24>(std::uint64_t{wire::kOpacityOne - ray.opacity} * alpha);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto added = static_cast<std::uint32_t>(divide_by_full_scale<24>(static_cast<std::uint64_t>(colour[c]) * weight));
+    ray.colour[c] = std::min(ray.colour[c] + added, wire::kColourOne);  // roundings may sum to one too many
+  }
+  ray.opacity += static_cast<std::uint32_t>(weight);
+}
+
+// What the ray can still add to the image, 12 bits.
+constexpr std::uint16_t contribution(std::uint32_t opacity) {
+  return static_cast<std::uint16_t>((wire::kOpacityOne - opacity) >> 12);
+}
+
+}  // namespace gicube::emu
