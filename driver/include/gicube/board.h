@@ -34,18 +34,18 @@ enum class Fidelity { kFunctional, kApproximate, kCycle };
 // What the board said of itself when it was opened.
 struct BoardInfo {
   int protocol_major = 0;
-  int protocol_minor = 0;        // the smaller of both sides
+  int protocol_minor = 0;  // the smaller of both sides
   Fidelity fidelity = Fidelity::kFunctional;
   int processors = 0;
-  int block_voxels = 0;          // n, voxels
-  int max_volume_voxels = 0;     // N, voxels
+  int block_voxels = 0;       // n, voxels
+  int max_volume_voxels = 0;  // N, voxels
   int queue_rays = 0;
   std::uint32_t core_khz = 0;
-  std::uint64_t config_hash = 0; // of the board's resolved configuration
-  std::uint16_t vendor_id = 0;   // PCI configuration space
+  std::uint64_t config_hash = 0;  // of the board's resolved configuration
+  std::uint16_t vendor_id = 0;    // PCI configuration space
   std::uint16_t device_id = 0;
-  bool agp = false;              // the card has an AGP capability
-  bool host_rays = false;        // submit() is offered
+  bool agp = false;        // the card has an AGP capability
+  bool host_rays = false;  // submit() is offered
 };
 
 struct OpenOptions {
@@ -65,8 +65,8 @@ struct Ticket {
 // A ray batch that has come back.
 struct RayBatch {
   Ticket ticket;
-  Picoseconds completed = 0;       // simulated time at which the last byte reached the host
-  std::vector<TracedRay> rays;     // in the order in which they were submitted
+  Picoseconds completed = 0;    // simulated time at which the last byte reached the host
+  std::vector<TracedRay> rays;  // in the order in which they were submitted
 };
 
 // Movable, not copyable: one Board owns one session, which ends with it. Its calls may come from several threads; each

@@ -20,7 +20,9 @@ struct Image {
   int height = 0;
   std::vector<Pixel> pixels;  // width * height, rows from the top
 
-  const Pixel& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]; }
+  const Pixel& at(int x, int y) const {
+    return pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+  }
   friend bool operator==(const Image&, const Image&) = default;
 };
 

@@ -9,10 +9,10 @@ namespace gicube {
 // direction, V towards the eye; s fades the highlight in over 0 <= N.L <= 0.1, so that the terminator has no hard edge.
 // What a shade has above ambient + diffuse is a highlight and goes to white. A sample without a gradient is not shaded.
 struct Phong {
-  double ambient = 0.25;    // each 0..1.99; ambient + diffuse at most 1.99, diffuse + specular at most 1.99
+  double ambient = 0.25;  // each 0..1.99; ambient + diffuse at most 1.99, diffuse + specular at most 1.99
   double diffuse = 0.7;
   double specular = 0.35;
-  double shininess = 24;    // 1..1000
+  double shininess = 24;  // 1..1000
 };
 
 struct Shading {

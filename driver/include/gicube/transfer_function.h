@@ -9,7 +9,7 @@ namespace gicube {
 using Colour = std::array<double, 3>;  // red green blue, 0..1, display-referred (sRGB)
 
 struct ColourPoint {
-  double value;    // in the volume's own values
+  double value;  // in the volume's own values
   Colour colour;
 };
 
@@ -21,8 +21,8 @@ struct OpacityPoint {
 // Piecewise linear between its points, constant beyond the first and the last. Values must rise strictly, except that
 // two points may share one value: a step, which takes the second's side.
 struct TransferFunction {
-  std::vector<ColourPoint> colours;      // at least one
-  std::vector<OpacityPoint> opacities;   // at least one
+  std::vector<ColourPoint> colours;     // at least one
+  std::vector<OpacityPoint> opacities;  // at least one
 
   Colour colour_at(double value) const;
   double opacity_at(double value) const;

@@ -9,7 +9,7 @@ namespace gicube {
 
 // Points p, in voxels, with normal . p >= offset are kept.
 struct CutPlane {
-  Vec3 normal;        // any length but 0
+  Vec3 normal;  // any length but 0
   double offset = 0;
 };
 
@@ -19,21 +19,21 @@ enum class PixelFilter { kBox, kTent };
 // physical space, so a volume with anisotropic spacing keeps its shape.
 struct View {
   Vec3 eye;
-  Vec3 look_at;                     // not at the eye
-  Vec3 up{0, 1, 0};                 // not along the line of sight
-  double fov_degrees = 30;          // vertical, 0..180 exclusive; perspective only
-  double orthographic_height = 0;   // > 0: orthographic, the image's height in (smallest) voxel edges
-  int width = 512;                  // pixels, 1..4095
+  Vec3 look_at;                    // not at the eye
+  Vec3 up{0, 1, 0};                // not along the line of sight
+  double fov_degrees = 30;         // vertical, 0..180 exclusive; perspective only
+  double orthographic_height = 0;  // > 0: orthographic, the image's height in (smallest) voxel edges
+  int width = 512;                 // pixels, 1..4095
   int height = 512;
-  int samples_per_axis = 1;         // 1, 2 or 4: rays a pixel are its square
+  int samples_per_axis = 1;  // 1, 2 or 4: rays a pixel are its square
   PixelFilter filter = PixelFilter::kBox;
 
   double step = 0.5;                // voxels along the ray, 1/64..16; kept to 16 fraction bits
   double opacity_threshold = 0.98;  // 0..1: a ray at or above it is done
   bool shade = true;
   bool jitter = false;
-  bool leap = true;                 // over blocks whose empty flag is set
-  std::vector<CutPlane> cut_planes; // at most 6
+  bool leap = true;                  // over blocks whose empty flag is set
+  std::vector<CutPlane> cut_planes;  // at most 6
 };
 
 }  // namespace gicube

@@ -63,7 +63,8 @@ inline void encode(const RenderCommand& command, std::span<std::uint8_t, kRender
   store(out, 10, static_cast<std::uint8_t>(command.filter));
   store(out, 11, std::uint8_t{0});
   store(out, 12, std::uint32_t{0});
-  const std::array<const std::array<double, 3>*, 4> vectors{&command.origin, &command.forward, &command.du, &command.dv};
+  const std::array<const std::array<double, 3>*, 4> vectors{&command.origin, &command.forward, &command.du,
+                                                            &command.dv};
   for (std::size_t i = 0; i < vectors.size(); ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) store_double(out, 16 + 24 * i + 8 * axis, (*vectors[i])[axis]);
   }

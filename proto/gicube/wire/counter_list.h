@@ -48,7 +48,8 @@ inline std::optional<std::vector<Counter>> decode_counters(std::span<const std::
   const auto get_text = [&in, &at](std::string& text) {
     if (at >= in.size() || in.size() - at - 1 < in[at]) return false;
     const std::size_t length = in[at];
-    text.assign(in.begin() + static_cast<std::ptrdiff_t>(at + 1), in.begin() + static_cast<std::ptrdiff_t>(at + 1 + length));
+    text.assign(in.begin() + static_cast<std::ptrdiff_t>(at + 1),
+                in.begin() + static_cast<std::ptrdiff_t>(at + 1 + length));
     at += 1 + length;
     return true;
   };

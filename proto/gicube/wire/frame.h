@@ -50,15 +50,15 @@ enum FrameFlag : std::uint16_t {
 // The numbers are stable: they stand in recorded traffic and in applications' logs.
 enum class ErrorCode : std::uint32_t {
   kNone = 0,
-  kProtocol = 1,       // malformed frame; the session is closed
-  kVersion = 2,        // major versions differ; the session is closed
-  kTooLarge = 3,       // a length beyond the negotiated limit; the session is closed
-  kBusy = 4,           // the board has an owner; the session is closed
-  kBadAddress = 5,     // no register or memory there
-  kBadValue = 6,       // a field of a command or register out of its range
-  kUnsupported = 7,    // this board or fidelity level can't do that
-  kCancelled = 8,      // the board shuts down
-  kInternal = 9,       // a fault of the board itself
+  kProtocol = 1,     // malformed frame; the session is closed
+  kVersion = 2,      // major versions differ; the session is closed
+  kTooLarge = 3,     // a length beyond the negotiated limit; the session is closed
+  kBusy = 4,         // the board has an owner; the session is closed
+  kBadAddress = 5,   // no register or memory there
+  kBadValue = 6,     // a field of a command or register out of its range
+  kUnsupported = 7,  // this board or fidelity level can't do that
+  kCancelled = 8,    // the board shuts down
+  kInternal = 9,     // a fault of the board itself
 };
 
 struct FrameHeader {

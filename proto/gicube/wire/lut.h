@@ -82,7 +82,6 @@ constexpr GradientEntry to_gradient(std::uint32_t word) {
 // order: column from b/|a|, row from c/|a|; texels are corner-aligned: texel 0 is -1, texel 127 is +1.
 inline constexpr int kReflectanceFaces = 6;
 inline constexpr int kReflectanceSize = 128;
-inline constexpr std::size_t kReflectanceBytes =
-    std::size_t{kReflectanceFaces} * kReflectanceSize * kReflectanceSize;
+inline constexpr std::size_t kReflectanceBytes = std::size_t{kReflectanceFaces} * kReflectanceSize * kReflectanceSize;
 
 }  // namespace gicube::wire

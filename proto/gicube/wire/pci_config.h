@@ -9,12 +9,12 @@
 namespace gicube::wire {
 
 inline constexpr std::size_t kPciConfigBytes = 256;
-inline constexpr std::uint16_t kVendorId = 0x4749;         // chosen: "GI"; not an assigned PCI-SIG number
-inline constexpr std::uint16_t kDeviceId = 0x0C5B;         // chosen
-inline constexpr std::uint32_t kClassCode = 0x0B4000;      // co-processor
-inline constexpr std::uint32_t kBar0 = 0xE000'0000;        // chosen: as a BIOS would have placed them
-inline constexpr std::uint32_t kBar0Bytes = 0x1000;        // registers
-inline constexpr std::uint64_t kBar2 = 0x40'0000'0000;     // 64-bit prefetchable memory (memory_map.h)
+inline constexpr std::uint16_t kVendorId = 0x4749;      // chosen: "GI"; not an assigned PCI-SIG number
+inline constexpr std::uint16_t kDeviceId = 0x0C5B;      // chosen
+inline constexpr std::uint32_t kClassCode = 0x0B4000;   // co-processor
+inline constexpr std::uint32_t kBar0 = 0xE000'0000;     // chosen: as a BIOS would have placed them
+inline constexpr std::uint32_t kBar0Bytes = 0x1000;     // registers
+inline constexpr std::uint64_t kBar2 = 0x40'0000'0000;  // 64-bit prefetchable memory (memory_map.h)
 
 namespace pci {
 inline constexpr std::uint32_t kIds = 0x00;
@@ -42,17 +42,17 @@ constexpr PciConfigSpace pci_config_at_reset(std::uint32_t agp_rates) {
   space[pci::kIds / 4] = std::uint32_t{kDeviceId} << 16 | kVendorId;
   space[pci::kCommandStatus / 4] = 1u << 20 | pci::kCommandMemorySpace | pci::kCommandBusMaster;  // capability list
   space[pci::kClassRevision / 4] = kClassCode << 8 | 0x01;
-  space[pci::kBar0Register / 4] = kBar0;                                      // 32-bit, not prefetchable
-  space[pci::kBar2Low / 4] = static_cast<std::uint32_t>(kBar2) | 0xC;          // 64-bit, prefetchable
+  space[pci::kBar0Register / 4] = kBar0;                               // 32-bit, not prefetchable
+  space[pci::kBar2Low / 4] = static_cast<std::uint32_t>(kBar2) | 0xC;  // 64-bit, prefetchable
   space[pci::kBar2High / 4] = static_cast<std::uint32_t>(kBar2 >> 32);
   space[pci::kSubsystem / 4] = std::uint32_t{kDeviceId} << 16 | kVendorId;
   space[pci::kCapabilities / 4] = pci::kPowerManagement;
-  space[pci::kInterrupt / 4] = 0x0100;                                        // INTA#
+  space[pci::kInterrupt / 4] = 0x0100;  // INTA#
   const std::uint32_t next = agp_rates != 0 ? pci::kAgp : 0;
   space[pci::kPowerManagement / 4] = 0x0002u << 16 | next << 8 | pci::kCapabilityPowerManagement;
   if (agp_rates != 0) {
-    space[pci::kAgp / 4] = 0x0020u << 16 | pci::kCapabilityAgp;               // AGP 2.0, last in the list
-    space[pci::kAgp / 4 + 1] = 0x1Fu << 24 | 1u << 9 | agp_rates;             // 32 requests, sideband addressing
+    space[pci::kAgp / 4] = 0x0020u << 16 | pci::kCapabilityAgp;    // AGP 2.0, last in the list
+    space[pci::kAgp / 4 + 1] = 0x1Fu << 24 | 1u << 9 | agp_rates;  // 32 requests, sideband addressing
   }
   return space;
 }

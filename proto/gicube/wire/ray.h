@@ -34,12 +34,12 @@ inline constexpr std::uint32_t kOpacityOne = (1u << 24) - 1;
 inline constexpr std::uint32_t kLifetimeMax = 1023;
 
 enum RayFlag : std::uint8_t {
-  kLightingRay = 1 << 0,        // else a rendering ray
+  kLightingRay = 1 << 0,  // else a rendering ray
   kHighAlbedo = 1 << 1,
   kIrradianceCarrier = 1 << 2,
-  kTrapped = 1 << 3,            // waits for a scattering routine on the DSP
-  kOverflowed = 1 << 4,         // came back because its queue was full
-  kHostRay = 1 << 5,            // made by the host: (v, u) is its id and it returns over the bus
+  kTrapped = 1 << 3,     // waits for a scattering routine on the DSP
+  kOverflowed = 1 << 4,  // came back because its queue was full
+  kHostRay = 1 << 5,     // made by the host: (v, u) is its id and it returns over the bus
 };
 
 struct Ray {

@@ -57,8 +57,8 @@ enum ControlBit : std::uint32_t { kControlReset = 1 << 0, kControlClearVolume = 
 enum PipelineBit : std::uint32_t { kPipelineJitter = 1 << 0, kPipelineShade = 1 << 1, kPipelineLeap = 1 << 2 };
 enum class Fidelity : std::uint32_t { kFunctional = 1, kApproximate = 2, kCycle = 3 };
 
-inline constexpr std::uint32_t kStepOne = 1u << 16;             // STEP of one voxel
-inline constexpr std::uint32_t kStepMin = kStepOne / 64;        // below that a step's fixed-point error passes 1% (HARDWARE)
+inline constexpr std::uint32_t kStepOne = 1u << 16;       // STEP of one voxel
+inline constexpr std::uint32_t kStepMin = kStepOne / 64;  // below that a step's fixed-point error passes 1% (HARDWARE)
 inline constexpr std::uint32_t kStepMax = 16 * kStepOne;
 inline constexpr std::uint32_t kSpacingOne = 1u << 16;
 inline constexpr std::uint32_t kSpacingMax = 64 * kSpacingOne;

@@ -84,8 +84,8 @@ constexpr std::uint64_t to_word(const Pixel& pixel) {
 }
 
 constexpr Pixel to_pixel(std::uint64_t word) {
-  return {static_cast<std::uint8_t>(word), static_cast<std::uint8_t>(word >> 8),
-          static_cast<std::uint8_t>(word >> 16), static_cast<std::uint16_t>(word >> 24 & 0xFFF)};
+  return {static_cast<std::uint8_t>(word), static_cast<std::uint8_t>(word >> 8), static_cast<std::uint8_t>(word >> 16),
+          static_cast<std::uint16_t>(word >> 24 & 0xFFF)};
 }
 
 }  // namespace gicube::wire
