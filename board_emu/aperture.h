@@ -19,7 +19,9 @@ class Table {
  public:
   using Decode = Word (*)(std::span<const std::uint8_t, WordBytes>);
 
-  Table(std::size_t words, Decode decode) : decode_(decode), bytes_(words * WordBytes), words_(words) { refresh(0, words); }
+  Table(std::size_t words, Decode decode) : decode_(decode), bytes_(words * WordBytes), words_(words) {
+    refresh(0, words);
+  }
 
   void write(std::size_t offset, std::span<const std::uint8_t> bytes) {
     std::copy(bytes.begin(), bytes.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(offset));

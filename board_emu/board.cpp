@@ -91,7 +91,9 @@ void Board::Parts::control(std::uint32_t bits) {
 
 Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
   const bool writes = header.type == FrameType::kConfigWrite || header.type == FrameType::kRegisterWrite;
-  if (payload.size() != (writes ? 8u : 4u)) return refuse(ErrorCode::kBadValue, "payload: expected an offset" + std::string(writes ? " and a value" : "") + ", got " + std::to_string(payload.size()) + " bytes");
+  if (payload.size() != (writes ? 8u : 4u))
+    return refuse(ErrorCode::kBadValue, "payload: expected an offset" + std::string(writes ? " and a value" : "") +
+                                            ", got " + std::to_string(payload.size()) + " bytes");
   const auto offset = wire::load<std::uint32_t>(payload, 0);
   const std::uint32_t value = writes ? wire::load<std::uint32_t>(payload, 4) : 0;
   std::vector<std::uint8_t> read(4);
@@ -115,13 +117,20 @@ Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<con
 }
 
 Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
-  if (payload.size() != 16) return refuse(ErrorCode::kBadValue, "payload: expected an address and a length, got " + std::to_string(payload.size()) + " bytes");
+  if (payload.size() != 16)
+    return refuse(ErrorCode::kBadValue,
+                  "payload: expected an address and a length, got " + std::to_string(payload.size()) + " bytes");
   const auto address = wire::load<std::uint64_t>(payload, 0), length = wire::load<std::uint64_t>(payload, 8);
   auto bytes = commands.aperture().read(address, length);
-  if (!bytes) return refuse(ErrorCode::kBadAddress, "no memory of " + std::to_string(length) + " bytes at address " + std::to_string(address));
+  if (!bytes)
+    return refuse(ErrorCode::kBadAddress,
+                  "no memory of " + std::to_string(length) + " bytes at address " + std::to_string(address));
   // The DSP sends the bytes as bus master once the commands before are done.
-  const Errand errand{.kind = TransferKind::kRegisterWrite, .down_bytes = kReadRequestBytes, .dsp = true,
-                      .up_bytes = length, .watched = true};
+  const Errand errand{.kind = TransferKind::kRegisterWrite,
+                      .down_bytes = kReadRequestBytes,
+                      .dsp = true,
+                      .up_bytes = length,
+                      .watched = true};
   return finish(header, errand, std::move(*bytes));
 }
 
@@ -139,17 +148,24 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
   CommandResult result = commands.run(payload, work);
   if (result.error != ErrorCode::kNone) registers.raise(wire::kStatusBadCommand, 0);
   const std::uint64_t id = next_errand++;
-  timeline.add(header.time_ps, id, {.kind = TransferKind::kBulk, .down_bytes = payload.size(), .dsp = true,
-                                    .dsp_cycles = result.dsp_cycles, .up_bytes = result.up_bytes, .watched = true});
+  timeline.add(header.time_ps, id,
+               {.kind = TransferKind::kBulk,
+                .down_bytes = payload.size(),
+                .dsp = true,
+                .dsp_cycles = result.dsp_cycles,
+                .up_bytes = result.up_bytes,
+                .watched = true});
   under_way[id] = {header.id, result.error, 0, std::move(result.payload)};
   tickets[header.id] = id;
 }
 
 Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
-  if (payload.size() != 4) return refuse(ErrorCode::kBadValue, "payload: expected a ticket, got " + std::to_string(payload.size()) + " bytes");
+  if (payload.size() != 4)
+    return refuse(ErrorCode::kBadValue, "payload: expected a ticket, got " + std::to_string(payload.size()) + " bytes");
   const auto ticket = wire::load<std::uint32_t>(payload, 0);
   const auto found = tickets.find(ticket);
-  if (found == tickets.end()) return refuse(ErrorCode::kBadValue, "ticket " + std::to_string(ticket) + " is not under way");
+  if (found == tickets.end())
+    return refuse(ErrorCode::kBadValue, "ticket " + std::to_string(ticket) + " is not under way");
   return {.time_ps = timeline.finish(found->second)};
 }
 
@@ -168,7 +184,8 @@ std::vector<Completion> Board::Parts::take_completions() {
 
 std::vector<wire::Counter> Board::Parts::count() const {
   std::vector<wire::Counter> list;
-  for (const auto& [name, direction] : {std::pair("bus.down.", Direction::kDown), std::pair("bus.up.", Direction::kUp)}) {
+  for (const auto& [name, direction] :
+       {std::pair("bus.down.", Direction::kDown), std::pair("bus.up.", Direction::kUp)}) {
     const BusCounters& bus = timeline.bus_counters(direction);
     const std::string prefix(name);
     list.push_back({prefix + "bytes", "byte", bus.bytes});

@@ -41,8 +41,8 @@ struct Outcome {
 
 // Shared by the thread that works and the threads that watch it.
 struct Work {
-  std::atomic<bool> cancel{false};      // set by the watcher: finish as soon as possible, with ErrorCode::kCancelled
-  std::atomic<std::uint32_t> ticket{0}; // the command in work, and how much of it is done
+  std::atomic<bool> cancel{false};       // set by the watcher: finish as soon as possible, with ErrorCode::kCancelled
+  std::atomic<std::uint32_t> ticket{0};  // the command in work, and how much of it is done
   std::atomic<std::uint32_t> done{0};
   std::atomic<std::uint32_t> all{0};
 };

@@ -35,7 +35,8 @@ std::optional<std::string> fault(const wire::RenderCommand& command, std::uint64
   if (samples != 1 && samples != 2 && samples != 4) {
     return expected("samples_per_axis", "1, 2 or 4", command.samples_per_axis);
   }
-  if (command.filter > wire::Filter::kTent) return expected("filter", "0 or 1", static_cast<std::uint64_t>(command.filter));
+  if (command.filter > wire::Filter::kTent)
+    return expected("filter", "0 or 1", static_cast<std::uint64_t>(command.filter));
   for (const auto* vector : {&command.origin, &command.forward, &command.du, &command.dv}) {
     if (!std::all_of(vector->begin(), vector->end(), [](double x) { return std::isfinite(x); })) {
       return "origin, forward, du, dv: expected finite numbers";
@@ -43,7 +44,9 @@ std::optional<std::string> fault(const wire::RenderCommand& command, std::uint64
   }
   const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel;
   if (bytes > framebuffer_mb * 1'000'000) {
-    return expected("width x height", "an image whose sums fit dsp.framebuffer_mb = " + std::to_string(framebuffer_mb), bytes) + " bytes";
+    return expected("width x height", "an image whose sums fit dsp.framebuffer_mb = " + std::to_string(framebuffer_mb),
+                    bytes) +
+           " bytes";
   }
   return std::nullopt;
 }
@@ -67,7 +70,8 @@ DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& regi
 
 void DspCommands::clear_volume() {
   std::array<int, 3> size{};
-  for (std::uint32_t axis = 0; axis < 3; ++axis) size[axis] = static_cast<int>(registers_.value(reg::kVolumeX + 4 * axis));
+  for (std::uint32_t axis = 0; axis < 3; ++axis)
+    size[axis] = static_cast<int>(registers_.value(reg::kVolumeX + 4 * axis));
   const bool complete = std::all_of(size.begin(), size.end(), [](int edge) { return edge > 0; });
   aperture_.resize_volume(complete ? size : std::array<int, 3>{});
 }
@@ -153,7 +157,8 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
 CommandResult DspCommands::trace(std::span<const std::uint8_t> payload) {
   const std::uint64_t count = payload.size() >= wire::kTraceHeaderBytes ? wire::load<std::uint32_t>(payload, 4) : 0;
   if (payload.size() != wire::kTraceHeaderBytes + count * wire::kRayBytes) {
-    return refuse(expected("payload", "8 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
+    return refuse(
+        expected("payload", "8 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
   }
   if (!has_volume()) return refuse(kNoVolume);
   const Frame frame = this->frame();

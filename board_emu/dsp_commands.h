@@ -18,7 +18,7 @@ struct CommandResult {
   wire::ErrorCode error = wire::ErrorCode::kNone;
   std::vector<std::uint8_t> payload{};  // of the completion; with an error: its text
   std::uint64_t dsp_cycles = 0;
-  std::uint64_t up_bytes = 4;         // at least the completion word in the host's memory
+  std::uint64_t up_bytes = 4;  // at least the completion word in the host's memory
 };
 
 class DspCommands {

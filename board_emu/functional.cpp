@@ -18,7 +18,8 @@ namespace {
 constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
 
 // How many reference voxel lengths one voxel length along `direction` is, 16.16. Exactly one where spacing is one.
-std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction, const std::array<std::uint32_t, 3>& spacing) {
+std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
+                              const std::array<std::uint32_t, 3>& spacing) {
   if (spacing[0] == spacing[1] && spacing[1] == spacing[2]) return spacing[0];
   double voxels = 0, physical = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -43,7 +44,8 @@ class March {
         frame_(frame),
         counters_(counters),
         length_(physical_length(ray.direction, frame.spacing)),
-        block_shift_(std::countr_zero(static_cast<unsigned>(frame.volume->block_voxels())) + wire::kPositionFractionBits),
+        block_shift_(std::countr_zero(static_cast<unsigned>(frame.volume->block_voxels())) +
+                     wire::kPositionFractionBits),
         edge_(static_cast<std::size_t>(frame.volume->block_voxels()) + 1) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       position_[axis] = static_cast<std::int32_t>(ray.position[axis]);
@@ -80,7 +82,8 @@ class March {
   // Sets the distance to the next sample, and what it means for opacity.
   void space(std::uint32_t distance) {
     step_ = step_vector(ray_.direction, distance);
-    exponent_ = static_cast<std::uint32_t>(round_shift<16>(static_cast<std::int64_t>(std::uint64_t{distance} * length_)));
+    exponent_ =
+        static_cast<std::uint32_t>(round_shift<16>(static_cast<std::int64_t>(std::uint64_t{distance} * length_)));
   }
 
   bool kept() const {
@@ -117,17 +120,18 @@ class March {
     }
     const std::size_t row = edge_, slice = edge_ * edge_;
     const std::size_t cell = local[0] + row * local[1] + slice * local[2];
-    const DecodedVoxel value = resample(block_.view.voxels + cell, row, slice, weight(fraction[0]), weight(fraction[1]),
-                                        weight(fraction[2]));
+    const Neighbourhood at{
+        block_.view.voxels + cell, row, slice, {weight(fraction[0]), weight(fraction[1]), weight(fraction[2])}};
     unsigned tag = 0;
     if (block_.view.tags != nullptr) {
       constexpr std::uint32_t kHalf = wire::kVoxel / 2;
-      tag = block_.view.tags[cell + (fraction[0] >= kHalf) + row * (fraction[1] >= kHalf) + slice * (fraction[2] >= kHalf)];
+      tag = block_.view
+                .tags[cell + (fraction[0] >= kHalf) + row * (fraction[1] >= kHalf) + slice * (fraction[2] >= kHalf)];
     }
-    const wire::SegmentationEntry& entry = frame_.segmentation[segmentation_index(value.density(), tag)];
+    const wire::SegmentationEntry& entry = frame_.segmentation[segmentation_index(resample(at, 0), tag)];
     if (entry.opacity == 0) return;
     ++counters_.visible_samples;
-    const Colour12 colour = frame_.shade ? shade(entry, value, frame_.reflectance_map)
+    const Colour12 colour = frame_.shade ? shade(entry, resample_gradient(at), frame_.reflectance_map)
                                          : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
     over(gathered_, colour, (*frame_.opacity_correction)(entry.opacity, exponent_));
   }

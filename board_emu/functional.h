@@ -22,10 +22,10 @@ struct Frame {
   std::span<const wire::SegmentationEntry> segmentation;  // wire::kSegmentationEntries
   const std::uint8_t* reflectance_map = nullptr;          // wire::kReflectanceBytes
   const OpacityCorrection* opacity_correction = nullptr;
-  std::vector<std::uint8_t> empty;                        // one a block; nonzero = leap
-  Point extent{};                                         // size - 1 in position units
-  std::array<std::uint32_t, 3> spacing{};                 // 16.16
-  std::uint32_t step = 0;                                 // 16.16 voxels
+  std::vector<std::uint8_t> empty;         // one a block; nonzero = leap
+  Point extent{};                          // size - 1 in position units
+  std::array<std::uint32_t, 3> spacing{};  // 16.16
+  std::uint32_t step = 0;                  // 16.16 voxels
   std::uint32_t opacity_threshold = wire::kOpacityOne;
   bool jitter = false;
   bool shade = false;
@@ -38,7 +38,7 @@ struct RayCounters {
   std::uint64_t samples = 0;          // trilinear samples taken
   std::uint64_t visible_samples = 0;  // of those, with an opacity
   std::uint64_t leaps = 0;
-  std::uint64_t terminated = 0;       // rays that ended by the opacity threshold
+  std::uint64_t terminated = 0;  // rays that ended by the opacity threshold
 
   RayCounters& operator+=(const RayCounters& other) {
     rays += other.rays;

@@ -20,7 +20,7 @@ struct Rendered {
   bool cancelled = false;
 };
 
-// Fills `framebuffer` with the image of `command`. Progress is in rows.
+// Fills `framebuffer` with the image of `command`. Progress is in tiles of pixels.
 Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
                 Work& work);
 

@@ -17,10 +17,10 @@ namespace gicube::emu {
 struct Errand {
   TransferKind kind = TransferKind::kBulk;
   std::uint64_t down_bytes = 0;
-  bool dsp = false;              // waits for its turn at the DSP, even with no cycles of its own
+  bool dsp = false;  // waits for its turn at the DSP, even with no cycles of its own
   std::uint64_t dsp_cycles = 0;
   std::uint64_t up_bytes = 0;
-  bool watched = false;          // somebody wants to know when it has finished
+  bool watched = false;  // somebody wants to know when it has finished
 };
 
 struct Finished {

@@ -18,7 +18,7 @@ namespace gicube::emu {
 struct BusTransfer {
   std::uint64_t id = 0;
   TransferKind kind = TransferKind::kBulk;
-  std::uint64_t bytes = 0;       // 0 takes no time, but keeps its place in its direction
+  std::uint64_t bytes = 0;  // 0 takes no time, but keeps its place in its direction
   Picoseconds ready_ps = 0;
 };
 
@@ -52,7 +52,7 @@ class HostBus {
  private:
   struct Side {
     std::deque<BusTransfer> queue;
-    std::uint64_t dwords_left = 0;   // of the head
+    std::uint64_t dwords_left = 0;  // of the head
     bool head_started = false;
     Picoseconds last_delivery_ps = 0;
     BusCounters counters;

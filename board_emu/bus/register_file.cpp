@@ -48,9 +48,7 @@ void PciConfigFile::write(std::uint32_t offset, std::uint32_t value) {
   constexpr std::uint64_t kBar2Bytes = std::uint64_t{1} << 34;
   static_assert(wire::kVolume.base + wire::kVolume.bytes <= kBar2Bytes);
   switch (offset) {
-    case pci::kCommandStatus:
-      space_[offset / 4] = (space_[offset / 4] & 0xFFFF'0000u) | (value & 0x0007u);
-      break;
+    case pci::kCommandStatus: space_[offset / 4] = (space_[offset / 4] & 0xFFFF'0000u) | (value & 0x0007u); break;
     case pci::kBar0Register: space_[offset / 4] = value & ~(wire::kBar0Bytes - 1); break;
     case pci::kBar2Low: space_[offset / 4] = (value & static_cast<std::uint32_t>(~(kBar2Bytes - 1))) | 0xC; break;
     case pci::kBar2High: space_[offset / 4] = value & static_cast<std::uint32_t>(~(kBar2Bytes - 1) >> 32); break;

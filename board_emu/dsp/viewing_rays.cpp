@@ -52,8 +52,7 @@ std::optional<Interval> clip(const Line& line, const Point& extent, std::span<co
     }
     cut(interval, value, slope);
   }
-  // Written so that a NaN misses.
-  if (!(interval.begin <= interval.end) || !std::isfinite(interval.begin)) return std::nullopt;
+  if (interval.begin > interval.end || !std::isfinite(interval.begin)) return std::nullopt;
   return interval;
 }
 

@@ -10,8 +10,9 @@ namespace gicube::emu {
 
 VolumeMemory::VolumeMemory(int block_voxels)
     : n_(block_voxels),
-      block_bytes_(wire::packed36_bytes(static_cast<std::size_t>(block_voxels) * static_cast<std::size_t>(block_voxels) *
-                                        static_cast<std::size_t>(block_voxels))) {
+      block_bytes_(
+          wire::packed36_bytes(static_cast<std::size_t>(block_voxels) * static_cast<std::size_t>(block_voxels) *
+                               static_cast<std::size_t>(block_voxels))) {
   const auto edge = static_cast<std::size_t>(n_) + 1;
   zero_.resize(edge * edge * edge);
 }
@@ -100,8 +101,8 @@ void VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel>
         if (packed.empty()) continue;
         const auto n = static_cast<std::size_t>(n_);
         const std::size_t source = (static_cast<std::size_t>(z % n_) * n + static_cast<std::size_t>(y % n_)) * n;
-        const std::size_t target = (static_cast<std::size_t>(z) * edge + static_cast<std::size_t>(y)) * edge +
-                                   (part == 0 ? 0 : n);
+        const std::size_t target =
+            (static_cast<std::size_t>(z) * edge + static_cast<std::size_t>(y)) * edge + (part == 0 ? 0 : n);
         for (std::size_t x = 0; x < (part == 0 ? n : 1); ++x) {
           const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, source + x));
           DecodedVoxel out = codes[voxel.gradient];

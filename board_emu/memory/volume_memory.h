@@ -64,7 +64,7 @@ class VolumeMemory {
   std::array<int, 3> blocks_{};
   std::vector<std::vector<std::uint8_t>> packed_;  // empty: never written
   std::vector<Decoded> decoded_;
-  std::vector<DecodedVoxel> zero_;                 // what every block without storage shows
+  std::vector<DecodedVoxel> zero_;  // what every block without storage shows
 };
 
 }  // namespace gicube::emu

@@ -22,7 +22,8 @@ struct Gathered {
 constexpr void over(Gathered& ray, const Colour12& colour, std::uint32_t alpha) {
   const std::uint64_t weight = divide_by_full_scale<24>(std::uint64_t{wire::kOpacityOne - ray.opacity} * alpha);
   for (std::size_t c = 0; c < 3; ++c) {
-    const auto added = static_cast<std::uint32_t>(divide_by_full_scale<24>(static_cast<std::uint64_t>(colour[c]) * weight));
+    const auto added =
+        static_cast<std::uint32_t>(divide_by_full_scale<24>(static_cast<std::uint64_t>(colour[c]) * weight));
     ray.colour[c] = std::min(ray.colour[c] + added, wire::kColourOne);  // roundings may sum to one too many
   }
   ray.opacity += static_cast<std::uint32_t>(weight);

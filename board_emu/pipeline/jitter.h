@@ -39,7 +39,8 @@ inline constexpr auto kJitterLut = make_jitter_lut();
 
 // The factor r of the sample at `position` of the ray with destination bits (u, v); 16 fraction bits.
 constexpr std::uint32_t jitter(const std::array<std::int32_t, 3>& position, std::uint16_t u, std::uint16_t v) {
-  const std::uint64_t low = static_cast<std::uint32_t>(position[0]) | std::uint64_t{static_cast<std::uint32_t>(position[1])} << 24;
+  const std::uint64_t low =
+      static_cast<std::uint32_t>(position[0]) | std::uint64_t{static_cast<std::uint32_t>(position[1])} << 24;
   const std::uint64_t high = static_cast<std::uint32_t>(position[2]) | std::uint64_t{u} << 24 | std::uint64_t{v} << 40;
   return kJitterLut[mangle(mangle(low) ^ high) % kJitterEntries];
 }

@@ -20,12 +20,12 @@ inline constexpr std::int32_t kShadeUnit = 1 << kShadeFractionBits;
 inline constexpr std::int32_t kGradientUnit = wire::kGradientOne << kGradientFractionBits;
 inline constexpr std::int32_t kShortestGradient = kGradientUnit / 16;  // chosen
 
-// Bilinear reflectance of the normal opposite to gradient (gx, gy, gz), which is not zero; 15 fraction bits. The map's
+// Bilinear reflectance of the normal opposite to `gradient`, which is not zero; 15 fraction bits. The map's
 // `texels` are wire::kReflectanceBytes. The one division is IEEE single precision, correctly rounded, hence the same on
 // every machine and SIMD width.
-inline std::int32_t reflectance(const std::uint8_t* texels, std::int32_t gx, std::int32_t gy, std::int32_t gz) {
-  const std::array<std::int32_t, 3> normal{-gx, -gy, -gz};
-  const std::array<std::int32_t, 3> size{std::abs(gx), std::abs(gy), std::abs(gz)};
+inline std::int32_t reflectance(const std::uint8_t* texels, const Point& gradient) {
+  const Point normal{-gradient[0], -gradient[1], -gradient[2]};
+  const Point size{std::abs(normal[0]), std::abs(normal[1]), std::abs(normal[2])};
   std::size_t axis = size[1] > size[0] ? 1 : 0;
   if (size[2] > size[axis]) axis = 2;
   const std::int32_t b = normal[axis == 0 ? 1 : 0], c = normal[axis == 2 ? 1 : 2];
@@ -43,7 +43,8 @@ inline std::int32_t reflectance(const std::uint8_t* texels, std::int32_t gx, std
   const std::int32_t j = std::min(row >> 8, wire::kReflectanceSize - 2);
   const std::int32_t s = column - (i << 8), t = row - (j << 8);  // 0..256
 
-  const std::uint8_t* texel = texels + (face * wire::kReflectanceSize + static_cast<std::size_t>(j)) * wire::kReflectanceSize + i;
+  const std::uint8_t* texel =
+      texels + (face * wire::kReflectanceSize + static_cast<std::size_t>(j)) * wire::kReflectanceSize + i;
   const std::int32_t top = texel[0] * (256 - s) + texel[1] * s;
   const std::int32_t bottom = texel[wire::kReflectanceSize] * (256 - s) + texel[wire::kReflectanceSize + 1] * s;
   const std::int32_t sum = top * (256 - t) + bottom * t;  // 7 + 16 fraction bits
@@ -53,13 +54,13 @@ inline std::int32_t reflectance(const std::uint8_t* texels, std::int32_t gx, std
 using Colour12 = std::array<std::int32_t, 3>;  // 4095 = one
 
 // A classified sample's colour under its interpolated gradient.
-inline Colour12 shade(const wire::SegmentationEntry& entry, const DecodedVoxel& sample, const std::uint8_t* reflectance_map) {
-  const std::int32_t gx = sample.channel[1], gy = sample.channel[2], gz = sample.channel[3];
-  if (gx * gx + gy * gy + gz * gz < kShortestGradient * kShortestGradient) {
+inline Colour12 shade(const wire::SegmentationEntry& entry, const Point& gradient,
+                      const std::uint8_t* reflectance_map) {
+  if (dot(gradient, gradient) < std::int64_t{kShortestGradient} * kShortestGradient) {
     return {entry.colour[0], entry.colour[1], entry.colour[2]};
   }
   constexpr int kCoefficientShift = kShadeFractionBits - 7;  // from units of 1/128
-  const std::int32_t intensity = reflectance(reflectance_map, gx, gy, gz);
+  const std::int32_t intensity = reflectance(reflectance_map, gradient);
   const std::int32_t total = (entry.ambient << kCoefficientShift) + ((entry.reflect * intensity + 64) >> 7);
   const std::int32_t base = std::min(total, entry.knee << kCoefficientShift);
   const std::int32_t highlight = total - base;
@@ -67,7 +68,8 @@ inline Colour12 shade(const wire::SegmentationEntry& entry, const DecodedVoxel& 
   for (std::size_t channel = 0; channel < 3; ++channel) {
     // At most 4095 * 2 * 2^15 + 4095 * 6 * 2^15: beyond 31 bits.
     const std::int64_t lit = std::int64_t{entry.colour[channel]} * base + std::int64_t{wire::kColourOne} * highlight;
-    out[channel] = static_cast<std::int32_t>(std::min<std::int64_t>((lit + kShadeUnit / 2) >> kShadeFractionBits, wire::kColourOne));
+    out[channel] = static_cast<std::int32_t>(
+        std::min<std::int64_t>((lit + kShadeUnit / 2) >> kShadeFractionBits, wire::kColourOne));
   }
   return out;
 }

@@ -1,0 +1,125 @@
+#include "memory/volume_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "gicube/wire/voxel.h"
+
+namespace gicube::emu {
+namespace {
+
+constexpr int kBlock = 8;
+constexpr std::size_t kBlockWords = 512;
+
+std::vector<wire::GradientEntry> gradient_lut() {
+  std::vector<wire::GradientEntry> lut(wire::kGradientCodes);
+  for (std::size_t i = 0; i < lut.size(); ++i)
+    lut[i] = {static_cast<std::int16_t>(i % 511), static_cast<std::int16_t>(-(static_cast<int>(i) % 300)), 1};
+  lut[wire::kNoGradient] = {0, 0, 0};
+  return lut;
+}
+
+wire::Voxel voxel_at(int x, int y, int z) {
+  return {static_cast<std::uint16_t>(x * 100 + y * 10 + z + 1),
+          static_cast<std::uint16_t>((x + y * 20 + z * 300) % 2048), static_cast<std::uint8_t>((x + y + z) % 4), 0};
+}
+
+// Writes all blocks but those in `left_out`.
+void fill(VolumeMemory& memory, const std::array<int, 3>& size, const std::vector<std::size_t>& left_out = {}) {
+  memory.resize(size);
+  for (std::size_t b = 0; b < memory.block_count(); ++b) {
+    if (std::find(left_out.begin(), left_out.end(), b) != left_out.end()) continue;
+    const auto nx = static_cast<std::size_t>(memory.blocks()[0]), ny = static_cast<std::size_t>(memory.blocks()[1]);
+    std::vector<std::uint8_t> bytes(wire::packed36_bytes(kBlockWords));
+    for (std::size_t i = 0; i < kBlockWords; ++i) {
+      const int x = static_cast<int>(b % nx * kBlock + i % kBlock),
+                y = static_cast<int>(b / nx % ny * kBlock + i / kBlock % kBlock),
+                z = static_cast<int>(b / (nx * ny) * kBlock + i / kBlock / kBlock);
+      if (x < size[0] && y < size[1] && z < size[2]) wire::store36(bytes, i, wire::to_word(voxel_at(x, y, z)));
+    }
+    memory.write(b * bytes.size(), bytes);
+  }
+}
+
+TEST(VolumeMemory, DecodesEveryVoxelIntoItsBlockAndOntoTheFacesOfItsNeighbours) {
+  const std::array<int, 3> size{20, 16, 9};
+  VolumeMemory memory(kBlock);
+  fill(memory, size);
+  const auto lut = gradient_lut();
+  memory.decode(lut, true, 2);
+  for (std::size_t b = 0; b < memory.block_count(); ++b) {
+    const BlockView view = memory.view(b);
+    const int bx = static_cast<int>(b % 3), by = static_cast<int>(b / 3 % 2), bz = static_cast<int>(b / 6);
+    std::size_t at = 0;
+    for (int z = 0; z <= kBlock; ++z) {
+      for (int y = 0; y <= kBlock; ++y) {
+        for (int x = 0; x <= kBlock; ++x, ++at) {
+          const int gx = bx * kBlock + x, gy = by * kBlock + y, gz = bz * kBlock + z;
+          if (gx >= size[0] || gy >= size[1] || gz >= size[2]) {
+            ASSERT_EQ(view.voxels[at], DecodedVoxel{});
+            continue;
+          }
+          const wire::Voxel voxel = voxel_at(gx, gy, gz);
+          ASSERT_EQ(view.voxels[at].density(), voxel.density << 3);
+          ASSERT_EQ(view.voxels[at].channel[1], lut[voxel.gradient][0] * 32);
+          ASSERT_EQ(view.voxels[at].channel[2], lut[voxel.gradient][1] * 32);
+          ASSERT_EQ(view.tags[at], voxel.tag);
+        }
+      }
+    }
+  }
+}
+
+TEST(VolumeMemory, TakesNoMemoryForBlocksNeverWrittenAndShowsThemZero) {
+  VolumeMemory memory(kBlock);
+  fill(memory, {16, 16, 16}, {0, 5});
+  EXPECT_EQ(memory.stored_blocks(), 6u);
+  memory.decode(gradient_lut(), true, 1);
+  const BlockView view = memory.view(0);
+  for (int i = 0; i < 9 * 9 * 9; ++i) ASSERT_EQ(view.voxels[i], DecodedVoxel{});
+  EXPECT_EQ(view.tags, nullptr);
+  std::vector<std::uint8_t> bytes(100, 7);
+  memory.read(10, bytes);
+  EXPECT_EQ(bytes, std::vector<std::uint8_t>(100, 0));
+}
+
+TEST(VolumeMemory, ReadsBackWhatWasWrittenInPiecesAcrossBlocks) {
+  VolumeMemory memory(kBlock);
+  memory.resize({16, 8, 8});
+  std::vector<std::uint8_t> all(2 * wire::packed36_bytes(kBlockWords));
+  std::mt19937 random(4);
+  for (auto& byte : all) byte = static_cast<std::uint8_t>(random());
+  for (std::size_t at = 0; at < all.size(); at += 777) {
+    memory.write(at, std::span(all).subspan(at, std::min<std::size_t>(777, all.size() - at)));
+  }
+  std::vector<std::uint8_t> back(all.size());
+  memory.read(0, back);
+  EXPECT_EQ(back, all);
+}
+
+TEST(VolumeMemory, RefreshesTheFacesOfTheBlocksBeforeARewrittenBlock) {
+  VolumeMemory memory(kBlock);
+  fill(memory, {16, 8, 8});
+  memory.decode(gradient_lut(), true, 1);
+  std::vector<std::uint8_t> bytes(wire::packed36_bytes(kBlockWords));
+  wire::store36(bytes, 0, wire::to_word(wire::Voxel{4000, 0, 0, 0}));
+  memory.write(bytes.size(), bytes);  // block 1
+  memory.decode(gradient_lut(), false, 1);
+  EXPECT_EQ(memory.view(0).voxels[8].density(), 4000 << 3);
+  EXPECT_EQ(memory.view(0).voxels[7].density(), voxel_at(7, 0, 0).density << 3);
+}
+
+TEST(VolumeMemory, DecodesAgainWithANewGradientLut) {
+  VolumeMemory memory(kBlock);
+  fill(memory, {8, 8, 8});
+  memory.decode(gradient_lut(), true, 1);
+  auto other = gradient_lut();
+  for (auto& entry : other) entry = {5, 6, 7};
+  memory.decode(other, true, 1);
+  EXPECT_EQ(memory.view(0).voxels[3].channel[1], 5 * 32);
+}
+
+}  // namespace
+}  // namespace gicube::emu
