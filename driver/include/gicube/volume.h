@@ -41,12 +41,12 @@ struct VolumeView {
   Dims dims{};            // voxels, 2..the board's max_volume_voxels each
   Vec3 spacing{1, 1, 1};  // physical voxel edge; only the ratios count, each within 64 of the smallest
   // Unset: 0..255 for kUint8, 0..4095 for kUint12, the least and the greatest sample for the others.
-  std::optional<ValueRange> range;
+  std::optional<ValueRange> range{};
   // Empty: by a 3x3x3 Sobel filter. Else 3 floats a voxel, x fastest: the physical direction in which the value grows;
   // lengths are ignored, a zero vector is "no gradient".
-  std::span<const float> gradients;
+  std::span<const float> gradients{};
   // Empty: tag 0 everywhere. Else one material tag, 0..3, a voxel.
-  std::span<const std::uint8_t> tags;
+  std::span<const std::uint8_t> tags{};
 };
 
 }  // namespace gicube
