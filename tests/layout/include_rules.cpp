@@ -1,0 +1,113 @@
+#include "include_rules.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <regex>
+#include <sstream>
+
+namespace gicube::layout {
+namespace {
+
+// Where the build looks for our headers, and under which folder of the tree they stand.
+constexpr std::array<std::string_view, 5> kIncludeFolders{"proto", "driver/include", "driver/src", "board_emu",
+                                                          "samples"};
+
+// The part of the board between two FIFOs: knows itself, the records that flow, and the wire.
+Rule sibling(std::string_view folder) { return {folder, {folder, "board_emu/sim", "board_emu/flow.h", "proto"}, {}}; }
+
+bool fits(std::string_view path, std::string_view where) {
+  if (!where.ends_with("/*")) {
+    return path.starts_with(where) && (where.empty() || path.size() == where.size() || path[where.size()] == '/');
+  }
+  const std::string_view folder = where.substr(0, where.size() - 1);
+  return path.starts_with(folder) && path.find('/', folder.size()) == std::string_view::npos;
+}
+
+const Rule* rule_for(std::string_view file) {
+  const Rule* best = nullptr;
+  for (const Rule& rule : rules()) {
+    if (fits(file, rule.where) && (best == nullptr || rule.where.size() > best->where.size())) best = &rule;
+  }
+  return best;
+}
+
+// The file of ours that an include means, as a compiler would find it; empty if none.
+std::string find(const Files& files, const std::string& includer, const std::string& name) {
+  if (name.starts_with("gicube/v1/") && name.ends_with(".pb.h")) return "proto/" + name;  // generated
+  const std::filesystem::path beside = std::filesystem::path(includer).parent_path() / name;
+  std::vector<std::string> places{beside.lexically_normal().generic_string(), name};
+  for (const std::string_view folder : kIncludeFolders) places.push_back(std::string(folder) + "/" + name);
+  const auto place = std::find_if(places.begin(), places.end(), [&](const auto& path) { return files.contains(path); });
+  return place == places.end() ? std::string() : *place;
+}
+
+bool is_standard(std::string_view name) { return name.find_first_of("./") == std::string_view::npos; }
+
+}  // namespace
+
+const std::vector<Rule>& rules() {
+  // clang-format off
+  static const std::vector<Rule> table{
+      {"proto",              {"proto"}, {}},
+
+      // Public headers name nothing but themselves and the standard library, so that applications need nothing else.
+      {"driver/include",     {"driver/include"}, {}},
+      {"driver/src",         {"driver", "proto/gicube/wire"}, {kAnything}},
+      {"driver/src/upload",  {"driver/src/upload", "driver/include", "proto/gicube/wire"}, {"fmt"}},
+
+      // Siblings on a ray's way do not know each other; the files at the board's root know the map.
+      {"board_emu/sim",      {"board_emu/sim", "proto"}, {}},
+      {"board_emu/flow.h",   {"board_emu/sim", "proto"}, {}},
+      sibling("board_emu/bus"),
+      sibling("board_emu/dsp"),
+      sibling("board_emu/memory"),
+      sibling("board_emu/raybus"),
+      sibling("board_emu/sorter"),
+      sibling("board_emu/pipeline"),
+      sibling("board_emu/cache"),
+      sibling("board_emu/rdram"),
+      sibling("board_emu/link"),
+      {"board_emu/*",        {"board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/dsp", "board_emu/memory",
+                              "board_emu/raybus", "board_emu/sorter", "board_emu/pipeline", "board_emu/cache",
+                              "board_emu/rdram", "board_emu/link", "proto"}, {"fmt", "google/protobuf"}},
+      {"board_emu/server",   {"board_emu/server", "board_emu/board.h", "board_emu/config.h", "proto"}, {kAnything}},
+
+      // Like any application outside the tree; scene.proto is the samples' file format.
+      {"samples/common",     {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},
+      {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
+                             {kAnything}},
+  };
+  // clang-format on
+  return table;
+}
+
+std::vector<std::string> faults(const Files& files, const std::string& file, std::string_view text) {
+  static const std::regex kInclude(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"].*)");
+  const Rule* rule = rule_for(file);
+  if (rule == nullptr) return {file + ": no rule says what this folder may include (tests/layout/include_rules.cpp)"};
+
+  std::vector<std::string> found;
+  std::istringstream lines{std::string(text)};
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::smatch match;
+    if (!std::regex_match(line, match, kInclude)) continue;
+    const std::string name = match[2];
+    const std::string target = find(files, file, name);
+    const std::string start = file + ":" + std::to_string(number) + ": ";
+    const auto allows = [](const auto& list, std::string_view path) {
+      return std::any_of(list.begin(), list.end(), [path](std::string_view where) { return fits(path, where); });
+    };
+    if (!target.empty()) {
+      if (!allows(rule->ours, target)) found.push_back(start + std::string(rule->where) + " may not include " + target);
+    } else if (match[1] == "\"") {
+      found.push_back(start + "no file of ours is called " + name);
+    } else if (!is_standard(name) && !allows(rule->outside, name)) {
+      found.push_back(start + std::string(rule->where) + " may not include <" + name + ">");
+    }
+  }
+  return found;
+}
+
+}  // namespace gicube::layout

@@ -1,0 +1,117 @@
+// The tree's includes run one way; and the checker that says so can say otherwise.
+#include "include_rules.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace gicube::layout {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+const Files kTree{"proto/gicube/wire/ray.h",
+                  "driver/include/gicube/board.h",
+                  "driver/src/link.h",
+                  "board_emu/board.h",
+                  "board_emu/config.h",
+                  "board_emu/timeline.h",
+                  "board_emu/flow.h",
+                  "board_emu/sim/clock.h",
+                  "board_emu/dsp/framebuffer.h",
+                  "board_emu/bus/bus.h",
+                  "board_emu/server/session.h",
+                  "samples/common/scene.h",
+                  "tests/support/scenes.h"};
+
+Files files_of(const std::filesystem::path& root, const std::string& folder) {
+  Files files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder)) {
+    const auto extension = entry.path().extension();
+    if (extension != ".h" && extension != ".cpp" && extension != ".inc") continue;
+    files.insert(entry.path().lexically_relative(root).generic_string());
+  }
+  return files;
+}
+
+std::string read(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(IncludeRules, HoldForEverySourceFileOfTheTree) {
+  const std::filesystem::path root = GICUBE_SOURCE_DIR;
+  Files all;
+  for (const std::string folder : {"proto", "driver", "board_emu", "samples", "tests"})
+    all.merge(files_of(root, folder));
+  int checked = 0;
+  for (const std::string& file : all) {
+    if (file.starts_with("tests/")) continue;  // tests may include anything
+    ++checked;
+    for (const std::string& fault : faults(all, file, read(root / file))) ADD_FAILURE() << fault;
+  }
+  EXPECT_GT(checked, 20) << "the source tree was not found at " << root;
+}
+
+TEST(IncludeRules, AllowWhatTheArchitectureNeeds) {
+  EXPECT_THAT(faults(kTree, "driver/src/board.cpp", "#include \"gicube/wire/ray.h\"\n#include <boost/asio.hpp>\n"),
+              IsEmpty());
+  EXPECT_THAT(faults(kTree, "board_emu/dsp/framebuffer.cpp", "#include \"dsp/framebuffer.h\"\n#include \"flow.h\"\n"),
+              IsEmpty());
+  EXPECT_THAT(faults(kTree, "board_emu/board.cpp", "#include \"bus/bus.h\"\n#include \"dsp/framebuffer.h\"\n"),
+              IsEmpty());
+  EXPECT_THAT(faults(kTree, "board_emu/server/main.cpp", "#include \"board.h\"\n#include \"session.h\"\n"), IsEmpty());
+  EXPECT_THAT(faults(kTree, "samples/render/main.cpp", "#include \"gicube/board.h\"\n#include \"common/scene.h\"\n"),
+              IsEmpty());
+  EXPECT_THAT(faults(kTree, "samples/common/scene.h", "#include \"gicube/v1/scene.pb.h\"\n"), IsEmpty());
+}
+
+TEST(IncludeRules, CatchASiblingThatNamesItsSibling) {
+  EXPECT_THAT(faults(kTree, "board_emu/bus/bus.cpp", "#include <array>\n#include \"dsp/framebuffer.h\"\n"),
+              ElementsAre("board_emu/bus/bus.cpp:2: board_emu/bus may not include board_emu/dsp/framebuffer.h"));
+  EXPECT_THAT(faults(kTree, "board_emu/flow.h", "#include \"dsp/framebuffer.h\""), testing::SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/dsp/framebuffer.h", "#include \"timeline.h\""), testing::SizeIs(1));
+}
+
+TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
+  struct Case {
+    std::string file, include;
+  };
+  const std::vector<Case> forbidden{
+      {"proto/gicube/wire/ray.h", "\"gicube/board.h\""},           // protocol -> driver
+      {"driver/src/link.cpp", "\"flow.h\""},                       // driver -> board
+      {"driver/src/link.cpp", "\"gicube/v1/board_config.pb.h\""},  // driver -> a message, not the wire
+      {"driver/include/gicube/board.h", "\"gicube/wire/ray.h\""},  // public header -> wire
+      {"driver/include/gicube/board.h", "<gicube/wire/ray.h>"},    // the same in angle brackets
+      {"driver/include/gicube/board.h", "\"link.h\""},             // public header -> private header
+      {"board_emu/board.cpp", "\"gicube/board.h\""},               // board -> driver
+      {"board_emu/board.cpp", "\"server/session.h\""},             // core -> server
+      {"board_emu/server/main.cpp", "\"timeline.h\""},             // server -> inside of the board
+      {"samples/render/main.cpp", "\"gicube/wire/ray.h\""},        // sample -> wire
+      {"samples/render/main.cpp", "\"../../driver/src/link.h\""},  // sample -> private header by a path
+      {"samples/common/scene.h", "\"gicube/v1/management.pb.h\""},
+      {"board_emu/dsp/framebuffer.h", "\"tests/support/scenes.h\""},
+  };
+  for (const Case& c : forbidden) {
+    EXPECT_THAT(faults(kTree, c.file, "#include " + c.include + "\n"), testing::SizeIs(1))
+        << c.file << " " << c.include;
+  }
+}
+
+TEST(IncludeRules, CatchThirdPartyHeadersWhereOnlyTheStandardLibraryIsAllowed) {
+  EXPECT_THAT(faults(kTree, "driver/include/gicube/board.h", "  #  include <boost/asio.hpp>\n"), testing::SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/board.cpp", "#include <sys/socket.h>\n"), testing::SizeIs(1));
+}
+
+TEST(IncludeRules, CatchNamesThatNoFileHasAndFoldersThatNoRuleFits) {
+  EXPECT_THAT(faults(kTree, "samples/render/main.cpp", "#include \"gone.h\"\n"),
+              ElementsAre("samples/render/main.cpp:1: no file of ours is called gone.h"));
+  EXPECT_THAT(faults(kTree, "board_emu/novelty/part.h", ""), testing::SizeIs(1));
+}
+
+}  // namespace
+}  // namespace gicube::layout
