@@ -27,18 +27,13 @@ struct Range {
 
 // The ranges of board_config.proto's comments.
 constexpr std::array kRanges{
-    Range{"asic.processors", 1, 16, "processors"},
-    Range{"asic.max_volume_voxels", 32, 1024, "voxels"},
-    Range{"asic.queue_rays", 1, 4096, "rays"},
-    Range{"asic.core_khz", 1'000, 1'000'000, "kHz"},
+    Range{"asic.processors", 1, 16, "processors"}, Range{"asic.max_volume_voxels", 32, 1024, "voxels"},
+    Range{"asic.queue_rays", 1, 4096, "rays"}, Range{"asic.core_khz", 1'000, 1'000'000, "kHz"},
     Range{"dsp.clock_khz", 1'000, 2'000'000, "kHz"},
     // chosen: keeps the picoseconds of the largest image at the slowest clock within 64 bits.
-    Range{"dsp.viewing_ray_cycles", 0, 10'000, "DSP cycles"},
-    Range{"dsp.returned_ray_cycles", 0, 10'000, "DSP cycles"},
-    Range{"dsp.host_ray_cycles", 0, 10'000, "DSP cycles"},
-    Range{"dsp.framebuffer_mb", 1, 1024, "MB"},
-    Range{"bus.max_burst_dwords", 1, 1024, "dwords"},
-    Range{"bus.latency_timer_clocks", 8, 255, "bus clocks"},
+    Range{"dsp.viewing_ray_cycles", 0, 10'000, "DSP cycles"}, Range{"dsp.returned_ray_cycles", 0, 10'000, "DSP cycles"},
+    Range{"dsp.host_ray_cycles", 0, 10'000, "DSP cycles"}, Range{"dsp.framebuffer_mb", 1, 1024, "MB"},
+    Range{"bus.max_burst_dwords", 1, 1024, "dwords"}, Range{"bus.latency_timer_clocks", 8, 255, "bus clocks"},
     Range{"bus.read_latency_clocks", 0, 64, "bus clocks"},
     Range{"threads", 0, 1024, "threads, 0 = one a core"},  // chosen: above any host that this was tried on
 };
@@ -96,13 +91,13 @@ void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::ve
   if (config.fidelity() != v1::functional) {
     const std::string& got = v1::FidelityLevel_Name(config.fidelity());
     const std::string level = config.fidelity() == v1::FIDELITY_UNSPECIFIED ? "other" : got;
-    faults.push_back({"fidelity", "functional (this release has no " + level + " level yet)", got,
-                      line_of(lines, "fidelity")});
+    faults.push_back(
+        {"fidelity", "functional (this release has no " + level + " level yet)", got, line_of(lines, "fidelity")});
   }
   if (config.bus().model() == v1::BUS_UNSPECIFIED) {
     const FieldDescriptor& field = *v1::BusConfig::descriptor()->FindFieldByName("model");
-    faults.push_back({"bus.model", expected_value(field), v1::BusModel_Name(config.bus().model()),
-                      line_of(lines, "bus.model")});
+    faults.push_back(
+        {"bus.model", expected_value(field), v1::BusModel_Name(config.bus().model()), line_of(lines, "bus.model")});
   }
 }
 
@@ -110,8 +105,8 @@ void check_volume(const v1::AsicConfig& asic, const FieldLines& lines, std::vect
   const std::uint32_t block = asic.block_voxels(), volume = asic.max_volume_voxels();
   const bool block_is_good = block == 8 || block == 16 || block == 32 || block == 64;
   if (!block_is_good) {
-    faults.push_back({"asic.block_voxels", "8, 16, 32 or 64 voxels", std::to_string(block),
-                      line_of(lines, "asic.block_voxels")});
+    faults.push_back(
+        {"asic.block_voxels", "8, 16, 32 or 64 voxels", std::to_string(block), line_of(lines, "asic.block_voxels")});
   }
   if (volume < 32 || volume > 1024) return;  // reported with the other ranges
   const int line = line_of(lines, "asic.max_volume_voxels");

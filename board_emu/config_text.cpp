@@ -138,7 +138,8 @@ void blank(std::string& text, const Scan& scan, const Field& field) {
 
 const google::protobuf::Descriptor* parent_type(std::string_view path) {
   const google::protobuf::Descriptor* type = v1::BoardConfig::descriptor();
-  for (std::size_t dot; type != nullptr && (dot = path.find('.')) != std::string_view::npos; path.remove_prefix(dot + 1)) {
+  for (std::size_t dot; type != nullptr && (dot = path.find('.')) != std::string_view::npos;
+       path.remove_prefix(dot + 1)) {
     const auto* field = type->FindFieldByName(std::string(path.substr(0, dot)));
     type = field == nullptr ? nullptr : field->message_type();
   }
@@ -198,7 +199,8 @@ bool report_error(std::string& text, const Scan& scan, const Message& error, std
 ParsedConfig parse_config(std::string_view input) {
   ParsedConfig result;
   if (input.size() > kMaxConfigBytes) {
-    result.faults.push_back({"", fmt::format("at most {} bytes of text", kMaxConfigBytes), std::to_string(input.size())});
+    result.faults.push_back(
+        {"", fmt::format("at most {} bytes of text", kMaxConfigBytes), std::to_string(input.size())});
     return result;
   }
   std::string text(input);
@@ -213,7 +215,8 @@ ParsedConfig parse_config(std::string_view input) {
     report_unknown(fields, collector, result.faults);
     for (const Field& field : fields.fields) result.lines.emplace(field.path, fields.tokens[field.name].line + 1);
     if (parsed) break;
-    const Message error = collector.errors.empty() ? Message{0, 0, "text that can't be read"} : collector.errors.front();
+    const Message error =
+        collector.errors.empty() ? Message{0, 0, "text that can't be read"} : collector.errors.front();
     if (!report_error(text, fields, error, result.faults)) break;
   }
   std::stable_sort(result.faults.begin(), result.faults.end(),

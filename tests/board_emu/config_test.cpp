@@ -41,39 +41,42 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
       "}\n"
       "asik { processors: 8 }\n"
       "bus { model: pci66 }\n");
-  EXPECT_THAT(texts(parsed.faults),
-              testing::ElementsAre(
-                  "line 1: fidelity: expected one of functional, approximate, cycle, got fast",
-                  "line 3: asic.processors: expected a whole number from 0 to 4294967295, got \"eight\"",
-                  "line 4: asic.queue_rays: expected a whole number from 0 to 4294967295, got -1",
-                  AllOf(HasSubstr("line 4: asic.block_voxel: expected one of processors, block_voxels"),
-                        HasSubstr("got \"block_voxel\"")),
-                  "line 5: asic.core_khz: expected to be set once, got it a second time",
-                  "line 7: asik: expected one of fidelity, asic, dsp, bus, threads, got \"asik\"",
-                  "line 8: bus.model: expected one of pci33, agp1x, agp2x, agp4x, got pci66"));
+  EXPECT_THAT(
+      texts(parsed.faults),
+      testing::ElementsAre("line 1: fidelity: expected one of functional, approximate, cycle, got fast",
+                           "line 3: asic.processors: expected a whole number from 0 to 4294967295, got \"eight\"",
+                           "line 4: asic.queue_rays: expected a whole number from 0 to 4294967295, got -1",
+                           AllOf(HasSubstr("line 4: asic.block_voxel: expected one of processors, block_voxels"),
+                                 HasSubstr("got \"block_voxel\"")),
+                           "line 5: asic.core_khz: expected to be set once, got it a second time",
+                           "line 7: asik: expected one of fidelity, asic, dsp, bus, threads, got \"asik\"",
+                           "line 8: bus.model: expected one of pci33, agp1x, agp2x, agp4x, got pci66"));
 }
 
 TEST(Config, ReportsARepeatedMessage) {
   const ParsedConfig parsed = parse_config("dsp { clock_khz: 1000 }\ndsp { framebuffer_mb: 64 }\n");
-  EXPECT_THAT(texts(parsed.faults),
-              testing::ElementsAre("line 2: dsp: expected to be set once, got it a second time"));
+  EXPECT_THAT(texts(parsed.faults), testing::ElementsAre("line 2: dsp: expected to be set once, got it a second time"));
   EXPECT_EQ(parsed.config.dsp().clock_khz(), 1000u);
 }
 
 TEST(Config, ReportsAScalarWhereAMessageBelongs) {
-  EXPECT_THAT(texts(parse_config("asic: 4\n").faults), testing::ElementsAre(HasSubstr("line 1: asic: expected a message")));
-  EXPECT_THAT(texts(parse_config("threads { }\n").faults), testing::ElementsAre(HasSubstr("line 1: threads: expected")));
+  EXPECT_THAT(texts(parse_config("asic: 4\n").faults),
+              testing::ElementsAre(HasSubstr("line 1: asic: expected a message")));
+  EXPECT_THAT(texts(parse_config("threads { }\n").faults),
+              testing::ElementsAre(HasSubstr("line 1: threads: expected")));
 }
 
 TEST(Config, ReportsBrokenStructureWithItsLine) {
   EXPECT_THAT(texts(parse_config("asic {\n  processors: 4\n").faults), testing::ElementsAre(HasSubstr("got Expected")));
-  EXPECT_THAT(texts(parse_config("asic {}\n}\n").faults), testing::ElementsAre(HasSubstr("line 2: expected protobuf text")));
+  EXPECT_THAT(texts(parse_config("asic {}\n}\n").faults),
+              testing::ElementsAre(HasSubstr("line 2: expected protobuf text")));
   EXPECT_FALSE(parse_config(std::string("\x00\xff\x07{{{", 6)).faults.empty());
   EXPECT_FALSE(parse_config("threads: \"never closed").faults.empty());
 }
 
 TEST(Config, RefusesAHugeText) {
-  EXPECT_THAT(texts(parse_config(std::string(std::size_t{2} << 20, ' ')).faults), testing::ElementsAre(HasSubstr("at most")));
+  EXPECT_THAT(texts(parse_config(std::string(std::size_t{2} << 20, ' ')).faults),
+              testing::ElementsAre(HasSubstr("at most")));
 }
 
 TEST(Config, EndsOnATextFullOfFaults) {
@@ -83,13 +86,13 @@ TEST(Config, EndsOnATextFullOfFaults) {
 }
 
 TEST(Config, ChecksEveryRangeAtOnceWithItsLine) {
-  const ParsedConfig parsed = parse_config("asic {\n processors: 17\n block_voxels: 48\n}\nbus { latency_timer_clocks: 7 }\n");
+  const ParsedConfig parsed =
+      parse_config("asic {\n processors: 17\n block_voxels: 48\n}\nbus { latency_timer_clocks: 7 }\n");
   ASSERT_THAT(texts(parsed.faults), IsEmpty());
   EXPECT_THAT(texts(check(parsed.config, parsed.lines)),
-              testing::UnorderedElementsAre(
-                  "line 2: asic.processors: expected 1 to 16 processors, got 17",
-                  "line 3: asic.block_voxels: expected 8, 16, 32 or 64 voxels, got 48",
-                  "line 5: bus.latency_timer_clocks: expected 8 to 255 bus clocks, got 7"));
+              testing::UnorderedElementsAre("line 2: asic.processors: expected 1 to 16 processors, got 17",
+                                            "line 3: asic.block_voxels: expected 8, 16, 32 or 64 voxels, got 48",
+                                            "line 5: bus.latency_timer_clocks: expected 8 to 255 bus clocks, got 7"));
 }
 
 TEST(Config, AcceptsTheEndsOfEveryRange) {
@@ -137,8 +140,9 @@ TEST(Config, AFaultyOverrideChangesNothingAndListsWhatIsKnown) {
                                          HasSubstr("got \"procesors\""))));
   EXPECT_THAT(texts(apply_override(config, "chip.processors=4")),
               testing::ElementsAre(HasSubstr("expected one of fidelity, asic, dsp, bus, threads, got \"chip\"")));
-  for (const char* bad : {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
-                          "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {
+  for (const char* bad :
+       {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
+        "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {
     EXPECT_THAT(apply_override(config, bad), testing::SizeIs(1)) << bad;
   }
   EXPECT_EQ(config_text(config), before);
@@ -172,16 +176,15 @@ TEST(Config, TheResolvedTextReadsBackAsTheSameConfiguration) {
 
 TEST(Config, TheHashIgnoresOrderOfFieldsSpelledOutDefaultsAndThreads) {
   const ParsedConfig one = parse_config("asic { processors: 8 queue_rays: 64 } bus { model: agp2x }");
-  const ParsedConfig two = parse_config("threads: 7 bus { model: agp2x } asic { queue_rays: 64 processors: 8 block_voxels: 32 }");
+  const ParsedConfig two =
+      parse_config("threads: 7 bus { model: agp2x } asic { queue_rays: 64 processors: 8 block_voxels: 32 }");
   EXPECT_EQ(config_hash(one.config), config_hash(two.config));
   EXPECT_EQ(config_hash(one.config), config_hash(resolve(one.config)));
   EXPECT_NE(config_hash(one.config), config_hash(v1::BoardConfig()));
 }
 
 // The hash stands in result files: it may change only with the schema or its defaults.
-TEST(Config, TheHashOfTheDesignPointIsStable) {
-  EXPECT_EQ(config_hash_text(v1::BoardConfig()), "25398056f1da5572");
-}
+TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "25398056f1da5572"); }
 
 }  // namespace
 }  // namespace gicube::emu

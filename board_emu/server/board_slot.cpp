@@ -1,0 +1,102 @@
+#include "board_slot.h"
+
+#include <chrono>
+#include <utility>
+
+namespace gicube::emu {
+namespace {
+
+// chosen: work looks at its cancel flag many times a second, so a session that takes longer hangs.
+constexpr std::chrono::seconds kReleaseTimeout{10};
+
+}  // namespace
+
+BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config)
+    : index_(index), config_(resolve(config)), board_(std::make_unique<Board>(config_, config_hash(config_))) {}
+
+BoardSlot::~BoardSlot() { compute_.join(); }
+
+Claim BoardSlot::claim(std::function<void()> end_session) {
+  const std::lock_guard lock(mutex_);
+  if (owner_ == Owner::kSession) return releasing_ ? Claim::kSoonFree : Claim::kBusy;
+  if (owner_ == Owner::kManagement) return Claim::kSoonFree;
+  owner_ = Owner::kSession;
+  ++sessions_;
+  end_session_ = std::move(end_session);
+  return Claim::kGranted;
+}
+
+void BoardSlot::announce_release() {
+  const std::lock_guard lock(mutex_);
+  releasing_ = true;
+}
+
+void BoardSlot::release() {
+  {
+    const std::lock_guard lock(mutex_);
+    owner_ = Owner::kNone;
+    releasing_ = false;
+    end_session_ = nullptr;
+  }
+  released_.notify_all();
+}
+
+void BoardSlot::set_endpoint(std::string endpoint) {
+  const std::lock_guard lock(mutex_);
+  endpoint_ = std::move(endpoint);
+}
+
+BoardSlot::Info BoardSlot::info() const {
+  const std::lock_guard lock(mutex_);
+  return {index_, endpoint_, owner_ == Owner::kSession, config_};
+}
+
+BoardSlot::Snapshot BoardSlot::counters() const {
+  const std::lock_guard lock(mutex_);
+  return {board_->simulated_ps(), board_->counters()};
+}
+
+BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Fault>& faults) {
+  ParsedConfig parsed = parse_config(text);
+  v1::BoardConfig merged;
+  {
+    const std::lock_guard lock(mutex_);
+    merged = config_;
+    merged.MergeFrom(parsed.config);
+    faults = std::move(parsed.faults);
+    for (Fault& fault : check(merged, parsed.lines)) faults.push_back(std::move(fault));
+    if (!faults.empty()) return Configured::kFaulty;
+    if (owner_ != Owner::kNone) return Configured::kInUse;
+    owner_ = Owner::kManagement;
+  }
+  // Allocating a large board takes a while, so the lock is not held; the claim keeps everyone else out.
+  try {
+    auto rebuilt = std::make_unique<Board>(merged, config_hash(merged));
+    const std::lock_guard lock(mutex_);
+    board_.swap(rebuilt);
+    config_ = std::move(merged);
+  } catch (...) {
+    release();
+    throw;
+  }
+  release();
+  return Configured::kDone;
+}
+
+bool BoardSlot::power_reset() {
+  {
+    std::unique_lock lock(mutex_);
+    const std::uint64_t session = sessions_;
+    if (owner_ == Owner::kSession && end_session_) std::exchange(end_session_, nullptr)();
+    // A session that ends resets the board; one that came after it has found it so.
+    const auto ended = [this, session] { return owner_ == Owner::kNone || sessions_ != session; };
+    if (!released_.wait_for(lock, kReleaseTimeout, ended)) return false;
+    if (owner_ != Owner::kNone) return true;
+    owner_ = Owner::kManagement;
+  }
+  board_->reset();
+  release();
+  return true;
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,88 @@
+// One board of this process with its configuration and its owner: what the bus server and the management plane share.
+//
+// A board has at most one owner, either a session or the management plane while it resets or rebuilds the board. Only
+// the owner touches the board's state; counters can be read at any time. All calls from any thread.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/thread_pool.hpp>
+
+#include "board.h"
+#include "config.h"
+
+namespace gicube::emu {
+
+enum class Claim { kGranted, kBusy, kSoonFree };  // kSoonFree: the owner is about to let go
+
+class BoardSlot {
+ public:
+  // `config` must be checked; it is resolved here.
+  BoardSlot(std::uint32_t index, const v1::BoardConfig& config);
+  ~BoardSlot();
+
+  BoardSlot(const BoardSlot&) = delete;
+  BoardSlot& operator=(const BoardSlot&) = delete;
+
+  std::uint32_t index() const { return index_; }
+
+  // For a session. `end_session` is called at most once, from any thread, to ask it to end; it must not block.
+  Claim claim(std::function<void()> end_session);
+  // The session still owns the board, but will release it as soon as the running work has ended.
+  void announce_release();
+  // The board must have been reset.
+  void release();
+
+  // Only for the owner, and only from work on compute().
+  Board& board() { return *board_; }
+  // The thread on which all of this board's work is done.
+  boost::asio::thread_pool& compute() { return compute_; }
+
+  void set_endpoint(std::string endpoint);
+
+  struct Info {
+    std::uint32_t index = 0;
+    std::string endpoint;
+    bool in_use = false;
+    v1::BoardConfig config;  // resolved
+  };
+  Info info() const;
+
+  struct Snapshot {
+    std::uint64_t simulated_ps = 0;
+    std::vector<wire::Counter> counters;
+  };
+  Snapshot counters() const;
+
+  enum class Configured { kDone, kInUse, kFaulty };
+  // Merges configuration text and builds the board anew. On anything but kDone nothing has changed.
+  Configured configure(std::string_view text, std::vector<Fault>& faults);
+
+  // The power button: ends the owning session and resets the board. False if the session did not end in time.
+  bool power_reset();
+
+ private:
+  enum class Owner { kNone, kSession, kManagement };
+
+  const std::uint32_t index_;
+  mutable std::mutex mutex_;  // guards everything below but compute_
+  std::condition_variable released_;
+  Owner owner_ = Owner::kNone;
+  bool releasing_ = false;
+  std::uint64_t sessions_ = 0;  // so far
+  std::function<void()> end_session_;
+  std::string endpoint_;
+  v1::BoardConfig config_;
+  std::unique_ptr<Board> board_;
+  boost::asio::thread_pool compute_{1};
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,89 @@
+// gicube-board: one process, one or more emulated boards.
+//
+// Exit codes: 0 ended by a signal or with its private session, 1 a socket or file could not be had, 2 faults in flags or
+// configuration.
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <vector>
+
+#include "board_slot.h"
+#include "bus_server.h"
+#include "gicube/wire/register_markdown.h"
+#include "management.h"
+#include "options.h"
+
+namespace gicube::emu {
+namespace {
+
+// Scripts wait for these lines.
+void say_ready(const std::string& what, const Endpoint& endpoint) {
+  fmt::print("gicube-board: {} ready on {}\n", what, to_string(endpoint));
+  std::fflush(stdout);
+}
+
+void serve(const Options& options) {
+  std::vector<std::unique_ptr<BoardSlot>> slots;
+  std::vector<BoardSlot*> boards;
+  for (std::uint32_t i = 0; i < options.boards; ++i) {
+    slots.push_back(std::make_unique<BoardSlot>(i, options.config));
+    boards.push_back(slots.back().get());
+  }
+  BusServer server;
+  server.stop_on_signals({SIGINT, SIGTERM});
+  std::vector<Endpoint> endpoints;
+  for (BoardSlot* slot : boards) {
+    const Endpoint endpoint = for_board(options.listen, slot->index());
+    if (endpoint.kind == EndpointKind::kFd) {
+      server.adopt(*slot, endpoint.fd, options.is_private);
+    } else {
+      endpoints.push_back(server.listen(*slot, endpoint));
+    }
+  }
+  // After the server in this scope: so it is gone before the sockets and the boards are.
+  std::unique_ptr<Management> management;
+  if (options.management) management = std::make_unique<Management>(*options.management, boards);
+  for (std::size_t i = 0; i < endpoints.size(); ++i) say_ready(fmt::format("board {}", i), endpoints[i]);
+  if (management) say_ready("management", management->endpoint());
+  spdlog::info("configuration {}", config_hash_text(options.config));
+  server.run();
+  spdlog::info("shutting down");
+}
+
+int run(int argc, const char* const* argv) {
+  const CommandLine line = parse_command_line(argc, argv);
+  for (const std::string& fault : line.faults) fmt::print(stderr, "gicube-board: {}\n", fault);
+  if (!line.faults.empty()) return 2;
+  if (line.text) {
+    fmt::print("{}", *line.text);
+    return 0;
+  }
+  if (line.options.print_config) {
+    fmt::print("{}# config_hash: {}\n", config_text(line.options.config), config_hash_text(line.options.config));
+  }
+  if (line.options.print_registers) fmt::print("{}\n{}", wire::register_markdown(), wire::memory_markdown());
+  if (line.options.print_config || line.options.print_registers) return 0;
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("gicube-board"));
+  spdlog::set_level(line.options.quiet ? spdlog::level::warn : spdlog::level::info);
+  serve(line.options);
+  return 0;
+}
+
+}  // namespace
+}  // namespace gicube::emu
+
+int main(int argc, char** argv) {
+  ::umask(S_IRWXG | S_IRWXO);  // socket files are their owner's alone
+  try {
+    return gicube::emu::run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "gicube-board: {}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,272 @@
+#include "management.h"
+
+#include <fmt/format.h>
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/health_check_service_interface.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <fstream>
+#include <iterator>
+#include <mutex>
+#include <stdexcept>
+#include <utility>
+
+#include "gicube/v1/management.grpc.pb.h"
+#include "token.h"
+
+namespace gicube::emu {
+namespace {
+
+using grpc::ServerContext;
+using grpc::Status;
+using grpc::StatusCode;
+
+constexpr int kMaxWatchers = 16;  // chosen: each holds a thread
+constexpr std::uint32_t kMinIntervalMs = 10, kMaxIntervalMs = 60'000, kDefaultIntervalMs = 1000;
+constexpr std::chrono::milliseconds kCancelCheck{50};     // chosen: how late a cancelled watch is noticed
+constexpr std::chrono::milliseconds kShutdownGrace{500};  // chosen
+constexpr int kMaxMessageBytes = 2 << 20;                 // chosen: twice what a configuration text may have
+
+class Service final : public v1::BoardManagement::Service {
+ public:
+  explicit Service(std::vector<BoardSlot*> boards) : boards_(std::move(boards)) {}
+
+  Status ListBoards(ServerContext*, const v1::ListBoardsRequest*, v1::ListBoardsResponse* response) override {
+    for (const BoardSlot* slot : boards_) describe(*slot, *response->add_boards());
+    return Status::OK;
+  }
+
+  Status GetInfo(ServerContext*, const v1::GetInfoRequest* request, v1::BoardInfo* info) override {
+    const BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    describe(*slot, *info);
+    return Status::OK;
+  }
+
+  Status Configure(ServerContext*, const v1::ConfigureRequest* request, v1::BoardInfo* info) override {
+    BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    std::vector<Fault> faults;
+    switch (slot->configure(request->config_text(), faults)) {
+      case BoardSlot::Configured::kFaulty: return {StatusCode::INVALID_ARGUMENT, to_string(faults)};
+      case BoardSlot::Configured::kInUse:
+        return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", request->board())};
+      case BoardSlot::Configured::kDone: break;
+    }
+    describe(*slot, *info);
+    return Status::OK;
+  }
+
+  Status Reset(ServerContext*, const v1::ResetRequest* request, v1::BoardInfo* info) override {
+    BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    if (!slot->power_reset()) return {StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
+    describe(*slot, *info);
+    return Status::OK;
+  }
+
+  Status GetCounters(ServerContext*, const v1::GetCountersRequest* request, v1::CounterSnapshot* snapshot) override {
+    const BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    *snapshot = take_snapshot(*slot);
+    return Status::OK;
+  }
+
+  Status WatchCounters(ServerContext* context, const v1::WatchCountersRequest* request,
+                       grpc::ServerWriter<v1::CounterSnapshot>* writer) override {
+    const BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    const std::uint32_t interval_ms = request->interval_ms() == 0 ? kDefaultIntervalMs : request->interval_ms();
+    if (interval_ms < kMinIntervalMs || interval_ms > kMaxIntervalMs) {
+      return {StatusCode::INVALID_ARGUMENT,
+              fmt::format("interval_ms: expected 0 or {} to {}, got {}", kMinIntervalMs, kMaxIntervalMs, interval_ms)};
+    }
+    const Watch watch(watchers_);
+    if (watch.number > kMaxWatchers) {
+      return {StatusCode::RESOURCE_EXHAUSTED, fmt::format("expected at most {} watches at a time", kMaxWatchers)};
+    }
+    auto next = std::chrono::steady_clock::now();
+    do {
+      if (!writer->Write(take_snapshot(*slot))) return Status::OK;
+      next += std::chrono::milliseconds(interval_ms);
+    } while (sleep_until(next, *context));
+    if (context->IsCancelled()) return Status::CANCELLED;
+    return {StatusCode::UNAVAILABLE, "the board process ends"};
+  }
+
+  // Ends the watches.
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    stopped_.notify_all();
+  }
+
+ private:
+  struct Watch {
+    explicit Watch(std::atomic<int>& all) : counter(all), number(++all) {}
+    ~Watch() { --counter; }
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
+    std::atomic<int>& counter;
+    int number;
+  };
+
+  BoardSlot* find(std::uint32_t board) const { return board < boards_.size() ? boards_[board] : nullptr; }
+
+  Status no_board(std::uint32_t board) const {
+    return {StatusCode::NOT_FOUND, fmt::format("board: expected 0 to {}, got {}", boards_.size() - 1, board)};
+  }
+
+  static void describe(const BoardSlot& slot, v1::BoardInfo& out) {
+    const BoardSlot::Info info = slot.info();
+    out.set_board(info.index);
+    out.set_product("GI-Cube (emulated)");
+    out.set_version(GICUBE_VERSION);
+    out.set_bus_endpoint(info.endpoint);
+    out.set_in_use(info.in_use);
+    out.set_config_hash(config_hash_text(info.config));
+    *out.mutable_config() = info.config;
+  }
+
+  static v1::CounterSnapshot take_snapshot(const BoardSlot& slot) {
+    const BoardSlot::Snapshot counted = slot.counters();
+    v1::CounterSnapshot snapshot;
+    snapshot.set_board(slot.index());
+    snapshot.set_simulated_ps(counted.simulated_ps);
+    for (const wire::Counter& counter : counted.counters) {
+      v1::Counter* out = snapshot.add_counters();
+      out->set_name(counter.name);
+      out->set_unit(counter.unit);
+      out->set_value(counter.value);
+    }
+    return snapshot;
+  }
+
+  // False if the call was cancelled or the service stops before that.
+  bool sleep_until(std::chrono::steady_clock::time_point time, const ServerContext& context) {
+    std::unique_lock lock(mutex_);
+    while (!stopping_ && !context.IsCancelled()) {
+      const auto now = std::chrono::steady_clock::now();
+      if (now >= time) return true;
+      stopped_.wait_until(lock, std::min(time, now + kCancelCheck));
+    }
+    return false;
+  }
+
+  const std::vector<BoardSlot*> boards_;
+  std::atomic<int> watchers_{0};
+  std::mutex mutex_;
+  std::condition_variable stopped_;
+  bool stopping_ = false;
+};
+
+// Asks every call for the token, those of health and reflection too.
+class TokenCheck final : public grpc::AuthMetadataProcessor {
+ public:
+  explicit TokenCheck(std::string token) : token_(std::move(token)) {}
+
+  bool IsBlocking() const override { return false; }
+
+  Status Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata* consumed,
+                 OutputMetadata*) override {
+    const auto found = metadata.find("authorization");
+    const bool is_good = found != metadata.end() && is_authorized({found->second.data(), found->second.size()}, token_);
+    if (!is_good) return {StatusCode::UNAUTHENTICATED, "expected the metadata \"authorization: Bearer TOKEN\""};
+    consumed->insert({"authorization", std::string(found->second.data(), found->second.size())});
+    return Status::OK;
+  }
+
+ private:
+  const std::string token_;
+};
+
+std::string read_pem(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error(fmt::format("{}: can't be read", path));
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::shared_ptr<grpc::ServerCredentials> credentials(const ManagementOptions& options) {
+  if (options.certificate_file.empty()) return grpc::InsecureServerCredentials();
+  grpc::SslServerCredentialsOptions tls;
+  tls.pem_key_cert_pairs.push_back({read_pem(options.key_file), read_pem(options.certificate_file)});
+  auto secured = grpc::SslServerCredentials(tls);
+  secured->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(read_token(options.token_file)));
+  return secured;
+}
+
+}  // namespace
+
+std::vector<Fault> check(const ManagementOptions& options) {
+  const std::array<std::pair<const char*, const std::string*>, 3> files{
+      {{"--management-cert", &options.certificate_file},
+       {"--management-key", &options.key_file},
+       {"--management-token-file", &options.token_file}}};
+  std::string missing;
+  int given = 0;
+  for (const auto& [flag, file] : files) {
+    if (file->empty()) missing += (missing.empty() ? "" : ", ") + std::string(flag);
+    given += file->empty() ? 0 : 1;
+  }
+  std::vector<Fault> faults;
+  const std::string endpoint = to_string(options.endpoint);
+  if (options.endpoint.kind == EndpointKind::kFd) {
+    faults.push_back({"--management", "unix:PATH or tcp:HOST:PORT", endpoint});
+  } else if (!is_local(options.endpoint) && !missing.empty()) {
+    faults.push_back({"--management",
+                      fmt::format("a loopback address or a unix socket, or TLS and a token by {}", missing),
+                      endpoint + ", which other machines can reach"});
+  } else if (given != 0 && !missing.empty()) {
+    faults.push_back({"--management", "a certificate, a key and a token file together; missing: " + missing,
+                      fmt::format("{} of the three", given)});
+  }
+  return faults;
+}
+
+struct Management::Parts {
+  Endpoint endpoint;
+  Service service;
+  std::unique_ptr<grpc::Server> server;
+
+  explicit Parts(std::vector<BoardSlot*> boards) : service(std::move(boards)) {}
+};
+
+Management::Management(const ManagementOptions& options, std::vector<BoardSlot*> boards)
+    : parts_(std::make_unique<Parts>(std::move(boards))) {
+  const std::vector<Fault> faults = check(options);
+  if (!faults.empty()) throw std::runtime_error(to_string(faults));
+  const bool is_unix = options.endpoint.kind == EndpointKind::kUnix;
+  if (is_unix) remove_stale_socket(options.endpoint.path);
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  // Without that a second process would silently share the port.
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  int port = 0;
+  const std::string text = to_string(options.endpoint);
+  builder.AddListeningPort(is_unix ? text : text.substr(std::string("tcp:").size()), credentials(options), &port);
+  builder.RegisterService(&parts_->service);
+  parts_->server = builder.BuildAndStart();
+  if (!parts_->server)
+    throw std::runtime_error(fmt::format("{}: can't listen there, or the certificate is no good", text));
+  parts_->endpoint = options.endpoint;
+  if (!is_unix) parts_->endpoint.port = static_cast<std::uint16_t>(port);
+  grpc::HealthCheckServiceInterface* health = parts_->server->GetHealthCheckService();
+  health->SetServingStatus(v1::BoardManagement::service_full_name(), true);
+}
+
+Management::~Management() {
+  if (!parts_->server) return;
+  parts_->server->GetHealthCheckService()->SetServingStatus(false);
+  parts_->service.stop();
+  parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
+  parts_->server->Wait();
+}
+
+const Endpoint& Management::endpoint() const { return parts_->endpoint; }
+
+}  // namespace gicube::emu

@@ -1,0 +1,160 @@
+#include "options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <fstream>
+#include <iterator>
+
+namespace gicube::emu {
+namespace {
+
+// The flags as they were typed.
+struct Flags {
+  std::string listen, management, config_file;
+  std::vector<std::string> overrides;
+  std::string certificate_file, key_file, token_file;
+  std::uint32_t boards = 1;
+  bool allow_remote_bus = false, is_private = false, quiet = false, print_config = false, print_registers = false;
+};
+
+void add_flags(CLI::App& app, Flags& flags) {
+  app.add_option("--listen", flags.listen,
+                 "where drivers open the board: unix:PATH, tcp:HOST:PORT (port 0 = any free one), or\n"
+                 "fd:N for a connected socket; board i > 0 is at PATH.i or PORT+i")
+      ->type_name("ENDPOINT");
+  app.add_option("--boards", flags.boards, fmt::format("how many boards, 1 to {}", kMaxBoards))->type_name("N");
+  app.add_flag("--private", flags.is_private, "with fd:N: end with that session");
+  app.add_flag("--allow-remote-bus", flags.allow_remote_bus,
+               "let --listen be an address that other machines can reach; the bus has no password");
+  app.add_flag("--quiet", flags.quiet, "log warnings only");
+
+  app.add_option("--config", flags.config_file, "board configuration, protobuf text of gicube.v1.BoardConfig")
+      ->type_name("FILE")
+      ->group("Configuration");
+  app.add_option("--set", flags.overrides, "set one field after that, as asic.processors=8; may come several times")
+      ->type_name("FIELD=VALUE")
+      ->allow_extra_args(false)
+      ->group("Configuration");
+  app.add_flag("--print-config", flags.print_config, "print the resolved configuration and its hash, then end")
+      ->group("Configuration");
+  app.add_flag("--registers", flags.print_registers, "print the register table and the memory map, then end")
+      ->group("Configuration");
+
+  app.add_option("--management", flags.management, "serve the management plane (gRPC) at unix:PATH or tcp:HOST:PORT")
+      ->type_name("ENDPOINT")
+      ->group("Management");
+  app.add_option("--management-cert", flags.certificate_file, "TLS certificate, PEM; needed beyond this machine")
+      ->type_name("FILE")
+      ->group("Management");
+  app.add_option("--management-key", flags.key_file, "its private key, PEM")->type_name("FILE")->group("Management");
+  app.add_option(
+         "--management-token-file", flags.token_file,
+         "the token that callers must send as \"authorization: Bearer TOKEN\"; only its owner may read the file")
+      ->type_name("FILE")
+      ->group("Management");
+}
+
+v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& faults) {
+  ParsedConfig parsed;
+  if (!flags.config_file.empty()) {
+    std::ifstream file(flags.config_file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    if (!file) {
+      faults.push_back(fmt::format("--config: expected a readable file, got {}", flags.config_file));
+    } else {
+      parsed = parse_config(text);
+    }
+  }
+  for (const Fault& fault : parsed.faults) faults.push_back(fmt::format("{}: {}", flags.config_file, to_string(fault)));
+  for (const std::string& each : flags.overrides) {
+    for (const Fault& fault : apply_override(parsed.config, each))
+      faults.push_back("--set " + each + ": " + to_string(fault));
+  }
+  for (const Fault& fault : check(parsed.config, parsed.lines)) {
+    const std::string file = fault.line > 0 ? flags.config_file + ": " : "";
+    faults.push_back(file + to_string(fault));
+  }
+  return resolve(parsed.config);
+}
+
+std::optional<Endpoint> read_endpoint(const char* flag, const std::string& text, std::vector<std::string>& faults) {
+  try {
+    return parse_endpoint(text);
+  } catch (const std::invalid_argument& error) {
+    faults.push_back(fmt::format("{}: {}", flag, error.what()));
+    return std::nullopt;
+  }
+}
+
+void read_listen(const Flags& flags, Options& options, std::vector<std::string>& faults) {
+  if (flags.boards < 1 || flags.boards > kMaxBoards) {
+    faults.push_back(fmt::format("--boards: expected 1 to {}, got {}", kMaxBoards, flags.boards));
+  }
+  if (flags.listen.empty()) {
+    const bool prints_only = flags.print_config || flags.print_registers;
+    if (!prints_only) faults.push_back("--listen: expected unix:PATH, tcp:HOST:PORT or fd:N, got nothing");
+    return;
+  }
+  const std::optional<Endpoint> endpoint = read_endpoint("--listen", flags.listen, faults);
+  if (!endpoint) return;
+  options.listen = *endpoint;
+  if (!is_local(*endpoint) && !flags.allow_remote_bus) {
+    faults.push_back(fmt::format("--listen: expected a loopback address or --allow-remote-bus, got {}", flags.listen));
+  }
+  if (flags.is_private && endpoint->kind != EndpointKind::kFd) {
+    faults.push_back(fmt::format("--private: expected --listen fd:N, got {}", flags.listen));
+  }
+  try {
+    for_board(*endpoint, flags.boards >= 1 && flags.boards <= kMaxBoards ? flags.boards - 1 : 0);
+  } catch (const std::invalid_argument& error) {
+    faults.push_back(fmt::format("--boards: {}", error.what()));
+  }
+}
+
+void read_management(const Flags& flags, Options& options, std::vector<std::string>& faults) {
+  const bool has_files = !(flags.certificate_file + flags.key_file + flags.token_file).empty();
+  if (flags.management.empty()) {
+    if (has_files) faults.push_back("--management: expected an endpoint for the certificate, key or token, got none");
+    return;
+  }
+  const std::optional<Endpoint> endpoint = read_endpoint("--management", flags.management, faults);
+  if (!endpoint) return;
+  options.management = ManagementOptions{*endpoint, flags.certificate_file, flags.key_file, flags.token_file};
+  for (const Fault& fault : check(*options.management)) faults.push_back(to_string(fault));
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  CommandLine result;
+  Flags flags;
+  CLI::App app("An emulated GI-Cube board as a process of its own: drivers open it over a socket, gRPC manages it.",
+               "gicube-board");
+  app.set_version_flag("--version", "gicube-board " GICUBE_VERSION);
+  add_flags(app, flags);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    result.text = app.help();
+    return result;
+  } catch (const CLI::CallForVersion& version) {
+    result.text = std::string(version.what()) + "\n";
+    return result;
+  } catch (const CLI::ParseError& error) {
+    result.faults.push_back(error.what());
+    return result;
+  }
+  result.options.boards = flags.boards;
+  result.options.is_private = flags.is_private;
+  result.options.quiet = flags.quiet;
+  result.options.print_config = flags.print_config;
+  result.options.print_registers = flags.print_registers;
+  read_listen(flags, result.options, result.faults);
+  read_management(flags, result.options, result.faults);
+  result.options.config = read_config(flags, result.faults);
+  return result;
+}
+
+}  // namespace gicube::emu

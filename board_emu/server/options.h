@@ -1,0 +1,37 @@
+// The command line of gicube-board.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config.h"
+#include "endpoint.h"
+#include "management.h"
+
+namespace gicube::emu {
+
+inline constexpr std::uint32_t kMaxBoards = 64;  // chosen: each has a thread of its own
+
+struct Options {
+  Endpoint listen;
+  std::optional<ManagementOptions> management;
+  v1::BoardConfig config;  // resolved and checked
+  std::uint32_t boards = 1;
+  bool is_private = false;
+  bool quiet = false;
+  bool print_config = false;
+  bool print_registers = false;
+};
+
+// What the command line asks for, or what there is to print instead.
+struct CommandLine {
+  Options options;
+  std::optional<std::string> text;  // help or version, for stdout
+  std::vector<std::string> faults;  // for stderr, one a line
+};
+
+CommandLine parse_command_line(int argc, const char* const* argv);
+
+}  // namespace gicube::emu

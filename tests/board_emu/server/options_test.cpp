@@ -1,0 +1,93 @@
+#include "options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "temporary_directory.h"
+
+namespace gicube::emu {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+CommandLine parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "gicube-board");
+  return parse_command_line(static_cast<int>(arguments.size()), arguments.data());
+}
+
+TEST(CommandLine, TakesAListeningBoardWithOverrides) {
+  const CommandLine line = parse({"--listen", "unix:/tmp/b", "--boards", "3", "--set", "asic.processors=8", "--set",
+                                  "bus.model=agp2x", "--quiet"});
+  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_EQ(to_string(line.options.listen), "unix:/tmp/b");
+  EXPECT_EQ(line.options.boards, 3u);
+  EXPECT_EQ(line.options.config.asic().processors(), 8u);
+  EXPECT_EQ(line.options.config.bus().model(), v1::agp2x);
+  EXPECT_TRUE(line.options.config.has_threads());
+  EXPECT_TRUE(line.options.quiet);
+  EXPECT_FALSE(line.options.management);
+}
+
+TEST(CommandLine, ReportsAllFaultsAtOnce) {
+  const reference::TemporaryDirectory folder;
+  const std::string file = folder.file("board.textproto");
+  std::ofstream(file) << "asic { processors: 99\n colour: 3 }\n";
+  const CommandLine line = parse({"--listen", "tcp:0.0.0.0:1", "--boards", "65", "--private", "--config", file.c_str(),
+                                  "--set", "dsp.clock=3", "--management", "tcp:0.0.0.0:2"});
+  EXPECT_THAT(line.faults, testing::SizeIs(7));
+  EXPECT_THAT(line.faults, Contains(HasSubstr("--boards: expected 1 to 64, got 65")));
+  EXPECT_THAT(line.faults, Contains(HasSubstr("--allow-remote-bus")));
+  EXPECT_THAT(line.faults, Contains(HasSubstr("--private: expected --listen fd:N")));
+  EXPECT_THAT(line.faults, Contains(AllOf(HasSubstr(file), HasSubstr("line 2: asic.colour: expected one of"))));
+  EXPECT_THAT(line.faults, Contains(AllOf(HasSubstr(file), HasSubstr("line 1: asic.processors: expected 1 to 16"))));
+  EXPECT_THAT(line.faults, Contains(HasSubstr("--set dsp.clock=3: dsp.clock: expected one of clock_khz")));
+  EXPECT_THAT(line.faults, Contains(HasSubstr("--management-cert, --management-key, --management-token-file")));
+}
+
+TEST(CommandLine, AnOverrideWinsOverTheFile) {
+  const reference::TemporaryDirectory folder;
+  const std::string file = folder.file("board.textproto");
+  std::ofstream(file) << "asic { processors: 99 queue_rays: 7 }\n";
+  const CommandLine line = parse({"--print-config", "--config", file.c_str(), "--set", "asic.processors=2"});
+  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_EQ(line.options.config.asic().processors(), 2u);
+  EXPECT_EQ(line.options.config.asic().queue_rays(), 7u);
+}
+
+TEST(CommandLine, RemoteManagementNeedsWhatIsMissingByName) {
+  const CommandLine line = parse({"--listen", "fd:3", "--management", "tcp:0.0.0.0:2", "--management-key", "k"});
+  EXPECT_THAT(line.faults, ElementsAre(AllOf(HasSubstr("--management-cert, --management-token-file"),
+                                             testing::Not(HasSubstr("--management-key")))));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "tcp:127.0.0.1:2", "--management-key", "k"}).faults,
+              ElementsAre(HasSubstr("missing: --management-cert, --management-token-file")));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--management-key", "k"}).faults,
+              ElementsAre(HasSubstr("expected an endpoint")));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "fd:4"}).faults, ElementsAre(HasSubstr("unix:PATH")));
+}
+
+TEST(CommandLine, ARemoteBusMustBeAllowed) {
+  EXPECT_THAT(parse({"--listen", "tcp:0.0.0.0:1", "--allow-remote-bus"}).faults, IsEmpty());
+  EXPECT_THAT(parse({"--listen", "tcp:[::]:1"}).faults, testing::SizeIs(1));
+}
+
+TEST(CommandLine, NeedsSomethingToDo) {
+  EXPECT_THAT(parse({}).faults, ElementsAre(HasSubstr("--listen")));
+  EXPECT_THAT(parse({"--registers"}).faults, IsEmpty());
+  EXPECT_THAT(parse({"--listne", "fd:3"}).faults, testing::SizeIs(1));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--boards", "2"}).faults, ElementsAre(HasSubstr("--boards")));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--config", "/nowhere"}).faults, ElementsAre(HasSubstr("/nowhere")));
+}
+
+TEST(CommandLine, HelpAndVersionAreTexts) {
+  EXPECT_THAT(parse({"--help"}).text.value_or(""), HasSubstr("--management-token-file"));
+  EXPECT_THAT(parse({"--version"}).text.value_or(""), testing::StartsWith("gicube-board "));
+}
+
+}  // namespace
+}  // namespace gicube::emu

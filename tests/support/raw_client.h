@@ -1,0 +1,62 @@
+// A client of the data plane that takes no care: it sends what a test wants, right or wrong, and shows what comes back.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gicube/wire/frame.h"
+
+namespace gicube::reference {
+
+struct RawFrame {
+  wire::FrameHeader header;
+  std::vector<std::uint8_t> payload;
+
+  std::string text() const { return {payload.begin(), payload.end()}; }
+};
+
+class RawClient {
+ public:
+  // Throw std::runtime_error if nobody answers.
+  static RawClient connect_unix(const std::string& path);
+  static RawClient connect_tcp(std::uint16_t port);  // on 127.0.0.1
+  // Takes over a connected stream socket.
+  explicit RawClient(int fd);
+  ~RawClient() { close(); }
+
+  RawClient(RawClient&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+  RawClient& operator=(RawClient&&) = delete;
+
+  void close();
+  void end_sending();
+
+  // False if the peer has closed.
+  bool send_bytes(std::span<const std::uint8_t> bytes);
+  // `size` is set from the payload.
+  bool send(wire::FrameHeader header, std::span<const std::uint8_t> payload = {});
+  bool send(wire::FrameType type, std::uint32_t id, std::uint16_t flags, std::span<const std::uint8_t> payload);
+
+  // The next frame; nothing at the end of the stream. Throws std::runtime_error after 60 s of silence.
+  std::optional<RawFrame> receive();
+  // The next frame that is neither kCredit nor kProgress.
+  std::optional<RawFrame> receive_answer();
+
+  // Sends a version frame and returns the answer.
+  std::optional<RawFrame> handshake(const wire::VersionInfo& mine = {});
+  // A request and its answer.
+  std::optional<RawFrame> call(wire::FrameType type, std::uint32_t id, std::span<const std::uint8_t> payload);
+
+  void write_register(std::uint32_t offset, std::uint32_t value);
+  // All ones and more if there is no good answer.
+  std::uint64_t read_register(std::uint32_t offset);
+
+ private:
+  std::size_t read_fully(std::span<std::uint8_t> bytes);
+
+  int fd_;
+};
+
+}  // namespace gicube::reference
