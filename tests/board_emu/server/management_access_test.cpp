@@ -1,0 +1,210 @@
+// Who may call the management plane, and the standard services beside it.
+#include <gmock/gmock.h>
+#include <grpcpp/generic/generic_stub.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include "managed_boards.h"
+
+namespace gicube::emu {
+namespace {
+
+using grpc::StatusCode;
+using testing::HasSubstr;
+
+constexpr const char* kToken = "0123456789abcdef0123";
+
+grpc::ByteBuffer bytes(const std::string& text) {
+  const grpc::Slice slice(text);
+  return {&slice, 1};
+}
+
+std::string text(const grpc::ByteBuffer& buffer) {
+  std::vector<grpc::Slice> slices;
+  std::string all;
+  if (!buffer.Dump(&slices).ok()) return all;
+  for (const grpc::Slice& slice : slices) all.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  return all;
+}
+
+// One message to and from a method of which we have no generated stub; messages are in protobuf's wire format.
+grpc::Status call_raw(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
+                      const std::string& request, std::string& response, const std::string& authorization = "") {
+  grpc::GenericStub stub(channel);
+  grpc::CompletionQueue queue;
+  Call call;
+  if (!authorization.empty()) call.AddMetadata("authorization", authorization);
+  const auto stream = stub.PrepareCall(&call, method, &queue);
+  const auto finished = [&queue] {
+    void* tag = nullptr;
+    bool ok = false;
+    return queue.Next(&tag, &ok) && ok;
+  };
+  grpc::ByteBuffer answer;
+  stream->StartCall(nullptr);
+  bool going = finished();
+  if (going) stream->Write(bytes(request), nullptr), going = finished();
+  if (going) stream->WritesDone(nullptr), going = finished();
+  if (going) stream->Read(&answer, nullptr), going = finished();
+  if (going) response = text(answer);
+  grpc::Status status;
+  stream->Finish(&status, nullptr);
+  finished();
+  return status;
+}
+
+// HealthCheckRequest { string service = 1; }, HealthCheckResponse { ServingStatus status = 1; } with SERVING = 1
+std::string health_request(const std::string& service) {
+  return std::string("\x0a") + static_cast<char>(service.size()) + service;
+}
+const std::string kServing("\x08\x01", 2);
+
+TEST(ManagementAccess, TheStandardHealthServiceSaysServing) {
+  ManagedBoards managed;
+  for (const std::string service : {"", "gicube.v1.BoardManagement"}) {
+    std::string response;
+    const auto status = call_raw(managed.channel, "/grpc.health.v1.Health/Check", health_request(service), response);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    EXPECT_EQ(response, kServing);
+  }
+  std::string response;
+  EXPECT_EQ(call_raw(managed.channel, "/grpc.health.v1.Health/Check", health_request("other"), response).error_code(),
+            StatusCode::NOT_FOUND);
+}
+
+TEST(ManagementAccess, ReflectionListsTheServices) {
+  ManagedBoards managed;
+  std::string response;
+  const std::string list_services("\x3a\x01*", 3);  // ServerReflectionRequest { string list_services = 7; }
+  const auto status = call_raw(managed.channel, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+                               list_services, response);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_THAT(response, HasSubstr("gicube.v1.BoardManagement"));
+  EXPECT_THAT(response, HasSubstr("grpc.health.v1.Health"));
+}
+
+std::string refusal(const ManagementOptions& options) {
+  try {
+    const Management management(options, {});
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ManagementAccess, AnAddressThatOthersReachNeedsTlsAndAToken) {
+  ManagementOptions options;
+  options.endpoint = parse_endpoint("tcp:0.0.0.0:0");
+  EXPECT_THAT(refusal(options), HasSubstr("--management-cert, --management-key, --management-token-file"));
+}
+
+TEST(ManagementAccess, ASocketThatSomeoneServesIsNotTakenAway) {
+  ManagedBoards managed;
+  ManagementOptions options;
+  options.endpoint = parse_endpoint("unix:" + managed.boards.folder.file("management"));
+  EXPECT_THAT(refusal(options), HasSubstr("another process is listening"));
+  EXPECT_EQ(managed.info().board(), 0u);
+}
+
+TEST(ManagementAccess, APortThatSomeoneServesIsNotShared) {
+  ServedBoards boards;
+  ManagementOptions options;
+  options.endpoint = parse_endpoint("tcp:127.0.0.1:0");
+  const Management first(options, boards.all());
+  ASSERT_NE(first.endpoint().port, 0);
+  options.endpoint = first.endpoint();
+  EXPECT_THAT(refusal(options), HasSubstr("can't listen there"));
+}
+
+class SecuredManagement : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string make_certificate =
+        "openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=localhost -addext subjectAltName=IP:127.0.0.1 "
+        "-keyout " +
+        options_.key_file + " -out " + options_.certificate_file + " 2>/dev/null";
+    if (std::system(make_certificate.c_str()) != 0) GTEST_SKIP() << "the openssl command is missing or too old";
+    write_token(0600);
+  }
+
+  void write_token(mode_t mode) const {
+    std::ofstream(options_.token_file) << kToken << "\n";
+    ::chmod(options_.token_file.c_str(), mode);
+  }
+
+  std::string certificate() const {
+    std::ifstream file(options_.certificate_file);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  static std::string address(const Management& management) { return to_string(management.endpoint()).substr(4); }
+
+  std::shared_ptr<grpc::Channel> secure_channel(const Management& management) const {
+    grpc::SslCredentialsOptions tls;
+    tls.pem_root_certs = certificate();
+    return grpc::CreateChannel(address(management), grpc::SslCredentials(tls));
+  }
+
+  static grpc::Status list(const std::shared_ptr<grpc::Channel>& channel, const std::string& authorization) {
+    Call call;
+    if (!authorization.empty()) call.AddMetadata("authorization", authorization);
+    v1::ListBoardsResponse response;
+    return v1::BoardManagement::NewStub(channel)->ListBoards(&call, {}, &response);
+  }
+
+  ServedBoards boards_;
+  ManagementOptions options_{parse_endpoint("tcp:127.0.0.1:0"), boards_.folder.file("cert.pem"),
+                             boards_.folder.file("key.pem"), boards_.folder.file("token")};
+};
+
+TEST_F(SecuredManagement, LetsInWhoeverHasTheToken) {
+  const Management management(options_, boards_.all());
+  const grpc::Status status = list(secure_channel(management), std::string("Bearer ") + kToken);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+}
+
+TEST_F(SecuredManagement, TurnsAwayEveryoneElseAndFromEveryService) {
+  const Management management(options_, boards_.all());
+  const auto channel = secure_channel(management);
+  EXPECT_EQ(list(channel, "").error_code(), StatusCode::UNAUTHENTICATED);
+  EXPECT_EQ(list(channel, "Bearer 0123456789abcdef0124").error_code(), StatusCode::UNAUTHENTICATED);
+  std::string response;
+  EXPECT_EQ(call_raw(channel, "/grpc.health.v1.Health/Check", health_request(""), response).error_code(),
+            StatusCode::UNAUTHENTICATED);
+  EXPECT_TRUE(
+      call_raw(channel, "/grpc.health.v1.Health/Check", health_request(""), response, std::string("Bearer ") + kToken)
+          .ok());
+}
+
+TEST_F(SecuredManagement, SpeaksNoPlainText) {
+  const Management management(options_, boards_.all());
+  const auto channel = grpc::CreateChannel(address(management), grpc::InsecureChannelCredentials());
+  EXPECT_EQ(list(channel, std::string("Bearer ") + kToken).error_code(), StatusCode::UNAVAILABLE);
+}
+
+TEST_F(SecuredManagement, ListensBeyondThisMachineOnceAllIsGiven) {
+  options_.endpoint = parse_endpoint("tcp:0.0.0.0:0");
+  EXPECT_EQ(refusal(options_), "");
+}
+
+TEST_F(SecuredManagement, RefusesATokenFileThatOthersCanRead) {
+  write_token(0644);
+  EXPECT_THAT(refusal(options_), HasSubstr("only its owner can read"));
+}
+
+TEST_F(SecuredManagement, RefusesFilesThatAreMissingOrNoCertificate) {
+  ManagementOptions missing = options_;
+  missing.key_file = boards_.folder.file("nothing");
+  EXPECT_THAT(refusal(missing), HasSubstr("nothing: can't be read"));
+  ManagementOptions swapped = options_;
+  swapped.certificate_file = options_.token_file;
+  EXPECT_THAT(refusal(swapped), HasSubstr("the certificate is no good"));
+}
+
+}  // namespace
+}  // namespace gicube::emu

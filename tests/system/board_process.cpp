@@ -1,0 +1,87 @@
+#include "board_process.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <stdexcept>
+
+extern char** environ;
+
+namespace gicube::system_test {
+namespace {
+
+std::array<int, 2> make_pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+  return ends;
+}
+
+std::string read_all(int fd) {
+  std::string text;
+  std::array<char, 4096> bytes{};
+  for (ssize_t size = 0; (size = ::read(fd, bytes.data(), bytes.size())) > 0;) {
+    text.append(bytes.data(), static_cast<std::size_t>(size));
+  }
+  return text;
+}
+
+}  // namespace
+
+BoardProcess::BoardProcess(const std::vector<std::string>& arguments, int inherited_fd) {
+  const std::string program = GICUBE_BIN_DIR "/gicube-board";
+  std::vector<std::string> texts{program};
+  texts.insert(texts.end(), arguments.begin(), arguments.end());
+  std::vector<char*> pointers;
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  const std::array<int, 2> output = make_pipe(), errors = make_pipe();
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, output[1], STDOUT_FILENO);
+  ::posix_spawn_file_actions_adddup2(&actions, errors[1], STDERR_FILENO);
+  // A duplicate onto itself clears close-on-exec.
+  if (inherited_fd >= 0) ::posix_spawn_file_actions_adddup2(&actions, inherited_fd, inherited_fd);
+  const int error = ::posix_spawn(&pid_, program.c_str(), &actions, nullptr, pointers.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::close(output[1]);
+  ::close(errors[1]);
+  output_ = output[0];
+  errors_ = errors[0];
+  if (error != 0) throw std::runtime_error(program + ": " + std::strerror(error));
+}
+
+BoardProcess::~BoardProcess() {
+  if (pid_ > 0) {
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  ::close(output_);
+  ::close(errors_);
+}
+
+std::string BoardProcess::read_line() {
+  std::string line;
+  char c = 0;
+  while (::read(output_, &c, 1) == 1 && c != '\n') line += c;
+  return line;
+}
+
+std::string BoardProcess::read_output() { return read_all(output_); }
+
+std::string BoardProcess::read_errors() { return read_all(errors_); }
+
+void BoardProcess::send_signal(int signal) const { ::kill(pid_, signal); }
+
+int BoardProcess::exit_code() {
+  int status = 0;
+  ::waitpid(pid_, &status, 0);
+  pid_ = -1;
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace gicube::system_test

@@ -1,0 +1,36 @@
+// The real gicube-board as a child process.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace gicube::system_test {
+
+class BoardProcess {
+ public:
+  // Starts gicube-board with these arguments; `inherited_fd` stays open in it.
+  explicit BoardProcess(const std::vector<std::string>& arguments, int inherited_fd = -1);
+  // Kills it if it still runs.
+  ~BoardProcess();
+  BoardProcess(const BoardProcess&) = delete;
+  BoardProcess& operator=(const BoardProcess&) = delete;
+
+  // The next line of its stdout, without the line end; empty at the end.
+  std::string read_line();
+  // The rest of its stdout and of its stderr.
+  std::string read_output();
+  std::string read_errors();
+
+  void send_signal(int signal) const;
+  // Waits for its end; 128 + signal if one ended it.
+  int exit_code();
+
+ private:
+  pid_t pid_ = -1;
+  int output_ = -1;
+  int errors_ = -1;
+};
+
+}  // namespace gicube::system_test

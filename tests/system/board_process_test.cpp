@@ -1,0 +1,157 @@
+// gicube-board as its user starts it.
+#include "board_process.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "gicube/wire/register_markdown.h"
+#include "gicube/wire/registers.h"
+#include "raw_client.h"
+#include "temporary_directory.h"
+
+namespace gicube::system_test {
+namespace {
+
+using reference::RawClient;
+using reference::TemporaryDirectory;
+using testing::HasSubstr;
+
+bool is_owner_only(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode) && (status.st_mode & 077) == 0;
+}
+
+TEST(BoardProcess, SaysWhenItIsReadyServesAndEndsCleanlyOnSignals) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    const TemporaryDirectory folder;
+    const std::string path = folder.file("board"), management = folder.file("management");
+    BoardProcess board({"--listen", "unix:" + path, "--management", "unix:" + management, "--quiet"});
+    EXPECT_EQ(board.read_line(), "gicube-board: board 0 ready on unix:" + path);
+    EXPECT_EQ(board.read_line(), "gicube-board: management ready on unix:" + management);
+    EXPECT_TRUE(is_owner_only(path));
+    EXPECT_TRUE(is_owner_only(management));
+    {
+      RawClient client = RawClient::connect_unix(path);
+      ASSERT_TRUE(client.handshake().has_value());
+      EXPECT_EQ(client.read_register(wire::reg::kId), wire::kIdValue);
+    }
+    board.send_signal(signal);
+    EXPECT_EQ(board.exit_code(), 0);
+    EXPECT_FALSE(std::filesystem::exists(path));
+    EXPECT_FALSE(std::filesystem::exists(management));
+    EXPECT_EQ(board.read_errors(), "");
+  }
+}
+
+TEST(BoardProcess, ASignalEndsItUnderAnOpenSession) {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  BoardProcess board({"--listen", "unix:" + path, "--quiet"});
+  board.read_line();
+  RawClient client = RawClient::connect_unix(path);
+  ASSERT_TRUE(client.handshake().has_value());
+  board.send_signal(SIGTERM);
+  const auto last = client.receive();
+  ASSERT_TRUE(last.has_value());
+  EXPECT_EQ(last->header.error, wire::ErrorCode::kCancelled);
+  client.close();
+  EXPECT_EQ(board.exit_code(), 0);
+}
+
+TEST(BoardProcess, SeveralBoardsListenSideBySide) {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  BoardProcess board({"--listen", "unix:" + path, "--boards", "3", "--set", "asic.processors=2", "--quiet"});
+  for (const std::string suffix : {"", ".1", ".2"}) {
+    EXPECT_THAT(board.read_line(), testing::EndsWith("ready on unix:" + path + suffix));
+  }
+  std::vector<RawClient> clients;
+  for (const std::string suffix : {"", ".1", ".2"}) {
+    clients.push_back(RawClient::connect_unix(path + suffix));
+    ASSERT_TRUE(clients.back().handshake().has_value());
+    EXPECT_EQ(clients.back().read_register(wire::reg::kProcessors), 2u);
+  }
+}
+
+TEST(BoardProcess, ATcpPortOfItsChoiceIsPrinted) {
+  BoardProcess board({"--listen", "tcp:localhost:0", "--quiet"});
+  const std::string line = board.read_line();
+  ASSERT_THAT(line, HasSubstr("ready on tcp:127.0.0.1:"));
+  const int port = std::stoi(line.substr(line.rfind(':') + 1));
+  ASSERT_GT(port, 0);
+  RawClient client = RawClient::connect_tcp(static_cast<std::uint16_t>(port));
+  ASSERT_TRUE(client.handshake().has_value());
+  EXPECT_EQ(client.read_register(wire::reg::kId), wire::kIdValue);
+}
+
+TEST(BoardProcess, APrivateOneEndsWithItsSession) {
+  int pair[2];
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair), 0);
+  BoardProcess board({"--listen", "fd:" + std::to_string(pair[1]), "--private", "--quiet"}, pair[1]);
+  ::close(pair[1]);
+  {
+    RawClient client(pair[0]);
+    ASSERT_TRUE(client.handshake().has_value());
+    EXPECT_EQ(client.read_register(wire::reg::kId), wire::kIdValue);
+  }
+  EXPECT_EQ(board.exit_code(), 0);
+  EXPECT_EQ(board.read_output(), "");
+}
+
+TEST(BoardProcess, TakesOverAStaleSocketButNotALiveOne) {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  {
+    BoardProcess killed({"--listen", "unix:" + path, "--quiet"});
+    killed.read_line();
+  }
+  ASSERT_TRUE(std::filesystem::exists(path));
+  BoardProcess board({"--listen", "unix:" + path, "--quiet"});
+  EXPECT_THAT(board.read_line(), HasSubstr("ready on"));
+  BoardProcess second({"--listen", "unix:" + path, "--quiet"});
+  EXPECT_EQ(second.exit_code(), 1);
+  EXPECT_THAT(second.read_errors(), HasSubstr("another process is listening there"));
+  EXPECT_NO_THROW(RawClient::connect_unix(path));
+}
+
+TEST(BoardProcess, EveryConfigurationFaultIsOnStderrAndTheCodeIsTwo) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.file("board.textproto");
+  std::ofstream(file) << "asic {\n  processors: 99\n  colour: 3\n}\nfidelity: cycle\n";
+  BoardProcess board({"--listen", "unix:" + folder.file("board"), "--config", file, "--set", "bus.speed=1"});
+  EXPECT_EQ(board.exit_code(), 2);
+  EXPECT_EQ(board.read_output(), "");
+  const std::string errors = board.read_errors();
+  EXPECT_THAT(errors, HasSubstr("line 2: asic.processors: expected 1 to 16 processors, got 99"));
+  EXPECT_THAT(errors, HasSubstr("line 3: asic.colour: expected one of processors"));
+  EXPECT_THAT(errors,
+              HasSubstr("line 5: fidelity: expected functional (this release has no cycle level yet), got cycle"));
+  EXPECT_THAT(errors, HasSubstr("bus.speed: expected one of model"));
+}
+
+TEST(BoardProcess, PrintsAConfigurationThatItTakesBack) {
+  BoardProcess printed({"--print-config", "--set", "asic.processors=8"});
+  const std::string text = printed.read_output();
+  EXPECT_EQ(printed.exit_code(), 0);
+  EXPECT_THAT(text, HasSubstr("processors: 8"));
+  EXPECT_THAT(text, HasSubstr("# config_hash: "));
+  const TemporaryDirectory folder;
+  std::ofstream(folder.file("board.textproto")) << text;
+  BoardProcess again({"--print-config", "--config", folder.file("board.textproto")});
+  EXPECT_EQ(again.read_output(), text);
+}
+
+TEST(BoardProcess, PrintsTheSharedRegisterTableAndMemoryMap) {
+  BoardProcess board({"--registers"});
+  EXPECT_EQ(board.read_output(), wire::register_markdown() + "\n" + wire::memory_markdown());
+}
+
+}  // namespace
+}  // namespace gicube::system_test
