@@ -1,9 +1,10 @@
 // Counters on the data plane: a list of (name, unit, value), the response to kCounters.
 //
 // u32 count, then for each: u8 name length, name, u8 unit length, unit, u64 value. Names are dotted paths such as
-// "bus.down.busy_ps"; every counter only grows within a session, so a window is its end minus its begin.
+// "bus.down.busy_ps", cut at 255 bytes; every counter only grows within a session, so a window is its end minus its begin.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -26,8 +27,9 @@ inline std::vector<std::uint8_t> encode(std::span<const Counter> counters) {
   std::vector<std::uint8_t> out(4);
   store(std::span(out), 0, static_cast<std::uint32_t>(counters.size()));
   const auto put_text = [&out](const std::string& text) {
-    out.push_back(static_cast<std::uint8_t>(text.size()));
-    out.insert(out.end(), text.begin(), text.begin() + static_cast<std::uint8_t>(text.size()));
+    const auto length = static_cast<std::uint8_t>(std::min<std::size_t>(text.size(), 255));
+    out.push_back(length);
+    out.insert(out.end(), text.begin(), text.begin() + length);
   };
   for (const Counter& counter : counters) {
     put_text(counter.name);

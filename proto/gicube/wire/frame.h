@@ -163,7 +163,8 @@ inline VersionInfo decode_version(std::span<const std::uint8_t, kVersionBytes> i
   return info;
 }
 
-// What both sides hold to after the handshake; nothing if the majors differ or a peer could never take a frame.
+// What both sides hold to after the handshake; nothing if the majors differ or a peer could never take a frame. A window
+// holds two of the largest frames: credit is due at half a window, so what is not yet due never keeps a frame waiting.
 inline std::optional<VersionInfo> agree(const VersionInfo& mine, const VersionInfo& theirs) {
   if (mine.major != theirs.major) return std::nullopt;
   VersionInfo agreed = mine;
@@ -171,7 +172,7 @@ inline std::optional<VersionInfo> agree(const VersionInfo& mine, const VersionIn
   if (theirs.max_payload_bytes < agreed.max_payload_bytes) agreed.max_payload_bytes = theirs.max_payload_bytes;
   agreed.capabilities &= theirs.capabilities;
   const bool usable = agreed.max_payload_bytes >= kMaxHandshakePayload && theirs.window_slots >= 1 &&
-                      theirs.window_bytes >= agreed.max_payload_bytes;
+                      theirs.window_bytes >= 2 * std::uint64_t{agreed.max_payload_bytes};
   if (!usable) return std::nullopt;
   return agreed;
 }
