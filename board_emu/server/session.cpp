@@ -110,7 +110,7 @@ awaitable<bool> Session::handshake() {
     fail(ErrorCode::kProtocol, id,
          fmt::format(
              "expected max_payload_bytes of at least {}, window_slots of at least 1 and window_bytes of at least "
-             "the payload limit, got {}, {} and {}",
+             "twice the payload limit, got {}, {} and {}",
              wire::kMaxHandshakePayload, theirs.max_payload_bytes, theirs.window_slots, theirs.window_bytes));
     co_return false;
   }

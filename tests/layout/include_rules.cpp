@@ -75,6 +75,7 @@ const std::vector<Rule>& rules() {
 
       // Like any application outside the tree; scene.proto is the samples' file format.
       {"samples/common",     {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},
+      {"samples/hello",      {"samples/hello", "driver/include"}, {}},
       {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
   };
