@@ -1,0 +1,23 @@
+// The checks that every argument goes through, and the words in which a refusal names it.
+#pragma once
+
+#include <string>
+
+#include "gicube/error.h"
+#include "gicube/vector.h"
+
+namespace gicube {
+
+// The shortest text that reads back as the same number; "nan" and "inf" by name.
+std::string number_text(double value);
+
+// Throw BadArgument naming `field`: value in low..high (both included), value finite. NaN passes none of them.
+void expect_within(const std::string& field, double value, double low, double high);
+void expect_finite(const std::string& field, double value);
+void expect_finite(const std::string& field, Vec3 value);  // names the component: "eye.x"
+
+// `v` scaled to unit length; the zero vector stays zero. Its components may be of any finite size, also where their
+// squares would over- or underflow.
+Vec3 unit(Vec3 v);
+
+}  // namespace gicube

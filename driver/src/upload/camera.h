@@ -1,0 +1,27 @@
+// A view as the DSP's render command and the cut-plane registers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "gicube/vector.h"
+#include "gicube/view.h"
+#include "gicube/wire/command.h"
+
+namespace gicube {
+
+// Throws BadArgument naming the field of the view that no picture can be taken with.
+void check(const View& view);
+
+// The camera in voxel coordinates. Its geometry (square pixels, the angle of view, right angles) is that of physical
+// space: voxel position p is there relative_spacing * p, component by component (voxel edges over the smallest).
+// Image x grows along forward x up, y downwards. For a view that passed check().
+wire::RenderCommand viewing_command(const View& view, Vec3 relative_spacing);
+
+// Physical unit vector from look_at to the eye: the reflectance map's view direction for the whole image.
+Vec3 towards_eye(const View& view, Vec3 relative_spacing);
+
+// A plane's four registers: its unit normal x y z as signed 1.14, its offset with 10 fraction bits. Voxel space.
+std::array<std::uint32_t, 4> cut_plane_words(const CutPlane& plane);
+
+}  // namespace gicube

@@ -1,0 +1,51 @@
+// The gradient codebook: which unit directions the 11-bit gradient codes stand for [P §3.3].
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gicube/vector.h"
+#include "gicube/wire/lut.h"
+#include "gicube/wire/voxel.h"
+
+namespace gicube {
+
+// Code 0 is "no gradient"; the others decode to what the board's LUT holds: 3 x 10 bits. Immutable, so any number of
+// threads may look codes up in one codebook.
+class GradientCodebook {
+ public:
+  GradientCodebook() : GradientCodebook(latitude_rings()) {}
+
+  // The default: 40 latitude rings with 2,038 codes (board.md §2).
+  static GradientCodebook latitude_rings();
+
+  // At most 2048 directions; [0] is the zero vector and the others are unit vectors to 1e-3. Throws BadArgument naming
+  // the entry.
+  explicit GradientCodebook(std::span<const Vec3> directions);
+
+  // The code whose decoded direction (10 bits a component, brought back to unit length) is at the smallest angle to
+  // `direction`, which may have any length; of equal ones the lowest. 0 for the zero vector, for one that is not
+  // finite, and from a codebook without directions.
+  std::uint16_t nearest(Vec3 direction) const;
+
+  // The LUT's 2048 words; codes that stand for nothing are zero.
+  std::span<const wire::GradientEntry> entries() const { return entries_; }
+
+ private:
+  struct Cell;
+
+  void build_grid();
+  void refine(const Cell& cell, std::span<const std::uint16_t> candidates,
+              std::span<std::vector<std::uint16_t>> lists) const;
+
+  std::vector<wire::GradientEntry> entries_;
+  std::vector<Vec3> directions_;  // the entries decoded to unit length, by code
+  // A cube around the origin, its faces +x -x +y -y +z -z cut into kGridSize^2 cells: cell i's candidates, of which one
+  // is the nearest to any direction through the cell, are candidates_[begins_[i] .. begins_[i + 1]).
+  std::vector<std::uint32_t> begins_;
+  std::vector<std::uint16_t> candidates_;
+};
+
+}  // namespace gicube

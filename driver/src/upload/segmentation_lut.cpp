@@ -1,0 +1,39 @@
+#include "upload/segmentation_lut.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gicube/wire/ray.h"
+#include "gicube/wire/voxel.h"
+
+namespace gicube {
+namespace {
+
+std::uint8_t to_shade(double coefficient) {
+  return static_cast<std::uint8_t>(std::clamp<long>(std::lround(wire::kShadeOne * coefficient), 0, 255));
+}
+
+}  // namespace
+
+std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction& function, ValueRange range,
+                                                          const Phong& phong) {
+  wire::SegmentationEntry entry;
+  entry.ambient = to_shade(phong.ambient);
+  entry.reflect = wire::kShadeOne;
+  entry.knee = to_shade(phong.ambient + phong.diffuse);
+
+  std::vector<wire::SegmentationEntry> entries;
+  entries.reserve(wire::kDensityMax + 1);
+  for (int density = 0; density <= wire::kDensityMax; ++density) {
+    const double value = range.low + density * (range.high - range.low) / wire::kDensityMax;
+    const Colour colour = function.colour_at(value);
+    for (std::size_t c = 0; c < 3; ++c) {
+      entry.colour[c] = static_cast<std::uint16_t>(std::lround(colour[c] * wire::kColourOne));
+    }
+    entry.opacity = static_cast<std::uint16_t>(std::lround(function.opacity_at(value) * wire::kClassifiedOpacityOne));
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
+}  // namespace gicube

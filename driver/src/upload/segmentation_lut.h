@@ -1,0 +1,19 @@
+// One tag's quarter of the segmentation LUT.
+#pragma once
+
+#include <vector>
+
+#include "gicube/shading.h"
+#include "gicube/transfer_function.h"
+#include "gicube/volume.h"
+#include "gicube/wire/lut.h"
+
+namespace gicube {
+
+// 4096 entries, index = density d, which stands for the value low + d / 4095 (high - low). Colour is rounded to 12 bits
+// and opacity to 16: 1 is 65535 exactly, and what is below 2^-17 is invisible. Shading coefficients come from Phong,
+// in 1/128. For a function and coefficients that passed their checks.
+std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction& function, ValueRange range,
+                                                          const Phong& phong);
+
+}  // namespace gicube

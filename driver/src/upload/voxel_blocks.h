@@ -1,0 +1,63 @@
+// A volume cut into the board's blocks: what each holds, whether it need be sent, and its packed words.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gicube/vector.h"
+
+namespace gicube {
+
+// Over all voxels that a sample in the block can touch: its own n^3 and those on the +1 faces, inside the volume. The
+// padding beyond the volume does not count, since no ray gets there.
+struct BlockStatistics {
+  std::uint16_t min_density = 0;
+  std::uint16_t max_density = 0;
+  std::uint8_t tags = 0;  // bit t: a voxel has tag t
+
+  friend constexpr bool operator==(const BlockStatistics&, const BlockStatistics&) = default;
+};
+
+// Blocks are numbered b = bx + nx (by + ny bz), as in memory_map.h.
+class VoxelBlocks {
+ public:
+  // One density (0..4095), gradient code and tag a voxel, x fastest; no tags at all mean tag 0. Keeps only the spans:
+  // what they show must live until the last pack(); the statistics are this object's own.
+  // `n`: the board's block edge, voxels. Throws BadArgument if it is odd (a block would not begin on a whole byte).
+  VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densities, std::span<const std::uint16_t> codes,
+              std::span<const std::uint8_t> tags);
+
+  Dims blocks() const { return blocks_; }
+  std::size_t count() const { return statistics_.size(); }
+
+  // False if the block and its +1 faces have density 0 and tag 0 throughout: the board's memory begins so.
+  bool stored(std::size_t block) const;
+
+  // The block's n^3 36-bit words, x fastest, as voxel.h packs them; voxels beyond the volume are zero. Resizes `out`.
+  void pack(std::size_t block, std::vector<std::uint8_t>& out) const;
+
+  const BlockStatistics& statistics(std::size_t block) const { return statistics_[block]; }
+  std::span<const BlockStatistics> statistics() const { return statistics_; }
+
+ private:
+  // The voxels [begin, end) of a block that are inside the volume, with `overlap` more at its upper faces.
+  struct Region {
+    std::array<std::size_t, 3> begin, end;
+  };
+  Region region(std::size_t block, int overlap) const;
+  BlockStatistics find_statistics(const Region& region) const;
+  std::size_t row(std::size_t y, std::size_t z) const;  // index of voxel (0, y, z)
+  std::uint64_t word(std::size_t voxel) const;
+
+  Dims dims_;
+  int n_;
+  Dims blocks_;
+  std::span<const std::uint16_t> densities_, codes_;
+  std::span<const std::uint8_t> tags_;
+  std::vector<BlockStatistics> statistics_;
+};
+
+}  // namespace gicube

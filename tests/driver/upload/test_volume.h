@@ -1,0 +1,39 @@
+// Volumes whose samples are a function of the voxel, for tests.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "gicube/volume.h"
+
+namespace gicube {
+
+template <typename T>
+struct TestVolume {
+  Dims dims{};
+  std::vector<T> samples;
+  SampleType type;
+
+  // value(x, y, z) of each voxel, cast to T.
+  template <typename Value>
+  TestVolume(Dims size, SampleType sample_type, Value&& value) : dims(size), type(sample_type) {
+    for (int z = 0; z < dims[2]; ++z) {
+      for (int y = 0; y < dims[1]; ++y) {
+        for (int x = 0; x < dims[0]; ++x) samples.push_back(static_cast<T>(value(x, y, z)));
+      }
+    }
+  }
+
+  VolumeView view() const {
+    VolumeView view;
+    view.samples = std::as_bytes(std::span(samples));
+    view.type = type;
+    view.dims = dims;
+    return view;
+  }
+
+  std::size_t index(int x, int y, int z) const { return static_cast<std::size_t>((z * dims[1] + y) * dims[0] + x); }
+};
+
+}  // namespace gicube
