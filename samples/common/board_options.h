@@ -1,0 +1,46 @@
+// The options that all samples share: which board, how it is configured, what is written about the run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "gicube/vector.h"
+
+namespace gicube::samples {
+
+// The command line is wrong: exit code 2.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct BoardOptions {
+  std::string board = "emu:";
+  std::string fidelity;               // empty: the board's own
+  std::filesystem::path config;       // empty: none
+  std::vector<std::string> settings;  // path.to.field=value
+  std::filesystem::path stats;        // empty: none
+  std::uint64_t seed = 0;
+  int threads = 0;                    // 0 = one a core
+  bool quiet = false;
+};
+
+// Adds --board --fidelity --config --set --stats --seed --threads --quiet, as the group "Board and run".
+void add_board_options(CLI::App& app, BoardOptions& options);
+
+// The URI for Board::open(): emu: with the options as its query. Throws UsageError if a running board (unix:, tcp:) is
+// asked to be configured: its own configuration holds.
+std::string board_uri(const BoardOptions& options);
+
+// Numbers with commas between: "1,2.5,-3". Throws CLI::ValidationError that names `option`, unless there are `count` finite ones.
+std::vector<double> parse_numbers(const std::string& option, const std::string& text, std::size_t count);
+Vec3 parse_vector(const std::string& option, const std::string& text);
+// Whole numbers from 1: "WxH" with separator 'x' and count 2, or "X,Y,Z" with ',' and 3.
+std::vector<int> parse_sizes(const std::string& option, const std::string& text, std::size_t count, char separator);
+
+}  // namespace gicube::samples

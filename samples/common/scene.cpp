@@ -1,0 +1,144 @@
+#include "common/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "common/buckyball.h"
+#include "common/input_error.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr double kMargin = 1.04;                  // chosen: of the image that stays free around the volume's box
+constexpr Vec3 kDefaultDirection{-0.35, -1, 0.45};  // chosen: three-quarter view of a head whose face looks along -y
+constexpr int kMaxAnalyticSize = 256;             // voxels an edge: beyond it 12 bytes a voxel of normals cost too much memory
+
+Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+// Physical voxel edges over the smallest one: the shape of space, in which angles are seen.
+Vec3 relative(Vec3 spacing) { return (1 / std::min({spacing.x, spacing.y, spacing.z})) * spacing; }
+
+// Where the box's corners lie as seen along the line of sight; physical lengths.
+struct SeenBox {
+  double width = 0;     // twice the greatest distance from the line of sight, to the side
+  double height = 0;    // and upwards
+  double distance = 0;  // of the eye from look_at, so that a perspective image holds all corners
+  double depth = 0;     // of the nearest corner before look_at
+};
+
+struct Frame {
+  Vec3 towards_eye, right, up;
+};
+
+SeenBox see_box(const Dims& dims, Vec3 scale, Vec3 look_at, const Frame& frame, double tan_side, double tan_up) {
+  SeenBox seen;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 voxel{(corner & 1) != 0 ? dims[0] - 1.0 : 0.0, (corner & 2) != 0 ? dims[1] - 1.0 : 0.0,
+                     (corner & 4) != 0 ? dims[2] - 1.0 : 0.0};
+    const Vec3 offset = times(voxel - look_at, scale);
+    const double side = std::abs(dot(offset, frame.right)), up = std::abs(dot(offset, frame.up));
+    const double near = dot(offset, frame.towards_eye);
+    seen.width = std::max(seen.width, 2 * side);
+    seen.height = std::max(seen.height, 2 * up);
+    seen.depth = std::max(seen.depth, near);
+    seen.distance = std::max(seen.distance, near + kMargin * std::max(side / tan_side, up / tan_up));
+  }
+  return seen;
+}
+
+Vec3 choose_up(const CameraSettings& camera, Vec3 towards_eye) {
+  const Vec3 up = camera.up.value_or(Vec3{0, 0, 1});
+  const bool along = length(cross(up, towards_eye)) < 1e-6 * length(up);
+  return along && !camera.up ? Vec3{0, 1, 0} : up;
+}
+
+Buckyball build_buckyball(const VolumeSource& source, int threads) {
+  return make_buckyball(source.size, source.size <= kMaxAnalyticSize, threads);
+}
+
+}  // namespace
+
+void fit_camera(const CameraSettings& camera, const Dims& dims, const Vec3& spacing, View& view) {
+  const Vec3 scale = relative(spacing), inverse{1 / scale.x, 1 / scale.y, 1 / scale.z};
+  view.fov_degrees = camera.fov_degrees.value_or(view.fov_degrees);
+  if (!(view.fov_degrees > 0 && view.fov_degrees < 180)) {
+    throw InputError("field of view", "more than 0 and less than 180 degrees", std::to_string(view.fov_degrees));
+  }
+  view.look_at = camera.look_at.value_or(0.5 * Vec3{dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0});
+  const Vec3 sight = camera.eye ? times(*camera.eye - view.look_at, scale) : kDefaultDirection;
+  const double sight_length = length(sight);
+  const Vec3 towards_eye = sight_length > 0 ? (1 / sight_length) * sight : Vec3{};  // zero: the driver refuses it
+  view.up = choose_up(camera, towards_eye);
+
+  Frame frame{towards_eye, cross(view.up, towards_eye), {}};
+  const double side_length = length(frame.right);
+  if (side_length > 0) frame.right = (1 / side_length) * frame.right;
+  frame.up = cross(towards_eye, frame.right);
+  const double aspect = double(view.width) / double(view.height);
+  const double tan_up = std::tan(view.fov_degrees * std::numbers::pi / 360);
+  const SeenBox seen = see_box(dims, scale, view.look_at, frame, tan_up * aspect, tan_up);
+
+  view.orthographic_height = camera.orthographic_height.value_or(0);
+  // Parallel rays start at the eye's plane: keep it before the whole box.
+  const double distance = view.orthographic_height > 0 ? kMargin * seen.depth + 1 : seen.distance;
+  view.eye = camera.eye.value_or(view.look_at + times(distance * towards_eye, inverse));
+}
+
+SampleType sample_type_named(const std::string& name, const std::string& field) {
+  static constexpr std::pair<const char*, SampleType> kNames[] = {{"uint8", SampleType::kUint8},
+                                                                  {"uint12", SampleType::kUint12},
+                                                                  {"uint16", SampleType::kUint16},
+                                                                  {"int16", SampleType::kInt16},
+                                                                  {"float32", SampleType::kFloat32}};
+  for (const auto& [text, type] : kNames) {
+    if (name == text) return type;
+  }
+  throw InputError(field, "uint8, uint12, uint16, int16 or float32", in_quotes(name));
+}
+
+VolumeView SceneSetup::volume_view() const {
+  VolumeView result = volume.view();
+  result.tags = tags;
+  result.gradients = gradients;
+  return result;
+}
+
+void SceneSetup::free_voxels() {
+  std::vector<std::byte>().swap(volume.samples);
+  std::vector<std::uint8_t>().swap(tags);
+  std::vector<float>().swap(gradients);
+}
+
+SceneSetup set_up(const Scene& scene, int threads) {
+  SceneSetup setup;
+  Appearance look;
+  if (scene.volume.builtin.empty()) {
+    setup.volume = read_volume(scene.volume.file, scene.volume.raw);
+    look.materials = {find_preset("ramp")};
+  } else if (scene.volume.builtin == "buckyball") {
+    Buckyball ball = build_buckyball(scene.volume, threads);
+    setup.volume = std::move(ball.volume);
+    setup.tags = std::move(ball.tags);
+    setup.gradients = std::move(ball.gradients);
+    look = buckyball_appearance(scene.volume.size);
+  } else {
+    throw InputError("built-in volume", "buckyball", in_quotes(scene.volume.builtin));
+  }
+  if (scene.volume.spacing) setup.volume.spacing = *scene.volume.spacing;
+
+  setup.materials = look.materials;
+  if (scene.transfer_function) setup.materials.assign(look.materials.size(), *scene.transfer_function);
+  setup.shading = {scene.phong.value_or(look.phong), scene.light.value_or(look.light)};
+  setup.background = look.background;
+
+  // A camera is taken as a whole: half of the built-in one with half of the user's shows nothing.
+  const CameraSettings& asked = scene.camera;
+  const bool own = asked.eye || asked.look_at || asked.up || asked.fov_degrees || asked.orthographic_height;
+  setup.view = scene.view;
+  fit_camera(own ? asked : look.camera, setup.volume.dims, setup.volume.spacing, setup.view);
+  return setup;
+}
+
+}  // namespace gicube::samples

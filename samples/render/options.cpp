@@ -1,0 +1,260 @@
+#include "render/options.h"
+
+#include <algorithm>
+#include <ostream>
+
+#include "common/buckyball.h"
+#include "common/input_error.h"
+#include "common/scene_file.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr const char* kBuiltin = "builtin:";
+
+const char* const kFooter =
+    "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin. Directions of light and\n"
+    "angles are physical. Without --eye the camera sees the whole volume from -y, a little above (+z is up).\n"
+    "Exit codes: 0 done, 1 failed, 2 wrong usage.";
+
+// Adds options whose text is parsed by a function of ours.
+class Group {
+ public:
+  Group(CLI::App& app, std::string name) : app_(app), name_(std::move(name)) {}
+
+  template <typename Value>
+  CLI::Option* value(const std::string& option, std::optional<Value>& target, const std::string& help) {
+    return app_.add_option(option, target, help)->group(name_);
+  }
+  CLI::Option* flag(const std::string& option, bool& target, const std::string& help) {
+    return app_.add_flag(option, target, help)->group(name_);
+  }
+  // `parse` takes the option's name and its text.
+  template <typename Parse>
+  CLI::Option* parsed(const std::string& option, const std::string& type, const std::string& help, const Parse& parse) {
+    return app_
+        .add_option_function<std::vector<std::string>>(
+            option,
+            [option, parse](const std::vector<std::string>& texts) {
+              for (const std::string& text : texts) parse(option, text);
+            },
+            help)
+        ->type_name(type)
+        ->expected(1)
+        ->group(name_);
+  }
+  CLI::Option* vector(const std::string& option, std::optional<Vec3>& target, const std::string& help) {
+    return parsed(option, "X,Y,Z", help,
+                  [&target](const std::string& name, const std::string& text) { target = parse_vector(name, text); });
+  }
+  CLI::Option* direction(const std::string& option, std::optional<Vec3>& target, const std::string& help) {
+    return parsed(option, "X,Y,Z", help, [&target](const std::string& name, const std::string& text) {
+      target = parse_vector(name, text);
+      if (length(*target) == 0) throw CLI::ValidationError(name, "expected a direction, got " + in_quotes(text));
+    });
+  }
+
+ private:
+  CLI::App& app_;
+  std::string name_;
+};
+
+void add_volume_options(CLI::App& app, RenderOptions& options) {
+  Group group(app, "Volume");
+  group.value("--volume-size", options.volume_size, "voxels an edge of a built-in volume (256)")
+      ->check(CLI::Range(kMinBuckyballSize, kMaxBuckyballSize));
+  group.parsed("--dims", "X,Y,Z", "size in voxels of a file without a header", [&](const std::string& name, const std::string& text) {
+    const std::vector<int> sizes = parse_sizes(name, text, 3, ',');
+    options.dims = Dims{sizes[0], sizes[1], sizes[2]};
+  });
+  group.parsed("--type", "TYPE", "its samples: uint8, uint12, uint16, int16 or float32 (uint8)",
+               [&](const std::string& name, const std::string& text) {
+                 try {
+                   options.type = sample_type_named(text, "type");
+                 } catch (const InputError& error) {
+                   throw CLI::ValidationError(name, error.what());
+                 }
+               });
+  group.flag("--big-endian", options.big_endian, "its samples' most significant byte comes first");
+  app.add_option("--skip", options.skip_bytes, "bytes before its first sample")->group("Volume");
+  group.parsed("--spacing", "X,Y,Z", "physical voxel edges, in place of the file's", [&](const std::string& name, const std::string& text) {
+    options.spacing = parse_vector(name, text);
+    if (!(options.spacing->x > 0 && options.spacing->y > 0 && options.spacing->z > 0)) {
+      throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
+    }
+  });
+}
+
+void add_camera_options(CLI::App& app, RenderOptions& options) {
+  Group group(app, "Camera and image");
+  group.vector("--eye", options.camera.eye, "the viewer's position");
+  group.vector("--look-at", options.camera.look_at, "what is in the image's centre (the volume's centre)");
+  group.direction("--up", options.camera.up, "this direction is up in the image (0,0,1)");
+  CLI::Option* fov = group.value("--fov", options.camera.fov_degrees, "vertical field of view in degrees (30)");
+  fov->check(CLI::Range(0.01, 179.0));
+  group.value("--orthographic", options.camera.orthographic_height, "parallel rays; the image's height in voxels")
+      ->check(CLI::PositiveNumber)
+      ->excludes(fov);
+  group.parsed("--size", "WxH", "pixels of the image (512x512)", [&](const std::string& name, const std::string& text) {
+    const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
+    if (std::max(sizes[0], sizes[1]) > 4095) throw CLI::ValidationError(name, "expected at most 4095 pixels a side, got " + in_quotes(text));
+    options.size = {sizes[0], sizes[1]};
+  });
+  group.value("--samples", options.samples, "samples of a pixel along each axis: 1, 2 or 4 (1)")->check(CLI::IsMember({1, 2, 4}));
+  group.parsed("--filter", "FILTER", "how a pixel weights its samples: box or tent (box)", [&](const std::string& name, const std::string& text) {
+    if (text != "box" && text != "tent") throw CLI::ValidationError(name, "expected box or tent, got " + in_quotes(text));
+    options.filter = text == "box" ? PixelFilter::kBox : PixelFilter::kTent;
+  });
+  group.parsed("--background", "R,G,B", "colour 0..1 behind the picture, or none (none; built-in scenes have their own)",
+               [&](const std::string& name, const std::string& text) {
+                 options.no_background = text == "none";
+                 options.background.reset();
+                 if (options.no_background) return;
+                 const std::vector<double> rgb = parse_numbers(name, text, 3);
+                 const auto [least, most] = std::minmax_element(rgb.begin(), rgb.end());
+                 if (*least < 0 || *most > 1) throw CLI::ValidationError(name, "expected numbers from 0 to 1, got " + in_quotes(text));
+                 options.background = {rgb[0], rgb[1], rgb[2]};
+               });
+  app.add_option("-o,--output", options.output, "the picture: PNG (8 bit) or EXR (linear float with alpha)")
+      ->type_name("FILE")
+      ->capture_default_str()
+      ->group("Camera and image");
+}
+
+void add_sampling_options(CLI::App& app, RenderOptions& options) {
+  Group group(app, "Sampling and light");
+  group.value("--step", options.step, "distance of samples along a ray, in voxels (0.5)")->check(CLI::Range(1.0 / 64, 16.0));
+  group.value("--threshold", options.threshold, "opacity at which a ray is done (0.98)")->check(CLI::Range(0.0, 1.0));
+  group.flag("--jitter", options.jitter, "vary the distance of samples, against banding");
+  group.flag("--no-leap", options.no_leap, "sample empty blocks too");
+  group.flag("--no-shade", options.no_shade, "colours as they are, without light");
+  group.direction("--light", options.light, "towards the light (at the eye)");
+  group.value("--ambient", options.ambient, "Phong's coefficients")->check(CLI::Range(0.0, 1.99));
+  group.value("--diffuse", options.diffuse, "")->check(CLI::Range(0.0, 1.99));
+  group.value("--specular", options.specular, "")->check(CLI::Range(0.0, 1.99));
+  group.value("--shininess", options.shininess, "")->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--transfer-function", options.transfer_function, "a file, or a preset: " + preset_names() + " (ramp)")
+      ->type_name("FILE|NAME")
+      ->group("Sampling and light");
+  group.parsed("--cut", "NX,NY,NZ,OFFSET", "keep the points p with N.p >= OFFSET; repeatable, at most 6",
+               [&](const std::string& name, const std::string& text) {
+                 const std::vector<double> plane = parse_numbers(name, text, 4);
+                 const Vec3 normal{plane[0], plane[1], plane[2]};
+                 if (length(normal) == 0) throw CLI::ValidationError(name, "expected a direction, got " + in_quotes(text));
+                 options.cut_planes.push_back({normal, plane[3]});
+               })
+      ->take_all();
+}
+
+void check_output(const std::filesystem::path& output) {
+  const std::string extension = output.extension().string();
+  if (extension != ".png" && extension != ".exr") {
+    throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(output.string()));
+  }
+}
+
+bool has_layout(const RenderOptions& options) {
+  return options.dims || options.type || options.big_endian || options.skip_bytes != 0;
+}
+
+Scene input_scene(const RenderOptions& options) {
+  Scene scene;
+  if (options.input.starts_with(kBuiltin)) {
+    scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
+    if (scene.volume.builtin != "buckyball") throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
+  } else if (is_scene_path(options.input)) {
+    scene = read_scene(options.input);
+  } else {
+    scene.volume.file = options.input;
+  }
+  return scene;
+}
+
+void set_volume(const RenderOptions& options, Scene& scene) {
+  VolumeSource& volume = scene.volume;
+  if (options.volume_size) {
+    if (volume.builtin.empty()) throw UsageError("--volume-size: only for a built-in volume; " + in_quotes(options.input) + " has its own size");
+    volume.size = *options.volume_size;
+  }
+  if (has_layout(options)) {
+    if (!volume.builtin.empty()) throw UsageError("--dims, --type, --big-endian, --skip: only for a file without a header");
+    if (!options.dims && !volume.raw) throw UsageError("--dims: expected with --type, --big-endian and --skip, got none");
+    RawLayout layout = volume.raw.value_or(RawLayout{});
+    layout.dims = options.dims.value_or(layout.dims);
+    layout.type = options.type.value_or(layout.type);
+    layout.big_endian = layout.big_endian || options.big_endian;
+    if (options.skip_bytes != 0) layout.skip_bytes = options.skip_bytes;
+    volume.raw = layout;
+  }
+  if (options.spacing) volume.spacing = options.spacing;
+}
+
+void set_camera(const CameraSettings& options, CameraSettings& camera) {
+  if (options.eye) camera.eye = options.eye;
+  if (options.look_at) camera.look_at = options.look_at;
+  if (options.up) camera.up = options.up;
+  if (options.fov_degrees) camera.fov_degrees = options.fov_degrees, camera.orthographic_height.reset();
+  if (options.orthographic_height) camera.orthographic_height = options.orthographic_height, camera.fov_degrees.reset();
+}
+
+void set_view(const RenderOptions& options, View& view) {
+  if (options.size) view.width = (*options.size)[0], view.height = (*options.size)[1];
+  view.samples_per_axis = options.samples.value_or(view.samples_per_axis);
+  view.filter = options.filter.value_or(view.filter);
+  view.step = options.step.value_or(view.step);
+  view.opacity_threshold = options.threshold.value_or(view.opacity_threshold);
+  view.shade = view.shade && !options.no_shade;
+  view.jitter = view.jitter || options.jitter;
+  view.leap = view.leap && !options.no_leap;
+  view.cut_planes.insert(view.cut_planes.end(), options.cut_planes.begin(), options.cut_planes.end());
+  if (view.cut_planes.size() > 6) throw UsageError("--cut: expected at most 6 planes, got " + std::to_string(view.cut_planes.size()));
+}
+
+}  // namespace
+
+std::optional<RenderOptions> parse_options(int argc, const char* const* argv, std::ostream& out) {
+  RenderOptions options;
+  CLI::App app("Renders a volume on a GI-Cube board.", "gicube-render");
+  app.footer(kFooter);
+  app.set_version_flag("--version", std::string(GICUBE_VERSION));
+  app.add_option("INPUT", options.input,
+                 "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha .nii .nii.gz, "
+                 "others with --dims), or a folder of slices")
+      ->required();
+  add_volume_options(app, options);
+  add_camera_options(app, options);
+  add_sampling_options(app, options);
+  add_board_options(app, options.board);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    out << app.help();
+    return std::nullopt;
+  } catch (const CLI::CallForVersion& version) {
+    out << "gicube-render " << version.what() << '\n';
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(error.what());
+  }
+  check_output(options.output);
+  return options;
+}
+
+Scene scene_of(const RenderOptions& options) {
+  Scene scene = input_scene(options);
+  set_volume(options, scene);
+  set_camera(options.camera, scene.camera);
+  if (options.light) scene.light = options.light;
+  set_view(options, scene.view);
+  if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
+  return scene;
+}
+
+void set_phong(const RenderOptions& options, Phong& phong) {
+  phong.ambient = options.ambient.value_or(phong.ambient);
+  phong.diffuse = options.diffuse.value_or(phong.diffuse);
+  phong.specular = options.specular.value_or(phong.specular);
+  phong.shininess = options.shininess.value_or(phong.shininess);
+}
+
+}  // namespace gicube::samples

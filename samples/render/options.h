@@ -1,0 +1,50 @@
+// The command line of gicube-render.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/board_options.h"
+#include "common/scene.h"
+
+namespace gicube::samples {
+
+// What is not set is left to the scene, or to its default.
+struct RenderOptions {
+  std::string input;
+  std::optional<int> volume_size;
+  std::optional<Dims> dims;         // these four: a file without a header
+  std::optional<SampleType> type;
+  bool big_endian = false;
+  std::uint64_t skip_bytes = 0;
+  std::optional<Vec3> spacing;
+  std::string transfer_function;
+  CameraSettings camera;
+  std::optional<std::array<int, 2>> size;
+  std::optional<int> samples;
+  std::optional<PixelFilter> filter;
+  std::optional<double> step, threshold;
+  bool no_shade = false, jitter = false, no_leap = false;
+  std::vector<CutPlane> cut_planes;
+  std::optional<Vec3> light;
+  std::optional<double> ambient, diffuse, specular, shininess;
+  std::optional<Colour> background;
+  bool no_background = false;
+  std::filesystem::path output = "gicube-render.png";
+  BoardOptions board;
+};
+
+// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
+std::optional<RenderOptions> parse_options(int argc, const char* const* argv, std::ostream& out);
+
+// The input's scene with the options in place of what it says. Throws UsageError (options that contradict the input),
+// InputError (a scene or transfer function file).
+Scene scene_of(const RenderOptions& options);
+
+// Phong's coefficients from the options, in place of those of the scene that was set up.
+void set_phong(const RenderOptions& options, Phong& phong);
+
+}  // namespace gicube::samples

@@ -1,0 +1,124 @@
+#include "render/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+namespace gicube::samples {
+namespace {
+
+using testing::HasSubstr;
+
+std::optional<RenderOptions> parse(std::vector<const char*> arguments, std::ostream& out) {
+  arguments.insert(arguments.begin(), "gicube-render");
+  return parse_options(static_cast<int>(arguments.size()), arguments.data(), out);
+}
+
+RenderOptions parse(std::vector<const char*> arguments) {
+  std::ostringstream out;
+  return parse(std::move(arguments), out).value();
+}
+
+// What UsageError says, or "none".
+std::string fault_of(std::vector<const char*> arguments) {
+  try {
+    scene_of(parse(std::move(arguments)));
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(RenderOptions, MakeASceneOfTheBuiltinVolume) {
+  const RenderOptions options = parse({"builtin:buckyball", "--volume-size", "64", "--size", "320x200", "--samples", "2", "--filter",
+                                       "tent", "--step", "0.25", "--threshold", "0.9", "--jitter", "--no-leap", "--no-shade"});
+  const Scene scene = scene_of(options);
+  EXPECT_EQ(scene.volume.builtin, "buckyball");
+  EXPECT_EQ(scene.volume.size, 64);
+  EXPECT_EQ(scene.view.width, 320);
+  EXPECT_EQ(scene.view.height, 200);
+  EXPECT_EQ(scene.view.samples_per_axis, 2);
+  EXPECT_EQ(scene.view.filter, PixelFilter::kTent);
+  EXPECT_EQ(scene.view.step, 0.25);
+  EXPECT_EQ(scene.view.opacity_threshold, 0.9);
+  EXPECT_TRUE(scene.view.jitter);
+  EXPECT_FALSE(scene.view.leap);
+  EXPECT_FALSE(scene.view.shade);
+}
+
+TEST(RenderOptions, TakeVectorsThatBeginWithAMinus) {
+  const Scene scene = scene_of(parse({"head.nrrd", "--eye", "-1,-2,-3", "--look-at=-4,5,6", "--up", "-1,0,0", "--light", "-1,2,3", "--fov", "20"}));
+  EXPECT_EQ(scene.volume.file, "head.nrrd");
+  EXPECT_EQ(scene.camera.eye, (Vec3{-1, -2, -3}));
+  EXPECT_EQ(scene.camera.look_at, (Vec3{-4, 5, 6}));
+  EXPECT_EQ(scene.camera.up, (Vec3{-1, 0, 0}));
+  EXPECT_EQ(scene.light, (Vec3{-1, 2, 3}));
+  EXPECT_EQ(scene.camera.fov_degrees, 20);
+}
+
+TEST(RenderOptions, DescribeAFileWithoutHeader) {
+  const Scene scene = scene_of(parse({"a.raw", "--dims", "4,5,6", "--type", "int16", "--big-endian", "--skip", "16", "--spacing", "1,1,2.5"}));
+  ASSERT_TRUE(scene.volume.raw);
+  EXPECT_EQ(scene.volume.raw->dims, (Dims{4, 5, 6}));
+  EXPECT_EQ(scene.volume.raw->type, SampleType::kInt16);
+  EXPECT_TRUE(scene.volume.raw->big_endian);
+  EXPECT_EQ(scene.volume.raw->skip_bytes, 16u);
+  EXPECT_EQ(scene.volume.spacing, (Vec3{1, 1, 2.5}));
+}
+
+TEST(RenderOptions, RepeatCutsAndSettings) {
+  const RenderOptions options =
+      parse({"a.nrrd", "--cut", "1,0,0,5", "--cut", "-1,0,0,-20", "--set", "asic.processors=8", "--set", "bus.model=agp2x"});
+  ASSERT_EQ(options.cut_planes.size(), 2u);
+  EXPECT_EQ(options.cut_planes[1].normal, (Vec3{-1, 0, 0}));
+  EXPECT_EQ(options.cut_planes[1].offset, -20);
+  EXPECT_EQ(options.board.settings, (std::vector<std::string>{"asic.processors=8", "bus.model=agp2x"}));
+}
+
+TEST(RenderOptions, ChangePhongCoefficientsOneByOne) {
+  Phong phong{0.1, 0.2, 0.3, 4};
+  set_phong(parse({"a.nrrd", "--specular", "0.9"}), phong);
+  EXPECT_EQ(phong.ambient, 0.1);
+  EXPECT_EQ(phong.specular, 0.9);
+}
+
+TEST(RenderOptions, AreRefusedWithTheOptionsName) {
+  const std::pair<std::vector<const char*>, const char*> cases[] = {
+      {{}, "INPUT"},
+      {{"a.nrrd", "--eye", "1,2"}, "--eye"},
+      {{"a.nrrd", "--size", "512"}, "--size"},
+      {{"a.nrrd", "--size", "5000x5"}, "--size"},
+      {{"a.nrrd", "--samples", "3"}, "--samples"},
+      {{"a.nrrd", "--filter", "gauss"}, "--filter"},
+      {{"a.nrrd", "--step", "0"}, "--step"},
+      {{"a.nrrd", "--fov", "30", "--orthographic", "5"}, "--orthographic"},
+      {{"a.nrrd", "--light", "0,0,0"}, "--light"},
+      {{"a.nrrd", "--background", "1,2,3"}, "--background"},
+      {{"a.nrrd", "-o", "a.jpg"}, "--output"},
+      {{"a.nrrd", "--type", "int12"}, "--type"},
+      {{"a.raw", "--type", "int16"}, "--dims"},
+      {{"a.nrrd", "--volume-size", "64"}, "--volume-size"},
+      {{"builtin:buckyball", "--dims", "4,4,4"}, "--dims"},
+      {{"builtin:buckyball", "--volume-size", "8"}, "--volume-size"},
+      {{"builtin:teapot"}, "builtin:teapot"},
+      {{"a.nrrd", "--threads", "-1"}, "--threads"},
+      {{"a.nrrd", "--config", "/nowhere/board.cfg"}, "--config"},
+      {{"a.nrrd", "--colour", "3"}, "--colour"},
+      {{"a.nrrd", "b.nrrd"}, "b.nrrd"},
+  };
+  for (const auto& [arguments, name] : cases) EXPECT_THAT(fault_of(arguments), HasSubstr(name));
+}
+
+TEST(RenderOptions, PrintHelpAndVersion) {
+  std::ostringstream help, version;
+  EXPECT_FALSE(parse({"--help"}, help));
+  for (const char* option : {"--eye", "--orthographic", "--transfer-function", "--board", "--fidelity", "--stats", "--seed", "ct-bone"}) {
+    EXPECT_THAT(help.str(), HasSubstr(option));
+  }
+  EXPECT_FALSE(parse({"--version"}, version));
+  EXPECT_THAT(version.str(), HasSubstr("gicube-render 0."));
+}
+
+}  // namespace
+}  // namespace gicube::samples

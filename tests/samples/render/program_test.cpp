@@ -1,0 +1,135 @@
+// The program itself, with a private emulated board.
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+namespace {
+
+using testing::HasSubstr;
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+class RenderProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string("gicube-") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  static std::string text_of(const std::string& file) {
+    std::ifstream stream(file);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+  }
+
+  Outcome run(const std::string& arguments) const {
+    const std::string command =
+        GICUBE_BIN_DIR "/gicube-render " + arguments + " >" + path("stdout") + " 2>" + path("stderr") + " </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(path("stdout")), text_of(path("stderr"))};
+  }
+
+  // How many different colours an image has, its size checked.
+  static std::size_t colours(const std::string& file, int width, int height) {
+    const auto input = OIIO::ImageInput::open(file);
+    if (!input) return 0;
+    const OIIO::ImageSpec& spec = input->spec();
+    EXPECT_EQ(spec.width, width);
+    EXPECT_EQ(spec.height, height);
+    const auto channels = static_cast<std::size_t>(spec.nchannels);
+    std::vector<float> pixels(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) * channels);
+    EXPECT_TRUE(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()));
+    std::set<std::vector<float>> found;
+    for (std::size_t i = 0; i < pixels.size(); i += channels) {
+      found.emplace(pixels.begin() + static_cast<std::ptrdiff_t>(i), pixels.begin() + static_cast<std::ptrdiff_t>(i + channels));
+    }
+    return found.size();
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
+  const Outcome result = run("builtin:buckyball --volume-size 64 --size 64x48 -o " + path("ball.png") + " --stats " + path("ball.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out, HasSubstr("ball.png: frame "));
+  EXPECT_THAT(result.out, HasSubstr("bus "));
+  EXPECT_GT(colours(path("ball.png"), 64, 48), 100u);
+
+  const auto json = nlohmann::json::parse(text_of(path("ball.json")));
+  EXPECT_GT(json.at("frame_ms").get<double>(), 0);
+  EXPECT_GT(json.at("load_ms").get<double>(), 0);
+  EXPECT_GT(json.at("bus_ms").get<double>(), 0);
+  EXPECT_LE(json.at("bus_ms").get<double>(), json.at("frame_ms").get<double>());
+  EXPECT_GT(json.at("samples").get<std::uint64_t>(), 1000u);
+  EXPECT_EQ(json.at("config_hash").get<std::string>().size(), 16u);
+  EXPECT_TRUE(json.at("hit_ratio").is_null());
+  EXPECT_TRUE(json.at("counters").contains("dsp.viewing_rays"));
+  EXPECT_EQ(json.at("counters").at("dsp.viewing_rays").at("value"), 64 * 48);
+}
+
+TEST_F(RenderProgram, DrawsTheSamePictureForAnyNumberOfThreads) {
+  for (const char* threads : {"1", "3"}) {
+    const Outcome result = run("builtin:buckyball --volume-size 32 --size 32x32 --quiet --threads " + std::string(threads) + " -o " +
+                           path(std::string(threads) + ".png"));
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(result.out, "");
+  }
+  EXPECT_GT(colours(path("1.png"), 32, 32), 20u);
+  EXPECT_EQ(text_of(path("1.png")), text_of(path("3.png")));
+}
+
+TEST_F(RenderProgram, DrawsASceneFileIntoAnExr) {
+  std::ofstream(path("ball.scene")) << "volume { builtin: \"buckyball\" size: 32 }\nimage { width: 24 height: 16 }\n";
+  const Outcome result = run(path("ball.scene") + " -o " + path("ball.exr"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_GT(colours(path("ball.exr"), 24, 16), 20u);
+}
+
+TEST_F(RenderProgram, FailsWithOneLineAndCodeTwoForWrongUsage) {
+  for (const char* arguments : {"", "builtin:buckyball --size huge", "builtin:buckyball --board pci:0", "builtin:buckyball --fidelity exact",
+                                "builtin:buckyball --board unix:/nowhere --set asic.processors=8"}) {
+    const Outcome result = run(arguments);
+    EXPECT_EQ(result.code, 2) << arguments;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("gicube-render: "));
+  }
+}
+
+TEST_F(RenderProgram, FailsWithOneLineAndCodeOneForWhatIsNotThere) {
+  const std::string small = "builtin:buckyball --volume-size 16 --size 8x8 -o " + path("a.png");
+  for (const std::string& arguments : {std::string("/nowhere/head.nrrd"), std::string("/nowhere/a.scene"), small + " --board unix:/nowhere/socket",
+                                       small + " --transfer-function ct-bnoe", small + " --stats /nowhere/a.json",
+                                       std::string("builtin:buckyball --volume-size 16 --size 8x8 -o /nowhere/a.png")}) {
+    const Outcome result = run(arguments);
+    EXPECT_EQ(result.code, 1) << arguments << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  }
+}
+
+TEST_F(RenderProgram, SaysHowAVolumeThatIsTooLargeForTheBoardCanBeLoaded) {
+  std::ofstream(path("long.raw")) << std::string(600 * 2 * 2, 'a');
+  const Outcome result = run(path("long.raw") + " --dims 600,2,2 -o " + path("a.png"));
+  EXPECT_EQ(result.code, 1);
+  EXPECT_THAT(result.err, HasSubstr("--set asic.max_volume_voxels=1024"));
+}
+
+}  // namespace

@@ -1,0 +1,62 @@
+#include "render/statistics.h"
+
+#include <gtest/gtest.h>
+
+#include "common/input_error.h"
+
+namespace gicube::samples {
+namespace {
+
+FrameStatistics example() {
+  FrameStatistics statistics;
+  statistics.board.config_hash = 0xab;
+  statistics.counters = Counters({{"bus.down.busy_ps", "ps", 1'000'000'000}, {"bus.up.busy_ps", "ps", 500'000'000},
+                                  {"pipeline.samples", "1", 12345}});
+  statistics.frame = 4'000'000'000;
+  statistics.load = 9'000'000'000;
+  statistics.host_seconds = 0.25;
+  statistics.width = 64;
+  statistics.height = 32;
+  statistics.dims = {10, 20, 30};
+  statistics.seed = 5;
+  return statistics;
+}
+
+TEST(Statistics, HoldTheFrameInSimulatedTimeAndCounters) {
+  const auto json = to_json(example());
+  EXPECT_DOUBLE_EQ(json.at("frame_ms"), 4);
+  EXPECT_DOUBLE_EQ(json.at("load_ms"), 9);
+  EXPECT_DOUBLE_EQ(json.at("bus_ms"), 1.5);
+  EXPECT_DOUBLE_EQ(json.at("host_seconds"), 0.25);
+  EXPECT_EQ(json.at("samples"), 12345);
+  EXPECT_EQ(json.at("config_hash"), "00000000000000ab");
+  EXPECT_EQ(json.at("fidelity"), "functional");
+  EXPECT_EQ(json.at("seed"), 5);
+  EXPECT_EQ(json.at("image").at("width"), 64);
+  EXPECT_EQ(json.at("volume").at("dims"), nlohmann::json({10, 20, 30}));
+  EXPECT_EQ(json.at("counters").at("bus.up.busy_ps").at("value"), 500'000'000);
+  EXPECT_EQ(json.at("counters").at("bus.up.busy_ps").at("unit"), "ps");
+}
+
+TEST(Statistics, HaveNullForWhatTheLevelDoesNotModel) {
+  const auto json = to_json(example());
+  for (const char* key : {"samples_per_second", "throughput", "hit_ratio", "memory_gb_s", "memory_utilisation"}) {
+    EXPECT_TRUE(json.at(key).is_null()) << key;
+  }
+  FrameStatistics silent = example();
+  silent.counters = Counters();
+  EXPECT_TRUE(to_json(silent).at("samples").is_null());
+}
+
+TEST(Statistics, CountSamplesASecondWhereThePipelinesTakeTime) {
+  FrameStatistics statistics = example();
+  statistics.board.fidelity = Fidelity::kCycle;
+  EXPECT_DOUBLE_EQ(to_json(statistics).at("samples_per_second"), 12345 / 4e-3);
+}
+
+TEST(Statistics, SayWhenTheFileCannotBeWritten) {
+  EXPECT_THROW(write_statistics(example(), "/nowhere/stats.json"), InputError);
+}
+
+}  // namespace
+}  // namespace gicube::samples
