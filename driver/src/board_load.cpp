@@ -1,0 +1,80 @@
+// Loading a volume: samples to densities and gradient codes, to blocks, to the board.
+#include <cmath>
+
+#include "gicube/wire/memory_map.h"
+#include "gicube/wire/registers.h"
+#include "state.h"
+#include "upload/density.h"
+#include "upload/gradients.h"
+#include "upload/volume_check.h"
+
+namespace gicube {
+namespace {
+
+namespace reg = wire::reg;
+
+std::uint32_t spacing_word(double relative) {
+  return static_cast<std::uint32_t>(std::lround(relative * wire::kSpacingOne));
+}
+
+}  // namespace
+
+void Board::load_volume(const VolumeView& view, const Progress& progress) {
+  const auto lock = state_->begin();
+  check_volume(view, state_->info.max_volume_voxels);
+  LoadedVolume loaded;
+  loaded.dims = view.dims;
+  loaded.range = resolve_range(view);
+  loaded.relative_spacing = relative_spacing(view.spacing);
+  const auto densities = to_densities(view, loaded.range);
+  const auto codes = gradient_codes(view, loaded.range, state_->tables.codebook(), state_->threads);
+  const VoxelBlocks blocks(view.dims, state_->info.block_voxels, densities, codes, view.tags);
+  loaded.blocks = blocks.blocks();
+  loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
+
+  state_->volume.reset();
+  state_->tables.forget_flags();
+  state_->send_volume(blocks, loaded, state_->watched(progress));
+  state_->tables.send_segmentation(loaded.range);
+  state_->find_flags(loaded);
+  state_->check_fence();
+  state_->volume = std::move(loaded);
+}
+
+void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of, const Progress& progress) {
+  device.write_register(reg::kControl, wire::kControlClearVolume);
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {  // also where nothing changes: a new size clears the volume
+    device.write_register(reg::kVolumeX + 4 * axis, static_cast<std::uint32_t>(of.dims[axis]));
+  }
+  device.set_register(reg::kSpacingX, spacing_word(of.relative_spacing.x));
+  device.set_register(reg::kSpacingY, spacing_word(of.relative_spacing.y));
+  device.set_register(reg::kSpacingZ, spacing_word(of.relative_spacing.z));
+  tables.send_gradients();
+
+  std::vector<std::size_t> stored;
+  for (std::size_t block = 0; block < blocks.count(); ++block) {
+    if (blocks.stored(block)) stored.push_back(block);
+  }
+  const auto all = static_cast<std::uint32_t>(stored.size());
+  const auto n = static_cast<std::uint64_t>(info.block_voxels);
+  std::vector<std::uint8_t> bytes;
+  for (std::uint32_t done = 0; done < all; ++done) {
+    if (progress) progress(done, all);
+    blocks.pack(stored[done], bytes);
+    device.write_memory(wire::kVolume.base + stored[done] * n * n * n * wire::kVoxelBits / 8, bytes);
+  }
+  if (progress) progress(all, all);
+}
+
+// Waits for all that was written and asks whether the board took it.
+void Board::State::check_fence() {
+  constexpr std::uint32_t kFaults = wire::kStatusBadAddress | wire::kStatusBadValue;
+  const std::uint32_t faults = device.read_register(reg::kStatus) & kFaults;
+  if (faults == 0) return;
+  const std::uint32_t address = device.read_register(reg::kErrorAddress);
+  device.write_register(reg::kStatusClear, faults);
+  throw Rejected("the board did not take a write while the volume was loaded, which is lost: STATUS " +
+                 std::to_string(faults) + ", ERROR_ADDRESS " + std::to_string(address));
+}
+
+}  // namespace gicube

@@ -1,0 +1,97 @@
+// Opening a board: who it is and what it can do.
+#include <chrono>
+#include <string>
+
+#include "gicube/wire/pci_config.h"
+#include "gicube/wire/registers.h"
+#include "state.h"
+
+namespace gicube {
+namespace {
+
+namespace reg = wire::reg;
+namespace pci = wire::pci;
+
+// Longer is as good as for ever, and can't overflow the clock.
+constexpr std::chrono::hours kLongestWatchdog{24 * 365};
+
+std::chrono::milliseconds checked_watchdog(std::chrono::milliseconds watchdog) {
+  if (watchdog.count() < 0) {
+    throw BadArgument("watchdog", "0 or more milliseconds", std::to_string(watchdog.count()));
+  }
+  return watchdog > kLongestWatchdog ? std::chrono::milliseconds(0) : watchdog;
+}
+
+bool has_agp_capability(Device& device) {
+  std::uint32_t at = device.read_config(pci::kCapabilities) & 0xFC;
+  // Every capability has its own dwords, so a list that is longer runs in a circle.
+  for (std::size_t steps = 0; at != 0 && steps < wire::kPciConfigBytes / 4; ++steps) {
+    const std::uint32_t header = device.read_config(at);
+    if ((header & 0xFF) == pci::kCapabilityAgp) return true;
+    at = header >> 8 & 0xFC;
+  }
+  return false;
+}
+
+// A register whose value the driver relies on for sizes.
+int read_sane(Device& device, std::uint32_t offset, std::uint32_t low, std::uint32_t high) {
+  const std::uint32_t value = device.read_register(offset);
+  if (value < low || value > high) {
+    throw OpenFailed("the board's register " + std::string(wire::find_register(offset)->name) + " holds " +
+                     std::to_string(value) + ", expected " + std::to_string(low) + ".." + std::to_string(high));
+  }
+  return static_cast<int>(value);
+}
+
+BoardInfo read_info(Device& device) {
+  BoardInfo info;
+  info.protocol_major = device.agreed().major;
+  info.protocol_minor = device.agreed().minor;
+  info.host_rays = (device.agreed().capabilities & wire::kHostRays) != 0;
+  const std::uint32_t ids = device.read_config(pci::kIds);
+  info.vendor_id = static_cast<std::uint16_t>(ids);
+  info.device_id = static_cast<std::uint16_t>(ids >> 16);
+  if (info.vendor_id != wire::kVendorId || info.device_id != wire::kDeviceId) {
+    throw OpenFailed("the device there is not a GI-Cube board");
+  }
+  info.agp = has_agp_capability(device);
+  device.reset();
+  read_sane(device, reg::kId, wire::kIdValue, wire::kIdValue);
+  switch (static_cast<wire::Fidelity>(read_sane(device, reg::kFidelity, 1, 3))) {
+    case wire::Fidelity::kFunctional: info.fidelity = Fidelity::kFunctional; break;
+    case wire::Fidelity::kApproximate: info.fidelity = Fidelity::kApproximate; break;
+    case wire::Fidelity::kCycle: info.fidelity = Fidelity::kCycle; break;
+  }
+  info.processors = read_sane(device, reg::kProcessors, 1, 1 << 16);
+  info.block_voxels = read_sane(device, reg::kBlockVoxels, 2, 1024);
+  info.max_volume_voxels = read_sane(device, reg::kMaxVolumeVoxels, 2, 1024);
+  info.queue_rays = read_sane(device, reg::kQueueRays, 1, 1 << 30);
+  info.core_khz = device.read_register(reg::kCoreKhz);
+  const std::uint64_t hash_high = device.read_register(reg::kConfigHashHigh);
+  info.config_hash = hash_high << 32 | device.read_register(reg::kConfigHashLow);
+  return info;
+}
+
+}  // namespace
+
+Board Board::open(std::string_view uri, const OpenOptions& options) {
+  const Uri parsed = parse_uri(uri);
+  auto state = std::make_unique<State>(parsed, checked_watchdog(options.watchdog));
+  try {
+    state->info = read_info(state->device);
+  } catch (const DeviceLost& error) {
+    throw OpenFailed(error.what());
+  } catch (const Rejected& error) {
+    throw OpenFailed(error.what());
+  }
+  return Board(std::move(state));
+}
+
+Board::Board(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Board::Board(Board&&) noexcept = default;
+Board& Board::operator=(Board&&) noexcept = default;
+Board::~Board() = default;
+
+const BoardInfo& Board::info() const { return state_->info; }
+
+}  // namespace gicube

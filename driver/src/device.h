@@ -1,0 +1,69 @@
+// The board as a host sees it through its bus connector: configuration space, registers, memory, DSP commands; and the
+// simulated host's clock, which stamps each transaction and moves with each answer.
+//
+// One caller at a time, but clock().now() and check(). All calls throw DeviceLost and TimedOut, and Rejected or
+// Unsupported where the board refuses.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gicube/board.h"
+#include "host_clock.h"
+#include "launch.h"
+#include "link.h"
+#include "uri.h"
+
+namespace gicube {
+
+class Device {
+ public:
+  // Connects, or starts a private board. Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, BadArgument.
+  Device(const Uri& uri, std::chrono::milliseconds watchdog);
+
+  const wire::VersionInfo& agreed() const { return link_->agreed(); }
+  HostClock& clock() { return clock_; }
+  void check() const { link_->check(); }
+  [[noreturn]] void give_up(const std::string& reason) { link_->give_up(reason); }
+
+  std::uint32_t read_config(std::uint32_t offset);
+  std::uint32_t read_register(std::uint32_t offset);
+  void write_register(std::uint32_t offset, std::uint32_t value);
+  // Writes it unless it holds that value already.
+  void set_register(std::uint32_t offset, std::uint32_t value);
+  // All of the board's state as at power-up.
+  void reset();
+
+  // In pieces that the link's payload limit allows, each of whole dwords, LUT entries and pairs of voxels.
+  void write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes);
+  // At most agreed().max_payload_bytes.
+  std::vector<std::uint8_t> read_memory(std::uint64_t address, std::uint64_t length);
+
+  std::uint32_t command(std::vector<std::uint8_t> payload);
+  // Blocks the simulated host until the command has completed. Its error is in the result, and not thrown.
+  CommandResult finish(std::uint32_t ticket, const Progress& progress);
+  // The result of a command if it has come; blocks nobody.
+  std::optional<CommandResult> take(std::uint32_t ticket) { return link_->take(ticket); }
+  // Fetches the results of all commands that have completed by now.
+  void poll();
+
+  Counters counters();
+
+ private:
+  std::unique_ptr<Link> open_link(const Uri& uri, const LinkOptions& options);
+  std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
+  std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);
+  template <typename Call>
+  auto with_last_words(const Call& call);
+
+  std::unique_ptr<ChildProcess> child_;  // before the link: it ends by itself once the link has closed
+  std::unique_ptr<Link> link_;
+  HostClock clock_;
+  std::map<std::uint32_t, std::uint32_t> registers_;  // as last written, for set_register()
+};
+
+}  // namespace gicube

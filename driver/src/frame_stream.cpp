@@ -1,0 +1,137 @@
+#include "frame_stream.h"
+
+#include <sys/socket.h>
+
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+namespace gicube {
+namespace {
+
+// chosen: a peer that refuses us closes after its last words; they are read even when our own write fails first.
+constexpr std::chrono::seconds kLastWords{1};
+
+int address_family(int fd) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) return AF_UNIX;
+  return address.ss_family;
+}
+
+}  // namespace
+
+FrameStream::FrameStream(Fd socket, FrameSink& sink) : sink_(sink) {
+  socket_.assign(boost::asio::generic::stream_protocol(address_family(socket.get()), 0), socket.get());
+  socket.release();
+}
+
+FrameStream::~FrameStream() {
+  close("closed");
+  if (thread_.joinable()) thread_.join();
+}
+
+void FrameStream::start() {
+  boost::asio::post(io_, [this] { read_header(); });
+  thread_ = std::thread([this] { run(); });
+}
+
+void FrameStream::run() {
+  for (;;) {
+    try {
+      io_.run();
+      return;
+    } catch (const std::exception& error) {  // no memory for a payload
+      end(error.what());
+    }
+  }
+}
+
+void FrameStream::send(wire::FrameHeader header, std::vector<std::uint8_t> payload) {
+  header.size = static_cast<std::uint32_t>(payload.size());
+  Outgoing frame;
+  encode(header, frame.header);
+  frame.payload = std::move(payload);
+  {
+    const std::lock_guard lock(mutex_);
+    queued_.push_back(std::move(frame));
+    if (writing_) return;
+    writing_ = true;
+  }
+  boost::asio::post(io_, [this] { write_queued(); });
+}
+
+void FrameStream::close(const std::string& reason) {
+  boost::asio::post(io_, [this, reason] { end(reason); });
+}
+
+void FrameStream::read_header() {
+  boost::asio::async_read(
+      socket_, boost::asio::buffer(header_bytes_), [this](const boost::system::error_code& error, std::size_t bytes) {
+        if (error == boost::asio::error::eof) {
+          return end(bytes == 0 ? "the board closed the connection" : "the connection ended in the middle of a frame");
+        }
+        if (error) return end(error.message());
+        const auto header = wire::decode_frame_header(header_bytes_);
+        if (!header) return end("the board sent something that is no frame");
+        const std::string fault = sink_.check_header(*header);
+        if (!fault.empty()) return end(fault);
+        read_payload(*header);
+      });
+}
+
+void FrameStream::read_payload(const wire::FrameHeader& header) {
+  payload_.resize(header.size);
+  boost::asio::async_read(socket_, boost::asio::buffer(payload_),
+                          [this, header](const boost::system::error_code& error, std::size_t) {
+                            if (error == boost::asio::error::eof) {
+                              return end("the connection ended in the middle of a frame");
+                            }
+                            if (error) return end(error.message());
+                            const std::string fault = sink_.take_frame(header, std::exchange(payload_, {}));
+                            if (!fault.empty()) return end(fault);
+                            read_header();
+                          });
+}
+
+void FrameStream::write_queued() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_ || queued_.empty()) {
+      writing_ = false;
+      return;
+    }
+    in_flight_.swap(queued_);
+  }
+  std::vector<boost::asio::const_buffer> buffers;
+  for (const Outgoing& frame : in_flight_) {
+    buffers.push_back(boost::asio::buffer(frame.header));
+    if (!frame.payload.empty()) buffers.push_back(boost::asio::buffer(frame.payload));
+  }
+  boost::asio::async_write(socket_, buffers, [this](const boost::system::error_code& error, std::size_t) {
+    in_flight_.clear();
+    if (!error) return write_queued();
+    if (ended_) return;
+    last_words_.expires_after(kLastWords);
+    last_words_.async_wait([this, text = error.message()](const boost::system::error_code& cancelled) {
+      if (!cancelled) end(text);
+    });
+  });
+}
+
+void FrameStream::end(const std::string& reason) {
+  if (ended_) return;
+  ended_ = true;
+  last_words_.cancel();
+  boost::system::error_code ignored;
+  socket_.shutdown(boost::asio::socket_base::shutdown_both, ignored);
+  socket_.close(ignored);
+  sink_.stream_ended(reason);
+}
+
+}  // namespace gicube

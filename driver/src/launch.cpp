@@ -1,0 +1,184 @@
+#include "launch.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "gicube/error.h"
+
+extern char** environ;
+
+namespace gicube {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "gicube-board";
+constexpr std::chrono::seconds kGrace{5};  // chosen: what a child gets to end by itself, and again after SIGTERM
+constexpr std::size_t kStderrTail = 4096;  // bytes, chosen: what an error message can carry
+constexpr int kLowestOwnFd = 10;           // above what the child's files are numbered by, 0..3
+
+bool is_program(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored) && ::access(path.c_str(), X_OK) == 0;
+}
+
+OpenFailed spawn_error(const std::string& what, int error) {
+  return OpenFailed("cannot start " + what + ": " + std::generic_category().message(error));
+}
+
+// The same file under a number that the child's own files don't take.
+Fd raised(Fd fd) {
+  Fd copy(::fcntl(fd.get(), F_DUPFD_CLOEXEC, kLowestOwnFd));
+  if (copy.get() < 0) throw spawn_error(kProgram, errno);
+  return copy;
+}
+
+// posix_spawn's two parameter objects, with their ends.
+struct SpawnPlan {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+
+  SpawnPlan() {
+    posix_spawn_file_actions_init(&files);
+    posix_spawnattr_init(&attributes);
+  }
+  ~SpawnPlan() {
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&attributes);
+  }
+  SpawnPlan(const SpawnPlan&) = delete;
+  SpawnPlan& operator=(const SpawnPlan&) = delete;
+};
+
+}  // namespace
+
+std::string find_board_program() {
+  if (const char* named = std::getenv("GICUBE_BOARD"); named != nullptr && *named != '\0') {
+    if (is_program(named)) return named;
+    throw OpenFailed(std::string("the environment variable GICUBE_BOARD names no program: ") + named);
+  }
+  std::vector<fs::path> places;
+  std::error_code error;
+  const fs::path self = fs::read_symlink("/proc/self/exe", error);
+  if (!error) places.push_back(self.parent_path() / kProgram);
+  places.push_back(fs::path(GICUBE_INSTALL_BINDIR) / kProgram);
+  if (const char* path = std::getenv("PATH")) {
+    const std::string list = path;
+    for (std::size_t begin = 0; begin <= list.size();) {
+      const std::size_t end = std::min(list.find(':', begin), list.size());
+      if (end > begin) places.push_back(fs::path(list.substr(begin, end - begin)) / kProgram);
+      begin = end + 1;
+    }
+  }
+  std::string looked;
+  for (const fs::path& place : places) {
+    if (is_program(place)) return place.string();
+    looked += "\n  " + place.string();
+  }
+  throw OpenFailed("gicube-board was not found; the environment variable GICUBE_BOARD is not set, and it is not at" +
+                   looked);
+}
+
+ChildProcess::ChildProcess(const std::string& program, const std::vector<std::string>& arguments) {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw spawn_error(program, errno);
+  socket_ = Fd(ends[0]);
+  const Fd child_end = raised(Fd(ends[1]));
+  Fd memory(::memfd_create("gicube-board stderr", MFD_CLOEXEC));
+  if (memory.get() < 0) throw spawn_error(program, errno);
+  stderr_ = raised(std::move(memory));
+  start(program, arguments, child_end);
+}
+
+void ChildProcess::start(const std::string& program, const std::vector<std::string>& arguments, const Fd& child_end) {
+  std::vector<std::string> words{program};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  words.insert(words.end(), {"--listen", "fd:3", "--private", "--quiet"});
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+
+  SpawnPlan plan;
+  posix_spawn_file_actions_addopen(&plan.files, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&plan.files, 1, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&plan.files, stderr_.get(), 2);
+  posix_spawn_file_actions_adddup2(&plan.files, child_end.get(), 3);
+  posix_spawn_file_actions_addclosefrom_np(&plan.files, 4);
+  // Its own process group: Ctrl-C is the application's to handle, the board ends with the session. What the
+  // application ignores or blocks is not the board's affair either.
+  sigset_t all;
+  sigset_t none;
+  sigfillset(&all);
+  sigemptyset(&none);
+  posix_spawnattr_setpgroup(&plan.attributes, 0);
+  posix_spawnattr_setsigdefault(&plan.attributes, &all);
+  posix_spawnattr_setsigmask(&plan.attributes, &none);
+  posix_spawnattr_setflags(&plan.attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+  const int error = ::posix_spawn(&pid_, program.c_str(), &plan.files, &plan.attributes, argv.data(), environ);
+  if (error != 0) {
+    pid_ = -1;
+    throw spawn_error(program, error);
+  }
+}
+
+ChildProcess::~ChildProcess() {
+  socket_.reset();
+  if (ended(kGrace)) return;
+  ::kill(pid_, SIGTERM);
+  if (ended(kGrace)) return;
+  ::kill(pid_, SIGKILL);
+  ended(kGrace);
+}
+
+bool ChildProcess::ended(std::chrono::milliseconds wait) {
+  const auto deadline = std::chrono::steady_clock::now() + wait;
+  auto pause = std::chrono::microseconds(200);
+  while (!reaped_ && pid_ > 0) {
+    const pid_t found = ::waitpid(pid_, &status_, WNOHANG);
+    // ECHILD: an application that ignores SIGCHLD has the system reap its children.
+    if (found == pid_ || (found < 0 && errno != EINTR)) {
+      reaped_ = true;
+      break;
+    }
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(pause);
+    pause = std::min(2 * pause, std::chrono::microseconds(10'000));
+  }
+  return true;
+}
+
+std::string ChildProcess::last_words() {
+  if (!ended(std::chrono::milliseconds(0))) return {};
+  std::string text = "gicube-board ended";
+  if (WIFSIGNALED(status_)) {
+    text += " by signal " + std::to_string(WTERMSIG(status_)) + " (" + ::sigdescr_np(WTERMSIG(status_)) + ")";
+  } else {
+    text += " with exit code " + std::to_string(WEXITSTATUS(status_));
+  }
+  struct stat info {};
+  if (::fstat(stderr_.get(), &info) != 0 || info.st_size <= 0) return text;
+  const auto size = static_cast<std::size_t>(info.st_size);
+  std::string tail(std::min(size, kStderrTail), '\0');
+  const ssize_t got = ::pread(stderr_.get(), tail.data(), tail.size(), static_cast<off_t>(size - tail.size()));
+  tail.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+  if (size > kStderrTail) tail.erase(0, tail.find('\n') + 1);
+  while (tail.ends_with('\n')) tail.pop_back();
+  return text + ":\n" + tail;
+}
+
+}  // namespace gicube

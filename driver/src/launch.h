@@ -1,0 +1,49 @@
+// Starts a private gicube-board as a child process and ends it again.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "fd.h"
+
+namespace gicube {
+
+// The gicube-board program: the environment variable GICUBE_BOARD, beside the running program, where the SDK was
+// installed, on the PATH, in this order. Throws OpenFailed that names every place looked at.
+std::string find_board_program();
+
+// One child process that serves one socket, inherits no other file of this process, and is gone when this object is:
+// destroy what uses the socket first, the child ends by itself then. One that does not is terminated after some seconds.
+class ChildProcess {
+ public:
+  // Runs `program arguments... --listen fd:3 --private --quiet`, the child's end of a socket pair being its file 3.
+  // Throws OpenFailed if it can't be started.
+  ChildProcess(const std::string& program, const std::vector<std::string>& arguments);
+  ~ChildProcess();
+
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  // This process' end of the socket pair; once.
+  Fd take_socket() { return std::move(socket_); }
+
+  // True if the child has ended, after waiting for it at most so long.
+  bool ended(std::chrono::milliseconds wait);
+
+  // How it ended and the last lines that it wrote to its standard error, or an empty text while it runs.
+  std::string last_words();
+
+ private:
+  void start(const std::string& program, const std::vector<std::string>& arguments, const Fd& child_end);
+
+  Fd socket_;
+  Fd stderr_;  // a file in memory: nobody has to read it for the child to go on
+  pid_t pid_ = -1;
+  bool reaped_ = false;
+  int status_ = 0;
+};
+
+}  // namespace gicube

@@ -1,0 +1,46 @@
+#include "link_error.h"
+
+#include <algorithm>
+
+#include "gicube/error.h"
+
+namespace gicube {
+namespace {
+
+constexpr std::size_t kLongestText = 4000;  // chosen: a configuration's faults, all of them, and no flood
+
+}  // namespace
+
+std::string error_text(std::span<const std::uint8_t> payload) {
+  std::string text;
+  for (const std::uint8_t byte : payload.first(std::min(payload.size(), kLongestText))) {
+    const bool control = (byte < 0x20 && byte != '\n') || byte == 0x7F;
+    text += control ? '?' : static_cast<char>(byte);
+  }
+  return text.empty() ? "no reason given" : text;
+}
+
+bool ends_session(wire::ErrorCode code) {
+  switch (code) {
+    case wire::ErrorCode::kProtocol:
+    case wire::ErrorCode::kVersion:
+    case wire::ErrorCode::kTooLarge:
+    case wire::ErrorCode::kBusy:
+    case wire::ErrorCode::kCancelled: return true;
+    default: return false;
+  }
+}
+
+void throw_error(wire::ErrorCode code, const std::string& text) {
+  switch (code) {
+    case wire::ErrorCode::kBusy: throw BoardBusy("the board is busy: " + text);
+    case wire::ErrorCode::kVersion: throw VersionMismatch("the board speaks another version: " + text);
+    case wire::ErrorCode::kUnsupported: throw Unsupported(text);
+    case wire::ErrorCode::kProtocol:
+    case wire::ErrorCode::kTooLarge: throw DeviceLost("the board ended the session: " + text);
+    case wire::ErrorCode::kCancelled: throw DeviceLost("the board shuts down: " + text);
+    default: throw Rejected(text);
+  }
+}
+
+}  // namespace gicube

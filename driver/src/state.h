@@ -1,0 +1,58 @@
+// What stands behind a Board handle.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "batches.h"
+#include "device.h"
+#include "gicube/board.h"
+#include "tables.h"
+#include "upload/voxel_blocks.h"
+
+namespace gicube {
+
+// What the driver keeps of a loaded volume: enough to find the empty flags again.
+struct LoadedVolume {
+  Dims dims{};
+  Dims blocks{};
+  ValueRange range;
+  Vec3 relative_spacing;
+  std::vector<BlockStatistics> statistics;
+  std::vector<std::uint8_t> flags;  // in force, one a block
+};
+
+struct Board::State {
+  State(const Uri& uri, std::chrono::milliseconds watchdog)
+      : threads(uri.threads), device(uri, watchdog), tables(device), batches(device) {}
+
+  // Every public call but now() and info() is one transaction. Throws DeviceLost.
+  std::unique_lock<std::mutex> begin();
+  // The caller's callback, during which this Board takes no calls from it; empty if `progress` is.
+  Progress watched(const Progress& progress);
+  // Throws Rejected if there is no volume; `what` needs one.
+  LoadedVolume& loaded(const char* what);
+
+  void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
+  void check_fence();
+  void find_flags(LoadedVolume& volume);
+  void set_sampling(const View& view);
+
+  const unsigned threads;  // for the driver's own work, 0 = one a core
+  std::mutex mutex;
+  std::atomic<std::thread::id> in_callback{};
+  BoardInfo info;
+  Device device;
+  Tables tables;
+  Batches batches;
+  std::optional<LoadedVolume> volume;
+  View sampling;                           // the last view rendered
+  Vec3 sampling_towards_eye{0, 0, -1};     // chosen: rays before any picture are lit as if seen from the front
+  std::pair<int, int> framebuffer_size{};  // pixels; 0 before the first rendering
+};
+
+}  // namespace gicube

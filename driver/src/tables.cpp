@@ -1,0 +1,71 @@
+#include "tables.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "gicube/wire/memory_map.h"
+#include "upload/empty_flags.h"
+#include "upload/reflectance_map.h"
+#include "upload/segmentation_lut.h"
+
+namespace gicube {
+
+void Tables::set_codebook(GradientCodebook codebook) {
+  codebook_ = std::move(codebook);
+  gradients_sent_ = false;
+}
+
+const GradientCodebook& Tables::codebook() {
+  if (!codebook_) codebook_.emplace();
+  return *codebook_;
+}
+
+void Tables::send_gradients() {
+  if (gradients_sent_) return;
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire::kGradientLut.bytes));
+  std::size_t at = 0;
+  for (const wire::GradientEntry& entry : codebook().entries()) {
+    wire::store(std::span(bytes), at, wire::to_word(entry));
+    at += wire::kGradientEntryBytes;
+  }
+  device_.write_memory(wire::kGradientLut.base, bytes);
+  gradients_sent_ = true;
+}
+
+void Tables::set_function(const TransferFunction& function, int tag) {
+  functions_[static_cast<std::size_t>(tag)] = function;
+}
+
+void Tables::send_segmentation(ValueRange range) {
+  constexpr std::size_t kQuarter = wire::kSegmentationEntries / wire::kTags;
+  for (std::size_t tag = 0; tag < functions_.size(); ++tag) {
+    if (!functions_[tag]) continue;
+    const auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong);
+    const auto held = std::span(segmentation_).subspan(tag * kQuarter, kQuarter);
+    if (std::equal(wanted.begin(), wanted.end(), held.begin(), held.end())) continue;
+    std::vector<std::uint8_t> bytes(kQuarter * wire::kSegmentationEntryBytes);
+    for (std::size_t i = 0; i < kQuarter; ++i) {
+      const auto entry = std::span(bytes).subspan(i * wire::kSegmentationEntryBytes);
+      wire::encode(wanted[i], entry.first<wire::kSegmentationEntryBytes>());
+    }
+    device_.write_memory(wire::kSegmentationLut.base + tag * bytes.size(), bytes);
+    std::copy(wanted.begin(), wanted.end(), held.begin());
+  }
+}
+
+void Tables::send_reflectance(Vec3 towards_eye) {
+  auto wanted = reflectance_map(shading_.phong, shading_.light, towards_eye);
+  if (wanted == reflectance_) return;
+  device_.write_memory(wire::kReflectanceMap.base, wanted);
+  reflectance_ = std::move(wanted);
+}
+
+void Tables::send_flags(std::span<const std::uint8_t> flags) {
+  auto wanted = pack_flags(flags);
+  flags_.resize(wanted.size());
+  if (wanted == flags_) return;
+  device_.write_memory(wire::kEmptyFlags.base, wanted);
+  flags_ = std::move(wanted);
+}
+
+}  // namespace gicube

@@ -1,0 +1,56 @@
+// The board's look-up tables: what they should hold, what they were last sent, and how the two are brought together.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "device.h"
+#include "gicube/shading.h"
+#include "gicube/transfer_function.h"
+#include "gicube/volume.h"
+#include "gicube/wire/lut.h"
+#include "gicube/wire/voxel.h"
+#include "upload/gradient_codebook.h"
+
+namespace gicube {
+
+// For arguments that passed their checks. Only what has changed is sent.
+class Tables {
+ public:
+  explicit Tables(Device& device) : device_(device) {}
+
+  void set_codebook(GradientCodebook codebook);
+  // The codebook in force; the default one is made when it is first asked for.
+  const GradientCodebook& codebook();
+  void send_gradients();
+
+  void set_function(const TransferFunction& function, int tag);
+  void set_shading(const Shading& shading) { shading_ = shading; }
+
+  // The segmentation LUT depends on the map from values to densities, and so on the volume.
+  void send_segmentation(ValueRange range);
+  // All 2^14 entries as last sent.
+  std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_; }
+
+  void send_reflectance(Vec3 towards_eye);
+
+  // One value a block. After forget_flags() the board's are known to be clear.
+  void send_flags(std::span<const std::uint8_t> flags);
+  void forget_flags() { flags_.clear(); }
+
+ private:
+  Device& device_;
+  std::optional<GradientCodebook> codebook_;
+  bool gradients_sent_ = false;
+  std::array<std::optional<TransferFunction>, wire::kTags> functions_;
+  std::vector<wire::SegmentationEntry> segmentation_ =
+      std::vector<wire::SegmentationEntry>(wire::kSegmentationEntries);  // a tag never set is invisible
+  Shading shading_;
+  std::vector<std::uint8_t> reflectance_;  // as last sent; empty = never
+  std::vector<std::uint8_t> flags_;        // packed, as last sent; empty = all clear
+};
+
+}  // namespace gicube

@@ -1,0 +1,31 @@
+// Board URIs: which board Board::open() opens, and how an emulated one is started.
+//
+//   emu:[?option=value&...]     fidelity, bus, threads, config and set; set may come several times
+//   unix:PATH
+//   tcp:HOST:PORT               an IPv6 address stands in brackets
+//
+// %XX stands for a byte, in paths and option values.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gicube {
+
+enum class UriScheme { kEmu, kUnix, kTcp };
+
+struct Uri {
+  UriScheme scheme = UriScheme::kEmu;
+  std::string path;                          // unix
+  std::string host;                          // tcp, without brackets
+  std::uint16_t port = 0;                    // tcp
+  std::vector<std::string> board_arguments;  // emu: what gicube-board is started with, as "--set", "threads=2"
+  unsigned threads = 0;                      // emu: 0 = one a core
+};
+
+// Throws BadArgument that names the scheme, the option or the value that is wrong.
+Uri parse_uri(std::string_view text);
+
+}  // namespace gicube

@@ -1,0 +1,151 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <thread>
+
+#include "test_board.h"
+
+namespace gicube {
+namespace {
+
+using reference::BoxVolume;
+using reference::front_view;
+using reference::open_board;
+using reference::step_function;
+
+constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
+
+class Render : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    board_.load_volume(BoxVolume(32, 8, 23).view());
+    board_.set_transfer_function(step_function(0.1));
+  }
+  Board board_ = open_board(kSmallBlocks);
+};
+
+TEST_F(Render, ReadingBeforeTheFirstPictureIsRejected) { EXPECT_THROW(board_.read_framebuffer(), Rejected); }
+
+TEST_F(Render, ABoxOfConstantOpacityHasBeersAlpha) {
+  View view = front_view(32);
+  view.opacity_threshold = 1;
+  const Image image = board_.render(view);
+  ASSERT_EQ(image.width, 32);
+  ASSERT_EQ(image.pixels.size(), 32u * 32);
+  EXPECT_EQ(image.at(2, 2).alpha, 0);
+  // Density 200 lies between the voxels 8 and 23; towards 0 on either side it passes 100 half a voxel further out.
+  const double expected = 1 - std::pow(0.9, 16);
+  EXPECT_NEAR(image.at(16, 16).alpha / 4095.0, expected, 0.01);
+}
+
+TEST_F(Render, AnOddImageLargerThanOneLinkPayloadArrivesWhole) {
+  View view = front_view(32);
+  view.width = 1201;
+  view.height = 999;  // 5.4 MB at 36 bits, the link takes 4 MB at a time
+  const Image image = board_.render(view);
+  ASSERT_EQ(image.pixels.size(), 1201u * 999);
+  EXPECT_EQ(image.at(0, 0).alpha, 0);
+  EXPECT_GT(image.at(600, 499).alpha, 0);
+  // The box is in the middle, so the picture is its own mirror image, seam of the transfers or not.
+  const auto rows = [&](int y) {
+    return std::count_if(image.pixels.begin() + y * 1201, image.pixels.begin() + (y + 1) * 1201,
+                         [](const Pixel& pixel) { return pixel.alpha > 0; });
+  };
+  EXPECT_EQ(rows(300), rows(998 - 300));
+  EXPECT_EQ(rows(780), rows(998 - 780));
+}
+
+TEST_F(Render, TheFramebuffersTransferTakesItsBytesOverTheBus) {
+  View view = front_view(32);
+  view.width = 512;
+  view.height = 512;
+  board_.render_to_framebuffer(view);
+  const Picoseconds before = board_.now();
+  board_.read_framebuffer();
+  const double seconds = static_cast<double>(board_.now() - before) * 1e-12;
+  const double closed_form = 512.0 * 512 * 36 / 32 * (256 + 3) / 256 * 30e-9;
+  EXPECT_NEAR(seconds, closed_form, 0.001 * closed_form);
+}
+
+TEST_F(Render, OnlyWhatHasChangedIsSent) {
+  View view = front_view(32);
+  view.shade = true;
+  view.cut_planes = {{{1, 0, 0}, 12}};
+  board_.render_to_framebuffer(view);
+  const Counters first = board_.counters();
+  board_.render_to_framebuffer(view);
+  const Counters second = board_.counters();
+  EXPECT_EQ((second - first).value("bus.down.bytes"), 112u);  // the rendering command
+  board_.set_shading({.phong = {}, .light = {1, 1, -1}});
+  board_.render_to_framebuffer(view);
+  EXPECT_GE((board_.counters() - second).value("bus.down.bytes"), 112u + 6 * 128 * 128);
+}
+
+TEST_F(Render, CutPlanesCutAndGoAgain) {
+  const Image whole = board_.render(front_view(32));
+  View view = front_view(32);
+  view.cut_planes = {{{1, 0, 0}, 15.5}};
+  const Image cut = board_.render(view);
+  EXPECT_NE(cut, whole);
+  const auto visible = [](const Image& image) {
+    return std::count_if(image.pixels.begin(), image.pixels.end(), [](const Pixel& p) { return p.alpha > 0; });
+  };
+  EXPECT_NEAR(static_cast<double>(visible(cut)), static_cast<double>(visible(whole)) / 2, 40);
+  EXPECT_EQ(board_.render(front_view(32)), whole);
+}
+
+TEST_F(Render, ABadViewLeavesTheFramebuffer) {
+  const Image before = board_.render(front_view(32));
+  View view = front_view(32);
+  view.step = 0;
+  EXPECT_THROW(board_.render(view), BadArgument);
+  view = front_view(32);
+  view.width = 5000;
+  EXPECT_THROW(board_.render(view), BadArgument);
+  EXPECT_EQ(board_.read_framebuffer(), before);
+}
+
+TEST_F(Render, WhatTheBoardRefusesIsRejectedInItsWordsAndTheBoardGoesOn) {
+  Board board = open_board(std::string(kSmallBlocks) + "&set=dsp.framebuffer_mb=1");
+  board.load_volume(BoxVolume(32, 8, 23).view());
+  const Image before = board.render(front_view(32));
+  View view = front_view(32);
+  view.width = 4000;
+  view.height = 4000;
+  EXPECT_THAT([&] { board.render(view); }, ::testing::ThrowsMessage<Rejected>(::testing::HasSubstr("framebuffer_mb")));
+  EXPECT_EQ(board.read_framebuffer(), before);
+}
+
+TEST_F(Render, SeveralThreadsTakeTurns) {
+  const Image expected = board_.render(front_view(32));
+  std::vector<std::thread> threads;
+  std::array<bool, 4> same{};
+  for (std::size_t i = 0; i < same.size(); ++i) {
+    threads.emplace_back([this, &expected, &same, i] {
+      for (int picture = 0; picture < 5; ++picture) same[i] = board_.render(front_view(32)) == expected;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(same, (std::array<bool, 4>{true, true, true, true}));
+}
+
+TEST_F(Render, ThePhongModelShowsInThePicture) {
+  View view = front_view(32);
+  view.shade = true;
+  const Image lit = board_.render(view);
+  board_.set_shading({.phong = {.ambient = 0, .diffuse = 0, .specular = 0}, .light = {}});
+  const Image dark = board_.render(view);
+  EXPECT_NE(lit, dark);
+  const auto light = [](const Image& image) {
+    long total = 0;
+    for (const Pixel& pixel : image.pixels) total += pixel.red;
+    return total;
+  };
+  EXPECT_GT(light(lit), light(dark));
+}
+
+}  // namespace
+}  // namespace gicube

@@ -1,0 +1,32 @@
+// A private board and a small volume for the tests of the public interface.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "gicube/board.h"
+
+namespace gicube::reference {
+
+// Opens `uri` with the gicube-board of this build tree.
+Board open_board(const std::string& uri = "emu:");
+
+// A cube of `size`^3 bytes, 0 but for a box of 200 in the voxels low..high, both included, on each axis.
+struct BoxVolume {
+  int size = 32;
+  int low = 8;
+  int high = 23;
+  std::vector<std::byte> samples;
+
+  BoxVolume(int edge, int first, int last);
+  VolumeView view() const;
+};
+
+// Invisible below 100, opacity `opacity` a voxel above.
+TransferFunction step_function(double opacity);
+
+// Along +z onto the middle of a volume of `size`^3.
+View front_view(int size);
+
+}  // namespace gicube::reference
