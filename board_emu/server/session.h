@@ -17,6 +17,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <unordered_map>
 #include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
 #include <vector>
 
@@ -38,6 +39,8 @@ struct BusOptions {
   std::chrono::milliseconds handshake_deadline{5000};  // chosen: a person's patience
   std::chrono::milliseconds progress_interval{100};    // chosen: as often as a progress bar is read
   std::size_t max_unowned = 32;                        // chosen: connections that own no board (yet)
+  // Commands whose completions the client has not waited or polled for: their results stay in memory until then.
+  std::uint64_t max_unclaimed_bytes = std::uint64_t{1} << 30;  // chosen: 32 million rays
 };
 
 class Session : public std::enable_shared_from_this<Session> {
@@ -77,6 +80,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool take_credit(const wire::FrameHeader& header);
 
   boost::asio::awaitable<void> work();
+  bool book_command(const wire::FrameHeader& header);
+  void settle_command(std::uint32_t ticket);
   boost::asio::awaitable<Outcome> transact(const Frame& frame);
   boost::asio::awaitable<void> send_outcome(const wire::FrameHeader& request, Outcome outcome);
   boost::asio::awaitable<void> send_progress();
@@ -107,6 +112,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t unreturned_bytes_ = 0;
   std::uint32_t owed_slots_ = 0;  // of the client's: used by us and not yet handed back
   std::uint64_t owed_bytes_ = 0;
+
+  std::unordered_map<std::uint32_t, std::uint64_t> unclaimed_;  // ticket -> bytes
+  std::uint64_t unclaimed_bytes_ = 0;
 
   std::deque<Frame> inbox_;
   Work work_;

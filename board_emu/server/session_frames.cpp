@@ -24,6 +24,7 @@ using wire::FrameType;
 namespace {
 
 constexpr std::chrono::hours kUntilWoken{24};
+constexpr std::uint64_t kCommandOverhead = 1024;  // chosen: bytes of bookkeeping for one command
 
 enum class Manner { kNotFromHost, kPosted, kNonPosted };
 
@@ -155,6 +156,7 @@ awaitable<void> Session::work() {
     }
     const Frame frame = std::move(inbox_.front());
     inbox_.pop_front();
+    if (!book_command(frame.header)) break;
     Outcome outcome = co_await transact(frame);
     receive_credits_->consume(frame.header.size);
     ++unreturned_slots_;
@@ -164,6 +166,26 @@ awaitable<void> Session::work() {
     const bool is_tight = unreturned_bytes_ + agreed_.max_payload_bytes > options_.version.window_bytes;
     if (!stopped_ && (receive_credits_->due() || is_tight)) co_await return_credit();
   }
+}
+
+// False if the client piles up results that it never fetches.
+bool Session::book_command(const FrameHeader& header) {
+  if (header.type != FrameType::kCommand) return true;
+  const std::uint64_t bytes = kCommandOverhead + header.size;  // rays come back in as many bytes as they were sent
+  unclaimed_[header.id] += bytes;
+  unclaimed_bytes_ += bytes;
+  if (unclaimed_bytes_ <= options_.max_unclaimed_bytes) return true;
+  fail(ErrorCode::kTooLarge, header.id,
+       fmt::format("expected at most {} bytes of commands before their completions are waited or polled for, got {}",
+                   options_.max_unclaimed_bytes, unclaimed_bytes_));
+  return false;
+}
+
+void Session::settle_command(std::uint32_t ticket) {
+  const auto found = unclaimed_.find(ticket);
+  if (found == unclaimed_.end()) return;
+  unclaimed_bytes_ -= found->second;
+  unclaimed_.erase(found);
 }
 
 awaitable<Outcome> Session::transact(const Frame& frame) {
@@ -184,6 +206,7 @@ awaitable<void> Session::send_outcome(const FrameHeader& request, Outcome outcom
   for (Completion& completion : outcome.completions) {
     FrameHeader header{FrameType::kCompletion, wire::kPosted, completion.ticket};
     header.error = completion.error;
+    settle_command(completion.ticket);
     header.time_ps = completion.time_ps;
     co_await send(header, std::move(completion.payload));
   }

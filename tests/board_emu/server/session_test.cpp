@@ -201,6 +201,22 @@ TEST(Session, MoreFramesThanTheWindowHoldsEndIt) {
   EXPECT_THAT(last->text(), HasSubstr("at most 16 frames"));
 }
 
+TEST(Session, ResultsThatNobodyFetchesEndItBeforeTheyFillTheMemory) {
+  BusOptions options = patient();
+  options.max_unclaimed_bytes = 4096;
+  const ServedBoards boards(1, options);
+  RawClient client = boards.open();
+  std::uint32_t id = 100;
+  for (int i = 0; i < 10; ++i) {  // fetched as they come: no end to them
+    client.send(FrameType::kCommand, ++id, wire::kPosted, word(99));
+    client.send(FrameType::kWait, 1, 0, word(id));
+    EXPECT_EQ(client.receive_answer()->header.id, id);
+    EXPECT_EQ(client.receive_answer()->header.id, 1u);
+  }
+  for (int i = 0; i < 4; ++i) client.send(FrameType::kCommand, ++id, wire::kPosted, word(99));
+  expect_ended(client, ErrorCode::kTooLarge, id, "at most 4096 bytes of commands");
+}
+
 TEST(Session, CreditThatWasNeverTakenEndsIt) {
   const ServedBoards boards;
   RawClient client = boards.open();
