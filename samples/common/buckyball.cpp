@@ -165,10 +165,10 @@ Appearance buckyball_appearance(int size) {
   Appearance look;
   look.materials = {solid({0.93, 0.52, 0.20}), solid({0.66, 0.69, 0.74}), solid({0.52, 0.60, 0.70}), solid({0.36, 0.43, 0.54})};
   look.phong = {0.22, 0.74, 0.42, 28};
-  look.light = {-0.55, -0.62, 0.78};
+  look.light = Vec3{-0.55, -0.62, 0.78};
   const double scale = size - 1;
-  look.camera.look_at = scale * Vec3{0.5, 0.5, 0.47};
-  look.camera.eye = scale * Vec3{0.5, -1.75, 1.22};
+  look.camera.look_at = scale * Vec3{0.5, 0.5, 0.455};
+  look.camera.eye = scale * Vec3{0.5, -1.83, 1.36};
   look.camera.up = Vec3{0, 0, 1};
   look.camera.fov_degrees = 30;
   look.background = Colour{0.075, 0.085, 0.11};

@@ -28,15 +28,26 @@ struct SeenBox {
   double depth = 0;     // of the nearest corner before look_at
 };
 
+// Unit vectors of physical space; zero where the caller's directions make none.
 struct Frame {
   Vec3 towards_eye, right, up;
 };
 
-SeenBox see_box(const Dims& dims, Vec3 scale, Vec3 look_at, const Frame& frame, double tan_side, double tan_up) {
+Vec3 unit_or_zero(Vec3 a) {
+  const double norm = length(a);
+  return norm > 0 ? (1 / norm) * a : Vec3{};
+}
+
+Frame make_frame(Vec3 up, Vec3 towards_eye) {
+  const Vec3 right = unit_or_zero(cross(up, towards_eye));
+  return {towards_eye, right, cross(towards_eye, right)};
+}
+
+SeenBox see_box(const VoxelBox& box, Vec3 scale, Vec3 look_at, const Frame& frame, double tan_side, double tan_up) {
   SeenBox seen;
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 voxel{(corner & 1) != 0 ? dims[0] - 1.0 : 0.0, (corner & 2) != 0 ? dims[1] - 1.0 : 0.0,
-                     (corner & 4) != 0 ? dims[2] - 1.0 : 0.0};
+    const Vec3 voxel{(corner & 1) != 0 ? box.high.x : box.low.x, (corner & 2) != 0 ? box.high.y : box.low.y,
+                     (corner & 4) != 0 ? box.high.z : box.low.z};
     const Vec3 offset = times(voxel - look_at, scale);
     const double side = std::abs(dot(offset, frame.right)), up = std::abs(dot(offset, frame.up));
     const double near = dot(offset, frame.towards_eye);
@@ -60,30 +71,31 @@ Buckyball build_buckyball(const VolumeSource& source, int threads) {
 
 }  // namespace
 
-void fit_camera(const CameraSettings& camera, const Dims& dims, const Vec3& spacing, View& view) {
+void fit_camera(const CameraSettings& camera, const VoxelBox& box, const Vec3& spacing, View& view) {
   const Vec3 scale = relative(spacing), inverse{1 / scale.x, 1 / scale.y, 1 / scale.z};
   view.fov_degrees = camera.fov_degrees.value_or(view.fov_degrees);
   if (!(view.fov_degrees > 0 && view.fov_degrees < 180)) {
     throw InputError("field of view", "more than 0 and less than 180 degrees", std::to_string(view.fov_degrees));
   }
-  view.look_at = camera.look_at.value_or(0.5 * Vec3{dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0});
+  view.look_at = camera.look_at.value_or(0.5 * (box.low + box.high));
   const Vec3 sight = camera.eye ? times(*camera.eye - view.look_at, scale) : kDefaultDirection;
-  const double sight_length = length(sight);
-  const Vec3 towards_eye = sight_length > 0 ? (1 / sight_length) * sight : Vec3{};  // zero: the driver refuses it
+  const Vec3 towards_eye = unit_or_zero(sight);  // zero: the driver refuses it
   view.up = choose_up(camera, towards_eye);
 
-  Frame frame{towards_eye, cross(view.up, towards_eye), {}};
-  const double side_length = length(frame.right);
-  if (side_length > 0) frame.right = (1 / side_length) * frame.right;
-  frame.up = cross(towards_eye, frame.right);
+  const Frame frame = make_frame(view.up, towards_eye);
   const double aspect = double(view.width) / double(view.height);
   const double tan_up = std::tan(view.fov_degrees * std::numbers::pi / 360);
-  const SeenBox seen = see_box(dims, scale, view.look_at, frame, tan_up * aspect, tan_up);
+  const SeenBox seen = see_box(box, scale, view.look_at, frame, tan_up * aspect, tan_up);
 
   view.orthographic_height = camera.orthographic_height.value_or(0);
   // Parallel rays start at the eye's plane: keep it before the whole box.
   const double distance = view.orthographic_height > 0 ? kMargin * seen.depth + 1 : seen.distance;
   view.eye = camera.eye.value_or(view.look_at + times(distance * towards_eye, inverse));
+}
+
+Vec3 shoulder_light(const View& view, const Vec3& spacing) {
+  const Frame frame = make_frame(view.up, unit_or_zero(times(view.eye - view.look_at, relative(spacing))));
+  return frame.towards_eye + 0.55 * frame.up - 0.45 * frame.right;  // chosen: relief, and few shadows
 }
 
 SampleType sample_type_named(const std::string& name, const std::string& field) {
@@ -130,14 +142,19 @@ SceneSetup set_up(const Scene& scene, int threads) {
 
   setup.materials = look.materials;
   if (scene.transfer_function) setup.materials.assign(look.materials.size(), *scene.transfer_function);
-  setup.shading = {scene.phong.value_or(look.phong), scene.light.value_or(look.light)};
   setup.background = look.background;
 
   // A camera is taken as a whole: half of the built-in one with half of the user's shows nothing.
   const CameraSettings& asked = scene.camera;
   const bool own = asked.eye || asked.look_at || asked.up || asked.fov_degrees || asked.orthographic_height;
+  const CameraSettings& camera = own ? asked : look.camera;
+  const bool fitted = !camera.eye && scene.volume.builtin.empty();
+  const VoxelBox box = fitted ? visible_box(setup.volume, setup.materials.front()) : whole_box(setup.volume.dims);
   setup.view = scene.view;
-  fit_camera(own ? asked : look.camera, setup.volume.dims, setup.volume.spacing, setup.view);
+  fit_camera(camera, box, setup.volume.spacing, setup.view);
+
+  const std::optional<Vec3>& light = scene.light ? scene.light : look.light;
+  setup.shading = {scene.phong.value_or(look.phong), light ? *light : shoulder_light(setup.view, setup.volume.spacing)};
   return setup;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/transfer_function_file.h"
+#include "common/visible_box.h"
 #include "common/volume_file.h"
 #include "gicube/shading.h"
 #include "gicube/transfer_function.h"
@@ -39,7 +40,7 @@ using Materials = std::vector<TransferFunctionFile>;
 struct Appearance {
   Materials materials;             // by tag
   Phong phong;
-  Vec3 light;
+  std::optional<Vec3> light;
   CameraSettings camera;
   std::optional<Colour> background;
 };
@@ -48,7 +49,7 @@ struct Scene {
   VolumeSource volume;
   std::optional<TransferFunctionFile> transfer_function;  // for every tag
   std::optional<Phong> phong;
-  std::optional<Vec3> light;       // towards the light; zero = at the eye
+  std::optional<Vec3> light;       // towards the light
   CameraSettings camera;
   View view;                       // image and sampling; the camera's fields are filled by set_up()
 };
@@ -68,17 +69,20 @@ struct SceneSetup {
   void free_voxels();
 };
 
-// Reads or makes the volume and completes what the scene leaves open: a volume file has a head light and the
-// preset "ramp". `threads` 0 = one a core. Throws InputError and FileError.
+// Reads or makes the volume and completes what the scene leaves open: a volume file has a light
+// above the viewer's left shoulder, the preset "ramp", and a camera that sees all that is visible. `threads` 0 = one a core. Throws InputError and FileError.
 SceneSetup set_up(const Scene& scene, int threads = 0);
 
 // A type's name in files and options, "uint8" to "float32". Throws InputError that names `field`.
 SampleType sample_type_named(const std::string& name, const std::string& field);
 
 // Fills in eye, look_at, up, fov and height of `view` from `camera`; its image size gives the aspect ratio.
-// look_at: the volume's centre. up: +z, or +y if the line of sight runs along z. eye: in the direction (-0.35, -1, 0.45)
-// from look_at in physical space, where the volume's box just fits into the image. height: the box fits, too.
+// look_at: the box's centre. up: +z, or +y if the line of sight runs along z. eye: in the direction (-0.35, -1, 0.45)
+// from look_at in physical space, where `box` just fits into the image.
 // Throws InputError for a field of view that is not within 0..180 degrees.
-void fit_camera(const CameraSettings& camera, const Dims& dims, const Vec3& spacing, View& view);
+void fit_camera(const CameraSettings& camera, const VoxelBox& box, const Vec3& spacing, View& view);
+
+// Towards a light above the left shoulder of who looks along `view`.
+Vec3 shoulder_light(const View& view, const Vec3& spacing);
 
 }  // namespace gicube::samples

@@ -31,13 +31,13 @@ void check_fits(const Dims& dims, const BoardInfo& info, const std::string& sour
 
 // The volume, how it looks, and nothing of it left in the host's memory.
 void load(Board& board, SceneSetup& setup, ProgressLine& progress) {
+  board.set_shading(setup.shading);
   board.load_volume(setup.volume_view(), progress.parts("loading the volume"));
   setup.free_voxels();
   const ValueRange range = board.value_range();
   for (std::size_t tag = 0; tag < setup.materials.size(); ++tag) {
     board.set_transfer_function(in_values_of(range, setup.materials[tag]), static_cast<int>(tag));
   }
-  board.set_shading(setup.shading);
 }
 
 }  // namespace

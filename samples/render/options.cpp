@@ -14,7 +14,7 @@ constexpr const char* kBuiltin = "builtin:";
 
 const char* const kFooter =
     "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin. Directions of light and\n"
-    "angles are physical. Without --eye the camera sees the whole volume from -y, a little above (+z is up).\n"
+    "angles are physical. Without --eye the camera sees all that is visible from -y, a little above (+z is up).\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
 // Adds options whose text is parsed by a function of ours.
@@ -88,7 +88,7 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
 void add_camera_options(CLI::App& app, RenderOptions& options) {
   Group group(app, "Camera and image");
   group.vector("--eye", options.camera.eye, "the viewer's position");
-  group.vector("--look-at", options.camera.look_at, "what is in the image's centre (the volume's centre)");
+  group.vector("--look-at", options.camera.look_at, "what is in the image's centre (the centre of what is visible)");
   group.direction("--up", options.camera.up, "this direction is up in the image (0,0,1)");
   CLI::Option* fov = group.value("--fov", options.camera.fov_degrees, "vertical field of view in degrees (30)");
   fov->check(CLI::Range(0.01, 179.0));
@@ -128,7 +128,7 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
   group.flag("--jitter", options.jitter, "vary the distance of samples, against banding");
   group.flag("--no-leap", options.no_leap, "sample empty blocks too");
   group.flag("--no-shade", options.no_shade, "colours as they are, without light");
-  group.direction("--light", options.light, "towards the light (at the eye)");
+  group.direction("--light", options.light, "towards the light (above the viewer's left shoulder)");
   group.value("--ambient", options.ambient, "Phong's coefficients")->check(CLI::Range(0.0, 1.99));
   group.value("--diffuse", options.diffuse, "")->check(CLI::Range(0.0, 1.99));
   group.value("--specular", options.specular, "")->check(CLI::Range(0.0, 1.99));

@@ -33,7 +33,7 @@ TEST(Camera, FitsTheWholeVolumeIntoTheImageWhenNothingIsAskedFor) {
       View view;
       view.width = width;
       const Dims dims{120, 200, 90};
-      fit_camera({}, dims, spacing, view);
+      fit_camera({}, whole_box(dims), spacing, view);
       const auto [x, y] = seen_extent(dims, spacing, view);
       EXPECT_LT(std::max(x, y), 1);
       EXPECT_GT(std::max(x, y), 0.9);
@@ -49,7 +49,7 @@ TEST(Camera, TakesWhatIsAskedFor) {
   camera.eye = Vec3{1, 2, -300};
   camera.look_at = Vec3{1, 2, 3};
   camera.fov_degrees = 40;
-  fit_camera(camera, {64, 64, 64}, {1, 1, 1}, view);
+  fit_camera(camera, whole_box({64, 64, 64}), {1, 1, 1}, view);
   EXPECT_EQ(view.eye, (Vec3{1, 2, -300}));
   EXPECT_EQ(view.look_at, (Vec3{1, 2, 3}));
   EXPECT_EQ(view.fov_degrees, 40);
@@ -60,7 +60,7 @@ TEST(Camera, KeepsTheEyeBeforeTheBoxInOrthographicViews) {
   View view;
   CameraSettings camera;
   camera.orthographic_height = 50;
-  fit_camera(camera, {100, 100, 100}, {1, 1, 1}, view);
+  fit_camera(camera, whole_box({100, 100, 100}), {1, 1, 1}, view);
   EXPECT_EQ(view.orthographic_height, 50);
   const Vec3 forward = normalise(view.look_at - view.eye);
   for (int corner = 0; corner < 8; ++corner) {
@@ -73,7 +73,18 @@ TEST(Camera, RefusesAnImpossibleFieldOfView) {
   View view;
   CameraSettings camera;
   camera.fov_degrees = 180;
-  EXPECT_THROW(fit_camera(camera, {64, 64, 64}, {1, 1, 1}, view), InputError);
+  EXPECT_THROW(fit_camera(camera, whole_box({64, 64, 64}), {1, 1, 1}, view), InputError);
+}
+
+TEST(Camera, HasItsLightAboveTheLeftShoulder) {
+  View view;
+  view.eye = {0, -100, 0};
+  view.look_at = {0, 0, 0};
+  view.up = {0, 0, 1};
+  const Vec3 light = shoulder_light(view, {1, 1, 1});
+  EXPECT_LT(light.x, 0);
+  EXPECT_LT(light.y, -0.9);
+  EXPECT_GT(light.z, 0);
 }
 
 TEST(SceneSetup, GivesTheBuckyballItsMaterialsLightAndCamera) {
