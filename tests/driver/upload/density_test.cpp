@@ -14,7 +14,8 @@ using Densities = std::vector<std::uint16_t>;
 
 TEST(Density, ByteRangeMapsToTheWholeOfTwelveBits) {
   const TestVolume<std::uint8_t> volume({2, 2, 2}, SampleType::kUint8, [](int x, int y, int z) {
-    return std::array{0, 1, 2, 127, 128, 200, 254, 255}[static_cast<std::size_t>(x + 2 * y + 4 * z)];
+    const int index = x + 2 * y + 4 * z;
+    return std::array{0, 1, 2, 127, 128, 200, 254, 255}[static_cast<std::size_t>(index)];
   });
   // 4095 / 255 = 16.0588...
   EXPECT_EQ(to_densities(volume.view(), {0, 255}), (Densities{0, 16, 32, 2039, 2056, 3212, 4079, 4095}));

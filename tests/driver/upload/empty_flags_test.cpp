@@ -62,7 +62,8 @@ std::uint8_t plain_flag(Dims dims, int n, std::array<int, 3> block, const std::v
   for (int z = block[2] * n; z <= std::min((block[2] + 1) * n, dims[2] - 1); ++z) {
     for (int y = block[1] * n; y <= std::min((block[1] + 1) * n, dims[1] - 1); ++y) {
       for (int x = block[0] * n; x <= std::min((block[0] + 1) * n, dims[0] - 1); ++x) {
-        const auto i = static_cast<std::size_t>((z * dims[1] + y) * dims[0] + x);
+        const int voxel = (z * dims[1] + y) * dims[0] + x;
+        const auto i = static_cast<std::size_t>(voxel);
         low = std::min(low, densities[i]);
         high = std::max(high, densities[i]);
         present[tags[i]] = true;

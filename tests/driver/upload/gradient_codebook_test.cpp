@@ -68,10 +68,10 @@ TEST(GradientCodebook, TheDefaultHas2038UnitDirections) {
 // The figures of board.md §2, over a Fibonacci sphere: an even cover, so the mean is the mean over all directions.
 TEST(GradientCodebook, TheDefaultsErrorsAreThoseOfTheDesign) {
   const GradientCodebook codebook = GradientCodebook::latitude_rings();
-  constexpr int kCount = 400'000;
+  constexpr int count = 400'000;
   double sum = 0, greatest = 0;
-  for (int i = 0; i < kCount; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kCount, r = std::sqrt(1 - z * z),
+  for (int i = 0; i < count; ++i) {
+    const double z = 1 - (2 * i + 1.0) / count, r = std::sqrt(1 - z * z),
                  angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
     const Vec3 direction{r * std::cos(angle), r * std::sin(angle), z};
     const Vec3 decoded = decode(codebook.entries()[codebook.nearest(direction)]);
@@ -79,9 +79,9 @@ TEST(GradientCodebook, TheDefaultsErrorsAreThoseOfTheDesign) {
     sum += error;
     greatest = std::max(greatest, error);
   }
-  RecordProperty("mean_degrees", std::to_string(sum / kCount));
+  RecordProperty("mean_degrees", std::to_string(sum / count));
   RecordProperty("max_degrees", std::to_string(greatest));
-  EXPECT_NEAR(sum / kCount, 1.71, 0.005);
+  EXPECT_NEAR(sum / count, 1.71, 0.005);
   EXPECT_LE(greatest, 3.35);
   EXPECT_GE(greatest, 2.8);  // no arrangement of so many codes covers better
 }

@@ -31,7 +31,8 @@ double bilinear(const std::vector<std::uint8_t>& map, Place p) {
   const int column = std::min(static_cast<int>(p.column), 126), row = std::min(static_cast<int>(p.row), 126);
   const double u = p.column - column, v = p.row - row;
   const auto texel = [&](int r, int c) {
-    return map[static_cast<std::size_t>((p.face * 128 + row + r) * 128 + column + c)] / 128.0;
+    const int index = (p.face * 128 + row + r) * 128 + column + c;
+    return map[static_cast<std::size_t>(index)] / 128.0;
   };
   return (1 - v) * ((1 - u) * texel(0, 0) + u * texel(0, 1)) + v * ((1 - u) * texel(1, 0) + u * texel(1, 1));
 }

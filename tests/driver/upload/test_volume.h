@@ -33,7 +33,10 @@ struct TestVolume {
     return view;
   }
 
-  std::size_t index(int x, int y, int z) const { return static_cast<std::size_t>((z * dims[1] + y) * dims[0] + x); }
+  std::size_t index(int x, int y, int z) const {
+    const int voxel = (z * dims[1] + y) * dims[0] + x;
+    return static_cast<std::size_t>(voxel);
+  }
 };
 
 }  // namespace gicube

@@ -7,6 +7,7 @@
 
 #include "gicube/wire/voxel.h"
 #include "refusal.h"
+#include "upload/samples.h"
 
 namespace gicube {
 namespace {
@@ -18,12 +19,15 @@ struct Volume {
   std::vector<std::uint8_t> tags;
 
   explicit Volume(Dims size) : dims(size) {
-    const auto count = static_cast<std::size_t>(size[0] * size[1] * size[2]);
+    const std::size_t count = voxel_count(size);
     densities.resize(count);
     codes.resize(count);
     tags.resize(count);
   }
-  std::size_t index(int x, int y, int z) const { return static_cast<std::size_t>((z * dims[1] + y) * dims[0] + x); }
+  std::size_t index(int x, int y, int z) const {
+    const int voxel = (z * dims[1] + y) * dims[0] + x;
+    return static_cast<std::size_t>(voxel);
+  }
   VoxelBlocks blocks(int n) const { return {dims, n, densities, codes, tags}; }
 };
 
