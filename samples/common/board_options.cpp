@@ -51,7 +51,8 @@ void add_board_options(CLI::App& app, BoardOptions& options) {
   app.add_option("--board", options.board, "emu: (a private emulated board), unix:PATH or tcp:HOST:PORT")
       ->group(group)
       ->capture_default_str();
-  app.add_option("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle")->group(group);
+  app.add_option("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle")
+      ->group(group);
   app.add_option("--config", options.config, "configuration of the emulated board (protobuf text)")
       ->check(CLI::ExistingFile)
       ->group(group);
@@ -60,12 +61,15 @@ void add_board_options(CLI::App& app, BoardOptions& options) {
       ->allow_extra_args(false)
       ->type_name("FIELD=VALUE")
       ->group(group);
-  app.add_option("--stats", options.stats, "write the statistics of the frame as JSON")->type_name("FILE")->group(group);
+  app.add_option("--stats", options.stats, "write the statistics of the frame as JSON")
+      ->type_name("FILE")
+      ->group(group);
   app.add_option("--seed", options.seed,
                  "recorded in the statistics; changes nothing here, since jitter is hashed from each ray's own state")
       ->capture_default_str()
       ->group(group);
-  app.add_option("--threads", options.threads, "host threads for scene and emulator, 0 = one a core; never changes a result")
+  app.add_option("--threads", options.threads,
+                 "host threads for scene and emulator, 0 = one a core; never changes a result")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str()
       ->group(group);
@@ -86,7 +90,9 @@ std::string board_uri(const BoardOptions& options) {
   }
   std::string uri = options.board;
   const auto add = [&uri](const char* name, const std::string& value) {
-    const char* separator = uri.find('?') == std::string::npos ? "?" : uri.ends_with('?') || uri.ends_with('&') ? "" : "&";
+    const char* separator = uri.find('?') == std::string::npos         ? "?"
+                            : uri.ends_with('?') || uri.ends_with('&') ? ""
+                                                                       : "&";
     uri += separator + std::string(name) + '=' + percent_encoded(value);
   };
   if (!options.fidelity.empty()) add("fidelity", options.fidelity);

@@ -26,7 +26,7 @@ struct BoardOptions {
   std::vector<std::string> settings;  // path.to.field=value
   std::filesystem::path stats;        // empty: none
   std::uint64_t seed = 0;
-  int threads = 0;                    // 0 = one a core
+  int threads = 0;  // 0 = one a core
   bool quiet = false;
 };
 

@@ -19,7 +19,7 @@ constexpr double kMaxDensity = 4095;  // of kUint12
 constexpr double kRampVoxels = 2;     // chosen: wide enough for trilinear interpolation to follow the surface
 // Trilinear samples with a density above zero touch voxels up to ramp/2 + sqrt(3) voxels away: these need tag and normal.
 constexpr double kNearVoxels = 3;
-constexpr int kCell = 8;              // voxels; solids are looked up a cell at a time
+constexpr int kCell = 8;  // voxels; solids are looked up a cell at a time
 
 struct Solid {
   enum class Kind { kSphere, kCapsule, kBox } kind;
@@ -52,7 +52,8 @@ std::vector<Solid> place_solids(const BuckyballShape& shape, double scale) {
     solids.push_back({Solid::Kind::kCapsule, atoms[static_cast<std::size_t>(from)], atoms[static_cast<std::size_t>(to)],
                       scale * shape.bond_radius, kBond});
   }
-  solids.push_back({Solid::Kind::kBox, scale * shape.floor_low, scale * shape.floor_high, scale * shape.floor_rounding, kFloor});
+  solids.push_back(
+      {Solid::Kind::kBox, scale * shape.floor_low, scale * shape.floor_high, scale * shape.floor_rounding, kFloor});
   return solids;
 }
 
@@ -99,7 +100,8 @@ class Voxeliser {
     if (solid == nullptr) return;
 
     const auto size = static_cast<std::size_t>(size_);
-    const std::size_t index = (static_cast<std::size_t>(z) * size + static_cast<std::size_t>(y)) * size + static_cast<std::size_t>(x);
+    const std::size_t index =
+        (static_cast<std::size_t>(z) * size + static_cast<std::size_t>(y)) * size + static_cast<std::size_t>(x);
     const double inside = std::clamp(0.5 - nearest.distance / kRampVoxels, 0.0, 1.0);
     const auto density = static_cast<std::uint16_t>(std::lround(kMaxDensity * inside));
     std::memcpy(&target_.volume.samples[2 * index], &density, sizeof density);
@@ -116,7 +118,8 @@ class Voxeliser {
     const auto tile = [this](double v, double low, double high) {
       return static_cast<int>(std::floor((v / scale_ - low) / (high - low) * shape_.floor_tiles));
     };
-    const int sum = tile(p.x, shape_.floor_low.x, shape_.floor_high.x) + tile(p.y, shape_.floor_low.y, shape_.floor_high.y);
+    const int sum =
+        tile(p.x, shape_.floor_low.x, shape_.floor_high.x) + tile(p.y, shape_.floor_low.y, shape_.floor_high.y);
     return (sum & 1) == 0 ? kFloor : kFloorDark;
   }
 
@@ -131,11 +134,13 @@ class Voxeliser {
 
 Buckyball make_buckyball(int size, bool gradients, int threads, const BuckyballShape& shape) {
   if (size < kMinBuckyballSize || size > kMaxBuckyballSize) {
-    throw InputError("buckyball size", std::to_string(kMinBuckyballSize) + " to " + std::to_string(kMaxBuckyballSize) + " voxels",
+    throw InputError("buckyball size",
+                     std::to_string(kMinBuckyballSize) + " to " + std::to_string(kMaxBuckyballSize) + " voxels",
                      std::to_string(size));
   }
   Buckyball ball;
-  const std::size_t voxels = static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
+  const std::size_t voxels =
+      static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
   ball.volume.type = SampleType::kUint12;
   ball.volume.dims = {size, size, size};
   ball.volume.source = "builtin:buckyball";
@@ -163,7 +168,8 @@ Appearance buckyball_appearance(int size) {
     return TransferFunctionFile{{{{0, colour}}, {{0.3 * kMaxDensity, 0}, {0.7 * kMaxDensity, 1}}}, false};
   };
   Appearance look;
-  look.materials = {solid({0.93, 0.52, 0.20}), solid({0.66, 0.69, 0.74}), solid({0.52, 0.60, 0.70}), solid({0.36, 0.43, 0.54})};
+  look.materials = {solid({0.93, 0.52, 0.20}), solid({0.66, 0.69, 0.74}), solid({0.52, 0.60, 0.70}),
+                    solid({0.36, 0.43, 0.54})};
   look.phong = {0.22, 0.74, 0.42, 28};
   look.light = Vec3{-0.55, -0.62, 0.78};
   const double scale = size - 1;

@@ -25,7 +25,7 @@ struct BuckyballShape {
   Vec3 floor_low{0.015, 0.015, 0.03};
   Vec3 floor_high{0.985, 0.985, 0.075};
   double floor_rounding = 0.012;
-  int floor_tiles = 8;  // along x and along y
+  int floor_tiles = 8;      // along x and along y
   double turn_degrees = 9;  // about the vertical axis, so that no bond hides another from the default camera
 };
 

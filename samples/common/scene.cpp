@@ -11,9 +11,9 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kMargin = 1.04;                  // chosen: of the image that stays free around the volume's box
+constexpr double kMargin = 1.04;                    // chosen: of the image that stays free around the volume's box
 constexpr Vec3 kDefaultDirection{-0.35, -1, 0.45};  // chosen: three-quarter view of a head whose face looks along -y
-constexpr int kMaxAnalyticSize = 256;             // voxels an edge: beyond it 12 bytes a voxel of normals cost too much memory
+constexpr int kMaxAnalyticSize = 256;  // voxels an edge: beyond it 12 bytes a voxel of normals cost too much memory
 
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 

@@ -26,11 +26,11 @@ struct CameraSettings {
 };
 
 struct VolumeSource {
-  std::string builtin;             // "buckyball", or empty
-  std::filesystem::path file;      // a file or a folder of slices
-  int size = 256;                  // voxels an edge, builtin only
-  std::optional<RawLayout> raw;    // headerless files only
-  std::optional<Vec3> spacing;     // overrides the file's
+  std::string builtin;           // "buckyball", or empty
+  std::filesystem::path file;    // a file or a folder of slices
+  int size = 256;                // voxels an edge, builtin only
+  std::optional<RawLayout> raw;  // headerless files only
+  std::optional<Vec3> spacing;   // overrides the file's
 };
 
 // One function for all tags, or one a tag.
@@ -38,7 +38,7 @@ using Materials = std::vector<TransferFunctionFile>;
 
 // What a built-in scene brings along; a user's wishes come first.
 struct Appearance {
-  Materials materials;             // by tag
+  Materials materials;  // by tag
   Phong phong;
   std::optional<Vec3> light;
   CameraSettings camera;
@@ -49,9 +49,9 @@ struct Scene {
   VolumeSource volume;
   std::optional<TransferFunctionFile> transfer_function;  // for every tag
   std::optional<Phong> phong;
-  std::optional<Vec3> light;       // towards the light
+  std::optional<Vec3> light;  // towards the light
   CameraSettings camera;
-  View view;                       // image and sampling; the camera's fields are filled by set_up()
+  View view;  // image and sampling; the camera's fields are filled by set_up()
 };
 
 // Owns what a VolumeView points to.
@@ -64,7 +64,7 @@ struct SceneSetup {
   View view;
   std::optional<Colour> background;
 
-  VolumeView volume_view() const;       // with tags and gradients; points into this SceneSetup
+  VolumeView volume_view() const;  // with tags and gradients; points into this SceneSetup
   // The driver has its own copy after load_volume(): keeps the dimensions, gives the memory back.
   void free_voxels();
 };

@@ -75,7 +75,8 @@ class Translator {
     if (source.has_light()) scene.light = light(source.light());
     scene.camera = camera(source.camera());
     for (int i = 0; i < source.cut_plane_size(); ++i) cut_plane(i, source.cut_plane(i), scene.view);
-    faults_.check(source.cut_plane_size() <= kMaxCutPlanes, "cut_plane", "at most 6", std::to_string(source.cut_plane_size()));
+    faults_.check(source.cut_plane_size() <= kMaxCutPlanes, "cut_plane", "at most 6",
+                  std::to_string(source.cut_plane_size()));
     image(source.image(), scene.view);
     scene.view.step = number("step", source.step(), 1.0 / 64, 16);
     scene.view.opacity_threshold = number("opacity_threshold", source.opacity_threshold(), 0, 1);
@@ -131,7 +132,8 @@ class Translator {
     RawLayout layout;
     faults_.check(source.dims_size() == 3, "volume.raw.dims", "3 numbers, x y z", std::to_string(source.dims_size()));
     for (int i = 0; i < std::min(source.dims_size(), 3); ++i) {
-      layout.dims[static_cast<std::size_t>(i)] = static_cast<int>(number("volume.raw.dims", source.dims(i), 1, kMaxFileDim));
+      layout.dims[static_cast<std::size_t>(i)] =
+          static_cast<int>(number("volume.raw.dims", source.dims(i), 1, kMaxFileDim));
     }
     faults_.gather("volume.raw", [&] { layout.type = sample_type_named(source.type(), "type"); });
     layout.big_endian = source.big_endian();
@@ -145,11 +147,13 @@ class Translator {
     if (ways != 1) {
       faults_.fault("transfer_function", "one of file, preset or points", ways == 0 ? "none" : "several");
     } else if (source.has_file()) {
-      faults_.gather("transfer_function.file", [&] { scene.transfer_function = read_transfer_function(folder_ / source.file()); });
+      faults_.gather("transfer_function.file",
+                     [&] { scene.transfer_function = read_transfer_function(folder_ / source.file()); });
     } else if (source.has_preset()) {
       faults_.gather("transfer_function", [&] { scene.transfer_function = find_preset(source.preset()); });
     } else {
-      faults_.gather("transfer_function", [&] { scene.transfer_function = parse_transfer_function(as_text(source), "points"); });
+      faults_.gather("transfer_function",
+                     [&] { scene.transfer_function = parse_transfer_function(as_text(source), "points"); });
     }
   }
 
@@ -159,10 +163,12 @@ class Translator {
     std::string text;
     for (const v1::ColourPoint& point : source.colour()) {
       const v1::Colour& colour = point.colour();
-      text += fmt::format("colour {} {} {} {}\n", word(point.has_value(), point.value()), colour.red(), colour.green(), colour.blue());
+      text += fmt::format("colour {} {} {} {}\n", word(point.has_value(), point.value()), colour.red(), colour.green(),
+                          colour.blue());
     }
     for (const v1::OpacityPoint& point : source.opacity()) {
-      text += fmt::format("opacity {} {}\n", word(point.has_value(), point.value()), word(point.has_opacity(), point.opacity()));
+      text += fmt::format("opacity {} {}\n", word(point.has_value(), point.value()),
+                          word(point.has_opacity(), point.opacity()));
     }
     return text;
   }
@@ -219,7 +225,8 @@ class Translator {
     view.width = static_cast<int>(number("image.width", source.width(), 1, kMaxImageSize));
     view.height = static_cast<int>(number("image.height", source.height(), 1, kMaxImageSize));
     const std::uint32_t samples = source.samples_per_axis();
-    faults_.check(samples == 1 || samples == 2 || samples == 4, "image.samples_per_axis", "1, 2 or 4", std::to_string(samples));
+    faults_.check(samples == 1 || samples == 2 || samples == 4, "image.samples_per_axis", "1, 2 or 4",
+                  std::to_string(samples));
     view.samples_per_axis = static_cast<int>(samples);
   }
 

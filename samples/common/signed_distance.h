@@ -35,7 +35,9 @@ inline Distance box_distance(Vec3 p, Vec3 low, Vec3 high, double rounding) {
   const Vec3 beyond{std::abs(offset.x) - half.x, std::abs(offset.y) - half.y, std::abs(offset.z) - half.z};
   const double most = std::max({beyond.x, beyond.y, beyond.z});
   if (most <= 0) {
-    const Vec3 axis = beyond.x == most ? Vec3{side.x, 0, 0} : beyond.y == most ? Vec3{0, side.y, 0} : Vec3{0, 0, side.z};
+    const Vec3 axis = beyond.x == most   ? Vec3{side.x, 0, 0}
+                      : beyond.y == most ? Vec3{0, side.y, 0}
+                                         : Vec3{0, 0, side.z};
     return {most - rounding, axis};
   }
   const Vec3 outside{std::max(beyond.x, 0.0), std::max(beyond.y, 0.0), std::max(beyond.z, 0.0)};

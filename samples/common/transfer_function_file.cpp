@@ -68,7 +68,8 @@ class Parser {
   }
 
   // The numbers behind the statement's name, or nothing if there is a fault.
-  std::optional<std::vector<double>> numbers(const std::vector<std::string>& words, std::size_t count, const char* form) {
+  std::optional<std::vector<double>> numbers(const std::vector<std::string>& words, std::size_t count,
+                                             const char* form) {
     if (words.size() != count + 1) {
       fault(words[0], form, std::to_string(words.size() - 1) + " values");
       return std::nullopt;
@@ -78,7 +79,8 @@ class Parser {
       const auto value = number(words[i]);
       const bool unit = i > 1;
       if (!value || (unit && (*value < 0 || *value > 1))) {
-        fault(words[0] + (unit ? "" : " value"), unit ? "a number from 0 to 1" : "a finite number", in_quotes(words[i]));
+        fault(words[0] + (unit ? "" : " value"), unit ? "a number from 0 to 1" : "a finite number",
+              in_quotes(words[i]));
         return std::nullopt;
       }
       values.push_back(*value);
@@ -128,7 +130,8 @@ TransferFunctionFile parse_transfer_function(std::string_view text, const std::s
 
 TransferFunctionFile read_transfer_function(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path.string(), "a transfer function file", "no such file");
+  if (!std::filesystem::is_regular_file(path, error))
+    throw InputError(path.string(), "a transfer function file", "no such file");
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (bytes > kMaxFileBytes) {
     throw InputError(path.string(), "a transfer function file of at most 1 MiB", std::to_string(bytes) + " bytes");

@@ -30,7 +30,8 @@ Molecule truncated_icosahedron() {
   const int count = static_cast<int>(molecule.atoms.size());
   for (int a = 0; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
-      const double distance = length(molecule.atoms[static_cast<std::size_t>(a)] - molecule.atoms[static_cast<std::size_t>(b)]);
+      const double distance =
+          length(molecule.atoms[static_cast<std::size_t>(a)] - molecule.atoms[static_cast<std::size_t>(b)]);
       if (std::abs(distance - kEdge) < 1e-6) molecule.bonds.push_back({a, b});
     }
   }

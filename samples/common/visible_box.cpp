@@ -10,8 +10,8 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kVisible = 0.005;    // chosen: opacity of one voxel that is still seen as a haze over many
-constexpr std::size_t kBins = 4096;   // as the board's densities
+constexpr double kVisible = 0.005;   // chosen: opacity of one voxel that is still seen as a haze over many
+constexpr std::size_t kBins = 4096;  // as the board's densities
 
 using VisibleBins = std::array<bool, kBins>;
 

@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <string>
 
 #include "common/image_file.h"
+#include "common/input_error.h"
 #include "render/frame.h"
 
 namespace {
@@ -20,16 +22,25 @@ std::optional<gicube::Colour> background_of(const RenderOptions& options, const 
   return options.no_background || options.output.extension() == ".exr" ? std::nullopt : frame.background;
 }
 
+// Found before the work, not behind it.
+void check_folder(const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) throw InputError(file.string(), "a folder that is there", "none");
+}
+
 void print_summary(const RenderOptions& options, const FrameStatistics& statistics) {
   const double frame_ms = gicube::to_ms(statistics.frame);
   const double share = frame_ms > 0 ? 100 * bus_ms(statistics.counters) / frame_ms : 0;
-  fmt::print("{}: frame {:.3f} ms simulated, bus {:.1f}% of it, {}x{} pixels\n", options.output.string(), frame_ms, share,
-             statistics.width, statistics.height);
+  fmt::print("{}: frame {:.3f} ms simulated, bus {:.1f}% of it, {}x{} pixels\n", options.output.string(), frame_ms,
+             share, statistics.width, statistics.height);
 }
 
 int run(int argc, char** argv) {
   const auto options = parse_options(argc, argv, std::cout);
   if (!options) return 0;
+  check_folder(options->output);
+  if (!options->board.stats.empty()) check_folder(options->board.stats);
   Frame frame;
   {
     ProgressLine progress(!options->board.quiet);

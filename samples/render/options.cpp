@@ -13,7 +13,8 @@ namespace {
 constexpr const char* kBuiltin = "builtin:";
 
 const char* const kFooter =
-    "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin. Directions of light and\n"
+    "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin. Directions of light "
+    "and\n"
     "angles are physical. Without --eye the camera sees all that is visible from -y, a little above (+z is up).\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
@@ -63,10 +64,11 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
   Group group(app, "Volume");
   group.value("--volume-size", options.volume_size, "voxels an edge of a built-in volume (256)")
       ->check(CLI::Range(kMinBuckyballSize, kMaxBuckyballSize));
-  group.parsed("--dims", "X,Y,Z", "size in voxels of a file without a header", [&](const std::string& name, const std::string& text) {
-    const std::vector<int> sizes = parse_sizes(name, text, 3, ',');
-    options.dims = Dims{sizes[0], sizes[1], sizes[2]};
-  });
+  group.parsed("--dims", "X,Y,Z", "size in voxels of a file without a header",
+               [&](const std::string& name, const std::string& text) {
+                 const std::vector<int> sizes = parse_sizes(name, text, 3, ',');
+                 options.dims = Dims{sizes[0], sizes[1], sizes[2]};
+               });
   group.parsed("--type", "TYPE", "its samples: uint8, uint12, uint16, int16 or float32 (uint8)",
                [&](const std::string& name, const std::string& text) {
                  try {
@@ -77,12 +79,13 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
                });
   group.flag("--big-endian", options.big_endian, "its samples' most significant byte comes first");
   app.add_option("--skip", options.skip_bytes, "bytes before its first sample")->group("Volume");
-  group.parsed("--spacing", "X,Y,Z", "physical voxel edges, in place of the file's", [&](const std::string& name, const std::string& text) {
-    options.spacing = parse_vector(name, text);
-    if (!(options.spacing->x > 0 && options.spacing->y > 0 && options.spacing->z > 0)) {
-      throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
-    }
-  });
+  group.parsed("--spacing", "X,Y,Z", "physical voxel edges, in place of the file's",
+               [&](const std::string& name, const std::string& text) {
+                 options.spacing = parse_vector(name, text);
+                 if (!(options.spacing->x > 0 && options.spacing->y > 0 && options.spacing->z > 0)) {
+                   throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
+                 }
+               });
 }
 
 void add_camera_options(CLI::App& app, RenderOptions& options) {
@@ -97,22 +100,28 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
       ->excludes(fov);
   group.parsed("--size", "WxH", "pixels of the image (512x512)", [&](const std::string& name, const std::string& text) {
     const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
-    if (std::max(sizes[0], sizes[1]) > 4095) throw CLI::ValidationError(name, "expected at most 4095 pixels a side, got " + in_quotes(text));
+    if (std::max(sizes[0], sizes[1]) > 4095)
+      throw CLI::ValidationError(name, "expected at most 4095 pixels a side, got " + in_quotes(text));
     options.size = {sizes[0], sizes[1]};
   });
-  group.value("--samples", options.samples, "samples of a pixel along each axis: 1, 2 or 4 (1)")->check(CLI::IsMember({1, 2, 4}));
-  group.parsed("--filter", "FILTER", "how a pixel weights its samples: box or tent (box)", [&](const std::string& name, const std::string& text) {
-    if (text != "box" && text != "tent") throw CLI::ValidationError(name, "expected box or tent, got " + in_quotes(text));
-    options.filter = text == "box" ? PixelFilter::kBox : PixelFilter::kTent;
-  });
-  group.parsed("--background", "R,G,B", "colour 0..1 behind the picture, or none (none; built-in scenes have their own)",
+  group.value("--samples", options.samples, "samples of a pixel along each axis: 1, 2 or 4 (1)")
+      ->check(CLI::IsMember({1, 2, 4}));
+  group.parsed("--filter", "FILTER", "how a pixel weights its samples: box or tent (box)",
+               [&](const std::string& name, const std::string& text) {
+                 if (text != "box" && text != "tent")
+                   throw CLI::ValidationError(name, "expected box or tent, got " + in_quotes(text));
+                 options.filter = text == "box" ? PixelFilter::kBox : PixelFilter::kTent;
+               });
+  group.parsed("--background", "R,G,B",
+               "colour 0..1 behind the picture, or none (none; built-in scenes have their own)",
                [&](const std::string& name, const std::string& text) {
                  options.no_background = text == "none";
                  options.background.reset();
                  if (options.no_background) return;
                  const std::vector<double> rgb = parse_numbers(name, text, 3);
                  const auto [least, most] = std::minmax_element(rgb.begin(), rgb.end());
-                 if (*least < 0 || *most > 1) throw CLI::ValidationError(name, "expected numbers from 0 to 1, got " + in_quotes(text));
+                 if (*least < 0 || *most > 1)
+                   throw CLI::ValidationError(name, "expected numbers from 0 to 1, got " + in_quotes(text));
                  options.background = {rgb[0], rgb[1], rgb[2]};
                });
   app.add_option("-o,--output", options.output, "the picture: PNG (8 bit) or EXR (linear float with alpha)")
@@ -123,7 +132,8 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
 
 void add_sampling_options(CLI::App& app, RenderOptions& options) {
   Group group(app, "Sampling and light");
-  group.value("--step", options.step, "distance of samples along a ray, in voxels (0.5)")->check(CLI::Range(1.0 / 64, 16.0));
+  group.value("--step", options.step, "distance of samples along a ray, in voxels (0.5)")
+      ->check(CLI::Range(1.0 / 64, 16.0));
   group.value("--threshold", options.threshold, "opacity at which a ray is done (0.98)")->check(CLI::Range(0.0, 1.0));
   group.flag("--jitter", options.jitter, "vary the distance of samples, against banding");
   group.flag("--no-leap", options.no_leap, "sample empty blocks too");
@@ -136,13 +146,15 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
   app.add_option("--transfer-function", options.transfer_function, "a file, or a preset: " + preset_names() + " (ramp)")
       ->type_name("FILE|NAME")
       ->group("Sampling and light");
-  group.parsed("--cut", "NX,NY,NZ,OFFSET", "keep the points p with N.p >= OFFSET; repeatable, at most 6",
-               [&](const std::string& name, const std::string& text) {
-                 const std::vector<double> plane = parse_numbers(name, text, 4);
-                 const Vec3 normal{plane[0], plane[1], plane[2]};
-                 if (length(normal) == 0) throw CLI::ValidationError(name, "expected a direction, got " + in_quotes(text));
-                 options.cut_planes.push_back({normal, plane[3]});
-               })
+  group
+      .parsed("--cut", "NX,NY,NZ,OFFSET", "keep the points p with N.p >= OFFSET; repeatable, at most 6",
+              [&](const std::string& name, const std::string& text) {
+                const std::vector<double> plane = parse_numbers(name, text, 4);
+                const Vec3 normal{plane[0], plane[1], plane[2]};
+                if (length(normal) == 0)
+                  throw CLI::ValidationError(name, "expected a direction, got " + in_quotes(text));
+                options.cut_planes.push_back({normal, plane[3]});
+              })
       ->take_all();
 }
 
@@ -161,7 +173,8 @@ Scene input_scene(const RenderOptions& options) {
   Scene scene;
   if (options.input.starts_with(kBuiltin)) {
     scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
-    if (scene.volume.builtin != "buckyball") throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
+    if (scene.volume.builtin != "buckyball")
+      throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
   } else if (is_scene_path(options.input)) {
     scene = read_scene(options.input);
   } else {
@@ -173,12 +186,15 @@ Scene input_scene(const RenderOptions& options) {
 void set_volume(const RenderOptions& options, Scene& scene) {
   VolumeSource& volume = scene.volume;
   if (options.volume_size) {
-    if (volume.builtin.empty()) throw UsageError("--volume-size: only for a built-in volume; " + in_quotes(options.input) + " has its own size");
+    if (volume.builtin.empty())
+      throw UsageError("--volume-size: only for a built-in volume; " + in_quotes(options.input) + " has its own size");
     volume.size = *options.volume_size;
   }
   if (has_layout(options)) {
-    if (!volume.builtin.empty()) throw UsageError("--dims, --type, --big-endian, --skip: only for a file without a header");
-    if (!options.dims && !volume.raw) throw UsageError("--dims: expected with --type, --big-endian and --skip, got none");
+    if (!volume.builtin.empty())
+      throw UsageError("--dims, --type, --big-endian, --skip: only for a file without a header");
+    if (!options.dims && !volume.raw)
+      throw UsageError("--dims: expected with --type, --big-endian and --skip, got none");
     RawLayout layout = volume.raw.value_or(RawLayout{});
     layout.dims = options.dims.value_or(layout.dims);
     layout.type = options.type.value_or(layout.type);
@@ -207,7 +223,8 @@ void set_view(const RenderOptions& options, View& view) {
   view.jitter = view.jitter || options.jitter;
   view.leap = view.leap && !options.no_leap;
   view.cut_planes.insert(view.cut_planes.end(), options.cut_planes.begin(), options.cut_planes.end());
-  if (view.cut_planes.size() > 6) throw UsageError("--cut: expected at most 6 planes, got " + std::to_string(view.cut_planes.size()));
+  if (view.cut_planes.size() > 6)
+    throw UsageError("--cut: expected at most 6 planes, got " + std::to_string(view.cut_planes.size()));
 }
 
 }  // namespace
@@ -218,7 +235,8 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   app.footer(kFooter);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.add_option("INPUT", options.input,
-                 "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha .nii .nii.gz, "
+                 "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha "
+                 ".nii .nii.gz, "
                  "others with --dims), or a folder of slices")
       ->required();
   add_volume_options(app, options);

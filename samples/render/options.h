@@ -16,7 +16,7 @@ namespace gicube::samples {
 struct RenderOptions {
   std::string input;
   std::optional<int> volume_size;
-  std::optional<Dims> dims;         // these four: a file without a header
+  std::optional<Dims> dims;  // these four: a file without a header
   std::optional<SampleType> type;
   bool big_endian = false;
   std::uint64_t skip_bytes = 0;

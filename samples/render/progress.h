@@ -17,7 +17,7 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  void show(const std::string& what);  // a step without parts
+  void show(const std::string& what);       // a step without parts
   Progress parts(const std::string& what);  // for the driver; this object must outlive the call
   void clear();
 

@@ -12,12 +12,12 @@ namespace gicube::samples {
 // The frame's window: from before the rendering until the image is on the host.
 struct FrameStatistics {
   BoardInfo board;
-  Counters counters;              // of the window
-  Picoseconds frame = 0;          // simulated, rendering and framebuffer transfer
-  Picoseconds load = 0;           // simulated, volume and tables
-  double host_seconds = 0;        // wall clock, of the window
+  Counters counters;        // of the window
+  Picoseconds frame = 0;    // simulated, rendering and framebuffer transfer
+  Picoseconds load = 0;     // simulated, volume and tables
+  double host_seconds = 0;  // wall clock, of the window
   int width = 0, height = 0;
-  Dims dims{};                    // voxels
+  Dims dims{};  // voxels
   std::uint64_t seed = 0;
 };
 

@@ -31,8 +31,9 @@ std::string fault_of(std::vector<const char*> arguments) {
 }
 
 TEST(RenderOptions, MakeASceneOfTheBuiltinVolume) {
-  const RenderOptions options = parse({"builtin:buckyball", "--volume-size", "64", "--size", "320x200", "--samples", "2", "--filter",
-                                       "tent", "--step", "0.25", "--threshold", "0.9", "--jitter", "--no-leap", "--no-shade"});
+  const RenderOptions options =
+      parse({"builtin:buckyball", "--volume-size", "64", "--size", "320x200", "--samples", "2", "--filter", "tent",
+             "--step", "0.25", "--threshold", "0.9", "--jitter", "--no-leap", "--no-shade"});
   const Scene scene = scene_of(options);
   EXPECT_EQ(scene.volume.builtin, "buckyball");
   EXPECT_EQ(scene.volume.size, 64);
@@ -48,7 +49,8 @@ TEST(RenderOptions, MakeASceneOfTheBuiltinVolume) {
 }
 
 TEST(RenderOptions, TakeVectorsThatBeginWithAMinus) {
-  const Scene scene = scene_of(parse({"head.nrrd", "--eye", "-1,-2,-3", "--look-at=-4,5,6", "--up", "-1,0,0", "--light", "-1,2,3", "--fov", "20"}));
+  const Scene scene = scene_of(parse(
+      {"head.nrrd", "--eye", "-1,-2,-3", "--look-at=-4,5,6", "--up", "-1,0,0", "--light", "-1,2,3", "--fov", "20"}));
   EXPECT_EQ(scene.volume.file, "head.nrrd");
   EXPECT_EQ(scene.camera.eye, (Vec3{-1, -2, -3}));
   EXPECT_EQ(scene.camera.look_at, (Vec3{-4, 5, 6}));
@@ -58,7 +60,8 @@ TEST(RenderOptions, TakeVectorsThatBeginWithAMinus) {
 }
 
 TEST(RenderOptions, DescribeAFileWithoutHeader) {
-  const Scene scene = scene_of(parse({"a.raw", "--dims", "4,5,6", "--type", "int16", "--big-endian", "--skip", "16", "--spacing", "1,1,2.5"}));
+  const Scene scene = scene_of(
+      parse({"a.raw", "--dims", "4,5,6", "--type", "int16", "--big-endian", "--skip", "16", "--spacing", "1,1,2.5"}));
   ASSERT_TRUE(scene.volume.raw);
   EXPECT_EQ(scene.volume.raw->dims, (Dims{4, 5, 6}));
   EXPECT_EQ(scene.volume.raw->type, SampleType::kInt16);
@@ -68,8 +71,8 @@ TEST(RenderOptions, DescribeAFileWithoutHeader) {
 }
 
 TEST(RenderOptions, RepeatCutsAndSettings) {
-  const RenderOptions options =
-      parse({"a.nrrd", "--cut", "1,0,0,5", "--cut", "-1,0,0,-20", "--set", "asic.processors=8", "--set", "bus.model=agp2x"});
+  const RenderOptions options = parse(
+      {"a.nrrd", "--cut", "1,0,0,5", "--cut", "-1,0,0,-20", "--set", "asic.processors=8", "--set", "bus.model=agp2x"});
   ASSERT_EQ(options.cut_planes.size(), 2u);
   EXPECT_EQ(options.cut_planes[1].normal, (Vec3{-1, 0, 0}));
   EXPECT_EQ(options.cut_planes[1].offset, -20);
@@ -113,7 +116,8 @@ TEST(RenderOptions, AreRefusedWithTheOptionsName) {
 TEST(RenderOptions, PrintHelpAndVersion) {
   std::ostringstream help, version;
   EXPECT_FALSE(parse({"--help"}, help));
-  for (const char* option : {"--eye", "--orthographic", "--transfer-function", "--board", "--fidelity", "--stats", "--seed", "ct-bone"}) {
+  for (const char* option :
+       {"--eye", "--orthographic", "--transfer-function", "--board", "--fidelity", "--stats", "--seed", "ct-bone"}) {
     EXPECT_THAT(help.str(), HasSubstr(option));
   }
   EXPECT_FALSE(parse({"--version"}, version));

@@ -58,7 +58,8 @@ class RenderProgram : public testing::Test {
     EXPECT_TRUE(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()));
     std::set<std::vector<float>> found;
     for (std::size_t i = 0; i < pixels.size(); i += channels) {
-      found.emplace(pixels.begin() + static_cast<std::ptrdiff_t>(i), pixels.begin() + static_cast<std::ptrdiff_t>(i + channels));
+      found.emplace(pixels.begin() + static_cast<std::ptrdiff_t>(i),
+                    pixels.begin() + static_cast<std::ptrdiff_t>(i + channels));
     }
     return found.size();
   }
@@ -67,7 +68,8 @@ class RenderProgram : public testing::Test {
 };
 
 TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
-  const Outcome result = run("builtin:buckyball --volume-size 64 --size 64x48 -o " + path("ball.png") + " --stats " + path("ball.json"));
+  const Outcome result =
+      run("builtin:buckyball --volume-size 64 --size 64x48 -o " + path("ball.png") + " --stats " + path("ball.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(result.out, HasSubstr("ball.png: frame "));
@@ -88,8 +90,8 @@ TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
 
 TEST_F(RenderProgram, DrawsTheSamePictureForAnyNumberOfThreads) {
   for (const char* threads : {"1", "3"}) {
-    const Outcome result = run("builtin:buckyball --volume-size 32 --size 32x32 --quiet --threads " + std::string(threads) + " -o " +
-                           path(std::string(threads) + ".png"));
+    const Outcome result = run("builtin:buckyball --volume-size 32 --size 32x32 --quiet --threads " +
+                               std::string(threads) + " -o " + path(std::string(threads) + ".png"));
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(result.out, "");
   }
@@ -105,8 +107,9 @@ TEST_F(RenderProgram, DrawsASceneFileIntoAnExr) {
 }
 
 TEST_F(RenderProgram, FailsWithOneLineAndCodeTwoForWrongUsage) {
-  for (const char* arguments : {"", "builtin:buckyball --size huge", "builtin:buckyball --board pci:0", "builtin:buckyball --fidelity exact",
-                                "builtin:buckyball --board unix:/nowhere --set asic.processors=8"}) {
+  for (const char* arguments :
+       {"", "builtin:buckyball --size huge", "builtin:buckyball --board pci:0", "builtin:buckyball --fidelity exact",
+        "builtin:buckyball --board unix:/nowhere --set asic.processors=8"}) {
     const Outcome result = run(arguments);
     EXPECT_EQ(result.code, 2) << arguments;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
@@ -116,9 +119,10 @@ TEST_F(RenderProgram, FailsWithOneLineAndCodeTwoForWrongUsage) {
 
 TEST_F(RenderProgram, FailsWithOneLineAndCodeOneForWhatIsNotThere) {
   const std::string small = "builtin:buckyball --volume-size 16 --size 8x8 -o " + path("a.png");
-  for (const std::string& arguments : {std::string("/nowhere/head.nrrd"), std::string("/nowhere/a.scene"), small + " --board unix:/nowhere/socket",
-                                       small + " --transfer-function ct-bnoe", small + " --stats /nowhere/a.json",
-                                       std::string("builtin:buckyball --volume-size 16 --size 8x8 -o /nowhere/a.png")}) {
+  for (const std::string& arguments :
+       {std::string("/nowhere/head.nrrd"), std::string("/nowhere/a.scene"), small + " --board unix:/nowhere/socket",
+        small + " --transfer-function ct-bnoe", small + " --stats /nowhere/a.json",
+        std::string("builtin:buckyball --volume-size 16 --size 8x8 -o /nowhere/a.png")}) {
     const Outcome result = run(arguments);
     EXPECT_EQ(result.code, 1) << arguments << result.err;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;

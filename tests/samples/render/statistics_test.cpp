@@ -10,7 +10,8 @@ namespace {
 FrameStatistics example() {
   FrameStatistics statistics;
   statistics.board.config_hash = 0xab;
-  statistics.counters = Counters({{"bus.down.busy_ps", "ps", 1'000'000'000}, {"bus.up.busy_ps", "ps", 500'000'000},
+  statistics.counters = Counters({{"bus.down.busy_ps", "ps", 1'000'000'000},
+                                  {"bus.up.busy_ps", "ps", 500'000'000},
                                   {"pipeline.samples", "1", 12345}});
   statistics.frame = 4'000'000'000;
   statistics.load = 9'000'000'000;

@@ -14,8 +14,9 @@ TEST(BoardOptions, BecomeTheQueryOfAnEmulatedBoard) {
   options.config = "boards/50%&more.cfg";
   options.settings = {"asic.processors=8", "bus.model=agp2x"};
   options.threads = 3;
-  EXPECT_EQ(board_uri(options),
-            "emu:?fidelity=functional&config=boards/50%25%26more.cfg&threads=3&set=asic.processors=8&set=bus.model=agp2x");
+  EXPECT_EQ(
+      board_uri(options),
+      "emu:?fidelity=functional&config=boards/50%25%26more.cfg&threads=3&set=asic.processors=8&set=bus.model=agp2x");
 }
 
 TEST(BoardOptions, AreAppendedToAQueryThatIsThere) {

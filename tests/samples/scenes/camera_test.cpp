@@ -12,13 +12,16 @@ namespace {
 // The greatest |x| and |y| of the box's corners in the image, 1 being its edge.
 std::array<double, 2> seen_extent(const Dims& dims, Vec3 spacing, const View& view) {
   const double least = std::min({spacing.x, spacing.y, spacing.z});
-  const auto physical = [&](Vec3 p) { return Vec3{p.x * spacing.x / least, p.y * spacing.y / least, p.z * spacing.z / least}; };
+  const auto physical = [&](Vec3 p) {
+    return Vec3{p.x * spacing.x / least, p.y * spacing.y / least, p.z * spacing.z / least};
+  };
   const Vec3 eye = physical(view.eye), forward = normalise(physical(view.look_at) - eye);
   const Vec3 right = normalise(cross(forward, view.up)), up = cross(right, forward);
   const double tangent = std::tan(view.fov_degrees * std::numbers::pi / 360);
   std::array<double, 2> extent{};
   for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p = physical({(corner & 1) * (dims[0] - 1.0), (corner >> 1 & 1) * (dims[1] - 1.0), (corner >> 2) * (dims[2] - 1.0)});
+    const Vec3 p = physical(
+        {(corner & 1) * (dims[0] - 1.0), (corner >> 1 & 1) * (dims[1] - 1.0), (corner >> 2) * (dims[2] - 1.0)});
     const double depth = dot(p - eye, forward);
     EXPECT_GT(depth, 0);
     extent[0] = std::max(extent[0], std::abs(dot(p - eye, right)) / (depth * tangent * view.width / view.height));

@@ -100,30 +100,41 @@ TEST(SceneFile, ReportsAllFaultsOfMeaningTogether) {
     cut_plane { }
     image { width: 0 height: 5000 samples_per_axis: 3 }
     opacity_threshold: 1.5)");
-  for (const char* fault :
-       {"volume: expected either builtin or file, got both", "volume.builtin: expected \"buckyball\", got \"teapot\"",
-        "volume.size: expected 16 to 1024, got 4", "volume.spacing: expected 3 numbers, x y z, got 2",
-        "volume.spacing: expected numbers above 0, got 0", "volume.raw.dims: expected 3 numbers, x y z, got 2",
-        "volume.raw: type: expected uint8, uint12, uint16, int16 or float32, got \"int12\"",
-        "transfer_function: expected one of file, preset or points, got several", "phong.ambient: expected 0 to 1.99, got -1",
-        "phong.shininess: expected 1 to 1000, got 0.5", "light.towards: expected a direction, got 0 0 0",
-        "camera.up: expected a direction, got 0 0 0", "camera.fov_degrees: expected more than 0 and less than 180, got 200",
-        "camera: expected fov_degrees or orthographic_height, got both",
-        "camera.look_at: expected another point than camera.eye, got the same",
-        "cut_plane[0].normal: expected finite numbers, got nan 0 0", "cut_plane[1].normal: expected a direction, got 0 0 0",
-        "image.width: expected 1 to 4095, got 0", "image.height: expected 1 to 4095, got 5000",
-        "image.samples_per_axis: expected 1, 2 or 4, got 3", "opacity_threshold: expected 0 to 1, got 1.5"}) {
+  for (const char* fault : {"volume: expected either builtin or file, got both",
+                            "volume.builtin: expected \"buckyball\", got \"teapot\"",
+                            "volume.size: expected 16 to 1024, got 4",
+                            "volume.spacing: expected 3 numbers, x y z, got 2",
+                            "volume.spacing: expected numbers above 0, got 0",
+                            "volume.raw.dims: expected 3 numbers, x y z, got 2",
+                            "volume.raw: type: expected uint8, uint12, uint16, int16 or float32, got \"int12\"",
+                            "transfer_function: expected one of file, preset or points, got several",
+                            "phong.ambient: expected 0 to 1.99, got -1",
+                            "phong.shininess: expected 1 to 1000, got 0.5",
+                            "light.towards: expected a direction, got 0 0 0",
+                            "camera.up: expected a direction, got 0 0 0",
+                            "camera.fov_degrees: expected more than 0 and less than 180, got 200",
+                            "camera: expected fov_degrees or orthographic_height, got both",
+                            "camera.look_at: expected another point than camera.eye, got the same",
+                            "cut_plane[0].normal: expected finite numbers, got nan 0 0",
+                            "cut_plane[1].normal: expected a direction, got 0 0 0",
+                            "image.width: expected 1 to 4095, got 0",
+                            "image.height: expected 1 to 4095, got 5000",
+                            "image.samples_per_axis: expected 1, 2 or 4, got 3",
+                            "opacity_threshold: expected 0 to 1, got 1.5"}) {
     EXPECT_THAT(faults, HasSubstr("a.scene: " + std::string(fault)));
   }
 }
 
-TEST(SceneFile, NeedsAVolume) { EXPECT_THAT(faults_of("step: 1"), HasSubstr("a.scene: volume: expected a volume, got none")); }
+TEST(SceneFile, NeedsAVolume) {
+  EXPECT_THAT(faults_of("step: 1"), HasSubstr("a.scene: volume: expected a volume, got none"));
+}
 
 TEST(SceneFile, ReportsFaultsInsideItsTransferFunction) {
   const std::string volume = "volume { builtin: \"buckyball\" } ";
   EXPECT_THAT(faults_of(volume + "transfer_function { preset: \"none\" }"), HasSubstr("ct-bone"));
   EXPECT_THAT(faults_of(volume + "transfer_function { file: \"not-there.tf\" }"), HasSubstr("/data/not-there.tf"));
-  EXPECT_THAT(faults_of(volume + "transfer_function { colour { value: 1 } opacity { opacity: 1 } }"), HasSubstr("missing"));
+  EXPECT_THAT(faults_of(volume + "transfer_function { colour { value: 1 } opacity { opacity: 1 } }"),
+              HasSubstr("missing"));
 }
 
 TEST(SceneFile, IsNamedInTheErrorIfItIsNotThere) { EXPECT_THROW(read_scene("/nowhere/a.scene"), InputError); }

@@ -18,7 +18,8 @@ std::string faults_of(std::string_view text) {
 }
 
 TEST(TransferFunctionFile, KeepsPointsInTheirOrder) {
-  const auto file = parse_transfer_function("# test\ncolour 1 0 0.5 1 # blue\ncolor 2.5 1 1 1\nopacity -3 0\nopacity 7 1\n", "a.tf");
+  const auto file =
+      parse_transfer_function("# test\ncolour 1 0 0.5 1 # blue\ncolor 2.5 1 1 1\nopacity -3 0\nopacity 7 1\n", "a.tf");
   EXPECT_FALSE(file.normalised);
   ASSERT_EQ(file.function.colours.size(), 2u);
   EXPECT_EQ(file.function.colours[0].value, 1);
@@ -87,7 +88,8 @@ TEST(Presets, AllParseAndAreNormalised) {
     EXPECT_LE(file.function.opacities.back().value, 1) << preset.name;
     EXPECT_EQ(file.function.opacities.front().opacity, 0) << preset.name;
   }
-  EXPECT_THAT(names, testing::UnorderedElementsAre("ct-bone", "ct-skin", "ct-engine", "mri-brain", "micro-ct-bone", "ramp"));
+  EXPECT_THAT(names,
+              testing::UnorderedElementsAre("ct-bone", "ct-skin", "ct-engine", "mri-brain", "micro-ct-bone", "ramp"));
 }
 
 TEST(Presets, AreListedWhenANameIsUnknown) {
