@@ -52,13 +52,16 @@ void Board::set_transfer_function(const TransferFunction& function, int tag) {
   if (!state_->volume) return;
   state_->tables.send_segmentation(state_->volume->range);
   state_->find_flags(*state_->volume);
+  state_->check_fence();
 }
 
 void Board::set_shading(const Shading& shading) {
   const auto lock = state_->begin();
   check(shading);
   state_->tables.set_shading(shading);
-  if (state_->volume) state_->tables.send_segmentation(state_->volume->range);  // ambient and knee stand there
+  if (!state_->volume) return;
+  state_->tables.send_segmentation(state_->volume->range);  // ambient and knee stand there
+  state_->check_fence();
 }
 
 void Board::set_gradient_codebook(std::span<const Vec3> codebook) {
@@ -78,6 +81,7 @@ void Board::set_empty_flags(std::span<const std::uint8_t> flags) {
   volume.flags.assign(flags.begin(), flags.end());
   for (std::uint8_t& flag : volume.flags) flag = flag != 0 ? 1 : 0;
   state_->tables.send_flags(volume.flags);
+  state_->check_fence();
 }
 
 std::vector<std::uint8_t> Board::empty_flags() const {

@@ -101,11 +101,12 @@ class Board {
   ValueRange value_range() const;
 
   // Sets how tag `tag` (0..3) looks, writes its quarter of the segmentation LUT and finds the empty flags again.
-  // May come before or after load_volume(); a tag never set is invisible. Throws BadArgument: the board is untouched.
+  // May come before or after load_volume() (then the simulated host waits for the transfer); a tag never set is invisible.
+  // Throws BadArgument: the board is untouched.
   void set_transfer_function(const TransferFunction& function, int tag = 0);
 
   // Phong coefficients and light of the next renderings (the reflectance map is made for each view's direction, and sent
-  // when it changes). Throws BadArgument: the board is untouched.
+  // when it changes). The simulated host waits for what must be sent at once. Throws BadArgument: the board is untouched.
   void set_shading(const Shading& shading);
 
   // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").

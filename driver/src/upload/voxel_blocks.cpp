@@ -26,8 +26,12 @@ VoxelBlocks::VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densit
   if (!tags.empty()) check_count("tags", voxel_count(dims), tags.size());
   for (std::size_t axis = 0; axis < 3; ++axis) blocks_[axis] = (dims[axis] + n - 1) / n;
   statistics_.resize(voxel_count(blocks_));
+  stored_.resize(statistics_.size());
   for (std::size_t block = 0; block < statistics_.size(); ++block) {
-    statistics_[block] = find_statistics(region(block, 1));
+    const Region touched = region(block, 1);
+    statistics_[block] = find_statistics(touched);
+    const BlockStatistics& found = statistics_[block];
+    stored_[block] = found.max_density != 0 || found.tags != 1 || has_gradient(touched);
   }
 }
 
@@ -65,7 +69,16 @@ BlockStatistics VoxelBlocks::find_statistics(const Region& region) const {
   return {static_cast<std::uint16_t>(least), static_cast<std::uint16_t>(greatest), static_cast<std::uint8_t>(tags)};
 }
 
-bool VoxelBlocks::stored(std::size_t block) const { return statistics_[block] != BlockStatistics{0, 0, 1}; }
+// A Sobel gradient reaches one voxel further than the values that it comes from.
+bool VoxelBlocks::has_gradient(const Region& region) const {
+  for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
+    for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
+      const auto codes = codes_.subspan(row(y, z) + region.begin[0], region.end[0] - region.begin[0]);
+      if (std::any_of(codes.begin(), codes.end(), [](std::uint16_t code) { return code != wire::kNoGradient; })) return true;
+    }
+  }
+  return false;
+}
 
 std::uint64_t VoxelBlocks::word(std::size_t voxel) const {
   const std::uint8_t tag = tags_.empty() ? std::uint8_t{0} : tags_[voxel];

@@ -33,8 +33,8 @@ class VoxelBlocks {
   Dims blocks() const { return blocks_; }
   std::size_t count() const { return statistics_.size(); }
 
-  // False if the block and its +1 faces have density 0 and tag 0 throughout: the board's memory begins so.
-  bool stored(std::size_t block) const;
+  // False if the block and its +1 faces have density 0, no gradient and tag 0 throughout: the board's memory begins so.
+  bool stored(std::size_t block) const { return stored_[block]; }
 
   // The block's n^3 36-bit words, x fastest, as voxel.h packs them; voxels beyond the volume are zero. Resizes `out`.
   void pack(std::size_t block, std::vector<std::uint8_t>& out) const;
@@ -49,6 +49,7 @@ class VoxelBlocks {
   };
   Region region(std::size_t block, int overlap) const;
   BlockStatistics find_statistics(const Region& region) const;
+  bool has_gradient(const Region& region) const;
   std::size_t row(std::size_t y, std::size_t z) const;  // index of voxel (0, y, z)
   std::uint64_t word(std::size_t voxel) const;
 
@@ -58,6 +59,7 @@ class VoxelBlocks {
   std::span<const std::uint16_t> densities_, codes_;
   std::span<const std::uint8_t> tags_;
   std::vector<BlockStatistics> statistics_;
+  std::vector<bool> stored_;
 };
 
 }  // namespace gicube

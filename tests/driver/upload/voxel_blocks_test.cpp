@@ -118,13 +118,16 @@ TEST(VoxelBlocks, AnObjectOnTheSharedFaceBelongsToBothBlocks) {
   EXPECT_TRUE(volume.blocks(8).stored(1));
 }
 
-TEST(VoxelBlocks, ZeroDensityIsStoredOnlyForATag) {
-  Volume volume({16, 8, 8});
-  volume.codes[volume.index(3, 3, 3)] = 77;
-  EXPECT_FALSE(volume.blocks(8).stored(0));
-  volume.tags[volume.index(3, 3, 3)] = 2;
-  EXPECT_TRUE(volume.blocks(8).stored(0));
-  EXPECT_FALSE(volume.blocks(8).stored(1));
+TEST(VoxelBlocks, ZeroDensityIsStoredForATagOrAGradient) {
+  Volume tagged({16, 8, 8});
+  EXPECT_FALSE(tagged.blocks(8).stored(0));
+  tagged.tags[tagged.index(3, 3, 3)] = 2;
+  EXPECT_TRUE(tagged.blocks(8).stored(0));
+  EXPECT_FALSE(tagged.blocks(8).stored(1));
+  Volume beside_an_object({16, 8, 8});
+  beside_an_object.codes[beside_an_object.index(8, 3, 3)] = 77;  // the copy on block 0's face must not be lost
+  EXPECT_TRUE(beside_an_object.blocks(8).stored(0));
+  EXPECT_TRUE(beside_an_object.blocks(8).stored(1));
 }
 
 TEST(VoxelBlocks, PaddingBeyondTheVolumeDoesNotCount) {
