@@ -46,13 +46,17 @@ std::unique_ptr<Link> Device::open_link(const Uri& uri, const LinkOptions& optio
 
 // A private board that dies is the caller's own child: its last words say more than its silence.
 template <typename Call>
-auto Device::with_last_words(const Call& call) {
+auto Device::with_last_words(const Call& call) const {
   try {
     return call();
   } catch (const DeviceLost& error) {
     if (!child_ || !child_->ended(kObituary)) throw;
     throw DeviceLost(std::string(error.what()) + "; " + child_->last_words());
   }
+}
+
+void Device::check() const {
+  with_last_words([&] { link_->check(); });
 }
 
 std::vector<std::uint8_t> Device::request(wire::FrameType type, std::vector<std::uint8_t> payload) {

@@ -1,7 +1,7 @@
 // The board as a host sees it through its bus connector: configuration space, registers, memory, DSP commands; and the
 // simulated host's clock, which stamps each transaction and moves with each answer.
 //
-// One caller at a time, but clock().now() and check(). All calls throw DeviceLost and TimedOut, and Rejected or
+// One caller at a time, but clock().now(). All calls throw DeviceLost and TimedOut, and Rejected or
 // Unsupported where the board refuses.
 #pragma once
 
@@ -27,7 +27,8 @@ class Device {
 
   const wire::VersionInfo& agreed() const { return link_->agreed(); }
   HostClock& clock() { return clock_; }
-  void check() const { link_->check(); }
+  // Throws DeviceLost if the board is.
+  void check() const;
   [[noreturn]] void give_up(const std::string& reason) { link_->give_up(reason); }
 
   std::uint32_t read_config(std::uint32_t offset);
@@ -58,7 +59,7 @@ class Device {
   std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
   std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);
   template <typename Call>
-  auto with_last_words(const Call& call);
+  auto with_last_words(const Call& call) const;
 
   std::unique_ptr<ChildProcess> child_;  // before the link: it ends by itself once the link has closed
   std::unique_ptr<Link> link_;
