@@ -65,7 +65,7 @@ Cell cell_at(Vec3 position, Dims dims) {
 // Along x, then y, then z, as the board's seven interpolators do it. `at(x, y, z)` gives a voxel's number, `mix` mixes two.
 template <typename At, typename Mix>
 auto trilinear(const Cell& cell, const At& at, const Mix& mix) {
-  const auto [x, y, z] = cell.first;
+  const int x = cell.first[0], y = cell.first[1], z = cell.first[2];
   const auto along_x = [&](int row, int plane) {
     return mix(at(x, row, plane), at(x + 1, row, plane), cell.weight[0]);
   };
@@ -77,6 +77,8 @@ double mix_exactly(double a, double b, double w) { return a + (b - a) * w; }
 double mix_words(double a, double b, double w) { return a + std::floor((b - a) * w + 0.5); }
 
 }  // namespace
+
+ValueRange value_range(const VolumeView& volume) { return find_range(volume, read(volume)); }
 
 Field::Field(const VolumeView& volume, const Quantisers& quantisers)
     : volume_(volume), quantisers_(quantisers), values_(read(volume)) {

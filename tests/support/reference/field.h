@@ -16,6 +16,9 @@ struct Sample {
   double density = 0;
 };
 
+// The volume's own range, or the default that volume.h states for its type.
+ValueRange value_range(const VolumeView& volume);
+
 class Field {
  public:
   // The volume must be one that a board would take; its memory must outlive the field.

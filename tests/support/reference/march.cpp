@@ -22,6 +22,11 @@ constexpr double kStepTolerance = 1e-9;
 
 double to_grid(double v, double one) { return std::round(v * one) / one; }
 Vec3 to_grid(Vec3 v, double one) { return {to_grid(v.x, one), to_grid(v.y, one), to_grid(v.z, one)}; }
+// As the board's adders round: half a unit goes up, also below zero. With a step of 1/2 every odd direction word is such.
+double to_grid_half_up(double v, double one) { return std::floor(v * one + 0.5) / one; }
+Vec3 to_grid_half_up(Vec3 v, double one) {
+  return {to_grid_half_up(v.x, one), to_grid_half_up(v.y, one), to_grid_half_up(v.z, one)};
+}
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
 Vec3 hold(Vec3 p, Dims dims) {
@@ -76,7 +81,7 @@ Rgba Renderer::march(const Line& line, Interval interval) const {
 Rgba Renderer::march_in_words(const Line& line, Interval interval) const {
   const Dims dims = scene_.volume.dims;
   const Vec3 direction = to_grid(line.direction, kPositionOne);
-  const Vec3 step = to_grid(step_ * direction, kPositionOne);
+  const Vec3 step = to_grid_half_up(step_ * direction, kPositionOne);
   const double edges = edges_per_step(normalise(direction));
   const auto kept = [&](Vec3 p) {
     return std::none_of(scene_.view.cut_planes.begin(), scene_.view.cut_planes.end(), [&](const CutPlane& plane) {

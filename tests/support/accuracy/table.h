@@ -1,0 +1,19 @@
+// The study's figures as Markdown: what docs/ACCURACY.md shows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "accuracy/measure.h"
+
+namespace gicube::accuracy {
+
+struct Row {
+  std::string scene;
+  std::string look;
+  Figures figures;
+};
+
+std::string markdown(const std::vector<Row>& rows);
+
+}  // namespace gicube::accuracy
