@@ -1,6 +1,7 @@
 #include "common/formats/nrrd.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdlib>
 #include <limits>
@@ -20,6 +21,10 @@
 namespace gicube::samples {
 namespace {
 
+// The versions that teem knows.
+constexpr std::array<std::string_view, 6> kMagics = {"NRRD0001", "NRRD0002", "NRRD0003",
+                                                     "NRRD0004", "NRRD0005", "NRRD0006"};
+
 struct NrrdDelete {
   void operator()(Nrrd* nrrd) const { nrrdNuke(nrrd); }
   void operator()(NrrdIoState* state) const { nrrdIoStateNix(state); }
@@ -32,12 +37,35 @@ struct Header {
   std::uint64_t data_offset = 0;
 };
 
-// The value of a "data file:" line.
+// The value of a line "field: value".
+std::optional<std::string> value_of(std::string_view line, std::string_view field) {
+  const std::string start = std::string(field) + ':';
+  if (lower_case(line.substr(0, start.size())) != start) return std::nullopt;
+  return std::string(trimmed(line.substr(start.size())));
+}
+
 std::optional<std::string> data_file_of(std::string_view line) {
-  for (const std::string_view field : {"data file:", "datafile:"}) {
-    if (lower_case(line.substr(0, field.size())) == field) return std::string(trimmed(line.substr(field.size())));
+  const auto name = value_of(line, "data file");
+  return name ? name : value_of(line, "datafile");
+}
+
+// teem takes a line of one character for the header's end, and leaks memory where this function throws.
+void check_begin_and_fields(const std::filesystem::path& file, const std::vector<std::string>& lines) {
+  const std::string magic = lines.empty() ? "" : lines.front().substr(0, 40);
+  if (std::ranges::find(kMagics, magic) == kMagics.end()) {
+    throw FileError(file, "magic", fmt::format("{}", fmt::join(kMagics, ", ")), '"' + magic + '"');
   }
-  return std::nullopt;
+  for (const std::string& line : lines) {
+    if (line.find_first_of(std::string_view("\0\r", 2)) != std::string::npos) {
+      throw FileError(file, "header", "lines of text", "a zero byte or a lone carriage return");
+    }
+    if (line.size() == 1 && line != "#") throw FileError(file, "header", "lines \"field: value\"", '"' + line + '"');
+  }
+  for (const char* field : {"type", "dimension", "sizes", "encoding"}) {
+    if (std::ranges::none_of(lines, [&](const std::string& line) { return value_of(line, field).has_value(); })) {
+      throw FileError(file, field, "a line of the header", "none");
+    }
+  }
 }
 
 // teem's messages, innermost last, without the frame that is the same for all.
@@ -60,12 +88,13 @@ std::string teem_error() {
 // and, for a numbered series, take the name as a printf format.
 void split_header(const std::filesystem::path& file, Header& header, std::string& text) {
   const HeaderLines lines = read_header_lines(file, [](std::string_view line) { return line.empty(); });
+  check_begin_and_fields(file, lines.lines);
   header.data_file = file;
   header.data_offset = lines.end;
   for (const std::string& line : lines.lines) {
     const auto name = data_file_of(line);
     if (!name) {
-      text += line + '\n';
+      if (!line.starts_with('#')) text += line + '\n';
       continue;
     }
     if (name->empty() || name->find('%') != std::string::npos || *name == "LIST" || name->starts_with("LIST ") ||
@@ -78,7 +107,6 @@ void split_header(const std::filesystem::path& file, Header& header, std::string
 }
 
 Header read_header(const std::filesystem::path& file) {
-  if (!is_nrrd(file)) throw FileError(file, "magic", "\"NRRD000\" and a version", "another beginning");
   Header header;
   std::string text;
   split_header(file, header, text);

@@ -134,6 +134,12 @@ TEST(NrrdFile, DropsFurtherAxesOfOneSample) {
   EXPECT_EQ(volume.spacing, (Vec3{5, 6, 7}));
 }
 
+TEST(NrrdFile, IgnoresCommentsAndKeyValuePairs) {
+  const TemporaryFolder folder;
+  const std::string more = "#\n# endian: strange\nkey:=sizes: 9 9 9\nencoding: raw\n\n";
+  EXPECT_EQ(read_volume(folder.write("v.nrrd", header("uchar", more) + stored(ramp<std::uint8_t>()))).dims, kRampDims);
+}
+
 TEST(NrrdFile, IsKnownByItsContentsWhateverItsName) {
   const TemporaryFolder folder;
   const auto file = folder.write("volume.data", header("uchar", "encoding: raw\n\n") + stored(ramp<std::uint8_t>()));
@@ -191,12 +197,16 @@ TEST(NrrdFile, RefusesWhatItCannotRead) {
   EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: gone.raw\n")),
               HasSubstr("gone.raw: file: expected a file"));
   EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: s%03d.raw 1 4 1\n")), HasSubstr("data file"));
-  EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: LIST\na\nb\n")), HasSubstr("data file"));
+  EXPECT_THAT(error(header("uchar", "encoding: raw\ndata file: LIST\na.raw\nb.raw\n")), HasSubstr("data file"));
   EXPECT_THAT(error("NRRD0004\ntype: uchar\ndimension: 2\nsizes: 2 3\nencoding: raw\n\n123456"),
               HasSubstr("three axes"));
   EXPECT_THAT(error("NRRD0004\ntype: block\ndimension: 3\nsizes: 2 3 4\nblock size: 1\nendian: big\n" + raw),
               HasSubstr("type"));
   EXPECT_THAT(error("not an nrrd"), HasSubstr("magic"));
+  EXPECT_THAT(error(header("uchar", "s\n" + raw)), HasSubstr("got \"s\""));
+  EXPECT_THAT(error(header("uchar", std::string("# \0\n", 4) + raw)), HasSubstr("zero byte"));
+  EXPECT_THAT(error("NRRD0004\ntype: uchar\ndimension: 3\n" + raw), HasSubstr("sizes: expected a line of the header"));
+  EXPECT_THAT(error("NRRD0009\ntype: uchar\ndimension: 3\nsizes: 2 3 4\n" + raw), HasSubstr("got \"NRRD0009\""));
   EXPECT_THAT(error(""), HasSubstr("magic"));
   EXPECT_THAT(error("NRRD0004\n" + std::string(2 << 20, 'x')), HasSubstr("header"));
   EXPECT_THAT(
