@@ -2,6 +2,8 @@
 #include <gicube/board.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -14,10 +16,14 @@ struct Model {
   double down_burst_ps;         // of the longest burst of an upload
   std::uint64_t down_dwords;    // its dwords
   double up_burst_ps;           // of 256 dwords of an image
+
+  friend void PrintTo(const Model& model, std::ostream* out) { *out << model.name; }
 };
 
 class TransferTime : public testing::TestWithParam<Model> {
  protected:
+  static void SetUpTestSuite() { setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
+
   Board open() { return Board::open("emu:?bus=" + GetParam().name); }
 };
 
