@@ -27,6 +27,10 @@ std::uint32_t agp_rates(v1::BusModel model) {
   }
 }
 
+bool posted(FrameType type) {
+  return type == FrameType::kRegisterWrite || type == FrameType::kMemoryWrite || type == FrameType::kCommand;
+}
+
 Reply refuse(ErrorCode error, const std::string& text) {
   return {.error = error, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
 }
@@ -35,6 +39,14 @@ Reply refuse(ErrorCode error, const std::string& text) {
 constexpr Errand kRegisterWrite{.kind = TransferKind::kRegisterWrite, .down_bytes = 4};
 constexpr Errand kRegisterRead{.kind = TransferKind::kRegisterRead, .down_bytes = 4, .watched = true};
 constexpr std::uint64_t kReadRequestBytes = 16;
+
+// A stamp beyond this is refused, so that no sum of times can run over: 2^62 ps are 53 days.
+constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
+
+Cargo cargo_at(std::uint64_t address) {
+  if (address >= wire::kVolume.base) return Cargo::kVolume;
+  return address >= wire::kFramebuffer.base ? Cargo::kImage : Cargo::kTable;
+}
 
 }  // namespace
 
@@ -130,6 +142,7 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
                       .down_bytes = kReadRequestBytes,
                       .dsp = true,
                       .up_bytes = length,
+                      .up_cargo = cargo_at(address),
                       .watched = true};
   return finish(header, errand, std::move(*bytes));
 }
@@ -138,7 +151,7 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
   if (payload.size() < 8) return registers.raise(wire::kStatusBadCommand, 0);
   const auto address = wire::load<std::uint64_t>(payload, 0);
   const auto bytes = payload.subspan(8);
-  timeline.add(header.time_ps, next_errand++, {.kind = TransferKind::kBulk, .down_bytes = bytes.size()});
+  timeline.add(header.time_ps, next_errand++, {.cargo = cargo_at(address), .down_bytes = bytes.size()});
   if (!commands.aperture().write(address, bytes)) {
     registers.raise(wire::kStatusBadAddress, static_cast<std::uint32_t>(address));
   }
@@ -149,11 +162,12 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
   if (result.error != ErrorCode::kNone) registers.raise(wire::kStatusBadCommand, 0);
   const std::uint64_t id = next_errand++;
   timeline.add(header.time_ps, id,
-               {.kind = TransferKind::kBulk,
+               {.cargo = result.returns_rays ? Cargo::kRays : Cargo::kCommand,
                 .down_bytes = payload.size(),
                 .dsp = true,
                 .dsp_cycles = result.dsp_cycles,
                 .up_bytes = result.up_bytes,
+                .up_cargo = result.returns_rays ? Cargo::kRays : Cargo::kCompletion,
                 .watched = true});
   under_way[id] = {header.id, result.error, 0, std::move(result.payload)};
   tickets[header.id] = id;
@@ -186,13 +200,20 @@ std::vector<wire::Counter> Board::Parts::count() const {
   std::vector<wire::Counter> list;
   for (const auto& [name, direction] :
        {std::pair("bus.down.", Direction::kDown), std::pair("bus.up.", Direction::kUp)}) {
-    const BusCounters& bus = timeline.bus_counters(direction);
+    const BusCounters& bus = timeline.bus().counters(direction);
     const std::string prefix(name);
     list.push_back({prefix + "bytes", "byte", bus.bytes});
     list.push_back({prefix + "transfers", "transfer", bus.transfers});
     list.push_back({prefix + "bursts", "burst", bus.bursts});
     list.push_back({prefix + "busy_ps", "ps", bus.busy_ps});
     list.push_back({prefix + "wait_ps", "ps", bus.wait_ps});
+  }
+  for (std::size_t i = 0; i < kCargoNames.size(); ++i) {
+    const CargoCounters& cargo = timeline.bus().counters(static_cast<Cargo>(i));
+    const std::string prefix = std::string("bus.") + kCargoNames[i] + '.';
+    list.push_back({prefix + "bytes", "byte", cargo.bytes});
+    list.push_back({prefix + "transfers", "transfer", cargo.transfers});
+    list.push_back({prefix + "time_ps", "ps", cargo.time_ps});
   }
   list.push_back({"dsp.busy_ps", "ps", timeline.dsp_busy_ps()});
   commands.count(list);
@@ -214,6 +235,14 @@ void Board::reset() {
 
 Outcome Board::transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work) {
   Outcome outcome;
+  if (header.time_ps > kEndOfTime) {
+    parts_->registers.raise(wire::kStatusBadCommand, 0);
+    outcome.reply =
+        refuse(ErrorCode::kBadValue, "time_ps: expected at most 2^62, got " + std::to_string(header.time_ps));
+    outcome.reply->time_ps = parts_->timeline.now();
+    if (posted(header.type)) outcome.reply.reset();
+    return outcome;
+  }
   switch (header.type) {
     case FrameType::kConfigRead:
     case FrameType::kConfigWrite:

@@ -182,6 +182,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload) {
   }
   result.dsp_cycles = count * config_.dsp().host_ray_cycles();
   result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
+  result.returns_rays = count > 0;
   return result;
 }
 

@@ -19,6 +19,7 @@ struct CommandResult {
   std::vector<std::uint8_t> payload{};  // of the completion; with an error: its text
   std::uint64_t dsp_cycles = 0;
   std::uint64_t up_bytes = 4;  // at least the completion word in the host's memory
+  bool returns_rays = false;
 };
 
 class DspCommands {

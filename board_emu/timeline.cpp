@@ -9,7 +9,7 @@ namespace gicube::emu {
 void Timeline::add(Picoseconds stamp, std::uint64_t id, const Errand& errand) {
   advance(stamp);
   under_way_.emplace(id, errand);
-  bus_.enqueue(Direction::kDown, {id, errand.kind, errand.down_bytes, std::max(stamp, now_ps_)});
+  bus_.enqueue(Direction::kDown, {id, errand.kind, errand.cargo, errand.down_bytes, std::max(stamp, now_ps_)});
 }
 
 void Timeline::end(std::uint64_t id, Picoseconds time) {
@@ -29,7 +29,7 @@ void Timeline::deliver(const BusDelivery& delivery) {
     dsp_busy_ps_ += work;
   }
   if (errand.up_bytes == 0) return end(delivery.id, done);
-  bus_.enqueue(Direction::kUp, {delivery.id, TransferKind::kBulk, errand.up_bytes, done});
+  bus_.enqueue(Direction::kUp, {delivery.id, TransferKind::kBulk, errand.up_cargo, errand.up_bytes, done});
 }
 
 void Timeline::advance(Picoseconds horizon) {

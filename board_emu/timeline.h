@@ -16,10 +16,12 @@ namespace gicube::emu {
 
 struct Errand {
   TransferKind kind = TransferKind::kBulk;
+  Cargo cargo = Cargo::kRegister;
   std::uint64_t down_bytes = 0;
   bool dsp = false;  // waits for its turn at the DSP, even with no cycles of its own
   std::uint64_t dsp_cycles = 0;
   std::uint64_t up_bytes = 0;
+  Cargo up_cargo = Cargo::kCompletion;
   bool watched = false;  // somebody wants to know when it has finished
 };
 
@@ -46,7 +48,7 @@ class Timeline {
 
   Picoseconds now() const { return now_ps_; }
   Picoseconds dsp_busy_ps() const { return dsp_busy_ps_; }
-  const BusCounters& bus_counters(Direction direction) const { return bus_.counters(direction); }
+  const HostBus& bus() const { return bus_; }
 
  private:
   void deliver(const BusDelivery& delivery);

@@ -84,6 +84,10 @@ std::optional<BusDelivery> HostBus::next_delivery(Picoseconds horizon) {
     from.queue.pop_front();
     from.head_started = false;
     from.dwords_left = from.queue.empty() ? 0 : to_dwords(from.queue.front().bytes);
+    CargoCounters& cargo = cargoes_[static_cast<std::size_t>(head.cargo)];
+    cargo.time_ps += end - std::max(head.ready_ps, from.last_delivery_ps);
+    cargo.bytes += head.bytes;
+    ++cargo.transfers;
     from.last_delivery_ps = end;
     from.counters.bytes += head.bytes;
     ++from.counters.transfers;

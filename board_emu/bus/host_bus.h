@@ -15,9 +15,15 @@
 
 namespace gicube::emu {
 
+// What a transfer carries: its time is counted by this.
+enum class Cargo : std::uint8_t { kRegister, kTable, kVolume, kCommand, kRays, kImage, kCompletion };
+inline constexpr std::array<const char*, 7> kCargoNames{"register", "table", "volume",    "command",
+                                                        "rays",     "image", "completion"};
+
 struct BusTransfer {
   std::uint64_t id = 0;
   TransferKind kind = TransferKind::kBulk;
+  Cargo cargo = Cargo::kRegister;
   std::uint64_t bytes = 0;  // 0 takes no time, but keeps its place in its direction
   Picoseconds ready_ps = 0;
 };
@@ -36,6 +42,14 @@ struct BusCounters {
   Picoseconds wait_ps = 0;  // ready transfers at the head of their direction that had to wait for the bus
 };
 
+// Of one cargo, both directions.
+struct CargoCounters {
+  std::uint64_t bytes = 0;
+  std::uint64_t transfers = 0;
+  Picoseconds time_ps =
+      0;  // each transfer from its turn in its direction to its delivery: what it waited and what it took
+};
+
 class HostBus {
  public:
   explicit HostBus(const BusTiming& timing) : timing_(timing) {}
@@ -48,13 +62,14 @@ class HostBus {
   std::optional<BusDelivery> next_delivery(Picoseconds horizon);
 
   const BusCounters& counters(Direction direction) const { return side(direction).counters; }
+  const CargoCounters& counters(Cargo cargo) const { return cargoes_[static_cast<std::size_t>(cargo)]; }
 
  private:
   struct Side {
     std::deque<BusTransfer> queue;
     std::uint64_t dwords_left = 0;  // of the head
     bool head_started = false;
-    Picoseconds last_delivery_ps = 0;
+    Picoseconds last_delivery_ps = 0;  // also when the head's turn began, if it was ready by then
     BusCounters counters;
   };
 
@@ -66,6 +81,7 @@ class HostBus {
 
   BusTiming timing_;
   std::array<Side, 2> sides_;
+  std::array<CargoCounters, kCargoNames.size()> cargoes_;
   Picoseconds free_ps_ = 0;
   Direction last_ = Direction::kUp;
 };

@@ -1,7 +1,10 @@
 #include "board_slot.h"
 
 #include <chrono>
+#include <future>
 #include <utility>
+
+#include <boost/asio/post.hpp>
 
 namespace gicube::emu {
 namespace {
@@ -39,6 +42,12 @@ void BoardSlot::release() {
     end_session_ = nullptr;
   }
   released_.notify_all();
+}
+
+void BoardSlot::settle() {
+  const auto settled = std::make_shared<std::promise<void>>();
+  boost::asio::post(compute_, [settled] { settled->set_value(); });
+  settled->get_future().wait();
 }
 
 void BoardSlot::set_endpoint(std::string endpoint) {

@@ -45,6 +45,8 @@ class BoardSlot {
   Board& board() { return *board_; }
   // The thread on which all of this board's work is done.
   boost::asio::thread_pool& compute() { return compute_; }
+  // Returns when all work given to compute() so far has ended. Not from compute() itself.
+  void settle();
 
   void set_endpoint(std::string endpoint);
 

@@ -134,6 +134,7 @@ Endpoint BusServer::listen(BoardSlot& slot, const Endpoint& endpoint) {
     auto listener = std::make_unique<Listener>(*this, slot, endpoint);
     const Endpoint actual = listener->endpoint();
     slot.set_endpoint(to_string(actual));
+    slots_.push_back(&slot);
     listener->start();
     listeners_.push_back(std::move(listener));
     return actual;
@@ -155,6 +156,7 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
   Session::Socket socket(io_);
   socket.assign(asio::generic::stream_protocol(address.ss_family, 0), fd);
   slot.set_endpoint(fmt::format("fd:{}", fd));
+  slots_.push_back(&slot);
   start_session(std::move(socket), slot, is_private);
 }
 
@@ -189,6 +191,8 @@ void BusServer::run() {
   while (!stopped_) io_.run_one();
   alive.reset();
   io_.run();  // until the last session has ended
+  // A compute thread may still be on its way out of telling this io context so.
+  for (BoardSlot* slot : slots_) slot->settle();
 }
 
 void BusServer::stop() {

@@ -53,6 +53,7 @@ class BusServer {
   bool stopped_ = false;
   boost::asio::io_context io_{1};
   boost::asio::signal_set signals_{io_};
+  std::vector<BoardSlot*> slots_;  // those that were served
   std::vector<std::weak_ptr<Session>> sessions_;
   std::vector<std::unique_ptr<Listener>> listeners_;
 };

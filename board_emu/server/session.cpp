@@ -245,13 +245,14 @@ awaitable<error_code> Session::read_exactly(std::span<std::uint8_t> bytes) {
 awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job, bool shows_progress) {
   job_done_ = false;
   std::exception_ptr fault;
-  auto run_it = [self = shared_from_this(), job = std::move(job), &fault] {
+  // The session goes back to the io thread with the news: only there may it end.
+  auto run_it = [self = shared_from_this(), executor = socket_.get_executor(), job = std::move(job), &fault]() mutable {
     try {
       job();
     } catch (...) {
       fault = std::current_exception();
     }
-    asio::post(self->socket_.get_executor(), [self] {
+    asio::post(executor, [self = std::move(self)] {
       self->job_done_ = true;
       self->wake_.cancel();
     });

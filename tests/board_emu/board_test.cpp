@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "bare_board.h"
 
@@ -291,6 +292,33 @@ TEST(BoardMisuse, RefusesCommandsByFieldAndKeepsServing) {
   EXPECT_NE(refusal(BareBoard::trace_payload({still})).find("ray 0: direction"), std::string::npos);
   EXPECT_EQ(board.read_register(reg::kStatus), wire::kStatusBadCommand);
   EXPECT_NO_THROW(board.render(corner_view({33, 17, 17}, 8)));
+}
+
+TEST(BoardTime, CountsWhatEachKindOfTransferTook) {
+  BareBoard board(small_blocks());
+  load_slab(board, 3000);
+  board.render(corner_view({33, 17, 17}, 32));
+  EXPECT_EQ(board.counter("bus.image.bytes"), 32u * 32 * 9 / 2);
+  EXPECT_EQ(board.counter("bus.image.time_ps"), (4 * 259 + 128 + 3) * 30'000u);
+  EXPECT_EQ(board.counter("bus.volume.transfers"), 5u * 3 * 3);
+  EXPECT_EQ(board.counter("bus.command.bytes"), wire::kRenderCommandBytes);
+  EXPECT_EQ(board.counter("bus.rays.bytes"), 0u);
+  board.trace({host_ray(0, {0, 8, 8}, {1, 0, 0})});
+  EXPECT_EQ(board.counter("bus.rays.bytes"), 8u + 32 + 32);
+}
+
+TEST(BoardMisuse, RefusesStampsFromWhichTimeCouldRunOver) {
+  BareBoard board(small_blocks());
+  load_slab(board, 3000);
+  for (const std::uint64_t stamp : {~std::uint64_t{0}, (std::uint64_t{1} << 62) + 1}) {
+    const std::uint64_t now = std::exchange(board.now_ps, stamp);
+    const Outcome outcome = board.send(wire::FrameType::kPoll, {});
+    EXPECT_EQ(outcome.reply->error, ErrorCode::kBadValue);
+    board.command(BareBoard::trace_payload({host_ray(0, {0, 8, 8}, {1, 0, 0})}));
+    board.now_ps = now;
+  }
+  EXPECT_EQ(board.read_register(reg::kStatus), wire::kStatusBadCommand);
+  EXPECT_EQ(board.trace({host_ray(0, {0, 8, 8}, {1, 0, 0})}).size(), 1u);
 }
 
 TEST(BoardMisuse, AnswersBadAddressesAsHardwareDoes) {

@@ -153,6 +153,20 @@ TEST(HostBus, CountsTheTimeThatAReadyTransferWaitsForTheOtherDirection) {
   EXPECT_EQ(bus.counters(Direction::kUp).wait_ps, (64 - 10) * 30'000u);
 }
 
+TEST(HostBus, CountsTheTimeOfEachTransferByItsCargo) {
+  HostBus bus(timing(v1::pci33));
+  bus.enqueue(Direction::kDown, {.id = 1, .cargo = Cargo::kVolume, .bytes = 4 * 256});
+  bus.enqueue(Direction::kDown, {.id = 2, .cargo = Cargo::kTable, .bytes = 4 * 8, .ready_ps = 50'000'000});
+  bus.enqueue(Direction::kUp, {.id = 3, .cargo = Cargo::kImage, .bytes = 4 * 16, .ready_ps = 50'000'000 + 30'000});
+  while (bus.next_delivery(kNever)) {
+  }
+  EXPECT_EQ(bus.counters(Cargo::kVolume).time_ps, 259 * 30'000u);
+  EXPECT_EQ(bus.counters(Cargo::kTable).time_ps, 11 * 30'000u);
+  EXPECT_EQ(bus.counters(Cargo::kImage).time_ps, (10 + 19) * 30'000u);  // waits ten clocks for the table
+  EXPECT_EQ(bus.counters(Cargo::kImage).bytes, 64u);
+  EXPECT_EQ(bus.counters(Cargo::kRays).transfers, 0u);
+}
+
 TEST(RegisterFile, ReadsAllOnesWhereNothingIsMappedAndKeepsItsState) {
   RegisterFile registers;
   EXPECT_EQ(registers.read(0xFF0), wire::kUnmappedRead);
