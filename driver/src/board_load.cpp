@@ -73,8 +73,8 @@ void Board::State::check_fence() {
   if (faults == 0) return;
   const std::uint32_t address = device.read_register(reg::kErrorAddress);
   device.write_register(reg::kStatusClear, faults);
-  throw Rejected("the board did not take what was written to it: STATUS " +
-                 std::to_string(faults) + ", ERROR_ADDRESS " + std::to_string(address));
+  throw Rejected("the board did not take what was written to it: STATUS " + std::to_string(faults) +
+                 ", ERROR_ADDRESS " + std::to_string(address));
 }
 
 }  // namespace gicube

@@ -13,9 +13,9 @@ namespace {
 // Written out apart from the board's own code (docs/HARDWARE.md, host bus): a burst of n dwords, in picoseconds.
 struct Model {
   std::string name;
-  double down_burst_ps;         // of the longest burst of an upload
-  std::uint64_t down_dwords;    // its dwords
-  double up_burst_ps;           // of 256 dwords of an image
+  double down_burst_ps;       // of the longest burst of an upload
+  std::uint64_t down_dwords;  // its dwords
+  double up_burst_ps;         // of 256 dwords of an image
 
   friend void PrintTo(const Model& model, std::ostream* out) { *out << model.name; }
 };

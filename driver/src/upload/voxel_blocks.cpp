@@ -74,7 +74,8 @@ bool VoxelBlocks::has_gradient(const Region& region) const {
   for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
     for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
       const auto codes = codes_.subspan(row(y, z) + region.begin[0], region.end[0] - region.begin[0]);
-      if (std::any_of(codes.begin(), codes.end(), [](std::uint16_t code) { return code != wire::kNoGradient; })) return true;
+      if (std::any_of(codes.begin(), codes.end(), [](std::uint16_t code) { return code != wire::kNoGradient; }))
+        return true;
     }
   }
   return false;
