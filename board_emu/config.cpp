@@ -32,7 +32,18 @@ constexpr std::array kRanges{
     Range{"dsp.clock_khz", 1'000, 2'000'000, "kHz"},
     // chosen: keeps the picoseconds of the largest image at the slowest clock within 64 bits.
     Range{"dsp.viewing_ray_cycles", 0, 10'000, "DSP cycles"}, Range{"dsp.returned_ray_cycles", 0, 10'000, "DSP cycles"},
-    Range{"dsp.host_ray_cycles", 0, 10'000, "DSP cycles"}, Range{"dsp.framebuffer_mb", 1, 1024, "MB"},
+    Range{"dsp.host_ray_cycles", 0, 10'000, "DSP cycles"}, Range{"dsp.overflow_ray_cycles", 0, 10'000, "DSP cycles"},
+    Range{"dsp.run_rays", 0, 4096, "rays"}, Range{"dsp.run_cycles", 0, 10'000, "DSP cycles"},
+    Range{"dsp.framebuffer_mb", 1, 1024, "MB"}, Range{"pipeline.prefetch_stages", 1, 256, "core cycles"},
+    Range{"pipeline.compute_stages", 1, 256, "core cycles"}, Range{"cache.miss_packets", 8, 1024, "packets"},
+    Range{"link.rays", 2, 64, "rays"}, Range{"rdram.processors_per_rdram", 1, 2, "processors"},
+    Range{"rdram.clocks_per_core_cycle", 1, 16, "tCYCLE"}, Range{"rdram.t_ras", 1, 255, "tCYCLE"},
+    Range{"rdram.t_rp", 1, 255, "tCYCLE"}, Range{"rdram.t_rr", 4, 255, "tCYCLE"}, Range{"rdram.t_pp", 4, 255, "tCYCLE"},
+    Range{"rdram.t_rcd", 1, 255, "tCYCLE"}, Range{"rdram.t_cac", 1, 255, "tCYCLE"},
+    Range{"rdram.t_cwd", 1, 255, "tCYCLE"}, Range{"rdram.t_rtr", 0, 255, "tCYCLE"},
+    Range{"rdram.t_offp", 1, 255, "tCYCLE"}, Range{"rdram.refresh_interval", 0, 1'000'000, "tCYCLE"},
+    Range{"rdram.rac_latency", 0, 255, "tCYCLE"}, Range{"ideal.memory", 0, 1, "(0 or 1)"},
+    Range{"ideal.queues", 0, 1, "(0 or 1)"}, Range{"ideal.sorter", 0, 1, "(0 or 1)"},
     Range{"bus.max_burst_dwords", 1, 1024, "dwords"}, Range{"bus.latency_timer_clocks", 8, 255, "bus clocks"},
     Range{"bus.read_latency_clocks", 0, 64, "bus clocks"},
     Range{"threads", 0, 1024, "threads, 0 = one a core"},  // chosen: above any host that this was tried on
@@ -94,10 +105,30 @@ void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::ve
     faults.push_back(
         {"fidelity", "functional (this release has no " + level + " level yet)", got, line_of(lines, "fidelity")});
   }
-  if (config.bus().model() == v1::BUS_UNSPECIFIED) {
-    const FieldDescriptor& field = *v1::BusConfig::descriptor()->FindFieldByName("model");
+  for (const char* path : {"bus.model", "asic.partition", "sorter.queues", "sorter.policy"}) {
+    const Place place = find_place(config, path);
+    const auto* value = place.message->GetReflection()->GetEnum(*place.message, place.field);
+    if (value->number() != 0) continue;
+    faults.push_back({path, expected_value(*place.field), value->name(), line_of(lines, path)});
+  }
+}
+
+void check_powers(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Fault>& faults) {
+  struct Power {
+    const char* field;
+    std::uint32_t high;
+    const char* expected;
+  };
+  for (const Power& power :
+       {Power{"cache.ways", 8, "1, 2, 4 or 8 ways"}, Power{"link.bits", 256, "a power of two from 1 to 256 bits"}}) {
+    const std::uint32_t value = value_at(config, power.field);
+    if (std::has_single_bit(value) && value <= power.high) continue;
+    faults.push_back({power.field, power.expected, std::to_string(value), line_of(lines, power.field)});
+  }
+  const std::uint32_t mbit = config.rdram().device_mbit();
+  if (mbit != 144 && mbit != 288) {
     faults.push_back(
-        {"bus.model", expected_value(field), v1::BusModel_Name(config.bus().model()), line_of(lines, "bus.model")});
+        {"rdram.device_mbit", "144 or 288 Mbit", std::to_string(mbit), line_of(lines, "rdram.device_mbit")});
   }
 }
 
@@ -183,6 +214,7 @@ std::vector<Fault> check(const v1::BoardConfig& config, const FieldLines& lines)
     faults.push_back({range.field, fmt::format("{} to {} {}", range.low, range.high, range.unit), std::to_string(value),
                       line_of(lines, range.field)});
   }
+  check_powers(config, lines, faults);
   check_volume(config.asic(), lines, faults);
   return faults;
 }

@@ -28,10 +28,22 @@ constexpr std::int64_t dot(const Point& a, const Point& b) {
   return std::int64_t{a[0]} * b[0] + std::int64_t{a[1]} * b[1] + std::int64_t{a[2]} * b[2];
 }
 
+enum class RayState : std::uint8_t { kUnderWay, kDone, kOverflowed };
+
 // Positions p with normal . p >= offset are kept.
 struct Plane {
   Point normal{};           // 1.14
   std::int64_t offset = 0;  // 28 fraction bits, as the product of normal and position
+};
+
+// A ray as the cycle level's FIFOs carry it. The 256-bit packet itself stays in one place (rays.h); what travels is its
+// handle and what the sorter's wires would read off it.
+struct RayToken {
+  std::uint32_t ray = 0;           // handle
+  std::uint32_t queue = 0;         // of its block, in its processor
+  std::uint16_t contribution = 0;  // 12 bits
+  std::uint8_t processor = 0;      // owner of its block
+  RayState state = RayState::kUnderWay;
 };
 
 inline constexpr int kPlaneFractionBits = 2 * wire::kPositionFractionBits;

@@ -7,6 +7,9 @@ namespace gicube::emu {
 
 using Picoseconds = std::uint64_t;
 
+using Cycle = std::uint64_t;  // of the ASIC's core clock
+
+inline constexpr Cycle kNoCycle = ~Cycle{0};
 inline constexpr Picoseconds kNever = ~Picoseconds{0};
 
 // `cycles` of a clock of `khz`, to the picosecond below; exact for every clock whose period is a whole number of them.
