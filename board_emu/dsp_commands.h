@@ -9,7 +9,7 @@
 #include "aperture.h"
 #include "board.h"
 #include "bus/register_file.h"
-#include "functional.h"
+#include "frame.h"
 #include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dsp/viewing_rays.h"
+#include "functional.h"
 
 namespace gicube::emu {
 

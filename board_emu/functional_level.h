@@ -8,7 +8,7 @@
 
 #include "board.h"
 #include "dsp/framebuffer.h"
-#include "functional.h"
+#include "frame.h"
 #include "gicube/wire/command.h"
 
 namespace gicube::emu {

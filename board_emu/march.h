@@ -1,0 +1,152 @@
+// A ray between two samples, and what one turn of the pipeline does to it. Every fidelity level takes these same steps,
+// so that values can't differ; what a turn costs is not known here.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "frame.h"
+#include "pipeline/advance.h"
+#include "pipeline/classify.h"
+#include "pipeline/composite.h"
+#include "pipeline/jitter.h"
+#include "pipeline/resample.h"
+#include "pipeline/shade.h"
+
+namespace gicube::emu {
+
+// The ray packet's words as the pipeline's registers hold them, with what its direction fixes once and for all.
+struct Traveller {
+  Point position{};
+  Point step{};                // to the next sample
+  std::uint32_t exponent = 0;  // what that distance means for opacity: 16.16 voxel lengths
+  std::uint32_t length = 0;    // of one voxel length along the direction: 16.16 reference voxel lengths
+  Gathered gathered;
+  std::uint16_t u = 0;
+  std::uint16_t v = 0;
+  std::array<std::int16_t, 3> direction{};
+};
+
+// How many reference voxel lengths one voxel length along `direction` is, 16.16. Exactly one where spacing is one.
+std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
+                              const std::array<std::uint32_t, 3>& spacing);
+
+// Sets the distance to the next sample, 16.16 voxels.
+inline void space(Traveller& ray, std::uint32_t distance) {
+  ray.step = step_vector(ray.direction, distance);
+  ray.exponent =
+      static_cast<std::uint32_t>(round_shift<16>(static_cast<std::int64_t>(std::uint64_t{distance} * ray.length)));
+}
+
+inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
+  Traveller out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position[axis] = static_cast<std::int32_t>(ray.position[axis]);
+    out.gathered.colour[axis] = ray.colour[axis];
+  }
+  out.gathered.opacity = ray.opacity;
+  out.length = physical_length(ray.direction, frame.spacing);
+  out.u = ray.u;
+  out.v = ray.v;
+  out.direction = ray.direction;
+  space(out, frame.step);
+  return out;
+}
+
+// Writes what the ray has gathered, and where it ended, clamped to the volume, into its packet.
+inline void finish(const Traveller& ray, const Frame& frame, wire::Ray& out) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position[axis] = static_cast<std::uint32_t>(std::clamp(ray.position[axis], 0, frame.extent[axis]));
+    out.colour[axis] = static_cast<std::uint16_t>(ray.gathered.colour[axis]);
+  }
+  out.opacity = ray.gathered.opacity;
+  out.contribution = contribution(ray.gathered.opacity);
+}
+
+// Whether the ray has come to its end: out of the volume, behind a cut plane, or opaque enough.
+enum class End : std::uint8_t { kNot, kLeft, kOpaque };
+
+inline End end(const Traveller& ray, const Frame& frame) {
+  if (!inside(ray.position, frame.extent)) return End::kLeft;
+  for (const Plane& plane : frame.cut_planes) {
+    if (beyond(plane, ray.position, ray.step)) return End::kLeft;
+  }
+  return ray.gathered.opacity >= frame.opacity_threshold ? End::kOpaque : End::kNot;
+}
+
+// The block of a position, and its place there.
+class BlockGrid {
+ public:
+  explicit BlockGrid(const VolumeMemory& volume)
+      : shift_(std::countr_zero(static_cast<unsigned>(volume.block_voxels())) + wire::kPositionFractionBits),
+        across_(static_cast<std::size_t>(volume.blocks()[0])),
+        slice_(across_ * static_cast<std::size_t>(volume.blocks()[1])) {}
+
+  std::size_t block(const Point& position) const {
+    return static_cast<std::size_t>(position[0] >> shift_) + across_ * static_cast<std::size_t>(position[1] >> shift_) +
+           slice_ * static_cast<std::size_t>(position[2] >> shift_);
+  }
+  Point low(const Point& position) const {
+    const std::int32_t mask = -(std::int32_t{1} << shift_);
+    return {position[0] & mask, position[1] & mask, position[2] & mask};
+  }
+  std::int32_t size() const { return std::int32_t{1} << shift_; }  // of a block, in position units
+
+ private:
+  int shift_;
+  std::size_t across_;
+  std::size_t slice_;
+};
+
+// A sample's place in its block: whole voxels and fractions.
+struct Cell {
+  std::array<std::uint32_t, 3> voxel;
+  std::array<std::uint32_t, 3> fraction;
+};
+
+inline Cell cell(const Point& position, const Point& low) {
+  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
+  Cell out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto offset = static_cast<std::uint32_t>(position[axis] - low[axis]);
+    out.voxel[axis] = offset >> wire::kPositionFractionBits;
+    out.fraction[axis] = offset & kFractionMask;
+  }
+  return out;
+}
+
+// Resamples, classifies, shades and composites at `at`, a place in the block `view` of (edge)^3 voxels. False if the
+// sample has no opacity.
+inline bool take_sample(Traveller& ray, const Cell& at, const BlockView& view, std::size_t edge, const Frame& frame) {
+  const std::size_t row = edge, slice = edge * edge;
+  const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
+  const Neighbourhood near{
+      view.voxels + first, row, slice, {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}};
+  unsigned tag = 0;
+  if (view.tags != nullptr) {
+    constexpr std::uint32_t kHalf = wire::kVoxel / 2;
+    tag = view.tags[first + (at.fraction[0] >= kHalf) + row * (at.fraction[1] >= kHalf) +
+                    slice * (at.fraction[2] >= kHalf)];
+  }
+  const wire::SegmentationEntry& entry = frame.segmentation[segmentation_index(resample(near, 0), tag)];
+  if (entry.opacity == 0) return false;
+  const Colour12 colour = frame.shade ? shade(entry, resample_gradient(near), frame.reflectance_map)
+                                      : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
+  over(ray.gathered, colour, (*frame.opacity_correction)(entry.opacity, ray.exponent));
+  return true;
+}
+
+// Draws the distance to the next sample, if the frame jitters.
+inline void jitter_step(Traveller& ray, const Frame& frame) {
+  if (!frame.jitter) return;
+  const std::uint32_t factor = jitter(ray.position, ray.u, ray.v);
+  space(ray, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame.step} * factor)));
+}
+
+inline void advance(Traveller& ray, std::int32_t steps) {
+  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
+}
+
+}  // namespace gicube::emu
