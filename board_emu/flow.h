@@ -44,6 +44,9 @@ struct RayToken {
   std::uint16_t contribution = 0;  // 12 bits
   std::uint8_t processor = 0;      // owner of its block
   RayState state = RayState::kUnderWay;
+  // Set by the pipeline on a ray that goes back to the queue that issued it: it still has its slot there and cannot
+  // overflow. A ray that goes anywhere else has this false, and the pipeline gives the old slot back (sorter/sorter.h).
+  bool keeps_slot = false;
 };
 
 inline constexpr int kPlaneFractionBits = 2 * wire::kPositionFractionBits;
