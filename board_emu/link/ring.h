@@ -46,6 +46,9 @@ class Ring {
   // `bits` 1 .. 256: width of a link; `rays` >= 2: places of a link's entry queue.
   Ring(std::uint32_t bits, std::uint32_t rays, const std::vector<Port>& ports);
 
+  Ring(const Ring&) = delete;  // its links point at one another
+  Ring& operator=(const Ring&) = delete;
+
   bool tick(Cycle now);
 
   bool idle() const { return inside_ == 0; }
@@ -57,6 +60,7 @@ class Ring {
   void describe(std::ostream& out) const;
 
  private:
+  static constexpr std::uint32_t kPlacesToEnter = 2;  // bubble flow control
   enum Direction : std::uint8_t { kRight = 0, kLeft = 1 };
   struct Link {
     explicit Link(std::uint32_t rays) : entry(rays) {}
@@ -68,7 +72,7 @@ class Ring {
     std::uint32_t sent = 0;             // cycles that the ray at the entry's head has been on the link
   };
 
-  bool advance(Link& link, Direction direction, std::uint32_t processor, Cycle now);
+  bool advance(Link& link, Direction direction, RingCounters& counters, Cycle now);
   bool enter(std::uint32_t processor, Cycle now);
   Direction way(std::uint32_t from, std::uint32_t to) const;
 

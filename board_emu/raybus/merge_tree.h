@@ -25,6 +25,9 @@ class MergeTree {
   // At least one leaf.
   MergeTree(const std::vector<Fifo<RayToken>*>& leaves, Fifo<RayToken>& output);
 
+  MergeTree(const MergeTree&) = delete;  // its nodes point at one another
+  MergeTree& operator=(const MergeTree&) = delete;
+
   bool tick(Cycle now);
 
   bool idle() const { return inside_ == 0; }  // no ray between leaves and output
@@ -35,6 +38,7 @@ class MergeTree {
  private:
   struct Node {
     std::array<Fifo<RayToken>*, 2> inputs{};  // the second may be missing: one leaf alone
+    std::array<bool, 2> is_leaf{};
     Fifo<RayToken>* output = nullptr;
     std::uint8_t turn = 0;
   };

@@ -35,12 +35,13 @@ class RayBus {
   static constexpr std::uint32_t kRunBuffers = 2;  // [C] runs a processor buffers
 
   // `runs` carries handles of `pool`, whose listeners are as many as the processors.
-  RayBus(Fifo<RayToken>& down, Fifo<RunPool::Run>& runs, RunPool& pool, std::vector<Fifo<RayToken>*> to_processors);
+  RayBus(Fifo<RayToken>& down, Fifo<RunPool::Run>& runs, RunPool& pool,
+         const std::vector<Fifo<RayToken>*>& to_processors);
 
   bool tick(Cycle now);
 
   // Nothing on the bus and no run being extrapolated.
-  bool idle() const { return !sending_ && buffered_ == 0; }
+  bool idle() const { return !sending_ && extrapolating_ == 0; }
   const RayBusCounters& counters() const { return counters_; }
   void describe(std::ostream& out) const;
 
@@ -59,17 +60,20 @@ class RayBus {
   bool send(Cycle now);
   bool ray_can_go(Cycle now) const;
   bool run_can_go() const;
-  bool deliver_run();
+  void take_in_run();
   bool extrapolate(Cycle now, std::uint8_t processor);
+  // The first of the processor's rays in a run at or after `from`; the run's length if there is none.
+  std::uint32_t next_own(RunPool::Run run, std::uint32_t from, std::uint8_t processor) const;
 
   Fifo<RayToken>& down_;
   Fifo<RunPool::Run>& runs_;
   RunPool& pool_;
   std::vector<Listener> listeners_;
-  bool sending_ = false;  // the second packet of run_
+  bool sending_ = false;   // run_'s second packet is next
+  bool sent_run_ = false;  // run_ has arrived in this cycle
   RunPool::Run run_ = 0;
-  bool run_next_ = false;  // whose turn it is when both can go
-  std::uint32_t buffered_ = 0;
+  bool run_next_ = false;            // whose turn it is when both can go
+  std::uint32_t extrapolating_ = 0;  // runs in all buffers
   RayBusCounters counters_;
 };
 

@@ -87,7 +87,6 @@ class Sorter {
 
  private:
   static constexpr std::uint32_t kNone = InsertionSorter::kNoQueue;
-  enum class Taken : std::uint8_t { kNothing, kWritten, kOverflowed, kConflict };
 
   // Modified queues in the order of their modification: a list through the queues, so that one can leave it anywhere.
   struct Dirty {
@@ -96,20 +95,22 @@ class Sorter {
     bool listed = false;
   };
 
+  std::uint32_t queue_of(const RayToken& token) const { return single_ ? 0 : token.queue; }
   void choose_active();
   void give_up_active();
   bool issue(Cycle now);
   bool accept(Cycle now);
-  Taken take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t written);
+  // Whether the ray at the input's head is for the queue that was written in this cycle.
+  bool conflicts(Cycle now, const Fifo<RayToken>& input, std::uint32_t written) const;
+  // Moves the ray at the input's head to its queue, then `written`, or to overflow.
+  bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
   void modified(std::uint32_t queue);
   bool update_ranks();
   void list_dirty(std::uint32_t queue);
   void unlist_dirty(std::uint32_t queue);
 
   bool single_;
-  bool exact_;  // ideal sorter, or one queue: no ranks
   bool bus_waits_;
-  bool unlimited_;
   SorterInputs in_;
   SorterOutputs out_;
   std::array<Fifo<RayToken>*, 3> others_;  // bus, left, right, in turns
@@ -120,7 +121,7 @@ class Sorter {
   std::uint32_t dirty_tail_ = kNone;
   Queues queues_;
   std::optional<InsertionSorter> ranks_;
-  std::optional<ExactMaximum> maximum_;
+  std::optional<ExactMaximum> maximum_;  // ideal sorter or single queue: instead of ranks_
   std::vector<Dirty> dirty_;
   SorterCounters counters_;
 };
