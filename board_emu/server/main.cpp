@@ -16,6 +16,7 @@
 #include "board_slot.h"
 #include "bus_server.h"
 #include "gicube/wire/register_markdown.h"
+#include "hardware_cost.h"
 #include "management.h"
 #include "options.h"
 
@@ -68,7 +69,8 @@ int run(int argc, const char* const* argv) {
     fmt::print("{}# config_hash: {}\n", config_text(line.options.config), config_hash_text(line.options.config));
   }
   if (line.options.print_registers) fmt::print("{}\n{}", wire::register_markdown(), wire::memory_markdown());
-  if (line.options.print_config || line.options.print_registers) return 0;
+  if (line.options.print_hardware_cost) fmt::print("{}", to_string(hardware_cost(line.options.config)));
+  if (line.options.print_config || line.options.print_registers || line.options.print_hardware_cost) return 0;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("gicube-board"));
   spdlog::set_level(line.options.quiet ? spdlog::level::warn : spdlog::level::info);
   serve(line.options);

@@ -16,7 +16,8 @@ struct Flags {
   std::vector<std::string> overrides;
   std::string certificate_file, key_file, token_file;
   std::uint32_t boards = 1;
-  bool allow_remote_bus = false, is_private = false, quiet = false, print_config = false, print_registers = false;
+  bool allow_remote_bus = false, is_private = false, quiet = false, print_config = false, print_registers = false,
+       print_hardware_cost = false;
 };
 
 void add_flags(CLI::App& app, Flags& flags) {
@@ -38,6 +39,9 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->allow_extra_args(false)
       ->group("Configuration");
   app.add_flag("--print-config", flags.print_config, "print the resolved configuration and its hash, then end")
+      ->group("Configuration");
+  app.add_flag("--hardware-cost", flags.print_hardware_cost,
+               "print what the configuration's ASIC holds in memories, Table 1 of the paper, then end")
       ->group("Configuration");
   app.add_flag("--registers", flags.print_registers, "print the register table and the memory map, then end")
       ->group("Configuration");
@@ -93,7 +97,7 @@ void read_listen(const Flags& flags, Options& options, std::vector<std::string>&
     faults.push_back(fmt::format("--boards: expected 1 to {}, got {}", kMaxBoards, flags.boards));
   }
   if (flags.listen.empty()) {
-    const bool prints_only = flags.print_config || flags.print_registers;
+    const bool prints_only = flags.print_config || flags.print_registers || flags.print_hardware_cost;
     if (!prints_only) faults.push_back("--listen: expected unix:PATH, tcp:HOST:PORT or fd:N, got nothing");
     return;
   }
@@ -151,6 +155,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   result.options.quiet = flags.quiet;
   result.options.print_config = flags.print_config;
   result.options.print_registers = flags.print_registers;
+  result.options.print_hardware_cost = flags.print_hardware_cost;
   read_listen(flags, result.options, result.faults);
   read_management(flags, result.options, result.faults);
   result.options.config = read_config(flags, result.faults);

@@ -23,6 +23,7 @@ struct Options {
   bool quiet = false;
   bool print_config = false;
   bool print_registers = false;
+  bool print_hardware_cost = false;
 };
 
 // What the command line asks for, or what there is to print instead.

@@ -79,6 +79,7 @@ TEST(CommandLine, ARemoteBusMustBeAllowed) {
 TEST(CommandLine, NeedsSomethingToDo) {
   EXPECT_THAT(parse({}).faults, ElementsAre(HasSubstr("--listen")));
   EXPECT_THAT(parse({"--registers"}).faults, IsEmpty());
+  EXPECT_THAT(parse({"--hardware-cost", "--set", "asic.processors=8"}).faults, IsEmpty());
   EXPECT_THAT(parse({"--listne", "fd:3"}).faults, testing::SizeIs(1));
   EXPECT_THAT(parse({"--listen", "fd:3", "--boards", "2"}).faults, ElementsAre(HasSubstr("--boards")));
   EXPECT_THAT(parse({"--listen", "fd:3", "--config", "/nowhere"}).faults, ElementsAre(HasSubstr("/nowhere")));
