@@ -47,6 +47,8 @@ struct RayToken {
   // Set by the pipeline on a ray that goes back to the queue that issued it: it still has its slot there and cannot
   // overflow. A ray that goes anywhere else has this false, and the pipeline gives the old slot back (sorter/sorter.h).
   bool keeps_slot = false;
+  // No odd tail: 13 bytes are copied by two overlapping moves, and reading those back stalls the host's store buffer.
+  std::array<std::uint8_t, 3> unused{};
 };
 
 inline constexpr int kPlaneFractionBits = 2 * wire::kPositionFractionBits;
