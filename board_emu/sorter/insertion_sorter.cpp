@@ -37,21 +37,28 @@ void InsertionSorter::shift_up() {
 }
 
 void InsertionSorter::move_down() {
-  std::size_t kept = 0;
-  for (const std::uint32_t slot : moving_) {
-    Key& moving = comparison_[slot];
-    if (moving == kHole) continue;  // wiped
-    const std::uint32_t position = (slot + steps_) & mask_;
-    Key& selected = selected_[position];
-    if (moving > selected) {
-      std::swap(moving, selected);
-      place_[queue_of(selected)] = position;
-      if (moving == kHole) continue;
-      place_[queue_of(moving)] = slot | kMoving;
+  // Copies of what the stores below could change, as far as a compiler knows.
+  const std::uint32_t steps = steps_, mask = mask_;
+  Key* const comparison = comparison_.data();
+  Key* const selected = selected_.data();
+  std::uint32_t* const place = place_.data();
+  std::uint32_t* kept = moving_.data();
+  for (const std::uint32_t *at = kept, *const end = kept + moving_.size(); at != end; ++at) {
+    const std::uint32_t slot = *at;
+    const std::uint32_t position = (slot + steps) & mask;
+    const Key from_above = comparison[slot], here = selected[position];
+    if (from_above > here) {
+      selected[position] = from_above;
+      comparison[slot] = here;
+      place[queue_of(from_above)] = position;
+      if (here == kHole) continue;  // took it
+      place[queue_of(here)] = slot | kMoving;
+    } else if (from_above == kHole) {
+      continue;  // wiped
     }
-    moving_[kept++] = slot;
+    *kept++ = slot;
   }
-  moving_.resize(kept);
+  moving_.resize(static_cast<std::size_t>(kept - moving_.data()));
   ++steps_;
 }
 

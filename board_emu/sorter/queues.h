@@ -24,9 +24,9 @@ class Queues {
   Queues(std::uint32_t queues, std::uint32_t capacity, QueuePolicy policy);
 
   bool has_slot(std::uint32_t queue) const { return states_[queue].slots < capacity_; }
-  // Writes a ray to the queue's tail. It takes a slot unless it kept its own.
+  // Writes a ray under way to the queue's tail. It takes a slot unless it kept its own.
   void write(std::uint32_t queue, const RayToken& token);
-  // Takes the ray at the head, which must be there; its slot stays taken.
+  // Takes the ray at the head, which must be there; its slot stays taken, its flag keeps_slot is down.
   RayToken read(std::uint32_t queue);
   void release_slot(std::uint32_t queue) {
     assert(states_[queue].slots > states_[queue].waiting);
@@ -50,17 +50,12 @@ class Queues {
   static constexpr std::uint64_t kMostImportant = ~std::uint32_t{0} - 1;  // below the active queue's infinity
 
   struct State {
-    std::uint32_t head = kNone;  // in records_
+    std::uint32_t head = kNone;  // record
     std::uint32_t tail = kNone;
     std::uint32_t waiting = 0;
     std::uint32_t slots = 0;  // taken: waiting, or issued and not released
     std::uint64_t contribution = 0;
   };
-  struct Record {
-    RayToken token;
-    std::uint32_t next = kNone;
-  };
-
   static std::uint32_t weight(const RayToken& token) { return std::max<std::uint32_t>(1, token.contribution); }
 
   std::uint32_t capacity_;
@@ -68,7 +63,49 @@ class Queues {
   std::uint32_t free_ = kNone;  // list of unused records
   std::uint64_t waiting_ = 0;
   std::vector<State> states_;
-  std::vector<Record> records_;
+  std::vector<RayToken> tokens_;     // by record
+  std::vector<std::uint32_t> next_;  // by record
 };
+
+inline void Queues::write(std::uint32_t queue, const RayToken& token) {
+  State& state = states_[queue];
+  assert(token.state == RayState::kUnderWay);
+  if (!token.keeps_slot) {
+    assert(has_slot(queue));
+    ++state.slots;
+  }
+  assert(state.slots > state.waiting);
+  std::uint32_t at = free_;
+  if (at == kNone) {
+    at = static_cast<std::uint32_t>(tokens_.size());
+    tokens_.push_back(token);
+    next_.push_back(kNone);
+  } else {
+    free_ = next_[at];
+    tokens_[at] = token;
+  }
+  tokens_[at].keeps_slot = false;
+  (state.waiting == 0 ? state.head : next_[state.tail]) = at;
+  state.tail = at;
+  ++state.waiting;
+  state.contribution += weight(token);
+  ++waiting_;
+}
+
+inline RayToken Queues::read(std::uint32_t queue) {
+  State& state = states_[queue];
+  assert(state.waiting > 0);
+  const std::uint32_t at = state.head;
+  const RayToken& token = tokens_[at];
+  state.head = next_[at];
+  next_[at] = free_;
+  free_ = at;
+  --state.waiting;
+  state.contribution -= weight(token);
+  --waiting_;
+  // The next ray of this queue is most likely read in the next cycle, and lies anywhere.
+  if (state.waiting > 0) __builtin_prefetch(&tokens_[state.head]);
+  return token;
+}
 
 }  // namespace gicube::emu

@@ -66,9 +66,7 @@ void Sorter::give_up_active() {
 
 bool Sorter::issue(Cycle now) {
   if (active_ == kNone || !out_.issue.can_push(now)) return false;
-  RayToken token = queues_.read(active_);
-  token.keeps_slot = false;
-  out_.issue.push(now, token);
+  out_.issue.push(now, queues_.read(active_));
   ++counters_.issued;
   ++issued_since_active_;
   return true;
@@ -76,34 +74,30 @@ bool Sorter::issue(Cycle now) {
 
 bool Sorter::accept(Cycle now) {
   std::uint32_t written = kNone;
-  bool moved = take(now, in_.returned, true, written);
+  bool moved = in_.returned.can_pop(now) && take(now, in_.returned, true, written);
   std::uint32_t turns = moved ? 1 : 2;
   std::uint32_t input = turn_;
   for (std::uint32_t tried = 0; tried < others_.size() && turns > 0; ++tried) {
-    if (conflicts(now, *others_[input], written)) {
-      ++counters_.conflicts;
-      turn_ = input;  // what lost its turn is first in the next cycle
-      break;
-    }
+    Fifo<RayToken>& fifo = *others_[input];
     const std::uint32_t next = input == 2 ? 0 : input + 1;
-    if (take(now, *others_[input], input != 0 || !bus_waits_, written)) {
-      moved = true;
-      --turns;
-      turn_ = next;
+    if (fifo.can_pop(now)) {
+      if (queue_of(fifo.front()) == written && queues_.has_slot(written)) {
+        ++counters_.conflicts;
+        turn_ = input;  // what lost its turn is first in the next cycle
+        break;
+      }
+      if (take(now, fifo, input != 0 || !bus_waits_, written)) {
+        moved = true;
+        --turns;
+        turn_ = next;
+      }
     }
     input = next;
   }
   return moved;
 }
 
-bool Sorter::conflicts(Cycle now, const Fifo<RayToken>& input, std::uint32_t written) const {
-  if (written == kNone || !input.can_pop(now)) return false;
-  const std::uint32_t queue = queue_of(input.front());
-  return queue == written && queues_.has_slot(queue);
-}
-
 bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written) {
-  if (!input.can_pop(now)) return false;
   const std::uint32_t queue = queue_of(input.front());
   if (input.front().keeps_slot || queues_.has_slot(queue)) {
     queues_.write(queue, input.pop(now));

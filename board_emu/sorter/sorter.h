@@ -100,8 +100,6 @@ class Sorter {
   void give_up_active();
   bool issue(Cycle now);
   bool accept(Cycle now);
-  // Whether the ray at the input's head is for the queue that was written in this cycle.
-  bool conflicts(Cycle now, const Fifo<RayToken>& input, std::uint32_t written) const;
   // Moves the ray at the input's head to its queue, then `written`, or to overflow.
   bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
   void modified(std::uint32_t queue);
