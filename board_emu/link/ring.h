@@ -1,15 +1,15 @@
 // Narrow links between neighbouring processors, a ring with one link in each direction [P §2.1, §3.6].
 //
-//   out_links[i] -> entry queue -> link i, right -> from_left[i + 1], or the entry queue of link i + 1 if it goes further
+//   out_links[i] -> entry queue -> link i, right -> from_left[i + 1], or the entry queue of link i + 1: it goes further
 //                -> entry queue -> link i, left  -> from_right[i - 1], or ...
 //
 // A ray of 256 bits takes ceil(256 / bits) cycles a link and is handed on in the last of them; if there is no place it
 // stays where it is and holds the link. It goes the shorter way round, to the right if both are as long (two processors
 // therefore use the right links only).
 //
-// Bubble flow control [C]: a ray in transit needs one free place in the next entry queue, one that enters the ring needs
-// two and yields to transit. So a place is always free somewhere in each direction and the ring cannot lock up, as long
-// as the processors take what arrives.
+// Bubble flow control [C]: a ray in transit needs one free place in the next entry queue, one that enters the ring
+// needs two and yields to transit. So a place is always free somewhere in each direction and the ring cannot
+// lock up, as long as the processors take what arrives.
 #pragma once
 
 #include <array>

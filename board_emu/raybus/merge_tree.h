@@ -1,7 +1,8 @@
 // The binary tree of merging nodes that brings rays back from the processors to the DSP, many to one [P §3.6].
 //
-// A node passes one ray a cycle, from its two inputs in turns, into a registered FIFO of two rays; the root's is the output.
-// A leaf without a partner goes up to the next level. A ray so takes one cycle a level, ceil(log2(leaves)) in all, at least 1.
+// A node passes one ray a cycle, from its two inputs in turns, into a registered FIFO of two rays; the root's is the
+// output. A leaf without a partner goes up to the next level. So a ray takes one cycle a level, at most
+// ceil(log2(leaves)) in all and at least 1.
 #pragma once
 
 #include <array>

@@ -4,10 +4,10 @@
 //                 +-- one packet a cycle -+       ...       +->    ...
 //   runs ---------+                       +-- run buffer p -+-> from_bus p-1
 //
-// A ray goes to its owner's FIFO, one packet, and waits at the head if that is full. A run (ray_run.h) is two packets that
-// all processors hear; each then extrapolates its own rays of it, one a cycle, into its FIFO. A processor buffers two
-// runs; the bus takes the next only if every processor has room. Rays and runs take turns when both can go, and so do a
-// ray and an extrapolated ray that are for the same FIFO.
+// A ray goes to its owner's FIFO, one packet, and waits at the head if that is full. A run (ray_run.h) is two packets
+// that all processors hear; each then extrapolates its own rays of it, one a cycle, into its FIFO. A processor buffers
+// two runs; the bus takes the next only if every processor has room. Rays and runs take turns when both can
+// go, and so do a ray and an extrapolated ray that are for the same FIFO.
 #pragma once
 
 #include <array>

@@ -10,8 +10,8 @@
 //                    |  smaller
 //              [comparison 1] [selected 1]      rank 1      shift_up: both buffers of every rank move up by one
 //
-// Exactly the machine above, but a cycle costs only as much as there are items in comparison buffers: those move down one
-// rank a cycle together, so each is kept at a place of its own that does not change (position minus cycles), and
+// Exactly the machine above, but a cycle costs only as much as there are items in comparison buffers. Those move down
+// together, one rank a cycle, so each is kept at a place of its own that does not change (position minus cycles), and
 // shift_up moves only the origin.
 #pragma once
 

@@ -1,4 +1,4 @@
-// One processor's sorter: rays come in, wait in the queue of their block, and leave by the most important queue [P §3.2].
+// One processor's sorter: rays come in, wait in the queue of their block, and leave by the most important one [P §3.2].
 //
 //   returned, from_bus, from_left, from_right -> at most two a cycle -> queues -> the active queue's head -> issue
 //                                                         no slot: -> overflow
@@ -8,8 +8,8 @@
 // modified queue is inserted. So a ray written into an empty sorter is issued in the next cycle, and one active queue
 // follows another without a lost cycle while the ranks are settled.
 //
-// Two writes [P]: the bucketing logic runs at twice the clock and each queue is an eDRAM of its own, so two rays for one
-// queue conflict and the second waits, its turn lost. `returned` comes first, since the pipeline stalls behind it; the
+// Two writes [P]: the bucketing logic runs at twice the clock and each queue is an eDRAM of its own. Two rays for one
+// queue conflict: the second waits, its turn lost. `returned` comes first, since the pipeline stalls behind it; the
 // others take turns. An input whose ray finds neither slot nor place in `overflow` is passed over.
 //
 // Slots: see queues.h. The pipeline sets RayToken::keeps_slot on a ray that goes back to the queue it came from;
@@ -34,8 +34,8 @@ struct SorterSetup {
   std::uint32_t queues = 128;    // N³ / n³ / p
   std::uint32_t capacity = 256;  // rays a queue
   QueuePolicy policy = QueuePolicy::kMostRays;
-  // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their coming. RayToken::queue is carried along
-  // and has no say here; a ray that stays in the processor keeps its slot.
+  // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their coming. RayToken::queue is carried
+  // along and has no say here; a ray that stays in the processor keeps its slot.
   bool single = false;
   bool ideal_queues = false;  // never full
   bool ideal_sorter = false;  // the most important queue is known at once

@@ -1,5 +1,6 @@
-// Sorters, bus, ring and tree closed to a loop by toy pipelines and a toy DSP, whose rays go where a hash of ray and hop
-// sends them. For tests of what only the loop shows: conservation, progress, and that the order of ticks does not matter.
+// Sorters, bus, ring and tree closed to a loop by toy pipelines and a toy DSP, whose rays go where a hash of ray and
+// hop sends them. For tests of what only the loop shows: conservation, progress, and that the order of ticks does not
+// matter.
 #pragma once
 
 #include <algorithm>
