@@ -19,7 +19,7 @@ Channel::Channel(const v1::RdramConfig& config, std::uint32_t devices)
   if (refresh_interval_ != 0) refresh_due_ = next_event_ = refresh_interval_ / devices;
 }
 
-bool Channel::precharge(std::uint16_t device, int bank, Tcycle asked) {
+inline bool Channel::precharge(std::uint16_t device, int bank, Tcycle asked) {
   Device& target = devices_[device];
   const Tcycle floor = std::max(asked, target.bank_ready<Command::kPrecharge>(bank));
   const Tcycle wanted = std::max({floor, last_precharge_, target.device_ready<Command::kPrecharge>()});
@@ -51,10 +51,9 @@ inline Tcycle Channel::activate(const Location& at, Tcycle asked, bool leave_gap
 }
 
 bool Channel::held_by_refresh(const Location& at, Tcycle arrival) const {
-  const bool same_amps = at.device == refreshed_.device &&
-                         (at.bank == refreshed_.bank || (neighbours(at.bank) >> refreshed_.bank & 1) != 0);
-  if (same_amps && arrival < refreshed_until_) return true;
-  return last_open_was_refresh_ && arrival < last_open_ + refresh_gap_;
+  if (last_open_was_refresh_ && arrival < last_open_ + refresh_gap_) return true;
+  const std::uint32_t same_amps = neighbours(at.bank) | 1u << at.bank;
+  return arrival < refreshed_until_ && at.device == refreshed_.device && (same_amps >> refreshed_.bank & 1) != 0;
 }
 
 Delay Channel::open(const Location& at, Tcycle arrival) {

@@ -20,9 +20,9 @@ inline constexpr std::int32_t kRefreshRow = -2;  // open at the row of the devic
 
 // The banks, as a mask, that share a sense amp with `bank`.
 constexpr std::uint32_t neighbours(int bank) {
-  const std::uint32_t below = bank % kBankGroup == 0 ? 0u : 1u << (bank - 1);
-  const std::uint32_t above = bank % kBankGroup == kBankGroup - 1 ? 0u : 2u << bank;
-  return below | above;
+  constexpr std::uint32_t kLast = 0x8000'8000;  // banks 15 and 31
+  const std::uint32_t own = 1u << bank;
+  return (own & ~kLast) << 1 | (own >> 1 & ~kLast);
 }
 
 struct BankAddress {
@@ -41,7 +41,7 @@ class Device {
   // Carries the command out at `t`, which probe() must have allowed.
   void issue(Command command, BankAddress at, Tcycle t);
 
-  std::int32_t open_row(int bank) const { return banks_[static_cast<std::size_t>(bank)].row; }
+  std::int32_t open_row(int bank) const { return banks_[place(bank)].row; }
   std::uint32_t open_banks() const { return open_; }  // mask
 
   // The same without looking at the state, for a caller that knows it and the command.
@@ -52,7 +52,7 @@ class Device {
   // The parts of it: what commands to this bank and its neighbours allow, and those to the whole device.
   template <Command kCommand>
   Tcycle bank_ready(int bank) const {
-    return banks_[static_cast<std::size_t>(bank)].ready[index(kCommand)];
+    return banks_[place(bank)].ready[index(kCommand)];
   }
   template <Command kCommand>
   Tcycle device_ready() const {
@@ -81,7 +81,13 @@ class Device {
     (one.template operator()<kTo>(), ...);
   }
 
-  std::array<Bank, kBanks> banks_{};
+  // A place before and after each group, so that every bank has two neighbours to tell.
+  static constexpr std::size_t place(int bank) {
+    const auto plain = static_cast<std::size_t>(bank);
+    return plain + 1 + plain / kBankGroup * 2;
+  }
+
+  std::array<Bank, kBanks + 4> banks_{};
   Ready ready_{};           // of the whole device
   std::uint32_t open_ = 0;  // mask of banks that are not precharged
   Delays bank_delays_{}, neighbour_delays_{}, device_delays_{};
@@ -89,15 +95,13 @@ class Device {
 
 template <Command kFrom>
 inline void Device::issue(int bank, std::int32_t row, Tcycle t) {
-  Bank& own = banks_[static_cast<std::size_t>(bank)];
+  Bank& own = banks_[place(bank)];
   raise<Scope::kBank, kFrom>(own.ready, bank_delays_, t, kTargets);
   raise<Scope::kDevice, kFrom>(ready_, device_delays_, t, kTargets);
   if constexpr (kFrom == Command::kPrecharge) {
-    const auto touch = [&](int other) {
-      raise<Scope::kNeighbour, kFrom>(banks_[static_cast<std::size_t>(other)].ready, neighbour_delays_, t, kTargets);
-    };
-    if (bank % kBankGroup != 0) touch(bank - 1);
-    if (bank % kBankGroup != kBankGroup - 1) touch(bank + 1);
+    for (Bank* other : {&own - 1, &own + 1}) {
+      raise<Scope::kNeighbour, kFrom>(other->ready, neighbour_delays_, t, kTargets);
+    }
     own.row = kClosed;
     open_ &= ~(1u << bank);
   } else if constexpr (kFrom == Command::kActivate || kFrom == Command::kRefresh) {

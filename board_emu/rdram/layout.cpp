@@ -114,7 +114,9 @@ std::uint32_t devices_needed(std::uint32_t blocks, std::uint32_t block_voxels, s
 }
 
 Layout::Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t device_mbit)
-    : bricks_(cut_block(block_voxels, device_mbit)), devices_(devices_needed(blocks, block_voxels, device_mbit)) {
+    : bricks_(cut_block(block_voxels, device_mbit)),
+      devices_(devices_needed(blocks, block_voxels, device_mbit)),
+      reciprocal_(((std::uint64_t{1} << kReciprocalBits) + devices_ - 1) / devices_) {
   const auto& [tiles, size, stride, pages] = bricks_;
   const std::uint32_t count = tiles[0] * tiles[1] * tiles[2];
   places_.reserve(count);

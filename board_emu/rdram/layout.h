@@ -45,9 +45,10 @@ class Layout {
     // Even blocks take even banks and odd blocks odd ones; groups of 16 pages go round the devices.
     const std::uint32_t page = (block >> 1) * bricks_.pages + place.page;
     const std::uint32_t group = page / kOpenBanks;
+    const auto row = static_cast<std::uint32_t>(group * reciprocal_ >> kReciprocalBits);  // group / devices_
     Location at;
-    at.device = static_cast<std::uint16_t>(devices_ == 1 ? 0 : group % devices_);
-    at.row = static_cast<std::uint16_t>(devices_ == 1 ? group : group / devices_);
+    at.device = static_cast<std::uint16_t>(group - row * devices_);
+    at.row = static_cast<std::uint16_t>(row);
     at.bank = static_cast<std::uint8_t>(2 * (page % kOpenBanks) + (block & 1));
     at.column = place.column;
     return at;
@@ -62,8 +63,12 @@ class Layout {
     std::uint8_t column;
   };
 
+  // Exact for up to 2^20 groups and 2^10 devices, that is for every volume of the board.
+  static constexpr unsigned kReciprocalBits = 40;
+
   Bricks bricks_;
   std::uint32_t devices_;
+  std::uint64_t reciprocal_;
   std::vector<Place> places_;
 };
 

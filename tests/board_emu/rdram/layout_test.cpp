@@ -24,7 +24,7 @@ class RdramLayout : public testing::TestWithParam<Shape> {
 };
 
 TEST_P(RdramLayout, GivesEveryTileAPlaceOfItsOwnWithinTheDevices) {
-  const std::uint32_t blocks = GetParam().n == 64 ? 19 : 131;
+  const std::uint32_t blocks = GetParam().n == 64 ? 61 : 401;
   const Layout layout(blocks, GetParam().n, GetParam().mbit);
   std::vector<bool> taken(std::size_t{layout.devices()} * 32 * 512 * columns());
   for (std::uint32_t block = 0; block < blocks; ++block) {
