@@ -34,6 +34,7 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
   if (is(region, wire::kVolume)) {
     if (offset + bytes.size() > volume_.bytes()) return false;
     volume_.write(offset, bytes);
+    ++volume_writes_;
   } else if (is(region, wire::kSegmentationLut)) {
     segmentation_.write(at, bytes);
   } else if (is(region, wire::kGradientLut)) {
@@ -67,6 +68,7 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
 
 void Aperture::resize_volume(const std::array<int, 3>& size) {
   volume_.resize(size);
+  ++volume_writes_;
   std::fill(empty_flags_.begin(), empty_flags_.end(), std::uint8_t{0});
 }
 

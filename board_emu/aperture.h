@@ -59,6 +59,8 @@ class Aperture {
   bool empty(std::size_t block) const { return (empty_flags_[block / 8] >> (block % 8) & 1) != 0; }
 
   const VolumeMemory& volume() const { return volume_; }
+  // Counts writes into the volume: what was cached of it before is old.
+  std::uint64_t volume_writes() const { return volume_writes_; }
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_.words(); }
   const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
   Framebuffer& framebuffer() { return framebuffer_; }
@@ -72,6 +74,7 @@ class Aperture {
   std::vector<std::uint8_t> reflectance_map_;
   std::vector<std::uint8_t> empty_flags_;
   VolumeMemory volume_;
+  std::uint64_t volume_writes_ = 0;
   Framebuffer framebuffer_;
   std::vector<std::uint8_t> pixels_;
 };

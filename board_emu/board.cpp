@@ -9,6 +9,7 @@
 #include "dsp_commands.h"
 #include "gicube/wire/memory_map.h"
 #include "timeline.h"
+#include "trace/observation.h"
 
 namespace gicube::emu {
 
@@ -43,6 +44,20 @@ constexpr std::uint64_t kReadRequestBytes = 16;
 // A stamp beyond this is refused, so that no sum of times can run over: 2^62 ps are 53 days.
 constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
 
+const char* command_name(std::span<const std::uint8_t> payload) {
+  const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
+  return opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace) ? "trace" : "render";
+}
+
+// What a host does that waits for the reply.
+const char* wait_name(FrameType type) {
+  switch (type) {
+    case FrameType::kMemoryRead: return "read memory";
+    case FrameType::kWait: return "wait";
+    default: return "access register";
+  }
+}
+
 Cargo cargo_at(std::uint64_t address) {
   if (address >= wire::kVolume.base) return Cargo::kVolume;
   return address >= wire::kFramebuffer.base ? Cargo::kImage : Cargo::kTable;
@@ -52,11 +67,17 @@ Cargo cargo_at(std::uint64_t address) {
 
 // What stands on the board, from power-up to the next reset.
 struct Board::Parts {
-  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash)
+  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, Observation* observes)
       : config(board_config),
+        observation(observes),
         pci(agp_rates(config.bus().model())),
         commands(config, registers),
         timeline(BusTiming(config.bus()), config.dsp().clock_khz()) {
+    if (observation != nullptr) {
+      observation->power_up(config);
+      timeline.set_watcher(observation);
+      commands.set_observer(observation->observer());
+    }
     registers.set_fixed(reg::kId, wire::kIdValue);
     registers.set_fixed(reg::kFidelity, static_cast<std::uint32_t>(config.fidelity()));
     registers.set_fixed(reg::kProcessors, config.asic().processors());
@@ -84,6 +105,7 @@ struct Board::Parts {
   std::vector<wire::Counter> count() const;
 
   v1::BoardConfig config;
+  Observation* observation;  // may be null
   RegisterFile registers;
   PciConfigFile pci;
   DspCommands commands;
@@ -143,7 +165,8 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
                       .dsp = true,
                       .up_bytes = length,
                       .up_cargo = cargo_at(address),
-                      .watched = true};
+                      .watched = true,
+                      .name = "read memory"};
   return finish(header, errand, std::move(*bytes));
 }
 
@@ -158,7 +181,11 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
 }
 
 void Board::Parts::command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work) {
+  if (observation != nullptr && observation->places_cycles()) {
+    observation->begin_command(timeline.turn_of(header.time_ps, {.down_bytes = payload.size()}));
+  }
   CommandResult result = commands.run(payload, work);
+  if (observation != nullptr) observation->end_command();
   if (result.error != ErrorCode::kNone) registers.raise(wire::kStatusBadCommand, 0);
   const std::uint64_t id = next_errand++;
   timeline.add(header.time_ps, id,
@@ -166,9 +193,11 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
                 .down_bytes = payload.size(),
                 .dsp = true,
                 .dsp_cycles = result.dsp_cycles,
+                .asic_ps = result.asic_ps,
                 .up_bytes = result.up_bytes,
                 .up_cargo = result.returns_rays ? Cargo::kRays : Cargo::kCompletion,
-                .watched = true});
+                .watched = true,
+                .name = command_name(payload)});
   under_way[id] = {header.id, result.error, 0, std::move(result.payload)};
   tickets[header.id] = id;
 }
@@ -216,12 +245,15 @@ std::vector<wire::Counter> Board::Parts::count() const {
     list.push_back({prefix + "time_ps", "ps", cargo.time_ps});
   }
   list.push_back({"dsp.busy_ps", "ps", timeline.dsp_busy_ps()});
+  list.push_back({"dsp.host_bus_wait_ps", "ps", timeline.host_bus_wait_ps()});
   commands.count(list);
   return list;
 }
 
-Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash)
-    : config_hash_(config_hash), parts_(std::make_unique<Parts>(config, config_hash)) {
+Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation)
+    : config_hash_(config_hash),
+      observation_(observation),
+      parts_(std::make_unique<Parts>(config, config_hash, observation)) {
   publish();
 }
 
@@ -229,7 +261,7 @@ Board::~Board() = default;
 
 void Board::reset() {
   const v1::BoardConfig config = parts_->config;
-  parts_ = std::make_unique<Parts>(config, config_hash_);
+  parts_ = std::make_unique<Parts>(config, config_hash_, observation_);
   publish();
 }
 
@@ -264,6 +296,9 @@ Outcome Board::transact(const wire::FrameHeader& header, std::span<const std::ui
   if (outcome.reply) {
     outcome.completions = parts_->take_completions();
     if (outcome.reply->error != ErrorCode::kNone) outcome.reply->time_ps = header.time_ps;
+    if (parts_->observation != nullptr) {
+      parts_->observation->host_waited(wait_name(header.type), header.time_ps, outcome.reply->time_ps);
+    }
   }
   publish();
   return outcome;

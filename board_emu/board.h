@@ -47,10 +47,13 @@ struct Work {
   std::atomic<std::uint32_t> all{0};
 };
 
+class Observation;
+
 class Board {
  public:
-  // `config` must be resolved and checked, and the hash its own (config.h).
-  Board(const v1::BoardConfig& config, std::uint64_t config_hash);
+  // `config` must be resolved and checked, and the hash its own (config.h). `observation` may be null, or else must outlive
+  // the board, and no two boards in use can share it.
+  Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation = nullptr);
   ~Board();
 
   // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
@@ -70,6 +73,7 @@ class Board {
   void publish();
 
   std::uint64_t config_hash_;
+  Observation* observation_;
   std::unique_ptr<Parts> parts_;
   mutable std::mutex published_mutex_;
   std::vector<wire::Counter> published_;

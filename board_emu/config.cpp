@@ -99,11 +99,11 @@ class Silence : public google::protobuf::io::ErrorCollector {
 };
 
 void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Fault>& faults) {
-  if (config.fidelity() != v1::functional) {
+  if (config.fidelity() != v1::functional && config.fidelity() != v1::cycle) {
     const std::string& got = v1::FidelityLevel_Name(config.fidelity());
     const std::string level = config.fidelity() == v1::FIDELITY_UNSPECIFIED ? "other" : got;
     faults.push_back(
-        {"fidelity", "functional (this release has no " + level + " level yet)", got, line_of(lines, "fidelity")});
+        {"fidelity", "functional or cycle (this release has no " + level + " level yet)", got, line_of(lines, "fidelity")});
   }
   for (const char* path : {"bus.model", "asic.partition", "sorter.queues", "sorter.policy"}) {
     const Place place = find_place(config, path);

@@ -5,8 +5,10 @@
 #include <optional>
 #include <thread>
 
+#include "cycle_level.h"
 #include "functional_level.h"
 #include "gicube/wire/command.h"
+#include "machine_counters.h"
 #include "pipeline/advance.h"
 
 namespace gicube::emu {
@@ -58,6 +60,18 @@ bool unit(const std::array<std::int16_t, 3>& direction) {
   return std::abs(length - 1) < 0.01;
 }
 
+// Adds counters to those of the same names.
+void add(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to) {
+  for (const wire::Counter& counter : from) {
+    const auto known = std::find_if(to.begin(), to.end(), [&](const auto& c) { return c.name == counter.name; });
+    if (known == to.end()) {
+      to.push_back(counter);
+    } else {
+      known->value += counter.value;
+    }
+  }
+}
+
 constexpr const char* kNoVolume = "no volume: VOLUME_X, VOLUME_Y and VOLUME_Z are not all set";
 
 }  // namespace
@@ -76,7 +90,42 @@ void DspCommands::clear_volume() {
   aperture_.resize_volume(complete ? size : std::array<int, 3>{});
 }
 
-void DspCommands::reset() { aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels())); }
+void DspCommands::reset() {
+  drop_machine();
+  aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()));
+}
+
+// The next command begins with a new machine; the counters go on.
+void DspCommands::drop_machine() {
+  if (!machine_) return;
+  rays_ += ray_counters(*machine_);
+  std::vector<wire::Counter> list;
+  emu::count(*machine_, list);
+  add(list, past_);
+  machine_.reset();
+}
+
+Machine& DspCommands::machine() {
+  const VolumeMemory& volume = aperture_.volume();
+  if (machine_ && machine_->blocks() != volume.blocks()) drop_machine();
+  if (!machine_) {
+    machine_ = std::make_unique<Machine>(config_, volume.blocks());
+    machine_->set_observer(observer_);
+  }
+  if (cached_volume_ != aperture_.volume_writes()) machine_->invalidate_caches();
+  cached_volume_ = aperture_.volume_writes();
+  return *machine_;
+}
+
+// Rays are left on the ASIC: it goes.
+CommandResult DspCommands::cancelled() {
+  drop_machine();
+  return {.error = ErrorCode::kCancelled};
+}
+
+CommandResult DspCommands::timed(const Ran& ran) const {
+  return {.dsp_cycles = ran.dsp_cycles, .asic_ps = cycles_to_ps(ran.cycles, config_.asic().core_khz())};
+}
 
 bool DspCommands::accept_register(std::uint32_t offset) {
   const std::uint32_t value = registers_.value(offset);
@@ -133,8 +182,14 @@ Frame DspCommands::frame() const {
 
 CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work) {
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
-  if (opcode == static_cast<std::uint32_t>(wire::Opcode::kRender)) return render(payload, work);
-  if (opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace)) return trace(payload);
+  try {
+    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kRender)) return render(payload, work);
+    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace)) return trace(payload, work);
+  } catch (const Stall& stall) {
+    drop_machine();
+    const std::string text = stall.what();
+    return {.error = ErrorCode::kInternal, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
+  }
   return refuse(expected("opcode", "1 (render) or 2 (trace)", opcode));
 }
 
@@ -145,16 +200,25 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   if (!has_volume()) return refuse(kNoVolume);
 
   aperture_.decode(threads_);
-  const Rendered rendered = emu::render(command, frame(), aperture_.framebuffer(), threads_, work);
-  if (rendered.cancelled) return {.error = ErrorCode::kCancelled};
+  const Frame frame = this->frame();
+  const v1::DspConfig& dsp = config_.dsp();
+  CommandResult result;
+  if (config_.fidelity() == v1::cycle) {
+    const Ran ran = emu::render(command, frame, aperture_.framebuffer(), dsp, machine(), work);
+    if (ran.cancelled) return cancelled();
+    result = timed(ran);
+  } else {
+    const Rendered rendered = emu::render(command, frame, aperture_.framebuffer(), threads_, work);
+    if (rendered.cancelled) return {.error = ErrorCode::kCancelled};
+    rays_ += rendered.rays;
+    result.dsp_cycles = rendered.made * dsp.viewing_ray_cycles() + rendered.returned * dsp.returned_ray_cycles();
+  }
   aperture_.resolve_framebuffer();
-  viewing_rays_ += rendered.made;
-  rays_ += rendered.rays;
-  return {.dsp_cycles = rendered.made * config_.dsp().viewing_ray_cycles() +
-                        rendered.returned * config_.dsp().returned_ray_cycles()};
+  viewing_rays_ += std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
+  return result;
 }
 
-CommandResult DspCommands::trace(std::span<const std::uint8_t> payload) {
+CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& work) {
   const std::uint64_t count = payload.size() >= wire::kTraceHeaderBytes ? wire::load<std::uint32_t>(payload, 4) : 0;
   if (payload.size() != wire::kTraceHeaderBytes + count * wire::kRayBytes) {
     return refuse(
@@ -172,15 +236,19 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload) {
     if (!unit(rays[i].direction)) return refuse(which + "direction: expected a unit vector to within 1%");
   }
   aperture_.decode(threads_);
-  rays_ += emu::trace(rays, frame, threads_);
+  CommandResult result{.dsp_cycles = count * config_.dsp().host_ray_cycles()};
+  if (config_.fidelity() == v1::cycle) {
+    const Ran ran = emu::trace(rays, frame, config_.dsp(), machine(), work);
+    if (ran.cancelled) return cancelled();
+    result = timed(ran);
+  } else {
+    rays_ += emu::trace(rays, frame, threads_);
+  }
   host_rays_ += count;
-
-  CommandResult result;
   result.payload.resize(count * wire::kRayBytes);
   for (std::size_t i = 0; i < count; ++i) {
     wire::encode(rays[i], std::span(result.payload).subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
   }
-  result.dsp_cycles = count * config_.dsp().host_ray_cycles();
   result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
   result.returns_rays = count > 0;
   return result;
@@ -189,11 +257,17 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload) {
 void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"dsp.viewing_rays", "ray", viewing_rays_});
   list.push_back({"dsp.host_rays", "ray", host_rays_});
-  list.push_back({"pipeline.rays", "ray", rays_.rays});
-  list.push_back({"pipeline.samples", "sample", rays_.samples});
-  list.push_back({"pipeline.visible_samples", "sample", rays_.visible_samples});
-  list.push_back({"pipeline.leaps", "leap", rays_.leaps});
-  list.push_back({"pipeline.terminated", "ray", rays_.terminated});
+  RayCounters rays = rays_;
+  if (machine_) rays += ray_counters(*machine_);
+  list.push_back({"pipeline.rays", "ray", rays.rays});
+  list.push_back({"pipeline.samples", "sample", rays.samples});
+  list.push_back({"pipeline.visible_samples", "sample", rays.visible_samples});
+  list.push_back({"pipeline.leaps", "leap", rays.leaps});
+  list.push_back({"pipeline.terminated", "ray", rays.terminated});
+  std::vector<wire::Counter> cycle_level;
+  if (machine_) emu::count(*machine_, cycle_level);
+  add(past_, cycle_level);
+  list.insert(list.end(), cycle_level.begin(), cycle_level.end());
 }
 
 }  // namespace gicube::emu

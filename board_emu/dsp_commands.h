@@ -1,7 +1,9 @@
-// The DSP's commands at the functional level: checks them, carries them out, and says what they cost.
+// The DSP's commands: checks them, has them carried out by the fidelity level of the configuration, and says what they
+// cost.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "bus/register_file.h"
 #include "frame.h"
 #include "gicube/v1/board_config.pb.h"
+#include "machine.h"
 
 namespace gicube::emu {
 
@@ -18,6 +21,7 @@ struct CommandResult {
   wire::ErrorCode error = wire::ErrorCode::kNone;
   std::vector<std::uint8_t> payload{};  // of the completion; with an error: its text
   std::uint64_t dsp_cycles = 0;
+  Picoseconds asic_ps = 0;     // how long the ASIC works at it; 0 at the functional level
   std::uint64_t up_bytes = 4;  // at least the completion word in the host's memory
   bool returns_rays = false;
 };
@@ -33,13 +37,20 @@ class DspCommands {
   void clear_volume();
   void reset();
 
+  // Of every machine from now on; null for none.
+  void set_observer(Observer* observer) { observer_ = observer; }
+
   Aperture& aperture() { return aperture_; }
   void count(std::vector<wire::Counter>& list) const;
 
  private:
   CommandResult render(std::span<const std::uint8_t> payload, Work& work);
-  CommandResult trace(std::span<const std::uint8_t> payload);
+  CommandResult trace(std::span<const std::uint8_t> payload, Work& work);
   Frame frame() const;
+  CommandResult cancelled();
+  CommandResult timed(const Ran& ran) const;
+  Machine& machine();
+  void drop_machine();
   bool has_volume() const { return aperture_.volume().block_count() > 0; }
 
   const v1::BoardConfig& config_;
@@ -47,7 +58,11 @@ class DspCommands {
   unsigned threads_;
   OpacityCorrection opacity_correction_;
   Aperture aperture_;
-  RayCounters rays_;
+  Observer* observer_ = nullptr;
+  std::unique_ptr<Machine> machine_;  // of the cycle level, as long as the volume keeps its size
+  std::uint64_t cached_volume_ = 0;   // Aperture::volume_writes() that the machine's caches belong to
+  std::vector<wire::Counter> past_;   // counters of machines that were dropped
+  RayCounters rays_;                  // of the functional level and of machines that were dropped
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
 };

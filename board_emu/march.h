@@ -79,6 +79,7 @@ inline End end(const Traveller& ray, const Frame& frame) {
 // The block of a position, and its place there.
 class BlockGrid {
  public:
+  BlockGrid() = default;
   explicit BlockGrid(const VolumeMemory& volume)
       : shift_(std::countr_zero(static_cast<unsigned>(volume.block_voxels())) + wire::kPositionFractionBits),
         across_(static_cast<std::size_t>(volume.blocks()[0])),
@@ -95,9 +96,9 @@ class BlockGrid {
   std::int32_t size() const { return std::int32_t{1} << shift_; }  // of a block, in position units
 
  private:
-  int shift_;
-  std::size_t across_;
-  std::size_t slice_;
+  int shift_ = 0;
+  std::size_t across_ = 0;
+  std::size_t slice_ = 0;
 };
 
 // A sample's place in its block: whole voxels and fractions.

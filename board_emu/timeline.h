@@ -18,16 +18,28 @@ struct Errand {
   TransferKind kind = TransferKind::kBulk;
   Cargo cargo = Cargo::kRegister;
   std::uint64_t down_bytes = 0;
-  bool dsp = false;  // waits for its turn at the DSP, even with no cycles of its own
-  std::uint64_t dsp_cycles = 0;
+  bool dsp = false;              // waits for its turn at the DSP, even with no cycles of its own
+  std::uint64_t dsp_cycles = 0;  // in which the DSP is busy
+  Picoseconds asic_ps = 0;       // the turn lasts at least as long, since the ASIC works
   std::uint64_t up_bytes = 0;
   Cargo up_cargo = Cargo::kCompletion;
   bool watched = false;  // somebody wants to know when it has finished
+  const char* name = "";  // of its turn at the DSP, in a trace
 };
 
 struct Finished {
   std::uint64_t id = 0;
   Picoseconds time_ps = 0;
+};
+
+// Hears of everything as soon as it can no longer change.
+class TimelineWatcher {
+ public:
+  virtual ~TimelineWatcher() = default;
+  // In the order of their ends.
+  virtual void transferred(const BusDelivery& delivery) = 0;
+  // A turn at the DSP; in the order of their begins.
+  virtual void served(const Errand& errand, Picoseconds begin, Picoseconds end) = 0;
 };
 
 class Timeline {
@@ -36,6 +48,13 @@ class Timeline {
 
   // The host issues an errand at `stamp` and names it `id` (unique). First advances to `stamp`.
   void add(Picoseconds stamp, std::uint64_t id, const Errand& errand);
+
+  // When the turn at the DSP of an errand like this will begin if it is added at `stamp`. No later errand can change it:
+  // they all follow on the way down.
+  Picoseconds turn_of(Picoseconds stamp, const Errand& errand) const;
+
+  // Null for none.
+  void set_watcher(TimelineWatcher* watcher) { watcher_ = watcher; }
 
   // Lets time pass up to `horizon`.
   void advance(Picoseconds horizon);
@@ -48,6 +67,8 @@ class Timeline {
 
   Picoseconds now() const { return now_ps_; }
   Picoseconds dsp_busy_ps() const { return dsp_busy_ps_; }
+  // Time in which the DSP had nothing to do while a command for it was on its way down the bus.
+  Picoseconds host_bus_wait_ps() const { return host_bus_wait_ps_; }
   const HostBus& bus() const { return bus_; }
 
  private:
@@ -56,10 +77,16 @@ class Timeline {
 
   HostBus bus_;
   std::uint64_t dsp_khz_;
+  TimelineWatcher* watcher_ = nullptr;
   Picoseconds now_ps_ = 0;
   Picoseconds dsp_free_ps_ = 0;
   Picoseconds dsp_busy_ps_ = 0;
-  std::unordered_map<std::uint64_t, Errand> under_way_;
+  Picoseconds host_bus_wait_ps_ = 0;
+  struct Issued {
+    Errand errand;
+    Picoseconds stamp_ps = 0;
+  };
+  std::unordered_map<std::uint64_t, Issued> under_way_;
   std::vector<Finished> finished_;  // some may lie in the future: the DSP's work is known as soon as it begins
 };
 

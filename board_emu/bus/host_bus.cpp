@@ -76,6 +76,7 @@ std::optional<BusDelivery> HostBus::next_delivery(Picoseconds horizon) {
     if (!from.head_started) {
       from.counters.wait_ps += start - std::max(head.ready_ps, from.last_delivery_ps);
       from.head_started = true;
+      from.head_begin_ps = start;
     }
     free_ps_ = end;
     last_ = turn;
@@ -91,7 +92,7 @@ std::optional<BusDelivery> HostBus::next_delivery(Picoseconds horizon) {
     from.last_delivery_ps = end;
     from.counters.bytes += head.bytes;
     ++from.counters.transfers;
-    return BusDelivery{head.id, turn, end};
+    return BusDelivery{head.id, turn, end, from.head_begin_ps, head.cargo, head.bytes};
   }
 }
 

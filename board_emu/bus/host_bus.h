@@ -32,6 +32,9 @@ struct BusDelivery {
   std::uint64_t id = 0;
   Direction direction = Direction::kDown;
   Picoseconds time_ps = 0;
+  Picoseconds begin_ps = 0;  // of its first burst; no earlier than the delivery before it in its direction
+  Cargo cargo = Cargo::kRegister;
+  std::uint64_t bytes = 0;
 };
 
 struct BusCounters {
@@ -69,6 +72,7 @@ class HostBus {
     std::deque<BusTransfer> queue;
     std::uint64_t dwords_left = 0;  // of the head
     bool head_started = false;
+    Picoseconds head_begin_ps = 0;
     Picoseconds last_delivery_ps = 0;  // also when the head's turn began, if it was ready by then
     BusCounters counters;
   };

@@ -4,6 +4,8 @@
 #include <future>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 #include <boost/asio/post.hpp>
 
 namespace gicube::emu {
@@ -14,10 +16,17 @@ constexpr std::chrono::seconds kReleaseTimeout{10};
 
 }  // namespace
 
-BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config)
-    : index_(index), config_(resolve(config)), board_(std::make_unique<Board>(config_, config_hash(config_))) {}
+BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation)
+    : index_(index),
+      config_(resolve(config)),
+      observation_(std::move(observation)),
+      board_(std::make_unique<Board>(config_, config_hash(config_), observation_.get())) {}
 
-BoardSlot::~BoardSlot() { compute_.join(); }
+BoardSlot::~BoardSlot() {
+  compute_.join();
+  const std::string fault = observation_ ? observation_->fault() : "";
+  if (!fault.empty()) spdlog::error("board {}: {}", index_, fault);
+}
 
 Claim BoardSlot::claim(std::function<void()> end_session) {
   const std::lock_guard lock(mutex_);
@@ -80,7 +89,7 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Fa
   }
   // Allocating a large board takes a while, so the lock is not held; the claim keeps everyone else out.
   try {
-    auto rebuilt = std::make_unique<Board>(merged, config_hash(merged));
+    auto rebuilt = std::make_unique<Board>(merged, config_hash(merged), observation_.get());
     const std::lock_guard lock(mutex_);
     board_.swap(rebuilt);
     config_ = std::move(merged);

@@ -18,6 +18,7 @@
 
 #include "board.h"
 #include "config.h"
+#include "trace/observation.h"
 
 namespace gicube::emu {
 
@@ -25,8 +26,8 @@ enum class Claim { kGranted, kBusy, kSoonFree };  // kSoonFree: the owner is abo
 
 class BoardSlot {
  public:
-  // `config` must be checked; it is resolved here.
-  BoardSlot(std::uint32_t index, const v1::BoardConfig& config);
+  // `config` must be checked; it is resolved here. `observation`: for this board alone, or null.
+  BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation = nullptr);
   ~BoardSlot();
 
   BoardSlot(const BoardSlot&) = delete;
@@ -83,6 +84,7 @@ class BoardSlot {
   std::function<void()> end_session_;
   std::string endpoint_;
   v1::BoardConfig config_;
+  std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
   std::unique_ptr<Board> board_;
   boost::asio::thread_pool compute_{1};
 };

@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "board_slot.h"
@@ -33,7 +34,9 @@ void serve(const Options& options) {
   std::vector<std::unique_ptr<BoardSlot>> slots;
   std::vector<BoardSlot*> boards;
   for (std::uint32_t i = 0; i < options.boards; ++i) {
-    slots.push_back(std::make_unique<BoardSlot>(i, options.config));
+    std::unique_ptr<Observation> observation;
+    if (options.observation.any()) observation = std::make_unique<Observation>(for_board(options.observation, i));
+    slots.push_back(std::make_unique<BoardSlot>(i, options.config, std::move(observation)));
     boards.push_back(slots.back().get());
   }
   BusServer server;

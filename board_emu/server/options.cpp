@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <exception>
 #include <fstream>
 #include <iterator>
+#include <string_view>
+#include <system_error>
 
 namespace gicube::emu {
 namespace {
@@ -15,6 +18,7 @@ struct Flags {
   std::string listen, management, config_file;
   std::vector<std::string> overrides;
   std::string certificate_file, key_file, token_file;
+  std::string trace_file, vcd_file, vcd_window;
   std::uint32_t boards = 1;
   bool allow_remote_bus = false, is_private = false, quiet = false, print_config = false, print_registers = false,
        print_hardware_cost = false;
@@ -45,6 +49,17 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->group("Configuration");
   app.add_flag("--registers", flags.print_registers, "print the register table and the memory map, then end")
       ->group("Configuration");
+
+  app.add_option("--trace", flags.trace_file, "write a trace for ui.perfetto.dev; board i > 0 writes FILE.i")
+      ->type_name("FILE")
+      ->group("Observation");
+  app.add_option("--vcd", flags.vcd_file,
+                 "write a waveform for GTKWave of the window; needs fidelity=cycle; board i > 0 writes FILE.i")
+      ->type_name("FILE")
+      ->group("Observation");
+  app.add_option("--vcd-window", flags.vcd_window, "core cycles of the machine's clock, END left out")
+      ->type_name("BEGIN:END")
+      ->group("Observation");
 
   app.add_option("--management", flags.management, "serve the management plane (gRPC) at unix:PATH or tcp:HOST:PORT")
       ->type_name("ENDPOINT")
@@ -129,6 +144,40 @@ void read_management(const Flags& flags, Options& options, std::vector<std::stri
   for (const Fault& fault : check(*options.management)) faults.push_back(to_string(fault));
 }
 
+std::optional<CycleWindow> parse_window(std::string_view text) {
+  CycleWindow window;
+  const char* const end = text.data() + text.size();
+  const auto begin_end = std::from_chars(text.data(), end, window.begin);
+  if (begin_end.ec != std::errc() || begin_end.ptr == end || *begin_end.ptr != ':') return std::nullopt;
+  const auto end_end = std::from_chars(begin_end.ptr + 1, end, window.end);
+  if (end_end.ec != std::errc() || end_end.ptr != end || window.end <= window.begin) return std::nullopt;
+  return window;
+}
+
+// After read_config().
+void read_observation(const Flags& flags, Options& options, std::vector<std::string>& faults) {
+  options.observation = {flags.trace_file, flags.vcd_file, {}};
+  if (flags.vcd_file.empty()) {
+    if (!flags.vcd_window.empty()) faults.push_back("--vcd-window: expected --vcd FILE beside it, got none");
+    return;
+  }
+  const char* const expected = "BEGIN:END in core cycles, with BEGIN < END";
+  if (flags.vcd_window.empty()) {
+    faults.push_back(fmt::format("--vcd: expected --vcd-window {} beside it, got none", expected));
+  } else if (const auto window = parse_window(flags.vcd_window)) {
+    options.observation.vcd_window = *window;
+  } else {
+    faults.push_back(fmt::format("--vcd-window: expected {}, got {}", expected, flags.vcd_window));
+  }
+  if (options.config.fidelity() != v1::cycle) {
+    faults.push_back(fmt::format("--vcd: expected fidelity=cycle, got {}: only that level has clocked signals",
+                                 v1::FidelityLevel_Name(options.config.fidelity())));
+  }
+  if (flags.vcd_file == flags.trace_file) {
+    faults.push_back(fmt::format("--vcd: expected another file than --trace, got {}", flags.vcd_file));
+  }
+}
+
 }  // namespace
 
 CommandLine parse_command_line(int argc, const char* const* argv) {
@@ -159,6 +208,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   read_listen(flags, result.options, result.faults);
   read_management(flags, result.options, result.faults);
   result.options.config = read_config(flags, result.faults);
+  read_observation(flags, result.options, result.faults);
   return result;
 }
 

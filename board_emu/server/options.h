@@ -9,6 +9,7 @@
 #include "config.h"
 #include "endpoint.h"
 #include "management.h"
+#include "trace/observation.h"
 
 namespace gicube::emu {
 
@@ -19,6 +20,7 @@ struct Options {
   std::optional<ManagementOptions> management;
   v1::BoardConfig config;  // resolved and checked
   std::uint32_t boards = 1;
+  ObservationOptions observation;
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;

@@ -54,6 +54,7 @@ void Sorter::choose_active() {
     if (dirty_[active_].listed) unlist_dirty(active_);
   }
   assert(queues_.waiting(active_) > 0);  // only the active queue loses rays
+  latest_active_ = active_;
   ++counters_.activations;
   issued_since_active_ = 0;
 }

@@ -81,6 +81,8 @@ class Sorter {
   std::uint32_t waiting(std::uint32_t queue) const { return queues_.waiting(queue); }
   bool has_active() const { return active_ != kNone; }
   std::uint32_t active() const { return active_; }  // only if has_active(); 0 with a single queue
+  // The one that became active last; 0 before the first.
+  std::uint32_t latest_active() const { return latest_active_; }
   const SorterCounters& counters() const { return counters_; }
   // One fact a line.
   void describe(std::ostream& out) const;
@@ -114,6 +116,7 @@ class Sorter {
   std::array<Fifo<RayToken>*, 3> others_;  // bus, left, right, in turns
   std::uint32_t turn_ = 0;
   std::uint32_t active_ = kNone;
+  std::uint32_t latest_active_ = 0;
   std::uint64_t issued_since_active_ = 0;
   std::uint32_t dirty_head_ = kNone;
   std::uint32_t dirty_tail_ = kNone;

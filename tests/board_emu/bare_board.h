@@ -23,8 +23,9 @@ using VoxelField = std::function<wire::Voxel(int x, int y, int z)>;
 
 class BareBoard {
  public:
-  explicit BareBoard(const v1::BoardConfig& config = {})
-      : board_(config, 0x1234), n_(static_cast<int>(config.asic().block_voxels())) {}
+  // `observation` may be null.
+  explicit BareBoard(const v1::BoardConfig& config = {}, Observation* observation = nullptr)
+      : board_(config, 0x1234, observation), n_(static_cast<int>(config.asic().block_voxels())) {}
 
   Outcome send(wire::FrameType type, std::vector<std::uint8_t> payload) {
     wire::FrameHeader header;
@@ -151,7 +152,8 @@ class BareBoard {
     return rays;
   }
 
-  std::uint64_t counter(const std::string& name) {
+  std::vector<wire::Counter> counters() const { return board_.counters(); }
+  std::uint64_t counter(const std::string& name) const {
     for (const wire::Counter& counter : board_.counters()) {
       if (counter.name == name) return counter.value;
     }

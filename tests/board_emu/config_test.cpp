@@ -117,9 +117,23 @@ TEST(Config, RefusesAVolumeThatIsNoPowerOfTwoOrSmallerThanABlock) {
               testing::ElementsAre("asic.max_volume_voxels: expected 32 to 1024 voxels, got 2048"));
 }
 
+TEST(Config, ChecksThePartsOfTheCycleLevel) {
+  EXPECT_THAT(texts(check(with({"cache.ways=3", "link.bits=48", "link.rays=1", "rdram.device_mbit=128",
+                                "rdram.processors_per_rdram=3", "pipeline.prefetch_stages=0", "ideal.memory=2"}))),
+              testing::UnorderedElementsAre("cache.ways: expected 1, 2, 4 or 8 ways, got 3",
+                                            "link.bits: expected a power of two from 1 to 256 bits, got 48",
+                                            "link.rays: expected 2 to 64 rays, got 1",
+                                            "rdram.device_mbit: expected 144 or 288 Mbit, got 128",
+                                            "rdram.processors_per_rdram: expected 1 to 2 processors, got 3",
+                                            "pipeline.prefetch_stages: expected 1 to 256 core cycles, got 0",
+                                            "ideal.memory: expected 0 to 1 (0 or 1), got 2"));
+  EXPECT_THAT(texts(check(with({"asic.partition=PARTITION_UNSPECIFIED", "sorter.policy=POLICY_UNSPECIFIED"}))),
+              testing::UnorderedElementsAre(HasSubstr("asic.partition: expected one of simple_slab, repeated_slab"),
+                                            HasSubstr("sorter.policy: expected one of most_rays, most_contribution")));
+}
+
 TEST(Config, RefusesTheLevelsThatThisReleaseDoesNotHave) {
-  EXPECT_THAT(texts(check(with({"fidelity=cycle"}))),
-              testing::ElementsAre("fidelity: expected functional (this release has no cycle level yet), got cycle"));
+  EXPECT_THAT(texts(check(with({"fidelity=cycle"}))), IsEmpty());
   EXPECT_THAT(texts(check(with({"fidelity=approximate"}))),
               testing::ElementsAre(HasSubstr("no approximate level yet), got approximate")));
   EXPECT_THAT(texts(check(with({"fidelity=FIDELITY_UNSPECIFIED", "bus.model=BUS_UNSPECIFIED"}))), testing::SizeIs(2));

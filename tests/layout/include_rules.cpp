@@ -70,8 +70,13 @@ const std::vector<Rule>& rules() {
       sibling("board_emu/link"),
       {"board_emu/*",        {"board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/dsp", "board_emu/memory",
                               "board_emu/raybus", "board_emu/sorter", "board_emu/pipeline", "board_emu/cache",
-                              "board_emu/rdram", "board_emu/link", "proto"}, {"fmt", "google/protobuf"}},
-      {"board_emu/server",   {"board_emu/server", "board_emu/board.h", "board_emu/config.h", "proto"}, {kAnything}},
+                              "board_emu/rdram", "board_emu/link", "board_emu/trace", "proto"}, {"fmt", "google/protobuf"}},
+      // Watches the whole machine, and is watched by none of its parts.
+      {"board_emu/trace",    {"board_emu/trace", "board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/raybus",
+                              "board_emu/sorter", "board_emu/pipeline", "board_emu/cache", "board_emu/rdram",
+                              "board_emu/link", "proto"}, {"fmt"}},
+      {"board_emu/server",   {"board_emu/server", "board_emu/board.h", "board_emu/config.h", "board_emu/hardware_cost.h",
+                              "board_emu/trace/observation.h", "proto"}, {kAnything}},
 
       // Like any application outside the tree; scene.proto is the samples' file format.
       {"samples/common",     {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},

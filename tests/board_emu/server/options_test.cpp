@@ -85,6 +85,34 @@ TEST(CommandLine, NeedsSomethingToDo) {
   EXPECT_THAT(parse({"--listen", "fd:3", "--config", "/nowhere"}).faults, ElementsAre(HasSubstr("/nowhere")));
 }
 
+TEST(CommandLine, TakesFilesToObserveTheBoardWith) {
+  const CommandLine line = parse({"--listen", "fd:3", "--set", "fidelity=cycle", "--trace", "t.json", "--vcd", "w.vcd",
+                                  "--vcd-window", "1000:2500"});
+  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_EQ(line.options.observation.trace_file, "t.json");
+  EXPECT_EQ(line.options.observation.vcd_file, "w.vcd");
+  EXPECT_EQ(line.options.observation.vcd_window.begin, 1000u);
+  EXPECT_EQ(line.options.observation.vcd_window.end, 2500u);
+  EXPECT_THAT(parse({"--listen", "fd:3", "--trace", "t.json"}).faults, IsEmpty());  // bus and DSP at any level
+}
+
+TEST(CommandLine, AWaveformNeedsAWindowTheCycleLevelAndAFileOfItsOwn) {
+  const auto faults = [](std::vector<const char*> more) {
+    more.insert(more.begin(), {"--listen", "fd:3", "--set", "fidelity=cycle"});
+    return parse(more).faults;
+  };
+  EXPECT_THAT(faults({"--vcd", "w"}), ElementsAre(HasSubstr("--vcd: expected --vcd-window BEGIN:END")));
+  EXPECT_THAT(faults({"--vcd-window", "1:2"}), ElementsAre(HasSubstr("--vcd-window: expected --vcd FILE")));
+  for (const char* window : {"5:5", "6:5", "5", "5:", ":5", "a:b", "-1:5", "1:5x", "1:99999999999999999999999"}) {
+    EXPECT_THAT(faults({"--vcd", "w", "--vcd-window", window}),
+                ElementsAre(AllOf(HasSubstr("BEGIN < END"), HasSubstr(window))));
+  }
+  EXPECT_THAT(faults({"--vcd", "w", "--vcd-window", "1:2", "--trace", "w"}),
+              ElementsAre(HasSubstr("--vcd: expected another file than --trace, got w")));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--vcd", "w", "--vcd-window", "1:2"}).faults,
+              ElementsAre(HasSubstr("--vcd: expected fidelity=cycle, got functional")));
+}
+
 TEST(CommandLine, HelpAndVersionAreTexts) {
   EXPECT_THAT(parse({"--help"}).text.value_or(""), HasSubstr("--management-token-file"));
   EXPECT_THAT(parse({"--version"}).text.value_or(""), testing::StartsWith("gicube-board "));

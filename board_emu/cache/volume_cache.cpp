@@ -1,0 +1,65 @@
+#include "cache/volume_cache.h"
+
+#include <algorithm>
+
+namespace gicube::emu {
+
+VolumeCache::VolumeCache(const CacheShape& shape)
+    : shape_(shape),
+      plain_(shape.ways == 1 && !shape.linear),
+      tiles_x_(static_cast<std::size_t>(shape.block_voxels) / 2 + 1),
+      slices_(static_cast<std::size_t>(shape.block_voxels) + 1),
+      // A way is a share of the same (n+1)^3 words: more ways, fewer sets.
+      sets_((tiles_of_block() + shape.ways - 1) / shape.ways),
+      tags_(sets_ * shape.ways, kNothing) {}
+
+void VolumeCache::invalidate() { std::fill(tags_.begin(), tags_.end(), kNothing); }
+
+// True if the tile is there; afterwards it is, as the latest used of its set.
+inline bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) {
+  std::size_t set = tile;
+  std::uint32_t tag = block;
+  if (!plain_) {
+    tag = block * static_cast<std::uint32_t>(tiles_of_block()) + static_cast<std::uint32_t>(tile);
+    if (shape_.linear) {
+      const auto across = static_cast<std::size_t>(shape_.blocks[0]), down = static_cast<std::size_t>(shape_.blocks[1]);
+      const auto half = static_cast<std::size_t>(shape_.block_voxels) / 2, n = 2 * half;
+      const std::size_t gx = block % across * half + x, gy = block / across % down * half + y,
+                        gz = block / (across * down) * n + z;
+      set = (gz * down * half + gy) * across * half + gx;
+    }
+    set %= sets_;
+  }
+  std::uint32_t* way = tags_.data() + set * shape_.ways;
+  if (*way == tag) return true;
+  std::uint32_t* const end = way + shape_.ways;
+  std::uint32_t* const found = std::find(way, end, tag);
+  const bool present = found != end;
+  std::copy_backward(way, present ? found : end - 1, present ? found + 1 : end);
+  *way = tag;
+  return present;
+}
+
+const Misses& VolumeCache::look_up(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+  const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1, z = voxel[2];
+  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
+  const std::uint32_t voxels_of_tile = (two_x != 0 ? 1u : 2u) * (two_y != 0 ? 1u : 2u);
+  for (std::size_t k = z; k <= z + 1; ++k) {
+    for (std::size_t j = y; j <= y + two_y; ++j) {
+      for (std::size_t i = x; i <= x + two_x; ++i) {
+        const std::size_t tile = (k * tiles_x_ + j) * tiles_x_ + i;
+        if (hit(block, i, j, k, tile)) continue;
+        misses_.tiles[misses_.count++] = static_cast<std::uint32_t>(tile);
+        // The last tile of a row holds one voxel of the block, and padding.
+        counters_.filled_voxels += (i + 1 < tiles_x_ ? 2u : 1u) * (j + 1 < tiles_x_ ? 2u : 1u);
+      }
+    }
+  }
+  const std::uint32_t missed = misses_.count * voxels_of_tile;
+  counters_.packets += misses_.count;
+  counters_.missed_voxels += missed;
+  ++counters_.misses[missed];
+  return misses_;
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,94 @@
+#include "cycle_level.h"
+
+#include "dsp/viewing_rays.h"
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::uint64_t kSubPixels = 16;  // u and v are 12.4 pixels
+
+class ViewingRays : public RayWork {
+ public:
+  ViewingRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
+              const v1::DspConfig& dsp)
+      : command_(command),
+        frame_(frame),
+        framebuffer_(framebuffer),
+        dsp_(dsp),
+        across_(std::uint64_t{command.width} * command.samples_per_axis),
+        spacing_(kSubPixels / command.samples_per_axis) {}
+
+  std::uint64_t count() const override { return across_ * command_.height * command_.samples_per_axis; }
+  std::uint64_t row_end(std::uint64_t i) const override { return (i / across_ + 1) * across_; }
+  std::uint32_t make_cycles() const override { return dsp_.viewing_ray_cycles(); }
+  std::uint32_t take_cycles() const override { return dsp_.returned_ray_cycles(); }
+
+  std::optional<wire::Ray> make(std::uint64_t i) override {
+    const wire::Ray miss = destination(i);
+    const Line line = viewing_line(command_, miss.u / double{kSubPixels}, miss.v / double{kSubPixels});
+    const auto ray = viewing_ray(line, miss.u, miss.v, frame_.extent, frame_.cut_planes);
+    if (!ray) framebuffer_.add(miss);
+    return ray;
+  }
+
+  void take(std::uint64_t i, const Traveller& traveller) override {
+    wire::Ray ray = destination(i);
+    finish(traveller, frame_, ray);
+    framebuffer_.add(ray);
+  }
+
+ private:
+  wire::Ray destination(std::uint64_t i) const {
+    wire::Ray ray;
+    ray.u = static_cast<std::uint16_t>(i % across_ * spacing_ + spacing_ / 2);
+    ray.v = static_cast<std::uint16_t>(i / across_ * spacing_ + spacing_ / 2);
+    return ray;
+  }
+
+  const wire::RenderCommand& command_;
+  const Frame& frame_;
+  Framebuffer& framebuffer_;
+  const v1::DspConfig& dsp_;
+  std::uint64_t across_;  // rays in a row
+  std::uint64_t spacing_;
+};
+
+class HostRays : public RayWork {
+ public:
+  HostRays(std::span<wire::Ray> rays, const Frame& frame, const v1::DspConfig& dsp)
+      : rays_(rays), frame_(frame), dsp_(dsp) {}
+
+  std::uint64_t count() const override { return rays_.size(); }
+  std::uint64_t row_end(std::uint64_t i) const override { return i + 1; }
+  // host_ray_cycles is for both ways.
+  std::uint32_t make_cycles() const override { return dsp_.host_ray_cycles() / 2; }
+  std::uint32_t take_cycles() const override { return dsp_.host_ray_cycles() - make_cycles(); }
+
+  std::optional<wire::Ray> make(std::uint64_t i) override {
+    if (!enter(rays_[i], frame_.extent, frame_.cut_planes)) return std::nullopt;
+    return rays_[i];
+  }
+  void take(std::uint64_t i, const Traveller& traveller) override { finish(traveller, frame_, rays_[i]); }
+
+ private:
+  std::span<wire::Ray> rays_;
+  const Frame& frame_;
+  const v1::DspConfig& dsp_;
+};
+
+}  // namespace
+
+Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
+           Machine& machine, Work& work) {
+  framebuffer.clear(command.width, command.height, command.filter);
+  ViewingRays rays(command, frame, framebuffer, dsp);
+  return machine.run(rays, frame, work);
+}
+
+Ran trace(std::span<wire::Ray> rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Work& work) {
+  HostRays host_rays(rays, frame, dsp);
+  return machine.run(host_rays, frame, work);
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,19 @@
+// The cycle level carries out DSP commands: the same rays as the functional level's, sent through the machine.
+#pragma once
+
+#include <span>
+
+#include "dsp/framebuffer.h"
+#include "gicube/wire/command.h"
+#include "machine.h"
+
+namespace gicube::emu {
+
+// Fills `framebuffer` with the image of `command`, rays in rows from the top. Throws Stall.
+Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
+           Machine& machine, Work& work);
+
+// Takes host rays to their ends, in place. A ray that misses the volume or lies behind a cut plane returns as it came.
+Ran trace(std::span<wire::Ray> rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Work& work);
+
+}  // namespace gicube::emu

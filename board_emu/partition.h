@@ -1,0 +1,35 @@
+// Which processor owns a block, and its number there: the three ways of Figure 1 to spread a volume [P §2.1].
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "gicube/v1/board_config.pb.h"
+
+namespace gicube::emu {
+
+struct Home {
+  std::uint32_t number = 0;  // of the block among its processor's blocks
+  std::uint8_t processor = 0;
+};
+
+class Partition {
+ public:
+  // `blocks`: how many blocks the volume has along x, y, z. A processor numbers its blocks with x slowest and z fastest:
+  // for simple slabs at the design point that is the paper's q = (x' << 6) + (y' << 3) + z' [P §3.2].
+  Partition(v1::Partition kind, unsigned processors, const std::array<int, 3>& blocks);
+
+  const Home& home(std::size_t block) const { return homes_[block]; }
+  // The block with that number.
+  std::size_t block(unsigned processor, std::uint32_t number) const { return blocks_[processor][number]; }
+  std::size_t blocks_of(unsigned processor) const { return blocks_[processor].size(); }
+  std::size_t most_blocks() const;  // of any processor
+
+ private:
+  std::vector<Home> homes_;
+  std::vector<std::vector<std::size_t>> blocks_;
+};
+
+}  // namespace gicube::emu

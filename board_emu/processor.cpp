@@ -1,0 +1,211 @@
+#include "processor.h"
+
+#include <algorithm>
+#include <ostream>
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::size_t kMostPackets = 8;  // of one neighbourhood
+
+SorterSetup sorter_setup(const ProcessorConfig& config) {
+  const v1::BoardConfig& board = config.board;
+  SorterSetup setup;
+  setup.single = board.sorter().queues() == v1::single;
+  setup.bus_waits = setup.single;  // else most rays of a frame would come back to the DSP as overflows
+  setup.queues = static_cast<std::uint32_t>(std::max<std::size_t>(1, config.partition->blocks_of(config.number)));
+  setup.capacity = board.asic().queue_rays();
+  setup.policy =
+      board.sorter().policy() == v1::most_contribution ? QueuePolicy::kMostContribution : QueuePolicy::kMostRays;
+  setup.ideal_queues = board.ideal().queues() != 0;
+  setup.ideal_sorter = board.ideal().sorter() != 0;
+  return setup;
+}
+
+Cause waiting_for(Delay delay) {
+  switch (delay) {
+    case Delay::kBank: return Cause::kBank;
+    case Delay::kRefresh: return Cause::kRefresh;
+    default: return Cause::kMiss;
+  }
+}
+
+}  // namespace
+
+Processor::Processor(const ProcessorConfig& config)
+    : number_(config.number),
+      partition_(*config.partition),
+      rays_(*config.rays),
+      single_queue_(config.board.sorter().queues() == v1::single),
+      ideal_memory_(config.board.ideal().memory() != 0),
+      sorter_(sorter_setup(config), {returned_, from_bus, from_left, from_right, released_}, {issue_, overflow}),
+      stages_(config.board.pipeline().prefetch_stages(), config.board.pipeline().compute_stages()),
+      cache_({static_cast<int>(config.board.asic().block_voxels()), config.board.cache().ways(), single_queue_,
+              config.blocks}),
+      misses_(config.board.cache().miss_packets()),
+      unfed_(config.board.pipeline().prefetch_stages(), Cause::kDsp) {}
+
+void Processor::begin(const Frame& frame) {
+  frame_ = &frame;
+  grid_ = BlockGrid(*frame.volume);
+  edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+}
+
+// Hands a ray that has left the compute line on; false if what it goes to is full.
+bool Processor::deliver(Cycle now, const InFlight& ray) {
+  RayToken token = ray.token;
+  Fifo<RayToken>* to = &returned_;
+  if (token.state == RayState::kDone) {
+    to = &done;
+  } else if (token.processor != number_) {
+    to = &out_links;
+  } else {
+    token.keeps_slot = token.queue == ray.from;
+  }
+  if (!to->can_push(now)) {
+    latest_ = to == &done ? Cause::kRayBus : to == &out_links ? Cause::kLink : Cause::kSorter;
+    return false;
+  }
+  to->push(now, token);
+  if (!token.keeps_slot) released_.push(now, ray.from);
+  return true;
+}
+
+// Moves the oldest sample of the prefetch line on, if it has come through and its packets are there.
+Cause Processor::enter_compute(Cycle now) {
+  if (stages_.prefetching() == 0 || stages_.oldest_prefetching().ready > now) {
+    bubble_ = true;
+    return latest_;
+  }
+  InFlight& head = stages_.oldest_prefetching();
+  if (head.packets > 0) {
+    const Packet& packet = misses_.oldest();
+    if (packet.arrival > now) return packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss;
+    misses_.take();
+    if (--head.packets > 0) return Cause::kFill;
+  }
+  const Cause cause = head.sampled ? Cause::kBusy : Cause::kLeap;
+  stages_.start_computing(compute_clock_);
+  return cause;
+}
+
+// One turn of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
+// same whenever they are worked out) the sample taken and the ray's next queue found.
+void Processor::check_tags(Cycle now, RayToken token) {
+  RayUnderWay& ray = rays_[token.ray];
+  Traveller& traveller = ray.traveller;
+  InFlight& entry = stages_.enter(now);
+  entry.from = token.queue;
+  entry.packets = 0;
+  const Point low = grid_.low(traveller.position);
+  jitter_step(traveller, *frame_);
+  entry.sampled = !frame_->leap || frame_->empty[ray.block] == 0;
+  if (entry.sampled) {
+    const Cell at = cell(traveller.position, low);
+    const Misses& misses = cache_.check(ray.block, at.voxel);
+    if (!ideal_memory_) {
+      entry.packets = static_cast<std::uint8_t>(misses.count);
+      const std::uint32_t number = partition_.home(ray.block).number;
+      for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
+    }
+    ++counts_.samples;
+    if (take_sample(traveller, at, frame_->volume->view(ray.block), edge_, *frame_)) ++counts_.visible_samples;
+    advance(traveller, 1);
+  } else {
+    ++counts_.leaps;
+    advance(traveller, leap_steps(traveller.position, traveller.step, low, grid_.size()));
+  }
+
+  token.keeps_slot = false;
+  const End how = end(traveller, *frame_);
+  if (how == End::kNot) {
+    ray.block = static_cast<std::uint32_t>(grid_.block(traveller.position));
+    const Home& home = partition_.home(ray.block);
+    token.processor = home.processor;
+    token.queue = single_queue_ ? 0 : home.number;
+    token.contribution = contribution(traveller.gathered.opacity);
+  } else {
+    token.state = RayState::kDone;
+    ++counts_.rays;
+    if (how == End::kOpaque) ++counts_.terminated;
+  }
+  entry.token = token;
+}
+
+bool Processor::tick_pipeline(Cycle now) {
+  fed_ = backed_up_ = bubble_ = false;
+  if (issue_.empty() && stages_.empty()) {
+    bubble_ = true;
+    return false;
+  }
+  bool moved = false, stands = false;
+  if (stages_.computing() > 0 && stages_.oldest_computing().ready <= compute_clock_) {
+    if (deliver(now, stages_.oldest_computing())) {
+      stages_.leave();
+      moved = true;
+    } else {
+      stands = true;
+    }
+  }
+  if (!stands) {
+    latest_ = enter_compute(now);
+    moved = moved || !bubble_;
+    ++compute_clock_;
+  }
+  if (issue_.can_pop(now)) {
+    if (stages_.can_enter() && misses_.room() >= kMostPackets) {
+      check_tags(now, issue_.pop(now));
+      fed_ = moved = true;
+    } else {
+      backed_up_ = true;
+    }
+  }
+  return moved;
+}
+
+Cause Processor::bubble(Cause upstream) const {
+  if (backed_up_) return Cause::kMiss;
+  if (sorter_.waiting() > 0 || !issue_.empty()) return Cause::kSorter;
+  if (!from_bus.empty() || !from_left.empty() || !from_right.empty()) return Cause::kSorter;
+  if (!stages_.empty() || !returned_.empty()) return Cause::kLatency;
+  return upstream;
+}
+
+void Processor::account(Cycle, Cause upstream) {
+  // An empty compute entry goes back to the cycle in which nothing entered the prefetch line.
+  if (bubble_) latest_ = unfed_[unfed_at_];
+  ++causes_[static_cast<std::size_t>(latest_)];
+  if (holds_rays()) ++holding_cycles_;
+  unfed_[unfed_at_] = fed_ ? Cause::kLatency : bubble(upstream);
+  if (++unfed_at_ == unfed_.size()) unfed_at_ = 0;
+}
+
+void Processor::account_idle(Cycle now, Cycle cycles, Cause upstream) {
+  fed_ = backed_up_ = false;
+  bubble_ = true;
+  const Cycle first = std::min<Cycle>(cycles, unfed_.size());
+  for (Cycle i = 0; i < first; ++i) account(now + i, upstream);
+  if (cycles > first) {
+    causes_[static_cast<std::size_t>(bubble(upstream))] += cycles - first;
+    unfed_at_ = (unfed_at_ + cycles - first) % unfed_.size();
+  }
+}
+
+bool Processor::idle() const {
+  return sorter_.idle() && issue_.empty() && stages_.empty() && returned_.empty() && released_.empty() &&
+         from_bus.empty() && from_left.empty() && from_right.empty() && out_links.empty() && done.empty() &&
+         overflow.empty();
+}
+
+void Processor::describe(std::ostream& out) const {
+  out << "processor " << int{number_} << ": prefetch " << stages_.prefetching() << ", compute " << stages_.computing()
+      << ", packets under way " << misses_.size() << ", issue " << issue_.size() << ", returned " << returned_.size()
+      << ", from bus " << from_bus.size() << ", from links " << from_left.size() + from_right.size() << ", to links "
+      << out_links.size() << ", done " << done.size() << ", overflow " << overflow.size() << '\n';
+  if (stages_.prefetching() > 0)
+    out << "  oldest sample waits for " << int{stages_.oldest_prefetching().packets} << " packets\n";
+  sorter_.describe(out);
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,112 @@
+// One ray integration processor of the ASIC: sorter, pipeline and volume cache, and what joins them [P §3.2-3.4].
+//
+// What enters: rays from the ray bus and from the neighbours' links, and packets from the memory. What leaves: rays to the
+// links, and finished or overflowed rays to the merge tree. The pipeline takes one sample a cycle, in order:
+//
+//   sorter -> [tag check] -> prefetch line -> (packets written, one a cycle) -> compute line -> sorter | link | tree
+//                  \-> miss queue -> memory -/
+//
+// Each of the cache's eight banks reads or writes one word a cycle [P §3.3], so a packet is written while no sample is
+// read, except for the last packet that a sample waits for: the bypass hands it on in the same cycle.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <vector>
+
+#include "cache/miss_queue.h"
+#include "cache/volume_cache.h"
+#include "frame.h"
+#include "march.h"
+#include "partition.h"
+#include "pipeline/stages.h"
+#include "rays.h"
+#include "sim/causes.h"
+#include "sim/fifo.h"
+#include "sorter/sorter.h"
+
+namespace gicube::emu {
+
+struct ProcessorConfig {
+  std::uint8_t number = 0;
+  v1::BoardConfig board;
+  std::array<int, 3> blocks{};  // of the volume
+  const Partition* partition = nullptr;
+  RayStore* rays = nullptr;
+};
+
+class Processor {
+ public:
+  explicit Processor(const ProcessorConfig& config);
+
+  // All rays until the next call are of this frame. The processor must be idle.
+  void begin(const Frame& frame);
+  void invalidate_cache() { cache_.invalidate(); }
+
+  bool tick_sorter(Cycle now) { return sorter_.tick(now); }
+  bool tick_pipeline(Cycle now);
+  // After all parts have ticked: books the cycle. `upstream` is why no ray comes, should the processor hold none.
+  void account(Cycle now, Cause upstream);
+  // Books `cycles` in which the idle processor was not ticked.
+  void account_idle(Cycle now, Cycle cycles, Cause upstream);
+
+  bool idle() const;
+  // Some ray is in its queues or its pipeline.
+  bool holds_rays() const { return sorter_.waiting() > 0 || !issue_.empty() || !stages_.empty(); }
+  void describe(std::ostream& out) const;
+
+  // Ends of the FIFOs, for the ray bus, the ring and the merge tree.
+  Fifo<RayToken> from_bus{2};
+  Fifo<RayToken> from_left{2};
+  Fifo<RayToken> from_right{2};
+  Fifo<RayToken> out_links{2};
+  Fifo<RayToken> done{2};
+  Fifo<RayToken> overflow{2};
+
+  MissQueue& misses() { return misses_; }
+  const MissQueue& misses() const { return misses_; }
+  const Stages& stages() const { return stages_; }
+  const Sorter& sorter() const { return sorter_; }
+  const VolumeCache& cache() const { return cache_; }
+  const RayCounters& rays() const { return counts_; }
+  const CauseCounts& causes() const { return causes_; }
+  Cause latest() const { return latest_; }  // of the cycle last booked
+  // Cycles in which a ray was in the queues or the pipeline.
+  std::uint64_t holding_cycles() const { return holding_cycles_; }
+
+ private:
+  bool deliver(Cycle now, const InFlight& ray);
+  Cause enter_compute(Cycle now);
+  void check_tags(Cycle now, RayToken token);
+  Cause bubble(Cause upstream) const;
+
+  const std::uint8_t number_;
+  const Partition& partition_;
+  RayStore& rays_;
+  const bool single_queue_;
+  const bool ideal_memory_;
+  const Frame* frame_ = nullptr;
+  BlockGrid grid_;
+  std::size_t edge_ = 0;
+
+  Fifo<RayToken> returned_{2};
+  Fifo<std::uint32_t> released_{2};
+  Fifo<RayToken> issue_{2};
+  Sorter sorter_;
+  Stages stages_;
+  Cycle compute_clock_ = 0;
+  VolumeCache cache_;
+  MissQueue misses_;
+
+  bool fed_ = false;  // a ray entered the prefetch line in this cycle
+  bool backed_up_ = false;
+  bool bubble_ = false;  // the compute line got nothing, and not because it stood or waited
+  Cause latest_ = Cause::kQueueEmpty;
+  std::vector<Cause> unfed_;  // why no ray entered, for as many cycles as the prefetch line is long
+  std::size_t unfed_at_ = 0;
+  RayCounters counts_;
+  CauseCounts causes_{};
+  std::uint64_t holding_cycles_ = 0;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,38 @@
+// The rays under way on the ASIC. FIFOs carry handles into this store: a ray's words change in one place.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "march.h"
+
+namespace gicube::emu {
+
+struct RayUnderWay {
+  Traveller traveller;
+  std::uint32_t block = 0;  // that its position lies in
+};
+
+class RayStore {
+ public:
+  std::uint32_t add(const RayUnderWay& ray) {
+    if (free_.empty()) {
+      rays_.push_back(ray);
+      return static_cast<std::uint32_t>(rays_.size() - 1);
+    }
+    const std::uint32_t handle = free_.back();
+    free_.pop_back();
+    rays_[handle] = ray;
+    return handle;
+  }
+  void remove(std::uint32_t handle) { free_.push_back(handle); }
+
+  RayUnderWay& operator[](std::uint32_t handle) { return rays_[handle]; }
+  std::size_t under_way() const { return rays_.size() - free_.size(); }
+
+ private:
+  std::vector<RayUnderWay> rays_;
+  std::vector<std::uint32_t> free_;
+};
+
+}  // namespace gicube::emu

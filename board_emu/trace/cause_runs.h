@@ -1,0 +1,77 @@
+// Joins the causes of a processor's cycles into slices that can be read.
+//
+// A run of one cause of kLongRun cycles or more is a slice. Shorter runs that follow one another share a slice, which ends
+// with the run that brings it to kMixed cycles or when a long run comes. Every cycle is in exactly one slice, and a slice knows how many of each cause.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "sim/causes.h"
+#include "sim/clock.h"
+
+namespace gicube::emu {
+
+struct CauseSlice {
+  Cycle begin = 0;
+  Cycle end = 0;  // the cycle after the last
+  CauseCounts counts{};
+
+  // The most frequent; of equals the first by number.
+  Cause cause() const { return static_cast<Cause>(std::max_element(counts.begin(), counts.end()) - counts.begin()); }
+};
+
+class CauseRuns {
+ public:
+  static constexpr Cycle kLongRun = 8;  // chosen: half a pipeline's length
+  static constexpr Cycle kMixed = 64;   // chosen: more than half a microsecond at the design point
+
+  // The next cycle will be `cycle`.
+  void start(Cycle cycle) {
+    begin_ = cycle;
+    mixed_ = {.begin = cycle, .end = cycle, .counts = {}};
+  }
+  // `cycle` had `cause`; cycles come without a gap from that of start() on. Complete slices go to `emit`.
+  template <typename Emit>
+  void add(Cycle cycle, Cause cause, const Emit& emit) {
+    if (cause == cause_) [[likely]]
+      return;
+    end_run(cycle, emit);
+    cause_ = cause;
+  }
+  // `end`: the cycle after the last.
+  template <typename Emit>
+  void finish(Cycle end, const Emit& emit) {
+    end_run(end, emit);
+    if (mixed_.end > mixed_.begin) emit(mixed_);
+    mixed_ = {};
+  }
+
+ private:
+  template <typename Emit>
+  void end_run(Cycle end, const Emit& emit) {
+    const Cycle length = end - begin_;
+    const auto cause = static_cast<std::size_t>(cause_);
+    if (length >= kLongRun) {
+      if (mixed_.end > mixed_.begin) emit(mixed_);
+      CauseSlice slice{begin_, end, {}};
+      slice.counts[cause] = length;
+      emit(slice);
+      mixed_ = {.begin = end, .end = end, .counts = {}};
+    } else {
+      mixed_.counts[cause] += length;
+      mixed_.end = end;
+      if (end - mixed_.begin >= kMixed) {
+        emit(mixed_);
+        mixed_ = {.begin = end, .end = end, .counts = {}};
+      }
+    }
+    begin_ = end;
+  }
+
+  Cause cause_ = Cause::kBusy;  // of the run since begin_
+  Cycle begin_ = 0;
+  CauseSlice mixed_;
+};
+
+}  // namespace gicube::emu
