@@ -1,7 +1,9 @@
 // Joins the causes of a processor's cycles into slices that can be read.
 //
 // A run of one cause of kLongRun cycles or more is a slice. Shorter runs that follow one another share a slice, which ends
-// with the run that brings it to kMixed cycles or when a long run comes. Every cycle is in exactly one slice, and a slice knows how many of each cause.
+// with the run that brings it to kMixed cycles or when a long run comes. What is still shorter than kLongRun joins the
+// slice before it, and so does a long run of that slice's cause: a short interruption does not cut a slice in two. Every
+// cycle is in exactly one slice, and a slice knows how many of each cause.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +31,7 @@ class CauseRuns {
   // The next cycle will be `cycle`.
   void start(Cycle cycle) {
     begin_ = cycle;
-    mixed_ = {.begin = cycle, .end = cycle, .counts = {}};
+    mixed_ = pending_ = {.begin = cycle, .end = cycle, .counts = {}};
   }
   // `cycle` had `cause`; cycles come without a gap from that of start() on. Complete slices go to `emit`.
   template <typename Emit>
@@ -43,8 +45,8 @@ class CauseRuns {
   template <typename Emit>
   void finish(Cycle end, const Emit& emit) {
     end_run(end, emit);
-    if (mixed_.end > mixed_.begin) emit(mixed_);
-    mixed_ = {};
+    add_slice(mixed_, emit);
+    if (pending_.end > pending_.begin) emit(pending_);
   }
 
  private:
@@ -53,25 +55,40 @@ class CauseRuns {
     const Cycle length = end - begin_;
     const auto cause = static_cast<std::size_t>(cause_);
     if (length >= kLongRun) {
-      if (mixed_.end > mixed_.begin) emit(mixed_);
+      add_slice(mixed_, emit);
       CauseSlice slice{begin_, end, {}};
       slice.counts[cause] = length;
-      emit(slice);
+      add_slice(slice, emit);
       mixed_ = {.begin = end, .end = end, .counts = {}};
     } else {
       mixed_.counts[cause] += length;
       mixed_.end = end;
       if (end - mixed_.begin >= kMixed) {
-        emit(mixed_);
+        add_slice(mixed_, emit);
         mixed_ = {.begin = end, .end = end, .counts = {}};
       }
     }
     begin_ = end;
   }
 
+  template <typename Emit>
+  void add_slice(const CauseSlice& slice, const Emit& emit) {
+    const Cycle length = slice.end - slice.begin;
+    const Cause cause = slice.cause();
+    const bool pure = slice.counts[static_cast<std::size_t>(cause)] == length;
+    if (pending_.end > pending_.begin && (length < kLongRun || (pure && cause == pending_.cause()))) {
+      pending_.end = slice.end;
+      for (std::size_t i = 0; i < kCauses; ++i) pending_.counts[i] += slice.counts[i];
+      return;
+    }
+    if (pending_.end > pending_.begin) emit(pending_);
+    pending_ = slice;
+  }
+
   Cause cause_ = Cause::kBusy;  // of the run since begin_
   Cycle begin_ = 0;
-  CauseSlice mixed_;
+  CauseSlice mixed_;    // short runs up to begin_
+  CauseSlice pending_;  // complete, unless what follows joins it
 };
 
 }  // namespace gicube::emu

@@ -58,6 +58,22 @@ TEST(CauseRuns, ShortRunsShareASliceNamedAfterTheMostFrequent) {
   EXPECT_EQ(slices[2].cause(), Cause::kQueueEmpty);
 }
 
+TEST(CauseRuns, AShortInterruptionDoesNotCutASlice) {
+  std::vector<Cause> causes;
+  append(causes, 20, Cause::kBusy);
+  append(causes, 1, Cause::kFill);
+  append(causes, 2, Cause::kMiss);
+  append(causes, 30, Cause::kBusy);
+  append(causes, 3, Cause::kSorter);
+  append(causes, 9, Cause::kDsp);
+  const auto slices = join(causes);
+  ASSERT_EQ(slices.size(), 2u);
+  EXPECT_EQ(slices[0].cause(), Cause::kBusy);
+  EXPECT_EQ(slices[0].end, 156u);
+  EXPECT_EQ(count(slices[0], Cause::kSorter), 3u);
+  EXPECT_EQ(count(slices[1], Cause::kDsp), 9u);
+}
+
 TEST(CauseRuns, AStretchOfShortRunsIsCutSoThatItCanBeRead) {
   std::vector<Cause> causes;
   for (int i = 0; i < 100; ++i) {
