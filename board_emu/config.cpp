@@ -4,11 +4,13 @@
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <utility>
 
 #include "config_schema.h"
+#include "rdram/layout.h"
 
 namespace gicube::emu {
 namespace {
@@ -102,8 +104,8 @@ void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::ve
   if (config.fidelity() != v1::functional && config.fidelity() != v1::cycle) {
     const std::string& got = v1::FidelityLevel_Name(config.fidelity());
     const std::string level = config.fidelity() == v1::FIDELITY_UNSPECIFIED ? "other" : got;
-    faults.push_back(
-        {"fidelity", "functional or cycle (this release has no " + level + " level yet)", got, line_of(lines, "fidelity")});
+    faults.push_back({"fidelity", "functional or cycle (this release has no " + level + " level yet)", got,
+                      line_of(lines, "fidelity")});
   }
   for (const char* path : {"bus.model", "asic.partition", "sorter.queues", "sorter.policy"}) {
     const Place place = find_place(config, path);
@@ -147,6 +149,28 @@ void check_volume(const v1::AsicConfig& asic, const FieldLines& lines, std::vect
     faults.push_back({"asic.max_volume_voxels", fmt::format("at least asic.block_voxels, {} voxels", block),
                       std::to_string(volume), line});
   }
+}
+
+// The controller of a channel drives at most 32 devices [Direct RDRAM data book].
+void check_rdram(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Fault>& faults) {
+  constexpr std::uint32_t kMostDevices = 32;
+  const std::uint32_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
+  const std::uint32_t processors = config.asic().processors(), sharing = config.rdram().processors_per_rdram();
+  const std::uint32_t blocks = (edge * edge * edge + processors - 1) / processors * std::min(sharing, processors);
+  const std::uint32_t devices =
+      rdram::devices_needed(blocks, config.asic().block_voxels(), config.rdram().device_mbit());
+  if (devices <= kMostDevices) return;
+  faults.push_back({"asic.max_volume_voxels",
+                    fmt::format("a volume whose share of one RDRAM channel fits its {} devices", kMostDevices),
+                    fmt::format("{}, which takes {}", config.asic().max_volume_voxels(), devices),
+                    line_of(lines, "asic.max_volume_voxels")});
+}
+
+void check_refresh(const v1::RdramConfig& rdram, const FieldLines& lines, std::vector<Fault>& faults) {
+  constexpr std::uint32_t kShortest = 64;  // chosen: more often, and the channel does little else
+  if (rdram.refresh_interval() == 0 || rdram.refresh_interval() >= kShortest) return;
+  faults.push_back({"rdram.refresh_interval", fmt::format("0 or at least {} tCYCLE", kShortest),
+                    std::to_string(rdram.refresh_interval()), line_of(lines, "rdram.refresh_interval")});
 }
 
 }  // namespace
@@ -215,7 +239,9 @@ std::vector<Fault> check(const v1::BoardConfig& config, const FieldLines& lines)
                       line_of(lines, range.field)});
   }
   check_powers(config, lines, faults);
+  check_refresh(config.rdram(), lines, faults);
   check_volume(config.asic(), lines, faults);
+  if (faults.empty() && config.fidelity() == v1::cycle) check_rdram(config, lines, faults);
   return faults;
 }
 

@@ -25,7 +25,8 @@ MemoryPort::MemoryPort(const v1::BoardConfig& config, std::vector<MissQueue*> mi
       ratio_(config.rdram().clocks_per_core_cycle()),
       rac_latency_(config.rdram().rac_latency()) {}
 
-bool MemoryPort::tick(Cycle now) {
+// Serves the processor whose turn it is, or the next that has a request.
+bool MemoryPort::serve(Cycle now) {
   for (std::size_t i = 0; i < misses_.size(); ++i) {
     const std::size_t which = turn_ + i < misses_.size() ? turn_ + i : turn_ + i - misses_.size();
     MissQueue& queue = *misses_[which];

@@ -17,12 +17,20 @@ class MemoryPort {
   // `misses`: of the processors, in their order. `blocks`: the most that any of them holds.
   MemoryPort(const v1::BoardConfig& config, std::vector<MissQueue*> misses, std::size_t blocks);
 
-  bool tick(Cycle now);
+  bool tick(Cycle now) {
+    for (const MissQueue* queue : misses_) {
+      if (queue->can_send(now)) return serve(now);
+    }
+    return false;
+  }
 
+  std::uint32_t devices() const { return layout_.devices(); }
   const rdram::Channel& channel() const { return channel_; }
   rdram::Channel& channel() { return channel_; }
 
  private:
+  bool serve(Cycle now);
+
   std::vector<MissQueue*> misses_;
   rdram::Layout layout_;
   rdram::Channel channel_;

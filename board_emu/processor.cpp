@@ -1,6 +1,7 @@
 #include "processor.h"
 
 #include <algorithm>
+#include <bit>
 #include <ostream>
 
 namespace gicube::emu {
@@ -44,7 +45,8 @@ Processor::Processor(const ProcessorConfig& config)
       cache_({static_cast<int>(config.board.asic().block_voxels()), config.board.cache().ways(), single_queue_,
               config.blocks}),
       misses_(config.board.cache().miss_packets()),
-      unfed_(config.board.pipeline().prefetch_stages(), Cause::kDsp) {}
+      unfed_(std::bit_ceil(std::size_t{config.board.pipeline().prefetch_stages()} + 1), Cause::kDsp),
+      unfed_mask_(unfed_.size() - 1) {}
 
 void Processor::begin(const Frame& frame) {
   frame_ = &frame;
@@ -164,31 +166,14 @@ bool Processor::tick_pipeline(Cycle now) {
   return moved;
 }
 
-Cause Processor::bubble(Cause upstream) const {
-  if (backed_up_) return Cause::kMiss;
-  if (sorter_.waiting() > 0 || !issue_.empty()) return Cause::kSorter;
-  if (!from_bus.empty() || !from_left.empty() || !from_right.empty()) return Cause::kSorter;
-  if (!stages_.empty() || !returned_.empty()) return Cause::kLatency;
-  return upstream;
-}
-
-void Processor::account(Cycle, Cause upstream) {
-  // An empty compute entry goes back to the cycle in which nothing entered the prefetch line.
-  if (bubble_) latest_ = unfed_[unfed_at_];
-  ++causes_[static_cast<std::size_t>(latest_)];
-  if (holds_rays()) ++holding_cycles_;
-  unfed_[unfed_at_] = fed_ ? Cause::kLatency : bubble(upstream);
-  if (++unfed_at_ == unfed_.size()) unfed_at_ = 0;
-}
-
 void Processor::account_idle(Cycle now, Cycle cycles, Cause upstream) {
   fed_ = backed_up_ = false;
   bubble_ = true;
-  const Cycle first = std::min<Cycle>(cycles, unfed_.size());
+  const Cycle first = std::min<Cycle>(cycles, stages_.prefetch_stages()), last = cycles - first;
   for (Cycle i = 0; i < first; ++i) account(now + i, upstream);
-  if (cycles > first) {
-    causes_[static_cast<std::size_t>(bubble(upstream))] += cycles - first;
-    unfed_at_ = (unfed_at_ + cycles - first) % unfed_.size();
+  causes_[static_cast<std::size_t>(bubble(upstream))] += last;
+  for (Cycle i = 0; i < std::min<Cycle>(last, unfed_.size()); ++i) {
+    unfed_[(now + cycles - 1 - i) & unfed_mask_] = bubble(upstream);
   }
 }
 

@@ -43,7 +43,11 @@ class Processor {
   void begin(const Frame& frame);
   void invalidate_cache() { cache_.invalidate(); }
 
-  bool tick_sorter(Cycle now) { return sorter_.tick(now); }
+  bool tick_sorter(Cycle now) {
+    const bool moved = sorter_.tick(now);
+    if (!issue_.empty()) prefetch(issue_.back());
+    return moved;
+  }
   bool tick_pipeline(Cycle now);
   // After all parts have ticked: books the cycle. `upstream` is why no ray comes, should the processor hold none.
   void account(Cycle now, Cause upstream);
@@ -78,6 +82,7 @@ class Processor {
   bool deliver(Cycle now, const InFlight& ray);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, RayToken token);
+  void prefetch(const RayToken& token) const;
   Cause bubble(Cause upstream) const;
 
   const std::uint8_t number_;
@@ -102,11 +107,40 @@ class Processor {
   bool backed_up_ = false;
   bool bubble_ = false;  // the compute line got nothing, and not because it stood or waited
   Cause latest_ = Cause::kQueueEmpty;
-  std::vector<Cause> unfed_;  // why no ray entered, for as many cycles as the prefetch line is long
-  std::size_t unfed_at_ = 0;
+  // Why no ray entered the prefetch line, by the cycle's low bits, for at least as many cycles as the line is long.
+  std::vector<Cause> unfed_;
+  Cycle unfed_mask_;
   RayCounters counts_;
   CauseCounts causes_{};
   std::uint64_t holding_cycles_ = 0;
 };
+
+inline Cause Processor::bubble(Cause upstream) const {
+  if (backed_up_) return Cause::kMiss;
+  if (sorter_.waiting() > 0 || !issue_.empty()) return Cause::kSorter;
+  if (!from_bus.empty() || !from_left.empty() || !from_right.empty()) return Cause::kSorter;
+  if (!stages_.empty() || !returned_.empty()) return Cause::kLatency;
+  return upstream;
+}
+
+inline void Processor::account(Cycle now, Cause upstream) {
+  // An empty compute entry goes back to the cycle in which nothing entered the prefetch line.
+  if (bubble_) latest_ = unfed_[(now - stages_.prefetch_stages()) & unfed_mask_];
+  ++causes_[static_cast<std::size_t>(latest_)];
+  if (!fed_) unfed_[now & unfed_mask_] = bubble(upstream);
+  if (fed_ || holds_rays()) ++holding_cycles_;
+}
+
+// Brings what the ray's next turn will read into the host's cache: a turn later is a few hundred instructions later.
+inline void Processor::prefetch(const RayToken& token) const {
+  const RayUnderWay& ray = rays_[token.ray];
+  const BlockView view = frame_->volume->view(ray.block);
+  const Cell at = cell(ray.traveller.position, grid_.low(ray.traveller.position));
+  const DecodedVoxel* voxel = view.voxels + at.voxel[0] + edge_ * (at.voxel[1] + edge_ * at.voxel[2]);
+  __builtin_prefetch(voxel);
+  __builtin_prefetch(voxel + edge_);
+  __builtin_prefetch(voxel + edge_ * edge_);
+  __builtin_prefetch(voxel + edge_ * edge_ + edge_);
+}
 
 }  // namespace gicube::emu

@@ -40,6 +40,7 @@ inline bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, 
   return present;
 }
 
+// The tiles of the neighbourhood one by one.
 const Misses& VolumeCache::look_up(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
   const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1, z = voxel[2];
   const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
@@ -48,7 +49,12 @@ const Misses& VolumeCache::look_up(std::uint32_t block, const std::array<std::ui
     for (std::size_t j = y; j <= y + two_y; ++j) {
       for (std::size_t i = x; i <= x + two_x; ++i) {
         const std::size_t tile = (k * tiles_x_ + j) * tiles_x_ + i;
-        if (hit(block, i, j, k, tile)) continue;
+        if (plain_) {
+          if (tags_[tile] == block) continue;
+          tags_[tile] = block;
+        } else if (hit(block, i, j, k, tile)) {
+          continue;
+        }
         misses_.tiles[misses_.count++] = static_cast<std::uint32_t>(tile);
         // The last tile of a row holds one voxel of the block, and padding.
         counters_.filled_voxels += (i + 1 < tiles_x_ ? 2u : 1u) * (j + 1 < tiles_x_ ? 2u : 1u);

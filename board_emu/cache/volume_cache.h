@@ -69,7 +69,7 @@ class VolumeCache {
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
 
   CacheShape shape_;
-  bool plain_;  // direct mapped, by the place in the block
+  bool plain_;           // direct mapped, by the place in the block
   std::size_t tiles_x_;  // of a block along x, and along y
   std::size_t slices_;   // along z
   std::size_t sets_;

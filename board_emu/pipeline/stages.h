@@ -30,6 +30,7 @@ class Stages {
         mask_(std::bit_ceil(std::size_t{prefetch} + compute) - 1),
         ring_(mask_ + 1) {}
 
+  std::size_t prefetch_stages() const { return prefetch_stages_; }
   bool empty() const { return prefetching_ + computing_ == 0; }
   std::size_t prefetching() const { return prefetching_; }
   std::size_t computing() const { return computing_; }

@@ -15,25 +15,30 @@ namespace gicube::emu {
 template <typename T>
 class Fifo {
  public:
-  explicit Fifo(std::size_t capacity) : items_(capacity) {}
+  explicit Fifo(std::size_t capacity) : items_(capacity), capacity_(capacity) {}
 
-  bool can_push(Cycle now) const { return last_push_ != now && size_ + (last_pop_ == now ? 1 : 0) < items_.size(); }
+  bool can_push(Cycle now) const { return last_push_ != now && size_ + (last_pop_ == now ? 1 : 0) < capacity_; }
   // Places free to a pusher at `now`.
-  std::size_t room(Cycle now) const { return items_.size() - size_ - (last_pop_ == now ? 1 : 0); }
+  std::size_t room(Cycle now) const { return capacity_ - size_ - (last_pop_ == now ? 1 : 0); }
   void push(Cycle now, const T& item) {
     assert(can_push(now));
     const std::size_t tail = head_ + size_;
-    items_[tail < items_.size() ? tail : tail - items_.size()] = item;
+    items_[tail < capacity_ ? tail : tail - capacity_] = item;
     ++size_;
     last_push_ = now;
   }
 
   bool can_pop(Cycle now) const { return last_pop_ != now && size_ > (last_push_ == now ? 1u : 0u); }
   const T& front() const { return items_[head_]; }
+  // The one pushed last; not for a part that may not see it yet, but for prefetching what it points at.
+  const T& back() const {
+    const std::size_t tail = head_ + size_ - 1;
+    return items_[tail < capacity_ ? tail : tail - capacity_];
+  }
   T pop(Cycle now) {
     assert(can_pop(now));
     const T item = items_[head_];
-    if (++head_ == items_.size()) head_ = 0;
+    if (++head_ == capacity_) head_ = 0;
     --size_;
     last_pop_ = now;
     return item;
@@ -45,6 +50,7 @@ class Fifo {
 
  private:
   std::vector<T> items_;
+  std::size_t capacity_;
   std::size_t head_ = 0;
   std::size_t size_ = 0;
   Cycle last_push_ = kNoCycle;

@@ -132,6 +132,17 @@ TEST(Config, ChecksThePartsOfTheCycleLevel) {
                                             HasSubstr("sorter.policy: expected one of most_rays, most_contribution")));
 }
 
+TEST(Config, RefusesACycleLevelVolumeThatItsMemoryChannelsCannotHold) {
+  EXPECT_THAT(
+      texts(check(with({"fidelity=cycle", "asic.max_volume_voxels=1024", "asic.processors=1"}))),
+      testing::ElementsAre("asic.max_volume_voxels: expected a volume whose share of one RDRAM channel fits its 32 "
+                           "devices, got 1024, which takes 180"));
+  EXPECT_THAT(texts(check(with({"fidelity=cycle", "asic.max_volume_voxels=1024", "asic.processors=16"}))), IsEmpty());
+  EXPECT_THAT(texts(check(with({"asic.max_volume_voxels=1024", "asic.processors=1"}))), IsEmpty());
+  EXPECT_THAT(texts(check(with({"rdram.refresh_interval=63"}))),
+              testing::ElementsAre("rdram.refresh_interval: expected 0 or at least 64 tCYCLE, got 63"));
+}
+
 TEST(Config, RefusesTheLevelsThatThisReleaseDoesNotHave) {
   EXPECT_THAT(texts(check(with({"fidelity=cycle"}))), IsEmpty());
   EXPECT_THAT(texts(check(with({"fidelity=approximate"}))),

@@ -8,6 +8,7 @@
 
 #include "bare_board.h"
 #include "machine_rig.h"
+#include "rdram_checker.h"
 
 namespace gicube::emu {
 namespace {
@@ -169,6 +170,32 @@ TEST(Machine, CancellingStopsWithinTheProgressInterval) {
   const Ran ran = render(corner_view({64, 64, 64}, 128), scene.frame, framebuffer, config.dsp(), machine, work);
   EXPECT_TRUE(ran.cancelled);
   EXPECT_LE(ran.cycles, 3 * 4096u);
+}
+
+// Every command that the memories see in a whole frame is legal, by a judge that knows nothing of the controller.
+TEST(Machine, AWholeFramesMemoryCommandsAreLegalAndTight) {
+  Scene scene({70, 70, 70}, 16);
+  scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
+  for (auto& entry : scene.segmentation) entry.opacity = 500;
+  for (const char* sharing : {"rdram.processors_per_rdram=1", "rdram.processors_per_rdram=2"}) {
+    const v1::BoardConfig config =
+        config_with({"asic.block_voxels=16", "asic.partition=skewed_block", sharing, "rdram.device_mbit=144"});
+    Machine machine(config, scene.volume.blocks());
+    std::vector<std::vector<rdram::IssuedCommand>> traces(machine.memories().size());
+    for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
+    cycle_picture(scene, corner_view({70, 70, 70}, 64), config, machine);
+    for (std::size_t i = 0; i < traces.size(); ++i) {
+      const rdram::ChannelCounters counters = machine.memories()[i]->channel().counters();
+      ASSERT_GT(counters.packets_read, 3000u);
+      reference::RdramRules rules;
+      rules.refresh_interval = config.rdram().refresh_interval();
+      rules.devices = machine.memories()[i]->devices();
+      const reference::RdramVerdict verdict = reference::check_rdram_trace(rules, traces[i]);
+      EXPECT_THAT(verdict.faults, testing::IsEmpty());
+      EXPECT_EQ(verdict.data_begins.size(), counters.packets_read);
+      EXPECT_GT(verdict.tight_commands, traces[i].size() / 2);
+    }
+  }
 }
 
 // Takes the first ray off the bus's end: a ray that is lost.
