@@ -73,7 +73,8 @@ void put(Sums& sums, const RingCounters& links) {
   sums.put("entry_waits", "cycle", links.entry_waits);
 }
 
-void put(Sums& sums, const rdram::ChannelCounters& memory) {
+void put(Sums& sums, const rdram::ChannelCounters& memory, std::uint64_t cycles) {
+  sums.put("cycles", "tCYCLE", cycles);
   sums.put("reads", "packet", memory.packets_read);
   sums.put("writes", "packet", memory.packets_written);
   sums.put("row_hits", "packet", memory.row_hits);
@@ -108,7 +109,7 @@ void count(const Machine& machine, std::vector<wire::Counter>& list) {
     }
     for (std::size_t i = 0; i < machine.memories().size(); ++i) {
       sums.begin("rdram", i);
-      put(sums, machine.memories()[i]->channel().counters());
+      put(sums, machine.memories()[i]->channel().counters(), machine.memories()[i]->cycles(machine.now()));
     }
   }
   list.push_back({"link.bisection_rays", "ray", machine.links().bisection_rays()});

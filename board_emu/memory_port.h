@@ -24,6 +24,7 @@ class MemoryPort {
     return false;
   }
 
+  std::uint64_t cycles(Cycle now) const { return now * ratio_; }  // tCYCLE until then
   std::uint32_t devices() const { return layout_.devices(); }
   const rdram::Channel& channel() const { return channel_; }
   rdram::Channel& channel() { return channel_; }

@@ -46,12 +46,9 @@ Picoseconds Timeline::turn_of(Picoseconds stamp, const Errand& errand) const {
   constexpr std::uint64_t kAhead = ~std::uint64_t{0};
   Timeline ahead = *this;
   ahead.watcher_ = nullptr;
-  ahead.add(stamp, kAhead,
-            {.kind = errand.kind,
-             .cargo = errand.cargo,
-             .down_bytes = errand.down_bytes,
-             .dsp = true,
-             .watched = true});
+  ahead.add(
+      stamp, kAhead,
+      {.kind = errand.kind, .cargo = errand.cargo, .down_bytes = errand.down_bytes, .dsp = true, .watched = true});
   return ahead.finish(kAhead);
 }
 

@@ -23,7 +23,7 @@ struct Errand {
   Picoseconds asic_ps = 0;       // the turn lasts at least as long, since the ASIC works
   std::uint64_t up_bytes = 0;
   Cargo up_cargo = Cargo::kCompletion;
-  bool watched = false;  // somebody wants to know when it has finished
+  bool watched = false;   // somebody wants to know when it has finished
   const char* name = "";  // of its turn at the DSP, in a trace
 };
 

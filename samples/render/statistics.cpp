@@ -24,11 +24,27 @@ Json counter_or_null(const Counters& counters, const char* name) {
   return counters.has(name) ? Json(counters.value(name)) : Json(nullptr);
 }
 
-// Samples of a simulated second: the functional level gives its pipelines no time.
-Json samples_per_second(const FrameStatistics& statistics) {
-  if (statistics.board.fidelity == Fidelity::kFunctional || statistics.frame == 0) return nullptr;
-  if (!statistics.counters.has("pipeline.samples")) return nullptr;
-  return static_cast<double>(statistics.counters.value("pipeline.samples")) / (to_ms(statistics.frame) * 1e-3);
+double value(const FrameStatistics& statistics, const char* name) {
+  return static_cast<double>(statistics.counters.value(name));
+}
+
+// What the caches, memories and pipelines did while the ASIC worked. Null where the level keeps no time in them.
+void add_asic(const FrameStatistics& statistics, Json& json) {
+  for (const char* key : {"samples_per_second", "throughput", "hit_ratio", "memory_gb_s", "memory_utilisation"}) {
+    json[key] = nullptr;
+  }
+  const Counters& counters = statistics.counters;
+  if (!counters.has("asic.cycles") || counters.value("asic.cycles") == 0) return;
+  const double cycles = value(statistics, "asic.cycles"), seconds = cycles / (statistics.board.core_khz * 1e3);
+  const double samples = value(statistics, "processor.samples");
+  json["samples_per_second"] = samples / seconds;
+  json["throughput"] = samples / (cycles * statistics.board.processors);  // of the most that the pipelines could
+  const double checks = value(statistics, "processor.cache.checks");
+  if (checks > 0) json["hit_ratio"] = 1 - value(statistics, "processor.cache.missed_voxels") / (8 * checks);
+  constexpr double kPacketBytes = 18;  // 144 bits
+  const double packets = value(statistics, "rdram.reads") + value(statistics, "rdram.writes");
+  json["memory_gb_s"] = packets * kPacketBytes / seconds * 1e-9;
+  json["memory_utilisation"] = value(statistics, "rdram.data_busy") / value(statistics, "rdram.cycles");
 }
 
 }  // namespace
@@ -44,9 +60,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["bus_ms"] = bus_ms(statistics.counters);
   json["host_seconds"] = statistics.host_seconds;
   json["samples"] = counter_or_null(statistics.counters, "pipeline.samples");
-  json["samples_per_second"] = samples_per_second(statistics);
-  // These need the caches and memories of a level that keeps time in the pipelines.
-  for (const char* key : {"throughput", "hit_ratio", "memory_gb_s", "memory_utilisation"}) json[key] = nullptr;
+  add_asic(statistics, json);
   json["config_hash"] = fmt::format("{:016x}", statistics.board.config_hash);
   json["fidelity"] = name_of(statistics.board.fidelity);
   json["seed"] = statistics.seed;

@@ -88,6 +88,20 @@ TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
   EXPECT_EQ(json.at("counters").at("dsp.viewing_rays").at("value"), 64 * 48);
 }
 
+TEST_F(RenderProgram, DrawsTheSamePictureAtTheCycleLevelAndSaysWhatTheAsicDid) {
+  const std::string scene = "builtin:buckyball --volume-size 48 --size 40x40 --quiet -o ";
+  ASSERT_EQ(run(scene + path("functional.png")).code, 0);
+  const Outcome result = run(scene + path("cycle.png") + " --fidelity cycle --stats " + path("cycle.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_EQ(text_of(path("cycle.png")), text_of(path("functional.png")));
+  const auto json = nlohmann::json::parse(text_of(path("cycle.json")));
+  for (const char* key : {"throughput", "hit_ratio", "memory_utilisation"}) {
+    EXPECT_GT(json.at(key).get<double>(), 0) << key;
+    EXPECT_LT(json.at(key).get<double>(), 1) << key;
+  }
+  EXPECT_EQ(json.at("counters").at("processor.samples").at("value"), json.at("samples"));
+}
+
 TEST_F(RenderProgram, DrawsTheSamePictureForAnyNumberOfThreads) {
   for (const char* threads : {"1", "3"}) {
     const Outcome result = run("builtin:buckyball --volume-size 32 --size 32x32 --quiet --threads " +

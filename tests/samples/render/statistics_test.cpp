@@ -49,10 +49,25 @@ TEST(Statistics, HaveNullForWhatTheLevelDoesNotModel) {
   EXPECT_TRUE(to_json(silent).at("samples").is_null());
 }
 
-TEST(Statistics, CountSamplesASecondWhereThePipelinesTakeTime) {
+TEST(Statistics, SayWhatTheAsicDidWhereItsPartsTakeTime) {
   FrameStatistics statistics = example();
   statistics.board.fidelity = Fidelity::kCycle;
-  EXPECT_DOUBLE_EQ(to_json(statistics).at("samples_per_second"), 12345 / 4e-3);
+  statistics.board.processors = 4;
+  statistics.board.core_khz = 100'000;
+  statistics.counters = Counters({{"asic.cycles", "cycle", 100'000},  // 1 ms
+                                  {"processor.samples", "sample", 300'000},
+                                  {"processor.cache.checks", "sample", 300'000},
+                                  {"processor.cache.missed_voxels", "voxel", 240'000},
+                                  {"rdram.reads", "packet", 100'000},
+                                  {"rdram.writes", "packet", 50'000},
+                                  {"rdram.data_busy", "tCYCLE", 600'000},
+                                  {"rdram.cycles", "tCYCLE", 1'600'000}});
+  const auto json = to_json(statistics);
+  EXPECT_DOUBLE_EQ(json.at("samples_per_second"), 300e6);
+  EXPECT_DOUBLE_EQ(json.at("throughput"), 0.75);
+  EXPECT_DOUBLE_EQ(json.at("hit_ratio"), 0.9);
+  EXPECT_DOUBLE_EQ(json.at("memory_gb_s"), 2.7);
+  EXPECT_DOUBLE_EQ(json.at("memory_utilisation"), 0.375);
 }
 
 TEST(Statistics, SayWhenTheFileCannotBeWritten) {
