@@ -1,65 +1,81 @@
 #include "sorter/insertion_sorter.h"
 
 #include <algorithm>
-#include <bit>
+#include <limits>
 
 namespace gicube::emu {
 
 InsertionSorter::InsertionSorter(std::uint32_t queues)
-    : mask_(std::bit_ceil(std::max(queues, 2u)) - 1),
-      selected_(mask_ + 1, kHole),
-      comparison_(mask_ + 1, kHole),
-      place_(queues, kNowhere) {}
+    : ranks_(queues), selected_(2 * std::size_t{queues} + 1, kHole), inserted_(queues, kHole) {}
 
 void InsertionSorter::insert(std::uint32_t queue, std::uint32_t importance) {
-  assert(queue < place_.size() && importance > 0 && importance < kInfinite && can_insert());
-  const std::uint32_t place = place_[queue];
-  if (place == kNowhere) {
+  assert(queue < inserted_.size() && importance > 0 && importance < kInfinite && can_insert());
+  if (inserted_[queue] == kHole) {
     ++size_;
   } else {
-    ((place & kMoving) != 0 ? comparison_[place & ~kMoving] : selected_[place]) = kHole;
+    wipe(inserted_[queue]);
   }
-  const std::uint32_t slot = slot_of(origin_);
-  comparison_[slot] = key(queue, importance);
-  place_[queue] = slot | kMoving;
-  // A slot that was wiped and is now at the top again (shift_up) is still listed, and then it is the youngest.
-  if (moving_.empty() || moving_.back() != slot) moving_.push_back(slot);
+  inserted_[queue] = key(queue, importance);
+  moving_.push_back({inserted_[queue], origin_, origin_ - steps_});
+  entering_ = true;
+}
+
+void InsertionSorter::wipe(Key key) {
+  for (;;) {
+    // Most often it is one of the youngest: rays of neighbouring pixels come to a queue soon after one another.
+    const auto is_it = [key](const Moving& item) { return item.key == key; };
+    if (const auto item = std::find_if(moving_.rbegin(), moving_.rend(), is_it); item != moving_.rend()) {
+      if (item->at == item->slot + steps_) {
+        item->key = kHole;
+        return;
+      }
+      catch_up_to(item->slot + steps_);
+    } else {
+      const auto place = std::find(selected_.begin() + origin_, selected_.end(), key);
+      assert(place != selected_.end());
+      catch_up_to(static_cast<std::uint32_t>(place - selected_.begin()) + 1);
+      if (*place == key) {
+        *place = kHole;
+        return;
+      }
+    }
+    // It was pushed on, or has found a place.
+  }
 }
 
 void InsertionSorter::shift_up() {
   assert(can_insert());
-  if (selected_[origin_] != kHole) {
-    place_[queue_of(selected_[origin_])] = kNowhere;
+  if (top() != kNoQueue) {
+    inserted_[top()] = kHole;
     selected_[origin_] = kHole;
     --size_;
   }
-  origin_ = (origin_ + 1) & mask_;
+  if (++origin_ > ranks_) begin_anew();
+  // The new top rank must be up to date: its selected buffer, and whether its comparison buffer is full.
+  catch_up_to(origin_ + 1);
+  entering_ = !moving_.empty() && moving_.back().key != kHole && moving_.back().at == origin_;
 }
 
-void InsertionSorter::move_down() {
-  // Copies of what the stores below could change, as far as a compiler knows.
-  const std::uint32_t steps = steps_, mask = mask_;
-  Key* const comparison = comparison_.data();
-  Key* const selected = selected_.data();
-  std::uint32_t* const place = place_.data();
-  std::uint32_t* kept = moving_.data();
-  for (const std::uint32_t *at = kept, *const end = kept + moving_.size(); at != end; ++at) {
-    const std::uint32_t slot = *at;
-    const std::uint32_t position = (slot + steps) & mask;
-    const Key from_above = comparison[slot], here = selected[position];
-    if (from_above > here) {
-      selected[position] = from_above;
-      comparison[slot] = here;
-      place[queue_of(from_above)] = position;
-      if (here == kHole) continue;  // took it
-      place[queue_of(here)] = slot | kMoving;
-    } else if (from_above == kHole) {
-      continue;  // wiped
-    }
-    *kept++ = slot;
+void InsertionSorter::begin_anew() {
+  catch_up();
+  std::fill(std::move(selected_.begin() + origin_, selected_.end(), selected_.begin()), selected_.end(), kHole);
+  for (Moving& item : moving_) {
+    item.at -= origin_;
+    item.slot -= origin_;
   }
-  moving_.resize(static_cast<std::size_t>(kept - moving_.data()));
-  ++steps_;
+  origin_ = 0;
+}
+
+void InsertionSorter::catch_up_to(std::uint32_t position) {
+  auto item = moving_.end();
+  while (item != moving_.begin() && (item - 1)->at < position) --item;  // none is ahead of an older one
+  for (; item != moving_.end(); ++item) move_down(*item, std::min(position, item->slot + steps_));
+}
+
+void InsertionSorter::catch_up() {
+  behind_ = 0;
+  catch_up_to(std::numeric_limits<std::uint32_t>::max());
+  std::erase_if(moving_, [](const Moving& item) { return item.key == kHole; });
 }
 
 }  // namespace gicube::emu

@@ -10,9 +10,11 @@
 //                    |  smaller
 //              [comparison 1] [selected 1]      rank 1      shift_up: both buffers of every rank move up by one
 //
-// Exactly the machine above, but a cycle costs only as much as there are items in comparison buffers. Those move down
-// together, one rank a cycle, so each is kept at a place of its own that does not change (position minus cycles), and
-// shift_up moves only the origin.
+// Exactly the machine above, but comparisons are made late and many at a time. Items in comparison buffers move down
+// together, one rank a cycle, so none catches up with another, and only the older of two may leave something for the
+// younger to find: one after the other, oldest first, each can go down all its ranks at once, its key in a register.
+// That is done when it matters: for rank 0 at once, for a rank whose queue is wiped before that, and for all now and
+// then. Ranks are kept at positions that do not change: shift_up moves only the origin.
 #pragma once
 
 #include <cassert>
@@ -30,27 +32,31 @@ class InsertionSorter {
 
   // One cycle: every rank compares.
   void step() {
-    if (!moving_.empty()) move_down();
+    if (moving_.empty()) return;
+    ++steps_;
+    if (entering_) {
+      entering_ = false;
+      move_down(moving_.back(), origin_ + 1);
+    }
+    if (++behind_ == kMostBehind) catch_up();
   }
 
   // Whether the top's comparison buffer is free: one insert a cycle, and none where shift_up has filled it.
-  bool can_insert() const { return comparison_[slot_of(origin_)] == kHole; }
+  bool can_insert() const { return !entering_; }
   // Puts a queue's new importance (1 .. kInfinite - 1) into the top's comparison buffer and wipes it where it was.
   void insert(std::uint32_t queue, std::uint32_t importance);
 
-  // The queue in the top's selected buffer, or kNoQueue.
-  std::uint32_t top() const { return selected_[origin_] == kHole ? kNoQueue : queue_of(selected_[origin_]); }
+  // The queue in the top's selected buffer, or kNoQueue: a hole's lower half is no queue's number.
+  std::uint32_t top() const { return queue_of(selected_[origin_]); }
   // The top's queue becomes active: its importance is infinite from now on.
   void activate_top() {
-    assert(selected_[origin_] != kHole);
-    selected_[origin_] = key(queue_of(selected_[origin_]), kInfinite);
+    assert(top() != kNoQueue);
+    selected_[origin_] = key(top(), kInfinite);
   }
 
   // All ranks move up by one; what is in the top's selected buffer leaves. Its comparison buffer must be empty.
   void shift_up();
 
-  // Items in comparison buffers.
-  bool moving() const { return !moving_.empty(); }
   // Items in both kinds of buffers, the active queue among them.
   std::uint32_t size() const { return size_; }
 
@@ -59,34 +65,77 @@ class InsertionSorter {
     std::uint32_t importance = 0;
     friend bool operator==(const Item&, const Item&) = default;
   };
-  // What a rank's buffers hold, for tests and reports.
-  Item selected(std::uint32_t rank) const { return item(selected_[(origin_ + rank) & mask_]); }
-  Item comparison(std::uint32_t rank) const { return item(comparison_[slot_of((origin_ + rank) & mask_)]); }
+  // What a rank's buffers hold and whether any comparison buffer holds something, for tests: slow.
+  Item selected(std::uint32_t rank) const { return item(caught_up().selected_[origin_ + rank]); }
+  Item comparison(std::uint32_t rank) const {
+    for (const Moving& moving : caught_up().moving_) {
+      if (moving.at == origin_ + rank) return item(moving.key);
+    }
+    return {};
+  }
+  bool moving() const { return !caught_up().moving_.empty(); }
 
  private:
   // Importance above, complement of the queue number below: keys compare as items do.
   using Key = std::uint64_t;
   static constexpr Key kHole = 0;
-  static constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
-  static constexpr std::uint32_t kMoving = std::uint32_t{1} << 31;  // place_: a slot of comparison_, not of selected_
+  // chosen: long enough that starting on an item costs little against its comparisons, short enough for few items.
+  static constexpr std::uint32_t kMostBehind = 16;
+
+  // An item in a comparison buffer, or what it pushed down in its place.
+  struct Moving {
+    Key key = kHole;         // kHole once it has found its place or was wiped
+    std::uint32_t at = 0;    // position of the first comparison not yet made
+    std::uint32_t slot = 0;  // position minus steps: where it is by now is slot + steps_
+  };
 
   static Key key(std::uint32_t queue, std::uint32_t importance) { return Key{importance} << 32 | ~queue; }
   static std::uint32_t queue_of(Key key) { return ~static_cast<std::uint32_t>(key); }
   static Item item(Key key) {
     return key == kHole ? Item{} : Item{queue_of(key), static_cast<std::uint32_t>(key >> 32)};
   }
-  std::uint32_t slot_of(std::uint32_t position) const { return (position - steps_) & mask_; }
 
-  void move_down();
+  // Makes an item's comparisons above position `to`; those of all older items must have been made.
+  void move_down(Moving& item, std::uint32_t to) {
+    Key* const selected = selected_.data();
+    Key carried = item.key;
+    std::uint32_t at = item.at;
+    item.at = to;
+    if (carried == kHole) return;
+    while (at != to && carried < selected[at]) ++at;  // first it passes larger ones, then it pushes smaller ones down
+    for (; at != to; ++at) {
+      const Key here = selected[at];
+      if (carried < here) continue;
+      selected[at] = carried;
+      carried = here;
+      if (here == kHole) break;
+    }
+    item.key = carried;
+  }
+  // All items' comparisons above a position, as far as their time has come.
+  void catch_up_to(std::uint32_t position);
+  // All comparisons; items that need no more of them are forgotten.
+  void catch_up();
+  InsertionSorter caught_up() const {
+    InsertionSorter copy = *this;
+    copy.catch_up();
+    return copy;
+  }
+  // Makes a hole where an item is.
+  void wipe(Key key);
+  // Moves everything back to position 0.
+  void begin_anew();
 
-  std::uint32_t mask_;        // positions - 1; a power of two of them
-  std::uint32_t origin_ = 0;  // position of rank 0
+  std::uint32_t ranks_;
+  std::uint32_t origin_ = 0;  // position of rank 0; up to ranks_
   std::uint32_t steps_ = 0;   // cycles with items in motion
+  std::uint32_t behind_ = 0;  // of them, since all comparisons were made
   std::uint32_t size_ = 0;
-  std::vector<Key> selected_;          // by position
-  std::vector<Key> comparison_;        // by slot = position - steps
-  std::vector<std::uint32_t> place_;   // by queue: where its item is
-  std::vector<std::uint32_t> moving_;  // slots in use, lowest rank first; a wiped one is a hole until the next step
+  bool entering_ = false;      // rank 0's comparison buffer is full, with moving_'s last
+  std::vector<Key> selected_;  // by position
+  std::vector<Key>
+      inserted_;  // by queue: its item, or kHole; not its place, which changes far more often than it is asked
+  std::vector<Moving> moving_;  // oldest first, so from the lowest rank up
 };
 
 }  // namespace gicube::emu
