@@ -24,14 +24,14 @@ Ring::Ring(std::uint32_t bits, std::uint32_t rays, const std::vector<Port>& port
   }
 }
 
-bool Ring::tick(Cycle now) {
+bool Ring::work(Cycle now) {
   const auto count = static_cast<std::uint32_t>(links_[kRight].size());  // 0 without neighbours
   bool moved = false;
   if (inside_ > 0) {
     // All transit before all entries: a ray that enters yields.
     for (std::uint32_t i = 0; i < count; ++i) {
-      moved |= advance(links_[kRight][i], kRight, counters_[i], now);
-      moved |= advance(links_[kLeft][i], kLeft, counters_[i], now);
+      if (!links_[kRight][i].entry.empty()) moved |= advance(links_[kRight][i], kRight, counters_[i], now);
+      if (!links_[kLeft][i].entry.empty()) moved |= advance(links_[kLeft][i], kLeft, counters_[i], now);
     }
   }
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -41,7 +41,7 @@ bool Ring::tick(Cycle now) {
 }
 
 bool Ring::advance(Link& link, Direction direction, RingCounters& counters, Cycle now) {
-  if (link.entry.empty() || !link.entry.can_pop(now)) return false;
+  if (!link.entry.can_pop(now)) return false;
   if (link.sent < cycles_per_ray_ - 1) {
     ++link.sent;
     ++counters.busy;

@@ -49,7 +49,12 @@ class Ring {
   Ring(const Ring&) = delete;  // its links point at one another
   Ring& operator=(const Ring&) = delete;
 
-  bool tick(Cycle now);
+  bool tick(Cycle now) {
+    // Mostly no ray is on a link or waits for one.
+    std::size_t rays = inside_;
+    for (const Port& port : ports_) rays |= port.out_links->size();
+    return rays != 0 && work(now);
+  }
 
   bool idle() const { return inside_ == 0; }
   std::uint64_t inside() const { return inside_; }
@@ -72,6 +77,7 @@ class Ring {
     std::uint32_t sent = 0;             // cycles that the ray at the entry's head has been on the link
   };
 
+  bool work(Cycle now);
   bool advance(Link& link, Direction direction, RingCounters& counters, Cycle now);
   bool enter(std::uint32_t processor, Cycle now);
   Direction way(std::uint32_t from, std::uint32_t to) const;

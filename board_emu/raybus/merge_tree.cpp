@@ -13,6 +13,9 @@ constexpr std::size_t kNodeRays = 2;  // keeps full rate (sim/fifo.h)
 MergeTree::MergeTree(const std::vector<Fifo<RayToken>*>& leaves, Fifo<RayToken>& output) : leaves_(leaves) {
   assert(!leaves.empty());
   const auto is_leaf = [&](const Fifo<RayToken>* fifo) { return std::count(leaves.begin(), leaves.end(), fifo) > 0; };
+  for (std::size_t i = 0; i < leaves.size(); i += 2) {
+    leaf_pairs_.push_back({leaves[i], leaves[std::min(i + 1, leaves.size() - 1)]});
+  }
   std::vector<Fifo<RayToken>*> level = leaves;
   do {
     std::vector<Fifo<RayToken>*> above;
@@ -30,9 +33,7 @@ MergeTree::MergeTree(const std::vector<Fifo<RayToken>*>& leaves, Fifo<RayToken>&
   } while (level.size() > 1);
 }
 
-bool MergeTree::tick(Cycle now) {
-  const auto empty = [](const Fifo<RayToken>* leaf) { return leaf->empty(); };
-  if (inside_ == 0 && std::all_of(leaves_.begin(), leaves_.end(), empty)) return false;
+bool MergeTree::work(Cycle now) {
   bool moved = false;
   for (Node& node : nodes_) moved |= merge(node, now);
   return moved;

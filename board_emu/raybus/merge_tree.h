@@ -29,7 +29,12 @@ class MergeTree {
   MergeTree(const MergeTree&) = delete;  // its nodes point at one another
   MergeTree& operator=(const MergeTree&) = delete;
 
-  bool tick(Cycle now);
+  bool tick(Cycle now) {
+    // Mostly there is nothing at all to merge.
+    std::size_t rays = inside_;
+    for (const auto& pair : leaf_pairs_) rays |= pair[0]->size() | pair[1]->size();
+    return rays != 0 && work(now);
+  }
 
   bool idle() const { return inside_ == 0; }  // no ray between leaves and output
   std::uint64_t inside() const { return inside_; }
@@ -44,11 +49,14 @@ class MergeTree {
     std::uint8_t turn = 0;
   };
 
+  bool work(Cycle now);
   bool merge(Node& node, Cycle now);
 
   std::deque<Fifo<RayToken>> between_;  // outputs of all nodes but the root
   std::vector<Node> nodes_;             // the root last
   std::vector<Fifo<RayToken>*> leaves_;
+  std::vector<std::array<const Fifo<RayToken>*, 2>>
+      leaf_pairs_;  // the leaves again, half as many steps; one may be twice
   std::uint64_t inside_ = 0;
   MergeTreeCounters counters_;
 };

@@ -5,4 +5,9 @@ namespace gicube::emu {
 Queues::Queues(std::uint32_t queues, std::uint32_t capacity, QueuePolicy policy)
     : capacity_(capacity), policy_(policy), states_(queues) {}
 
+std::uint32_t Queues::grow() {
+  records_.emplace_back();
+  return static_cast<std::uint32_t>(records_.size() - 1);
+}
+
 }  // namespace gicube::emu

@@ -24,8 +24,8 @@ class Queues {
   Queues(std::uint32_t queues, std::uint32_t capacity, QueuePolicy policy);
 
   bool has_slot(std::uint32_t queue) const { return states_[queue].slots < capacity_; }
-  // Writes a ray under way to the queue's tail. It takes a slot unless it kept its own.
-  void write(std::uint32_t queue, const RayToken& token);
+  // Writes a ray under way to the queue's tail. It takes a slot unless it kept its own. Returns the rays in the queue.
+  std::uint32_t write(std::uint32_t queue, const RayToken& token);
   // Takes the ray at the head, which must be there; its slot stays taken, its flag keeps_slot is down.
   RayToken read(std::uint32_t queue);
   void release_slot(std::uint32_t queue) {
@@ -56,18 +56,24 @@ class Queues {
     std::uint32_t slots = 0;  // taken: waiting, or issued and not released
     std::uint64_t contribution = 0;
   };
+  struct Record {
+    RayToken token;
+    std::uint32_t next = kNone;
+  };
   static std::uint32_t weight(const RayToken& token) { return std::max<std::uint32_t>(1, token.contribution); }
+
+  // A new record's number.
+  std::uint32_t grow();
 
   std::uint32_t capacity_;
   QueuePolicy policy_;
   std::uint32_t free_ = kNone;  // list of unused records
   std::uint64_t waiting_ = 0;
   std::vector<State> states_;
-  std::vector<RayToken> tokens_;     // by record
-  std::vector<std::uint32_t> next_;  // by record
+  std::vector<Record> records_;
 };
 
-inline void Queues::write(std::uint32_t queue, const RayToken& token) {
+inline std::uint32_t Queues::write(std::uint32_t queue, const RayToken& token) {
   State& state = states_[queue];
   assert(token.state == RayState::kUnderWay);
   if (!token.keeps_slot) {
@@ -75,37 +81,34 @@ inline void Queues::write(std::uint32_t queue, const RayToken& token) {
     ++state.slots;
   }
   assert(state.slots > state.waiting);
-  std::uint32_t at = free_;
-  if (at == kNone) {
-    at = static_cast<std::uint32_t>(tokens_.size());
-    tokens_.push_back(token);
-    next_.push_back(kNone);
-  } else {
-    free_ = next_[at];
-    tokens_[at] = token;
-  }
-  tokens_[at].keeps_slot = false;
-  (state.waiting == 0 ? state.head : next_[state.tail]) = at;
+  const std::uint32_t at = free_ == kNone ? grow() : free_;
+  Record* const records = records_.data();
+  Record& record = records[at];
+  free_ = record.next;
+  record.token = token;
+  record.token.keeps_slot = false;
+  (state.waiting == 0 ? state.head : records[state.tail].next) = at;
   state.tail = at;
-  ++state.waiting;
   state.contribution += weight(token);
   ++waiting_;
+  return ++state.waiting;
 }
 
 inline RayToken Queues::read(std::uint32_t queue) {
   State& state = states_[queue];
   assert(state.waiting > 0);
   const std::uint32_t at = state.head;
-  const RayToken& token = tokens_[at];
-  state.head = next_[at];
-  next_[at] = free_;
+  Record* const records = records_.data();
+  Record& record = records[at];
+  state.head = record.next;
+  record.next = free_;
   free_ = at;
   --state.waiting;
-  state.contribution -= weight(token);
+  state.contribution -= weight(record.token);
   --waiting_;
   // The next ray of this queue is most likely read in the next cycle, and lies anywhere.
-  if (state.waiting > 0) __builtin_prefetch(&tokens_[state.head]);
-  return token;
+  if (state.waiting > 0) __builtin_prefetch(&records[state.head]);
+  return record.token;
 }
 
 }  // namespace gicube::emu

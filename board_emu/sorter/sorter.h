@@ -73,8 +73,13 @@ class Sorter {
  public:
   Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOutputs& out);
 
-  // True if a ray, a slot or an importance moved.
-  bool tick(Cycle now);
+  // True if a ray, a slot or an importance moved. Here is only what an empty sorter needs, without a call.
+  bool tick(Cycle now) {
+    // Rays stay in a processor for many samples, so that mostly all three are empty.
+    const bool others_come = (in_.from_bus.size() | in_.from_left.size() | in_.from_right.size()) != 0;
+    const bool nothing_comes = !others_come && in_.returned.empty() && in_.released.empty();
+    return !(nothing_comes && queues_.waiting() == 0) && work(now, others_come);
+  }
 
   bool idle() const { return queues_.waiting() == 0; }
   std::uint64_t waiting() const { return queues_.waiting(); }  // rays in queues
@@ -89,19 +94,21 @@ class Sorter {
 
  private:
   static constexpr std::uint32_t kNone = InsertionSorter::kNoQueue;
+  static constexpr std::uint32_t kUnlisted = kNone - 1;
 
   // Modified queues in the order of their modification: a list through the queues, so that one can leave it anywhere.
   struct Dirty {
     std::uint32_t previous = kNone;
-    std::uint32_t next = kNone;
-    bool listed = false;
+    std::uint32_t next = kUnlisted;
   };
 
+  // A cycle of a sorter that is not empty. `others_come`: something is in one of others_.
+  bool work(Cycle now, bool others_come);
   std::uint32_t queue_of(const RayToken& token) const { return single_ ? 0 : token.queue; }
   void choose_active();
   void give_up_active();
-  bool issue(Cycle now);
-  bool accept(Cycle now);
+  // What comes from elsewhere: at most `turns` rays, none to the queue `written` in this cycle.
+  bool accept_others(Cycle now, std::uint32_t turns, std::uint32_t written);
   // Moves the ray at the input's head to its queue, then `written`, or to overflow.
   bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
   void modified(std::uint32_t queue);
