@@ -80,7 +80,7 @@ class InsertionSorter {
   using Key = std::uint64_t;
   static constexpr Key kHole = 0;
   // chosen: long enough that starting on an item costs little against its comparisons, short enough for few items.
-  static constexpr std::uint32_t kMostBehind = 16;
+  static constexpr std::uint32_t kMostBehind = 10;
 
   // An item in a comparison buffer, or what it pushed down in its place.
   struct Moving {
@@ -99,7 +99,7 @@ class InsertionSorter {
   void move_down(Moving& item, std::uint32_t to) {
     Key* const selected = selected_.data();
     Key carried = item.key;
-    std::uint32_t at = item.at;
+    std::size_t at = item.at;  // as wide as an address, or each comparison would begin by widening it
     item.at = to;
     if (carried == kHole) return;
     while (at != to && carried < selected[at]) ++at;  // first it passes larger ones, then it pushes smaller ones down
@@ -131,10 +131,9 @@ class InsertionSorter {
   std::uint32_t steps_ = 0;   // cycles with items in motion
   std::uint32_t behind_ = 0;  // of them, since all comparisons were made
   std::uint32_t size_ = 0;
-  bool entering_ = false;      // rank 0's comparison buffer is full, with moving_'s last
-  std::vector<Key> selected_;  // by position
-  std::vector<Key>
-      inserted_;  // by queue: its item, or kHole; not its place, which changes far more often than it is asked
+  bool entering_ = false;       // rank 0's comparison buffer is full, with moving_'s last
+  std::vector<Key> selected_;   // by position
+  std::vector<Key> inserted_;   // by queue: its item, or kHole; its place changes far more often than it is asked
   std::vector<Moving> moving_;  // oldest first, so from the lowest rank up
 };
 
