@@ -89,6 +89,10 @@ class BlockGrid {
     return static_cast<std::size_t>(position[0] >> shift_) + across_ * static_cast<std::size_t>(position[1] >> shift_) +
            slice_ * static_cast<std::size_t>(position[2] >> shift_);
   }
+  // Whether two positions lie in the same block.
+  bool same(const Point& a, const Point& b) const {
+    return (((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> shift_) == 0;
+  }
   Point low(const Point& position) const {
     const std::int32_t mask = -(std::int32_t{1} << shift_);
     return {position[0] & mask, position[1] & mask, position[2] & mask};

@@ -56,14 +56,12 @@ void Processor::begin(const Frame& frame) {
 
 // Hands a ray that has left the compute line on; false if what it goes to is full.
 bool Processor::deliver(Cycle now, const InFlight& ray) {
-  RayToken token = ray.token;
+  const RayToken& token = ray.token;
   Fifo<RayToken>* to = &returned_;
   if (token.state == RayState::kDone) {
     to = &done;
   } else if (token.processor != number_) {
     to = &out_links;
-  } else {
-    token.keeps_slot = token.queue == ray.from;
   }
   if (!to->can_push(now)) {
     latest_ = to == &done ? Cause::kRayBus : to == &out_links ? Cause::kLink : Cause::kSorter;
@@ -94,11 +92,14 @@ Cause Processor::enter_compute(Cycle now) {
 
 // One turn of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
 // same whenever they are worked out) the sample taken and the ray's next queue found.
-void Processor::check_tags(Cycle now, RayToken token) {
-  RayUnderWay& ray = rays_[token.ray];
+void Processor::check_tags(Cycle now, const RayToken& issued) {
+  RayUnderWay& ray = rays_[issued.ray];
   Traveller& traveller = ray.traveller;
   InFlight& entry = stages_.enter(now);
-  entry.from = token.queue;
+  // Changed in place: a token put together elsewhere and then copied would stall the host on its partial stores.
+  RayToken& token = entry.token;
+  token = issued;
+  entry.from = issued.queue;
   entry.packets = 0;
   const Point low = grid_.low(traveller.position);
   jitter_step(traveller, *frame_);
@@ -106,7 +107,7 @@ void Processor::check_tags(Cycle now, RayToken token) {
   if (entry.sampled) {
     const Cell at = cell(traveller.position, low);
     const Misses& misses = cache_.check(ray.block, at.voxel);
-    if (!ideal_memory_) {
+    if (misses.count > 0 && !ideal_memory_) {
       entry.packets = static_cast<std::uint8_t>(misses.count);
       const std::uint32_t number = partition_.home(ray.block).number;
       for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
@@ -119,20 +120,19 @@ void Processor::check_tags(Cycle now, RayToken token) {
     advance(traveller, leap_steps(traveller.position, traveller.step, low, grid_.size()));
   }
 
-  token.keeps_slot = false;
+  token.contribution = contribution(traveller.gathered.opacity);
   const End how = end(traveller, *frame_);
-  if (how == End::kNot) {
+  if (how != End::kNot) {
+    token.state = RayState::kDone;
+    ++counts_.rays;
+    if (how == End::kOpaque) ++counts_.terminated;
+  } else if (!grid_.same(traveller.position, low)) {
     ray.block = static_cast<std::uint32_t>(grid_.block(traveller.position));
     const Home& home = partition_.home(ray.block);
     token.processor = home.processor;
     token.queue = single_queue_ ? 0 : home.number;
-    token.contribution = contribution(traveller.gathered.opacity);
-  } else {
-    token.state = RayState::kDone;
-    ++counts_.rays;
-    if (how == End::kOpaque) ++counts_.terminated;
   }
-  entry.token = token;
+  token.keeps_slot = how == End::kNot && token.processor == number_ && token.queue == entry.from;
 }
 
 bool Processor::tick_pipeline(Cycle now) {
@@ -157,7 +157,8 @@ bool Processor::tick_pipeline(Cycle now) {
   }
   if (issue_.can_pop(now)) {
     if (stages_.can_enter() && misses_.room() >= kMostPackets) {
-      check_tags(now, issue_.pop(now));
+      check_tags(now, issue_.front());
+      issue_.pop(now);
       fed_ = moved = true;
     } else {
       backed_up_ = true;

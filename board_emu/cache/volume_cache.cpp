@@ -42,27 +42,28 @@ inline bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, 
 
 // The tiles of the neighbourhood one by one.
 const Misses& VolumeCache::look_up(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-  const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1, z = voxel[2];
+  const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1;
   const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
-  const std::uint32_t voxels_of_tile = (two_x != 0 ? 1u : 2u) * (two_y != 0 ? 1u : 2u);
-  for (std::size_t k = z; k <= z + 1; ++k) {
+  const std::size_t last = tiles_x_ - 1;  // the last tile of a row holds one voxel of the block, and padding
+  std::uint32_t count = 0;
+  for (std::size_t z = voxel[2]; z <= voxel[2] + 1; ++z) {
     for (std::size_t j = y; j <= y + two_y; ++j) {
+      const std::size_t row = (z * tiles_x_ + j) * tiles_x_;
       for (std::size_t i = x; i <= x + two_x; ++i) {
-        const std::size_t tile = (k * tiles_x_ + j) * tiles_x_ + i;
         if (plain_) {
-          if (tags_[tile] == block) continue;
-          tags_[tile] = block;
-        } else if (hit(block, i, j, k, tile)) {
+          if (tags_[row + i] == block) continue;
+          tags_[row + i] = block;
+        } else if (hit(block, i, j, z, row + i)) {
           continue;
         }
-        misses_.tiles[misses_.count++] = static_cast<std::uint32_t>(tile);
-        // The last tile of a row holds one voxel of the block, and padding.
-        counters_.filled_voxels += (i + 1 < tiles_x_ ? 2u : 1u) * (j + 1 < tiles_x_ ? 2u : 1u);
+        misses_.tiles[count++] = static_cast<std::uint32_t>(row + i);
+        counters_.filled_voxels += (i != last ? 2u : 1u) << (j != last ? 1 : 0);
       }
     }
   }
-  const std::uint32_t missed = misses_.count * voxels_of_tile;
-  counters_.packets += misses_.count;
+  const std::uint32_t missed = count * (two_x != 0 ? 1u : 2u) * (two_y != 0 ? 1u : 2u);
+  misses_.count = count;
+  counters_.packets += count;
   counters_.missed_voxels += missed;
   ++counters_.misses[missed];
   return misses_;

@@ -32,6 +32,21 @@ class BallBoard : public BareBoard {
     write_memory(wire::kGradientLut.base, gradients);
     write_memory(wire::kReflectanceMap.base, std::vector<std::uint8_t>(wire::kReflectanceBytes, 100));
     write_register(wire::reg::kStep, wire::kStepOne / 2);
+    write_register(wire::reg::kOpacityThreshold, wire::kOpacityOne / 50 * 49);
+    flag_empty_blocks(static_cast<int>(config.asic().block_voxels()));
+  }
+
+  void flag_empty_blocks(int n) {
+    const int across = kBallSize / n;
+    std::vector<std::uint8_t> flags(static_cast<std::size_t>(across * across * across) / 8);
+    for (int block = 0; block < across * across * across; ++block) {
+      // The voxel of the block, or of its +1 faces, that is nearest the centre.
+      const auto nearest = [n](int low) { return std::clamp(127, low, low + n); };
+      const wire::Voxel voxel = ball(nearest(block % across * n), nearest(block / across % across * n),
+                                     nearest(block / (across * across) * n));
+      if (voxel.density == 0) flags[static_cast<std::size_t>(block) / 8] |= static_cast<std::uint8_t>(1 << (block % 8));
+    }
+    write_memory(wire::kEmptyFlags.base, flags);
   }
 
   // `opacity` per voxel in 1/65535, above half density.
