@@ -70,12 +70,12 @@ void draw(Scene& scene, Dice& dice) {
   scene.frame.step = static_cast<std::uint32_t>(dice.one_of({20'000, 32'768, 65'536, 150'000}));
   scene.frame.opacity_threshold = dice.one_of<std::uint32_t>({wire::kOpacityOne, wire::kOpacityOne / 2, 0});
   if (dice.chance(80)) scene.frame.opacity_threshold = wire::kOpacityOne / 16 * 15;
-  // A flag only promises that nothing is visible; a wrong one changes both levels alike.
-  for (auto& flag : scene.frame.empty) flag = dice.chance(25) ? 1 : 0;
   if (dice.chance(25)) {
     scene.frame.cut_planes.push_back(
         {{wire::kVoxel, 0, dice.number(-5000, 5000)}, std::int64_t{dice.number(-4, 12)} << kPlaneFractionBits});
   }
+  // A flag only promises that nothing is visible; a wrong one changes both levels alike.
+  for (auto& flag : scene.frame.empty) flag = dice.chance(25) ? 1 : 0;
 }
 
 std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
@@ -119,6 +119,22 @@ wire::RenderCommand draw_view(const Scene& scene, Dice& dice) {
   }
   view.samples_per_axis = dice.chance(20) ? 2 : 1;
   return view;
+}
+
+// Host rays from anywhere in the volume to anywhere; some carry what an earlier flight gathered.
+std::vector<wire::Ray> draw_rays(const Scene& scene, Dice& dice) {
+  std::vector<wire::Ray> rays;
+  for (int i = dice.number(0, 60); i > 0; --i) {
+    std::array<double, 3> position{}, direction{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      position[axis] = dice.number(0, (scene.volume.size()[axis] - 1) * 100) / 100.0;
+      direction[axis] = dice.number(-100, 100) + 0.5;
+    }
+    rays.push_back(host_ray(static_cast<std::uint32_t>(dice.number(0, 1 << 20)), position, direction));
+    rays.back().opacity =
+        static_cast<std::uint32_t>(dice.chance(20) ? dice.number(0, 1 << 24) - 1 : 0) & wire::kOpacityOne;
+  }
+  return rays;
 }
 
 std::string text(const std::vector<std::string>& assignments) {
@@ -172,13 +188,43 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   EXPECT_EQ(reads, config.ideal().memory() != 0 ? 0 : packets);
   EXPECT_EQ(machine.dsp().counters().sent, machine.dsp().counters().taken + machine.dsp().counters().overflows);
 
+  const std::vector<wire::Ray> rays = draw_rays(scene, dice);
+  std::vector<wire::Ray> functional_rays = rays, cycle_rays = rays;
+  trace(functional_rays, scene.frame, 1);
+  Work work;
+  trace(cycle_rays, scene.frame, config.dsp(), machine, work);
+  EXPECT_EQ(cycle_rays, functional_rays);
+
   // Ticking in another order changes neither bits nor cycles, and a second frame finds warm caches.
   Machine shuffled(config, scene.volume.blocks());
   shuffled.shuffle_ticks(GetParam() + 1);
   const Picture again = cycle_picture(scene, view, config, shuffled);
   EXPECT_EQ(again.pixels, expected.pixels);
   EXPECT_EQ(again.ran.cycles, picture.ran.cycles);
+  std::vector<wire::Ray> shuffled_rays = rays;
+  trace(shuffled_rays, scene.frame, config.dsp(), shuffled, work);
+  EXPECT_EQ(shuffled_rays, functional_rays);
   EXPECT_THAT(counter_texts(shuffled), testing::ElementsAreArray(counter_texts(machine)));
+}
+
+// Without leaping (a leap ends at a block's face) the block size changes no bit either.
+TEST(BlockSize, ChangesNoBitWithoutLeaping) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    std::vector<std::uint8_t> expected;
+    for (const int n : {8, 16, 32, 64}) {
+      Dice dice(seed);
+      Scene scene({70, 30, 45}, n);
+      draw(scene, dice);
+      scene.frame.leap = false;
+      const wire::RenderCommand view = corner_view(scene.volume.size(), 24);
+      const v1::BoardConfig config = config_with({"asic.block_voxels=" + std::to_string(n), "asic.processors=3",
+                                                  "asic.partition=skewed_block", "asic.max_volume_voxels=128"});
+      Machine machine(config, scene.volume.blocks());
+      const Picture picture = cycle_picture(scene, view, config, machine);
+      if (expected.empty()) expected = functional_picture(scene, view).pixels;
+      EXPECT_EQ(picture.pixels, expected) << "n = " << n << ", seed " << seed;
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RandomMachine, testing::Range(1u, 241u));

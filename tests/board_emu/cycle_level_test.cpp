@@ -66,6 +66,22 @@ TEST(CycleLevel, HostRaysComeBackWithTheFunctionalLevelsBits) {
   EXPECT_EQ(cycle.counter("pipeline.samples"), functional.counter("pipeline.samples"));
 }
 
+TEST(CycleLevel, TheHostBusAndThreadsChangeNoBit) {
+  std::vector<wire::Pixel> expected;
+  for (const auto model : {v1::pci33, v1::agp1x, v1::agp2x, v1::agp4x}) {
+    for (const unsigned threads : {1u, 3u}) {
+      v1::BoardConfig config = cycle_config();
+      config.mutable_bus()->set_model(model);
+      config.set_threads(threads);
+      BareBoard board(config);
+      load_cloud(board, {30, 30, 30});
+      const auto image = board.render(corner_view({30, 30, 30}, 24));
+      if (expected.empty()) expected = image;
+      EXPECT_EQ(image, expected);
+    }
+  }
+}
+
 TEST(CycleLevel, CausesOfAllProcessorsSumToTheirCycles) {
   v1::BoardConfig config = cycle_config();
   config.mutable_asic()->set_processors(3);
