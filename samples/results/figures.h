@@ -1,0 +1,66 @@
+// What counters mean: the paper's figures by arithmetic from one measured window.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gicube/board.h"
+#include "gicube/image.h"
+
+namespace gicube::samples::results {
+
+// One window of a board: most often a frame.
+struct Measurement {
+  Counters counters;     // its growth
+  Picoseconds time = 0;  // simulated, as the host sees it: with bus transfers
+  int processors = 0;
+  double core_hz = 0;
+  Image image;  // where it was asked for
+};
+
+// A part of nothing is 0, so that a plan's empty measurement does no harm.
+double ratio(double part, double whole);
+
+double frame_ms(const Measurement& m);  // as the host sees it, image transfer included
+double rate_hz(const Measurement& m);
+double asic_ms(const Measurement& m);  // core cycles of the window
+
+double samples_per_second(const Measurement& m);
+// Samples a pipeline cycle, 0..1.
+double throughput(const Measurement& m);
+
+// Of voxels asked for, 0..1: those that the cache held; and misses a sample, 0..8.
+double hit_ratio(const Measurement& m);
+double misses_a_sample(const Measurement& m);
+// Shares of samples with 0, 1 .. 8 misses; they sum to 1.
+std::vector<double> miss_histogram(const Measurement& m);
+
+// 16 bytes a packet of 144 bits: the paper's unit, in which an RDRAM of 18 bit at 800 MHz gives 1.6 GB/s.
+double memory_gb_s(const Measurement& m);
+// Share of the time in which the memories' data pins were busy, 0..1; four tCYCLE a core cycle.
+double memory_use(const Measurement& m);
+
+// A processor and 100 cycles: rays that it sent, and cycles in which one of its two links moved bits.
+double rays_sent(const Measurement& m);
+double links_busy(const Measurement& m);
+// Rays of 32 bytes over the cut that halves the ring.
+double bisection_mb_s(const Measurement& m);
+
+// The mean over the processors of the part of the time in which one was busy [P §5.4]. Busy is: it holds rays; or its
+// pipeline has a sample or leap in hand.
+double balance_held(const Measurement& m);
+double balance_working(const Measurement& m);
+
+double dsp_use(const Measurement& m);  // 0..1
+double overflows_a_ray(const Measurement& m);
+
+// Every pipeline cycle by its cause: name and share, which sum to 1.
+std::vector<std::pair<std::string, double>> cause_shares(const Measurement& m);
+
+struct Spread {
+  double least = 0, mean = 0, most = 0;
+};
+Spread spread_of(const std::vector<double>& values);
+
+}  // namespace gicube::samples::results

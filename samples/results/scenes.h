@@ -1,0 +1,47 @@
+// The procedural scenes that are measured: no scan is needed, and any size shows the same thing.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/scene.h"
+#include "gicube/view.h"
+#include "gicube/volume.h"
+
+namespace gicube::samples::results {
+
+enum class SceneName { kBuckyball, kHead, kCloud, kRock };
+enum class ViewName { kOblique, kAlongX, kAlongY, kAlongZ, kDiagonal };
+
+constexpr SceneName kScenes[] = {SceneName::kBuckyball, SceneName::kHead, SceneName::kCloud, SceneName::kRock};
+constexpr ViewName kViews[] = {ViewName::kOblique, ViewName::kAlongX, ViewName::kAlongY, ViewName::kAlongZ,
+                               ViewName::kDiagonal};
+
+std::string name_of(SceneName scene);
+std::string name_of(ViewName view);
+// A sentence about what it is there for.
+std::string about(SceneName scene);
+Colour background_of(SceneName scene);
+
+struct SceneData {
+  Volume volume;
+  std::vector<std::uint8_t> tags;
+  std::vector<float> gradients;
+  std::vector<TransferFunction> looks;  // by tag
+  Shading shading;
+  std::optional<CameraSettings> camera;  // of the oblique view
+  VoxelBox box;                          // what is to be seen
+
+  VolumeView view() const;
+};
+
+// `edge`: voxels to which lengths refer; all dims are equal to it but for boxes cut from a larger whole (cloud and rock
+// only, which look the same everywhere). `faint`: opacities so low that no ray ever gets opaque, the same blocks empty. Throws InputError for a buckyball whose size is out of range.
+SceneData make_scene(SceneName scene, const Dims& dims, int edge, bool faint, int threads);
+
+// A camera outside that sees all there is; parallel rays for `orthographic`, one pixel a voxel along y.
+View make_view(const SceneData& scene, ViewName view, int width, int height, bool orthographic = false);
+
+}  // namespace gicube::samples::results
