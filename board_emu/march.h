@@ -135,9 +135,10 @@ inline bool take_sample(Traveller& ray, const Cell& at, const BlockView& view, s
     tag = view.tags[first + (at.fraction[0] >= kHalf) + row * (at.fraction[1] >= kHalf) +
                     slice * (at.fraction[2] >= kHalf)];
   }
-  const wire::SegmentationEntry& entry = frame.segmentation[segmentation_index(resample(near, 0), tag)];
+  const Channels sample = resample_all(near);
+  const wire::SegmentationEntry& entry = frame.segmentation[segmentation_index(sample[0], tag)];
   if (entry.opacity == 0) return false;
-  const Colour12 colour = frame.shade ? shade(entry, resample_gradient(near), frame.reflectance_map)
+  const Colour12 colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
                                       : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   over(ray.gathered, colour, (*frame.opacity_correction)(entry.opacity, ray.exponent));
   return true;

@@ -28,6 +28,7 @@ class RayStore {
   void remove(std::uint32_t handle) { free_.push_back(handle); }
 
   RayUnderWay& operator[](std::uint32_t handle) { return rays_[handle]; }
+  const RayUnderWay& operator[](std::uint32_t handle) const { return rays_[handle]; }
   std::size_t under_way() const { return rays_.size() - free_.size(); }
 
  private:

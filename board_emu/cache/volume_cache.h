@@ -28,8 +28,8 @@ struct CacheCounters {
 };
 
 struct Misses {
-  std::uint32_t count = 0;  // packets
-  std::array<std::uint32_t, 8> tiles;
+  std::uint32_t count = 0;             // packets
+  std::array<std::uint32_t, 9> tiles;  // one more than there can be: the check writes before it counts
 };
 
 class VolumeCache {
@@ -38,13 +38,7 @@ class VolumeCache {
 
   // Looks up the neighbourhood of the cell at `voxel` of `block`. Missing tiles count as present from now on.
   const Misses& check(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-    ++counters_.checks;
-    misses_.count = 0;
-    if (present(block, voxel)) {
-      ++counters_.misses[0];
-      return misses_;
-    }
-    return look_up(block, voxel);
+    return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
   // Drops every tile: memory has changed.
@@ -56,16 +50,15 @@ class VolumeCache {
  private:
   static constexpr std::uint32_t kNothing = ~std::uint32_t{0};
 
-  // Whether a direct mapped cache holds the whole neighbourhood: the usual case, without a branch a tile.
-  bool present(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
-    if (!plain_) return false;
-    const std::size_t to_x = voxel[0] & 1, to_y = (voxel[1] & 1) * tiles_x_;
-    const std::uint32_t* near = tags_.data() + (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
-    const std::uint32_t* far = near + tiles_x_ * tiles_x_;
-    return ((near[0] ^ block) | (near[to_x] ^ block) | (near[to_y] ^ block) | (near[to_y + to_x] ^ block) |
-            (far[0] ^ block) | (far[to_x] ^ block) | (far[to_y] ^ block) | (far[to_y + to_x] ^ block)) == 0;
+  const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  void count(std::uint32_t packets, std::uint32_t voxels_of_tile) {
+    misses_.count = packets;
+    ++counters_.checks;
+    counters_.packets += packets;
+    counters_.missed_voxels += packets * voxels_of_tile;
+    ++counters_.misses[packets * voxels_of_tile];
   }
-  const Misses& look_up(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
 
   CacheShape shape_;
@@ -77,5 +70,28 @@ class VolumeCache {
   Misses misses_;
   CacheCounters counters_;
 };
+
+// A direct mapped cache looked up by the place in the block. Always eight tags, as the hardware does, and without a branch
+// a tile, since which are missing is hard to predict: a tile that comes twice is there the second time.
+inline const Misses& VolumeCache::check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+  const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1;
+  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
+  const std::size_t last = tiles_x_ - 1;  // the last tile of a row holds one voxel of the block, and padding
+  const std::size_t slice = tiles_x_ * tiles_x_, first = (voxel[2] * tiles_x_ + y) * tiles_x_ + x;
+  const std::uint32_t across[2] = {x != last ? 2u : 1u, x + two_x != last ? 2u : 1u};
+  const std::uint32_t down[2] = {y != last ? 2u : 1u, y + two_y != last ? 2u : 1u};
+  std::uint32_t count_missing = 0, filled = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::size_t tile = first + (i & 1) * two_x + (i >> 1 & 1) * two_y * tiles_x_ + (i >> 2) * slice;
+    const std::uint32_t missing = tags_[tile] != block;
+    tags_[tile] = block;
+    misses_.tiles[count_missing] = static_cast<std::uint32_t>(tile);
+    count_missing += missing;
+    filled += missing * across[i & 1] * down[i >> 1 & 1];
+  }
+  counters_.filled_voxels += filled;
+  count(count_missing, 4u >> (two_x + two_y));
+  return misses_;
+}
 
 }  // namespace gicube::emu

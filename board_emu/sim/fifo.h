@@ -30,6 +30,11 @@ class Fifo {
 
   bool can_pop(Cycle now) const { return last_pop_ != now && size_ > (last_push_ == now ? 1u : 0u); }
   const T& front() const { return items_[head_]; }
+  // The one pushed last; not for a part that may not see it yet, but for prefetching what it points at.
+  const T& back() const {
+    const std::size_t tail = head_ + size_ - 1;
+    return items_[tail < capacity_ ? tail : tail - capacity_];
+  }
   T pop(Cycle now) {
     assert(can_pop(now));
     const T item = items_[head_];

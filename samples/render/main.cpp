@@ -34,6 +34,12 @@ void print_summary(const RenderOptions& options, const FrameStatistics& statisti
   const double share = frame_ms > 0 ? 100 * bus_ms(statistics.counters) / frame_ms : 0;
   fmt::print("{}: frame {:.3f} ms simulated, bus {:.1f}% of it, {}x{} pixels\n", options.output.string(), frame_ms,
              share, statistics.width, statistics.height);
+  const auto json = to_json(statistics);
+  if (json.at("hit_ratio").is_null()) return;  // no time in the pipelines, or no sample taken
+  fmt::print(
+      "{:.1f} frames a second, {:.0f} M samples a second, hit ratio {:.1f}%, memory {:.2f} GB/s, DSP {:.0f}% busy\n",
+      1e3 / frame_ms, json.at("samples_per_second").get<double>() * 1e-6, json.at("hit_ratio").get<double>() * 100,
+      json.at("memory_gb_s").get<double>(), json.at("dsp_utilisation").get<double>() * 100);
 }
 
 int run(int argc, char** argv) {

@@ -30,7 +30,8 @@ double value(const FrameStatistics& statistics, const char* name) {
 
 // What the caches, memories and pipelines did while the ASIC worked. Null where the level keeps no time in them.
 void add_asic(const FrameStatistics& statistics, Json& json) {
-  for (const char* key : {"samples_per_second", "throughput", "hit_ratio", "memory_gb_s", "memory_utilisation"}) {
+  for (const char* key : {"samples_per_second", "throughput", "hit_ratio", "memory_gb_s", "memory_utilisation",
+                          "load_balance", "dsp_utilisation"}) {
     json[key] = nullptr;
   }
   const Counters& counters = statistics.counters;
@@ -41,10 +42,12 @@ void add_asic(const FrameStatistics& statistics, Json& json) {
   json["throughput"] = samples / (cycles * statistics.board.processors);  // of the most that the pipelines could
   const double checks = value(statistics, "processor.cache.checks");
   if (checks > 0) json["hit_ratio"] = 1 - value(statistics, "processor.cache.missed_voxels") / (8 * checks);
-  constexpr double kPacketBytes = 18;  // 144 bits
+  constexpr double kPacketBytes = 16;  // of 144 bits: the paper's unit, in which an RDRAM has 1.6 GB/s
   const double packets = value(statistics, "rdram.reads") + value(statistics, "rdram.writes");
   json["memory_gb_s"] = packets * kPacketBytes / seconds * 1e-9;
   json["memory_utilisation"] = value(statistics, "rdram.data_busy") / value(statistics, "rdram.cycles");
+  json["load_balance"] = value(statistics, "processor.rays_held") / (cycles * statistics.board.processors);  // [P §5.4]
+  json["dsp_utilisation"] = value(statistics, "dsp.busy_ps") * 1e-12 / seconds;
 }
 
 }  // namespace

@@ -25,9 +25,10 @@ struct FrameStatistics {
 double bus_ms(const Counters& counters);
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
-// memory_utilisation config_hash fidelity seed image volume counters. Samples and memory traffic are per second of the
-// ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is of voxels. A figure that the
-// board's fidelity level does not model is null.
+// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed image volume counters. Samples and memory
+// traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
+// of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
+// does not model is null.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 
 // Throws InputError if the file can't be written.

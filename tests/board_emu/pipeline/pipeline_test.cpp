@@ -36,7 +36,27 @@ TEST(Resample, GivesTheVoxelItselfAtAVoxel) {
   for (std::size_t i = 0; i < 8; ++i) cell[i].channel = {static_cast<std::int16_t>(1000 * i), 16352, -16352, 7};
   const Neighbourhood at{cell.data(), 2, 4, {0, 0, 0}};
   EXPECT_EQ(resample(at, 0), 0);
-  EXPECT_EQ(resample_gradient(at), (Point{16352, -16352, 7}));
+  EXPECT_EQ(resample_all(at), (Channels{0, 16352, -16352, 7}));
+}
+
+TEST(Resample, GivesTheSameBitsInLanesAsChannelByChannel) {
+  std::mt19937 random(2);
+  std::uniform_int_distribution<int> density(0, 4095 << kDensityFractionBits), gradient(-16352, 16352),
+      fraction(0, wire::kVoxel - 1);
+  for (int trial = 0; trial < 100'000; ++trial) {
+    std::vector<DecodedVoxel> cell(8);
+    for (auto& voxel : cell) {
+      const bool extreme = trial % 3 == 0;
+      const auto component = [&] {
+        const int g = gradient(random);
+        return static_cast<std::int16_t>(extreme ? (g < 0 ? -16352 : 16352) : g);
+      };
+      voxel.channel = {static_cast<std::int16_t>(density(random)), component(), component(), component()};
+    }
+    const auto weights = [&] { return weight(static_cast<std::uint32_t>(trial % 5 == 0 ? 0 : fraction(random))); };
+    const Neighbourhood at{cell.data(), 2, 4, {weights(), weights(), weights()}};
+    ASSERT_EQ(resample_all(at), resample_each(at)) << trial;
+  }
 }
 
 TEST(Resample, StaysWithinOneAndAHalfUnitsOfTheExactTrilinearValue) {

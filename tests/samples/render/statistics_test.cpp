@@ -58,6 +58,8 @@ TEST(Statistics, SayWhatTheAsicDidWhereItsPartsTakeTime) {
                                   {"processor.samples", "sample", 300'000},
                                   {"processor.cache.checks", "sample", 300'000},
                                   {"processor.cache.missed_voxels", "voxel", 240'000},
+                                  {"processor.rays_held", "cycle", 320'000},
+                                  {"dsp.busy_ps", "ps", 250'000'000},
                                   {"rdram.reads", "packet", 100'000},
                                   {"rdram.writes", "packet", 50'000},
                                   {"rdram.data_busy", "tCYCLE", 600'000},
@@ -66,8 +68,10 @@ TEST(Statistics, SayWhatTheAsicDidWhereItsPartsTakeTime) {
   EXPECT_DOUBLE_EQ(json.at("samples_per_second"), 300e6);
   EXPECT_DOUBLE_EQ(json.at("throughput"), 0.75);
   EXPECT_DOUBLE_EQ(json.at("hit_ratio"), 0.9);
-  EXPECT_DOUBLE_EQ(json.at("memory_gb_s"), 2.7);
+  EXPECT_DOUBLE_EQ(json.at("memory_gb_s"), 2.4);
   EXPECT_DOUBLE_EQ(json.at("memory_utilisation"), 0.375);
+  EXPECT_DOUBLE_EQ(json.at("load_balance"), 0.8);
+  EXPECT_DOUBLE_EQ(json.at("dsp_utilisation"), 0.25);
 }
 
 TEST(Statistics, SayWhenTheFileCannotBeWritten) {
