@@ -67,15 +67,15 @@ bool Machine::tick_part(std::size_t part) {
 bool Machine::tick() {
   bool moved = false;
   if (shuffle_ == 0) {
-    moved = dsp_->tick(now_);
-    moved = ray_bus_->tick(now_) || moved;
-    moved = links_->tick(now_) || moved;
+    moved |= dsp_->tick(now_);
+    moved |= ray_bus_->tick(now_);
+    moved |= links_->tick(now_);
     for (const auto& processor : processors_) {
-      moved = processor->tick_sorter(now_) || moved;
-      moved = processor->tick_pipeline(now_) || moved;
+      moved |= processor->tick_sorter(now_);
+      moved |= processor->tick_pipeline(now_);
     }
-    for (const auto& memory : memories_) moved = memory->tick(now_) || moved;
-    moved = tree_->tick(now_) || moved;
+    for (const auto& memory : memories_) moved |= memory->tick(now_);
+    moved |= tree_->tick(now_);
   } else {
     std::vector<std::size_t> order(4 + memories_.size() + 2 * processors_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -83,7 +83,7 @@ bool Machine::tick() {
       shuffle_ = mangle(shuffle_ + 1) | 1;
       std::swap(order[i], order[(shuffle_ >> 1) % (i + 1)]);
     }
-    for (const std::size_t part : order) moved = tick_part(part) || moved;
+    for (const std::size_t part : order) moved |= tick_part(part);
   }
   const Cause cause = upstream();
   for (const auto& processor : processors_) processor->account(now_, cause);
@@ -151,7 +151,7 @@ Ran Machine::run(RayWork& work, const Frame& frame, Work& progress) {
       book_block_loads();
       if (progress.cancel) return {now_ - begin, dsp_->counters().busy_cycles - dsp_before, true};
     }
-    if (dsp_->free_at() > now_ + 1 && asic_idle()) {
+    if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
       skip_to(dsp_->free_at());
       moved_at = now_;
       continue;

@@ -56,7 +56,7 @@ class Processor {
 
   bool idle() const;
   // Some ray is in its queues or its pipeline.
-  bool holds_rays() const { return sorter_.waiting() > 0 || !issue_.empty() || !stages_.empty(); }
+  bool holds_rays() const;
   void describe(std::ostream& out) const;
 
   // Ends of the FIFOs, for the ray bus, the ring and the merge tree.
@@ -116,20 +116,26 @@ class Processor {
   std::uint64_t holding_cycles_ = 0;
 };
 
+// In what follows conditions are added up instead of branched on: they are hard to predict, and asked for every cycle.
+inline bool Processor::holds_rays() const { return (sorter_.waiting() | issue_.size() | stages_.size()) != 0; }
+
 inline Cause Processor::bubble(Cause upstream) const {
-  if (backed_up_) return Cause::kMiss;
-  if (sorter_.waiting() > 0 || !issue_.empty()) return Cause::kSorter;
-  if (!from_bus.empty() || !from_left.empty() || !from_right.empty()) return Cause::kSorter;
-  if (!stages_.empty() || !returned_.empty()) return Cause::kLatency;
-  return upstream;
+  const std::uint64_t under_way = stages_.size() | returned_.size();
+  const std::uint64_t to_be_sorted =
+      sorter_.waiting() | issue_.size() | from_bus.size() | from_left.size() | from_right.size();
+  Cause cause = upstream;
+  cause = under_way != 0 ? Cause::kLatency : cause;
+  cause = to_be_sorted != 0 ? Cause::kSorter : cause;
+  return backed_up_ ? Cause::kMiss : cause;
 }
 
 inline void Processor::account(Cycle now, Cause upstream) {
   // An empty compute entry goes back to the cycle in which nothing entered the prefetch line.
-  if (bubble_) latest_ = unfed_[(now - stages_.prefetch_stages()) & unfed_mask_];
+  const Cause unfed = unfed_[(now - stages_.prefetch_stages()) & unfed_mask_];
+  latest_ = bubble_ ? unfed : latest_;
   ++causes_[static_cast<std::size_t>(latest_)];
-  if (!fed_) unfed_[now & unfed_mask_] = bubble(upstream);
-  if (fed_ || holds_rays()) ++holding_cycles_;
+  unfed_[now & unfed_mask_] = bubble(upstream);  // not asked for if a ray has entered
+  holding_cycles_ += fed_ | holds_rays();
 }
 
 // Brings what the ray's next turn will read into the host's cache: a turn later is a few hundred instructions later.

@@ -31,7 +31,8 @@ class Stages {
         ring_(mask_ + 1) {}
 
   std::size_t prefetch_stages() const { return prefetch_stages_; }
-  bool empty() const { return prefetching_ + computing_ == 0; }
+  std::size_t size() const { return prefetching_ + computing_; }
+  bool empty() const { return size() == 0; }
   std::size_t prefetching() const { return prefetching_; }
   std::size_t computing() const { return computing_; }
 

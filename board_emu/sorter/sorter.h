@@ -77,8 +77,8 @@ class Sorter {
   bool tick(Cycle now) {
     // Rays stay in a processor for many samples, so that mostly all three are empty.
     const bool others_come = (in_.from_bus.size() | in_.from_left.size() | in_.from_right.size()) != 0;
-    const bool nothing_comes = !others_come && in_.returned.empty() && in_.released.empty();
-    return !(nothing_comes && queues_.waiting() == 0) && work(now, others_come);
+    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting();
+    return ((rest != 0) | others_come) && work(now, others_come);
   }
 
   bool idle() const { return queues_.waiting() == 0; }
