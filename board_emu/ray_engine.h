@@ -51,8 +51,8 @@ class RayEngine {
   bool busy(Cycle now) const { return free_at_ > now * dsp_khz_; }
   // No ray is on the ASIC: those under way are kept here, or on their way out.
   bool keeps_all_rays() const {
-    return rays_.under_way() == kept_.size() + (outgoing_ == Outgoing::kRay ? 1 : 0) +
-                                    (outgoing_ == Outgoing::kRun ? run_.size() : 0);
+    return rays_.under_way() ==
+           kept_.size() + (outgoing_ == Outgoing::kRay ? 1 : 0) + (outgoing_ == Outgoing::kRun ? run_.size() : 0);
   }
   // The first core cycle in which the DSP can begin something.
   Cycle free_at() const;
