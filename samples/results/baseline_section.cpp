@@ -8,7 +8,7 @@
 namespace gicube::samples::results {
 namespace {
 
-constexpr int kQueues[] = {16, 32, 64, 128, 256, 512, 1024, 2048, 4096};  // rays
+constexpr int kQueues[] = {16, 32, 64, 128, 256, 512, 1024, 4096};  // rays
 
 Run baseline(const Run& run, int queue) { return run.with("sorter.queues", "single").with("asic.queue_rays", queue); }
 

@@ -33,7 +33,7 @@ void bus_section(Bench& bench) {
     traced.kind = Run::Kind::kHostRays;
     const Measurement &image = bench.get(on), &rays = bench.get(traced);
     const double image_ms = to_ms(image.counters.value("bus.image.time_ps")),
-                 rays_ms = to_ms(rays.counters.value("bus.rays.time_ps"));
+                 rays_ms = to_ms(rays.counters.value("bus.down.busy_ps") + rays.counters.value("bus.up.busy_ps"));
     const double share = image_ms * kRate * 1e-3;
     if (bus == std::string("pci33")) image_share = share, pci = rate_hz(rays);
     if (bus == std::string("agp2x")) agp = rate_hz(rays);

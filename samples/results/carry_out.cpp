@@ -20,11 +20,11 @@ Board open_board(const Run& run) {
   return Board::open(board_uri(options));
 }
 
-void load(Board& board, const SceneData& scene) {
+void load(Board& board, const SceneData& scene, bool be_faint) {
   board.set_shading(scene.shading);
   board.load_volume(scene.view());
   for (std::size_t tag = 0; tag < scene.looks.size(); ++tag) {
-    board.set_transfer_function(scene.looks[tag], static_cast<int>(tag));
+    board.set_transfer_function(be_faint ? faint(scene.looks[tag]) : scene.looks[tag], static_cast<int>(tag));
   }
 }
 
@@ -33,6 +33,7 @@ View view_of(const Run& run, const SceneData& scene) {
   view.step = run.step;
   view.opacity_threshold = run.threshold;
   view.leap = run.leap;
+  view.jitter = run.jitter;
   return view;
 }
 
@@ -137,8 +138,7 @@ std::shared_ptr<const SceneData> SceneStore::get(const Run& run) {
   if (mine) {
     try {
       constexpr int kThreads = 2;  // chosen: the other worker most often waits for the same scene
-      promise.set_value(
-          std::make_shared<const SceneData>(make_scene(run.scene, run.dims, run.edge, run.faint, kThreads)));
+      promise.set_value(std::make_shared<const SceneData>(make_scene(run.scene, run.dims, run.edge, kThreads)));
     } catch (...) {
       promise.set_exception(std::current_exception());
     }
@@ -152,7 +152,7 @@ void carry_out(const std::vector<Run>& runs, SceneStore& scenes,
   try {
     const std::shared_ptr<const SceneData> scene = scenes.get(runs.front());
     Board board = open_board(runs.front());
-    load(board, *scene);
+    load(board, *scene, runs.front().faint);
     for (const Run& run : runs) {
       current = &run;
       keep(run, measure(board, run, *scene));

@@ -75,6 +75,15 @@ double balance_working(const Measurement& m) {
   return ratio(count(m, "processor.cycles.busy") + count(m, "processor.cycles.leap"), pipeline_cycles(m));
 }
 
+double work_balance(const Measurement& m) {
+  std::vector<double> samples;
+  for (int i = 0; i < m.processors; ++i) {
+    samples.push_back(count(m, ("processor" + std::to_string(i) + ".samples").c_str()));
+  }
+  const Spread spread = spread_of(samples);
+  return ratio(spread.mean, spread.most);
+}
+
 double dsp_use(const Measurement& m) { return ratio(to_ms(m.counters.value("dsp.busy_ps")), asic_ms(m)); }
 double overflows_a_ray(const Measurement& m) { return ratio(count(m, "dsp.overflows"), count(m, "dsp.rays_taken")); }
 

@@ -52,6 +52,10 @@ double bisection_mb_s(const Measurement& m);
 double balance_held(const Measurement& m);
 double balance_working(const Measurement& m);
 
+// How evenly the samples lie, whatever the time: the mean over the processors of the most that one has, 0..1. No machine of p
+// such processors can be more than p times this as fast as one.
+double work_balance(const Measurement& m);
+
 double dsp_use(const Measurement& m);  // 0..1
 double overflows_a_ray(const Measurement& m);
 

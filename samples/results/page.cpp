@@ -82,7 +82,7 @@ std::string to_gnuplot(const Chart& chart) {
   std::string text = "set datafile separator ','\nset datafile missing ''\n";
   text += fmt::format("set title \"{}\"\nset xlabel \"{}\"\nset ylabel \"{}\"\n", chart.title, chart.x_label,
                       chart.y_label);
-  text += "set grid\nset key outside right top\n";
+  text += "set grid\nset key above\n";
   if (chart.log_x) text += "set logscale x 2\n";
   if (chart.log_y) text += "set logscale y\n";
   if (chart.bars) text += "set style data histograms\nset style fill solid 0.8\nset yrange [0:*]\n";

@@ -47,20 +47,20 @@ Run Run::at_step(double distance) const {
 }
 
 std::string Run::scene_key() const {
-  return fmt::format("{}{} {}x{}x{} of {}", faint ? "faint " : "", name_of(scene), dims[0], dims[1], dims[2], edge);
+  return fmt::format("{} {}x{}x{} of {}", name_of(scene), dims[0], dims[1], dims[2], edge);
 }
 
 std::string Run::board_key() const {
-  std::string text = scene_key();
+  std::string text = (faint ? "faint " : "") + scene_key();
   if (kind == Kind::kFillBlock) text += fmt::format(" one block, step {}", step);  // its cache must be cold
   for (const auto& [field, value] : settings) text += fmt::format(" {}={}", field, value);
   return text;
 }
 
 std::string Run::key() const {
-  return fmt::format("{}: {}{} {}x{} step {} threshold {}{}{}", board_key(), name_of(view),
+  return fmt::format("{}: {}{} {}x{} step {} threshold {}{}{}{}", board_key(), name_of(view),
                      orthographic ? " (parallel)" : "", width, height, step, threshold, leap ? "" : " without leaps",
-                     kind == Kind::kHostRays ? " host rays" : "");
+                     jitter ? " jittered" : "", kind == Kind::kHostRays ? " host rays" : "");
 }
 
 void ProgressMeter::show(std::size_t done, std::size_t all, double seconds) {

@@ -35,6 +35,7 @@ struct Run {
   double step = 0.5;
   double threshold = 0.98;
   bool leap = true;
+  bool jitter = false;
   bool faint = false;  // no ray ever gets opaque: without early termination
   bool orthographic = false;
   bool picture = false;  // keep the image; no part of the key

@@ -40,15 +40,21 @@ void steps(Bench& bench) {
     for (const char* column : {"misses a sample", "memory GB/s", "memory in use", "throughput", "Hz"})
       table.columns.push_back(name_of(scene) + ": " + column);
   }
-  for (const double step : kSteps) {
-    std::vector<std::string> row{fmt::format("{:g}", step)};
+  const auto add = [&](const std::string& name, double step, bool jitter) {
+    std::vector<std::string> row{name};
     for (const SceneName scene : kScenes) {
-      const Measurement& m = bench.get(bench.run(scene).at_step(step));
+      Run run = bench.run(scene).at_step(step);
+      run.jitter = jitter;
+      run.picture = run.picture && !jitter;
+      const Measurement& m = bench.get(run);
       row.insert(row.end(), {number(misses_a_sample(m), 2), number(memory_gb_s(m), 2), percent(memory_use(m)),
                              percent(throughput(m)), number(rate_hz(m))});
     }
     table.rows.push_back(row);
-  }
+  };
+  for (const double step : kSteps) add(fmt::format("{:g}", step), step, false);
+  add("1, jittered", 1, true);
+  bench.page().text("Jitter shortens each step by a random factor of 1/2 to 1, as the paper does.");
   bench.page().table(table);
 }
 

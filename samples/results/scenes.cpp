@@ -164,7 +164,7 @@ VolumeView SceneData::view() const {
   return result;
 }
 
-SceneData make_scene(SceneName name, const Dims& dims, int edge, bool faint, int threads) {
+SceneData make_scene(SceneName name, const Dims& dims, int edge, int threads) {
   SceneData scene;
   switch (name) {
     case SceneName::kBuckyball: scene = make_ball(dims, threads); break;
@@ -175,12 +175,12 @@ SceneData make_scene(SceneName name, const Dims& dims, int edge, bool faint, int
       break;
   }
   scene.box = name == SceneName::kHead ? visible_box(scene.volume, {scene.looks.front(), false}) : whole_box(dims);
-  if (faint) {
-    for (TransferFunction& look : scene.looks) {
-      for (OpacityPoint& point : look.opacities) point.opacity *= kFaint;
-    }
-  }
   return scene;
+}
+
+TransferFunction faint(TransferFunction look) {
+  for (OpacityPoint& point : look.opacities) point.opacity *= kFaint;
+  return look;
 }
 
 View make_view(const SceneData& scene, ViewName name, int width, int height, bool orthographic) {

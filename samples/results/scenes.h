@@ -38,8 +38,11 @@ struct SceneData {
 };
 
 // `edge`: voxels to which lengths refer; all dims are equal to it but for boxes cut from a larger whole (cloud and rock
-// only, which look the same everywhere). `faint`: opacities so low that no ray ever gets opaque, the same blocks empty. Throws InputError for a buckyball whose size is out of range.
-SceneData make_scene(SceneName scene, const Dims& dims, int edge, bool faint, int threads);
+// only, which look the same everywhere).  Throws InputError for a buckyball whose size is out of range.
+SceneData make_scene(SceneName scene, const Dims& dims, int edge, int threads);
+
+// The same values visible, but so faint that no ray ever gets opaque.
+TransferFunction faint(TransferFunction look);
 
 // A camera outside that sees all there is; parallel rays for `orthographic`, one pixel a voxel along y.
 View make_view(const SceneData& scene, ViewName view, int width, int height, bool orthographic = false);

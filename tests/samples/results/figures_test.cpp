@@ -72,6 +72,13 @@ TEST(ResultFigures, LoadBalanceIsTheMeanBusyPartOfTheTime) {
   EXPECT_DOUBLE_EQ(balance_working(m), 0.5);
 }
 
+TEST(ResultFigures, WorkBalanceIsTheMeanOfTheMost) {
+  EXPECT_DOUBLE_EQ(work_balance(measured({{"processor0.samples", "sample", 100},
+                                          {"processor1.samples", "sample", 300},
+                                          {"processor.samples", "sample", 400}})),
+                   2.0 / 3);
+}
+
 TEST(ResultFigures, CauseSharesSumToOneAndLeaveOutSingleProcessors) {
   const Measurement m = measured({{"processor0.cycles.busy", "cycle", 300},
                                   {"processor.cycles.busy", "cycle", 500},
@@ -94,7 +101,7 @@ TEST(ResultFigures, DspIsMeasuredAgainstTheTimeOfTheAsic) {
 TEST(ResultFigures, NothingMeasuredIsZeroEverywhere) {
   const Measurement nothing;
   for (const auto figure : {rate_hz, asic_ms, samples_per_second, throughput, hit_ratio, memory_gb_s, memory_use,
-                            rays_sent, bisection_mb_s, balance_held, dsp_use, overflows_a_ray}) {
+                            rays_sent, bisection_mb_s, balance_held, work_balance, dsp_use, overflows_a_ray}) {
     EXPECT_EQ(figure(nothing), 0);
   }
 }
