@@ -64,7 +64,7 @@ const std::vector<Rule>& rules() {
       sibling("board_emu/memory"),
       sibling("board_emu/raybus"),
       sibling("board_emu/sorter"),
-      sibling("board_emu/pipeline"),
+      {"board_emu/pipeline", {"board_emu/pipeline", "board_emu/sim", "board_emu/flow.h", "proto"}, {"emmintrin.h"}},
       sibling("board_emu/cache"),
       sibling("board_emu/rdram"),
       sibling("board_emu/link"),
@@ -81,6 +81,7 @@ const std::vector<Rule>& rules() {
       // Like any application outside the tree; scene.proto is the samples' file format.
       {"samples/common",     {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},
       {"samples/hello",      {"samples/hello", "driver/include"}, {}},
+      {"samples/results",    {"samples/results", "samples/common", "driver/include"}, {kAnything}},
       {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
   };
