@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kField = "asic.partition";
 constexpr std::array<std::pair<const char*, const char*>, 3> kPartitions{
     {{"simple_slab", "slab"}, {"repeated_slab", "repeated slab"}, {"skewed_block", "skewed"}}};
-constexpr int kLinkBits[] = {2, 4, 8, 16, 32, 64, 256};
+constexpr int kLinkBits[] = {1, 2, 4, 8, 16, 32, 64, 256};
 constexpr int kDesignBits = 32, kDesignProcessors = 4;
 constexpr double kRayMegabytes = 32 * 100;  // a second, of one ray of 32 bytes a cycle at 100 MHz
 
