@@ -8,7 +8,8 @@
 
 namespace gicube::emu {
 
-struct RayUnderWay {
+// A cache line of the host: most turns of a ray begin by missing it.
+struct alignas(64) RayUnderWay {
   Traveller traveller;
   std::uint32_t block = 0;  // that its position lies in
 };

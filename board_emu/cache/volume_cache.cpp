@@ -8,6 +8,7 @@ VolumeCache::VolumeCache(const CacheShape& shape)
     : shape_(shape),
       plain_(shape.ways == 1 && !shape.linear),
       tiles_x_(static_cast<std::size_t>(shape.block_voxels) / 2 + 1),
+      slice_tiles_(tiles_x_ * tiles_x_),
       slices_(static_cast<std::size_t>(shape.block_voxels) + 1),
       // A way is a share of the same (n+1)^3 words: more ways, fewer sets.
       sets_((tiles_of_block() + shape.ways - 1) / shape.ways),

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -44,13 +45,15 @@ class VolumeCache {
   // Drops every tile: memory has changed.
   void invalidate();
 
-  std::size_t tiles_of_block() const { return tiles_x_ * tiles_x_ * slices_; }
+  std::size_t tiles_of_block() const { return slice_tiles_ * slices_; }
   const CacheCounters& counters() const { return counters_; }
 
  private:
   static constexpr std::uint32_t kNothing = ~std::uint32_t{0};
 
   const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  // The same if something is missing; `first` is the neighbourhood's lowest tile.
+  const Misses& fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, std::size_t first);
   const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
   void count(std::uint32_t packets, std::uint32_t voxels_of_tile) {
     misses_.count = packets;
@@ -64,25 +67,46 @@ class VolumeCache {
   CacheShape shape_;
   bool plain_;           // direct mapped, by the place in the block
   std::size_t tiles_x_;  // of a block along x, and along y
-  std::size_t slices_;   // along z
+  std::size_t slice_tiles_;
+  std::size_t slices_;  // along z
   std::size_t sets_;
   std::vector<std::uint32_t> tags_;  // sets_ x ways, the latest used first
   Misses misses_;
   CacheCounters counters_;
 };
 
-// A direct mapped cache looked up by the place in the block. Always eight tags, as the hardware does, and without a branch
-// a tile, since which are missing is hard to predict: a tile that comes twice is there the second time.
+// A direct mapped cache looked up by the place in the block. Mostly nothing is missing, and that is seen at once, two
+// tiles of a row in a word.
 inline const Misses& VolumeCache::check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-  const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1;
   const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
+  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
+  const auto differs = [this, block](std::size_t tile) {
+    const auto tags = std::bit_cast<std::uint64_t>(std::array{tags_[tile], tags_[tile + 1]});
+    return tags ^ std::bit_cast<std::uint64_t>(std::array{block, block});
+  };
+  const std::uint64_t of_both = std::bit_cast<std::uint64_t>(std::array{~0u, two_x != 0 ? ~0u : 0u});
+  const std::size_t row = two_y * tiles_x_, slice = slice_tiles_;
+  const std::uint64_t any =
+      differs(first) | differs(first + row) | differs(first + slice) | differs(first + slice + row);
+  if ((any & of_both) == 0) {
+    count(0, 4u >> (two_x + two_y));
+    return misses_;
+  }
+  return fetch_plain(block, voxel, first);
+}
+
+// Always eight tags, as the hardware does, and without a branch a tile, since which are missing is hard to predict: a tile
+// that comes twice is there the second time.
+inline const Misses& VolumeCache::fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel,
+                                              std::size_t first) {
+  const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1;
+  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;
   const std::size_t last = tiles_x_ - 1;  // the last tile of a row holds one voxel of the block, and padding
-  const std::size_t slice = tiles_x_ * tiles_x_, first = (voxel[2] * tiles_x_ + y) * tiles_x_ + x;
   const std::uint32_t across[2] = {x != last ? 2u : 1u, x + two_x != last ? 2u : 1u};
   const std::uint32_t down[2] = {y != last ? 2u : 1u, y + two_y != last ? 2u : 1u};
   std::uint32_t count_missing = 0, filled = 0;
   for (std::size_t i = 0; i < 8; ++i) {
-    const std::size_t tile = first + (i & 1) * two_x + (i >> 1 & 1) * two_y * tiles_x_ + (i >> 2) * slice;
+    const std::size_t tile = first + (i & 1) * two_x + (i >> 1 & 1) * two_y * tiles_x_ + (i >> 2) * slice_tiles_;
     const std::uint32_t missing = tags_[tile] != block;
     tags_[tile] = block;
     misses_.tiles[count_missing] = static_cast<std::uint32_t>(tile);
