@@ -9,16 +9,13 @@
 #include <thread>
 
 #include "common/input_error.h"
-#include "common/signed_distance.h"
+#include "common/geometry/signed_distance.h"
+#include "common/geometry/voxel_world.h"
 #include "common/truncated_icosahedron.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr double kMaxDensity = 4095;  // of kUint12
-constexpr double kRampVoxels = 2;     // chosen: wide enough for trilinear interpolation to follow the surface
-// Trilinear samples with a density above zero touch voxels up to ramp/2 + sqrt(3) voxels away: these need tag and normal.
-constexpr double kNearVoxels = 3;
 constexpr int kCell = 8;  // voxels; solids are looked up a cell at a time
 
 struct Solid {

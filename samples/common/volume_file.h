@@ -45,6 +45,8 @@ struct RawLayout {
   Vec3 spacing{1, 1, 1};
   bool big_endian = false;
   std::uint64_t skip_bytes = 0;  // before the first sample
+
+  friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };
 
 // Types int8, int32, uint32, int64, uint64 and float64 become float32, and so does every NIfTI volume with a slope and

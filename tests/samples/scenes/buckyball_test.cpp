@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "common/input_error.h"
-#include "common/signed_distance.h"
+#include "common/geometry/signed_distance.h"
 #include "common/truncated_icosahedron.h"
 
 namespace gicube::samples {

@@ -1,0 +1,34 @@
+// Affine maps of space: where a solid of the scenegraph lies in its world.
+#pragma once
+
+#include <array>
+
+#include "gicube/vector.h"
+
+namespace gicube::samples {
+
+// p -> linear p + offset.
+struct Affine {
+  std::array<Vec3, 3> rows{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  Vec3 offset;
+
+  Vec3 vector(Vec3 v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
+  Vec3 point(Vec3 p) const { return vector(p) + offset; }
+  // The transposed linear part: of the inverse map, it takes gradients along.
+  Vec3 transposed(Vec3 v) const { return v.x * rows[0] + v.y * rows[1] + v.z * rows[2]; }
+};
+
+// First `inner`, then `outer`.
+Affine compose(const Affine& outer, const Affine& inner);
+Affine translation(Vec3 by);
+// Counter-clockwise as seen against `axis` (any length but 0).
+Affine rotation(Vec3 axis, double degrees);
+Affine scaling(Vec3 factors);
+
+double determinant(const Affine& map);
+// Its determinant must not be 0.
+Affine inverse(const Affine& map);
+// The factor by which the shortest-grown vector grows: the linear part's least singular value.
+double least_stretch(const Affine& map);
+
+}  // namespace gicube::samples
