@@ -74,7 +74,9 @@ bool Machine::tick() {
       moved |= processor->tick_sorter(now_);
       moved |= processor->tick_pipeline(now_);
     }
-    for (const auto& memory : memories_) moved |= memory->tick(now_);
+    for (const auto& memory : memories_) {
+      moved |= observer_ == nullptr ? memory->tick_ahead(now_) : memory->tick(now_);
+    }
     moved |= tree_->tick(now_);
   } else {
     std::vector<std::size_t> order(4 + memories_.size() + 2 * processors_.size());

@@ -1,5 +1,7 @@
 // One RDRAM channel and the processors that it serves, one or two [P §3.3]: sends their requests on, one a core cycle,
 // in turn, and tells them when each packet arrives.
+//
+// A processor that has its channel to itself can be told at once: nobody else's requests come between.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +25,12 @@ class MemoryPort {
     }
     return false;
   }
+  // The same, or all that was asked for so far, each in the cycle in which it will be sent: to be called in every cycle
+  // too. What has been counted may then be ahead of the cycle.
+  bool tick_ahead(Cycle now) {
+    if (misses_.size() > 1) return tick(now);
+    return !misses_.front()->all_sent() && serve_ahead();
+  }
 
   std::uint64_t cycles(Cycle now) const { return now * ratio_; }  // tCYCLE until then
   std::uint32_t devices() const { return layout_.devices(); }
@@ -31,6 +39,8 @@ class MemoryPort {
 
  private:
   bool serve(Cycle now);
+  bool serve_ahead();
+  void send(std::size_t which, Cycle now);
 
   std::vector<MissQueue*> misses_;
   rdram::Layout layout_;
@@ -38,6 +48,7 @@ class MemoryPort {
   std::uint64_t ratio_;  // tCYCLE a core cycle
   std::uint64_t rac_latency_;
   std::size_t turn_ = 0;
+  Cycle latest_ = 0;  // in which something was sent
 };
 
 }  // namespace gicube::emu

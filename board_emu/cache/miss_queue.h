@@ -43,7 +43,8 @@ class MissQueue {
     --sent_;
   }
 
-  bool can_send(Cycle now) const { return sent_ < size_ && next().asked < now; }
+  bool all_sent() const { return sent_ == size_; }
+  bool can_send(Cycle now) const { return !all_sent() && next().asked < now; }
   const Packet& next() const { return ring_[wrap(head_ + sent_)]; }
   void send(Cycle now, Cycle arrival, Delay delay) {
     Packet& packet = ring_[wrap(head_ + sent_)];
