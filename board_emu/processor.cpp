@@ -74,7 +74,7 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
 
 // Moves the oldest sample of the prefetch line on, if it has come through and its packets are there.
 Cause Processor::enter_compute(Cycle now) {
-  if (stages_.prefetching() == 0 || stages_.oldest_prefetching().ready > now) {
+  if ((stages_.prefetching() == 0) | (stages_.oldest_prefetching().ready > now)) {
     bubble_ = true;
     return latest_;
   }
@@ -102,6 +102,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.from = issued.queue;
   entry.packets = 0;
   const Point low = grid_.low(traveller.position);
+  const BlockView view = frame_->volume->view(ray.block);
   jitter_step(traveller, *frame_);
   entry.sampled = !frame_->leap || frame_->empty[ray.block] == 0;
   if (entry.sampled) {
@@ -113,7 +114,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
     }
     ++counts_.samples;
-    if (take_sample(traveller, at, frame_->volume->view(ray.block), edge_, *frame_)) ++counts_.visible_samples;
+    if (take_sample(traveller, at, view, edge_, *frame_)) ++counts_.visible_samples;
     advance(traveller, 1);
   } else {
     ++counts_.leaps;
@@ -131,10 +132,13 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     const Home& home = partition_.home(ray.block);
     token.processor = home.processor;
     token.queue = single_queue_ ? 0 : home.number;
+  } else {
+    prefetch(view, traveller.position, low);
   }
   token.keeps_slot = how == End::kNot && token.processor == number_ && token.queue == entry.from;
 }
 
+// Both halves of most conditions are always worked out: which of them fails is hard to predict.
 bool Processor::tick_pipeline(Cycle now) {
   fed_ = backed_up_ = bubble_ = false;
   if (issue_.empty() && stages_.empty()) {
@@ -142,7 +146,7 @@ bool Processor::tick_pipeline(Cycle now) {
     return false;
   }
   bool moved = false, stands = false;
-  if (stages_.computing() > 0 && stages_.oldest_computing().ready <= compute_clock_) {
+  if ((stages_.computing() > 0) & (stages_.oldest_computing().ready <= compute_clock_)) {
     if (deliver(now, stages_.oldest_computing())) {
       stages_.leave();
       moved = true;
@@ -156,7 +160,7 @@ bool Processor::tick_pipeline(Cycle now) {
     ++compute_clock_;
   }
   if (issue_.can_pop(now)) {
-    if (stages_.can_enter() && misses_.room() >= kMostPackets) {
+    if (stages_.can_enter() & (misses_.room() >= kMostPackets)) {
       check_tags(now, issue_.front());
       issue_.pop(now);
       fed_ = moved = true;

@@ -45,7 +45,7 @@ class Processor {
 
   bool tick_sorter(Cycle now) {
     const bool moved = sorter_.tick(now);
-    if (moved && !issue_.empty()) prefetch(issue_.back());
+    if (issue_.pushed(now)) __builtin_prefetch(&rays_[issue_.back().ray]);
     return moved;
   }
   bool tick_pipeline(Cycle now);
@@ -83,7 +83,7 @@ class Processor {
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
   // Always inlined: GCC takes a function that only prefetches for one without effect and drops its calls.
-  [[gnu::always_inline]] void prefetch(const RayToken& token) const;
+  [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
   Cause bubble(Cause upstream) const;
 
   const std::uint8_t number_;
@@ -138,11 +138,9 @@ inline void Processor::account(Cycle now, Cause upstream) {
   holding_cycles_ += fed_ | holds_rays();
 }
 
-// Brings what the ray's next turn will read into the host's cache: a turn later is a few hundred instructions later.
-inline void Processor::prefetch(const RayToken& token) const {
-  const RayUnderWay& ray = rays_[token.ray];
-  const BlockView view = frame_->volume->view(ray.block);
-  const Cell at = cell(ray.traveller.position, grid_.low(ray.traveller.position));
+// Brings what the ray's next turn will read into the host's cache, while its place is at hand.
+inline void Processor::prefetch(const BlockView& view, const Point& position, const Point& low) const {
+  const Cell at = cell(position, low);
   const DecodedVoxel* voxel = view.voxels + at.voxel[0] + edge_ * (at.voxel[1] + edge_ * at.voxel[2]);
   __builtin_prefetch(voxel);
   __builtin_prefetch(voxel + edge_);

@@ -4,6 +4,7 @@
 // in a cycle can be sent from the next one on, so it does not matter which side ticks first.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -26,28 +27,28 @@ struct Packet {
 
 class MissQueue {
  public:
-  explicit MissQueue(std::size_t packets) : ring_(packets) {}
+  explicit MissQueue(std::size_t packets) : ring_(std::bit_ceil(packets)), mask_(ring_.size() - 1), packets_(packets) {}
 
-  std::size_t room() const { return ring_.size() - size_; }
+  std::size_t room() const { return packets_ - size_; }
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
 
   void ask(Cycle now, std::uint32_t block, std::uint32_t tile) {
-    ring_[wrap(head_ + size_)] = {block, tile, now, kNoCycle, kNoCycle, Delay::kTransfer};
+    ring_[(head_ + size_) & mask_] = {block, tile, now, kNoCycle, kNoCycle, Delay::kTransfer};
     ++size_;
   }
-  const Packet& oldest() const { return ring_[head_]; }
+  const Packet& oldest() const { return ring_[head_ & mask_]; }
   void take() {
-    head_ = wrap(head_ + 1);
+    ++head_;
     --size_;
     --sent_;
   }
 
   bool all_sent() const { return sent_ == size_; }
   bool can_send(Cycle now) const { return !all_sent() && next().asked < now; }
-  const Packet& next() const { return ring_[wrap(head_ + sent_)]; }
+  const Packet& next() const { return ring_[(head_ + sent_) & mask_]; }
   void send(Cycle now, Cycle arrival, Delay delay) {
-    Packet& packet = ring_[wrap(head_ + sent_)];
+    Packet& packet = ring_[(head_ + sent_) & mask_];
     packet.sent = now;
     packet.arrival = arrival;
     packet.delay = delay;
@@ -55,9 +56,9 @@ class MissQueue {
   }
 
  private:
-  std::size_t wrap(std::size_t i) const { return i < ring_.size() ? i : i - ring_.size(); }
-
-  std::vector<Packet> ring_;
+  std::vector<Packet> ring_;  // a power of two of places
+  std::size_t mask_;
+  std::size_t packets_;
   std::size_t head_ = 0;
   std::size_t size_ = 0;
   std::size_t sent_ = 0;

@@ -42,6 +42,7 @@ class Fifo {
     return item;
   }
 
+  bool pushed(Cycle now) const { return last_push_ == now; }
   // Holds nothing at all, not even what becomes visible at the next edge.
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
