@@ -19,9 +19,11 @@ std::vector<std::uint8_t> slice(std::span<const std::uint8_t> bytes, std::uint64
 
 }  // namespace
 
-Aperture::Aperture(int block_voxels)
+Aperture::Aperture(int block_voxels, std::uint32_t most_irradiance)
     : segmentation_(wire::kSegmentationEntries, wire::decode_segmentation),
       gradients_(wire::kGradientCodes, decode_gradient),
+      materials_(wire::kTags, wire::decode_material),
+      irradiance_(block_voxels, most_irradiance),
       reflectance_map_(wire::kReflectanceBytes),
       empty_flags_(wire::kEmptyFlags.bytes),
       volume_(block_voxels) {}
@@ -35,6 +37,11 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
     if (offset + bytes.size() > volume_.bytes()) return false;
     volume_.write(offset, bytes);
     ++volume_writes_;
+  } else if (is(region, wire::kIrradiance)) {
+    if (offset + bytes.size() > irradiance_.bytes() || offset % 4 != 0 || bytes.size() % 4 != 0) return false;
+    irradiance_.write(offset, bytes);
+  } else if (is(region, wire::kMaterials)) {
+    materials_.write(at, bytes);
   } else if (is(region, wire::kSegmentationLut)) {
     segmentation_.write(at, bytes);
   } else if (is(region, wire::kGradientLut)) {
@@ -57,6 +64,13 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
     volume_.read(offset, out);
     return out;
   }
+  if (is(region, wire::kIrradiance)) {
+    if (offset + length > irradiance_.bytes() || offset % 4 != 0 || length % 4 != 0) return std::nullopt;
+    std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
+    irradiance_.read(offset, out);
+    return out;
+  }
+  if (is(region, wire::kMaterials)) return slice(materials_.bytes(), offset, length);
   if (is(region, wire::kFramebuffer)) {
     if (offset + length > pixels_.size()) return std::nullopt;
     return slice(pixels_, offset, length);
@@ -68,6 +82,7 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
 
 void Aperture::resize_volume(const std::array<int, 3>& size) {
   volume_.resize(size);
+  irradiance_.resize(size);
   ++volume_writes_;
   std::fill(empty_flags_.begin(), empty_flags_.end(), std::uint8_t{0});
 }

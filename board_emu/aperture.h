@@ -8,7 +8,9 @@
 
 #include "dsp/framebuffer.h"
 #include "gicube/wire/lut.h"
+#include "gicube/wire/material.h"
 #include "gicube/wire/memory_map.h"
+#include "memory/irradiance_memory.h"
 #include "memory/volume_memory.h"
 
 namespace gicube::emu {
@@ -45,7 +47,8 @@ class Table {
 
 class Aperture {
  public:
-  explicit Aperture(int block_voxels);
+  // `most_irradiance`: at which an irradiance word saturates.
+  Aperture(int block_voxels, std::uint32_t most_irradiance);
 
   // False, and nothing written, if no writable memory is there.
   bool write(std::uint64_t address, std::span<const std::uint8_t> bytes);
@@ -62,6 +65,8 @@ class Aperture {
   // Counts writes into the volume: what was cached of it before is old.
   std::uint64_t volume_writes() const { return volume_writes_; }
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_.words(); }
+  std::span<const wire::Material> materials() const { return materials_.words(); }
+  IrradianceMemory& irradiance() { return irradiance_; }
   const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
   Framebuffer& framebuffer() { return framebuffer_; }
   // After a rendering: what the host will read.
@@ -70,6 +75,8 @@ class Aperture {
  private:
   Table<wire::SegmentationEntry, wire::kSegmentationEntryBytes> segmentation_;
   Table<wire::GradientEntry, wire::kGradientEntryBytes> gradients_;
+  Table<wire::Material, wire::kMaterialBytes> materials_;
+  IrradianceMemory irradiance_;
   bool gradients_changed_ = true;
   std::vector<std::uint8_t> reflectance_map_;
   std::vector<std::uint8_t> empty_flags_;

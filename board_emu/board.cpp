@@ -85,6 +85,7 @@ struct Board::Parts {
     registers.set_fixed(reg::kMaxVolumeVoxels, config.asic().max_volume_voxels());
     registers.set_fixed(reg::kQueueRays, config.asic().queue_rays());
     registers.set_fixed(reg::kCoreKhz, config.asic().core_khz());
+    registers.set_fixed(reg::kDatapath, static_cast<std::uint32_t>(config.asic().datapath()));
     registers.set_fixed(reg::kConfigHashLow, static_cast<std::uint32_t>(config_hash));
     registers.set_fixed(reg::kConfigHashHigh, static_cast<std::uint32_t>(config_hash >> 32));
   }
@@ -121,6 +122,7 @@ void Board::Parts::control(std::uint32_t bits) {
     commands.reset();
   }
   if ((bits & wire::kControlClearVolume) != 0) commands.clear_volume();
+  if ((bits & wire::kControlClearIrradiance) != 0) commands.clear_irradiance();
 }
 
 Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {

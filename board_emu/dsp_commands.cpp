@@ -6,9 +6,12 @@
 #include <thread>
 
 #include "cycle_level.h"
+#include "dsp/lighting_rays.h"
+#include "dsp/routines.h"
 #include "functional_level.h"
 #include "gicube/wire/command.h"
 #include "machine_counters.h"
+#include "meet.h"
 #include "pipeline/advance.h"
 
 namespace gicube::emu {
@@ -53,6 +56,21 @@ std::optional<std::string> fault(const wire::RenderCommand& command, std::uint64
   return std::nullopt;
 }
 
+// Opaque where the light is: all it sends out stays there.
+bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) {
+  if (command.kind == wire::LightKind::kDirectional) return false;
+  Point at{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    double voxels = command.position[axis];
+    if (command.kind == wire::LightKind::kRectangle) {
+      voxels += (command.u[axis] + command.v[axis]) / 2 * wire::kSpacingOne / frame.spacing[axis];
+    }
+    if (!(voxels >= 0) || voxels * wire::kVoxel > frame.extent[axis]) return false;
+    at[axis] = static_cast<std::int32_t>(voxels * wire::kVoxel);
+  }
+  return opacity_at(at, frame) >= wire::kClassifiedOpacityOne / 2;
+}
+
 // A shorter direction could round to a step of nothing.
 bool unit(const std::array<std::int16_t, 3>& direction) {
   const Point d{direction[0], direction[1], direction[2]};
@@ -72,6 +90,10 @@ void add(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to)
   }
 }
 
+std::uint32_t most_irradiance(const v1::BoardConfig& config) {
+  return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
+}
+
 constexpr const char* kNoVolume = "no volume: VOLUME_X, VOLUME_Y and VOLUME_Z are not all set";
 
 }  // namespace
@@ -80,7 +102,7 @@ DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& regi
     : config_(config),
       registers_(registers),
       threads_(config.threads() != 0 ? config.threads() : std::max(1u, std::thread::hardware_concurrency())),
-      aperture_(static_cast<int>(config.asic().block_voxels())) {}
+      aperture_(static_cast<int>(config.asic().block_voxels()), most_irradiance(config)) {}
 
 void DspCommands::clear_volume() {
   std::array<int, 3> size{};
@@ -92,7 +114,7 @@ void DspCommands::clear_volume() {
 
 void DspCommands::reset() {
   drop_machine();
-  aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()));
+  aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), most_irradiance(config_));
 }
 
 // The next command begins with a new machine; the counters go on.
@@ -142,13 +164,32 @@ bool DspCommands::accept_register(std::uint32_t offset) {
     case reg::kSpacingZ: return within(wire::kSpacingOne / 64, wire::kSpacingMax);
     case reg::kStep: return within(wire::kStepMin, wire::kStepMax);
     case reg::kOpacityThreshold: return within(0, wire::kOpacityOne);
-    case reg::kPipeline: return within(0, wire::kPipelineJitter | wire::kPipelineShade | wire::kPipelineLeap);
+    case reg::kPipeline: return within(0, wire::kPipelineBits);
+    case reg::kLifetime: return within(0, wire::kLifetimeMax);
     case reg::kCutPlanes: return within(0, wire::kMaxCutPlanes);
     default: return true;
   }
 }
 
-Frame DspCommands::frame() const {
+// What is wrong with a material that the host wrote, if anything.
+std::optional<std::string> DspCommands::material_fault() const {
+  for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
+    const wire::Material& material = aperture_.materials()[tag];
+    const std::string which = "material " + std::to_string(tag) + ": ";
+    if (material.bsdf > wire::Bsdf::kTrap) {
+      return which + expected("bsdf", "0..6", static_cast<std::uint64_t>(material.bsdf));
+    }
+    if (material.parameter_count > wire::kMaterialParameters) {
+      return which + expected("parameters", "at most 32", material.parameter_count);
+    }
+    if (material.bsdf == wire::Bsdf::kTrap && (routines_ == nullptr || !routines_->has(material.routine))) {
+      return which + expected("routine", "the number of a routine that the board has", material.routine);
+    }
+  }
+  return std::nullopt;
+}
+
+Frame DspCommands::frame() {
   Frame frame;
   const VolumeMemory& volume = aperture_.volume();
   frame.volume = &volume;
@@ -161,6 +202,17 @@ Frame DspCommands::frame() const {
   frame.jitter = (pipeline & wire::kPipelineJitter) != 0;
   frame.shade = (pipeline & wire::kPipelineShade) != 0;
   frame.leap = (pipeline & wire::kPipelineLeap) != 0;
+  frame.lit_by_irradiance = (pipeline & wire::kPipelineIrradiance) != 0;
+  frame.scatter = (pipeline & wire::kPipelineScatter) != 0;
+  frame.high_albedo = (pipeline & wire::kPipelineHighAlbedo) != 0;
+  frame.plain = !frame.lit_by_irradiance && !frame.scatter && !frame.high_albedo;
+  std::copy_n(aperture_.materials().begin(), wire::kTags, frame.materials.begin());
+  frame.irradiance = &aperture_.irradiance();
+  frame.routines = routines_;
+  frame.wide = config_.asic().datapath() == v1::wide;
+  frame.exposure = registers_.value(reg::kExposure);
+  frame.seed = registers_.value(reg::kSeed);
+  frame.lifetime = static_cast<std::uint16_t>(registers_.value(reg::kLifetime));
   for (std::uint32_t axis = 0; axis < 3; ++axis) {
     frame.extent[axis] = (volume.size()[axis] - 1) * wire::kVoxel;
     frame.spacing[axis] = registers_.value(reg::kSpacingX + 4 * axis);
@@ -185,12 +237,16 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work
   try {
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kRender)) return render(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace)) return trace(payload, work);
+    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kIlluminate)) return illuminate(payload, work);
+  } catch (const RoutineFault& fault) {
+    drop_machine();
+    return refuse(fault.what());
   } catch (const Stall& stall) {
     drop_machine();
     const std::string text = stall.what();
     return {.error = ErrorCode::kInternal, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
   }
-  return refuse(expected("opcode", "1 (render) or 2 (trace)", opcode));
+  return refuse(expected("opcode", "1 (render), 2 (trace) or 3 (illuminate)", opcode));
 }
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& work) {
@@ -198,6 +254,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   const auto command = wire::decode_render(payload.first<wire::kRenderCommandBytes>());
   if (const auto what = fault(command, config_.dsp().framebuffer_mb())) return refuse(*what);
   if (!has_volume()) return refuse(kNoVolume);
+  if (const auto what = material_fault()) return refuse(*what);
 
   aperture_.decode(threads_);
   const Frame frame = this->frame();
@@ -211,7 +268,8 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
     const Rendered rendered = emu::render(command, frame, aperture_.framebuffer(), threads_, work);
     if (rendered.cancelled) return {.error = ErrorCode::kCancelled};
     rays_ += rendered.rays;
-    result.dsp_cycles = rendered.made * dsp.viewing_ray_cycles() + rendered.returned * dsp.returned_ray_cycles();
+    result.dsp_cycles = rendered.made * dsp.viewing_ray_cycles() + rendered.returned * dsp.returned_ray_cycles() +
+                        rendered.rays.trap_cycles;
   }
   aperture_.resolve_framebuffer();
   viewing_rays_ += std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
@@ -254,6 +312,47 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
   return result;
 }
 
+CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Work& work) {
+  if (payload.size() != wire::kIlluminateCommandBytes) return refuse(expected("payload", "104 bytes", payload.size()));
+  const auto command = wire::decode_illuminate(payload.first<wire::kIlluminateCommandBytes>());
+  if (!has_volume()) return refuse(kNoVolume);
+  if (const auto what = material_fault()) return refuse(*what);
+  Frame frame = this->frame();
+  if (const auto what = LightingRays::fault(command, frame.extent)) return refuse(*what);
+
+  aperture_.decode(threads_);
+  frame.plain = false;
+  frame.rules = command.rules;
+  const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
+  const LightingRays rays(command, frame.extent, frame.spacing, bits, frame.seed);
+  CommandResult result;
+  RayCounters counts;
+  if (config_.fidelity() == v1::cycle) {
+    return {.error = ErrorCode::kUnsupported};
+  }
+  const Rendered lit = emu::illuminate(rays, frame, threads_, work);
+  if (lit.cancelled) return {.error = ErrorCode::kCancelled};
+  counts = lit.rays;
+  rays_ += counts;
+  result.dsp_cycles = lit.made * config_.dsp().lighting_ray_cycles() + counts.trap_cycles;
+  lighting_rays_ += lit.made;
+
+  const EnergyCounters& energy = counts.energy;
+  wire::LightingLedger ledger;
+  ledger.rays = counts.lighting_rays;
+  ledger.emitted = energy.emitted;
+  ledger.deposited = energy.deposited.kept;
+  ledger.escaped = energy.escaped;
+  ledger.scattered_away = energy.scattered_away;
+  ledger.given_up = energy.given_up;
+  ledger.clipped = energy.deposited.clipped;
+  ledger.light_in_solid = light_in_solid(command, frame) ? 1 : 0;
+  result.payload.resize(wire::kLightingLedgerBytes);
+  wire::encode(ledger, std::span<std::uint8_t, wire::kLightingLedgerBytes>(result.payload));
+  result.up_bytes = result.payload.size();
+  return result;
+}
+
 void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"dsp.viewing_rays", "ray", viewing_rays_});
   list.push_back({"dsp.host_rays", "ray", host_rays_});
@@ -264,6 +363,13 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"pipeline.visible_samples", "sample", rays.visible_samples});
   list.push_back({"pipeline.leaps", "leap", rays.leaps});
   list.push_back({"pipeline.terminated", "ray", rays.terminated});
+  if (lighting_rays_ != 0 || rays.scatterings != 0) {
+    list.push_back({"dsp.lighting_rays", "ray", lighting_rays_});
+    list.push_back({"dsp.trap_cycles", "DSP cycle", rays.trap_cycles});
+    list.push_back({"pipeline.scatterings", "scattering", rays.scatterings});
+    list.push_back({"pipeline.traps", "ray", rays.traps});
+    list.push_back({"pipeline.deposits", "deposit", rays.deposits});
+  }
   std::vector<wire::Counter> cycle_level;
   if (machine_) emu::count(*machine_, cycle_level);
   add(past_, cycle_level);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,8 +36,11 @@ class DspCommands {
   // Called after a write of a register: false if its new value is out of range. A new volume size drops the volume.
   bool accept_register(std::uint32_t offset);
   void clear_volume();
+  void clear_irradiance() { aperture_.irradiance().clear(); }
   void reset();
 
+  // For materials that trap; null: there is none. Must outlive this.
+  void set_routines(const Routines* routines) { routines_ = routines; }
   // Of every machine from now on; null for none.
   void set_observer(Observer* observer) { observer_ = observer; }
 
@@ -46,7 +50,9 @@ class DspCommands {
  private:
   CommandResult render(std::span<const std::uint8_t> payload, Work& work);
   CommandResult trace(std::span<const std::uint8_t> payload, Work& work);
-  Frame frame() const;
+  CommandResult illuminate(std::span<const std::uint8_t> payload, Work& work);
+  Frame frame();
+  std::optional<std::string> material_fault() const;
   CommandResult cancelled();
   CommandResult timed(const Ran& ran) const;
   Machine& machine();
@@ -59,12 +65,14 @@ class DspCommands {
   OpacityCorrection opacity_correction_;
   Aperture aperture_;
   Observer* observer_ = nullptr;
+  const Routines* routines_ = nullptr;
   std::unique_ptr<Machine> machine_;  // of the cycle level, as long as the volume keeps its size
   std::uint64_t cached_volume_ = 0;   // Aperture::volume_writes() that the machine's caches belong to
   std::vector<wire::Counter> past_;   // counters of machines that were dropped
   RayCounters rays_;                  // of the functional level and of machines that were dropped
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
+  std::uint64_t lighting_rays_ = 0;
 };
 
 }  // namespace gicube::emu

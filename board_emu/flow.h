@@ -36,6 +36,16 @@ struct Plane {
   std::int64_t offset = 0;  // 28 fraction bits, as the product of normal and position
 };
 
+// Energy units for the eight voxels of a cell: voxel i is (i & 1, i >> 1 & 1, i >> 2).
+using Shares = std::array<std::uint32_t, 8>;
+
+// What a ray leaves in the irradiance words: shares for the cell whose least corner is `voxel`, of the volume. Voxels beyond
+// the volume get none.
+struct Deposit {
+  std::array<std::int32_t, 3> voxel{};
+  Shares shares{};
+};
+
 // A ray as the cycle level's FIFOs carry it. The 256-bit packet itself stays in one place (rays.h); what travels is its
 // handle and what the sorter's wires would read off it.
 struct RayToken {

@@ -7,12 +7,17 @@
 #include <vector>
 
 #include "flow.h"
+#include "gicube/wire/command.h"
 #include "gicube/wire/lut.h"
+#include "gicube/wire/material.h"
 #include "gicube/wire/ray.h"
+#include "memory/irradiance_memory.h"
 #include "memory/volume_memory.h"
 #include "pipeline/opacity_correction.h"
 
 namespace gicube::emu {
+
+class Routines;
 
 // What holds for every ray of a frame: registers, tables, volume. The tables must outlive it.
 struct Frame {
@@ -29,6 +34,38 @@ struct Frame {
   bool shade = false;
   bool leap = false;
   std::vector<Plane> cut_planes;
+
+  // Rays do no more than gather: none of what follows holds.
+  bool plain = true;
+  std::array<wire::Material, wire::kTags> materials{};
+  IrradianceMemory* irradiance = nullptr;  // lighting rays add to it, rendering rays read it
+  const Routines* routines = nullptr;      // for materials that trap
+  bool lit_by_irradiance = false;          // rendering rays
+  bool scatter = false;                    // rendering rays too are scattered
+  bool high_albedo = false;                // rendering rays take colour once, where they are absorbed
+  bool wide = false;                       // the wide datapath
+  wire::EnergyRules rules = wire::EnergyRules::kConserving;
+  std::uint32_t exposure = 0;  // 16.16
+  std::uint32_t seed = 0;
+  std::uint16_t lifetime = 0;  // of the rays that the DSP makes
+};
+
+// Where lighting rays left their energy, in units of the energy words.
+struct EnergyCounters {
+  std::uint64_t emitted = 0;
+  Deposited deposited;
+  std::uint64_t escaped = 0;
+  std::uint64_t scattered_away = 0;
+  std::uint64_t given_up = 0;  // of that, with rays at the end of their lifetime
+
+  EnergyCounters& operator+=(const EnergyCounters& other) {
+    emitted += other.emitted;
+    deposited += other.deposited;
+    escaped += other.escaped;
+    scattered_away += other.scattered_away;
+    given_up += other.given_up;
+    return *this;
+  }
 };
 
 struct RayCounters {
@@ -36,7 +73,13 @@ struct RayCounters {
   std::uint64_t samples = 0;          // trilinear samples taken
   std::uint64_t visible_samples = 0;  // of those, with an opacity
   std::uint64_t leaps = 0;
-  std::uint64_t terminated = 0;  // rays that ended by the opacity threshold
+  std::uint64_t terminated = 0;     // rays that ended by the opacity threshold
+  std::uint64_t lighting_rays = 0;  // of the rays
+  std::uint64_t scatterings = 0;
+  std::uint64_t traps = 0;        // of the scatterings, by a routine
+  std::uint64_t trap_cycles = 0;  // of the DSP
+  std::uint64_t deposits = 0;
+  EnergyCounters energy;
 
   RayCounters& operator+=(const RayCounters& other) {
     rays += other.rays;
@@ -44,6 +87,12 @@ struct RayCounters {
     visible_samples += other.visible_samples;
     leaps += other.leaps;
     terminated += other.terminated;
+    lighting_rays += other.lighting_rays;
+    scatterings += other.scatterings;
+    traps += other.traps;
+    trap_cycles += other.trap_cycles;
+    deposits += other.deposits;
+    energy += other.energy;
     return *this;
   }
 };

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "march.h"
+#include "meet.h"
 
 namespace gicube::emu {
 
@@ -18,8 +19,10 @@ std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
   return static_cast<std::uint32_t>(std::lround(std::sqrt(physical / voxels)));
 }
 
-void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
-  Traveller traveller = set_out(ray, frame);
+namespace {
+
+// A ray that gathers and does nothing else.
+End gather(Traveller& traveller, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   std::size_t block = ~std::size_t{0};
@@ -42,8 +45,50 @@ void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
     if (take_sample(traveller, cell(traveller.position, low), view, edge, frame)) ++counters.visible_samples;
     advance(traveller, 1);
   }
-  ++counters.rays;
-  if (how == End::kOpaque) ++counters.terminated;
+  return how;
+}
+
+// The DSP's routine scatters the ray, until it no longer waits for one.
+Fate scatter_trapped(Traveller& traveller, const Frame& frame, RayCounters& counters) {
+  std::uint32_t cycles = 0;
+  const Met met = resolve_trap(traveller, frame, counters, cycles);
+  counters.trap_cycles += cycles;
+  return met.fate;
+}
+
+// A ray that also deposits, or is scattered.
+End travel(Traveller& traveller, const Frame& frame, RayCounters& counters) {
+  const BlockGrid grid(*frame.volume);
+  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  End how = End::kNot;
+  while ((how = end(traveller, frame)) == End::kNot) {
+    jitter_step(traveller, frame);
+    const std::size_t block = grid.block(traveller.position);
+    const Point low = grid.low(traveller.position);
+    if (frame.leap && frame.empty[block] != 0) {
+      ++counters.leaps;
+      leave_surface(traveller);
+      advance(traveller, leap_steps(traveller.position, traveller.step, low, grid.size()));
+      continue;
+    }
+    ++counters.samples;
+    const Met met =
+        meet(traveller, cell(traveller.position, low), frame.volume->view(block), block, edge, frame, counters);
+    if (met.visible) ++counters.visible_samples;
+    if (met.deposits) counters.energy.deposited += frame.irradiance->add(met.deposit);
+    Fate fate = met.fate;
+    if (fate == Fate::kTrapped) fate = scatter_trapped(traveller, frame, counters);
+    if (fate == Fate::kEnded) return End::kSpent;
+  }
+  return how;
+}
+
+}  // namespace
+
+void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
+  Traveller traveller = set_out(ray, frame);
+  const End how = frame.plain ? gather(traveller, frame, counters) : travel(traveller, frame, counters);
+  count_end(traveller, how, frame, counters);
   finish(traveller, frame, ray);
 }
 

@@ -7,6 +7,7 @@
 
 #include "dsp/viewing_rays.h"
 #include "functional.h"
+#include "march.h"
 
 namespace gicube::emu {
 
@@ -56,6 +57,7 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
     const Line line = viewing_line(command, static_cast<double>(u) / kSubPixels, static_cast<double>(v) / kSubPixels);
     auto ray = viewing_ray(line, miss.u, miss.v, frame.extent, frame.cut_planes);
     if (ray) {
+      ray->lifetime = frame.lifetime;
       integrate(*ray, frame, counts);
       ++counts.returned;
     }
@@ -75,6 +77,26 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
   });
   const std::uint64_t made = std::uint64_t{command.width} * command.height * static_cast<unsigned>(samples * samples);
   return {made, counts.returned, counts, work.cancel};
+}
+
+Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Work& work) {
+  constexpr std::uint64_t kRun = 4096;  // chosen: neighbours on a face, which share voxels
+  const std::uint64_t runs = (rays.count() + kRun - 1) / kRun;
+  work.all = static_cast<std::uint32_t>(runs);
+  const auto counts = spread<Counts>(static_cast<std::size_t>(runs), threads, [&](std::size_t run, Counts& counters) {
+    if (work.cancel) return;
+    const std::uint64_t last = std::min(rays.count(), (run + 1) * kRun);
+    for (std::uint64_t i = run * kRun; i < last; ++i) {
+      auto ray = rays.make(i);
+      if (!ray) continue;
+      ray->lifetime = frame.lifetime;
+      counters.energy.emitted += energy(ray->colour) >> kEnergyFractionBits;
+      ++counters.returned;
+      integrate(*ray, frame, counters);
+    }
+    ++work.done;
+  });
+  return {counts.returned, counts.returned, counts, work.cancel};
 }
 
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned threads) {

@@ -8,13 +8,14 @@
 
 #include "board.h"
 #include "dsp/framebuffer.h"
+#include "dsp/lighting_rays.h"
 #include "frame.h"
 #include "gicube/wire/command.h"
 
 namespace gicube::emu {
 
 struct Rendered {
-  std::uint64_t made = 0;      // viewing rays
+  std::uint64_t made = 0;      // viewing or lighting rays
   std::uint64_t returned = 0;  // those of them that entered the volume and came back
   RayCounters rays;
   bool cancelled = false;
@@ -23,6 +24,9 @@ struct Rendered {
 // Fills `framebuffer` with the image of `command`. Progress is in tiles of pixels.
 Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
                 Work& work);
+
+// Sends the lighting rays of `rays` into the volume, each with the frame's lifetime. Progress is in runs of rays.
+Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Work& work);
 
 // Takes host rays to their ends, in place. A ray that misses the volume or lies behind a cut plane returns as it came.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned threads);

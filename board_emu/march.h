@@ -23,11 +23,30 @@ struct Traveller {
   Point step{};                // to the next sample
   std::uint32_t exponent = 0;  // what that distance means for opacity: 16.16 voxel lengths
   std::uint32_t length = 0;    // of one voxel length along the direction: 16.16 reference voxel lengths
-  Gathered gathered;
+  std::uint32_t opacity = 0;   // 2^24 - 1 = one; a lighting ray's is `interacted`
+  // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows
+  // from the opacity, and `interaction`, which is drawn again when asked for.
+  std::uint32_t interacted = 0;
+  std::array<std::uint16_t, 3> colour{};  // premultiplied, 4095 = one; of a lighting ray: its energy (energy())
+  std::array<std::int16_t, 3> direction{};
   std::uint16_t u = 0;
   std::uint16_t v = 0;
-  std::array<std::int16_t, 3> direction{};
+  std::uint16_t lifetime = 0;   // scatterings that are left
+  std::uint8_t generation = 0;  // scatterings so far, saturating at 15
+  std::uint8_t flags = 0;       // wire::RayFlag
+
+  bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 };
+static_assert(sizeof(Traveller) == 60, "with its block it fills one of the host's cache lines (rays.h)");
+
+// A lighting ray's energy lies in the colour's 36 bits: 24.12 units.
+inline constexpr int kEnergyFractionBits = 12;
+constexpr std::uint64_t energy(const std::array<std::uint16_t, 3>& colour) {
+  return colour[0] | std::uint64_t{colour[1]} << 12 | std::uint64_t{colour[2]} << 24;
+}
+constexpr void set_energy(std::array<std::uint16_t, 3>& colour, std::uint64_t energy) {
+  for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint16_t>(energy >> (12 * i) & 0xFFF);
+}
 
 // How many reference voxel lengths one voxel length along `direction` is, 16.16. Exactly one where spacing is one.
 std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
@@ -44,9 +63,12 @@ inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
   Traveller out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.position[axis] = static_cast<std::int32_t>(ray.position[axis]);
-    out.gathered.colour[axis] = ray.colour[axis];
+    out.colour[axis] = ray.colour[axis];
   }
-  out.gathered.opacity = ray.opacity;
+  out.opacity = ray.opacity;
+  out.lifetime = ray.lifetime;
+  out.generation = ray.generation;
+  out.flags = ray.flags;
   out.length = physical_length(ray.direction, frame.spacing);
   out.u = ray.u;
   out.v = ray.v;
@@ -59,21 +81,24 @@ inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
 inline void finish(const Traveller& ray, const Frame& frame, wire::Ray& out) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.position[axis] = static_cast<std::uint32_t>(std::clamp(ray.position[axis], 0, frame.extent[axis]));
-    out.colour[axis] = static_cast<std::uint16_t>(ray.gathered.colour[axis]);
+    out.colour[axis] = ray.colour[axis];
   }
-  out.opacity = ray.gathered.opacity;
-  out.contribution = contribution(ray.gathered.opacity);
+  out.direction = ray.direction;
+  out.opacity = ray.opacity;
+  out.contribution = contribution(ray.opacity);
+  out.lifetime = ray.lifetime;
+  out.generation = ray.generation;
 }
 
-// Whether the ray has come to its end: out of the volume, behind a cut plane, or opaque enough.
-enum class End : std::uint8_t { kNot, kLeft, kOpaque };
+// Whether the ray has come to its end: out of the volume, behind a cut plane, opaque enough, or absorbed or given up.
+enum class End : std::uint8_t { kNot, kLeft, kOpaque, kSpent };
 
 inline End end(const Traveller& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return End::kLeft;
   for (const Plane& plane : frame.cut_planes) {
     if (beyond(plane, ray.position, ray.step)) return End::kLeft;
   }
-  return ray.gathered.opacity >= frame.opacity_threshold ? End::kOpaque : End::kNot;
+  return ray.opacity >= frame.opacity_threshold ? End::kOpaque : End::kNot;
 }
 
 // The block of a position, and its place there.
@@ -140,7 +165,7 @@ inline bool take_sample(Traveller& ray, const Cell& at, const BlockView& view, s
   if (entry.opacity == 0) return false;
   const Colour12 colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
                                       : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
-  over(ray.gathered, colour, (*frame.opacity_correction)(entry.opacity, ray.exponent));
+  over(ray, colour, (*frame.opacity_correction)(entry.opacity, ray.exponent));
   return true;
 }
 

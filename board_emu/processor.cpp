@@ -121,7 +121,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     advance(traveller, leap_steps(traveller.position, traveller.step, low, grid_.size()));
   }
 
-  token.contribution = contribution(traveller.gathered.opacity);
+  token.contribution = contribution(traveller.opacity);
   const End how = end(traveller, *frame_);
   if (how != End::kNot) {
     token.state = RayState::kDone;

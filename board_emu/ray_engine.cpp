@@ -38,7 +38,7 @@ RayToken RayEngine::launch(std::uint32_t handle) {
   token.ray = handle;
   token.processor = home.processor;
   token.queue = single_queue_ ? 0 : home.number;
-  token.contribution = contribution(ray.traveller.gathered.opacity);
+  token.contribution = contribution(ray.traveller.opacity);
   return token;
 }
 

@@ -12,19 +12,16 @@
 
 namespace gicube::emu {
 
-// What a ray has gathered: colour premultiplied, 4095 = one; opacity 2^24 - 1 = one.
-struct Gathered {
-  std::array<std::uint32_t, 3> colour{};
-  std::uint32_t opacity = 0;
-};
-
-// Adds a sample of corrected opacity `alpha` (24 bits) behind what the ray has gathered.
-constexpr void over(Gathered& ray, const Colour12& colour, std::uint32_t alpha) {
+// Adds a sample of corrected opacity `alpha` (24 bits) behind what `ray` has gathered: its `colour` is premultiplied,
+// 4095 = one, its `opacity` 2^24 - 1 = one.
+template <typename Ray>
+constexpr void over(Ray& ray, const Colour12& colour, std::uint32_t alpha) {
   const std::uint64_t weight = divide_by_full_scale<24>(std::uint64_t{wire::kOpacityOne - ray.opacity} * alpha);
   for (std::size_t c = 0; c < 3; ++c) {
     const auto added =
         static_cast<std::uint32_t>(divide_by_full_scale<24>(static_cast<std::uint64_t>(colour[c]) * weight));
-    ray.colour[c] = std::min(ray.colour[c] + added, wire::kColourOne);  // roundings may sum to one too many
+    // Roundings may sum to one too many.
+    ray.colour[c] = static_cast<std::uint16_t>(std::min(ray.colour[c] + added, wire::kColourOne));
   }
   ray.opacity += static_cast<std::uint32_t>(weight);
 }

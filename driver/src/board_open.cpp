@@ -67,6 +67,7 @@ BoardInfo read_info(Device& device) {
   info.max_volume_voxels = read_sane(device, reg::kMaxVolumeVoxels, 2, 1024);
   info.queue_rays = read_sane(device, reg::kQueueRays, 1, 1 << 30);
   info.core_khz = device.read_register(reg::kCoreKhz);
+  info.wide = device.read_register(reg::kDatapath) == static_cast<std::uint32_t>(wire::Datapath::kWide);
   const std::uint64_t hash_high = device.read_register(reg::kConfigHashHigh);
   info.config_hash = hash_high << 32 | device.read_register(reg::kConfigHashLow);
   return info;

@@ -16,16 +16,31 @@ namespace reg = wire::reg;
 
 std::uint32_t pipeline_word(const View& view) {
   return (view.jitter ? wire::kPipelineJitter : 0u) | (view.shade ? wire::kPipelineShade : 0u) |
-         (view.leap ? wire::kPipelineLeap : 0u);
+         (view.leap ? wire::kPipelineLeap : 0u) | (view.irradiance ? wire::kPipelineIrradiance : 0u) |
+         (view.scatter ? wire::kPipelineScatter : 0u) | (view.high_albedo ? wire::kPipelineHighAlbedo : 0u);
 }
 
 }  // namespace
+
+// Brightness of a unit of irradiance, 16.16. On the wide datapath the pipeline drops the words' low 16 bits first.
+std::uint32_t Board::State::exposure_word(const View& view) const {
+  constexpr double kFull = 0.8;  // chosen: of white, where the light of the volume's middle falls on a surface
+  const double chosen = bright_flux > 0 ? kFull / bright_flux : 0;
+  const double unit = irradiance_unit * (info.wide ? 65536.0 : 1.0);
+  const double word = (view.exposure > 0 ? view.exposure : chosen) * unit * 65536;
+  return static_cast<std::uint32_t>(std::clamp(std::round(word), 0.0, 4294967295.0));
+}
 
 void Board::State::set_sampling(const View& view) {
   device.set_register(reg::kStep, static_cast<std::uint32_t>(std::lround(view.step * wire::kStepOne)));
   device.set_register(reg::kOpacityThreshold,
                       static_cast<std::uint32_t>(std::lround(view.opacity_threshold * wire::kOpacityOne)));
   device.set_register(reg::kPipeline, pipeline_word(view));
+  device.set_register(reg::kLifetime, static_cast<std::uint32_t>(view.lifetime));
+  device.set_register(reg::kSeed, view.seed);
+  if (view.irradiance) device.set_register(reg::kExposure, exposure_word(view));
+  tables.set_lit_by_irradiance(view.irradiance);
+  if (volume) tables.send_segmentation(volume->range);
   const auto planes = static_cast<std::uint32_t>(view.cut_planes.size());
   for (std::uint32_t i = 0; i < planes; ++i) {
     const auto words = cut_plane_words(view.cut_planes[i]);
@@ -38,6 +53,9 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   const auto lock = state_->begin();
   check(view);
   const LoadedVolume& volume = state_->loaded("rendering");
+  if (view.irradiance && state_->irradiance_unit <= 0) {
+    throw Rejected("View::irradiance needs light: illuminate() first");
+  }
   const Vec3 eye = towards_eye(view, volume.relative_spacing);
   state_->set_sampling(view);
   if (view.shade) state_->tables.send_reflectance(eye);

@@ -41,6 +41,8 @@ struct Board::State {
   void check_fence();
   void find_flags(LoadedVolume& volume);
   void set_sampling(const View& view);
+  void set_lighting(const Illumination& settings);
+  std::uint32_t exposure_word(const View& view) const;
 
   const unsigned threads;  // for the driver's own work, 0 = one a core
   std::mutex mutex;
@@ -50,6 +52,8 @@ struct Board::State {
   Tables tables;
   Batches batches;
   std::optional<LoadedVolume> volume;
+  double irradiance_unit = 0;              // power of one unit; 0 before the first illuminate()
+  double bright_flux = 0;                  // power a voxel that full brightness is chosen for
   View sampling;                           // the last view rendered
   Vec3 sampling_towards_eye{0, 0, -1};     // chosen: rays before any picture are lit as if seen from the front
   std::pair<int, int> framebuffer_size{};  // pixels; 0 before the first rendering

@@ -5,6 +5,7 @@
 
 #include "gicube/wire/memory_map.h"
 #include "upload/empty_flags.h"
+#include "upload/lights.h"
 #include "upload/reflectance_map.h"
 #include "upload/segmentation_lut.h"
 
@@ -36,11 +37,19 @@ void Tables::set_function(const TransferFunction& function, int tag) {
   functions_[static_cast<std::size_t>(tag)] = function;
 }
 
+void Tables::set_material(const Material& material, int tag) {
+  materials_[static_cast<std::size_t>(tag)] = material;
+  std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
+  wire::encode(material_record(material), std::span<std::uint8_t, wire::kMaterialBytes>(bytes));
+  device_.write_memory(wire::kMaterials.base + static_cast<std::size_t>(tag) * wire::kMaterialBytes, bytes);
+}
+
 void Tables::send_segmentation(ValueRange range) {
   constexpr std::size_t kQuarter = wire::kSegmentationEntries / wire::kTags;
   for (std::size_t tag = 0; tag < functions_.size(); ++tag) {
     if (!functions_[tag]) continue;
-    const auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong);
+    auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong);
+    if (lit_by_irradiance_) set_gains(wanted, materials_[tag].scattering);
     const auto held = std::span(segmentation_).subspan(tag * kQuarter, kQuarter);
     if (std::equal(wanted.begin(), wanted.end(), held.begin(), held.end())) continue;
     std::vector<std::uint8_t> bytes(kQuarter * wire::kSegmentationEntryBytes);
@@ -54,7 +63,9 @@ void Tables::send_segmentation(ValueRange range) {
 }
 
 void Tables::send_reflectance(Vec3 towards_eye) {
-  auto wanted = reflectance_map(shading_.phong, shading_.light, towards_eye);
+  Phong phong = shading_.phong;
+  if (lit_by_irradiance_) phong.diffuse = 0;
+  auto wanted = reflectance_map(phong, shading_.light, towards_eye);
   if (wanted == reflectance_) return;
   device_.write_memory(wire::kReflectanceMap.base, wanted);
   reflectance_ = std::move(wanted);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "device.h"
+#include "gicube/material.h"
 #include "gicube/shading.h"
 #include "gicube/transfer_function.h"
 #include "gicube/volume.h"
@@ -29,6 +30,9 @@ class Tables {
 
   void set_function(const TransferFunction& function, int tag);
   void set_shading(const Shading& shading) { shading_ = shading; }
+  void set_material(const Material& material, int tag);
+  // Entries then hold gains instead of shading coefficients, and the reflectance map highlights alone (lut.h).
+  void set_lit_by_irradiance(bool lit) { lit_by_irradiance_ = lit; }
 
   // The segmentation LUT depends on the map from values to densities, and so on the volume.
   void send_segmentation(ValueRange range);
@@ -49,6 +53,8 @@ class Tables {
   std::vector<wire::SegmentationEntry> segmentation_ =
       std::vector<wire::SegmentationEntry>(wire::kSegmentationEntries);  // a tag never set is invisible
   Shading shading_;
+  std::array<Material, wire::kTags> materials_;
+  bool lit_by_irradiance_ = false;
   std::vector<std::uint8_t> reflectance_;  // as last sent; empty = never
   std::vector<std::uint8_t> flags_;        // packed, as last sent; empty = all clear
 };

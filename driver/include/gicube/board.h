@@ -19,7 +19,9 @@
 
 #include "gicube/counters.h"
 #include "gicube/error.h"
+#include "gicube/illumination.h"
 #include "gicube/image.h"
+#include "gicube/material.h"
 #include "gicube/ray.h"
 #include "gicube/shading.h"
 #include "gicube/time.h"
@@ -44,6 +46,7 @@ struct BoardInfo {
   std::uint64_t config_hash = 0;  // of the board's resolved configuration
   std::uint16_t vendor_id = 0;    // PCI configuration space
   std::uint16_t device_id = 0;
+  bool wide = false;              // lighting rays have the wide datapath
   bool agp = false;        // the card has an AGP capability
   bool host_rays = false;  // submit() is offered
 };
@@ -108,6 +111,18 @@ class Board {
   // Phong coefficients and light of the next renderings (the reflectance map is made for each view's direction, and sent
   // when it changes). The simulated host waits for what must be sent at once. Throws BadArgument: the board is untouched.
   void set_shading(const Shading& shading);
+
+  // How tag `tag` (0..3) scatters rays. Until then it does not. Throws BadArgument: the board is untouched.
+  void set_material(const Material& material, int tag = 0);
+
+  // Clears the irradiance and distributes the lights' energy by lighting rays; the simulated host waits. The irradiance
+  // stays until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
+  // Throws BadArgument (a light's index and field, settings), Rejected (no volume; routine failed): the irradiance is as
+  // far as it came.
+  LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
+  // One value a voxel, x fastest, in units of the lights' power. The simulated host waits for the transfer.
+  // Throws Rejected before the first illuminate().
+  std::vector<float> read_irradiance();
 
   // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").
   // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded, whose codes it would

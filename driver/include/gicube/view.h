@@ -1,6 +1,7 @@
 // What a picture is taken from: camera, image, sampling.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "gicube/vector.h"
@@ -32,7 +33,13 @@ struct View {
   double opacity_threshold = 0.98;  // 0..1: a ray at or above it is done
   bool shade = true;
   bool jitter = false;
-  bool leap = true;                  // over blocks whose empty flag is set
+  bool leap = true;          // over blocks whose empty flag is set
+  bool irradiance = false;   // lit by the irradiance that illuminate() left, instead of by the reflectance map
+  double exposure = 0;       // irradiance only: brightness of one unit of irradiance; 0 = chosen by illuminate()
+  bool scatter = false;      // rays go on where a material scatters them (Material::seen_through_scattering)
+  bool high_albedo = false;  // colour is taken once, where the ray is absorbed: needs many rays a pixel
+  int lifetime = 8;          // scatterings until a ray is given up, 0..1023
+  std::uint32_t seed = 0;    // of the scatterings' random choices
   std::vector<CutPlane> cut_planes;  // at most 6
 };
 

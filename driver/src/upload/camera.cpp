@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "gicube/wire/ray.h"
@@ -101,6 +102,8 @@ void check(const View& view) {
   expect_within("step", view.step, kShortestStep, kLongestStep);
   expect_within("opacity_threshold", view.opacity_threshold, 0, 1);
   check_cut_planes(view.cut_planes);
+  expect_within("exposure", view.exposure, 0, std::numeric_limits<double>::max());
+  expect_within("lifetime", view.lifetime, 0, wire::kLifetimeMax);
 }
 
 wire::RenderCommand viewing_command(const View& view, Vec3 relative_spacing) {

@@ -16,4 +16,9 @@ namespace gicube {
 std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction& function, ValueRange range,
                                                           const Phong& phong);
 
+// Entries for samples that are lit by irradiance, in place of the shading coefficients: no ambient part, highlights as the
+// reflectance map has them, and a gain of 1 / (opacity (1 - scattering)), since that is the share of the light that the
+// irradiance words were given; at most 255.99.
+void set_gains(std::vector<wire::SegmentationEntry>& entries, double scattering);
+
 }  // namespace gicube

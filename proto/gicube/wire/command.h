@@ -22,6 +22,25 @@
 //      0     4  opcode = 2
 //      4     4  count
 //      8  32 n  ray packets (ray.h), kHostRay set
+//
+// kIlluminate: the DSP makes the lighting rays of one light; they leave their energy in the irradiance words. Its
+// completion holds a LightingLedger: kLightingLedgerBytes of u64 in its order.
+//
+//   byte  size  field
+//      0     4  opcode = 3
+//      4     1  kind             0 point, 1 directional, 2 rectangle, 3 sphere
+//      5     1  albedo           0 low, 1 high
+//      6     1  rules            0 as printed, 1 conserving
+//      7     1  reserved, 0
+//      8     4  rays_per_voxel   k: rays a face voxel of the whole pass
+//     12     4  first            of those k, this command sends first .. first + count - 1
+//     16     4  count
+//     20     4  reserved, 0
+//     24     8  energy           double: the light's power, directional: irradiance; units of the energy words, physical
+//                                lengths in those of the SPACING registers
+//     32  3x24  position, u, v   three doubles each. point: position (voxels). directional: u is towards the light.
+//                                rectangle: position is a corner, u and v its edges (physical), it shines along u x v.
+//                                sphere: position is the centre, u.x the radius (physical)
 #pragma once
 
 #include <array>
@@ -32,7 +51,7 @@
 
 namespace gicube::wire {
 
-enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2 };
+enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2, kIlluminate = 3 };
 enum class Projection : std::uint8_t { kOrthographic = 0, kPerspective = 1 };
 enum class Filter : std::uint8_t { kBox = 0, kTent = 1 };
 
@@ -68,6 +87,88 @@ inline void encode(const RenderCommand& command, std::span<std::uint8_t, kRender
   for (std::size_t i = 0; i < vectors.size(); ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) store_double(out, 16 + 24 * i + 8 * axis, (*vectors[i])[axis]);
   }
+}
+
+enum class LightKind : std::uint8_t { kPoint = 0, kDirectional = 1, kRectangle = 2, kSphere = 3 };
+enum class Albedo : std::uint8_t { kLow = 0, kHigh = 1 };
+enum class EnergyRules : std::uint8_t { kAsPrinted = 0, kConserving = 1 };
+
+inline constexpr std::size_t kIlluminateCommandBytes = 104;
+inline constexpr std::uint32_t kMostRaysPerVoxel = 4096;
+
+struct IlluminateCommand {
+  LightKind kind = LightKind::kPoint;
+  Albedo albedo = Albedo::kLow;
+  EnergyRules rules = EnergyRules::kConserving;
+  std::uint32_t rays_per_voxel = 1;
+  std::uint32_t first = 0;
+  std::uint32_t count = 1;
+  double energy = 0;
+  std::array<double, 3> position{};
+  std::array<double, 3> u{};
+  std::array<double, 3> v{};
+
+  friend constexpr bool operator==(const IlluminateCommand&, const IlluminateCommand&) = default;
+};
+
+inline void encode(const IlluminateCommand& command, std::span<std::uint8_t, kIlluminateCommandBytes> out) {
+  store(out, 0, static_cast<std::uint32_t>(Opcode::kIlluminate));
+  store(out, 4, static_cast<std::uint8_t>(command.kind));
+  store(out, 5, static_cast<std::uint8_t>(command.albedo));
+  store(out, 6, static_cast<std::uint8_t>(command.rules));
+  store(out, 7, std::uint8_t{0});
+  store(out, 8, command.rays_per_voxel);
+  store(out, 12, command.first);
+  store(out, 16, command.count);
+  store(out, 20, std::uint32_t{0});
+  store_double(out, 24, command.energy);
+  const std::array<const std::array<double, 3>*, 3> vectors{&command.position, &command.u, &command.v};
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) store_double(out, 32 + 24 * i + 8 * axis, (*vectors[i])[axis]);
+  }
+}
+
+inline IlluminateCommand decode_illuminate(std::span<const std::uint8_t, kIlluminateCommandBytes> in) {
+  IlluminateCommand command;
+  command.kind = static_cast<LightKind>(load<std::uint8_t>(in, 4));
+  command.albedo = static_cast<Albedo>(load<std::uint8_t>(in, 5));
+  command.rules = static_cast<EnergyRules>(load<std::uint8_t>(in, 6));
+  command.rays_per_voxel = load<std::uint32_t>(in, 8);
+  command.first = load<std::uint32_t>(in, 12);
+  command.count = load<std::uint32_t>(in, 16);
+  command.energy = load_double(in, 24);
+  const std::array<std::array<double, 3>*, 3> vectors{&command.position, &command.u, &command.v};
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis) (*vectors[i])[axis] = load_double(in, 32 + 24 * i + 8 * axis);
+  }
+  return command;
+}
+
+// Where the energy of a lighting command went, in units of the energy words:
+// emitted = deposited + escaped + scattered_away + clipped.
+struct LightingLedger {
+  std::uint64_t rays = 0;
+  std::uint64_t emitted = 0;
+  std::uint64_t deposited = 0;       // into irradiance words, each voxel counted once
+  std::uint64_t escaped = 0;         // left the volume
+  std::uint64_t scattered_away = 0;  // by the printed rules, with rays that were given up, by routines
+  std::uint64_t given_up = 0;        // of that, with rays at the end of their lifetime
+  std::uint64_t clipped = 0;         // by saturated irradiance words
+  std::uint64_t light_in_solid = 0;  // 1: the voxels at the light's place are opaque
+
+  friend constexpr bool operator==(const LightingLedger&, const LightingLedger&) = default;
+};
+inline constexpr std::size_t kLightingLedgerBytes = 64;
+
+inline void encode(const LightingLedger& ledger, std::span<std::uint8_t, kLightingLedgerBytes> out) {
+  const std::array words{ledger.rays,           ledger.emitted,  ledger.deposited, ledger.escaped,
+                         ledger.scattered_away, ledger.given_up, ledger.clipped,   ledger.light_in_solid};
+  for (std::size_t i = 0; i < words.size(); ++i) store(out, 8 * i, words[i]);
+}
+
+inline LightingLedger decode_lighting_ledger(std::span<const std::uint8_t, kLightingLedgerBytes> in) {
+  const auto word = [in](std::size_t i) { return load<std::uint64_t>(in, 8 * i); };
+  return {word(0), word(1), word(2), word(3), word(4), word(5), word(6), word(7)};
 }
 
 // The enumerations are taken as they come: the DSP checks every field's range and names the one that is wrong.

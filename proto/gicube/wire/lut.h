@@ -24,6 +24,7 @@ inline constexpr std::size_t kSegmentationEntries = std::size_t{1} << 14;
 inline constexpr std::size_t kSegmentationEntryBytes = 12;
 inline constexpr std::uint16_t kClassifiedOpacityOne = 65535;
 inline constexpr std::uint8_t kShadeOne = 128;
+inline constexpr int kGainFractionBits = 8;
 
 struct SegmentationEntry {
   std::array<std::uint16_t, 3> colour{};
@@ -31,7 +32,15 @@ struct SegmentationEntry {
   std::uint8_t ambient = 0;
   std::uint8_t reflect = kShadeOne;
   std::uint8_t knee = kShadeOne;
+  std::uint8_t specular = 0;
 
+  // Brightness of a unit of irradiance under EXPOSURE, 8.8: one over the opacity, since a sample absorbs in proportion to
+  // it. Shares its bits with `reflect` and `knee`.
+  constexpr std::uint32_t gain() const { return reflect | std::uint32_t{knee} << 8; }
+  constexpr void set_gain(std::uint32_t gain) {
+    reflect = static_cast<std::uint8_t>(gain);
+    knee = static_cast<std::uint8_t>(gain >> 8);
+  }
   friend constexpr bool operator==(const SegmentationEntry&, const SegmentationEntry&) = default;
 };
 
@@ -42,6 +51,7 @@ inline void encode(const SegmentationEntry& entry, std::span<std::uint8_t, kSegm
   bits.put(52, 8, entry.ambient);
   bits.put(60, 8, entry.reflect);
   bits.put(68, 8, entry.knee);
+  bits.put(76, 8, entry.specular);
   store(out, 0, bits.words[0]);
   store(out, 8, static_cast<std::uint32_t>(bits.words[1]));
 }
@@ -56,6 +66,7 @@ inline SegmentationEntry decode_segmentation(std::span<const std::uint8_t, kSegm
   entry.ambient = static_cast<std::uint8_t>(bits.get(52, 8));
   entry.reflect = static_cast<std::uint8_t>(bits.get(60, 8));
   entry.knee = static_cast<std::uint8_t>(bits.get(68, 8));
+  entry.specular = static_cast<std::uint8_t>(bits.get(76, 8));
   return entry;
 }
 

@@ -6,6 +6,7 @@
 
 #include "gicube/wire/command.h"
 #include "gicube/wire/lut.h"
+#include "gicube/wire/material.h"
 #include "gicube/wire/voxel.h"
 
 namespace gicube::wire {
@@ -30,13 +31,22 @@ inline constexpr MemoryRegion kReflectanceMap{"reflectance_map", 0x0020'0000, kR
                                               "6 x 128 x 128 bytes (lut.h)"};
 inline constexpr MemoryRegion kEmptyFlags{"empty_flags", 0x0030'0000, std::uint64_t{1} << 18, true,
                                           "one bit a block, block 0 in bit 0 of byte 0; 1 = nothing visible"};
+inline constexpr MemoryRegion kMaterials{"materials", 0x0040'0000, std::uint64_t{kTags} * kMaterialBytes, true,
+                                         "one record a tag (material.h)"};
 inline constexpr MemoryRegion kFramebuffer{"framebuffer", 0x1000'0000, std::uint64_t{4095} * 4095 * 9 / 2 + 1, false,
                                            "36-bit pixels packed two in nine bytes, rows from the top (voxel.h)"};
 inline constexpr MemoryRegion kVolume{"volume", 0x1'0000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, true,
                                       "blocks of packed 36-bit voxels"};
 
-inline constexpr std::array<MemoryRegion, 6> kMemoryMap{kSegmentationLut, kGradientLut, kReflectanceMap,
-                                                        kEmptyFlags,      kFramebuffer, kVolume};
+// Irradiance of block b's n^3 voxels, x fastest, from kIrradiance.base + 4 b n^3 on: unsigned 32-bit words in units of the
+// energy words; 11 bits of them are used by the paper's datapath. A block that was never reached is uniformly zero.
+inline constexpr std::size_t kIrradianceBytes = 4;
+inline constexpr MemoryRegion kIrradiance{"irradiance", 0x4'0000'0000,
+                                          std::uint64_t{1024} * 1024 * 1024 * kIrradianceBytes, true,
+                                          "blocks of 32-bit irradiance words"};
+
+inline constexpr std::array<MemoryRegion, 8> kMemoryMap{kSegmentationLut, kGradientLut, kReflectanceMap, kEmptyFlags,
+                                                        kMaterials,       kFramebuffer, kVolume,         kIrradiance};
 
 // The region that holds [address, address + bytes), or null.
 constexpr const MemoryRegion* find_region(std::uint64_t address, std::uint64_t bytes) {

@@ -27,6 +27,7 @@ inline constexpr std::uint32_t kStatus = 0x004;
 inline constexpr std::uint32_t kStatusClear = 0x008;
 inline constexpr std::uint32_t kControl = 0x00C;
 inline constexpr std::uint32_t kErrorAddress = 0x010;
+inline constexpr std::uint32_t kDatapath = 0x014;
 inline constexpr std::uint32_t kFidelity = 0x020;
 inline constexpr std::uint32_t kProcessors = 0x024;
 inline constexpr std::uint32_t kBlockVoxels = 0x028;
@@ -44,6 +45,9 @@ inline constexpr std::uint32_t kSpacingZ = 0x058;
 inline constexpr std::uint32_t kStep = 0x060;
 inline constexpr std::uint32_t kOpacityThreshold = 0x064;
 inline constexpr std::uint32_t kPipeline = 0x068;
+inline constexpr std::uint32_t kLifetime = 0x06C;
+inline constexpr std::uint32_t kExposure = 0x070;
+inline constexpr std::uint32_t kSeed = 0x074;
 inline constexpr std::uint32_t kCutPlanes = 0x080;
 inline constexpr std::uint32_t kCutPlane0 = 0x090;  // plane i, word w at kCutPlane0 + 16 i + 4 w
 }  // namespace reg
@@ -53,13 +57,29 @@ inline constexpr std::uint32_t kUnmappedRead = 0xFFFF'FFFF;
 inline constexpr std::uint32_t kMaxCutPlanes = 6;
 
 enum StatusBit : std::uint32_t { kStatusBadAddress = 1 << 0, kStatusBadValue = 1 << 1, kStatusBadCommand = 1 << 2 };
-enum ControlBit : std::uint32_t { kControlReset = 1 << 0, kControlClearVolume = 1 << 1 };
-enum PipelineBit : std::uint32_t { kPipelineJitter = 1 << 0, kPipelineShade = 1 << 1, kPipelineLeap = 1 << 2 };
+enum ControlBit : std::uint32_t {
+  kControlReset = 1 << 0,
+  kControlClearVolume = 1 << 1,
+  kControlClearIrradiance = 1 << 2,
+};
+enum PipelineBit : std::uint32_t {
+  kPipelineJitter = 1 << 0,
+  kPipelineShade = 1 << 1,
+  kPipelineLeap = 1 << 2,
+  kPipelineIrradiance = 1 << 3,
+  kPipelineScatter = 1 << 4,
+  kPipelineHighAlbedo = 1 << 5,
+};
+inline constexpr std::uint32_t kPipelineBits = (1 << 6) - 1;
 enum class Fidelity : std::uint32_t { kFunctional = 1, kApproximate = 2, kCycle = 3 };
+
+enum class Datapath : std::uint32_t { kPaper = 1, kWide = 2 };
 
 inline constexpr std::uint32_t kStepOne = 1u << 16;       // STEP of one voxel
 inline constexpr std::uint32_t kStepMin = kStepOne / 64;  // below that a step's fixed-point error passes 1% (HARDWARE)
 inline constexpr std::uint32_t kStepMax = 16 * kStepOne;
+inline constexpr std::uint32_t kLifetimeReset = 32;
+inline constexpr std::uint32_t kExposureReset = 256;  // 256 units of irradiance: full colour
 inline constexpr std::uint32_t kSpacingOne = 1u << 16;
 inline constexpr std::uint32_t kSpacingMax = 64 * kSpacingOne;
 
@@ -68,8 +88,9 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kId, "ID", Access::kReadOnly, kIdValue, "\"GICB\""},
     RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command"},
     RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear the same bits of STATUS"},
-    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume and its empty flags"},
+    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags and its irradiance, bit 2 clear the irradiance"},
     RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0, "low 32 bits of the address that last set bad_address or bad_value"},
+    RegisterInfo{reg::kDatapath, "DATAPATH", Access::kReadOnly, 0, "1 paper, 2 wide; from the configuration"},
     RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0, "1 functional, 2 approximate, 3 cycle; from the configuration"},
     RegisterInfo{reg::kProcessors, "PROCESSORS", Access::kReadOnly, 0, "ray integration processors; from the configuration"},
     RegisterInfo{reg::kBlockVoxels, "BLOCK_VOXELS", Access::kReadOnly, 0, "block edge n in voxels; from the configuration"},
@@ -86,7 +107,10 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kSpacingZ, "SPACING_Z", Access::kReadWrite, kSpacingOne, "the same along z"},
     RegisterInfo{reg::kStep, "STEP", Access::kReadWrite, kStepOne, "sample distance d, 16.16 voxels, 1/64 to 16"},
     RegisterInfo{reg::kOpacityThreshold, "OPACITY_THRESHOLD", Access::kReadWrite, 0xFFFFFF, "a ray at or above this opacity is done; 2^24-1 = 1"},
-    RegisterInfo{reg::kPipeline, "PIPELINE", Access::kReadWrite, kPipelineShade | kPipelineLeap, "bit 0 jitter, 1 shade, 2 leap over empty blocks"},
+    RegisterInfo{reg::kPipeline, "PIPELINE", Access::kReadWrite, kPipelineShade | kPipelineLeap, "bit 0 jitter, 1 shade, 2 leap over empty blocks, 3 light samples by their irradiance, 4 scatter rendering rays, 5 rendering rays take colour once, where they are absorbed"},
+    RegisterInfo{reg::kLifetime, "LIFETIME", Access::kReadWrite, kLifetimeReset, "scatterings until a ray made by the DSP is given up, 0 to 1023"},
+    RegisterInfo{reg::kExposure, "EXPOSURE", Access::kReadWrite, kExposureReset, "brightness of one unit of irradiance, 16.16; 65536 = full colour"},
+    RegisterInfo{reg::kSeed, "SEED", Access::kReadWrite, 0, "of lighting rays and of scatterings: another seed draws other random numbers"},
     RegisterInfo{reg::kCutPlanes, "CUT_PLANES", Access::kReadWrite, 0, "how many cut planes hold, 0 to 6"},
 #define GICUBE_CUT_PLANE(i)                                                                                                   \
     RegisterInfo{reg::kCutPlane0 + 16 * (i) + 0, "CUT" #i "_NORMAL_X", Access::kReadWrite, 0, "signed 1.14: points with normal . p >= offset are kept"}, \

@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "march.h"
 #include "pipeline/advance.h"
 #include "pipeline/classify.h"
 #include "pipeline/composite.h"
@@ -142,24 +143,24 @@ TEST(OpacityCorrection, KeepsTheTransmittanceOfThinFogOver512Steps) {
   const OpacityCorrection correct;
   for (const double alpha : {0.0004, 0.002, 0.01}) {
     const auto word = static_cast<std::uint16_t>(std::lround(alpha * 65535));
-    Gathered ray;
+    Traveller ray;
     for (int step = 0; step < 512; ++step) over(ray, {0, 0, 0}, correct(word, 32768));
     EXPECT_NEAR(1 - ray.opacity / double{wire::kOpacityOne}, std::pow(1 - word / 65535.0, 256), 3e-5);
   }
 }
 
 TEST(Composite, MakesAFullSampleFullAndLeavesNothingForTheNext) {
-  Gathered ray;
+  Traveller ray;
   over(ray, {4095, 2000, 0}, wire::kOpacityOne);
   EXPECT_EQ(ray.opacity, wire::kOpacityOne);
-  EXPECT_EQ(ray.colour, (std::array<std::uint32_t, 3>{4095, 2000, 0}));
+  EXPECT_EQ(ray.colour, (std::array<std::uint16_t, 3>{4095, 2000, 0}));
   over(ray, {4095, 4095, 4095}, wire::kOpacityOne);
-  EXPECT_EQ(ray.colour, (std::array<std::uint32_t, 3>{4095, 2000, 0}));
+  EXPECT_EQ(ray.colour, (std::array<std::uint16_t, 3>{4095, 2000, 0}));
   EXPECT_EQ(contribution(ray.opacity), 0);
 }
 
 TEST(Composite, FollowsPorterAndDuffWithinTheRoundingOfItsWords) {
-  Gathered ray;
+  Traveller ray;
   double colour = 0, opacity = 0;
   for (int i = 0; i < 100; ++i) {
     const std::uint32_t alpha = 300'000 + 1000u * static_cast<unsigned>(i);

@@ -1,0 +1,44 @@
+// What a sample does to a ray where there is more to it than gathering: lighting rays, and rendering rays that are lit by
+// irradiance or scattered [P §2.2]. Pure functions of the ray and the volume, for every fidelity level.
+//
+// A sample stands for the step that follows it. Absorption and scattering share its opacity a (docs/HARDWARE.md):
+//   low albedo    the ray keeps 1 - (1 - Ks) a of its energy, or of its transparency, and deposits the rest; of what is
+//                 kept the part Ks a / (1 - (1 - Ks) a) is scattered
+//   high albedo   the ray meets the material when a, accumulated, reaches its interaction value, and is then scattered with
+//                 probability Ks, else absorbed whole
+#pragma once
+
+#include "march.h"
+
+namespace gicube::emu {
+
+enum class Fate : std::uint8_t { kGoesOn, kEnded, kTrapped };
+
+struct Met {
+  Fate fate = Fate::kGoesOn;
+  bool visible = false;  // the sample has an opacity
+  bool deposits = false;
+  Deposit deposit;  // if it does; not always in the block of the sample
+};
+
+// Takes the sample at `at` of the block `view`, and advances or scatters the ray.
+Met meet(Traveller& ray, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge, const Frame& frame,
+         RayCounters& counters);
+
+// A leap takes the ray through nothing: it is no longer at a surface.
+inline void leave_surface(Traveller& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
+
+// The DSP scatters a trapped ray: what its routine answers. `cycles`: what it took, of the DSP. Throws RoutineFault.
+Met resolve_trap(Traveller& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles);
+
+// Whole energy units that the ray holds: its energy's fraction is rounded by one draw a ray, so that what it deposits on its
+// way sums exactly to what it had.
+std::uint32_t energy_units(const Traveller& ray, const Frame& frame);
+
+// Opacity of one voxel length at a place of the volume, 65535 = 1.
+std::uint16_t opacity_at(const Point& position, const Frame& frame);
+
+// Counts a ray that has come to its end, with the energy that leaves with it.
+void count_end(const Traveller& ray, End how, const Frame& frame, RayCounters& counters);
+
+}  // namespace gicube::emu

@@ -1,0 +1,90 @@
+// The irradiance words of the volume [P §2.2]: saturating sums of energy, one a voxel, and their copies on the faces that
+// blocks share.
+//
+// Each block has words for its (n+1)^3 voxels, as in the board's memory. A deposit goes into every block that holds one of
+// its voxels: the functional level adds them at once, the cycle level sends irradiance carriers. Sums of non-negative terms
+// that saturate don't depend on their order. A block that no energy has reached takes no memory.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "flow.h"
+
+namespace gicube::emu {
+
+// Both count a voxel once, however many copies it has.
+struct Deposited {
+  std::uint64_t kept = 0;
+  std::uint64_t clipped = 0;
+
+  Deposited& operator+=(const Deposited& other) {
+    kept += other.kept;
+    clipped += other.clipped;
+    return *this;
+  }
+};
+
+// Blocks that hold a voxel of a deposit.
+struct SharingBlocks {
+  std::size_t count = 0;
+  std::array<std::uint32_t, 8> block{};
+};
+
+class IrradianceMemory {
+ public:
+  static constexpr std::uint32_t kPaperMost = (1u << 11) - 1;  // [P §4.2]
+  static constexpr std::uint32_t kWideMost = ~std::uint32_t{0};
+
+  // `most`: at which a word saturates.
+  IrradianceMemory(int block_voxels, std::uint32_t most);
+
+  void resize(const std::array<int, 3>& size);  // voxels; forgets everything
+  void clear();
+
+  SharingBlocks blocks_of(const Deposit& deposit) const;
+  // Adds the shares of those voxels that `block` holds. From any number of threads.
+  Deposited add(const Deposit& deposit, std::uint32_t block);
+  // Into every block.
+  Deposited add(const Deposit& deposit) {
+    const SharingBlocks sharing = blocks_of(deposit);
+    Deposited sum;
+    for (std::size_t i = 0; i < sharing.count; ++i) sum += add(deposit, sharing.block[i]);
+    return sum;
+  }
+
+  // (n+1)^3 words, x fastest; null: all zero.
+  const std::uint32_t* view(std::size_t block) const { return words_[block].load(std::memory_order_acquire); }
+  std::size_t stored_blocks() const;
+
+  // Bytes of the address range (memory_map.h): n^3 words a block. `offset` and the length are multiples of four, within
+  // bytes(). Writing sets all copies; a word beyond `most` saturates.
+  std::uint64_t bytes() const { return words_.size() * block_bytes_; }
+  void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
+
+ private:
+  using Words = std::atomic<std::uint32_t*>;
+
+  std::uint32_t* storage(std::size_t block);
+  std::array<int, 3> place(std::size_t block) const;
+  std::size_t index(int x, int y, int z) const {
+    return static_cast<std::size_t>(x) + edge_ * (static_cast<std::size_t>(y) + edge_ * static_cast<std::size_t>(z));
+  }
+
+  int n_;
+  std::size_t edge_;  // n + 1
+  std::uint32_t most_;
+  std::uint64_t block_bytes_;
+  std::array<int, 3> size_{};
+  std::array<int, 3> blocks_{};
+  std::vector<Words> words_;
+  std::vector<std::unique_ptr<std::uint32_t[]>> owned_;  // what words_ point to
+};
+
+}  // namespace gicube::emu

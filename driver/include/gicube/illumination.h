@@ -1,0 +1,70 @@
+// Volumetric global illumination: lights, and the pass that distributes their energy into the volume [P §2.2].
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gicube/vector.h"
+
+namespace gicube {
+
+// Positions in voxels, directions and lengths physical (in smallest voxel edges, axes parallel to the voxel axes).
+struct PointLight {
+  Vec3 position;     // inside the volume or outside
+  double power = 1;  // > 0, all lights of a pass in one unit
+};
+
+struct DirectionalLight {
+  Vec3 towards;           // from the scene to the light; any length but 0
+  double irradiance = 1;  // > 0, power on a unit area across the light
+};
+
+// Shines to the side of edge_u x edge_v, each point alike into all directions of the half space (Lambert).
+struct RectangleLight {
+  Vec3 corner;
+  Vec3 edge_u, edge_v;  // physical; not parallel, not 0
+  double power = 1;
+};
+
+struct SphereLight {  // shines outward from its surface, Lambert
+  Vec3 centre;
+  double radius = 1;  // physical, > 0
+  double power = 1;
+};
+
+using Light = std::variant<PointLight, DirectionalLight, RectangleLight, SphereLight>;
+
+// kLow: every ray deposits a part of its energy at each sample. kHigh: rays are photons that deposit all of it once.
+enum class Albedo { kLow, kHigh };
+// kAsPrinted: the paper's own rules, which lose scattered energy and count a point light four times.
+// kConserving: what goes in comes out (docs/HARDWARE.md).
+enum class EnergyRules { kAsPrinted, kConserving };
+
+struct Illumination {
+  Albedo albedo = Albedo::kLow;
+  EnergyRules rules = EnergyRules::kConserving;
+  int rays_per_face_voxel = 1;  // k, 1..4096; each light sends up to 6 k N^2 rays
+  double step = 0.5;            // voxels along the ray, 1/64..16
+  bool jitter = false;
+  bool leap = true;
+  int lifetime = 32;       // scatterings until a ray is given up, 0..1023
+  std::uint32_t seed = 0;  // of all random choices: another seed is an independent experiment
+};
+
+// Where the energy went, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:
+// emitted = deposited + escaped + scattered_away + clipped.
+struct LightingReport {
+  std::uint64_t rays = 0;
+  double emitted = 0;         // given to rays
+  double deposited = 0;       // into irradiance words
+  double escaped = 0;         // out of the volume
+  double scattered_away = 0;  // dropped by the printed rules, with rays given up, and by routines
+  double given_up = 0;        // of that, with rays at the end of their lifetime
+  double clipped = 0;         // did not fit saturated irradiance words
+  double unit = 0;
+  std::vector<std::string> warnings;  // a light in a solid, much energy clipped, low albedo where scattering matters
+};
+
+}  // namespace gicube

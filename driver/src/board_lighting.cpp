@@ -1,0 +1,130 @@
+// Materials, lights and the irradiance that they leave.
+#include <algorithm>
+#include <cmath>
+
+#include "gicube/wire/memory_map.h"
+#include "gicube/wire/ray.h"
+#include "gicube/wire/registers.h"
+#include "link_error.h"
+#include "state.h"
+#include "upload/lights.h"
+
+namespace gicube {
+namespace {
+
+namespace reg = wire::reg;
+
+LitBox lit_box(const LoadedVolume& volume) {
+  const Vec3 edge = volume.relative_spacing;
+  return {{(volume.dims[0] - 1) * edge.x, (volume.dims[1] - 1) * edge.y, (volume.dims[2] - 1) * edge.z}, edge};
+}
+
+void add(const wire::LightingLedger& ledger, LightingReport& report) {
+  report.rays += ledger.rays;
+  report.emitted += static_cast<double>(ledger.emitted) * report.unit;
+  report.deposited += static_cast<double>(ledger.deposited) * report.unit;
+  report.escaped += static_cast<double>(ledger.escaped) * report.unit;
+  report.scattered_away += static_cast<double>(ledger.scattered_away) * report.unit;
+  report.given_up += static_cast<double>(ledger.given_up) * report.unit;
+  report.clipped += static_cast<double>(ledger.clipped) * report.unit;
+}
+
+}  // namespace
+
+void Board::set_material(const Material& material, int tag) {
+  const auto lock = state_->begin();
+  check(material);
+  if (tag < 0 || tag >= wire::kTags) throw BadArgument("tag", "0..3", std::to_string(tag));
+  state_->tables.set_material(material, tag);
+  if (state_->volume) state_->tables.send_segmentation(state_->volume->range);  // gains depend on the scattering
+}
+
+void Board::State::set_lighting(const Illumination& settings) {
+  device.set_register(reg::kStep, static_cast<std::uint32_t>(std::lround(settings.step * wire::kStepOne)));
+  device.set_register(reg::kOpacityThreshold, wire::kOpacityOne);
+  device.set_register(reg::kPipeline,
+                      (settings.jitter ? wire::kPipelineJitter : 0u) | (settings.leap ? wire::kPipelineLeap : 0u));
+  device.set_register(reg::kLifetime, static_cast<std::uint32_t>(settings.lifetime));
+  device.set_register(reg::kSeed, settings.seed);
+  device.set_register(reg::kCutPlanes, 0);  // they cut what the eye sees
+}
+
+LightingReport Board::illuminate(std::span<const Light> lights, const Illumination& settings,
+                                 const Progress& progress) {
+  const auto lock = state_->begin();
+  for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], i);
+  check(settings);
+  const LoadedVolume& volume = state_->loaded("illuminate()");
+  const LitBox box = lit_box(volume);
+  LightingReport report;
+  report.unit = lights.empty() ? 1 : energy_unit(lights, settings, box, state_->info.wide);
+
+  state_->set_lighting(settings);
+  state_->device.write_register(reg::kControl, wire::kControlClearIrradiance);
+  state_->irradiance_unit = report.unit;
+  double flux = 0;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    std::vector<std::uint8_t> command(wire::kIlluminateCommandBytes);
+    wire::encode(light_command(lights[i], settings, report.unit),
+                 std::span<std::uint8_t, wire::kIlluminateCommandBytes>(command));
+    const std::uint32_t ticket = state_->device.command(std::move(command));
+    const auto all = static_cast<std::uint32_t>(lights.size()), before = static_cast<std::uint32_t>(i);
+    Progress part;
+    if (progress) {  // each light an equal part of the whole
+      part = [&progress, all, before](std::uint32_t done, std::uint32_t of) {
+        constexpr std::uint32_t kParts = 1000;
+        const std::uint32_t here = of > 0 ? static_cast<std::uint32_t>(std::uint64_t{kParts} * done / of) : 0;
+        progress(before * kParts + here, all * kParts);
+      };
+    }
+    const CommandResult result = state_->device.finish(ticket, state_->watched(part));
+    if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+    if (result.payload.size() != wire::kLightingLedgerBytes) state_->device.give_up("a lighting result of wrong size");
+    const auto ledger =
+        wire::decode_lighting_ledger(std::span<const std::uint8_t, wire::kLightingLedgerBytes>(result.payload));
+    add(ledger, report);
+    flux += flux_in_the_middle(lights[i], settings, box);
+    if (ledger.light_in_solid != 0) {
+      report.warnings.push_back("lights[" + std::to_string(i) + "] stands in a solid: its light stays there");
+    }
+  }
+  state_->bright_flux = flux;
+  if (report.clipped > 0.01 * report.emitted) {
+    report.warnings.push_back("more than 1% of the energy was clipped by saturated irradiance words");
+  }
+  if (settings.albedo == Albedo::kLow && settings.rules == EnergyRules::kAsPrinted &&
+      report.scattered_away > 0.01 * report.emitted) {
+    report.warnings.push_back("the printed rules of low albedo lost the energy that was scattered");
+  }
+  return report;
+}
+
+std::vector<float> Board::read_irradiance() {
+  const auto lock = state_->begin();
+  const LoadedVolume& volume = state_->loaded("read_irradiance()");
+  if (state_->irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() first");
+  const auto n = static_cast<std::size_t>(state_->info.block_voxels), words = n * n * n;
+  const auto dim = [&volume](std::size_t axis) { return static_cast<std::size_t>(volume.dims[axis]); };
+  const auto blocks = [&volume](std::size_t axis) { return static_cast<std::size_t>(volume.blocks[axis]); };
+  const std::size_t most = state_->device.agreed().max_payload_bytes / wire::kIrradianceBytes;
+  std::vector<float> out(dim(0) * dim(1) * dim(2));
+  for (std::size_t block = 0; block < blocks(0) * blocks(1) * blocks(2); ++block) {
+    const std::array<std::size_t, 3> low{block % blocks(0) * n, block / blocks(0) % blocks(1) * n,
+                                         block / (blocks(0) * blocks(1)) * n};
+    for (std::size_t first = 0; first < words; first += most) {
+      const std::size_t count = std::min(most, words - first);
+      const auto bytes = state_->device.read_memory(
+          wire::kIrradiance.base + (block * words + first) * wire::kIrradianceBytes, count * wire::kIrradianceBytes);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t word = first + i;
+        const std::size_t x = low[0] + word % n, y = low[1] + word / n % n, z = low[2] + word / (n * n);
+        if (x >= dim(0) || y >= dim(1) || z >= dim(2)) continue;
+        out[x + dim(0) * (y + dim(1) * z)] =
+            static_cast<float>(wire::load<std::uint32_t>(bytes, i * wire::kIrradianceBytes) * state_->irradiance_unit);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace gicube

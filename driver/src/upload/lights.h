@@ -1,0 +1,43 @@
+// Lights as the DSP's commands, and the unit in which the board counts their energy.
+#pragma once
+
+#include <span>
+
+#include "gicube/illumination.h"
+#include "gicube/material.h"
+#include "gicube/wire/command.h"
+#include "gicube/wire/material.h"
+
+namespace gicube {
+
+// Throw BadArgument naming the field.
+void check(const Material& material);
+void check(const Light& light, std::size_t index);
+void check(const Illumination& settings);
+
+wire::Material material_record(const Material& material);
+
+// The box of the volume as lights see it: physical, from 0 to extent.
+struct LitBox {
+  Vec3 extent;
+  Vec3 spacing;  // relative voxel edges
+};
+
+// At most what a ray of this light carries, and what all its rays bring to a voxel of the nearest face, in units of the
+// light's power.
+struct RayEnergy {
+  double ray = 0;
+  double voxel = 0;
+};
+RayEnergy most_energy(const Light& light, const Illumination& settings, const LitBox& box);
+
+// Power that passes a voxel's face in the middle of the volume, were nothing in its way.
+double flux_in_the_middle(const Light& light, const Illumination& settings, const LitBox& box);
+
+// Power for one unit of the energy words: small enough that the brightest ray fills its word, and large enough that a
+// voxel of the nearest face, absorbing all, stays at half of a saturated irradiance word.
+double energy_unit(std::span<const Light> lights, const Illumination& settings, const LitBox& box, bool wide);
+
+wire::IlluminateCommand light_command(const Light& light, const Illumination& settings, double unit);
+
+}  // namespace gicube
