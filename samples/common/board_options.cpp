@@ -65,7 +65,7 @@ void add_board_options(CLI::App& app, BoardOptions& options) {
       ->type_name("FILE")
       ->group(group);
   app.add_option("--seed", options.seed,
-                 "recorded in the statistics; changes nothing here, since jitter is hashed from each ray's own state")
+                 "of the random choices of scattered rays; 0: the scene's own. Recorded in the statistics")
       ->capture_default_str()
       ->group(group);
   app.add_option("--threads", options.threads,

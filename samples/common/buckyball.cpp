@@ -8,9 +8,9 @@
 #include <string>
 #include <thread>
 
-#include "common/input_error.h"
 #include "common/geometry/signed_distance.h"
 #include "common/geometry/voxel_world.h"
+#include "common/input_error.h"
 #include "common/truncated_icosahedron.h"
 
 namespace gicube::samples {

@@ -5,7 +5,6 @@
 #include <numbers>
 #include <utility>
 
-#include "common/buckyball.h"
 #include "common/input_error.h"
 
 namespace gicube::samples {
@@ -13,7 +12,6 @@ namespace {
 
 constexpr double kMargin = 1.04;                    // chosen: of the image that stays free around the volume's box
 constexpr Vec3 kDefaultDirection{-0.35, -1, 0.45};  // chosen: three-quarter view of a head whose face looks along -y
-constexpr int kMaxAnalyticSize = 256;  // voxels an edge: beyond it 12 bytes a voxel of normals cost too much memory
 
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
@@ -65,10 +63,6 @@ Vec3 choose_up(const CameraSettings& camera, Vec3 towards_eye) {
   return along && !camera.up ? Vec3{0, 1, 0} : up;
 }
 
-Buckyball build_buckyball(const VolumeSource& source, int threads) {
-  return make_buckyball(source.size, source.size <= kMaxAnalyticSize, threads);
-}
-
 }  // namespace
 
 void fit_camera(const CameraSettings& camera, const VoxelBox& box, const Vec3& spacing, View& view) {
@@ -110,52 +104,14 @@ SampleType sample_type_named(const std::string& name, const std::string& field) 
   throw InputError(field, "uint8, uint12, uint16, int16 or float32", in_quotes(name));
 }
 
-VolumeView SceneSetup::volume_view() const {
-  VolumeView result = volume.view();
-  result.tags = tags;
-  result.gradients = gradients;
-  return result;
-}
-
-void SceneSetup::free_voxels() {
-  std::vector<std::byte>().swap(volume.samples);
-  std::vector<std::uint8_t>().swap(tags);
-  std::vector<float>().swap(gradients);
-}
-
-SceneSetup set_up(const Scene& scene, int threads) {
-  SceneSetup setup;
-  Appearance look;
-  if (scene.volume.builtin.empty()) {
-    setup.volume = read_volume(scene.volume.file, scene.volume.raw);
-    look.materials = {find_preset("ramp")};
-  } else if (scene.volume.builtin == "buckyball") {
-    Buckyball ball = build_buckyball(scene.volume, threads);
-    setup.volume = std::move(ball.volume);
-    setup.tags = std::move(ball.tags);
-    setup.gradients = std::move(ball.gradients);
-    look = buckyball_appearance(scene.volume.size);
-  } else {
-    throw InputError("built-in volume", "buckyball", in_quotes(scene.volume.builtin));
+void choose_camera(Scene& scene, const std::string& name) {
+  if (scene.camera.name == name) return;
+  std::string names = scene.camera.name;
+  for (CameraSettings& camera : scene.more_cameras) {
+    if (camera.name == name) return std::swap(camera, scene.camera);
+    names += (names.empty() ? "" : ", ") + camera.name;
   }
-  if (scene.volume.spacing) setup.volume.spacing = *scene.volume.spacing;
-
-  setup.materials = look.materials;
-  if (scene.transfer_function) setup.materials.assign(look.materials.size(), *scene.transfer_function);
-  setup.background = look.background;
-
-  // A camera is taken as a whole: half of the built-in one with half of the user's shows nothing.
-  const CameraSettings& asked = scene.camera;
-  const bool own = asked.eye || asked.look_at || asked.up || asked.fov_degrees || asked.orthographic_height;
-  const CameraSettings& camera = own ? asked : look.camera;
-  const bool fitted = !camera.eye && scene.volume.builtin.empty();
-  const VoxelBox box = fitted ? visible_box(setup.volume, setup.materials.front()) : whole_box(setup.volume.dims);
-  setup.view = scene.view;
-  fit_camera(camera, box, setup.volume.spacing, setup.view);
-
-  const std::optional<Vec3>& light = scene.light ? scene.light : look.light;
-  setup.shading = {scene.phong.value_or(look.phong), light ? *light : shoulder_light(setup.view, setup.volume.spacing)};
-  return setup;
+  throw InputError("camera", names.empty() ? "a scene with named cameras" : "one of " + names, in_quotes(name));
 }
 
 }  // namespace gicube::samples

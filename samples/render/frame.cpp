@@ -6,10 +6,15 @@
 #include <bit>
 #include <chrono>
 
+#include "common/geometry/codebook.h"
 #include "common/input_error.h"
+#include "render/colour_passes.h"
 
 namespace gicube::samples {
 namespace {
+
+// chosen: pictures with the same light that are held until all their colour passes are made; 64 of 512^2 take 128 MB.
+constexpr std::size_t kMaxRun = 64;
 
 Board open_board(const BoardOptions& options) {
   const std::string uri = board_uri(options);
@@ -32,47 +37,173 @@ void check_fits(const Dims& dims, const BoardInfo& info, const std::string& sour
       fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]));
 }
 
-// The volume, how it looks, and nothing of it left in the host's memory.
-void load(Board& board, SceneSetup& setup, ProgressLine& progress) {
-  board.set_shading(setup.shading);
-  board.load_volume(setup.volume_view(), progress.parts("loading the volume"));
-  setup.free_voxels();
-  const ValueRange range = board.value_range();
-  for (std::size_t tag = 0; tag < setup.materials.size(); ++tag) {
-    board.set_transfer_function(in_values_of(range, setup.materials[tag]), static_cast<int>(tag));
+// Wall and simulated time of a part of the work, and what the board counted in it.
+class Window {
+ public:
+  explicit Window(Board& board)
+      : board_(board), counters_(board.counters()), begin_(board.now()), start_(std::chrono::steady_clock::now()) {}
+
+  Picoseconds simulated() const { return board_.now() - begin_; }
+  double host_seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
+  Counters counters() { return board_.counters() - counters_; }
+
+ private:
+  Board& board_;
+  Counters counters_;
+  Picoseconds begin_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+Counters sum_of(const Counters& a, const Counters& b) {
+  if (a.list().empty()) return b;
+  std::vector<Counter> sum = b.list();
+  for (Counter& counter : sum) counter.value += a.value(counter.name);
+  return Counters(std::move(sum));
 }
+
+// A codebook of one picture's normals would not be that of the next.
+bool moves_nodes(const Scene& scene) {
+  return std::any_of(scene.engines.begin(), scene.engines.end(),
+                     [](const Engine& engine) { return engine.target.starts_with("node["); });
+}
+
+class Renderer {
+ public:
+  Renderer(const RenderOptions& options, ProgressLine& progress)
+      : options_(options), progress_(progress), input_(input_scene(options)), board_(open_board(options.board)) {}
+
+  // Pictures `first` to before `last`: of one volume and one light.
+  void run(const std::vector<double>& times, std::size_t first, std::size_t last,
+           const std::function<void(const Frame&)>& done) {
+    const Scene scene = at(times[first]);
+    const Picoseconds load = set_voxels(scene);
+    std::vector<Frame> frames(last - first);
+    const std::vector<LightPass> passes = passes_of(setup_);
+    for (const LightPass& pass : passes) {
+      const bool lit = scene.lighting.on && light(pass, scene, passes.size());
+      for (std::size_t i = 0; i < frames.size(); ++i) {
+        Frame& frame = frames[i];
+        set_look(at(times[first + i]), setup_);
+        set_phong(options_, setup_.shading.phong);
+        picture(pass, fmt::format("picture {} of {}", first + i + 1, times.size()), frame);
+        if (scene.lighting.on) {
+          frame.statistics.lighting.push_back(lighting_);
+          frame.statistics.lighting.back().reused = !lit || i > 0;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      frames[i].number = static_cast<int>(first + i);
+      frames[i].statistics.time = times[first + i];
+      frames[i].statistics.load = i == 0 ? load : 0;
+      frames[i].background = setup_.background;
+      done(frames[i]);
+    }
+    last_ = scene;
+  }
+
+  // How many pictures from `first` on have its volume and its light.
+  std::size_t run_length(const std::vector<double>& times, std::size_t first) const {
+    const Scene scene = at(times[first]);
+    std::size_t length = 1;
+    while (length < kMaxRun && first + length < times.size() && same_illumination(scene, at(times[first + length]))) {
+      ++length;
+    }
+    return length;
+  }
+
+ private:
+  Scene at(double time) const { return scene_at(input_, options_, time); }
+
+  // Makes and loads the scene's voxels unless they are there. The simulated time that it took.
+  Picoseconds set_voxels(const Scene& scene) {
+    if (last_ && same_voxels(*last_, scene)) {
+      set_look(scene, setup_);
+      return 0;
+    }
+    progress_.show("reading the scene");
+    setup_ = set_up(scene, options_.board.threads);
+    set_phong(options_, setup_.shading.phong);
+    check_fits(setup_.volume.dims, board_.info(), setup_.volume.source);
+    const Picoseconds begin = board_.now();
+    board_.set_shading(setup_.shading);
+    if (!last_ && scene.own_codebook && !moves_nodes(scene)) {
+      const std::vector<Vec3> codebook = codebook_of(scene.world ? setup_.gradients : std::vector<float>());
+      if (codebook.size() > 1) board_.set_gradient_codebook(codebook);
+    }
+    board_.load_volume(setup_.volume_view(), progress_.parts("loading the volume"));
+    setup_.free_voxels();
+    const ValueRange range = board_.value_range();
+    for (std::size_t tag = 0; tag < setup_.materials.size(); ++tag) {
+      board_.set_transfer_function(in_values_of(range, setup_.materials[tag]), static_cast<int>(tag));
+    }
+    return board_.now() - begin;
+  }
+
+  void set_optics(const LightPass& pass) {
+    for (std::size_t tag = 0; tag < pass.optics.size(); ++tag) {
+      board_.set_material(pass.optics[tag], static_cast<int>(tag));
+    }
+  }
+
+  // Spreads the pass's light unless it is there; whether that had to be done.
+  bool light(const LightPass& pass, const Scene& scene, std::size_t passes) {
+    if (passes == 1 && last_ && same_illumination(*last_, scene)) return false;
+    set_optics(pass);
+    Window window(board_);
+    const std::string channel = passes > 1 ? fmt::format(" ({})", name_of(pass)) : "";
+    lighting_ = {};
+    lighting_.report = board_.illuminate(pass.lights, scene.lighting.settings, progress_.parts("lighting" + channel));
+    lighting_.channel = name_of(pass);
+    lighting_.settings = scene.lighting.settings;
+    lighting_.lights = pass.lights.size();
+    lighting_.duration = window.simulated();
+    lighting_.host_seconds = window.host_seconds();
+    lighting_.counters = window.counters();
+    return true;
+  }
+
+  void picture(const LightPass& pass, const std::string& what, Frame& frame) {
+    View view = setup_.view;
+    view.exposure = setup_.lighting.exposure;
+    Window window(board_);
+    board_.set_shading(setup_.shading);
+    set_optics(pass);
+    put_together(pass, board_.render(view, progress_.parts(what)), frame.image);
+
+    FrameStatistics& statistics = frame.statistics;
+    statistics.frame += window.simulated();
+    statistics.host_seconds += window.host_seconds();
+    statistics.counters = sum_of(statistics.counters, window.counters());
+    statistics.board = board_.info();
+    statistics.width = frame.image.width;
+    statistics.height = frame.image.height;
+    statistics.dims = setup_.volume.dims;
+    statistics.seed = options_.board.seed;
+  }
+
+  const RenderOptions& options_;
+  ProgressLine& progress_;
+  Scene input_;
+  Board board_;
+  SceneSetup setup_;
+  std::optional<Scene> last_;  // whose voxels and light are on the board
+  LightingStatistics lighting_;
+};
 
 }  // namespace
 
-Frame render_frame(const RenderOptions& options, ProgressLine& progress) {
-  const Scene scene = scene_of(options);
-  Board board = open_board(options.board);
-  progress.show("reading the scene");
-  SceneSetup setup = set_up(scene, options.board.threads);
-  set_phong(options, setup.shading.phong);
-  check_fits(setup.volume.dims, board.info(), setup.volume.source);
-  load(board, setup, progress);
-
-  const Counters before = board.counters();
-  const Picoseconds loaded = board.now();
-  const auto start = std::chrono::steady_clock::now();
-  Frame frame;
-  frame.image = board.render(setup.view, progress.parts("rendering"));
-  const std::chrono::duration<double> host = std::chrono::steady_clock::now() - start;
-
-  FrameStatistics& statistics = frame.statistics;
-  statistics.frame = board.now() - loaded;
-  statistics.counters = board.counters() - before;
-  statistics.board = board.info();
-  statistics.load = loaded;
-  statistics.host_seconds = host.count();
-  statistics.width = frame.image.width;
-  statistics.height = frame.image.height;
-  statistics.dims = setup.volume.dims;
-  statistics.seed = options.board.seed;
-  frame.background = setup.background;
-  return frame;
+void render_frames(const RenderOptions& options, ProgressLine& progress,
+                   const std::function<void(const Frame&)>& done) {
+  Renderer renderer(options, progress);
+  const std::vector<double> times = frame_times(options.animation);
+  for (std::size_t first = 0; first < times.size();) {
+    const std::size_t length = renderer.run_length(times, first);
+    renderer.run(times, first, first + length, done);
+    first += length;
+  }
 }
 
 }  // namespace gicube::samples

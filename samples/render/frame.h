@@ -1,5 +1,8 @@
-// One picture: scene to board, frame to image and statistics.
+// Pictures: scene to board, frames to images and statistics.
 #pragma once
+
+#include <functional>
+#include <optional>
 
 #include "gicube/board.h"
 #include "gicube/image.h"
@@ -10,13 +13,15 @@
 namespace gicube::samples {
 
 struct Frame {
+  int number = 0;
   Image image;
   std::optional<Colour> background;  // the scene's own
   FrameStatistics statistics;
 };
 
-// Sets up the scene, loads it into the board at options.board and renders it. Throws UsageError (options, URI),
-// InputError and FileError (scene, volume), and the driver's errors.
-Frame render_frame(const RenderOptions& options, ProgressLine& progress);
+// Renders the pictures that `options` ask for, in their order; what the last picture left on the board is used again:
+// the volume while it stays the same, the irradiance while moreover lights and settings do. `done` is called for each.
+// Throws UsageError (options, URI), InputError and FileError (scene, volume), and the driver's errors.
+void render_frames(const RenderOptions& options, ProgressLine& progress, const std::function<void(const Frame&)>& done);
 
 }  // namespace gicube::samples

@@ -1,10 +1,11 @@
-// gicube-render: one picture of a volume from a GI-Cube board.
+// gicube-render: pictures of a volume or a scene from a GI-Cube board.
 #include <fmt/format.h>
 
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "common/image_file.h"
 #include "common/input_error.h"
@@ -13,6 +14,7 @@
 namespace {
 
 using namespace gicube::samples;
+using gicube::LightingReport;
 
 constexpr int kFailed = 1, kWrongUsage = 2;  // exit codes
 
@@ -29,11 +31,26 @@ void check_folder(const std::filesystem::path& file) {
   if (!std::filesystem::is_directory(folder, error)) throw InputError(file.string(), "a folder that is there", "none");
 }
 
-void print_summary(const RenderOptions& options, const FrameStatistics& statistics) {
+// What the pass of lighting rays did with the light.
+void print_lighting(const LightingStatistics& lighting) {
+  const LightingReport& report = lighting.report;
+  const auto percent = [&report](double energy) { return report.emitted > 0 ? 100 * energy / report.emitted : 0; };
+  fmt::print(
+      "light ({}): {} rays, {:.3f} ms simulated; {:.1f}% stayed, {:.1f}% escaped, {:.1f}% lost, {:.2f}% clipped{}\n",
+      lighting.channel, report.rays, gicube::to_ms(lighting.duration), percent(report.deposited),
+      percent(report.escaped), percent(report.scattered_away), percent(report.clipped),
+      lighting.reused ? " (made before)" : "");
+  for (const std::string& warning : report.warnings) fmt::print(stderr, "gicube-render: warning: {}\n", warning);
+}
+
+void print_summary(const std::filesystem::path& file, const FrameStatistics& statistics) {
+  for (const LightingStatistics& lighting : statistics.lighting) {
+    if (!lighting.reused) print_lighting(lighting);
+  }
   const double frame_ms = gicube::to_ms(statistics.frame);
   const double share = frame_ms > 0 ? 100 * bus_ms(statistics.counters) / frame_ms : 0;
-  fmt::print("{}: frame {:.3f} ms simulated, bus {:.1f}% of it, {}x{} pixels\n", options.output.string(), frame_ms,
-             share, statistics.width, statistics.height);
+  fmt::print("{}: frame {:.3f} ms simulated, bus {:.1f}% of it, {}x{} pixels\n", file.string(), frame_ms, share,
+             statistics.width, statistics.height);
   const auto json = to_json(statistics);
   if (json.at("hit_ratio").is_null()) return;  // no time in the pipelines, or no sample taken
   fmt::print(
@@ -47,14 +64,23 @@ int run(int argc, char** argv) {
   if (!options) return 0;
   check_folder(options->output);
   if (!options->board.stats.empty()) check_folder(options->board.stats);
-  Frame frame;
+  std::vector<FrameStatistics> statistics;
   {
     ProgressLine progress(!options->board.quiet);
-    frame = render_frame(*options, progress);
+    render_frames(*options, progress, [&](const Frame& frame) {
+      const std::filesystem::path file = frame_file(options->output, options->animation, frame.number);
+      write_image(frame.image, file, background_of(*options, frame));
+      statistics.push_back(frame.statistics);
+      progress.clear();
+      if (!options->board.quiet) print_summary(file, frame.statistics);
+    });
   }
-  write_image(frame.image, options->output, background_of(*options, frame));
-  if (!options->board.stats.empty()) write_statistics(frame.statistics, options->board.stats);
-  if (!options->board.quiet) print_summary(*options, frame.statistics);
+  if (options->board.stats.empty()) return 0;
+  if (options->animation.frames == 1) {
+    write_statistics(statistics.front(), options->board.stats);
+  } else {
+    write_statistics(statistics, options->board.stats);
+  }
   return 0;
 }
 

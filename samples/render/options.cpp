@@ -1,11 +1,14 @@
 #include "render/options.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <ostream>
 
 #include "common/buckyball.h"
 #include "common/input_error.h"
 #include "common/scene_file.h"
+#include "render/option_group.h"
 
 namespace gicube::samples {
 namespace {
@@ -13,57 +16,20 @@ namespace {
 constexpr const char* kBuiltin = "builtin:";
 
 const char* const kFooter =
-    "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin. Directions of light "
+    "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin; in a scene with a "
+    "world "
+    "they are\n"
+    "world units. Directions of light "
     "and\n"
     "angles are physical. Without --eye the camera sees all that is visible from -y, a little above (+z is up).\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
-// Adds options whose text is parsed by a function of ours.
-class Group {
- public:
-  Group(CLI::App& app, std::string name) : app_(app), name_(std::move(name)) {}
-
-  template <typename Value>
-  CLI::Option* value(const std::string& option, std::optional<Value>& target, const std::string& help) {
-    return app_.add_option(option, target, help)->group(name_);
-  }
-  CLI::Option* flag(const std::string& option, bool& target, const std::string& help) {
-    return app_.add_flag(option, target, help)->group(name_);
-  }
-  // `parse` takes the option's name and its text.
-  template <typename Parse>
-  CLI::Option* parsed(const std::string& option, const std::string& type, const std::string& help, const Parse& parse) {
-    return app_
-        .add_option_function<std::vector<std::string>>(
-            option,
-            [option, parse](const std::vector<std::string>& texts) {
-              for (const std::string& text : texts) parse(option, text);
-            },
-            help)
-        ->type_name(type)
-        ->expected(1)
-        ->group(name_);
-  }
-  CLI::Option* vector(const std::string& option, std::optional<Vec3>& target, const std::string& help) {
-    return parsed(option, "X,Y,Z", help,
-                  [&target](const std::string& name, const std::string& text) { target = parse_vector(name, text); });
-  }
-  CLI::Option* direction(const std::string& option, std::optional<Vec3>& target, const std::string& help) {
-    return parsed(option, "X,Y,Z", help, [&target](const std::string& name, const std::string& text) {
-      target = parse_vector(name, text);
-      if (length(*target) == 0) throw CLI::ValidationError(name, "expected a direction, got " + in_quotes(text));
-    });
-  }
-
- private:
-  CLI::App& app_;
-  std::string name_;
-};
-
 void add_volume_options(CLI::App& app, RenderOptions& options) {
-  Group group(app, "Volume");
-  group.value("--volume-size", options.volume_size, "voxels an edge of a built-in volume (256)")
-      ->check(CLI::Range(kMinBuckyballSize, kMaxBuckyballSize));
+  OptionGroup group(app, "Volume");
+  group
+      .value("--volume-size", options.volume_size,
+             "voxels an edge of a built-in volume (256), or along the longest edge of a scene's world")
+      ->check(CLI::Range(kMinWorldSize, kMaxBuckyballSize));
   group.parsed("--dims", "X,Y,Z", "size in voxels of a file without a header",
                [&](const std::string& name, const std::string& text) {
                  const std::vector<int> sizes = parse_sizes(name, text, 3, ',');
@@ -89,7 +55,10 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
 }
 
 void add_camera_options(CLI::App& app, RenderOptions& options) {
-  Group group(app, "Camera and image");
+  OptionGroup group(app, "Camera and image");
+  app.add_option("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")
+      ->type_name("NAME")
+      ->group("Camera and image");
   group.vector("--eye", options.camera.eye, "the viewer's position");
   group.vector("--look-at", options.camera.look_at, "what is in the image's centre (the centre of what is visible)");
   group.direction("--up", options.camera.up, "this direction is up in the image (0,0,1)");
@@ -131,7 +100,7 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
 }
 
 void add_sampling_options(CLI::App& app, RenderOptions& options) {
-  Group group(app, "Sampling and light");
+  OptionGroup group(app, "Sampling and light");
   group.value("--step", options.step, "distance of samples along a ray, in voxels (0.5)")
       ->check(CLI::Range(1.0 / 64, 16.0));
   group.value("--threshold", options.threshold, "opacity at which a ray is done (0.98)")->check(CLI::Range(0.0, 1.0));
@@ -169,26 +138,22 @@ bool has_layout(const RenderOptions& options) {
   return options.dims || options.type || options.big_endian || options.skip_bytes != 0;
 }
 
-Scene input_scene(const RenderOptions& options) {
-  Scene scene;
-  if (options.input.starts_with(kBuiltin)) {
-    scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
-    if (scene.volume.builtin != "buckyball")
-      throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
-  } else if (is_scene_path(options.input)) {
-    scene = read_scene(options.input);
-  } else {
-    scene.volume.file = options.input;
-  }
-  return scene;
-}
-
 void set_volume(const RenderOptions& options, Scene& scene) {
   VolumeSource& volume = scene.volume;
-  if (options.volume_size) {
+  if (options.volume_size && scene.world) {
+    scene.world->size = *options.volume_size;
+  } else if (options.volume_size) {
     if (volume.builtin.empty())
-      throw UsageError("--volume-size: only for a built-in volume; " + in_quotes(options.input) + " has its own size");
+      throw UsageError("--volume-size: only for a built-in volume or a world; " + in_quotes(options.input) +
+                       " has its own size");
+    if (*options.volume_size < kMinBuckyballSize)
+      throw UsageError(fmt::format("--volume-size: expected {} to {}, got {}", kMinBuckyballSize, kMaxBuckyballSize,
+                                   *options.volume_size));
     volume.size = *options.volume_size;
+  }
+  if (scene.world && (has_layout(options) || options.spacing)) {
+    throw UsageError("--dims, --type, --big-endian, --skip, --spacing: only for a volume; " + in_quotes(options.input) +
+                     " has a world");
   }
   if (has_layout(options)) {
     if (!volume.builtin.empty())
@@ -204,6 +169,26 @@ void set_volume(const RenderOptions& options, Scene& scene) {
   }
   if (options.spacing) volume.spacing = options.spacing;
 }
+
+}  // namespace
+
+Scene input_scene(const RenderOptions& options) {
+  Scene scene;
+  if (options.input.starts_with(kBuiltin)) {
+    scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
+    if (scene.volume.builtin != "buckyball")
+      throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
+  } else if (is_scene_path(options.input)) {
+    scene = read_scene(options.input);
+  } else {
+    scene.volume.file = options.input;
+  }
+  set_volume(options, scene);
+  if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
+  return scene;
+}
+
+namespace {
 
 void set_camera(const CameraSettings& options, CameraSettings& camera) {
   if (options.eye) camera.eye = options.eye;
@@ -242,6 +227,8 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_volume_options(app, options);
   add_camera_options(app, options);
   add_sampling_options(app, options);
+  add_lighting_options(app, options.lighting);
+  add_animation_options(app, options.animation);
   add_board_options(app, options.board);
   try {
     app.parse(argc, argv);
@@ -255,17 +242,26 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
     throw UsageError(error.what());
   }
   check_output(options.output);
+  check_animation(options.animation);
   return options;
 }
 
-Scene scene_of(const RenderOptions& options) {
-  Scene scene = input_scene(options);
-  set_volume(options, scene);
+Scene scene_at(const Scene& input, const RenderOptions& options, double time) {
+  Scene scene = at_time(input, time);
+  if (!options.camera_name.empty()) choose_camera(scene, options.camera_name);
   set_camera(options.camera, scene.camera);
   if (options.light) scene.light = options.light;
   set_view(options, scene.view);
-  if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
+  set_lighting(options.lighting, scene);
+  if (options.board.seed != 0) {
+    const auto seed = static_cast<std::uint32_t>(options.board.seed);
+    scene.view.seed = scene.lighting.settings.seed = seed;
+  }
   return scene;
+}
+
+Scene scene_of(const RenderOptions& options) {
+  return scene_at(input_scene(options), options, options.animation.start.value_or(0));
 }
 
 void set_phong(const RenderOptions& options, Phong& phong) {

@@ -9,6 +9,7 @@
 
 #include "common/board_options.h"
 #include "common/scene.h"
+#include "render/lighting_options.h"
 
 namespace gicube::samples {
 
@@ -22,6 +23,7 @@ struct RenderOptions {
   std::uint64_t skip_bytes = 0;
   std::optional<Vec3> spacing;
   std::string transfer_function;
+  std::string camera_name;  // of the scene's; empty: its first
   CameraSettings camera;
   std::optional<std::array<int, 2>> size;
   std::optional<int> samples;
@@ -33,6 +35,8 @@ struct RenderOptions {
   std::optional<double> ambient, diffuse, specular, shininess;
   std::optional<Colour> background;
   bool no_background = false;
+  LightingOptions lighting;
+  AnimationOptions animation;
   std::filesystem::path output = "gicube-render.png";
   BoardOptions board;
 };
@@ -40,8 +44,12 @@ struct RenderOptions {
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<RenderOptions> parse_options(int argc, const char* const* argv, std::ostream& out);
 
-// The input's scene with the options in place of what it says. Throws UsageError (options that contradict the input),
-// InputError (a scene or transfer function file).
+// The input's scene, with the options of its volume. Throws UsageError (options that contradict the input), InputError (a
+// scene or transfer function file).
+Scene input_scene(const RenderOptions& options);
+// That scene at a time, with the other options in place of what it says. Throws UsageError and InputError too.
+Scene scene_at(const Scene& input, const RenderOptions& options, double time);
+// Both, at the time of the first picture.
 Scene scene_of(const RenderOptions& options);
 
 // Phong's coefficients from the options, in place of those of the scene that was set up.

@@ -50,6 +50,45 @@ void add_asic(const FrameStatistics& statistics, Json& json) {
   json["dsp_utilisation"] = value(statistics, "dsp.busy_ps") * 1e-12 / seconds;
 }
 
+Json to_json(const Counters& counters) {
+  Json json = Json::object();
+  for (const Counter& counter : counters.list())
+    json[counter.name] = {{"value", counter.value}, {"unit", counter.unit}};
+  return json;
+}
+
+Json to_json(const LightingStatistics& lighting) {
+  const LightingReport& report = lighting.report;
+  Json json;
+  json["channel"] = lighting.channel;
+  json["reused"] = lighting.reused;
+  json["albedo"] = lighting.settings.albedo == Albedo::kHigh ? "high" : "low";
+  json["rules"] = lighting.settings.rules == EnergyRules::kConserving ? "conserving" : "as-printed";
+  json["rays_per_face_voxel"] = lighting.settings.rays_per_face_voxel;
+  json["seed"] = lighting.settings.seed;
+  json["lights"] = lighting.lights;
+  json["pass_ms"] = to_ms(lighting.duration);
+  json["host_seconds"] = lighting.host_seconds;
+  json["rays"] = report.rays;
+  json["emitted"] = report.emitted;
+  json["deposited"] = report.deposited;
+  json["escaped"] = report.escaped;
+  json["scattered_away"] = report.scattered_away;
+  json["given_up"] = report.given_up;
+  json["clipped"] = report.clipped;
+  json["unit"] = report.unit;
+  json["warnings"] = report.warnings;
+  json["counters"] = to_json(lighting.counters);
+  return json;
+}
+
+void write(const Json& json, const std::filesystem::path& path) {
+  std::ofstream stream(path);
+  stream << json.dump(2) << '\n';
+  stream.close();
+  if (!stream) throw InputError(path.string(), "a file that can be written", "an error");
+}
+
 }  // namespace
 
 double bus_ms(const Counters& counters) {
@@ -67,20 +106,35 @@ Json to_json(const FrameStatistics& statistics) {
   json["config_hash"] = fmt::format("{:016x}", statistics.board.config_hash);
   json["fidelity"] = name_of(statistics.board.fidelity);
   json["seed"] = statistics.seed;
+  json["time"] = statistics.time;
   json["image"] = {{"width", statistics.width}, {"height", statistics.height}};
   json["volume"] = {{"dims", statistics.dims}};
-  Json& counters = json["counters"] = Json::object();
-  for (const Counter& counter : statistics.counters.list()) {
-    counters[counter.name] = {{"value", counter.value}, {"unit", counter.unit}};
-  }
+  json["lighting"] = nullptr;
+  for (const LightingStatistics& lighting : statistics.lighting) json["lighting"].push_back(to_json(lighting));
+  json["counters"] = to_json(statistics.counters);
   return json;
 }
 
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path) {
-  std::ofstream stream(path);
-  stream << to_json(statistics).dump(2) << '\n';
-  stream.close();
-  if (!stream) throw InputError(path.string(), "a file that can be written", "an error");
+  write(to_json(statistics), path);
+}
+
+void write_statistics(const std::vector<FrameStatistics>& frames, const std::filesystem::path& path) {
+  Json json;
+  int passes = 0, loads = 0;
+  json["illumination_passes"] = 0;
+  json["volumes_loaded"] = 0;
+  for (const FrameStatistics& frame : frames) {
+    Json entry = to_json(frame);
+    entry.erase("counters");
+    for (const LightingStatistics& lighting : frame.lighting) passes += lighting.reused ? 0 : 1;
+    for (Json& lighting : entry["lighting"]) lighting.erase("counters");
+    loads += frame.load > 0 ? 1 : 0;
+    json["frames"].push_back(std::move(entry));
+  }
+  json["illumination_passes"] = passes;
+  json["volumes_loaded"] = loads;
+  write(json, path);
 }
 
 }  // namespace gicube::samples

@@ -4,10 +4,24 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "gicube/board.h"
 
 namespace gicube::samples {
+
+// An illumination pass, and whether a picture found it made already.
+struct LightingStatistics {
+  std::string channel = "all";  // or red, green, blue
+  Illumination settings;
+  LightingReport report;
+  std::size_t lights = 0;
+  Picoseconds duration = 0;  // simulated
+  double host_seconds = 0;   // wall clock
+  Counters counters;         // of the pass
+  bool reused = false;
+};
 
 // The frame's window: from before the rendering until the image is on the host.
 struct FrameStatistics {
@@ -19,19 +33,25 @@ struct FrameStatistics {
   int width = 0, height = 0;
   Dims dims{};  // voxels
   std::uint64_t seed = 0;
+  double time = 0;                           // seconds, of the scene's engines
+  std::vector<LightingStatistics> lighting;  // what lit the picture; several in colour passes
 };
 
 // Simulated milliseconds in which the bus was busy in the window, both directions added.
 double bus_ms(const Counters& counters);
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
-// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed image volume counters. Samples and memory
+// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting counters. Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
-// does not model is null.
+// does not model is null. lighting: null without lighting rays, else passes, each with channel, reused, pass_ms, the energy
+// report in units of the lights' power, and its own counters.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 
 // Throws InputError if the file can't be written.
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path);
+// Of several pictures: keys frames (each as above, without the counters), illumination_passes (made, not reused) and
+// volumes_loaded.
+void write_statistics(const std::vector<FrameStatistics>& frames, const std::filesystem::path& path);
 
 }  // namespace gicube::samples

@@ -80,6 +80,13 @@ const std::vector<Rule>& rules() {
 
       // Like any application outside the tree; scene.proto is the samples' file format.
       {"samples/common",     {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},
+      // Solids, meshes and their voxels know neither the scene that they stand in nor its file.
+      {"samples/common/geometry",
+                             {"samples/common/geometry", "samples/common/buckyball.h", "samples/common/file_error.h",
+                              "samples/common/input_error.h", "samples/common/truncated_icosahedron.h",
+                              "samples/common/volume_file.h", "driver/include"}, {"fmt"}},
+      {"samples/common/graph", {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
+                             {"fmt", "google/protobuf"}},
       {"samples/hello",      {"samples/hello", "driver/include"}, {}},
       {"samples/results",    {"samples/results", "samples/common", "driver/include"}, {kAnything}},
       {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},

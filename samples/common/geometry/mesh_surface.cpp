@@ -61,8 +61,8 @@ void check_closed(const std::vector<Vec3>& points, const std::vector<Triangle>& 
   if (open + crossed == 0) return;
   throw InputError(
       name, "a closed surface: each edge in two triangles that both look outwards",
-      fmt::format("{} open edges and {} with triangles that branch or look to opposite sides (first from {} to {})", open,
-                  crossed, shown(points[static_cast<std::size_t>(example >> 32)]),
+      fmt::format("{} open edges and {} with triangles that branch or look to opposite sides (first from {} to {})",
+                  open, crossed, shown(points[static_cast<std::size_t>(example >> 32)]),
                   shown(points[static_cast<std::size_t>(example & 0xffffffff)])));
 }
 

@@ -43,7 +43,8 @@ TEST(SceneFile, FillsEveryPartOfTheScene) {
   EXPECT_EQ(scene.transfer_function->function.opacities[1].value, 20.25);
   EXPECT_EQ(scene.phong->ambient, 0.1);
   EXPECT_EQ(scene.phong->diffuse, Phong{}.diffuse);
-  EXPECT_EQ(scene.light, (Vec3{1, 0, 2}));
+  ASSERT_EQ(scene.lights.size(), 1u);
+  EXPECT_EQ(std::get<DirectionalLight>(scene.lights[0].light).towards, (Vec3{1, 0, 2}));
   EXPECT_EQ(scene.camera.eye, (Vec3{1, 2, 3}));
   EXPECT_EQ(scene.camera.look_at, (Vec3{4, 0, 0}));
   EXPECT_EQ(scene.camera.up, (Vec3{0, 1, 0}));
@@ -71,7 +72,8 @@ TEST(SceneFile, HasTheDefaultsOfTheSchemaThatAreThoseOfTheView) {
   EXPECT_EQ(scene.view.shade, view.shade);
   EXPECT_EQ(scene.view.jitter, view.jitter);
   EXPECT_FALSE(scene.phong);
-  EXPECT_FALSE(scene.light);
+  EXPECT_TRUE(scene.lights.empty());
+  EXPECT_FALSE(scene.lighting.on);
   EXPECT_FALSE(scene.transfer_function);
 }
 
@@ -94,7 +96,7 @@ TEST(SceneFile, ReportsAllFaultsOfMeaningTogether) {
     volume { file: "a" builtin: "teapot" size: 4 spacing: [1, 0] raw { dims: [1, 2] type: "int12" } }
     transfer_function { preset: "ct-bone" file: "b.tf" }
     phong { ambient: -1 shininess: 0.5 }
-    light { }
+    light { towards { } }
     camera { up { } fov_degrees: 200 orthographic_height: 3 eye { } look_at { } }
     cut_plane { normal { x: nan } }
     cut_plane { }
@@ -110,7 +112,7 @@ TEST(SceneFile, ReportsAllFaultsOfMeaningTogether) {
                             "transfer_function: expected one of file, preset or points, got several",
                             "phong.ambient: expected 0 to 1.99, got -1",
                             "phong.shininess: expected 1 to 1000, got 0.5",
-                            "light.towards: expected a direction, got 0 0 0",
+                            "light[0].towards: expected a direction, got 0 0 0",
                             "camera.up: expected a direction, got 0 0 0",
                             "camera.fov_degrees: expected more than 0 and less than 180, got 200",
                             "camera: expected fov_degrees or orthographic_height, got both",
@@ -126,7 +128,7 @@ TEST(SceneFile, ReportsAllFaultsOfMeaningTogether) {
 }
 
 TEST(SceneFile, NeedsAVolume) {
-  EXPECT_THAT(faults_of("step: 1"), HasSubstr("a.scene: volume: expected a volume, got none"));
+  EXPECT_THAT(faults_of("step: 1"), HasSubstr("a.scene: volume: expected a volume or a world, got none"));
 }
 
 TEST(SceneFile, ReportsFaultsInsideItsTransferFunction) {

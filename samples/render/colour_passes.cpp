@@ -1,0 +1,52 @@
+#include "render/colour_passes.h"
+
+#include <algorithm>
+
+#include "common/input_error.h"
+
+namespace gicube::samples {
+
+const char* name_of(const LightPass& pass) {
+  constexpr const char* kNames[] = {"all", "red", "green", "blue"};
+  return kNames[pass.channel + 1];
+}
+
+std::vector<LightPass> passes_of(const SceneSetup& setup) {
+  if (!setup.lighting.colour_passes) return {{-1, setup.lights, setup.optics}};
+  const bool coloured = std::any_of(setup.light_colours.begin(), setup.light_colours.end(), [](const Colour& colour) {
+    return colour != Colour{1, 1, 1};
+  });
+  if (coloured && setup.lighting.exposure == 0) {
+    throw InputError("illumination.exposure", "a number with coloured lights, the same for red, green and blue",
+                     "none");
+  }
+  std::vector<LightPass> passes;
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    LightPass pass{static_cast<int>(channel), {}, setup.optics};
+    for (std::size_t i = 0; i < setup.lights.size(); ++i) {
+      const double factor = setup.light_colours[i][channel];
+      if (factor > 0) pass.lights.push_back(scaled(setup.lights[i], factor));
+    }
+    for (std::size_t tag = 0; tag < pass.optics.size(); ++tag) {
+      pass.optics[tag].scattering *= setup.scattering_colours[tag][channel];
+    }
+    passes.push_back(std::move(pass));
+  }
+  return passes;
+}
+
+void put_together(const LightPass& pass, const Image& from, Image& into) {
+  if (into.pixels.empty()) {
+    into = from;
+    return;
+  }
+  for (std::size_t i = 0; i < into.pixels.size(); ++i) {
+    const Pixel& source = from.pixels[i];
+    Pixel& target = into.pixels[i];
+    if (pass.channel == 1) target.green = source.green;
+    if (pass.channel == 2) target.blue = source.blue;
+    target.alpha = std::max(target.alpha, source.alpha);
+  }
+}
+
+}  // namespace gicube::samples

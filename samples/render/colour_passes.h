@@ -1,0 +1,27 @@
+// One pass for all colours of light, or one each for red, green and blue.
+#pragma once
+
+#include <vector>
+
+#include "common/scene.h"
+#include "gicube/image.h"
+
+namespace gicube::samples {
+
+// A scene's light as one pass of lighting rays sees it.
+struct LightPass {
+  int channel = -1;  // 0 red, 1 green, 2 blue; -1 = all at once
+  std::vector<Light> lights;
+  std::vector<Material> optics;  // by tag
+};
+
+const char* name_of(const LightPass& pass);
+
+// One pass, or three whose lights and Ks are those of the channel; a channel without any light has no lights. Throws
+// InputError: coloured lights with an exposure that the driver would choose anew for each pass.
+std::vector<LightPass> passes_of(const SceneSetup& setup);
+
+// Takes the pass's channel from `from`; the first pass's image is taken as a whole. Alpha is the greatest of all passes.
+void put_together(const LightPass& pass, const Image& from, Image& into);
+
+}  // namespace gicube::samples

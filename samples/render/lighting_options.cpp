@@ -1,0 +1,79 @@
+#include "render/lighting_options.h"
+
+#include <fmt/format.h>
+
+#include "common/graph/lighting_names.h"
+#include "render/option_group.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kMaxFrames = 100'000;  // chosen: five digits, which file names then have
+constexpr double kFps = 25;          // chosen
+
+}  // namespace
+
+void add_lighting_options(CLI::App& app, LightingOptions& options) {
+  const std::string name = "Global illumination";
+  OptionGroup group(app, name);
+  app.add_option("--illumination", options.illumination,
+                 "lighting rays: none, low (each leaves light all along) or high (photons) (the scene's; none)")
+      ->check(CLI::IsMember({"none", "low", "high"}))
+      ->group(name);
+  app.add_option("--rules", options.rules, "of energy: as-printed or conserving (conserving)")
+      ->check(CLI::IsMember({"as-printed", "conserving"}))
+      ->group(name);
+  group.value("--light-rays", options.rays, "k, lighting rays a voxel of the volume's faces (1)")
+      ->check(CLI::Range(1, 4096));
+  group.value("--lifetime", options.lifetime, "scatterings until a ray is given up (lighting rays 32, eye 8)")
+      ->check(CLI::Range(0, 1023));
+  group.value("--exposure", options.exposure, "brightness of a unit of light on a unit of area; 0: chosen (0)")
+      ->check(CLI::Range(0.0, 1e12));
+  group.flag("--colour-passes", options.colour_passes, "light in red, green and blue, one after the other");
+}
+
+void add_animation_options(CLI::App& app, AnimationOptions& options) {
+  const std::string name = "Animation";
+  OptionGroup group(app, name);
+  group.value("--time", options.start, "seconds at which the scene's engines stand in the first picture (0)")
+      ->check(CLI::Range(-1e6, 1e6));
+  app.add_option("--frames", options.frames, "pictures, numbered as out_0000.png (1, not numbered)")
+      ->check(CLI::Range(1, kMaxFrames))
+      ->group(name);
+  group.value("--fps", options.fps, "pictures a second (25)")->check(CLI::Range(1e-3, 1e6));
+  group.value("--duration", options.duration, "seconds from the first picture to the one after the last")
+      ->check(CLI::Range(1e-6, 1e6));
+}
+
+void check_animation(const AnimationOptions& options) {
+  if (options.fps && options.duration) throw UsageError("--fps: expected it or --duration, got both");
+  if ((options.fps || options.duration) && options.frames == 1) {
+    throw UsageError("--frames: expected more than one with --fps and --duration, got 1");
+  }
+}
+
+void set_lighting(const LightingOptions& options, Scene& scene) {
+  Lighting& lighting = scene.lighting;
+  if (!options.illumination.empty()) set_albedo(options.illumination, "--illumination", lighting);
+  if (!options.rules.empty()) lighting.settings.rules = rules_named(options.rules, "--rules");
+  lighting.settings.rays_per_face_voxel = options.rays.value_or(lighting.settings.rays_per_face_voxel);
+  lighting.settings.lifetime = options.lifetime.value_or(lighting.settings.lifetime);
+  scene.view.lifetime = options.lifetime.value_or(scene.view.lifetime);
+  lighting.exposure = options.exposure.value_or(lighting.exposure);
+  lighting.colour_passes = lighting.on && (lighting.colour_passes || options.colour_passes);
+  scene.view.high_albedo = scene.view.high_albedo && lighting.on;
+}
+
+std::vector<double> frame_times(const AnimationOptions& options) {
+  const double step = options.duration ? *options.duration / options.frames : 1 / options.fps.value_or(kFps);
+  std::vector<double> times;
+  for (int i = 0; i < options.frames; ++i) times.push_back(options.start.value_or(0) + i * step);
+  return times;
+}
+
+std::filesystem::path frame_file(const std::filesystem::path& output, const AnimationOptions& options, int frame) {
+  if (options.frames == 1) return output;
+  return output.parent_path() / fmt::format("{}_{:04}{}", output.stem().string(), frame, output.extension().string());
+}
+
+}  // namespace gicube::samples
