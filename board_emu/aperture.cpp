@@ -40,6 +40,7 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
   } else if (is(region, wire::kIrradiance)) {
     if (offset + bytes.size() > irradiance_.bytes() || offset % 4 != 0 || bytes.size() % 4 != 0) return false;
     irradiance_.write(offset, bytes);
+    ++volume_writes_;
   } else if (is(region, wire::kMaterials)) {
     materials_.write(at, bytes);
   } else if (is(region, wire::kSegmentationLut)) {

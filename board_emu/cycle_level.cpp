@@ -27,8 +27,12 @@ class ViewingRays : public RayWork {
   std::optional<wire::Ray> make(std::uint64_t i) override {
     const wire::Ray miss = destination(i);
     const Line line = viewing_line(command_, miss.u / double{kSubPixels}, miss.v / double{kSubPixels});
-    const auto ray = viewing_ray(line, miss.u, miss.v, frame_.extent, frame_.cut_planes);
-    if (!ray) framebuffer_.add(miss);
+    auto ray = viewing_ray(line, miss.u, miss.v, frame_.extent, frame_.cut_planes);
+    if (!ray) {
+      framebuffer_.add(miss);
+    } else {
+      ray->lifetime = frame_.lifetime;
+    }
     return ray;
   }
 
@@ -77,7 +81,41 @@ class HostRays : public RayWork {
   const v1::DspConfig& dsp_;
 };
 
+class LightRays : public RayWork {
+ public:
+  LightRays(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Lit& lit)
+      : rays_(rays), frame_(frame), dsp_(dsp), lit_(lit) {}
+
+  std::uint64_t count() const override { return rays_.count(); }
+  std::uint64_t row_end(std::uint64_t i) const override { return i + 1; }  // their energies differ: no runs
+  std::uint32_t make_cycles() const override { return dsp_.lighting_ray_cycles(); }
+  std::uint32_t take_cycles() const override { return 0; }  // nothing of it is kept
+  bool misses_are_free() const override { return true; }
+
+  std::optional<wire::Ray> make(std::uint64_t i) override {
+    auto ray = rays_.make(i);
+    if (!ray) return ray;
+    ray->lifetime = frame_.lifetime;
+    lit_.emitted += energy(ray->colour) >> kEnergyFractionBits;
+    ++lit_.made;
+    return ray;
+  }
+  void take(std::uint64_t, const Traveller&) override {}
+
+ private:
+  const LightingRays& rays_;
+  const Frame& frame_;
+  const v1::DspConfig& dsp_;
+  Lit& lit_;
+};
+
 }  // namespace
+
+Ran illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Lit& lit,
+               Work& work) {
+  LightRays light(rays, frame, dsp, lit);
+  return machine.run(light, frame, work);
+}
 
 Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
            Machine& machine, Work& work) {

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "dsp/framebuffer.h"
+#include "dsp/lighting_rays.h"
 #include "gicube/wire/command.h"
 #include "machine.h"
 
@@ -12,6 +13,15 @@ namespace gicube::emu {
 // Fills `framebuffer` with the image of `command`, rays in rows from the top. Throws Stall.
 Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
            Machine& machine, Work& work);
+
+struct Lit {
+  std::uint64_t made = 0;     // lighting rays
+  std::uint64_t emitted = 0;  // by them, energy units
+};
+
+// Sends the lighting rays of `rays` into the volume. Throws Stall and RoutineFault.
+Ran illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Lit& lit,
+               Work& work);
 
 // Takes host rays to their ends, in place. A ray that misses the volume or lies behind a cut plane returns as it came.
 Ran trace(std::span<wire::Ray> rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Work& work);

@@ -112,6 +112,11 @@ void DspCommands::clear_volume() {
   aperture_.resize_volume(complete ? size : std::array<int, 3>{});
 }
 
+void DspCommands::clear_irradiance() {
+  aperture_.irradiance().clear();
+  if (machine_) machine_->invalidate_caches();
+}
+
 void DspCommands::reset() {
   drop_machine();
   aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), most_irradiance(config_));
@@ -328,14 +333,22 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Wor
   CommandResult result;
   RayCounters counts;
   if (config_.fidelity() == v1::cycle) {
-    return {.error = ErrorCode::kUnsupported};
+    Lit lit;
+    const RayCounters before = ray_counters(machine());
+    const Ran ran = emu::illuminate(rays, frame, config_.dsp(), machine(), lit, work);
+    if (ran.cancelled) return cancelled();
+    counts = ray_counters(machine()) - before;
+    counts.energy.emitted = lit.emitted;
+    lighting_rays_ += lit.made;
+    result = timed(ran);
+  } else {
+    const Rendered lit = emu::illuminate(rays, frame, threads_, work);
+    if (lit.cancelled) return {.error = ErrorCode::kCancelled};
+    counts = lit.rays;
+    rays_ += counts;
+    lighting_rays_ += lit.made;
+    result.dsp_cycles = lit.made * config_.dsp().lighting_ray_cycles() + counts.trap_cycles;
   }
-  const Rendered lit = emu::illuminate(rays, frame, threads_, work);
-  if (lit.cancelled) return {.error = ErrorCode::kCancelled};
-  counts = lit.rays;
-  rays_ += counts;
-  result.dsp_cycles = lit.made * config_.dsp().lighting_ray_cycles() + counts.trap_cycles;
-  lighting_rays_ += lit.made;
 
   const EnergyCounters& energy = counts.energy;
   wire::LightingLedger ledger;

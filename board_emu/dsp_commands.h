@@ -36,7 +36,7 @@ class DspCommands {
   // Called after a write of a register: false if its new value is out of range. A new volume size drops the volume.
   bool accept_register(std::uint32_t offset);
   void clear_volume();
-  void clear_irradiance() { aperture_.irradiance().clear(); }
+  void clear_irradiance();
   void reset();
 
   // For materials that trap; null: there is none. Must outlive this.

@@ -28,7 +28,8 @@ constexpr std::int64_t dot(const Point& a, const Point& b) {
   return std::int64_t{a[0]} * b[0] + std::int64_t{a[1]} * b[1] + std::int64_t{a[2]} * b[2];
 }
 
-enum class RayState : std::uint8_t { kUnderWay, kDone, kOverflowed };
+// kTrapped waits for a routine of the DSP; kGone was a carrier that has delivered its energy.
+enum class RayState : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone };
 
 // Positions p with normal . p >= offset are kept.
 struct Plane {

@@ -57,15 +57,6 @@ struct EnergyCounters {
   std::uint64_t escaped = 0;
   std::uint64_t scattered_away = 0;
   std::uint64_t given_up = 0;  // of that, with rays at the end of their lifetime
-
-  EnergyCounters& operator+=(const EnergyCounters& other) {
-    emitted += other.emitted;
-    deposited += other.deposited;
-    escaped += other.escaped;
-    scattered_away += other.scattered_away;
-    given_up += other.given_up;
-    return *this;
-  }
 };
 
 struct RayCounters {
@@ -82,17 +73,33 @@ struct RayCounters {
   EnergyCounters energy;
 
   RayCounters& operator+=(const RayCounters& other) {
-    rays += other.rays;
-    samples += other.samples;
-    visible_samples += other.visible_samples;
-    leaps += other.leaps;
-    terminated += other.terminated;
-    lighting_rays += other.lighting_rays;
-    scatterings += other.scatterings;
-    traps += other.traps;
-    trap_cycles += other.trap_cycles;
-    deposits += other.deposits;
-    energy += other.energy;
+    return each(other, [](std::uint64_t& mine, std::uint64_t its) { mine += its; });
+  }
+  // What was counted since `begin`.
+  RayCounters operator-(const RayCounters& begin) const {
+    RayCounters window = *this;
+    return window.each(begin, [](std::uint64_t& mine, std::uint64_t its) { mine -= its; });
+  }
+
+ private:
+  template <typename Change>
+  RayCounters& each(const RayCounters& other, const Change& change) {
+    change(rays, other.rays);
+    change(samples, other.samples);
+    change(visible_samples, other.visible_samples);
+    change(leaps, other.leaps);
+    change(terminated, other.terminated);
+    change(lighting_rays, other.lighting_rays);
+    change(scatterings, other.scatterings);
+    change(traps, other.traps);
+    change(trap_cycles, other.trap_cycles);
+    change(deposits, other.deposits);
+    change(energy.emitted, other.energy.emitted);
+    change(energy.deposited.kept, other.energy.deposited.kept);
+    change(energy.deposited.clipped, other.energy.deposited.clipped);
+    change(energy.escaped, other.energy.escaped);
+    change(energy.scattered_away, other.energy.scattered_away);
+    change(energy.given_up, other.energy.given_up);
     return *this;
   }
 };

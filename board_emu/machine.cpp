@@ -27,9 +27,11 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
   }
   const unsigned sharing = config.rdram().processors_per_rdram();
   for (unsigned first = 0; first < count; first += sharing) {
-    std::vector<MissQueue*> misses;
-    for (unsigned i = first; i < std::min(first + sharing, count); ++i) misses.push_back(&processors_[i]->misses());
-    memories_.push_back(std::make_unique<MemoryPort>(config, misses, partition_.most_blocks()));
+    std::vector<MemoryClient> clients;
+    for (unsigned i = first; i < std::min(first + sharing, count); ++i) {
+      clients.push_back({&processors_[i]->misses(), &processors_[i]->writes()});
+    }
+    memories_.push_back(std::make_unique<MemoryPort>(config, clients, partition_.most_blocks()));
   }
   std::vector<Fifo<RayToken>*> from_bus, leaves;
   std::vector<Ring::Port> ring;
@@ -106,6 +108,10 @@ bool Machine::asic_idle() const {
          std::all_of(processors_.begin(), processors_.end(), [](const auto& p) { return p->idle(); });
 }
 
+bool Machine::writes_wait() const {
+  return std::any_of(processors_.begin(), processors_.end(), [](const auto& p) { return !p->writes().empty(); });
+}
+
 void Machine::book_block_loads() {
   constexpr std::size_t kMilliseconds = 128;  // chosen: frames take tens
   std::uint64_t activations = 0;
@@ -146,7 +152,7 @@ Ran Machine::run(RayWork& work, const Frame& frame, Work& progress) {
   progress.all = static_cast<std::uint32_t>(work.count());
   constexpr Cycle kProgressCycles = 4096;  // chosen: some thousand times a second
   Cycle moved_at = now_, report_at = now_ + kProgressCycles;
-  while (!dsp_->done(now_)) {
+  while (!dsp_->done(now_) || writes_wait()) {
     if (now_ >= report_at) {
       report_at = now_ + kProgressCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());

@@ -80,6 +80,8 @@ class Machine {
   void skip_to(Cycle cycle);
   bool asic_idle() const;
   Cause upstream() const;
+  // Changed irradiance has not reached the memory yet.
+  bool writes_wait() const;
   void book_block_loads();
   [[noreturn]] void stalled() const;
 

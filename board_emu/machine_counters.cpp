@@ -53,6 +53,12 @@ void put(Sums& sums, const Processor& processor) {
   for (std::size_t i = 0; i < cache.misses.size(); ++i) {
     sums.put("cache.samples_with_misses." + std::to_string(i), "sample", cache.misses[i]);
   }
+  const WriteCounters& writes = processor.writes().counters();
+  sums.put("splat.deposits", "deposit", processor.splats().counters().deposits);
+  sums.put("splat.carriers", "ray", processor.splats().counters().carriers);
+  sums.put("splat.tiles", "tile", writes.tiles);
+  sums.put("splat.tiles_combined", "tile", writes.combined);
+  sums.put("splat.tiles_fetched", "tile", writes.fetches);
   const SorterCounters& sorter = processor.sorter().counters();
   sums.put("sorter.written", "ray", sorter.written);
   sums.put("sorter.conflicts", "ray", sorter.conflicts);

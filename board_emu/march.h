@@ -123,6 +123,13 @@ class BlockGrid {
     return {position[0] & mask, position[1] & mask, position[2] & mask};
   }
   std::int32_t size() const { return std::int32_t{1} << shift_; }  // of a block, in position units
+  // A block's least voxel.
+  std::array<std::int32_t, 3> corner(std::size_t block) const {
+    const int voxels = shift_ - wire::kPositionFractionBits;
+    return {static_cast<std::int32_t>(block % across_) << voxels,
+            static_cast<std::int32_t>(block % slice_ / across_) << voxels,
+            static_cast<std::int32_t>(block / slice_) << voxels};
+  }
 
  private:
   int shift_ = 0;
@@ -174,6 +181,14 @@ inline void jitter_step(Traveller& ray, const Frame& frame) {
   if (!frame.jitter) return;
   const std::uint32_t factor = jitter(ray.position, ray.u, ray.v);
   space(ray, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame.step} * factor)));
+}
+
+// What the sorter counts of the ray, 12 bits: what a rendering ray can still add to the image, and a lighting ray's energy.
+inline constexpr std::uint16_t kFullContribution = 4095;
+inline std::uint16_t contribution(const Traveller& ray) {
+  if (!ray.is(wire::kLightingRay)) return contribution(ray.opacity);
+  constexpr int kShift = kEnergyFractionBits - 4;  // 255 units fill 12 bits
+  return static_cast<std::uint16_t>(std::min<std::uint64_t>(energy(ray.colour) >> kShift, kFullContribution));
 }
 
 inline void advance(Traveller& ray, std::int32_t steps) {

@@ -122,17 +122,27 @@ Point along_step(const Traveller& ray, double where, const Frame& frame) {
   return out;
 }
 
+Deposit split_at(const Point& place, std::uint32_t units, std::uint16_t u, std::uint16_t v, std::uint16_t lifetime,
+                 std::uint32_t seed) {
+  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
+  Deposit out;
+  std::array<std::uint32_t, 3> fraction{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
+    fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
+  }
+  out.shares = split(units, fraction, draw_at(Chance::kSplat, place, u, v, lifetime, seed));
+  return out;
+}
+
 // Gives `units` to the voxels round `place`.
 void deposit(Met& met, const Traveller& ray, std::uint32_t units, const Point& place, const Frame& frame) {
   if (units == 0) return;
-  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
-  std::array<std::uint32_t, 3> fraction{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    met.deposit.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
-    fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
-  }
   met.deposits = true;
-  met.deposit.shares = split(units, fraction, draw_here(Chance::kSplat, ray, frame));
+  met.place = place;
+  met.units = units;
+  met.lifetime = ray.lifetime;
+  met.deposit = split_at(place, units, ray.u, ray.v, ray.lifetime, frame.seed);
 }
 
 void give_up(Met& met, const Traveller& ray, const Frame& frame, RayCounters& counters) {
@@ -252,6 +262,11 @@ void meet_rendering(Met& met, Traveller& ray, const Cell& at, std::size_t block,
 }
 
 }  // namespace
+
+Deposit deposit_of(const Traveller& carrier, std::uint32_t seed) {
+  const auto units = static_cast<std::uint32_t>(energy(carrier.colour) >> kEnergyFractionBits);
+  return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, seed);
+}
 
 std::uint32_t energy_units(const Traveller& ray, const Frame& frame) {
   const std::uint64_t phase = draw(Chance::kPhase, ray.u, ray.v, 0, frame.seed) >> (64 - kEnergyFractionBits);

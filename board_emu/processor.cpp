@@ -4,6 +4,8 @@
 #include <bit>
 #include <ostream>
 
+#include "meet.h"
+
 namespace gicube::emu {
 
 namespace {
@@ -45,11 +47,14 @@ Processor::Processor(const ProcessorConfig& config)
       cache_({static_cast<int>(config.board.asic().block_voxels()), config.board.cache().ways(), single_queue_,
               config.blocks}),
       misses_(config.board.cache().miss_packets()),
+      writes_(config.board.cache().write_packets()),
+      splats_(std::size_t{config.board.pipeline().prefetch_stages()} + config.board.pipeline().compute_stages() + 1),
       unfed_(std::bit_ceil(std::size_t{config.board.pipeline().prefetch_stages()} + 1), Cause::kDsp),
       unfed_mask_(unfed_.size() - 1) {}
 
 void Processor::begin(const Frame& frame) {
   frame_ = &frame;
+  lit_ = !frame.plain;
   grid_ = BlockGrid(*frame.volume);
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
 }
@@ -57,18 +62,26 @@ void Processor::begin(const Frame& frame) {
 // Hands a ray that has left the compute line on; false if what it goes to is full.
 bool Processor::deliver(Cycle now, const InFlight& ray) {
   const RayToken& token = ray.token;
+  if (ray.splats && splat_waits(now)) {
+    latest_ = Cause::kSplat;
+    return false;
+  }
   Fifo<RayToken>* to = &returned_;
-  if (token.state == RayState::kDone) {
+  if (token.state == RayState::kGone) {
+    rays_.remove(token.ray);
+    to = nullptr;
+  } else if (token.state != RayState::kUnderWay) {
     to = &done;
   } else if (token.processor != number_) {
     to = &out_links;
   }
-  if (!to->can_push(now)) {
+  if (to != nullptr && !to->can_push(now)) {
     latest_ = to == &done ? Cause::kRayBus : to == &out_links ? Cause::kLink : Cause::kSorter;
     return false;
   }
-  to->push(now, token);
+  if (to != nullptr) to->push(now, token);
   if (!token.keeps_slot) released_.push(now, ray.from);
+  if (ray.splats) begin_splat(now);
   return true;
 }
 
@@ -78,6 +91,7 @@ Cause Processor::enter_compute(Cycle now) {
     bubble_ = true;
     return latest_;
   }
+  if (lit_ && splats_.takes_cache(now)) return Cause::kSplat;
   InFlight& head = stages_.oldest_prefetching();
   if (head.packets > 0) {
     const Packet& packet = misses_.oldest();
@@ -101,32 +115,39 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   token = issued;
   entry.from = issued.queue;
   entry.packets = 0;
+  entry.splats = false;
   const Point low = grid_.low(traveller.position);
   const BlockView view = frame_->volume->view(ray.block);
+  const bool carries = lit_ && traveller.is(wire::kIrradianceCarrier);
   jitter_step(traveller, *frame_);
-  entry.sampled = !frame_->leap || frame_->empty[ray.block] == 0;
+  entry.sampled = !frame_->leap || frame_->empty[ray.block] == 0 || carries;
+  End how = End::kNot;
   if (entry.sampled) {
-    const Cell at = cell(traveller.position, low);
+    const Cell at = carries ? carrier_cell(ray) : cell(traveller.position, low);
     const Misses& misses = cache_.check(ray.block, at.voxel);
     if (misses.count > 0 && !ideal_memory_) {
       entry.packets = static_cast<std::uint8_t>(misses.count);
       const std::uint32_t number = partition_.home(ray.block).number;
       for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
     }
-    ++counts_.samples;
-    if (take_sample(traveller, at, view, edge_, *frame_)) ++counts_.visible_samples;
-    advance(traveller, 1);
+    if (lit_) {
+      how = meet_sample(ray, at, entry);
+    } else {
+      ++counts_.samples;
+      if (take_sample(traveller, at, view, edge_, *frame_)) ++counts_.visible_samples;
+      advance(traveller, 1);
+    }
   } else {
     ++counts_.leaps;
+    if (lit_) leave_surface(traveller);
     advance(traveller, leap_steps(traveller.position, traveller.step, low, grid_.size()));
   }
 
-  token.contribution = contribution(traveller.opacity);
-  const End how = end(traveller, *frame_);
+  token.contribution = contribution(traveller);
+  if (how == End::kNot) how = end(traveller, *frame_);
   if (how != End::kNot) {
-    token.state = RayState::kDone;
-    ++counts_.rays;
-    if (how == End::kOpaque) ++counts_.terminated;
+    token.state = carries ? RayState::kGone : RayState::kDone;
+    if (!carries) count_end(traveller, how, *frame_, counts_);
   } else if (!grid_.same(traveller.position, low)) {
     ray.block = static_cast<std::uint32_t>(grid_.block(traveller.position));
     const Home& home = partition_.home(ray.block);
@@ -135,17 +156,17 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   } else {
     prefetch(view, traveller.position, low);
   }
-  token.keeps_slot = how == End::kNot && token.processor == number_ && token.queue == entry.from;
+  token.keeps_slot = token.state == RayState::kUnderWay && token.processor == number_ && token.queue == entry.from;
 }
 
 // Both halves of most conditions are always worked out: which of them fails is hard to predict.
 bool Processor::tick_pipeline(Cycle now) {
   fed_ = backed_up_ = bubble_ = false;
+  bool moved = lit_ && tick_light(now), stands = false;
   if (issue_.empty() && stages_.empty()) {
     bubble_ = true;
-    return false;
+    return moved;
   }
-  bool moved = false, stands = false;
   if ((stages_.computing() > 0) & (stages_.oldest_computing().ready <= compute_clock_)) {
     if (deliver(now, stages_.oldest_computing())) {
       stages_.leave();
@@ -185,14 +206,15 @@ void Processor::account_idle(Cycle now, Cycle cycles, Cause upstream) {
 bool Processor::idle() const {
   return sorter_.idle() && issue_.empty() && stages_.empty() && returned_.empty() && released_.empty() &&
          from_bus.empty() && from_left.empty() && from_right.empty() && out_links.empty() && done.empty() &&
-         overflow.empty();
+         overflow.empty() && !splats_.has_carrier() && writes_.empty();
 }
 
 void Processor::describe(std::ostream& out) const {
   out << "processor " << int{number_} << ": prefetch " << stages_.prefetching() << ", compute " << stages_.computing()
       << ", packets under way " << misses_.size() << ", issue " << issue_.size() << ", returned " << returned_.size()
       << ", from bus " << from_bus.size() << ", from links " << from_left.size() + from_right.size() << ", to links "
-      << out_links.size() << ", done " << done.size() << ", overflow " << overflow.size() << '\n';
+      << out_links.size() << ", tiles to write " << writes_.size() << ", done " << done.size() << ", overflow "
+      << overflow.size() << '\n';
   if (stages_.prefetching() > 0)
     out << "  oldest sample waits for " << int{stages_.oldest_prefetching().packets} << " packets\n";
   sorter_.describe(out);

@@ -16,6 +16,7 @@
 
 #include "cache/miss_queue.h"
 #include "cache/volume_cache.h"
+#include "cache/write_queue.h"
 #include "frame.h"
 #include "march.h"
 #include "partition.h"
@@ -24,8 +25,11 @@
 #include "sim/causes.h"
 #include "sim/fifo.h"
 #include "sorter/sorter.h"
+#include "splat_unit.h"
 
 namespace gicube::emu {
+
+struct Met;
 
 struct ProcessorConfig {
   std::uint8_t number = 0;
@@ -68,6 +72,9 @@ class Processor {
   Fifo<RayToken> overflow{2};
 
   MissQueue& misses() { return misses_; }
+  WriteQueue& writes() { return writes_; }
+  const WriteQueue& writes() const { return writes_; }
+  const SplatUnit& splats() const { return splats_; }
   const MissQueue& misses() const { return misses_; }
   const Stages& stages() const { return stages_; }
   const Sorter& sorter() const { return sorter_; }
@@ -82,6 +89,15 @@ class Processor {
   bool deliver(Cycle now, const InFlight& ray);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
+  End meet_sample(RayUnderWay& ray, const Cell& at, InFlight& entry);
+  Splat& add_splat(std::uint32_t block, InFlight& entry);
+  Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
+  RayToken carrier(const Traveller& from, const Met& met, std::uint32_t block);
+  Cell carrier_cell(const RayUnderWay& ray) const;
+  bool tick_light(Cycle now);
+  bool send_carrier(Cycle now);
+  bool splat_waits(Cycle now) const;
+  void begin_splat(Cycle now);
   // Always inlined: GCC takes a function that only prefetches for one without effect and drops its calls.
   [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
   Cause bubble(Cause upstream) const;
@@ -103,7 +119,10 @@ class Processor {
   Cycle compute_clock_ = 0;
   VolumeCache cache_;
   MissQueue misses_;
+  WriteQueue writes_;
+  SplatUnit splats_;
 
+  bool lit_ = false;  // rays of this frame do more than gather
   bool fed_ = false;  // a ray entered the prefetch line in this cycle
   bool backed_up_ = false;
   bool bubble_ = false;  // the compute line got nothing, and not because it stood or waited

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <ostream>
 
+#include "meet.h"
+
 namespace gicube::emu {
 
 RayEngine::RayEngine(const v1::BoardConfig& config, RayStore& rays, const RayEnginePorts& ports)
@@ -38,7 +40,7 @@ RayToken RayEngine::launch(std::uint32_t handle) {
   token.ray = handle;
   token.processor = home.processor;
   token.queue = single_queue_ ? 0 : home.number;
-  token.contribution = contribution(ray.traveller.opacity);
+  token.contribution = contribution(ray.traveller);
   return token;
 }
 
@@ -51,11 +53,33 @@ void RayEngine::take_back(Cycle now) {
     kept_.push_back(token);
     return;
   }
+  if (token.state == RayState::kTrapped && scatter(now, token)) return;
   work_->take(index_of_[token.ray], rays_[token.ray].traveller);
   rays_.remove(token.ray);
   ++counters_.taken;
   ++finished_;
   work_for(now, work_->take_cycles());
+}
+
+// A routine scatters the ray, which is sent again; false if it ends here.
+bool RayEngine::scatter(Cycle now, RayToken token) {
+  RayUnderWay& ray = rays_[token.ray];
+  std::uint32_t cycles = 0;
+  const Met met = resolve_trap(ray.traveller, *frame_, counts_, cycles);
+  counts_.trap_cycles += cycles;
+  work_for(now, overflow_cycles_ / 2 + cycles);
+  if (met.fate == Fate::kEnded) {
+    count_end(ray.traveller, End::kSpent, *frame_, counts_);
+    return false;
+  }
+  if (const End how = end(ray.traveller, *frame_); how != End::kNot) {
+    count_end(ray.traveller, how, *frame_, counts_);
+    return false;
+  }
+  token.state = RayState::kUnderWay;
+  ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.traveller.position));
+  kept_.push_back(token);
+  return true;
 }
 
 // Makes the next ray; nothing if it never goes to the ASIC.
@@ -68,8 +92,7 @@ std::optional<RayToken> RayEngine::make() {
   }
   RayUnderWay ray{set_out(*made, *frame_), 0};
   if (const End how = end(ray.traveller, *frame_); how != End::kNot) {  // its clipping leaves nothing of it
-    ++counts_.rays;
-    if (how == End::kOpaque) ++counts_.terminated;
+    count_end(ray.traveller, how, *frame_, counts_);
     work_->take(index, ray.traveller);
     ++finished_;
     return std::nullopt;
@@ -82,8 +105,13 @@ std::optional<RayToken> RayEngine::make() {
 }
 
 void RayEngine::make_ray(Cycle now) {
+  std::optional<RayToken> ray;
+  do {
+    ray = make();
+  } while (!ray && work_->misses_are_free() && made_ < count_);
+  if (!ray && work_->misses_are_free()) return;
   work_for(now, work_->make_cycles());
-  if (const auto ray = make()) {
+  if (ray) {
     ray_ = *ray;
     outgoing_ = Outgoing::kRay;
   }

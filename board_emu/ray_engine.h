@@ -66,6 +66,7 @@ class RayEngine {
  private:
   void work_for(Cycle now, std::uint64_t dsp_cycles);
   void take_back(Cycle now);
+  bool scatter(Cycle now, RayToken token);
   enum class Outgoing : std::uint8_t { kNothing, kRay, kRun };
 
   bool send(Cycle now);

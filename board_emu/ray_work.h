@@ -16,6 +16,8 @@ class RayWork {
   virtual std::uint64_t count() const = 0;
   // Makes ray `i`; nothing if it misses the volume, and then it is dealt with already. Called once for each, in order.
   virtual std::optional<wire::Ray> make(std::uint64_t i) = 0;
+  // A ray that is not made has cost the DSP nothing: it passes over whole faces that the light does not reach.
+  virtual bool misses_are_free() const { return false; }
   // Takes ray `i` back. Called once for each ray that was made.
   virtual void take(std::uint64_t i, const Traveller& ray) = 0;
 

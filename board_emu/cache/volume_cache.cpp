@@ -16,18 +16,28 @@ VolumeCache::VolumeCache(const CacheShape& shape)
 
 void VolumeCache::invalidate() { std::fill(tags_.begin(), tags_.end(), kNothing); }
 
+std::size_t VolumeCache::set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z,
+                                std::size_t tile) const {
+  if (!shape_.linear) return tile % sets_;
+  const auto across = static_cast<std::size_t>(shape_.blocks[0]), down = static_cast<std::size_t>(shape_.blocks[1]);
+  const auto half = static_cast<std::size_t>(shape_.block_voxels) / 2, n = 2 * half;
+  const std::size_t gx = block % across * half + x, gy = block / across % down * half + y,
+                    gz = block / (across * down) * n + z;
+  return ((gz * down * half + gy) * across * half + gx) % sets_;
+}
+
+bool VolumeCache::holds(std::uint32_t block, std::uint32_t tile) const {
+  if (plain_) return tags_[tile] == block;
+  const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + tile;
+  const std::size_t set = set_of(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
+  const std::uint32_t* const way = tags_.data() + set * shape_.ways;
+  return std::find(way, way + shape_.ways, tag) != way + shape_.ways;
+}
+
 // True if the tile is there; afterwards it is, as the latest used of its set.
 bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) {
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + static_cast<std::uint32_t>(tile);
-  std::size_t set = tile;
-  if (shape_.linear) {
-    const auto across = static_cast<std::size_t>(shape_.blocks[0]), down = static_cast<std::size_t>(shape_.blocks[1]);
-    const auto half = static_cast<std::size_t>(shape_.block_voxels) / 2, n = 2 * half;
-    const std::size_t gx = block % across * half + x, gy = block / across % down * half + y,
-                      gz = block / (across * down) * n + z;
-    set = (gz * down * half + gy) * across * half + gx;
-  }
-  std::uint32_t* const way = tags_.data() + set % sets_ * shape_.ways;
+  std::uint32_t* const way = tags_.data() + set_of(block, x, y, z, tile) * shape_.ways;
   if (*way == tag) return true;
   std::uint32_t* const end = way + shape_.ways;
   std::uint32_t* const found = std::find(way, end, tag);

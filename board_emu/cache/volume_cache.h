@@ -42,6 +42,9 @@ class VolumeCache {
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
+  // Whether a tile is there, or has been asked for.
+  bool holds(std::uint32_t block, std::uint32_t tile) const;
+
   // Drops every tile: memory has changed.
   void invalidate();
 
@@ -62,6 +65,7 @@ class VolumeCache {
     counters_.missed_voxels += packets * voxels_of_tile;
     ++counters_.misses[packets * voxels_of_tile];
   }
+  std::size_t set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) const;
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
 
   CacheShape shape_;

@@ -20,6 +20,7 @@ struct InFlight {
   std::uint32_t from = 0;    // the queue it came from
   std::uint8_t packets = 0;  // that the sample still waits for
   bool sampled = false;      // else it leapt
+  bool splats = false;       // leaves something in the irradiance words
 };
 
 class Stages {

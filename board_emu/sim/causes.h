@@ -11,6 +11,7 @@ namespace gicube::emu {
 enum class Cause : std::uint8_t {
   kBusy,        // a sample entered
   kLeap,        // a ray in an empty block took the cycle to leap
+  kSplat,       // the cache's banks were busy with a deposit, or its tiles or carriers could not leave
   kFill,        // the cache's banks were busy with an arrived packet, one of several that the next sample needs
   kMiss,        // the next sample's packets are under way: latency and transfer
   kBank,        // the same, held up by the memory's bank timing
@@ -23,8 +24,8 @@ enum class Cause : std::uint8_t {
   kDsp,         // no ray is here: the DSP makes them more slowly
 };
 
-inline constexpr std::size_t kCauses = 12;
-inline constexpr std::array<std::string_view, kCauses> kCauseNames{"busy",        "leap",    "cache_fill", "cache_miss",
+inline constexpr std::size_t kCauses = 13;
+inline constexpr std::array<std::string_view, kCauses> kCauseNames{"busy",        "leap", "splat", "cache_fill", "cache_miss",
                                                                    "memory_bank", "refresh", "latency",    "sorter",
                                                                    "queue_empty", "link",    "ray_bus",    "dsp"};
 
