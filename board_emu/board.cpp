@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bus/register_file.h"
+#include "dsp/routines/routine_table.h"
 #include "dsp_commands.h"
 #include "gicube/wire/memory_map.h"
 #include "timeline.h"
@@ -46,7 +47,11 @@ constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
 
 const char* command_name(std::span<const std::uint8_t> payload) {
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
-  return opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace) ? "trace" : "render";
+  switch (static_cast<wire::Opcode>(opcode)) {
+    case wire::Opcode::kTrace: return "trace";
+    case wire::Opcode::kIlluminate: return "illuminate";
+    default: return "render";
+  }
 }
 
 // What a host does that waits for the reply.
@@ -67,12 +72,13 @@ Cargo cargo_at(std::uint64_t address) {
 
 // What stands on the board, from power-up to the next reset.
 struct Board::Parts {
-  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, Observation* observes)
+  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, Observation* observes, const Routines* routines)
       : config(board_config),
         observation(observes),
         pci(agp_rates(config.bus().model())),
         commands(config, registers),
         timeline(BusTiming(config.bus()), config.dsp().clock_khz()) {
+    commands.set_routines(routines);
     if (observation != nullptr) {
       observation->power_up(config);
       timeline.set_watcher(observation);
@@ -252,10 +258,12 @@ std::vector<wire::Counter> Board::Parts::count() const {
   return list;
 }
 
-Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation)
+Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation,
+             const Routines* routines)
     : config_hash_(config_hash),
       observation_(observation),
-      parts_(std::make_unique<Parts>(config, config_hash, observation)) {
+      routines_(routines != nullptr ? routines : &built_in_routines()),
+      parts_(std::make_unique<Parts>(config, config_hash, observation, routines_)) {
   publish();
 }
 
@@ -263,7 +271,7 @@ Board::~Board() = default;
 
 void Board::reset() {
   const v1::BoardConfig config = parts_->config;
-  parts_ = std::make_unique<Parts>(config, config_hash_, observation_);
+  parts_ = std::make_unique<Parts>(config, config_hash_, observation_, routines_);
   publish();
 }
 

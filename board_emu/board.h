@@ -48,12 +48,15 @@ struct Work {
 };
 
 class Observation;
+class Routines;
 
 class Board {
  public:
   // `config` must be resolved and checked, and the hash its own (config.h). `observation` may be null, or else must outlive
-  // the board, and no two boards in use can share it.
-  Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation = nullptr);
+  // the board, and no two boards in use can share it. `routines`: for materials that trap, or null for the built-in ones;
+  // must outlive the board.
+  Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation = nullptr,
+        const Routines* routines = nullptr);
   ~Board();
 
   // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
@@ -74,6 +77,7 @@ class Board {
 
   std::uint64_t config_hash_;
   Observation* observation_;
+  const Routines* routines_;
   std::unique_ptr<Parts> parts_;
   mutable std::mutex published_mutex_;
   std::vector<wire::Counter> published_;

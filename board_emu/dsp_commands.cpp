@@ -187,9 +187,13 @@ std::optional<std::string> DspCommands::material_fault() const {
     if (material.parameter_count > wire::kMaterialParameters) {
       return which + expected("parameters", "at most 32", material.parameter_count);
     }
-    if (material.bsdf == wire::Bsdf::kTrap && (routines_ == nullptr || !routines_->has(material.routine))) {
+    if (material.bsdf != wire::Bsdf::kTrap) continue;
+    if (routines_ == nullptr || !routines_->has(material.routine)) {
       return which + expected("routine", "the number of a routine that the board has", material.routine);
     }
+    const auto what =
+        routines_->fault(material.routine, std::span(material.parameters).first(material.parameter_count));
+    if (what) return which + *what;
   }
   return std::nullopt;
 }
@@ -288,6 +292,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
         expected("payload", "8 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
   }
   if (!has_volume()) return refuse(kNoVolume);
+  if (const auto what = material_fault()) return refuse(*what);
   const Frame frame = this->frame();
   std::vector<wire::Ray> rays(count);
   for (std::size_t i = 0; i < count; ++i) {

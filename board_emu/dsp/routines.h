@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stdexcept>
+#include <string>
 
 #include "gicube/wire/material.h"
 
@@ -20,7 +22,7 @@ struct ScatterEvent {
   unsigned tag = 0;
   bool lighting = false;
   unsigned generation = 0;
-  std::array<double, 4> random{};  // 0..1, of this event alone
+  std::array<double, 4> random{};  // [0, 1), of this event alone
   std::span<const float> parameters;
 };
 
@@ -39,6 +41,9 @@ class Routines {
  public:
   virtual ~Routines() = default;
   virtual bool has(std::uint8_t number) const = 0;
+  // What is wrong with these parameters for routine `number`, or with the routine itself, if anything; asked before a
+  // command's first ray. `number` must be one that has() names.
+  virtual std::optional<std::string> fault(std::uint8_t number, std::span<const float> parameters) const = 0;
   // Pure: the same event gets the same answer. From several threads. Throws RoutineFault.
   virtual ScatterAnswer scatter(std::uint8_t number, const ScatterEvent& event) const = 0;
 };

@@ -16,11 +16,13 @@ constexpr std::chrono::seconds kReleaseTimeout{10};
 
 }  // namespace
 
-BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation)
+BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation,
+                     const RoutineTable* routines)
     : index_(index),
       config_(resolve(config)),
+      routines_(routines != nullptr ? routines : &built_in_routines()),
       observation_(std::move(observation)),
-      board_(std::make_unique<Board>(config_, config_hash(config_), observation_.get())) {}
+      board_(std::make_unique<Board>(config_, config_hash(config_), observation_.get(), routines_)) {}
 
 BoardSlot::~BoardSlot() {
   compute_.join();
@@ -66,7 +68,7 @@ void BoardSlot::set_endpoint(std::string endpoint) {
 
 BoardSlot::Info BoardSlot::info() const {
   const std::lock_guard lock(mutex_);
-  return {index_, endpoint_, owner_ == Owner::kSession, config_};
+  return {index_, endpoint_, owner_ == Owner::kSession, config_, routines_->list()};
 }
 
 BoardSlot::Snapshot BoardSlot::counters() const {
@@ -89,7 +91,7 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Fa
   }
   // Allocating a large board takes a while, so the lock is not held; the claim keeps everyone else out.
   try {
-    auto rebuilt = std::make_unique<Board>(merged, config_hash(merged), observation_.get());
+    auto rebuilt = std::make_unique<Board>(merged, config_hash(merged), observation_.get(), routines_);
     const std::lock_guard lock(mutex_);
     board_.swap(rebuilt);
     config_ = std::move(merged);

@@ -18,6 +18,7 @@
 
 #include "board.h"
 #include "config.h"
+#include "dsp/routines/routine_table.h"
 #include "trace/observation.h"
 
 namespace gicube::emu {
@@ -26,8 +27,9 @@ enum class Claim { kGranted, kBusy, kSoonFree };  // kSoonFree: the owner is abo
 
 class BoardSlot {
  public:
-  // `config` must be checked; it is resolved here. `observation`: for this board alone, or null.
-  BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation = nullptr);
+  // `config` must be checked; it is resolved here. `observation`: for this board alone, or null. `routines`: as Board's.
+  BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation = nullptr,
+            const RoutineTable* routines = nullptr);
   ~BoardSlot();
 
   BoardSlot(const BoardSlot&) = delete;
@@ -56,6 +58,7 @@ class BoardSlot {
     std::string endpoint;
     bool in_use = false;
     v1::BoardConfig config;  // resolved
+    std::vector<RoutineInfo> routines{};
   };
   Info info() const;
 
@@ -84,6 +87,7 @@ class BoardSlot {
   std::function<void()> end_session_;
   std::string endpoint_;
   v1::BoardConfig config_;
+  const RoutineTable* const routines_;
   std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
   std::unique_ptr<Board> board_;
   boost::asio::thread_pool compute_{1};

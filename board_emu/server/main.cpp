@@ -16,6 +16,7 @@
 
 #include "board_slot.h"
 #include "bus_server.h"
+#include "dsp/routines/routine_table.h"
 #include "gicube/wire/register_markdown.h"
 #include "hardware_cost.h"
 #include "management.h"
@@ -30,13 +31,23 @@ void say_ready(const std::string& what, const Endpoint& endpoint) {
   std::fflush(stdout);
 }
 
-void serve(const Options& options) {
+// Throws PlugInFault.
+void load_routines(const Options& options, RoutineTable& routines) {
+  for (const std::string& file : options.bsdf_files) routines.add(PlugIn::load(file));
+  for (const RoutineInfo& routine : routines.list()) {
+    if (routine.file.empty()) continue;
+    spdlog::info("scattering routine {}: \"{}\" of {}, {} DSP cycles, at most {}", routine.number, routine.name,
+                 routine.file, routine.cycles, routine.cycle_budget);
+  }
+}
+
+void serve(const Options& options, const RoutineTable& routines) {
   std::vector<std::unique_ptr<BoardSlot>> slots;
   std::vector<BoardSlot*> boards;
   for (std::uint32_t i = 0; i < options.boards; ++i) {
     std::unique_ptr<Observation> observation;
     if (options.observation.any()) observation = std::make_unique<Observation>(for_board(options.observation, i));
-    slots.push_back(std::make_unique<BoardSlot>(i, options.config, std::move(observation)));
+    slots.push_back(std::make_unique<BoardSlot>(i, options.config, std::move(observation), &routines));
     boards.push_back(slots.back().get());
   }
   BusServer server;
@@ -76,7 +87,14 @@ int run(int argc, const char* const* argv) {
   if (line.options.print_config || line.options.print_registers || line.options.print_hardware_cost) return 0;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("gicube-board"));
   spdlog::set_level(line.options.quiet ? spdlog::level::warn : spdlog::level::info);
-  serve(line.options);
+  RoutineTable routines;  // never unloaded while a board is there
+  try {
+    load_routines(line.options, routines);
+  } catch (const PlugInFault& fault) {
+    fmt::print(stderr, "gicube-board: --bsdf: {}\n", fault.what());
+    return 2;
+  }
+  serve(line.options, routines);
   return 0;
 }
 

@@ -129,6 +129,14 @@ class Service final : public v1::BoardManagement::Service {
     out.set_in_use(info.in_use);
     out.set_config_hash(config_hash_text(info.config));
     *out.mutable_config() = info.config;
+    for (const RoutineInfo& routine : info.routines) {
+      v1::ScatteringRoutine* listed = out.add_routines();
+      listed->set_number(routine.number);
+      listed->set_name(routine.name);
+      listed->set_file(routine.file);
+      listed->set_cycles(routine.cycles);
+      listed->set_cycle_budget(routine.cycle_budget);
+    }
   }
 
   static v1::CounterSnapshot take_snapshot(const BoardSlot& slot) {

@@ -16,7 +16,7 @@ namespace {
 // The flags as they were typed.
 struct Flags {
   std::string listen, management, config_file;
-  std::vector<std::string> overrides;
+  std::vector<std::string> overrides, bsdf_files;
   std::string certificate_file, key_file, token_file;
   std::string trace_file, vcd_file, vcd_window;
   std::uint32_t boards = 1;
@@ -34,6 +34,12 @@ void add_flags(CLI::App& app, Flags& flags) {
   app.add_flag("--allow-remote-bus", flags.allow_remote_bus,
                "let --listen be an address that other machines can reach; the bus has no password");
   app.add_flag("--quiet", flags.quiet, "log warnings only");
+
+  app.add_option("--bsdf", flags.bsdf_files,
+                 "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
+                 "times: the first is routine 8, the next 9. Its code runs in this process, with all its rights")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
 
   app.add_option("--config", flags.config_file, "board configuration, protobuf text of gicube.v1.BoardConfig")
       ->type_name("FILE")
@@ -202,6 +208,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   result.options.boards = flags.boards;
   result.options.is_private = flags.is_private;
   result.options.quiet = flags.quiet;
+  result.options.bsdf_files = flags.bsdf_files;
   result.options.print_config = flags.print_config;
   result.options.print_registers = flags.print_registers;
   result.options.print_hardware_cost = flags.print_hardware_cost;

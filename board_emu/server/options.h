@@ -21,6 +21,7 @@ struct Options {
   v1::BoardConfig config;  // resolved and checked
   std::uint32_t boards = 1;
   ObservationOptions observation;
+  std::vector<std::string> bsdf_files;  // scattering routines, in the order of their numbers
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;

@@ -90,8 +90,11 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
   } else if (name == "set") {
     check_set(value);
     uri.board_arguments.insert(uri.board_arguments.end(), {"--set", value});
+  } else if (name == "bsdf") {
+    if (value.empty()) throw BadArgument(field, "a file name", quoted(value));
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--bsdf", value});
   } else {
-    throw BadArgument("URI option", "one of fidelity, bus, threads, config, set", quoted(name));
+    throw BadArgument("URI option", "one of fidelity, bus, threads, config, set, bsdf", quoted(name));
   }
 }
 
@@ -107,7 +110,7 @@ Uri parse_emu(std::string_view rest) {
     const std::size_t equals = item.find('=');
     if (equals == std::string_view::npos) throw BadArgument("URI option", "option=value", quoted(item));
     const std::string name = percent_decode(item.substr(0, equals), "URI option");
-    if (name != "set" && !seen.insert(name).second) {
+    if (name != "set" && name != "bsdf" && !seen.insert(name).second) {
       throw BadArgument("URI option " + name, "to be given once", "it twice");
     }
     take_option(name, percent_decode(item.substr(equals + 1), "URI option " + name), uri);

@@ -23,9 +23,10 @@ using VoxelField = std::function<wire::Voxel(int x, int y, int z)>;
 
 class BareBoard {
  public:
-  // `observation` may be null.
-  explicit BareBoard(const v1::BoardConfig& config = {}, Observation* observation = nullptr)
-      : board_(config, 0x1234, observation), n_(static_cast<int>(config.asic().block_voxels())) {}
+  // `observation` and `routines` may be null.
+  explicit BareBoard(const v1::BoardConfig& config = {}, Observation* observation = nullptr,
+                     const Routines* routines = nullptr)
+      : board_(config, 0x1234, observation, routines), n_(static_cast<int>(config.asic().block_voxels())) {}
 
   Outcome send(wire::FrameType type, std::vector<std::uint8_t> payload) {
     wire::FrameHeader header;

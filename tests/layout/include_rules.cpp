@@ -50,6 +50,7 @@ const std::vector<Rule>& rules() {
   // clang-format off
   static const std::vector<Rule> table{
       {"proto",              {"proto"}, {}},
+      {"proto/gicube/bsdf.h", {}, {"stddef.h", "stdint.h"}},  // C
 
       // Public headers name nothing but themselves and the standard library, so that applications need nothing else.
       {"driver/include",     {"driver/include"}, {}},
@@ -61,6 +62,8 @@ const std::vector<Rule>& rules() {
       {"board_emu/flow.h",   {"board_emu/sim", "proto"}, {}},
       sibling("board_emu/bus"),
       sibling("board_emu/dsp"),
+      {"board_emu/dsp/routines", {"board_emu/dsp", "proto"},
+                             {"dlfcn.h", "setjmp.h", "signal.h", "time.h", "unistd.h"}},
       sibling("board_emu/memory"),
       sibling("board_emu/raybus"),
       sibling("board_emu/sorter"),
@@ -76,7 +79,8 @@ const std::vector<Rule>& rules() {
                               "board_emu/sorter", "board_emu/pipeline", "board_emu/cache", "board_emu/rdram",
                               "board_emu/link", "proto"}, {"fmt"}},
       {"board_emu/server",   {"board_emu/server", "board_emu/board.h", "board_emu/config.h", "board_emu/hardware_cost.h",
-                              "board_emu/trace/observation.h", "proto"}, {kAnything}},
+                              "board_emu/dsp/routines/routine_table.h", "board_emu/trace/observation.h", "proto"},
+                             {kAnything}},
 
       // Like any application outside the tree; scene.proto is the samples' file format.
       {"samples/common",     {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},
@@ -88,6 +92,8 @@ const std::vector<Rule>& rules() {
       {"samples/common/graph", {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {"fmt", "google/protobuf"}},
       {"samples/hello",      {"samples/hello", "driver/include"}, {}},
+      // Plain C, for the board and not for the driver.
+      {"samples/bsdf_plugin", {"samples/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
       {"samples/results",    {"samples/results", "samples/common", "driver/include"}, {kAnything}},
       {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},

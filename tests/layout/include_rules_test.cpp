@@ -32,7 +32,7 @@ Files files_of(const std::filesystem::path& root, const std::string& folder) {
   Files files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(root / folder)) {
     const auto extension = entry.path().extension();
-    if (extension != ".h" && extension != ".cpp" && extension != ".inc") continue;
+    if (extension != ".h" && extension != ".cpp" && extension != ".c" && extension != ".inc") continue;
     files.insert(entry.path().lexically_relative(root).generic_string());
   }
   return files;

@@ -153,5 +153,25 @@ TEST(BoardProcess, PrintsTheSharedRegisterTableAndMemoryMap) {
   EXPECT_EQ(board.read_output(), wire::register_markdown() + "\n" + wire::memory_markdown());
 }
 
+TEST(BoardProcess, SaysWhichScatteringRoutinesItHas) {
+  const TemporaryDirectory folder;
+  BoardProcess board({"--listen", "unix:" + folder.file("board"), "--bsdf", GICUBE_BIN_DIR "/brushed_metal.so"});
+  board.read_line();
+  board.send_signal(SIGTERM);
+  EXPECT_EQ(board.exit_code(), 0);
+  EXPECT_THAT(board.read_errors(), HasSubstr("scattering routine 8: \"brushed metal\" of " GICUBE_BIN_DIR));
+}
+
+TEST(BoardProcess, DoesNotStartWithARoutineThatItCannotLoad) {
+  const TemporaryDirectory folder;
+  const std::string text = folder.file("text.so");
+  std::ofstream(text) << "no object\n";
+  for (const std::string& file : {folder.file("none.so"), text}) {
+    BoardProcess board({"--listen", "unix:" + folder.file("board"), "--bsdf", file});
+    EXPECT_EQ(board.exit_code(), 2);
+    EXPECT_THAT(board.read_errors(), testing::AllOf(HasSubstr("gicube-board: --bsdf: "), HasSubstr(file)));
+  }
+}
+
 }  // namespace
 }  // namespace gicube::system_test

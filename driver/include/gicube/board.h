@@ -46,7 +46,7 @@ struct BoardInfo {
   std::uint64_t config_hash = 0;  // of the board's resolved configuration
   std::uint16_t vendor_id = 0;    // PCI configuration space
   std::uint16_t device_id = 0;
-  bool wide = false;              // lighting rays have the wide datapath
+  bool wide = false;       // lighting rays have the wide datapath
   bool agp = false;        // the card has an AGP capability
   bool host_rays = false;  // submit() is offered
 };
@@ -81,7 +81,8 @@ class Board {
   //   emu:                  starts a private gicube-board child over a socket pair; it ends with this Board
   //   unix:PATH             a gicube-board that listens on a Unix socket
   //   tcp:HOST:PORT         the same on TCP
-  // emu: takes the query options fidelity, bus, threads, config=FILE and set=path.to.field=value (repeatable), as in
+  // emu: takes the query options fidelity, bus, threads, config=FILE, set=path.to.field=value (repeatable) and
+  // bsdf=FILE.so (repeatable; code that the application trusts: docs/BSDF.md), as in
   // "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8". The program is found by the environment variable
   // GICUBE_BOARD, beside the running program, where the SDK was installed, or on the PATH, in this order.
   // Throws BadArgument (URI), OpenFailed, BoardBusy, VersionMismatch, TimedOut.

@@ -30,6 +30,16 @@ TEST(Management, ListsEveryBoardWithItsResolvedConfiguration) {
   EXPECT_EQ(second.config_hash(), config_hash_text(v1::BoardConfig()));
 }
 
+TEST(Management, ListsTheScatteringRoutinesOfABoard) {
+  ManagedBoards managed;
+  const v1::BoardInfo info = managed.info();
+  ASSERT_EQ(info.routines_size(), 3);
+  EXPECT_EQ(info.routines(1).number(), 1u);
+  EXPECT_EQ(info.routines(1).name(), "henyey_greenstein");
+  EXPECT_EQ(info.routines(1).cycles(), 200u);
+  EXPECT_EQ(info.routines(1).file(), "");
+}
+
 TEST(Management, SaysWhenABoardIsInUse) {
   ManagedBoards managed;
   {

@@ -76,6 +76,12 @@ TEST(CommandLine, ARemoteBusMustBeAllowed) {
   EXPECT_THAT(parse({"--listen", "tcp:[::]:1"}).faults, testing::SizeIs(1));
 }
 
+TEST(CommandLine, TakesScatteringRoutinesInTheirOrder) {
+  const CommandLine line = parse({"--listen", "fd:3", "--bsdf", "b.so", "--bsdf", "a.so"});
+  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_THAT(line.options.bsdf_files, ElementsAre("b.so", "a.so"));
+}
+
 TEST(CommandLine, NeedsSomethingToDo) {
   EXPECT_THAT(parse({}).faults, ElementsAre(HasSubstr("--listen")));
   EXPECT_THAT(parse({"--registers"}).faults, IsEmpty());

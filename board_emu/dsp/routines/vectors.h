@@ -1,0 +1,34 @@
+// Vectors of three doubles, as far as the routines need them.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace gicube::emu {
+
+using Vector = std::array<double, 3>;
+
+inline double inner(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+// a + s b
+inline Vector along(const Vector& a, double s, const Vector& b) {
+  return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]};
+}
+
+// The unit vector at an angle with that cosine to the unit vector `axis`, `turn` (0..1) of a full turn about it.
+inline Vector around(const Vector& axis, double cosine, double turn) {
+  // Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1), 2017
+  const double sign = std::copysign(1.0, axis[2]);
+  const double a = -1 / (sign + axis[2]), b = axis[0] * axis[1] * a;
+  const Vector u{1 + sign * axis[0] * axis[0] * a, sign * b, -sign * axis[0]};
+  const Vector v{b, sign + axis[1] * axis[1] * a, -axis[1]};
+  const double sine = std::sqrt(std::fmax(0.0, 1 - cosine * cosine)), angle = 2 * std::numbers::pi * turn;
+  Vector out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    out[i] = cosine * axis[i] + sine * (std::cos(angle) * u[i] + std::sin(angle) * v[i]);
+  }
+  return out;
+}
+
+}  // namespace gicube::emu
