@@ -1,6 +1,7 @@
 // One pass for all colours of light, or one each for red, green and blue.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/scene.h"
@@ -21,7 +22,8 @@ const char* name_of(const LightPass& pass);
 // InputError: coloured lights with an exposure that the driver would choose anew for each pass.
 std::vector<LightPass> passes_of(const SceneSetup& setup);
 
-// Takes the pass's channel from `from`; the first pass's image is taken as a whole. Alpha is the greatest of all passes.
-void put_together(const LightPass& pass, const Image& from, Image& into);
+// Takes the pass's channel from `from`. What is seen through has another alpha in each channel, so that a background is
+// blended in here, and the result is opaque; without one alpha is the greatest of all passes.
+void put_together(const LightPass& pass, const Image& from, const std::optional<Colour>& background, Image& into);
 
 }  // namespace gicube::samples

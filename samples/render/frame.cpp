@@ -69,6 +69,12 @@ bool moves_nodes(const Scene& scene) {
                      [](const Engine& engine) { return engine.target.starts_with("node["); });
 }
 
+// An EXR has alpha instead; a colour asked for is passed on, and refused by write_image.
+std::optional<Colour> background_of(const RenderOptions& options, const std::optional<Colour>& own) {
+  if (options.background) return options.background;
+  return options.no_background || options.output.extension() == ".exr" ? std::nullopt : own;
+}
+
 class Renderer {
  public:
   Renderer(const RenderOptions& options, ProgressLine& progress)
@@ -98,7 +104,6 @@ class Renderer {
       frames[i].number = static_cast<int>(first + i);
       frames[i].statistics.time = times[first + i];
       frames[i].statistics.load = i == 0 ? load : 0;
-      frames[i].background = setup_.background;
       done(frames[i]);
     }
     last_ = scene;
@@ -171,7 +176,8 @@ class Renderer {
     Window window(board_);
     board_.set_shading(setup_.shading);
     set_optics(pass);
-    put_together(pass, board_.render(view, progress_.parts(what)), frame.image);
+    frame.background = background_of(options_, setup_.background);
+    put_together(pass, board_.render(view, progress_.parts(what)), frame.background, frame.image);
 
     FrameStatistics& statistics = frame.statistics;
     statistics.frame += window.simulated();

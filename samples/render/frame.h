@@ -15,7 +15,7 @@ namespace gicube::samples {
 struct Frame {
   int number = 0;
   Image image;
-  std::optional<Colour> background;  // the scene's own
+  std::optional<Colour> background;  // to be put behind the image
   FrameStatistics statistics;
 };
 

@@ -18,12 +18,6 @@ using gicube::LightingReport;
 
 constexpr int kFailed = 1, kWrongUsage = 2;  // exit codes
 
-// An EXR has alpha instead; a colour asked for is passed on, and refused by write_image.
-std::optional<gicube::Colour> background_of(const RenderOptions& options, const Frame& frame) {
-  if (options.background) return options.background;
-  return options.no_background || options.output.extension() == ".exr" ? std::nullopt : frame.background;
-}
-
 // Found before the work, not behind it.
 void check_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
@@ -69,7 +63,7 @@ int run(int argc, char** argv) {
     ProgressLine progress(!options->board.quiet);
     render_frames(*options, progress, [&](const Frame& frame) {
       const std::filesystem::path file = frame_file(options->output, options->animation, frame.number);
-      write_image(frame.image, file, background_of(*options, frame));
+      write_image(frame.image, file, frame.background);
       statistics.push_back(frame.statistics);
       progress.clear();
       if (!options->board.quiet) print_summary(file, frame.statistics);

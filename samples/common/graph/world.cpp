@@ -21,7 +21,7 @@ template <typename Call>
 auto named(const std::string& name, const Call& call) {
   try {
     return call();
-  } catch (const InputError& error) {
+  } catch (const std::runtime_error& error) {  // InputError or FileError
     throw InputError(fmt::format("node[{}]: {}", name, error.what()));
   }
 }

@@ -29,8 +29,8 @@ struct BuiltWorld {
   std::vector<TransferFunctionFile> looks;  // by tag 0..3, in densities 0..4095; unused tags are invisible
 };
 
-// Voxelises all nodes. Throws InputError that names node and field (a material that is not there, several looks for one
-// tag, a scan's transfer function used for another scan's range), FileError (meshes, scans).
+// Voxelises all nodes. Throws InputError that names node and field: a material that is not there, several looks for one
+// tag, a scan's transfer function used for another scan's range, a mesh or scan that can't be read.
 BuiltWorld build(const World& world, const std::vector<SceneMaterial>& materials, int threads = 0);
 
 }  // namespace gicube::samples

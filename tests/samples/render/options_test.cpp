@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <sstream>
+
+#include "common/input_error.h"
 
 namespace gicube::samples {
 namespace {
@@ -86,6 +89,47 @@ TEST(RenderOptions, ChangePhongCoefficientsOneByOne) {
   EXPECT_EQ(phong.specular, 0.9);
 }
 
+TEST(RenderOptions, LightASceneThatHasNoLightsYet) {
+  const Scene scene =
+      scene_of(parse({"head.nrrd", "--illumination", "high", "--rules", "as-printed", "--light-rays", "12",
+                      "--lifetime", "7", "--exposure", "0.5", "--seed", "99", "--light", "0,0,1"}));
+  EXPECT_TRUE(scene.lighting.on);
+  EXPECT_EQ(scene.lighting.settings.albedo, Albedo::kHigh);
+  EXPECT_EQ(scene.lighting.settings.rules, EnergyRules::kAsPrinted);
+  EXPECT_EQ(scene.lighting.settings.rays_per_face_voxel, 12);
+  EXPECT_EQ(scene.lighting.settings.lifetime, 7);
+  EXPECT_EQ(scene.lighting.settings.seed, 99u);
+  EXPECT_EQ(scene.lighting.exposure, 0.5);
+  EXPECT_EQ(scene.view.lifetime, 7);
+  EXPECT_EQ(scene.view.seed, 99u);
+  EXPECT_FALSE(scene_of(parse({"head.nrrd"})).lighting.on);
+}
+
+TEST(RenderOptions, ChangeTheSizeLightAndCameraOfAScene) {
+  const std::string file = testing::TempDir() + "/lit.scene";
+  std::ofstream(file) << R"(world { size: 64 node { material: "m" sphere { } } } material { name: "m" }
+    illumination { albedo: "high" seed: 3 } camera { name: "a" eye { x: 5 } } camera { name: "b" eye { x: 6 } }
+    engine { target: "camera[b].eye.x" start: 6 rate: 2 })";
+  const Scene scene =
+      scene_of(parse({file.c_str(), "--volume-size", "32", "--illumination", "none", "--camera", "b", "--time", "3"}));
+  EXPECT_EQ(scene.world->size, 32);
+  EXPECT_FALSE(scene.lighting.on);
+  EXPECT_EQ(scene.lighting.settings.seed, 3u);
+  EXPECT_EQ(scene.camera.eye, (Vec3{12, 0, 0}));
+  EXPECT_THAT(fault_of({file.c_str(), "--spacing", "1,1,2"}), HasSubstr("--spacing"));
+  EXPECT_THROW(scene_of(parse({file.c_str(), "--camera", "c"})), InputError);
+}
+
+TEST(RenderOptions, NumberTheFilesAndSpaceTheTimesOfAnAnimation) {
+  const RenderOptions by_rate = parse({"a.scene", "--frames", "3", "--fps", "4", "--time", "1", "-o", "x/out.png"});
+  EXPECT_EQ(frame_times(by_rate.animation), (std::vector<double>{1, 1.25, 1.5}));
+  EXPECT_EQ(frame_file(by_rate.output, by_rate.animation, 2), "x/out_0002.png");
+  EXPECT_EQ(frame_times(parse({"a.scene", "--frames", "4", "--duration", "2"}).animation),
+            (std::vector<double>{0, 0.5, 1, 1.5}));
+  const RenderOptions one = parse({"a.scene", "-o", "out.exr"});
+  EXPECT_EQ(frame_file(one.output, one.animation, 0), "out.exr");
+}
+
 TEST(RenderOptions, AreRefusedWithTheOptionsName) {
   const std::pair<std::vector<const char*>, const char*> cases[] = {
       {{}, "INPUT"},
@@ -109,6 +153,14 @@ TEST(RenderOptions, AreRefusedWithTheOptionsName) {
       {{"a.nrrd", "--config", "/nowhere/board.cfg"}, "--config"},
       {{"a.nrrd", "--colour", "3"}, "--colour"},
       {{"a.nrrd", "b.nrrd"}, "b.nrrd"},
+      {{"a.nrrd", "--illumination", "medium"}, "--illumination"},
+      {{"a.nrrd", "--rules", "nice"}, "--rules"},
+      {{"a.nrrd", "--light-rays", "0"}, "--light-rays"},
+      {{"a.nrrd", "--lifetime", "1024"}, "--lifetime"},
+      {{"a.nrrd", "--exposure", "-1"}, "--exposure"},
+      {{"a.nrrd", "--frames", "0"}, "--frames"},
+      {{"a.nrrd", "--fps", "25"}, "--frames"},
+      {{"a.nrrd", "--frames", "2", "--fps", "25", "--duration", "1"}, "--fps"},
   };
   for (const auto& [arguments, name] : cases) EXPECT_THAT(fault_of(arguments), HasSubstr(name));
 }
@@ -116,8 +168,8 @@ TEST(RenderOptions, AreRefusedWithTheOptionsName) {
 TEST(RenderOptions, PrintHelpAndVersion) {
   std::ostringstream help, version;
   EXPECT_FALSE(parse({"--help"}, help));
-  for (const char* option :
-       {"--eye", "--orthographic", "--transfer-function", "--board", "--fidelity", "--stats", "--seed", "ct-bone"}) {
+  for (const char* option : {"--eye", "--orthographic", "--transfer-function", "--board", "--fidelity", "--stats",
+                             "--seed", "ct-bone", "--illumination", "--frames"}) {
     EXPECT_THAT(help.str(), HasSubstr(option));
   }
   EXPECT_FALSE(parse({"--version"}, version));

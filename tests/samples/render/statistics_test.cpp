@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "common/input_error.h"
 
 namespace gicube::samples {
@@ -72,6 +74,47 @@ TEST(Statistics, SayWhatTheAsicDidWhereItsPartsTakeTime) {
   EXPECT_DOUBLE_EQ(json.at("memory_utilisation"), 0.375);
   EXPECT_DOUBLE_EQ(json.at("load_balance"), 0.8);
   EXPECT_DOUBLE_EQ(json.at("dsp_utilisation"), 0.25);
+}
+
+TEST(Statistics, TellWhereTheLightWentAndWhetherAPassWasMadeAnew) {
+  EXPECT_TRUE(to_json(example()).at("lighting").is_null());
+  FrameStatistics statistics = example();
+  LightingStatistics red;
+  red.channel = "red";
+  red.settings.albedo = Albedo::kHigh;
+  red.report = {100, 10, 4, 3, 2, 1, 1, 0.01, {"a light stands in a solid"}};
+  red.duration = 5'000'000'000;
+  red.reused = true;
+  statistics.lighting = {red};
+  const auto json = to_json(statistics).at("lighting").at(0);
+  EXPECT_EQ(json.at("channel"), "red");
+  EXPECT_EQ(json.at("albedo"), "high");
+  EXPECT_EQ(json.at("rules"), "conserving");
+  EXPECT_EQ(json.at("reused"), true);
+  EXPECT_DOUBLE_EQ(json.at("pass_ms"), 5);
+  EXPECT_EQ(json.at("rays"), 100);
+  const double parts = json.at("deposited").get<double>() + json.at("escaped").get<double>() +
+                       json.at("scattered_away").get<double>() + json.at("clipped").get<double>();
+  EXPECT_DOUBLE_EQ(json.at("emitted"), parts);
+  EXPECT_EQ(json.at("warnings").at(0), "a light stands in a solid");
+}
+
+TEST(Statistics, OfAnAnimationCountThePassesThatWereMade) {
+  FrameStatistics first = example(), second = example();
+  first.lighting.resize(1);
+  second.lighting.resize(1);
+  second.lighting[0].reused = true;
+  second.load = 0;
+  second.time = 0.5;
+  const std::string path = testing::TempDir() + "/animation.json";
+  write_statistics({first, second, second}, path);
+  std::ifstream stream(path);
+  const auto json = nlohmann::json::parse(stream);
+  EXPECT_EQ(json.at("illumination_passes"), 1);
+  EXPECT_EQ(json.at("volumes_loaded"), 1);
+  ASSERT_EQ(json.at("frames").size(), 3u);
+  EXPECT_EQ(json.at("frames").at(2).at("time"), 0.5);
+  EXPECT_FALSE(json.at("frames").at(0).contains("counters"));
 }
 
 TEST(Statistics, SayWhenTheFileCannotBeWritten) {

@@ -1,0 +1,69 @@
+#include "render/colour_passes.h"
+
+#include <gtest/gtest.h>
+
+#include "common/input_error.h"
+
+namespace gicube::samples {
+namespace {
+
+SceneSetup example() {
+  SceneSetup setup;
+  setup.lighting.colour_passes = true;
+  setup.lighting.exposure = 2;
+  setup.lights = {PointLight{{0, 0, 0}, 10}, SphereLight{{1, 1, 1}, 1, 4}};
+  setup.light_colours = {{1, 0.5, 0}, {1, 1, 1}};
+  setup.optics = {{0.8, Bsdf::kDiffuse}, {0.5, Bsdf::kSpecular}};
+  setup.scattering_colours = {{1, 0.25, 0}, {1, 1, 1}};
+  return setup;
+}
+
+TEST(ColourPasses, AreOneWithoutThem) {
+  SceneSetup setup = example();
+  setup.lighting.colour_passes = false;
+  const std::vector<LightPass> passes = passes_of(setup);
+  ASSERT_EQ(passes.size(), 1u);
+  EXPECT_EQ(passes[0].lights.size(), 2u);
+  EXPECT_STREQ(name_of(passes[0]), "all");
+}
+
+TEST(ColourPasses, ScaleLightsAndScatteringByTheirChannel) {
+  const std::vector<LightPass> passes = passes_of(example());
+  ASSERT_EQ(passes.size(), 3u);
+  EXPECT_EQ(std::get<PointLight>(passes[0].lights[0]).power, 10);
+  EXPECT_EQ(std::get<PointLight>(passes[1].lights[0]).power, 5);
+  ASSERT_EQ(passes[2].lights.size(), 1u);  // the point light has no blue
+  EXPECT_EQ(std::get<SphereLight>(passes[2].lights[0]).power, 4);
+  EXPECT_EQ(passes[1].optics[0].scattering, 0.2);
+  EXPECT_EQ(passes[2].optics[0].scattering, 0);
+  EXPECT_EQ(passes[2].optics[1].scattering, 0.5);
+  EXPECT_STREQ(name_of(passes[2]), "blue");
+}
+
+TEST(ColourPasses, OfColouredLightsNeedOneExposureForAll) {
+  SceneSetup setup = example();
+  setup.lighting.exposure = 0;
+  EXPECT_THROW(passes_of(setup), InputError);
+  setup.light_colours[0] = {1, 1, 1};
+  EXPECT_EQ(passes_of(setup).size(), 3u);
+}
+
+TEST(ColourPasses, TakeEachChannelFromItsOwnPicture) {
+  const Image pictures[] = {{1, 1, {{10, 20, 30, 1000}}}, {1, 1, {{11, 21, 31, 3000}}}, {1, 1, {{12, 22, 32, 2000}}}};
+  Image result;
+  for (int channel = 0; channel < 3; ++channel) put_together({channel, {}, {}}, pictures[channel], {}, result);
+  EXPECT_EQ(result.at(0, 0), (Pixel{10, 21, 32, 3000}));
+}
+
+TEST(ColourPasses, BlendTheBackgroundWithEachChannelsOwnAlpha) {
+  const Image clear{1, 1, {{100, 100, 100, 0}}}, opaque{1, 1, {{100, 100, 100, 4095}}};
+  const Colour background{0.2, 0.4, 1};
+  Image result;
+  put_together({0, {}, {}}, clear, background, result);
+  put_together({1, {}, {}}, opaque, background, result);
+  put_together({2, {}, {}}, clear, background, result);
+  EXPECT_EQ(result.at(0, 0), (Pixel{151, 100, 255, 4095}));
+}
+
+}  // namespace
+}  // namespace gicube::samples
