@@ -332,6 +332,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Wor
 
   aperture_.decode(threads_);
   frame.plain = false;
+  frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
   frame.rules = command.rules;
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
   const LightingRays rays(command, frame.extent, frame.spacing, bits, frame.seed);

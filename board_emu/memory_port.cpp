@@ -36,7 +36,7 @@ inline void MemoryPort::send(std::size_t which, Cycle now) {
     } else {
       channel_.write(at, now * ratio_);
     }
-    client.writes->sent();
+    client.writes->send(now);
     return;
   }
   MissQueue& queue = *client.misses;

@@ -107,6 +107,8 @@ Cause Processor::enter_compute(Cycle now) {
 // One turn of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
 // same whenever they are worked out) the sample taken and the ray's next queue found.
 void Processor::check_tags(Cycle now, const RayToken& issued) {
+  constexpr std::size_t kMostCarriers = 8;
+  if (lit_) rays_.make_room(kMostCarriers);
   RayUnderWay& ray = rays_[issued.ray];
   Traveller& traveller = ray.traveller;
   InFlight& entry = stages_.enter(now);
@@ -144,7 +146,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   }
 
   token.contribution = contribution(traveller);
-  if (how == End::kNot) how = end(traveller, *frame_);
+  // A trapped ray has its end looked for when it has its new direction.
+  if (how == End::kNot && token.state != RayState::kTrapped) how = end(traveller, *frame_);
   if (how != End::kNot) {
     token.state = carries ? RayState::kGone : RayState::kDone;
     if (!carries) count_end(traveller, how, *frame_, counts_);

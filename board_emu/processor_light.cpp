@@ -94,6 +94,7 @@ Cell Processor::carrier_cell(const RayUnderWay& ray) const {
 }
 
 bool Processor::tick_light(Cycle now) {
+  writes_.settle(now);
   writes_.ask(now, stages_.empty());
   return splats_.has_carrier() && send_carrier(now);
 }

@@ -26,6 +26,10 @@ class RayStore {
     rays_[handle] = ray;
     return handle;
   }
+  // References to rays stay good while the next `count` are added.
+  void make_room(std::size_t count) {
+    if (rays_.capacity() - rays_.size() < count) rays_.reserve(2 * rays_.capacity() + count);
+  }
   void remove(std::uint32_t handle) { free_.push_back(handle); }
 
   RayUnderWay& operator[](std::uint32_t handle) { return rays_[handle]; }

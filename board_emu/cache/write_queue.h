@@ -20,6 +20,7 @@ struct TileWrite {
   std::uint32_t tile = 0;
   bool fetch = false;  // a read that goes before the write
   Cycle asked = 0;
+  Cycle sent = kNoCycle;  // when the memory took it on
 };
 
 struct WriteCounters {
@@ -47,9 +48,9 @@ class WriteQueue {
     }
     if (!in_cache) {
       ++counters_.fetches;
-      waiting_.push_back({block, tile, true});
+      waiting_.push_back({block, tile, true, 0, kNoCycle});
     }
-    waiting_.push_back({block, tile, false});
+    waiting_.push_back({block, tile, false, 0, kNoCycle});
   }
   // Asks for what waits, if it is time to.
   void ask(Cycle now, bool all) {
@@ -61,15 +62,25 @@ class WriteQueue {
     waiting_.clear();
   }
 
-  bool all_sent() const { return asked_.empty(); }
-  const TileWrite& next() const { return asked_.front(); }
-  void sent() { asked_.pop_front(); }
+  // Gives the places of what was sent before `now` free: for the processor to call, so that it does not matter which side
+  // ticks first.
+  void settle(Cycle now) {
+    while (sent_ > 0 && asked_.front().sent < now) {
+      asked_.pop_front();
+      --sent_;
+    }
+  }
+
+  bool all_sent() const { return sent_ == asked_.size(); }
+  const TileWrite& next() const { return asked_[sent_]; }
+  void send(Cycle now) { asked_[sent_++].sent = now; }
   const WriteCounters& counters() const { return counters_; }
 
  private:
   std::size_t places_;
   std::deque<TileWrite> waiting_;
   std::deque<TileWrite> asked_;
+  std::size_t sent_ = 0;  // of them
   WriteCounters counters_;
 };
 

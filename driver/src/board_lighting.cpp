@@ -41,7 +41,6 @@ void Board::set_material(const Material& material, int tag) {
 
 void Board::State::set_lighting(const Illumination& settings) {
   device.set_register(reg::kStep, static_cast<std::uint32_t>(std::lround(settings.step * wire::kStepOne)));
-  device.set_register(reg::kOpacityThreshold, wire::kOpacityOne);
   device.set_register(reg::kPipeline,
                       (settings.jitter ? wire::kPipelineJitter : 0u) | (settings.leap ? wire::kPipelineLeap : 0u));
   device.set_register(reg::kLifetime, static_cast<std::uint32_t>(settings.lifetime));

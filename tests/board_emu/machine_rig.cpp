@@ -62,12 +62,7 @@ Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const
   const RayCounters before = ray_counters(machine);
   picture.ran = render(view, scene.frame, framebuffer, config.dsp(), machine, work);
   picture.pixels = framebuffer.packed();
-  const RayCounters after = ray_counters(machine);
-  picture.rays.rays = after.rays - before.rays;
-  picture.rays.samples = after.samples - before.samples;
-  picture.rays.visible_samples = after.visible_samples - before.visible_samples;
-  picture.rays.leaps = after.leaps - before.leaps;
-  picture.rays.terminated = after.terminated - before.terminated;
+  picture.rays = ray_counters(machine) - before;
   return picture;
 }
 

@@ -151,7 +151,7 @@ RayEnergy most_energy(const Light& light, const Illumination& settings, const Li
       const double r = distance_to_faces(place, box),
                    solid_angle = std::min(cell / std::max(r * r, kSmallest), 2 * kPi);
       const bool printed = is_point(light) && settings.rules == EnergyRules::kAsPrinted;
-      const double share = is_point(light) && !printed ? solid_angle / (4 * kPi) : std::min(solid_angle, 4.0) / kPi;
+      const double share = solid_angle / (is_point(light) && !printed ? 4 * kPi : kPi);
       to_cell = std::max(to_cell, share);
     }
   }

@@ -1,0 +1,129 @@
+#include "random_machine.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace gicube::emu {
+
+void draw(Scene& scene, Dice& dice) {
+  struct Ball {
+    std::array<int, 3> centre;
+    int radius;
+    std::uint8_t tag;
+  };
+  const std::array<int, 3>& size = scene.volume.size();
+  std::vector<Ball> balls;
+  for (int i = dice.number(0, 4); i >= 0; --i) {
+    balls.push_back({{dice.number(0, size[0]), dice.number(0, size[1]), dice.number(0, size[2])},
+                     dice.number(2, 14),
+                     static_cast<std::uint8_t>(dice.number(0, 3))});
+  }
+  scene.fill([&](int x, int y, int z) {
+    wire::Voxel voxel;
+    for (const Ball& ball : balls) {
+      const int dx = x - ball.centre[0], dy = y - ball.centre[1], dz = z - ball.centre[2];
+      const int inside = ball.radius * ball.radius - dx * dx - dy * dy - dz * dz;
+      if (inside <= 0) continue;
+      voxel.density = static_cast<std::uint16_t>(std::min(4095, voxel.density + 900 + inside * 20));
+      voxel.gradient = static_cast<std::uint16_t>((x * 7 + y * 131 + z * 31) % 2048);
+      voxel.tag = ball.tag;
+    }
+    return voxel;
+  });
+  const int clear = dice.number(200, 1500), peak = dice.one_of({300, 6000, 65535});
+  for (std::size_t i = 0; i < scene.segmentation.size(); ++i) {
+    const int density = static_cast<int>(i & 4095);
+    wire::SegmentationEntry& entry = scene.segmentation[i];
+    entry.opacity = static_cast<std::uint16_t>(density < clear ? 0 : std::min(65535, peak * (density - clear) / 2048));
+    entry.colour = {static_cast<std::uint16_t>(density), static_cast<std::uint16_t>(4095 - density / 2),
+                    static_cast<std::uint16_t>(1000 * (i >> 12))};
+    entry.ambient = 40;
+    entry.knee = 128;
+    entry.reflect = 128;
+  }
+  scene.frame.shade = dice.chance(70);
+  scene.frame.jitter = dice.chance(40);
+  scene.frame.leap = dice.chance(60);
+  scene.frame.step = static_cast<std::uint32_t>(dice.one_of({20'000, 32'768, 65'536, 150'000}));
+  scene.frame.opacity_threshold = dice.one_of<std::uint32_t>({wire::kOpacityOne, wire::kOpacityOne / 2, 0});
+  if (dice.chance(80)) scene.frame.opacity_threshold = wire::kOpacityOne / 16 * 15;
+  if (dice.chance(25)) {
+    scene.frame.cut_planes.push_back(
+        {{wire::kVoxel, 0, dice.number(-5000, 5000)}, std::int64_t{dice.number(-4, 12)} << kPlaneFractionBits});
+  }
+  // A flag only promises that nothing is visible; a wrong one changes both levels alike.
+  for (auto& flag : scene.frame.empty) flag = dice.chance(25) ? 1 : 0;
+}
+
+std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
+  const auto set = [](const char* field, auto value) { return std::string(field) + '=' + std::to_string(value); };
+  const auto name = [](const char* field, const char* value) { return std::string(field) + '=' + value; };
+  return {
+      set("asic.block_voxels", block_voxels),
+      set("asic.processors", dice.number(1, 16)),
+      set("asic.queue_rays", dice.one_of({1, 2, 3, 8, 40, 256})),
+      name("asic.partition", dice.one_of({"simple_slab", "repeated_slab", "skewed_block"})),
+      name("sorter.policy", dice.one_of({"most_rays", "most_contribution"})),
+      name("sorter.queues", dice.chance(15) ? "single" : "per_block"),
+      set("pipeline.prefetch_stages", dice.one_of({1, 3, 16, 40})),
+      set("pipeline.compute_stages", dice.one_of({1, 5, 16})),
+      set("cache.ways", dice.one_of({1, 1, 2, 8})),
+      set("cache.miss_packets", dice.one_of({8, 32, 100})),
+      set("link.bits", dice.one_of({1, 8, 32, 256})),
+      set("link.rays", dice.one_of({2, 4})),
+      set("rdram.processors_per_rdram", dice.number(1, 2)),
+      set("rdram.clocks_per_core_cycle", dice.one_of({1, 4, 8})),
+      set("rdram.refresh_interval", dice.one_of({0, 100, 781})),
+      set("dsp.viewing_ray_cycles", dice.one_of({0, 2, 20})),
+      set("dsp.returned_ray_cycles", dice.one_of({0, 8})),
+      set("dsp.overflow_ray_cycles", dice.one_of({0, 1, 12})),
+      set("dsp.run_rays", dice.one_of({0, 0, 4, 64})),
+      set("ideal.memory", dice.chance(10) ? 1 : 0),
+      set("ideal.queues", dice.chance(10) ? 1 : 0),
+      set("ideal.sorter", dice.chance(10) ? 1 : 0),
+  };
+}
+
+wire::RenderCommand draw_view(const Scene& scene, Dice& dice) {
+  wire::RenderCommand view = corner_view(scene.volume.size(), dice.number(5, 24));
+  if (dice.chance(30)) {  // straight along an axis, where all rays of a row stay together
+    const double extent = scene.volume.size()[1];
+    view.projection = wire::Projection::kOrthographic;
+    view.origin = {-5, -1, -1};
+    view.forward = {1, 0, 0};
+    view.du = {0, (extent + 2) / view.width, 0};
+    view.dv = {0, 0, (extent + 2) / view.height};
+  }
+  view.samples_per_axis = dice.chance(20) ? 2 : 1;
+  return view;
+}
+
+std::vector<wire::Ray> draw_rays(const Scene& scene, Dice& dice) {
+  std::vector<wire::Ray> rays;
+  for (int i = dice.number(0, 60); i > 0; --i) {
+    std::array<double, 3> position{}, direction{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      position[axis] = dice.number(0, (scene.volume.size()[axis] - 1) * 100) / 100.0;
+      direction[axis] = dice.number(-100, 100) + 0.5;
+    }
+    rays.push_back(host_ray(static_cast<std::uint32_t>(dice.number(0, 1 << 20)), position, direction));
+    rays.back().opacity =
+        static_cast<std::uint32_t>(dice.chance(20) ? dice.number(0, 1 << 24) - 1 : 0) & wire::kOpacityOne;
+  }
+  return rays;
+}
+
+std::string text(const std::vector<std::string>& assignments) {
+  return std::accumulate(assignments.begin(), assignments.end(), std::string(),
+                         [](const std::string& all, const std::string& one) { return all + " --set " + one; });
+}
+
+std::vector<std::string> counter_texts(const Machine& machine) {
+  std::vector<wire::Counter> counters;
+  count(machine, counters);
+  std::vector<std::string> texts;
+  for (const auto& counter : counters) texts.push_back(counter.name + ' ' + std::to_string(counter.value));
+  return texts;
+}
+
+}  // namespace gicube::emu
