@@ -21,9 +21,9 @@ struct EngineKey {
 //   cut_plane[I].normal.x   .offset
 // (.x, .y or .z.) What the scene leaves open, such as a camera without an eye, can't be driven.
 struct Engine {
-  std::string target;
+  std::string target{};
   // Linear between its keys, constant before the first and after the last; times rise strictly. Empty: start + rate t.
-  std::vector<EngineKey> keys;
+  std::vector<EngineKey> keys{};
   double start = 0, rate = 0;  // a second
 
   double at(double time) const;

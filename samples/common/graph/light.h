@@ -12,8 +12,8 @@
 namespace gicube::samples {
 
 struct SceneLight {
-  std::string name;
-  Light light;             // in the scene's units: world units, or voxels of a volume without a world
+  std::string name{};
+  Light light{};           // in the scene's units: world units, or voxels of a volume without a world
   Colour colour{1, 1, 1};  // linear factors of its power in colour passes
 };
 

@@ -28,12 +28,12 @@ struct FogLook {
 using MaterialLook = std::variant<SolidLook, FogLook, TransferFunctionFile>;
 
 struct SceneMaterial {
-  std::string name;
+  std::string name{};
   int tag = 0;  // 0..3, no two materials alike
   // A transfer function: of a scan in its file's values, of a solid from 0 (outside) to 4095. Unset: a white solid, or
   // what the volume has without materials.
-  std::optional<MaterialLook> look;
-  Material optics;
+  std::optional<MaterialLook> look{};
+  Material optics{};
   // With Lighting::colour_passes: factors of optics.scattering in the passes of red, green and blue.
   Colour scattering_colour{1, 1, 1};
 };

@@ -48,11 +48,11 @@ struct Group {
 using Content = std::variant<Group, Shape, ScanContent>;
 
 struct Node {
-  std::string name;                   // for engines and messages
-  std::vector<Transform> transforms;  // applied to what the node holds, the first one first
-  Content content;
-  std::string material;  // a SceneMaterial's name; empty: the parent's
-  std::vector<Node> children;
+  std::string name{};                   // for engines and messages
+  std::vector<Transform> transforms{};  // applied to what the node holds, the first one first
+  Content content{};
+  std::string material{};  // a SceneMaterial's name; empty: the parent's
+  std::vector<Node> children{};
 
   friend bool operator==(const Node&, const Node&) = default;
 };

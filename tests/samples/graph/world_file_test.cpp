@@ -110,6 +110,38 @@ TEST(WorldFile, FillsTheStructsOfTheScenegraph) {
   EXPECT_EQ(scene.view.seed, 77u);
 }
 
+// The program of docs/SCENES.md.
+TEST(WorldFile, IsTheSameByProgram) {
+  Node ring{.name = "ring", .content = Shape(TorusShape{.radius = 0.6, .tube = 0.1}), .material = "gold"};
+  ring.transforms = {Rotate{{1, 0, 0}, 90}, Translate{{0, 0, 0.7}}};
+  Scene scene;
+  scene.world = World{.low = {-1, -1, 0}, .high = {1, 1, 1.5}, .size = 64, .root = {}};
+  scene.world->root.children = {ring};
+  SceneMaterial gold{.name = "gold", .tag = 0, .look = SolidLook{.colour = {0.1, 0.07, 0.02}}};
+  gold.optics = {.scattering = 0.97, .bsdf = Bsdf::kSpecular, .seen_through_scattering = true};
+  scene.materials = {gold};
+  scene.lights = {{.name = "lamp", .light = PointLight{{-1.5, 0.9, 1.7}, 40}}};
+  scene.lighting.on = true;
+  scene.engines = {{.target = "node[ring].transform[0].rotate.degrees", .start = 90, .rate = 45}};
+
+  const Scene text = parse_scene(R"(
+    world { low { x: -1 y: -1 z: 0 } high { x: 1 y: 1 z: 1.5 } size: 64
+      node { name: "ring" material: "gold" transform { rotate { axis { x: 1 } degrees: 90 } }
+             transform { translate { z: 0.7 } } torus { radius: 0.6 tube: 0.1 } } }
+    material { name: "gold" solid { colour { red: 0.1 green: 0.07 blue: 0.02 } } scattering: 0.97 bsdf: "specular"
+               seen_through_scattering: true }
+    light { name: "lamp" point { position { x: -1.5 y: 0.9 z: 1.7 } } power: 40 }
+    illumination { }
+    engine { target: "node[ring].transform[0].rotate.degrees" start: 90 rate: 45 })",
+                                 "a.scene", "");
+  EXPECT_TRUE(same_voxels(scene, text));
+  EXPECT_TRUE(same_illumination(scene, text));
+  const SceneSetup by_program = set_up(at_time(scene, 2)), by_text = set_up(at_time(text, 2));
+  EXPECT_EQ(by_program.volume.samples, by_text.volume.samples);
+  EXPECT_EQ(by_program.optics.at(0).scattering, by_text.optics.at(0).scattering);
+  EXPECT_EQ(by_program.optics.at(0).bsdf, by_text.optics.at(0).bsdf);
+}
+
 TEST(WorldFile, HasTheDefaultsOfTheStructs) {
   const Scene scene = parse_scene(
       "world { node { material: \"m\" torus { } } } material { name: \"m\" } illumination { }", "a.scene", "");
