@@ -33,6 +33,7 @@ void Board::load_volume(const VolumeView& view, const Progress& progress) {
   loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
 
   state_->volume.reset();
+  state_->irradiance_unit = 0;  // clearing the volume clears it
   state_->tables.forget_flags();
   state_->send_volume(blocks, loaded, state_->watched(progress));
   state_->tables.send_segmentation(loaded.range);
