@@ -15,7 +15,7 @@ class MeshDistance {
  public:
   // Points at the same place become one; triangles without area keep the surface closed but have no inside. A mesh whose
   // triangles all look inwards is turned inside out. Throws InputError that names `name`: no triangles, an index beyond
-  // the points, edges that have not two triangles (the surface is open, or branches), triangles that look to opposite
+  // the points, coordinates over 1e9 or not finite, edges that have not two triangles (the surface is open, or branches), triangles that look to opposite
   // sides across an edge, no volume.
   MeshDistance(const Mesh& mesh, const std::string& name);
   ~MeshDistance();

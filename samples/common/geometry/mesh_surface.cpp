@@ -12,6 +12,8 @@
 namespace gicube::samples {
 namespace {
 
+constexpr double kMostCoordinate = 1e9;  // chosen: squares and volumes of such meshes keep their digits
+
 using Triangle = std::array<std::uint32_t, 3>;
 
 // Points at the same place become one; triangles that thereby lose a corner are left out.
@@ -87,6 +89,11 @@ double volume_of(const std::vector<Vec3>& points, const std::vector<Triangle>& t
 }  // namespace
 
 std::vector<SurfaceTriangle> closed_surface(const Mesh& mesh, const std::string& name) {
+  for (const Vec3& p : mesh.points) {
+    if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMostCoordinate)) {
+      throw InputError(name, fmt::format("coordinates up to {}", kMostCoordinate), shown(p));
+    }
+  }
   std::vector<Triangle> triangles = weld(mesh, name);
   const std::vector<Vec3>& points = mesh.points;
   check_closed(points, triangles, name);

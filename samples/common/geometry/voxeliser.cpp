@@ -148,6 +148,7 @@ class Voxeliser {
   }
 
   void set_gradient(std::size_t index, Vec3 g) {
+    if (!std::isfinite(g.x + g.y + g.z)) return;
     float* gradient = &target_.gradients[3 * index];
     gradient[0] = static_cast<float>(g.x), gradient[1] = static_cast<float>(g.y), gradient[2] = static_cast<float>(g.z);
   }

@@ -13,8 +13,10 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kVisible = 0.005;  // chosen: as visible_box()
-constexpr int kMaxDepth = 64;       // chosen: of nodes within nodes
+constexpr double kVisible = 0.005;    // chosen: as visible_box()
+constexpr int kMaxDepth = 64;         // chosen: of nodes within nodes
+constexpr double kLeastScale = 1e-9;  // chosen: of all transforms together; beyond it numbers lose their digits
+constexpr double kMostEdge = 1e9;     // chosen: of a world, likewise
 
 // Runs `call`, and puts the node's name before what it throws.
 template <typename Call>
@@ -39,7 +41,7 @@ class Walk {
              int depth) {
     const std::string name = node.name.empty() ? parent_name + "/unnamed" : node.name;
     if (depth > kMaxDepth) throw InputError("node[" + name + "]", "at most 64 levels", "more");
-    const Affine map = named(name, [&] { return compose(parent, map_of(node.transforms)); });
+    const Affine map = named(name, [&] { return placed(parent, node.transforms); });
     const std::string& own = node.material.empty() ? material : node.material;
     if (!std::holds_alternative<Group>(node.content)) {
       if (!node.children.empty()) throw InputError("node[" + name + "]", "children or a content", "both");
@@ -55,6 +57,16 @@ class Walk {
   const std::optional<ValueRange>& range_of(std::size_t material) const { return ranges_[material]; }
 
  private:
+  static Affine placed(const Affine& parent, const std::vector<Transform>& transforms) {
+    const Affine map = compose(parent, map_of(transforms));
+    const double size = std::cbrt(std::abs(determinant(map))), where = length(map.offset);
+    if (!(size >= kLeastScale && size <= 1 / kLeastScale) || !(where <= 1 / kLeastScale)) {
+      throw InputError("transform", fmt::format("a scale from {} to {}, no further away", kLeastScale, 1 / kLeastScale),
+                       fmt::format("{} at a distance of {}", size, where));
+    }
+    return map;
+  }
+
   std::size_t find(const std::string& name) const {
     for (std::size_t i = 0; i < materials_.size(); ++i) {
       if (materials_[i].name == name) return i;
@@ -146,8 +158,9 @@ void check_materials(const std::vector<SceneMaterial>& materials) {
 WorldGrid grid_of(const World& world) {
   const Vec3 edge = world.high - world.low;
   for (const double length : {edge.x, edge.y, edge.z}) {
-    if (!(length > 0) || !std::isfinite(length)) {
-      throw InputError("world.high", "more than world.low on each axis", fmt::format("{} more", length));
+    if (!(length >= 1 / kMostEdge && length <= kMostEdge)) {
+      throw InputError("world.high", fmt::format("{} to {} more than world.low on each axis", 1 / kMostEdge, kMostEdge),
+                       fmt::format("{} more", length));
     }
   }
   if (world.size < kMinWorldSize || world.size > kMaxWorldSize) {

@@ -20,7 +20,7 @@ struct World {
 };
 
 // Cubic voxels: the shorter edges get as many as come nearest to their length, at least 2.
-// Throws InputError: a size out of range, an edge that is not above 0, or not finite.
+// Throws InputError: a size out of range, an edge of the box that is not 1e-9 to 1e9 long.
 WorldGrid grid_of(const World& world);
 
 struct BuiltWorld {

@@ -97,6 +97,11 @@ TEST(MeshDistance, RefusesWhatHasNoInside) {
   flat.triangles = {{0, 1, 2}, {0, 2, 1}};
   EXPECT_THAT(fault_of(flat), HasSubstr("a volume inside"));
   EXPECT_THAT(fault_of({}), HasSubstr("triangles"));
+  Mesh far = cube_mesh();
+  far.points[0].x = 1e300;
+  EXPECT_THAT(fault_of(far), HasSubstr("coordinates up to"));
+  far.points[0].x = std::nan("");
+  EXPECT_THAT(fault_of(far), HasSubstr("coordinates up to"));
   Mesh beyond = cube_mesh();
   beyond.triangles[0][0] = 8;
   EXPECT_THAT(fault_of(beyond), HasSubstr("points from 0 to"));

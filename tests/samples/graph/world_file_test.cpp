@@ -2,6 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <random>
+
 #include "common/input_error.h"
 #include "common/scene_file.h"
 
@@ -234,6 +238,34 @@ TEST(WorldFile, RefusesBracesWithoutEnd) {
   std::string tower = "material { name: \"m\" } world { node { material: \"m\" ";
   for (int i = 0; i < 80; ++i) tower += "child { ";
   EXPECT_THAT(faults_of(tower + "sphere { } " + std::string(82, '}')), HasSubstr("at most 60 levels"));
+}
+
+TEST(WorldFile, OfTheSourceTreeIsReadOrRefusedHoweverItIsDamaged) {
+  constexpr std::string_view kLikely = "0123456789-. {}:\"#_";
+  std::mt19937 random(17);
+  int scenes = 0, refused = 0, rounds = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(GICUBE_SOURCE_DIR "/samples/scenes")) {
+    if (entry.path().extension() != ".scene") continue;
+    ++scenes;
+    std::ifstream stream(entry.path());
+    const std::string whole{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_NO_THROW(parse_scene(whole, "whole", entry.path().parent_path())) << entry.path();
+    for (int round = 0; round < 200; ++round, ++rounds) {
+      std::string text = whole;
+      for (auto changes = 1 + random() % 3; changes > 0; --changes) {
+        const std::size_t at = random() % text.size();
+        if (random() % 3 == 0) text.erase(at, 1 + random() % 12);
+        if (random() % 2 == 0) text.insert(at, 1, kLikely[random() % kLikely.size()]);
+      }
+      try {
+        at_time(parse_scene(text, "damaged", entry.path().parent_path()), 1.5);
+      } catch (const InputError&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GE(scenes, 7);
+  EXPECT_GT(refused, rounds / 10);
 }
 
 }  // namespace

@@ -131,6 +131,8 @@ TEST(World, NamesTheNodeAndTheFieldOfWhatIsWrong) {
   EXPECT_THAT(fault_of(world, {}), HasSubstr("got \"blue\""));
   world.root.children = {leaf("ball", Shape(SphereShape{}), "white", {Scale{{1, 0, 1}}})};
   EXPECT_THAT(fault_of(world, kWhite), HasSubstr("node[ball]: scale"));
+  world.root.children = {leaf("ball", Shape(SphereShape{}), "white", {Scale{{1e-200, 1e-200, 1}}})};
+  EXPECT_THAT(fault_of(world, kWhite), HasSubstr("node[ball]: transform: expected a scale from"));
   world.root.children = {leaf("ball", Shape(SphereShape{}), "white")};
   world.root.children[0].children = world.root.children;
   EXPECT_THAT(fault_of(world, kWhite), HasSubstr("node[ball]: expected children or a content, got both"));

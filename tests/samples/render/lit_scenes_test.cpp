@@ -46,7 +46,7 @@ TEST_F(LitScenes, OfTheSourceTreeAreDrawn) {
     EXPECT_GT(colours(picture, 32, 32), 50u) << entry.path();
     EXPECT_THAT(result.out, HasSubstr("escaped"));
   }
-  EXPECT_GE(scenes, 6);
+  EXPECT_GE(scenes, 7);
 }
 
 TEST_F(LitScenes, HaveAHardShadowOfAPointLightAndASoftOneOfABall) {

@@ -91,6 +91,60 @@ TEST(ResultFigures, CauseSharesSumToOneAndLeaveOutSingleProcessors) {
   EXPECT_DOUBLE_EQ(shares[1].second, 0.75);
 }
 
+TEST(ResultFigures, TilesCountTwicePacketsWhereNothingIsCombined) {
+  // 1000 cycles of one memory: of 50 changed tiles 20 were combined, 30 written, 5 of them fetched first.
+  const Measurement m = measured({{"rdram0.data_busy", "tCYCLE", 400},
+                                  {"rdram.data_busy", "tCYCLE", 400},
+                                  {"rdram.reads", "packet", 70},
+                                  {"rdram.writes", "packet", 30},
+                                  {"processor.samples", "sample", 200},
+                                  {"processor.splat.deposits", "deposit", 20},
+                                  {"processor.splat.tiles", "tile", 50},
+                                  {"processor.splat.tiles_combined", "tile", 20},
+                                  {"processor.splat.tiles_fetched", "tile", 5}});
+  EXPECT_DOUBLE_EQ(deposits_a_sample(m), 0.1);
+  EXPECT_DOUBLE_EQ(tiles_a_deposit(m), 2.5);
+  EXPECT_DOUBLE_EQ(tiles_combined(m), 0.4);
+  EXPECT_DOUBLE_EQ(memory_use(m), 0.1);
+  EXPECT_DOUBLE_EQ(memory_use_uncombined(m), 0.165);  // 65 packets for samples, 50 reads and 50 writes for tiles
+}
+
+TEST(ResultFigures, StaysAreSharesOfActivationsAndOfTurns) {
+  const Measurement m = measured({{"processor.sorter.activations_of_rays.1", "activation", 30},
+                                  {"processor.sorter.activations_of_rays.64", "activation", 10},
+                                  {"processor.sorter.issued_in_activations_of_rays.1", "ray", 30},
+                                  {"processor.sorter.issued_in_activations_of_rays.64", "ray", 970}});
+  const std::vector<Stay> list = stays(m);
+  EXPECT_DOUBLE_EQ(list[0].activations, 0.75);
+  EXPECT_DOUBLE_EQ(list[6].turns, 64);
+  EXPECT_DOUBLE_EQ(list[6].issued, 0.97);
+  EXPECT_DOUBLE_EQ(issued_in_short_stays(m, 32), 0.03);
+  EXPECT_DOUBLE_EQ(issued_in_short_stays(m, 128), 1);
+}
+
+TEST(ResultFigures, MillisecondsBeginWithTheWindow) {
+  const Measurement m = measured({{"asic.block_loads.ms9", "activation", 0},
+                                  {"asic.block_loads.ms10", "activation", 7},
+                                  {"asic.samples.ms10", "sample", 100},
+                                  {"asic.samples.ms12", "sample", 5}});
+  const std::vector<Millisecond> list = milliseconds(m);
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[0].loads, 7);
+  EXPECT_EQ(list[0].samples, 100);
+  EXPECT_EQ(list[1].samples, 0);
+  EXPECT_EQ(list[2].samples, 5);
+}
+
+TEST(ResultFigures, TwoWindowsAreSummed) {
+  const Measurement a = measured({{"processor.samples", "sample", 500}}),
+                    b = measured({{"processor.samples", "sample", 1500}, {"rdram.reads", "packet", 3}});
+  const Measurement sum = sum_of(a, b);
+  EXPECT_DOUBLE_EQ(throughput(sum), 0.5);
+  EXPECT_DOUBLE_EQ(frame_ms(sum), 0.04);
+  EXPECT_EQ(sum.counters.value("rdram.reads"), 3u);
+  EXPECT_EQ(frame_ms(sum_of(a, {})), 0);
+}
+
 TEST(ResultFigures, DspIsMeasuredAgainstTheTimeOfTheAsic) {
   const Measurement m =
       measured({{"dsp.busy_ps", "ps", 5'000'000}, {"dsp.rays_taken", "ray", 40}, {"dsp.overflows", "ray", 10}});
@@ -100,8 +154,10 @@ TEST(ResultFigures, DspIsMeasuredAgainstTheTimeOfTheAsic) {
 
 TEST(ResultFigures, NothingMeasuredIsZeroEverywhere) {
   const Measurement nothing;
-  for (const auto figure : {rate_hz, asic_ms, samples_per_second, throughput, hit_ratio, memory_gb_s, memory_use,
-                            rays_sent, bisection_mb_s, balance_held, work_balance, dsp_use, overflows_a_ray}) {
+  for (const auto figure :
+       {rate_hz, asic_ms, samples_per_second, throughput, hit_ratio, memory_gb_s, memory_use, rays_sent, bisection_mb_s,
+        balance_held, work_balance, dsp_use, overflows_a_ray, deposits_a_sample, tiles_a_deposit, tiles_combined,
+        scatterings_a_ray, memory_use_uncombined}) {
     EXPECT_EQ(figure(nothing), 0);
   }
 }

@@ -62,6 +62,21 @@ TEST(ResultScenes, FaintLooksShowTheSameValues) {
   }
 }
 
+TEST(ResultScenes, LitScenesAreTheShippedOnesAtTheSizeAskedFor) {
+  for (const SceneName name : kLitScenes) {
+    const SceneData scene = make_scene(name, {kEdge, kEdge, kEdge}, kEdge, 1);
+    EXPECT_EQ(*std::max_element(scene.volume.dims.begin(), scene.volume.dims.end()), kEdge) << name_of(name);
+    EXPECT_FALSE(scene.lights.empty()) << name_of(name);
+    EXPECT_TRUE(std::any_of(scene.optics.begin(), scene.optics.end(), [](const Material& material) {
+      return material.scattering > 0 && material.bsdf != Bsdf::kNone;
+    })) << name_of(name);
+    const View view = make_view(scene, ViewName::kOblique, 40, 30);
+    EXPECT_EQ(view.width, 40);
+    EXPECT_EQ(view.samples_per_axis, 1);  // one ray a pixel, as the paper's images
+    EXPECT_GT(view.exposure, 0);
+  }
+}
+
 TEST(ResultScenes, ViewsAlongAnAxisSeeTheWholeVolumeFromOutside) {
   const SceneData cloud = make_scene(SceneName::kCloud, {kEdge, kEdge, kEdge}, kEdge, 1);
   const View x = make_view(cloud, ViewName::kAlongX, 64, 64);
