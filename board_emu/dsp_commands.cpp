@@ -300,6 +300,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     const Point position{static_cast<std::int32_t>(rays[i].position[0]), static_cast<std::int32_t>(rays[i].position[1]),
                          static_cast<std::int32_t>(rays[i].position[2])};
     const std::string which = "ray " + std::to_string(i) + ": ";
+    if (rays[i].flags != wire::kHostRay) return refuse(which + expected("flags", "32 (host ray)", rays[i].flags));
     if (!inside(position, frame.extent)) return refuse(which + "position: expected a point of the volume");
     if (!unit(rays[i].direction)) return refuse(which + "direction: expected a unit vector to within 1%");
   }

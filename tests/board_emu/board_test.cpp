@@ -282,6 +282,9 @@ TEST(BoardMisuse, RefusesCommandsByFieldAndKeepsServing) {
   view = corner_view({33, 17, 17}, 32);
   view.samples_per_axis = 3;
   EXPECT_EQ(render_refusal(view), "samples_per_axis: expected 1, 2 or 4, got 3");
+  wire::Ray carrier = host_ray(0, {0, 8, 8}, {1, 0, 0});
+  carrier.flags |= wire::kLightingRay | wire::kIrradianceCarrier;
+  EXPECT_EQ(refusal(BareBoard::trace_payload({carrier})), "ray 0: flags: expected 32 (host ray), got 37");
   view.samples_per_axis = 1;
   view.du[1] = std::nan("");
   EXPECT_NE(render_refusal(view).find("finite"), std::string::npos);
