@@ -112,15 +112,19 @@ bool Machine::writes_wait() const {
   return std::any_of(processors_.begin(), processors_.end(), [](const auto& p) { return !p->writes().empty(); });
 }
 
-void Machine::book_block_loads() {
-  constexpr std::size_t kMilliseconds = 128;  // chosen: frames take tens
-  std::uint64_t activations = 0;
-  for (const auto& processor : processors_) activations += processor->sorter().counters().activations;
-  if (activations == activations_) return;
+void Machine::book_millisecond() {
+  constexpr std::size_t kMilliseconds = 1024;  // chosen: frames take tens, illumination passes hundreds
+  Millisecond sum;
+  for (const auto& processor : processors_) {
+    sum.activations += processor->sorter().counters().activations;
+    sum.samples += processor->rays().samples;
+  }
+  if (sum.activations == booked_.activations && sum.samples == booked_.samples) return;
   const auto ms = static_cast<std::size_t>(std::min<Cycle>(now_ / config_.asic().core_khz(), kMilliseconds - 1));
-  if (block_loads_.size() <= ms) block_loads_.resize(ms + 1);
-  block_loads_[ms] += activations - activations_;
-  activations_ = activations;
+  if (milliseconds_.size() <= ms) milliseconds_.resize(ms + 1);
+  milliseconds_[ms].activations += sum.activations - booked_.activations;
+  milliseconds_[ms].samples += sum.samples - booked_.samples;
+  booked_ = sum;
 }
 
 void Machine::skip_to(Cycle cycle) {
@@ -156,7 +160,7 @@ Ran Machine::run(RayWork& work, const Frame& frame, Work& progress) {
     if (now_ >= report_at) {
       report_at = now_ + kProgressCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
-      book_block_loads();
+      book_millisecond();
       if (progress.cancel) return {now_ - begin, dsp_->counters().busy_cycles - dsp_before, true};
     }
     if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
@@ -169,7 +173,7 @@ Ran Machine::run(RayWork& work, const Frame& frame, Work& progress) {
     if (now_ - moved_at > kStallCycles) stalled();
     ++now_;
   }
-  book_block_loads();
+  book_millisecond();
   return {now_ - begin, dsp_->counters().busy_cycles - dsp_before, false};
 }
 

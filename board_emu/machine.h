@@ -66,8 +66,12 @@ class Machine {
   const std::vector<std::unique_ptr<MemoryPort>>& memories() const { return memories_; }
   const RayEngine& dsp() const { return *dsp_; }
   const RayBus& ray_bus() const { return *ray_bus_; }
-  // Activations of queues by the simulated millisecond, the last entry for all that come later.
-  const std::vector<std::uint64_t>& block_loads() const { return block_loads_; }
+  struct Millisecond {
+    std::uint64_t activations = 0;  // of queues
+    std::uint64_t samples = 0;
+  };
+  // What was done in each simulated millisecond, the last entry for all that come later.
+  const std::vector<Millisecond>& milliseconds() const { return milliseconds_; }
   const Ring& links() const { return *links_; }
   // Between the DSP and the ASIC.
   const Fifo<RayToken>& down() const { return down_; }
@@ -82,7 +86,7 @@ class Machine {
   Cause upstream() const;
   // Changed irradiance has not reached the memory yet.
   bool writes_wait() const;
-  void book_block_loads();
+  void book_millisecond();
   [[noreturn]] void stalled() const;
 
   v1::BoardConfig config_;
@@ -102,8 +106,8 @@ class Machine {
   Observer* observer_ = nullptr;
   std::uint64_t shuffle_ = 0;  // 0 = the usual order
   Cycle now_ = 0;
-  std::vector<std::uint64_t> block_loads_;
-  std::uint64_t activations_ = 0;  // booked in block_loads_
+  std::vector<Millisecond> milliseconds_;
+  Millisecond booked_;  // the sum of milliseconds_
 };
 
 }  // namespace gicube::emu

@@ -8,6 +8,8 @@ namespace gicube::emu {
 
 namespace {
 
+constexpr std::size_t kActivationSizes = 21;  // powers of two: up to 2^21 rays issued while one queue is active
+
 // Writes each counter for one part, and adds it to the sum over all parts of its kind.
 class Sums {
  public:
@@ -66,8 +68,11 @@ void put(Sums& sums, const Processor& processor) {
   sums.put("sorter.issued", "ray", sorter.issued);
   sums.put("sorter.activations", "activation", sorter.activations);
   sums.put("sorter.inserts", "insert", sorter.inserts);
-  for (std::size_t i = 0; i < 13; ++i) {
+  for (std::size_t i = 0; i < kActivationSizes; ++i) {
     sums.put("sorter.activations_of_rays." + std::to_string(1u << i), "activation", sorter.activation_rays[i]);
+  }
+  for (std::size_t i = 0; i < kActivationSizes; ++i) {
+    sums.put("sorter.issued_in_activations_of_rays." + std::to_string(1u << i), "ray", sorter.activation_issued[i]);
   }
 }
 
@@ -130,9 +135,10 @@ void count(const Machine& machine, std::vector<wire::Counter>& list) {
   list.push_back({"dsp.rays_taken", "ray", dsp.taken});
   list.push_back({"dsp.overflows", "ray", dsp.overflows});
   list.push_back({"dsp.busy_cycles", "DSP cycle", dsp.busy_cycles});
-  const std::vector<std::uint64_t>& loads = machine.block_loads();
-  for (std::size_t ms = 0; ms < loads.size(); ++ms) {
-    list.push_back({"asic.block_loads.ms" + std::to_string(ms), "activation", loads[ms]});
+  const std::vector<Machine::Millisecond>& milliseconds = machine.milliseconds();
+  for (std::size_t ms = 0; ms < milliseconds.size(); ++ms) {
+    list.push_back({"asic.block_loads.ms" + std::to_string(ms), "activation", milliseconds[ms].activations});
+    list.push_back({"asic.samples.ms" + std::to_string(ms), "sample", milliseconds[ms].samples});
   }
 }
 

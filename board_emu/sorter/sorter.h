@@ -67,6 +67,7 @@ struct SorterCounters {
   std::uint64_t peak_waiting = 0;  // most rays that ever waited in one queue
   // Activations by the rays issued in them: entry k counts 2^k .. 2^(k+1) - 1.
   std::array<std::uint64_t, 32> activation_rays{};
+  std::array<std::uint64_t, 32> activation_issued{};  // the rays issued in them
 };
 
 class Sorter {

@@ -91,6 +91,9 @@ TEST(CycleLevel, CausesOfAllProcessorsSumToTheirCycles) {
   EXPECT_EQ(sum(board, "processor.cycles."), 3 * board.counter("asic.cycles"));
   EXPECT_EQ(board.counter("processor.cycles.busy"), board.counter("pipeline.samples"));
   EXPECT_EQ(sum(board, "asic.block_loads.ms"), board.counter("processor.sorter.activations"));
+  EXPECT_EQ(sum(board, "asic.samples.ms"), board.counter("processor.samples"));
+  EXPECT_EQ(sum(board, "processor.sorter.activations_of_rays."), board.counter("processor.sorter.activations"));
+  EXPECT_EQ(sum(board, "processor.sorter.issued_in_activations_of_rays."), board.counter("processor.sorter.issued"));
 }
 
 TEST(CycleLevel, CountersGoOnWhenAVolumeOfAnotherSizeComes) {
