@@ -44,7 +44,7 @@ inline void Sorter::modified(std::uint32_t queue) {
 }
 
 inline void Sorter::give_up_active() {
-  const std::size_t bits = static_cast<std::size_t>(std::bit_width(issued_since_active_)) - 1;  // it had at least one ray
+  const auto bits = static_cast<std::size_t>(std::bit_width(issued_since_active_)) - 1;  // it had at least one ray
   const std::size_t bucket = std::min(bits, counters_.activation_rays.size() - 1);
   ++counters_.activation_rays[bucket];
   counters_.activation_issued[bucket] += issued_since_active_;

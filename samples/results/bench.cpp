@@ -29,6 +29,27 @@ Run Bench::run(SceneName scene, ViewName view) const {
   return run;
 }
 
+Run Bench::lit(SceneName scene, int k, bool high_albedo) const {
+  Run lit = run(scene);
+  lit.light_rays = k;
+  lit.high_albedo = high_albedo;
+  lit.picture = k == 1 && !high_albedo;
+  return lit;
+}
+
+Run Bench::light(SceneName scene, int k, bool high_albedo) const {
+  Run light = lit(scene, k, high_albedo);
+  light.kind = Run::Kind::kLight;
+  light.picture = false;
+  return light;
+}
+
+std::vector<Run> Bench::lit_scenes() const {
+  std::vector<Run> runs;
+  for (const SceneName scene : kLitScenes) runs.push_back(lit(scene));
+  return runs;
+}
+
 std::vector<Run> Bench::all() const {
   std::vector<Run> runs;
   for (const SceneName scene : kScenes) {

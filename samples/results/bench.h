@@ -30,6 +30,11 @@ class Bench {
   const Measurement& get(const Run& run) { return runs_.get(run); }
   const Measurement& frame(SceneName scene, ViewName view = ViewName::kOblique) { return get(run(scene, view)); }
 
+  // A picture of a scene of global illumination with its own camera, lit by a pass of k rays a face voxel; and that pass.
+  Run lit(SceneName scene, int k = 1, bool high_albedo = false) const;
+  Run light(SceneName scene, int k = 1, bool high_albedo = false) const;
+  std::vector<Run> lit_scenes() const;
+
   // The figure's values over `scenes` and `views`.
   template <typename Figure>
   std::vector<double> over(const std::vector<Run>& runs, const Figure& figure) {
@@ -58,17 +63,21 @@ std::string lost_cycles(Bench& bench, const std::vector<Run>& runs);
 Settings fast_front_end();
 
 // The sections, each a part of the page with its claims.
-void scenes_section(Bench& bench);      // rows 5, 6, 23
-void bounds_section(Bench& bench);      // where the time goes
-void baseline_section(Bench& bench);    // row 1
-void partition_section(Bench& bench);   // rows 7 to 10
-void gains_section(Bench& bench);       // rows 11, 20
-void speed_up_section(Bench& bench);    // row 12
-void scaling_section(Bench& bench);     // rows 13 and 14
-void cache_section(Bench& bench);       // rows 15 and 16
-void sampling_section(Bench& bench);    // rows 17, 19
-void bus_section(Bench& bench);         // row 21
-void cost_section(Bench& bench);        // row 22
-void parameters_section(Bench& bench);  // free parameters
+void scenes_section(Bench& bench);        // rows 5, 6, 23
+void bounds_section(Bench& bench);        // where the time goes
+void baseline_section(Bench& bench);      // row 1
+void illumination_section(Bench& bench);  // rows 2 to 6
+void light_sweep_section(Bench& bench);   // rows 4 and 6
+void lit_baseline_section(Bench& bench);  // row 1
+void block_loads_section(Bench& bench);   // row 18
+void partition_section(Bench& bench);     // rows 7 to 10
+void gains_section(Bench& bench);         // rows 11, 20
+void speed_up_section(Bench& bench);      // row 12
+void scaling_section(Bench& bench);       // rows 13 and 14
+void cache_section(Bench& bench);         // rows 15 and 16
+void sampling_section(Bench& bench);      // rows 17, 19
+void bus_section(Bench& bench);           // row 21
+void cost_section(Bench& bench);          // row 22
+void parameters_section(Bench& bench);    // free parameters
 
 }  // namespace gicube::samples::results

@@ -22,9 +22,13 @@ Board open_board(const Run& run) {
 
 void load(Board& board, const SceneData& scene, bool be_faint) {
   board.set_shading(scene.shading);
+  if (scene.codebook.size() > 1) board.set_gradient_codebook(scene.codebook);
   board.load_volume(scene.view());
   for (std::size_t tag = 0; tag < scene.looks.size(); ++tag) {
     board.set_transfer_function(be_faint ? faint(scene.looks[tag]) : scene.looks[tag], static_cast<int>(tag));
+  }
+  for (std::size_t tag = 0; tag < scene.optics.size(); ++tag) {
+    board.set_material(scene.optics[tag], static_cast<int>(tag));
   }
 }
 
@@ -34,6 +38,8 @@ View view_of(const Run& run, const SceneData& scene) {
   view.opacity_threshold = run.threshold;
   view.leap = run.leap;
   view.jitter = run.jitter;
+  view.irradiance = run.light_rays > 0;
+  view.scatter = !scene.optics.empty();
   return view;
 }
 
@@ -49,6 +55,16 @@ Measurement window(Board& board, const Work& work) {
   result.processors = board.info().processors;
   result.core_hz = 1e3 * board.info().core_khz;
   return result;
+}
+
+LightingReport illuminate(Board& board, const Run& run, const SceneData& scene) {
+  Illumination settings = scene.illumination;
+  settings.rays_per_face_voxel = run.light_rays;
+  settings.albedo = run.high_albedo ? Albedo::kHigh : Albedo::kLow;
+  settings.step = run.step;
+  settings.leap = run.leap;
+  settings.jitter = run.jitter;
+  return board.illuminate(scene.lights, settings);
 }
 
 // The view's rays, from where they enter the volume; those that miss it are left out.
@@ -105,9 +121,18 @@ Measurement fill_block(Board& board, View view) {
   return trace(board, rays);
 }
 
-Measurement measure(Board& board, const Run& run, const SceneData& scene) {
+// `lit`: an illumination pass has been there.
+Measurement measure(Board& board, const Run& run, const SceneData& scene, bool& lit) {
   const View view = view_of(run, scene);
+  if (run.kind == Run::Kind::kFrame && run.light_rays > 0 && !lit) illuminate(board, run, scene);
+  lit = run.light_rays > 0;
   switch (run.kind) {
+    case Run::Kind::kLight: {
+      LightingReport report;
+      Measurement result = window(board, [&] { report = illuminate(board, run, scene); });
+      result.clipped = ratio(report.clipped, report.emitted);
+      return result;
+    }
     case Run::Kind::kHostRays: {
       set_sampling(board, view);
       return trace(board, rays_of(view, scene.volume.dims));
@@ -153,9 +178,10 @@ void carry_out(const std::vector<Run>& runs, SceneStore& scenes,
     const std::shared_ptr<const SceneData> scene = scenes.get(runs.front());
     Board board = open_board(runs.front());
     load(board, *scene, runs.front().faint);
+    bool lit = false;
     for (const Run& run : runs) {
       current = &run;
-      keep(run, measure(board, run, *scene));
+      keep(run, measure(board, run, *scene, lit));
     }
   } catch (const std::exception& error) {
     throw std::runtime_error(current->key() + ": " + error.what());

@@ -1,6 +1,8 @@
 #include "results/figures.h"
 
 #include <algorithm>
+#include <charconv>
+#include <map>
 
 namespace gicube::samples::results {
 namespace {
@@ -97,6 +99,77 @@ std::vector<std::pair<std::string, double>> cause_shares(const Measurement& m) {
   }
   for (auto& [name, share] : shares) share = ratio(share, all);
   return shares;
+}
+
+Measurement sum_of(const Measurement& a, const Measurement& b) {
+  if (a.processors == 0 || b.processors == 0) return {};
+  Measurement sum = a;
+  std::vector<Counter> list;
+  for (const Counter& counter : b.counters.list()) {
+    list.push_back({counter.name, counter.unit, counter.value + a.counters.value(counter.name)});
+  }
+  sum.counters = Counters(std::move(list));
+  sum.time += b.time;
+  sum.image = {};
+  return sum;
+}
+
+double deposits_a_sample(const Measurement& m) {
+  return ratio(count(m, "processor.splat.deposits"), count(m, "processor.samples"));
+}
+double tiles_a_deposit(const Measurement& m) {
+  return ratio(count(m, "processor.splat.tiles"), count(m, "processor.splat.deposits"));
+}
+double tiles_combined(const Measurement& m) {
+  return ratio(count(m, "processor.splat.tiles_combined"), count(m, "processor.splat.tiles"));
+}
+double scatterings_a_ray(const Measurement& m) {
+  return ratio(count(m, "pipeline.scatterings"), count(m, "dsp.rays_taken"));
+}
+double memory_use_uncombined(const Measurement& m) {
+  const double more =
+      2 * count(m, "processor.splat.tiles") - count(m, "rdram.writes") - count(m, "processor.splat.tiles_fetched");
+  return memory_use(m) + ratio(more, cycles(m) * memories(m));
+}
+
+std::vector<Stay> stays(const Measurement& m) {
+  std::vector<Stay> list;
+  double activations = 0, issued = 0;
+  for (double turns = 1; turns < 1u << 21; turns *= 2) {
+    const std::string size = std::to_string(static_cast<unsigned>(turns));
+    list.push_back({turns, count(m, ("processor.sorter.activations_of_rays." + size).c_str()),
+                    count(m, ("processor.sorter.issued_in_activations_of_rays." + size).c_str())});
+    activations += list.back().activations, issued += list.back().issued;
+  }
+  for (Stay& stay : list)
+    stay.activations = ratio(stay.activations, activations), stay.issued = ratio(stay.issued, issued);
+  return list;
+}
+
+double issued_in_short_stays(const Measurement& m, double turns) {
+  double share = 0;
+  for (const Stay& stay : stays(m)) share += stay.turns < turns ? stay.issued : 0;
+  return share;
+}
+
+std::vector<Millisecond> milliseconds(const Measurement& m) {
+  std::map<int, Millisecond> by_time;
+  const auto put = [&](const Counter& counter, std::string_view prefix, double Millisecond::*field) {
+    if (counter.value == 0 || !counter.name.starts_with(prefix)) return;
+    int ms = 0;
+    std::from_chars(counter.name.data() + prefix.size(), counter.name.data() + counter.name.size(), ms);
+    by_time[ms].*field = static_cast<double>(counter.value);
+  };
+  for (const Counter& counter : m.counters.list()) {
+    put(counter, "asic.block_loads.ms", &Millisecond::loads);
+    put(counter, "asic.samples.ms", &Millisecond::samples);
+  }
+  std::vector<Millisecond> list;
+  if (by_time.empty()) return list;
+  const int first = by_time.begin()->first;
+  list.resize(static_cast<std::size_t>(by_time.rbegin()->first - first) + 1);
+  for (const auto& [ms, value] : by_time) list[static_cast<std::size_t>(ms - first)] = value;
+  return list;
 }
 
 Spread spread_of(const std::vector<double>& values) {

@@ -16,7 +16,8 @@ struct Measurement {
   Picoseconds time = 0;  // simulated, as the host sees it: with bus transfers
   int processors = 0;
   double core_hz = 0;
-  Image image;  // where it was asked for
+  Image image;         // where it was asked for
+  double clipped = 0;  // of an illumination pass: the part of its energy that did not fit the irradiance words
 };
 
 // A part of nothing is 0, so that a plan's empty measurement does no harm.
@@ -61,6 +62,35 @@ double overflows_a_ray(const Measurement& m);
 
 // Every pipeline cycle by its cause: name and share, which sum to 1.
 std::vector<std::pair<std::string, double>> cause_shares(const Measurement& m);
+
+// Both windows as one. Of an empty one and another nothing is left.
+Measurement sum_of(const Measurement& a, const Measurement& b);
+
+// Of lighting passes: deposits a sample; changed tiles a deposit, and the share of them that were written together with an
+// earlier change [0..1]; rays scattered a ray sent for the first time.
+double deposits_a_sample(const Measurement& m);
+double tiles_a_deposit(const Measurement& m);
+double tiles_combined(const Measurement& m);
+double scatterings_a_ray(const Measurement& m);
+// memory_use() if each changed tile were written on its own and fetched first, a read and a write as [P §3.6] has it: above
+// 1 the memory would hold the pipelines up.
+double memory_use_uncombined(const Measurement& m);
+
+// Samples and leaps by how many of them one stay of a queue at the top took.
+struct Stay {
+  double turns = 0;        // the least: 1, 2, 4 ..; below twice as many
+  double activations = 0;  // share of all, 0..1
+  double issued = 0;       // share of the turns, 0..1
+};
+std::vector<Stay> stays(const Measurement& m);
+// The share of turns in stays shorter than `turns`: with fewer than the pipeline is long, no ray comes round [P §5.1].
+double issued_in_short_stays(const Measurement& m, double turns);
+
+// Block loads and samples in each millisecond of the window.
+struct Millisecond {
+  double loads = 0, samples = 0;
+};
+std::vector<Millisecond> milliseconds(const Measurement& m);
 
 struct Spread {
   double least = 0, mean = 0, most = 0;

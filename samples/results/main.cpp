@@ -34,6 +34,9 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(8, 1024))
       ->capture_default_str();
   app.add_option("--jobs", options.jobs, "boards at a time")->check(CLI::Range(1, 64))->capture_default_str();
+  app.add_option("--only", options.only, "sections to measure, for a page of these alone (all)")
+      ->check(CLI::IsMember(results::section_names()))
+      ->delimiter(',');
   app.add_flag("--quiet", options.quiet, "no progress");
   try {
     app.parse(argc, argv);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "results/bench.h"
 
@@ -12,7 +14,10 @@ struct ReportOptions {
   Design design;
   int jobs = 1;
   bool quiet = false;
+  std::vector<std::string> only;  // names of sections; empty: all
 };
+
+std::vector<std::string> section_names();
 
 // Throws InputError (a file can't be written) and std::runtime_error (a run failed).
 void write_report(const ReportOptions& options);

@@ -52,12 +52,16 @@ std::string Run::scene_key() const {
 
 std::string Run::board_key() const {
   std::string text = (faint ? "faint " : "") + scene_key();
+  if (light_rays > 0) text += fmt::format(" lit by {} rays in {} albedo", light_rays, high_albedo ? "high" : "low");
   if (kind == Kind::kFillBlock) text += fmt::format(" one block, step {}", step);  // its cache must be cold
   for (const auto& [field, value] : settings) text += fmt::format(" {}={}", field, value);
   return text;
 }
 
 std::string Run::key() const {
+  if (kind == Kind::kLight)
+    return fmt::format("{}: illumination pass, step {}{}{}", board_key(), step, leap ? "" : " without leaps",
+                       jitter ? " jittered" : "");
   return fmt::format("{}: {}{} {}x{} step {} threshold {}{}{}{}", board_key(), name_of(view),
                      orthographic ? " (parallel)" : "", width, height, step, threshold, leap ? "" : " without leaps",
                      jitter ? " jittered" : "", kind == Kind::kHostRays ? " host rays" : "");

@@ -22,6 +22,7 @@ using Settings = std::map<std::string, std::string>;  // of the board's configur
 struct Run {
   enum class Kind {
     kFrame,      // one rendering, image transfer included
+    kLight,      // an illumination pass
     kHostRays,   // the view's rays made by the host, sent there and back
     kFillBlock,  // host rays through block (0, 0, 0), one in each column of cells along z
   };
@@ -38,7 +39,9 @@ struct Run {
   bool jitter = false;
   bool faint = false;  // no ray ever gets opaque: without early termination
   bool orthographic = false;
-  bool picture = false;  // keep the image; no part of the key
+  int light_rays = 0;        // a face voxel, k, of the illumination pass before it (or that it is); 0 = none
+  bool high_albedo = false;  // of that pass
+  bool picture = false;      // keep the image; no part of the key
   Settings settings;
 
   // The same on a board configured otherwise, without a picture.

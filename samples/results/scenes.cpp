@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/buckyball.h"
+#include "results/lit_scenes.h"
 #include "results/noise.h"
 
 namespace gicube::samples::results {
@@ -128,6 +129,10 @@ std::string name_of(SceneName scene) {
     case SceneName::kHead: return "head";
     case SceneName::kCloud: return "cloud";
     case SceneName::kRock: return "rock";
+    case SceneName::kGoldenRing: return "golden-ring";
+    case SceneName::kMirrorBuckyball: return "mirror-buckyball";
+    case SceneName::kMirrorHead: return "mirror-head";
+    case SceneName::kFogBox: return "fog-box";
   }
   return {};
 }
@@ -149,6 +154,10 @@ std::string about(SceneName scene) {
     case SceneName::kHead: return "nested rough ellipsoids: translucent skin, skull and brain, empty corners";
     case SceneName::kCloud: return "noise that never gets opaque; no block is empty";
     case SceneName::kRock: return "noise that is opaque everywhere within a part of its edge; no block is empty";
+    case SceneName::kGoldenRing: return "caustics: a polished ring on a floor under a point light";
+    case SceneName::kMirrorBuckyball: return "C60 over a mirror before a wall, with its shadow";
+    case SceneName::kMirrorHead: return "a head between two mirrors, a window and a lamp";
+    case SceneName::kFogBox: return "coloured walls in fog: nearly every voxel takes light";
   }
   return {};
 }
@@ -173,6 +182,10 @@ SceneData make_scene(SceneName name, const Dims& dims, int edge, int threads) {
     case SceneName::kRock:
       scene = make_noise(dims, edge, 0.03, 0.12, {0.3, 0.2, 0.15}, {0.8, 0.75, 0.6}, threads);
       break;
+    case SceneName::kGoldenRing:
+    case SceneName::kMirrorBuckyball:
+    case SceneName::kMirrorHead:
+    case SceneName::kFogBox: return make_lit_scene(name, edge, threads);
   }
   scene.box = name == SceneName::kHead ? visible_box(scene.volume, {scene.looks.front(), false}) : whole_box(dims);
   return scene;
@@ -187,6 +200,13 @@ View make_view(const SceneData& scene, ViewName name, int width, int height, boo
   View view;
   view.width = width;
   view.height = height;
+  if (scene.lit_view && name == ViewName::kOblique) {
+    view = *scene.lit_view;
+    view.width = width;
+    view.height = height;
+    view.samples_per_axis = 1;
+    return view;
+  }
   const VoxelBox& box = scene.box;
   if (name == ViewName::kOblique) {
     fit_camera(scene.camera.value_or(CameraSettings{}), box, {1, 1, 1}, view);

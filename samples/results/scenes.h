@@ -1,4 +1,4 @@
-// The procedural scenes that are measured: no scan is needed, and any size shows the same thing.
+// The scenes that are measured: all procedural, no scan is needed, and any size shows the same thing.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +7,20 @@
 #include <vector>
 
 #include "common/scene.h"
+#include "gicube/illumination.h"
+#include "gicube/material.h"
 #include "gicube/view.h"
 #include "gicube/volume.h"
 
 namespace gicube::samples::results {
 
-enum class SceneName { kBuckyball, kHead, kCloud, kRock };
+enum class SceneName { kBuckyball, kHead, kCloud, kRock, kGoldenRing, kMirrorBuckyball, kMirrorHead, kFogBox };
 enum class ViewName { kOblique, kAlongX, kAlongY, kAlongZ, kDiagonal };
 
 constexpr SceneName kScenes[] = {SceneName::kBuckyball, SceneName::kHead, SceneName::kCloud, SceneName::kRock};
+// Scenes of global illumination; in the last all voxels take light.
+constexpr SceneName kLitScenes[] = {SceneName::kGoldenRing, SceneName::kMirrorBuckyball, SceneName::kMirrorHead,
+                                    SceneName::kFogBox};
 constexpr ViewName kViews[] = {ViewName::kOblique, ViewName::kAlongX, ViewName::kAlongY, ViewName::kAlongZ,
                                ViewName::kDiagonal};
 
@@ -34,6 +39,13 @@ struct SceneData {
   std::optional<CameraSettings> camera;  // of the oblique view
   VoxelBox box;                          // what is to be seen
 
+  // Of scenes of global illumination.
+  std::vector<Material> optics;  // by tag
+  std::vector<Light> lights;
+  Illumination illumination;
+  std::vector<Vec3> codebook;    // empty: the board's own
+  std::optional<View> lit_view;  // the scene's camera, exposure and sampling
+
   VolumeView view() const;
 };
 
@@ -44,7 +56,7 @@ SceneData make_scene(SceneName scene, const Dims& dims, int edge, int threads);
 // The same values visible, but so faint that no ray ever gets opaque.
 TransferFunction faint(TransferFunction look);
 
-// A camera outside that sees all there is; parallel rays for `orthographic`, one pixel a voxel along y.
+// The scene's own camera, or one outside that sees all there is; parallel rays for `orthographic`, one pixel a voxel along y.
 View make_view(const SceneData& scene, ViewName view, int width, int height, bool orthographic = false);
 
 }  // namespace gicube::samples::results
