@@ -50,6 +50,7 @@ const char* command_name(std::span<const std::uint8_t> payload) {
   switch (static_cast<wire::Opcode>(opcode)) {
     case wire::Opcode::kTrace: return "trace";
     case wire::Opcode::kIlluminate: return "illuminate";
+    case wire::Opcode::kResume: return "resume";
     default: return "render";
   }
 }
@@ -197,7 +198,7 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
   if (result.error != ErrorCode::kNone) registers.raise(wire::kStatusBadCommand, 0);
   const std::uint64_t id = next_errand++;
   timeline.add(header.time_ps, id,
-               {.cargo = result.returns_rays ? Cargo::kRays : Cargo::kCommand,
+               {.cargo = result.takes_rays ? Cargo::kRays : Cargo::kCommand,
                 .down_bytes = payload.size(),
                 .dsp = true,
                 .dsp_cycles = result.dsp_cycles,

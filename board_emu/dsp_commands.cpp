@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "command_fault.h"
 #include "cycle_level.h"
 #include "dsp/lighting_rays.h"
 #include "dsp/routines.h"
@@ -21,41 +22,6 @@ namespace {
 using wire::ErrorCode;
 namespace reg = wire::reg;
 
-CommandResult refuse(const std::string& text) {
-  return {.error = ErrorCode::kBadValue, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
-}
-
-std::string expected(const std::string& field, const std::string& range, std::uint64_t got) {
-  return field + ": expected " + range + ", got " + std::to_string(got);
-}
-
-// What is wrong with a rendering command, if anything.
-std::optional<std::string> fault(const wire::RenderCommand& command, std::uint64_t framebuffer_mb) {
-  if (command.width < 1 || command.width > wire::kMaxImageSize) return expected("width", "1..4095", command.width);
-  if (command.height < 1 || command.height > wire::kMaxImageSize) return expected("height", "1..4095", command.height);
-  if (command.projection > wire::Projection::kPerspective) {
-    return expected("projection", "0 or 1", static_cast<std::uint64_t>(command.projection));
-  }
-  const int samples = command.samples_per_axis;
-  if (samples != 1 && samples != 2 && samples != 4) {
-    return expected("samples_per_axis", "1, 2 or 4", command.samples_per_axis);
-  }
-  if (command.filter > wire::Filter::kTent)
-    return expected("filter", "0 or 1", static_cast<std::uint64_t>(command.filter));
-  for (const auto* vector : {&command.origin, &command.forward, &command.du, &command.dv}) {
-    if (!std::all_of(vector->begin(), vector->end(), [](double x) { return std::isfinite(x); })) {
-      return "origin, forward, du, dv: expected finite numbers";
-    }
-  }
-  const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel;
-  if (bytes > framebuffer_mb * 1'000'000) {
-    return expected("width x height", "an image whose sums fit dsp.framebuffer_mb = " + std::to_string(framebuffer_mb),
-                    bytes) +
-           " bytes";
-  }
-  return std::nullopt;
-}
-
 // Opaque where the light is: all it sends out stays there.
 bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) {
   if (command.kind == wire::LightKind::kDirectional) return false;
@@ -69,13 +35,6 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
     at[axis] = static_cast<std::int32_t>(voxels * wire::kVoxel);
   }
   return opacity_at(at, frame) >= wire::kClassifiedOpacityOne / 2;
-}
-
-// A shorter direction could round to a step of nothing.
-bool unit(const std::array<std::int16_t, 3>& direction) {
-  const Point d{direction[0], direction[1], direction[2]};
-  const double length = std::sqrt(static_cast<double>(dot(d, d))) / (1 << wire::kDirectionFractionBits);
-  return std::abs(length - 1) < 0.01;
 }
 
 // Adds counters to those of the same names.
@@ -93,8 +52,6 @@ void add(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to)
 std::uint32_t most_irradiance(const v1::BoardConfig& config) {
   return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
 }
-
-constexpr const char* kNoVolume = "no volume: VOLUME_X, VOLUME_Y and VOLUME_Z are not all set";
 
 }  // namespace
 
@@ -119,6 +76,7 @@ void DspCommands::clear_irradiance() {
 
 void DspCommands::reset() {
   drop_machine();
+  host_traps_.begin(false, {});
   aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), most_irradiance(config_));
 }
 
@@ -177,7 +135,7 @@ bool DspCommands::accept_register(std::uint32_t offset) {
 }
 
 // What is wrong with a material that the host wrote, if anything.
-std::optional<std::string> DspCommands::material_fault() const {
+std::optional<std::string> DspCommands::material_fault(bool host_answers) const {
   for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
     const wire::Material& material = aperture_.materials()[tag];
     const std::string which = "material " + std::to_string(tag) + ": ";
@@ -188,6 +146,11 @@ std::optional<std::string> DspCommands::material_fault() const {
       return which + expected("parameters", "at most 32", material.parameter_count);
     }
     if (material.bsdf != wire::Bsdf::kTrap) continue;
+    if (material.routine == wire::kHostRoutine) {
+      if (!host_answers) return which + "routine 255: the host is not asked for rays of a trace command";
+      if (config_.fidelity() == v1::cycle) return which + "routine 255: the host is not asked at cycle level";
+      continue;
+    }
     if (routines_ == nullptr || !routines_->has(material.routine)) {
       return which + expected("routine", "the number of a routine that the board has", material.routine);
     }
@@ -218,6 +181,7 @@ Frame DspCommands::frame() {
   std::copy_n(aperture_.materials().begin(), wire::kTags, frame.materials.begin());
   frame.irradiance = &aperture_.irradiance();
   frame.routines = routines_;
+  frame.host_traps = &host_traps_;
   frame.wide = config_.asic().datapath() == v1::wide;
   frame.exposure = registers_.value(reg::kExposure);
   frame.seed = registers_.value(reg::kSeed);
@@ -247,6 +211,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kRender)) return render(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace)) return trace(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kIlluminate)) return illuminate(payload, work);
+    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kResume)) return resume(payload, work);
   } catch (const RoutineFault& fault) {
     drop_machine();
     return refuse(fault.what());
@@ -255,7 +220,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work
     const std::string text = stall.what();
     return {.error = ErrorCode::kInternal, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
   }
-  return refuse(expected("opcode", "1 (render), 2 (trace) or 3 (illuminate)", opcode));
+  return refuse(expected("opcode", "1 (render), 2 (trace), 3 (illuminate) or 4 (resume)", opcode));
 }
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& work) {
@@ -266,6 +231,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   if (const auto what = material_fault()) return refuse(*what);
 
   aperture_.decode(threads_);
+  host_traps_.begin(false, {});
   const Frame frame = this->frame();
   const v1::DspConfig& dsp = config_.dsp();
   CommandResult result;
@@ -282,6 +248,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   }
   aperture_.resolve_framebuffer();
   viewing_rays_ += std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
+  add_trap_list(result, 0);
   return result;
 }
 
@@ -292,17 +259,16 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
         expected("payload", "8 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
   }
   if (!has_volume()) return refuse(kNoVolume);
-  if (const auto what = material_fault()) return refuse(*what);
   const Frame frame = this->frame();
+  if (frame.scatter) {
+    if (const auto what = material_fault(false)) return refuse(*what);
+  }
   std::vector<wire::Ray> rays(count);
   for (std::size_t i = 0; i < count; ++i) {
     rays[i] = wire::decode_ray(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
-    const Point position{static_cast<std::int32_t>(rays[i].position[0]), static_cast<std::int32_t>(rays[i].position[1]),
-                         static_cast<std::int32_t>(rays[i].position[2])};
     const std::string which = "ray " + std::to_string(i) + ": ";
     if (rays[i].flags != wire::kHostRay) return refuse(which + expected("flags", "32 (host ray)", rays[i].flags));
-    if (!inside(position, frame.extent)) return refuse(which + "position: expected a point of the volume");
-    if (!unit(rays[i].direction)) return refuse(which + "direction: expected a unit vector to within 1%");
+    if (const auto what = fault(rays[i], frame.extent)) return refuse(which + *what);
   }
   aperture_.decode(threads_);
   CommandResult result{.dsp_cycles = count * config_.dsp().host_ray_cycles()};
@@ -319,7 +285,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     wire::encode(rays[i], std::span(result.payload).subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
   }
   result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
-  result.returns_rays = count > 0;
+  result.takes_rays = result.returns_rays = count > 0;
   return result;
 }
 
@@ -330,6 +296,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Wor
   if (const auto what = material_fault()) return refuse(*what);
   Frame frame = this->frame();
   if (const auto what = LightingRays::fault(command, frame.extent)) return refuse(*what);
+  host_traps_.begin(true, command.rules);
 
   aperture_.decode(threads_);
   frame.plain = false;
@@ -357,19 +324,8 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Wor
     result.dsp_cycles = lit.made * config_.dsp().lighting_ray_cycles() + counts.trap_cycles;
   }
 
-  const EnergyCounters& energy = counts.energy;
-  wire::LightingLedger ledger;
-  ledger.rays = counts.lighting_rays;
-  ledger.emitted = energy.emitted;
-  ledger.deposited = energy.deposited.kept;
-  ledger.escaped = energy.escaped;
-  ledger.scattered_away = energy.scattered_away;
-  ledger.given_up = energy.given_up;
-  ledger.clipped = energy.deposited.clipped;
-  ledger.light_in_solid = light_in_solid(command, frame) ? 1 : 0;
-  result.payload.resize(wire::kLightingLedgerBytes);
-  wire::encode(ledger, std::span<std::uint8_t, wire::kLightingLedgerBytes>(result.payload));
-  result.up_bytes = result.payload.size();
+  add_ledger(result, counts, light_in_solid(command, frame));
+  add_trap_list(result, 0);
   return result;
 }
 
@@ -386,6 +342,7 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   if (lighting_rays_ != 0 || rays.scatterings != 0) {
     list.push_back({"dsp.lighting_rays", "ray", lighting_rays_});
     list.push_back({"dsp.trap_cycles", "DSP cycle", rays.trap_cycles});
+    list.push_back({"dsp.host_traps", "ray", host_traps_total_});
     list.push_back({"pipeline.scatterings", "scattering", rays.scatterings});
     list.push_back({"pipeline.traps", "ray", rays.traps});
     list.push_back({"pipeline.deposits", "deposit", rays.deposits});

@@ -14,6 +14,7 @@
 #include "bus/register_file.h"
 #include "frame.h"
 #include "gicube/v1/board_config.pb.h"
+#include "host_traps.h"
 #include "machine.h"
 
 namespace gicube::emu {
@@ -24,6 +25,7 @@ struct CommandResult {
   std::uint64_t dsp_cycles = 0;
   Picoseconds asic_ps = 0;     // how long the ASIC works at it; 0 at the functional level
   std::uint64_t up_bytes = 4;  // at least the completion word in the host's memory
+  bool takes_rays = false;
   bool returns_rays = false;
 };
 
@@ -51,8 +53,11 @@ class DspCommands {
   CommandResult render(std::span<const std::uint8_t> payload, Work& work);
   CommandResult trace(std::span<const std::uint8_t> payload, Work& work);
   CommandResult illuminate(std::span<const std::uint8_t> payload, Work& work);
+  CommandResult resume(std::span<const std::uint8_t> payload, Work& work);
+  static void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid);
+  void add_trap_list(CommandResult& result, std::size_t most);
   Frame frame();
-  std::optional<std::string> material_fault() const;
+  std::optional<std::string> material_fault(bool host_answers = true) const;
   CommandResult cancelled();
   CommandResult timed(const Ran& ran) const;
   Machine& machine();
@@ -66,6 +71,7 @@ class DspCommands {
   Aperture aperture_;
   Observer* observer_ = nullptr;
   const Routines* routines_ = nullptr;
+  HostTraps host_traps_;
   std::unique_ptr<Machine> machine_;  // of the cycle level, as long as the volume keeps its size
   std::uint64_t cached_volume_ = 0;   // Aperture::volume_writes() that the machine's caches belong to
   std::vector<wire::Counter> past_;   // counters of machines that were dropped
@@ -73,6 +79,7 @@ class DspCommands {
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
   std::uint64_t lighting_rays_ = 0;
+  std::uint64_t host_traps_total_ = 0;
 };
 
 }  // namespace gicube::emu

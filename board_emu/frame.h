@@ -17,6 +17,7 @@
 
 namespace gicube::emu {
 
+class HostTraps;
 class Routines;
 
 // What holds for every ray of a frame: registers, tables, volume. The tables must outlive it.
@@ -40,6 +41,7 @@ struct Frame {
   std::array<wire::Material, wire::kTags> materials{};
   IrradianceMemory* irradiance = nullptr;  // lighting rays add to it, rendering rays read it
   const Routines* routines = nullptr;      // for materials that trap
+  HostTraps* host_traps = nullptr;         // and where rays go that the host must scatter
   bool lit_by_irradiance = false;          // rendering rays
   bool scatter = false;                    // rendering rays too are scattered
   bool high_albedo = false;                // rendering rays take colour once, where they are absorbed

@@ -48,7 +48,7 @@ End gather(Traveller& traveller, const Frame& frame, RayCounters& counters) {
   return how;
 }
 
-// The DSP's routine scatters the ray, until it no longer waits for one.
+// The DSP's routine scatters the ray; kTrapped if it is the host's to do.
 Fate scatter_trapped(Traveller& traveller, const Frame& frame, RayCounters& counters) {
   std::uint32_t cycles = 0;
   const Met met = resolve_trap(traveller, frame, counters, cycles);
@@ -79,17 +79,20 @@ End travel(Traveller& traveller, const Frame& frame, RayCounters& counters) {
     Fate fate = met.fate;
     if (fate == Fate::kTrapped) fate = scatter_trapped(traveller, frame, counters);
     if (fate == Fate::kEnded) return End::kSpent;
+    if (fate == Fate::kTrapped) return End::kWaits;
   }
   return how;
 }
 
 }  // namespace
 
-void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
+bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
   Traveller traveller = set_out(ray, frame);
   const End how = frame.plain ? gather(traveller, frame, counters) : travel(traveller, frame, counters);
+  if (how == End::kWaits) return false;
   count_end(traveller, how, frame, counters);
   finish(traveller, frame, ray);
+  return true;
 }
 
 }  // namespace gicube::emu

@@ -10,6 +10,7 @@
 #include "dsp/viewing_rays.h"
 #include "functional.h"
 #include "march.h"
+#include "meet.h"
 
 namespace gicube::emu {
 
@@ -68,12 +69,11 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
     miss.v = static_cast<std::uint16_t>(v);
     const Line line = viewing_line(command, static_cast<double>(u) / kSubPixels, static_cast<double>(v) / kSubPixels);
     auto ray = viewing_ray(line, miss.u, miss.v, frame.extent, frame.cut_planes);
-    if (ray) {
-      ray->lifetime = frame.lifetime;
-      integrate(*ray, frame, counts);
-      ++counts.returned;
-    }
-    framebuffer.add(ray.value_or(miss));
+    if (!ray) return framebuffer.add(miss);
+    ray->lifetime = frame.lifetime;
+    if (!integrate(*ray, frame, counts)) return;
+    ++counts.returned;
+    framebuffer.add(*ray);
   };
   const int across = (command.width + kTile - 1) / kTile, down = (command.height + kTile - 1) / kTile;
   const auto tiles = static_cast<std::size_t>(across * down);
@@ -109,6 +109,27 @@ Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threa
     ++work.done;
   });
   return {counts.returned, counts.returned, counts, work.cancel};
+}
+
+Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
+                Work& work) {
+  constexpr std::size_t kRun = 64;
+  const std::size_t runs = (answers.size() + kRun - 1) / kRun;
+  work.all = static_cast<std::uint32_t>(runs);
+  const auto take = [&](wire::Ray ray, Counts& counts) {
+    const bool light = (ray.flags & wire::kLightingRay) != 0;
+    if (!take_answer(ray, frame, counts) && !integrate(ray, frame, counts)) return;  // it waits again
+    if (light) return;
+    ++counts.returned;
+    framebuffer.add(ray);
+  };
+  const auto counts = spread<Counts>(runs, threads, [&](std::size_t run, Counts& run_counts) {
+    if (work.cancel) return;
+    const std::size_t last = std::min(answers.size(), (run + 1) * kRun);
+    for (std::size_t i = run * kRun; i < last; ++i) take(answers[i], run_counts);
+    ++work.done;
+  });
+  return {answers.size(), counts.returned, counts, work.cancel};
 }
 
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned threads) {

@@ -28,6 +28,11 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
 // Sends the lighting rays of `rays` into the volume, each with the frame's lifetime. Progress is in runs of rays.
 Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Work& work);
 
+// Rays that the host has scattered (trap.h) go on: lighting rays, or rendering rays into `framebuffer`. Of the counters
+// energy.emitted is what they bring.
+Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
+                Work& work);
+
 // Takes host rays to their ends, in place. A ray that misses the volume or lies behind a cut plane returns as it came.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned threads);
 

@@ -33,11 +33,13 @@ struct Traveller {
   std::uint16_t v = 0;
   std::uint16_t lifetime = 0;   // scatterings that are left
   std::uint8_t generation = 0;  // scatterings so far, saturating at 15
-  std::uint8_t flags = 0;       // wire::RayFlag
+  std::uint8_t flags = 0;       // wire::RayFlag; of a ray that traps bits 6 and 7 are its material's tag
 
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 };
 static_assert(sizeof(Traveller) == 60, "with its block it fills one of the host's cache lines (rays.h)");
+
+inline constexpr int kTrapTagShift = 6;
 
 // A lighting ray's energy lies in the colour's 36 bits: 24.12 units.
 inline constexpr int kEnergyFractionBits = 12;
@@ -91,7 +93,8 @@ inline void finish(const Traveller& ray, const Frame& frame, wire::Ray& out) {
 }
 
 // Whether the ray has come to its end: out of the volume, behind a cut plane, opaque enough, or absorbed or given up.
-enum class End : std::uint8_t { kNot, kLeft, kOpaque, kSpent };
+// kWaits: for the host, which has the ray; it has not ended.
+enum class End : std::uint8_t { kNot, kLeft, kOpaque, kSpent, kWaits };
 
 inline End end(const Traveller& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return End::kLeft;

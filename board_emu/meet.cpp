@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "dsp/routines.h"
 #include "pipeline/chance.h"
 #include "pipeline/illuminate.h"
 #include "pipeline/scatter.h"
@@ -11,14 +10,6 @@
 namespace gicube::emu {
 
 namespace {
-
-struct Sample {
-  Channels channels{};
-  unsigned tag = 0;
-  const wire::SegmentationEntry* entry = nullptr;
-
-  Point gradient() const { return {channels[1], channels[2], channels[3]}; }
-};
 
 Sample classify(const Cell& at, const BlockView& view, std::size_t edge, const Frame& frame) {
   const std::size_t row = edge, slice = edge * edge;
@@ -153,15 +144,6 @@ void give_up(Met& met, const Traveller& ray, const Frame& frame, RayCounters& co
   counters.energy.given_up += units;
 }
 
-void turn(Traveller& ray, const Direction& direction, const Frame& frame) {
-  --ray.lifetime;
-  if (ray.generation < 15) ++ray.generation;
-  ray.interacted = 0;
-  ray.direction = direction;
-  ray.length = physical_length(direction, frame.spacing);
-  space(ray, frame.step);
-}
-
 // The ray interacts at `where` of its step and is scattered.
 void scatter(Met& met, Traveller& ray, double where, const wire::Material& material, const Sample& sample,
              const Frame& frame, RayCounters& counters) {
@@ -170,7 +152,7 @@ void scatter(Met& met, Traveller& ray, double where, const wire::Material& mater
   ++counters.scatterings;
   if (material.bsdf == wire::Bsdf::kTrap) {
     ++counters.traps;
-    ray.flags |= wire::kTrapped;
+    ray.flags = static_cast<std::uint8_t>(ray.flags | wire::kTrapped | sample.tag << kTrapTagShift);
     met.fate = Fate::kTrapped;
     return;
   }
@@ -263,6 +245,21 @@ void meet_rendering(Met& met, Traveller& ray, const Cell& at, std::size_t block,
 
 }  // namespace
 
+void turn(Traveller& ray, const Direction& direction, const Frame& frame) {
+  --ray.lifetime;
+  if (ray.generation < 15) ++ray.generation;
+  ray.interacted = 0;
+  ray.direction = direction;
+  ray.length = physical_length(direction, frame.spacing);
+  space(ray, frame.step);
+}
+
+Sample sample_at(const Point& position, const Frame& frame) {
+  const BlockGrid grid(*frame.volume);
+  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  return classify(cell(position, grid.low(position)), frame.volume->view(grid.block(position)), edge, frame);
+}
+
 Deposit deposit_of(const Traveller& carrier, std::uint32_t seed) {
   const auto units = static_cast<std::uint32_t>(energy(carrier.colour) >> kEnergyFractionBits);
   return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, seed);
@@ -299,58 +296,8 @@ Met meet(Traveller& ray, const Cell& at, const BlockView& view, std::size_t bloc
   return met;
 }
 
-Met resolve_trap(Traveller& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles) {
-  const BlockGrid grid(*frame.volume);
-  const std::size_t block = grid.block(ray.position);
-  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  const Point low = grid.low(ray.position);
-  const Sample sample = classify(cell(ray.position, low), frame.volume->view(block), edge, frame);
-  const wire::Material& material = frame.materials[sample.tag];
-
-  ScatterEvent event;
-  event.direction = to_physical(ray.direction, frame.spacing);
-  if (sample.gradient() != Point{}) event.normal = normal_of(sample.gradient(), event.direction);
-  for (std::size_t axis = 0; axis < 3; ++axis) event.position[axis] = ray.position[axis] / double{wire::kVoxel};
-  event.opacity = sample.entry->opacity / double{wire::kClassifiedOpacityOne};
-  event.density = sample.channels[0] / double{1 << kDensityFractionBits};
-  event.tag = sample.tag;
-  event.lighting = ray.is(wire::kLightingRay);
-  event.generation = ray.generation;
-  event.parameters = std::span(material.parameters).first(material.parameter_count);
-  std::uint64_t chance = draw_here(Chance::kRoutine, ray, frame);
-  for (double& number : event.random) {
-    number = static_cast<double>(chance >> 11) * 0x1p-53;
-    chance = mangle(chance + 1);
-  }
-  const ScatterAnswer answer = frame.routines->scatter(material.routine, event);
-  cycles = answer.cycles;
-
-  Met met;
-  if (answer.passes < 1) {
-    const auto share = static_cast<std::uint32_t>(std::lround((1 - answer.passes) * wire::kOpacityOne));
-    if (event.lighting) {
-      const std::uint32_t before = energy_units(ray, frame);
-      const std::uint64_t e = energy(ray.colour);
-      set_energy(ray.colour, e - (e * share + wire::kOpacityOne / 2) / wire::kOpacityOne);
-      counters.energy.scattered_away += before - energy_units(ray, frame);
-    } else {
-      over(ray, {0, 0, 0}, share);
-    }
-    if (answer.passes <= 0 || (event.lighting && energy_units(ray, frame) == 0)) {
-      met.fate = Fate::kEnded;
-      return met;
-    }
-  }
-  turn(ray, to_direction(answer.direction, frame.spacing), frame);
-  if ((material.flags & wire::kTrapAtSurface) == 0) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
-  return met;
-}
-
 std::uint16_t opacity_at(const Point& position, const Frame& frame) {
-  const BlockGrid grid(*frame.volume);
-  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  const BlockView view = frame.volume->view(grid.block(position));
-  return classify(cell(position, grid.low(position)), view, edge, frame).entry->opacity;
+  return sample_at(position, frame).entry->opacity;
 }
 
 void count_end(const Traveller& ray, End how, const Frame& frame, RayCounters& counters) {

@@ -8,9 +8,22 @@
 //                 probability Ks, else absorbed whole
 #pragma once
 
+#include "gicube/wire/trap.h"
 #include "march.h"
+#include "pipeline/scatter.h"
 
 namespace gicube::emu {
+
+// The pipeline's words at a place.
+struct Sample {
+  Channels channels{};
+  unsigned tag = 0;
+  const wire::SegmentationEntry* entry = nullptr;
+
+  Point gradient() const { return {channels[1], channels[2], channels[3]}; }
+};
+
+Sample sample_at(const Point& position, const Frame& frame);
 
 enum class Fate : std::uint8_t { kGoesOn, kEnded, kTrapped };
 
@@ -32,10 +45,18 @@ Deposit deposit_of(const Traveller& carrier, std::uint32_t seed);
 Met meet(Traveller& ray, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge, const Frame& frame,
          RayCounters& counters);
 
+// A flight begins: the ray, scattered, runs along `direction`.
+void turn(Traveller& ray, const Direction& direction, const Frame& frame);
+
 // A leap takes the ray through nothing: it is no longer at a surface.
 inline void leave_surface(Traveller& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
 
+// The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as finish() leaves
+// it, else ready to set out. What it brings counts as emitted.
+bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
+
 // The DSP scatters a trapped ray: what its routine answers. `cycles`: what it took, of the DSP. Throws RoutineFault.
+// kTrapped: the host must answer, the frame's HostTraps have the ray, and it is gone without having come to an end.
 Met resolve_trap(Traveller& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles);
 
 // Whole energy units that the ray holds: its energy's fraction is rounded by one draw a ray, so that what it deposits on its

@@ -27,7 +27,7 @@ struct ScatterEvent {
 };
 
 struct ScatterAnswer {
-  std::array<double, 3> direction{};  // physical, any length but 0
+  std::array<double, 3> direction{};  // physical, of a length from 1e-6 to 1e6
   double passes = 1;                  // share of the ray's energy that goes on, 0..1
   std::uint32_t cycles = 0;           // of the DSP
 };

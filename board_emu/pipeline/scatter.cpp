@@ -19,11 +19,7 @@ Vector scaled(const Vector& a, double s) { return {a[0] * s, a[1] * s, a[2] * s}
 
 Vector sum(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
-// A vector too short to have a direction stays as it is.
-Vector unit(const Vector& a) {
-  const double length = std::sqrt(inner(a, a));
-  return length > 1e-9 ? scaled(a, 1 / length) : a;
-}
+using wire::unit;
 
 Vector mirrored(const Vector& direction, const Vector& normal) {
   return sum(direction, scaled(normal, -2 * inner(direction, normal)));
@@ -42,6 +38,13 @@ std::vector<Vector> make_directions() {
   return out;
 }
 
+// Against the gradient; towards where the ray came from if there is none.
+Vector normal_of(const Point& gradient, const Vector& direction) {
+  if (gradient == Point{}) return scaled(direction, -1);
+  return unit(
+      {-static_cast<double>(gradient[0]), -static_cast<double>(gradient[1]), -static_cast<double>(gradient[2])});
+}
+
 }  // namespace
 
 const std::array<double, 3>& random_direction(std::size_t i) {
@@ -49,32 +52,9 @@ const std::array<double, 3>& random_direction(std::size_t i) {
   return table[i % kRandomDirections];
 }
 
-std::array<double, 3> to_physical(const Direction& direction, const std::array<std::uint32_t, 3>& spacing) {
-  Vector out{};
-  for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = static_cast<double>(direction[axis]) * spacing[axis];
-  return unit(out);
-}
-
-Direction to_direction(const std::array<double, 3>& physical, const std::array<std::uint32_t, 3>& spacing) {
-  Vector voxels{};
-  for (std::size_t axis = 0; axis < 3; ++axis) voxels[axis] = physical[axis] * (65536.0 / spacing[axis]);
-  voxels = unit(voxels);
-  Direction out{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    out[axis] = static_cast<std::int16_t>(std::lround(voxels[axis] * (1 << wire::kDirectionFractionBits)));
-  }
-  return out;
-}
-
-std::array<double, 3> normal_of(const Point& gradient, const std::array<double, 3>& physical_direction) {
-  if (gradient == Point{}) return scaled(physical_direction, -1);
-  return unit(
-      {-static_cast<double>(gradient[0]), -static_cast<double>(gradient[1]), -static_cast<double>(gradient[2])});
-}
-
 Direction scattered(const wire::Material& material, const Direction& direction, const Point& gradient,
                     const std::array<std::uint32_t, 3>& spacing, std::uint64_t chance) {
-  const Vector d = to_physical(direction, spacing);
+  const Vector d = wire::physical_direction(direction, spacing);
   const Vector delta = random_direction(chance);
   const double gloss = static_cast<double>(material.gloss) / (1 << wire::kGlossFractionBits);
   Vector normal = normal_of(gradient, d);
@@ -91,7 +71,7 @@ Direction scattered(const wire::Material& material, const Direction& direction, 
   // A gloss that would take the ray into the surface is reflected out of it again.
   if (reflects(material.bsdf) && inner(out, normal) < 0) out = mirrored(out, normal);
   if (inner(out, out) < 1e-12) out = reflects(material.bsdf) ? normal : d;
-  return to_direction(unit(out), spacing);
+  return wire::direction_words(unit(out), spacing);
 }
 
 }  // namespace gicube::emu

@@ -6,6 +6,7 @@
 
 #include "flow.h"
 #include "gicube/wire/material.h"
+#include "gicube/wire/trap.h"
 
 namespace gicube::emu {
 
@@ -25,11 +26,5 @@ constexpr bool reflects(wire::Bsdf bsdf) {
 // that faces the ray. `spacing`: voxel edges, any unit. `chance`: a draw that only this scattering has.
 Direction scattered(const wire::Material& material, const Direction& direction, const Point& gradient,
                     const std::array<std::uint32_t, 3>& spacing, std::uint64_t chance);
-
-// Physical unit vectors and back, for the DSP's routines too.
-std::array<double, 3> to_physical(const Direction& direction, const std::array<std::uint32_t, 3>& spacing);
-Direction to_direction(const std::array<double, 3>& physical, const std::array<std::uint32_t, 3>& spacing);
-// Against the gradient; towards where the ray came from if there is none.
-std::array<double, 3> normal_of(const Point& gradient, const std::array<double, 3>& physical_direction);
 
 }  // namespace gicube::emu

@@ -9,7 +9,7 @@ namespace gicube {
 
 std::unique_lock<std::mutex> Board::State::begin() {
   if (in_callback.load() == std::this_thread::get_id()) {
-    throw Error("a progress callback may ask its Board for now() and info() only");
+    throw Error("a callback may ask its Board for now() and info() only");
   }
   std::unique_lock lock(mutex);
   device.check();
@@ -19,13 +19,7 @@ std::unique_lock<std::mutex> Board::State::begin() {
 Progress Board::State::watched(const Progress& progress) {
   if (!progress) return {};
   return [this, &progress](std::uint32_t done, std::uint32_t all) {
-    struct Mark {
-      std::atomic<std::thread::id>& who;
-      explicit Mark(std::atomic<std::thread::id>& id) : who(id) { who = std::this_thread::get_id(); }
-      ~Mark() { who = std::thread::id(); }
-      Mark(const Mark&) = delete;
-      Mark& operator=(const Mark&) = delete;
-    } const mark(in_callback);
+    const InCallback mark(*this);
     progress(done, all);
   };
 }

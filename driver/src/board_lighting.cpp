@@ -54,6 +54,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], i);
   check(settings);
   const LoadedVolume& volume = state_->loaded("illuminate()");
+  state_->need_routine(true);
   const LitBox box = lit_box(volume);
   LightingReport report;
   report.unit = lights.empty() ? 1 : energy_unit(lights, settings, box, state_->info.wide);
@@ -78,10 +79,14 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
     }
     const CommandResult result = state_->device.finish(ticket, state_->watched(part));
     if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
-    if (result.payload.size() != wire::kLightingLedgerBytes) state_->device.give_up("a lighting result of wrong size");
-    const auto ledger =
-        wire::decode_lighting_ledger(std::span<const std::uint8_t, wire::kLightingLedgerBytes>(result.payload));
+    const std::span<const std::uint8_t> payload = result.payload;
+    if (payload.size() < wire::kLightingLedgerBytes) state_->device.give_up("a lighting result of wrong size");
+    const auto ledger = wire::decode_lighting_ledger(payload.first<wire::kLightingLedgerBytes>());
     add(ledger, report);
+    state_->scatter_waiting(payload.subspan(wire::kLightingLedgerBytes), [&report](wire::LightingLedger resumed) {
+      resumed.emitted = 0;  // it was counted when its rays were made
+      add(resumed, report);
+    });
     flux += flux_in_the_middle(lights[i], settings, box);
     if (ledger.light_in_solid != 0) {
       report.warnings.push_back("lights[" + std::to_string(i) + "] stands in a solid: its light stays there");

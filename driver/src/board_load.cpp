@@ -19,6 +19,10 @@ std::uint32_t spacing_word(double relative) {
 
 }  // namespace
 
+wire::Spacing Board::State::spacing_words(Vec3 relative) {
+  return {spacing_word(relative.x), spacing_word(relative.y), spacing_word(relative.z)};
+}
+
 void Board::load_volume(const VolumeView& view, const Progress& progress) {
   const auto lock = state_->begin();
   check_volume(view, state_->info.max_volume_voxels);
@@ -47,9 +51,8 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
   for (std::uint32_t axis = 0; axis < 3; ++axis) {  // also where nothing changes: a new size clears the volume
     device.write_register(reg::kVolumeX + 4 * axis, static_cast<std::uint32_t>(of.dims[axis]));
   }
-  device.set_register(reg::kSpacingX, spacing_word(of.relative_spacing.x));
-  device.set_register(reg::kSpacingY, spacing_word(of.relative_spacing.y));
-  device.set_register(reg::kSpacingZ, spacing_word(of.relative_spacing.z));
+  const wire::Spacing spacing = spacing_words(of.relative_spacing);
+  for (std::uint32_t axis = 0; axis < 3; ++axis) device.set_register(reg::kSpacingX + 4 * axis, spacing[axis]);
   tables.send_gradients();
 
   std::vector<std::size_t> stored;

@@ -56,6 +56,7 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   if (view.irradiance && state_->irradiance_unit <= 0) {
     throw Rejected("View::irradiance needs light: illuminate() first");
   }
+  if (view.scatter) state_->need_routine(false);
   const Vec3 eye = towards_eye(view, volume.relative_spacing);
   state_->set_sampling(view);
   if (view.shade) state_->tables.send_reflectance(eye);
@@ -67,6 +68,8 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
   state_->sampling = view;
   state_->sampling_towards_eye = eye;
+  state_->framebuffer_size = {};  // no picture until all rays have come to their ends
+  state_->scatter_waiting(result.payload, {});
   state_->framebuffer_size = {view.width, view.height};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -11,6 +12,8 @@
 #include "batches.h"
 #include "device.h"
 #include "gicube/board.h"
+#include "gicube/wire/command.h"
+#include "host_scattering.h"
 #include "tables.h"
 #include "upload/voxel_blocks.h"
 
@@ -32,16 +35,34 @@ struct Board::State {
 
   // Every public call but now() and info() is one transaction. Throws DeviceLost.
   std::unique_lock<std::mutex> begin();
+  // While it lives, this Board takes no calls from the thread that made it: a callback of the application runs.
+  class InCallback {
+   public:
+    explicit InCallback(State& state) : who_(state.in_callback) { who_ = std::this_thread::get_id(); }
+    ~InCallback() { who_ = std::thread::id(); }
+    InCallback(const InCallback&) = delete;
+    InCallback& operator=(const InCallback&) = delete;
+
+   private:
+    std::atomic<std::thread::id>& who_;
+  };
   // The caller's callback, during which this Board takes no calls from it; empty if `progress` is.
   Progress watched(const Progress& progress);
   // Throws Rejected if there is no volume; `what` needs one.
   LoadedVolume& loaded(const char* what);
 
+  static wire::Spacing spacing_words(Vec3 relative);  // of the SPACING registers
   void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
   void check_fence();
   void find_flags(LoadedVolume& volume);
   void set_sampling(const View& view);
   void set_lighting(const Illumination& settings);
+  // Throws Rejected if a material that `rays` can meet needs the application's routine and there is none.
+  void need_routine(bool lighting) const;
+  // Answers the rays that wait on the board after a command with that result, until none does. Every answer's ledger
+  // goes to `take_ledger`; lighting rays have one.
+  using TakeLedger = std::function<void(const wire::LightingLedger&)>;
+  void scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger);
   std::uint32_t exposure_word(const View& view) const;
 
   const unsigned threads;  // for the driver's own work, 0 = one a core
@@ -51,6 +72,7 @@ struct Board::State {
   Device device;
   Tables tables;
   Batches batches;
+  HostScattering scattering;
   std::optional<LoadedVolume> volume;
   double irradiance_unit = 0;              // power of one unit; 0 before the first illuminate()
   double bright_flux = 0;                  // power a voxel that full brightness is chosen for

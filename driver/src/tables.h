@@ -31,6 +31,7 @@ class Tables {
   void set_function(const TransferFunction& function, int tag);
   void set_shading(const Shading& shading) { shading_ = shading; }
   void set_material(const Material& material, int tag);
+  const std::array<Material, wire::kTags>& materials() const { return materials_; }
   // Entries then hold gains instead of shading coefficients, and the reflectance map highlights alone (lut.h).
   void set_lit_by_irradiance(bool lit) { lit_by_irradiance_ = lit; }
 

@@ -41,7 +41,7 @@ typedef struct gicube_bsdf_event {
 
 /* What becomes of it. The board has set `passes` to 1, `cycles` to the declared cycles and `direction` to zero. */
 typedef struct gicube_bsdf_answer {
-  double direction[3]; /* in which the ray goes on; of any finite length but 0 */
+  double direction[3]; /* in which the ray goes on; of a length from 1e-6 to 1e6 */
   double passes;       /* the share of the ray's energy (or of what it can still gather) that goes on, 0..1 */
   uint32_t cycles;     /* DSP cycles that this call took: 1 to the declared budget */
   uint32_t reserved;   /* leave it 0 */

@@ -4,20 +4,15 @@
 #include <utility>
 
 #include "dsp/routines/built_in.h"
+#include "gicube/wire/trap.h"
 
 namespace gicube::emu {
-
-namespace {
-
-constexpr double kShortest = 1e-30, kLongest = 1e30;  // chosen: of a direction, so that its square is a number
-
-}  // namespace
 
 std::optional<std::string> fault(const ScatterAnswer& answer) {
   const auto& d = answer.direction;
   const double length = std::hypot(d[0], d[1], d[2]);
-  if (!(length >= kShortest && length <= kLongest)) {
-    return "direction: expected finite numbers, not all 0, got " + std::to_string(d[0]) + ' ' + std::to_string(d[1]) +
+  if (!(length >= wire::kShortestDirection && length <= wire::kLongestDirection)) {
+    return "direction: expected a length of 1e-6 to 1e6, got " + std::to_string(d[0]) + ' ' + std::to_string(d[1]) +
            ' ' + std::to_string(d[2]);
   }
   if (!(answer.passes >= 0 && answer.passes <= 1)) return "passes: expected 0..1, got " + std::to_string(answer.passes);

@@ -23,6 +23,7 @@
 #include "gicube/image.h"
 #include "gicube/material.h"
 #include "gicube/ray.h"
+#include "gicube/scattering.h"
 #include "gicube/shading.h"
 #include "gicube/time.h"
 #include "gicube/transfer_function.h"
@@ -116,10 +117,17 @@ class Board {
   // How tag `tag` (0..3) scatters rays. Until then it does not. Throws BadArgument: the board is untouched.
   void set_material(const Material& material, int tag = 0);
 
+  // Scatters the rays that meet a material with kTrap and kHostRoutine, in illuminate() and in pictures with View::scatter:
+  // 64 bytes of each come over the bus, 32 go back, and the simulated host works `time_per_ray` on it. The routine may
+  // ask this Board for now() and info() only. What it throws comes out of the call that needed it, and an answer that is
+  // none as ScatteringFailed: the rays that had not ended are lost, the irradiance is as far as it came, there is no
+  // picture, and the board is ready for the next call. An empty routine takes it back.
+  void set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray = 0);
+
   // Clears the irradiance and distributes the lights' energy by lighting rays; the simulated host waits. The irradiance
   // stays until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
-  // Throws BadArgument (a light's index and field, settings), Rejected (no volume; routine failed): the irradiance is as
-  // far as it came.
+  // Throws BadArgument (a light's index and field, settings), Rejected (no volume; a routine failed or is missing): the
+  // irradiance is as far as it came.
   LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
   // One value a voxel, x fastest, in units of the lights' power. The simulated host waits for the transfer.
   // Throws Rejected before the first illuminate().
@@ -139,7 +147,8 @@ class Board {
   Dims blocks() const;  // how many blocks along each axis
 
   // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image.
-  // Throws BadArgument (view's fields) and Rejected (no volume): the framebuffer is unchanged.
+  // Throws BadArgument (view's fields) and Rejected (no volume, a scattering routine is missing): the framebuffer is
+  // unchanged.
   void render_to_framebuffer(const View& view, const Progress& progress = {});
   // Transfers the framebuffer at 36 bits a pixel. Throws Rejected before the first rendering.
   Image read_framebuffer();
@@ -147,7 +156,7 @@ class Board {
   Image render(const View& view, const Progress& progress = {});
 
   // Sends rays to be integrated with the sampling fields (step, threshold, shade, jitter, leap, cut planes) of the last
-  // view rendered, or of a default View. Returns at once; the simulated host goes on while the board works.
+  // view rendered, or of a default View. They are not scattered by the application. Returns at once; the simulated host goes on while the board works.
   // Throws BadArgument (a ray's index and field), Rejected (no volume): nothing was sent.
   Ticket submit(std::span<const HostRay> rays);
   // Blocks until that batch has returned and moves the simulated host's clock to its arrival.

@@ -50,6 +50,12 @@ class Rejected : public Error {
   using Error::Error;
 };
 
+// The application's scattering routine answered what no ray can do (gicube/scattering.h).
+class ScatteringFailed : public Error {
+ public:
+  using Error::Error;
+};
+
 // This board or fidelity level can't do what was asked; its state is as before the request.
 class Unsupported : public Error {
  public:

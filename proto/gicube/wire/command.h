@@ -1,6 +1,7 @@
 // DSP commands: the payload of kCommand frames, and of the completions that answer them.
 //
-// kRender: the DSP makes the viewing rays of one image and gathers them in the framebuffer; its completion is empty.
+// kRender: the DSP makes the viewing rays of one image and gathers them in the framebuffer. Its completion is empty, or a
+// trap list (below) without rays if some of its rays wait for the host.
 //
 //   byte  size  field
 //      0     4  opcode = 1
@@ -24,7 +25,7 @@
 //      8  32 n  ray packets (ray.h), kHostRay set
 //
 // kIlluminate: the DSP makes the lighting rays of one light; they leave their energy in the irradiance words. Its
-// completion holds a LightingLedger: kLightingLedgerBytes of u64 in its order.
+// completion holds a LightingLedger: kLightingLedgerBytes of u64 in its order; and then as kRender's.
 //
 //   byte  size  field
 //      0     4  opcode = 3
@@ -41,6 +42,25 @@
 //     32  3x24  position, u, v   three doubles each. point: position (voxels). directional: u is towards the light.
 //                                rectangle: position is a corner, u and v its edges (physical), it shines along u x v.
 //                                sphere: position is the centre, u.x the radius (physical)
+//
+// kResume: answers for rays of the last kRender or kIlluminate that wait for the host (routine 255), which go on from where
+// they trapped; and asks for more of them. Registers, tables and volume must be as they were. The next kRender or
+// kIlluminate forgets the rays that still wait.
+//
+//   byte  size  field
+//      0     4  opcode = 4
+//      4     4  count   at most as many as were handed out and not answered
+//      8     4  most    rays that the completion may hold
+//     12     4  reserved, 0
+//     16  32 n  ray packets as trap.h says
+//
+// Its completion: after a kIlluminate first a LightingLedger of what these rays did, `emitted` being the energy that they
+// brought back and `rays` those that came to an end; then a trap list.
+//
+// Trap list:
+//      0     4  count    rays that follow
+//      4     4  waiting  rays that still wait on the board
+//      8  64 n  trapped rays (trap.h), those of one command by their (v, u)
 #pragma once
 
 #include <array>
@@ -51,13 +71,15 @@
 
 namespace gicube::wire {
 
-enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2, kIlluminate = 3 };
+enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2, kIlluminate = 3, kResume = 4 };
 enum class Projection : std::uint8_t { kOrthographic = 0, kPerspective = 1 };
 enum class Filter : std::uint8_t { kBox = 0, kTent = 1 };
 
 inline constexpr int kMaxImageSize = 4095;  // u, v are 12.4 pixels
 inline constexpr std::size_t kRenderCommandBytes = 112;
 inline constexpr std::size_t kTraceHeaderBytes = 8;
+inline constexpr std::size_t kResumeHeaderBytes = 16;
+inline constexpr std::size_t kTrapListHeaderBytes = 8;
 
 struct RenderCommand {
   std::uint16_t width = 0;
@@ -145,7 +167,7 @@ inline IlluminateCommand decode_illuminate(std::span<const std::uint8_t, kIllumi
 }
 
 // Where the energy of a lighting command went, in units of the energy words:
-// emitted = deposited + escaped + scattered_away + clipped.
+// emitted = deposited + escaped + scattered_away + clipped + what rays carry that wait for the host (trap.h).
 struct LightingLedger {
   std::uint64_t rays = 0;
   std::uint64_t emitted = 0;

@@ -21,7 +21,7 @@ wire::Material material(wire::Bsdf bsdf, double gloss = 0) {
   return out;
 }
 
-Direction direction(double x, double y, double z) { return to_direction({x, y, z}, kCubes); }
+Direction direction(double x, double y, double z) { return wire::direction_words({x, y, z}, kCubes); }
 
 double along(const Direction& a, double x, double y, double z) { return (a[0] * x + a[1] * y + a[2] * z) / kOne; }
 
@@ -53,8 +53,8 @@ TEST(Scattering, AMirrorReflectsInPhysicalSpaceWhereVoxelsAreLong) {
   const std::array<double, 3> in{0.6, 0, -0.8};  // physical
   // A plane that is tilted by 45 degrees in physical space turns x into z.
   const Direction out =
-      scattered(material(wire::Bsdf::kSpecular), to_direction(in, spacing), {-500, 0, -500}, spacing, 1);
-  const std::array<double, 3> physical = to_physical(out, spacing);
+      scattered(material(wire::Bsdf::kSpecular), wire::direction_words(in, spacing), {-500, 0, -500}, spacing, 1);
+  const std::array<double, 3> physical = wire::physical_direction(out, spacing);
   EXPECT_NEAR(physical[0], 0.8, 2e-4);
   EXPECT_NEAR(physical[2], -0.6, 2e-4);
 }
@@ -98,8 +98,8 @@ TEST(Scattering, DirectionsStayUnitVectors) {
     const auto number = [&dice] { return static_cast<int>(dice() % 1001) - 500; };
     const Direction in = direction(number() + 0.5, number() + 0.5, number() + 0.5);
     const auto bsdf = static_cast<wire::Bsdf>(dice() % 6);
-    const Direction out =
-        scattered(material(bsdf, static_cast<double>(dice() % 160) / 10), in, {number(), number(), number()}, kCubes, mangle(dice()));
+    const Direction out = scattered(material(bsdf, static_cast<double>(dice() % 160) / 10), in,
+                                    {number(), number(), number()}, kCubes, mangle(dice()));
     EXPECT_NEAR(std::hypot(out[0], out[1], out[2]) / kOne, 1, 1e-4);
   }
 }

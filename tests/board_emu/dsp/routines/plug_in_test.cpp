@@ -67,9 +67,9 @@ TEST(PlugIn, AnswersAsItsCodeSays) {
 TEST(PlugIn, WhatItMustNotAnswerIsAFaultWithItsNameAndTheValue) {
   const RoutineTable table = fickle_table();
   const std::string title = "routine 8 \"fickle\": ";
-  EXPECT_THAT(fault_of(table, Whim::kNan), AllOf(HasSubstr(title + "direction: expected finite"), HasSubstr("nan")));
+  EXPECT_THAT(fault_of(table, Whim::kNan), AllOf(HasSubstr(title + "direction: expected a length"), HasSubstr("nan")));
   EXPECT_THAT(fault_of(table, Whim::kInfinite), AllOf(HasSubstr(title + "direction"), HasSubstr("inf")));
-  EXPECT_THAT(fault_of(table, Whim::kZero), HasSubstr(title + "direction: expected finite numbers, not all 0"));
+  EXPECT_THAT(fault_of(table, Whim::kZero), HasSubstr(title + "direction: expected a length of 1e-6 to 1e6, got 0.0"));
   EXPECT_THAT(fault_of(table, Whim::kPassesMore), HasSubstr(title + "passes: expected 0..1, got 1.5"));
   EXPECT_THAT(fault_of(table, Whim::kPassesLess), HasSubstr(title + "passes: expected 0..1, got -0.25"));
   EXPECT_THAT(fault_of(table, Whim::kPassesNan), HasSubstr("nan"));

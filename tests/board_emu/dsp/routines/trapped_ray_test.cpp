@@ -186,6 +186,7 @@ TEST(TrappedRays, NeedARoutineThatTheBoardHasWithParametersThatItTakes) {
   EXPECT_THAT(fog.fault(), HasSubstr("got 8"));
   fog.set(trap(1, {1.5f}));
   EXPECT_THAT(fog.fault(), HasSubstr("material 0: routine 1 \"henyey_greenstein\": g: expected"));
+  fog.board.write_register(wire::reg::kPipeline, wire::kPipelineScatter);
   const std::vector<wire::Ray> ray{host_ray(1, {1, 1, 1}, {1, 1, 1})};
   const Completion traced = fog.board.wait(fog.board.command(BareBoard::trace_payload(ray))).completions.at(0);
   EXPECT_EQ(traced.error, wire::ErrorCode::kBadValue) << "host rays are scattered too";

@@ -1,0 +1,47 @@
+// Rays that wait on the DSP for the host application's scattering routine, from the command that made them until the host
+// has fetched them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <vector>
+
+#include "gicube/wire/command.h"
+#include "gicube/wire/trap.h"
+
+namespace gicube::emu {
+
+class HostTraps {
+ public:
+  static constexpr std::size_t kMost = std::size_t{1} << 22;  // chosen: 128 MB of packets in the DSP's SDRAM
+
+  // Forgets all rays; `light` tells what the rays of the command to come are, and `rules` holds for lighting rays.
+  void begin(bool light, wire::EnergyRules rules);
+  bool is_light() const { return light_; }
+  wire::EnergyRules rules() const { return rules_; }
+
+  // From several threads. Throws RoutineFault if there are too many.
+  void add(const wire::TrappedRay& ray);
+
+  // The others: between commands, or steps of one.
+  // Puts what was added in its order, which does not depend on threads and time.
+  void settle();
+  std::size_t waiting() const { return waiting_.size(); }
+  // The first of those that wait; they are then out.
+  std::vector<wire::TrappedRay> take(std::size_t most);
+  // Rays that the host has and has not answered.
+  std::uint64_t out() const { return out_; }
+  void answered(std::uint64_t rays) { out_ -= rays; }
+
+ private:
+  std::mutex mutex_;  // of added_
+  std::vector<wire::TrappedRay> added_;
+  std::deque<wire::TrappedRay> waiting_;
+  std::uint64_t out_ = 0;
+  bool light_ = false;
+  wire::EnergyRules rules_ = wire::EnergyRules::kConserving;
+};
+
+}  // namespace gicube::emu
