@@ -92,6 +92,7 @@ const std::vector<Rule>& rules() {
       {"samples/common/graph", {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {"fmt", "google/protobuf"}},
       {"samples/hello",      {"samples/hello", "driver/include"}, {}},
+      {"samples/host_bsdf",  {"samples/host_bsdf", "driver/include"}, {}},
       // Plain C, for the board and not for the driver.
       {"samples/bsdf_plugin", {"samples/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
       {"samples/results",    {"samples/results", "samples/common", "driver/include"}, {kAnything}},
