@@ -66,6 +66,10 @@ double memory_use(const Measurement& m) {
   return ratio(count(m, "rdram.data_busy"), cycles(m) * kClocksPerCycle * memories(m));
 }
 
+double memory_turnaround(const Measurement& m) {
+  return ratio(count(m, "rdram.turnaround"), cycles(m) * kClocksPerCycle * memories(m));
+}
+
 double rays_sent(const Measurement& m) { return 100 * ratio(count(m, "link.rays_sent"), pipeline_cycles(m)); }
 double links_busy(const Measurement& m) { return 100 * ratio(count(m, "link.busy"), 2 * pipeline_cycles(m)); }
 double bisection_mb_s(const Measurement& m) {

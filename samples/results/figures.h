@@ -41,6 +41,8 @@ std::vector<double> miss_histogram(const Measurement& m);
 double memory_gb_s(const Measurement& m);
 // Share of the time in which the memories' data pins were busy, 0..1; four tCYCLE a core cycle.
 double memory_use(const Measurement& m);
+// Share of it in which they stood still since reads followed writes, or writes reads, 0..1.
+double memory_turnaround(const Measurement& m);
 
 // A processor and 100 cycles: rays that it sent, and cycles in which one of its two links moved bits.
 double rays_sent(const Measurement& m);

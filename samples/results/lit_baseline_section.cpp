@@ -135,8 +135,9 @@ void lit_baseline_section(Bench& bench) {
        fmt::format("{} against {}: x {:.2f}", ours.text(), theirs.text(), gain),
        differs(gain, kPaperGain, kPaperGain) || differs(spread_of(ours.throughput).mean, 0.93, 0.93) ||
            differs(spread_of(ours.memory).mean, 0.8, 0.8),
-       fmt::format("supply. What the pipelines of the reordered passes wait for is {}: a DSP makes a lighting ray "
-                   "in 60 of its cycles, and light comes from one side, so that slabs away from it hold few "
+       fmt::format("packets and supply. What the pipelines of the reordered passes wait for is {}: a DSP makes a "
+                   "lighting ray in 60 of its cycles, and light comes from one side, so that slabs away from it "
+                   "hold few "
                    "rays. The paper's row seems to be that of its exact simulator, which had one processor "
                    "(4.2): one takes 93 M samples/s at 93%, of {:.1f} bytes each at 0.8 GB/s; four would move "
                    "{:.1f}, against 12.1 by its rows 2 and 5. Ours with one processor: {}. The paper's "

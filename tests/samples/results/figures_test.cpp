@@ -50,10 +50,12 @@ TEST(ResultFigures, MemoryCountsPacketsOfSixteenBytesAndBusyPins) {
   const Measurement m = measured({{"rdram0.data_busy", "tCYCLE", 4000},
                                   {"rdram1.data_busy", "tCYCLE", 0},
                                   {"rdram.data_busy", "tCYCLE", 4000},
+                                  {"rdram.turnaround", "tCYCLE", 800},
                                   {"rdram.reads", "packet", 900},
                                   {"rdram.writes", "packet", 100}});
   EXPECT_DOUBLE_EQ(memory_gb_s(m), 1.6);
   EXPECT_DOUBLE_EQ(memory_use(m), 0.5);
+  EXPECT_DOUBLE_EQ(memory_turnaround(m), 0.1);
 }
 
 TEST(ResultFigures, LinksAreCountedAProcessorAndHundredCycles) {
