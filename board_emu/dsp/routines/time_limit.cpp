@@ -44,14 +44,17 @@ class Watch {
 
  private:
   static void tick(int);
+  bool set_ticks(std::chrono::nanoseconds period);  // 0: none
 
   static constinit thread_local Watch* current_;
 
   timer_t timer_{};
   sigjmp_buf home_;
   volatile sig_atomic_t inside_ = 0;
+  volatile sig_atomic_t ticking_ = 0;
   volatile std::uint64_t call_ = 0;  // running number
   std::uint64_t seen_ = 0;           // the tick's: the call that it found, since when, and how often
+  std::uint64_t idle_ = 0;           // and the last call at a tick between calls
   std::chrono::nanoseconds since_{};
   int ticks_ = 0;
 };
@@ -75,15 +78,22 @@ Watch::Watch() {
   event.sigev_signo = tick_signal();
   event.sigev_notify_thread_id = ::gettid();
   if (::timer_create(CLOCK_MONOTONIC, &event, &timer_) != 0) fail("timer_create");
-  itimerspec period{};
-  period.it_value.tv_nsec = period.it_interval.tv_nsec = std::chrono::nanoseconds(kTick).count();
-  if (::timer_settime(timer_, 0, &period, nullptr) != 0) fail("timer_settime");
+}
+
+bool Watch::set_ticks(std::chrono::nanoseconds period) {
+  itimerspec spec{};
+  spec.it_value.tv_nsec = spec.it_interval.tv_nsec = period.count();
+  ticking_ = period.count() != 0 ? 1 : 0;
+  return ::timer_settime(timer_, 0, &spec, nullptr) == 0;
 }
 
 void Watch::tick(int) {
   const int error = errno;
   Watch* const watch = current_;
-  if (watch != nullptr && watch->inside_ != 0) {
+  if (watch != nullptr && watch->inside_ == 0) {
+    if (watch->idle_ == watch->call_) watch->set_ticks({});  // no call since the last tick: let the thread sleep
+    watch->idle_ = watch->call_;
+  } else if (watch != nullptr) {
     if (watch->seen_ != watch->call_) {
       watch->seen_ = watch->call_;
       watch->since_ = cpu_time();
@@ -103,6 +113,7 @@ void Watch::tick(int) {
   std::atomic_signal_fence(std::memory_order_seq_cst);
   inside_ = 1;
   try {
+    if (ticking_ == 0 && !set_ticks(kTick)) fail("timer_settime");
     call(context);
   } catch (...) {
     inside_ = 0;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dsp/routines/routine_table.h"
+#include "dsp/routines/time_limit.h"
 #include "fickle_bsdf.h"
 
 namespace gicube::emu {
@@ -94,6 +95,21 @@ TEST(PlugIn, ThatNeverReturnsIsLeftAndNotCalledAgain) {
   EXPECT_THAT(table.fault(kFirstUserRoutine, {}), Optional(HasSubstr("did not return")));
   const RoutineTable other = fickle_table();
   EXPECT_EQ(fault_of(other, Whim::kRetroreflect), "no fault") << "this thread can call others";
+}
+
+// Many short calls take longer than any one may.
+TEST(PlugIn, MayBeCalledForAsLongAsItReturns) {
+  using Clock = std::chrono::steady_clock;
+  const RoutineTable table = fickle_table();
+  const auto end = Clock::now() + kCpuLimit + 2 * kTick;
+  while (Clock::now() < end) {
+    for (int i = 0; i < 1000; ++i) table.scatter(kFirstUserRoutine, event_with({}));
+  }
+  std::this_thread::sleep_for(3 * kTick);  // without calls the ticks end, and begin again
+  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "no fault");
+#ifndef __SANITIZE_THREAD__
+  EXPECT_THAT(fault_of(table, Whim::kEndless), HasSubstr("did not return"));
+#endif
 }
 
 TEST(PlugIn, ChecksItsParameters) {
