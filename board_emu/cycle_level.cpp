@@ -1,6 +1,7 @@
 #include "cycle_level.h"
 
 #include "dsp/viewing_rays.h"
+#include "meet.h"
 
 namespace gicube::emu {
 
@@ -109,7 +110,49 @@ class LightRays : public RayWork {
   Lit& lit_;
 };
 
+class AnsweredRays : public RayWork {
+ public:
+  AnsweredRays(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer,
+               const v1::DspConfig& dsp, RayCounters& counters)
+      : answers_(answers), frame_(frame), framebuffer_(framebuffer), dsp_(dsp), counters_(counters) {}
+
+  std::uint64_t count() const override { return answers_.size(); }
+  std::uint64_t row_end(std::uint64_t i) const override { return i + 1; }
+  std::uint32_t make_cycles() const override { return dsp_.host_ray_cycles() / 2; }
+  std::uint32_t take_cycles() const override {
+    return !answers_.empty() && is_light(answers_[0]) ? 0 : dsp_.returned_ray_cycles();
+  }
+
+  std::optional<wire::Ray> make(std::uint64_t i) override {
+    wire::Ray ray = answers_[i];
+    if (!take_answer(ray, frame_, counters_)) return ray;
+    if (!is_light(ray)) framebuffer_.add(ray);
+    return std::nullopt;
+  }
+  void take(std::uint64_t i, const Traveller& traveller) override {
+    wire::Ray ray = answers_[i];
+    if (is_light(ray)) return;
+    finish(traveller, frame_, ray);
+    framebuffer_.add(ray);
+  }
+
+ private:
+  static bool is_light(const wire::Ray& ray) { return (ray.flags & wire::kLightingRay) != 0; }
+
+  std::span<const wire::Ray> answers_;
+  const Frame& frame_;
+  Framebuffer& framebuffer_;
+  const v1::DspConfig& dsp_;
+  RayCounters& counters_;
+};
+
 }  // namespace
+
+Ran resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
+           Machine& machine, RayCounters& counters, Work& work) {
+  AnsweredRays rays(answers, frame, framebuffer, dsp, counters);
+  return machine.run(rays, frame, work);
+}
 
 Ran illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Lit& lit,
                Work& work) {

@@ -23,6 +23,11 @@ struct Lit {
 Ran illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Lit& lit,
                Work& work);
 
+// Rays that the host has scattered (trap.h) go on: lighting rays, or rendering rays into `framebuffer`. What their answers
+// alone did, and as emitted what they bring, is added to `counters`; the rest is the machine's. Throws Stall, RoutineFault.
+Ran resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
+           Machine& machine, RayCounters& counters, Work& work);
+
 // Takes host rays to their ends, in place. A ray that misses the volume or lies behind a cut plane returns as it came.
 Ran trace(std::span<wire::Ray> rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Work& work);
 

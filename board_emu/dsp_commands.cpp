@@ -148,7 +148,6 @@ std::optional<std::string> DspCommands::material_fault(bool host_answers) const 
     if (material.bsdf != wire::Bsdf::kTrap) continue;
     if (material.routine == wire::kHostRoutine) {
       if (!host_answers) return which + "routine 255: the host is not asked for rays of a trace command";
-      if (config_.fidelity() == v1::cycle) return which + "routine 255: the host is not asked at cycle level";
       continue;
     }
     if (routines_ == nullptr || !routines_->has(material.routine)) {

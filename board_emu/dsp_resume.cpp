@@ -2,10 +2,11 @@
 #include <algorithm>
 
 #include "command_fault.h"
+#include "cycle_level.h"
 #include "dsp_commands.h"
 #include "functional_level.h"
 #include "gicube/wire/trap.h"
-#include "meet.h"
+#include "machine_counters.h"
 
 namespace gicube::emu {
 
@@ -57,7 +58,10 @@ void DspCommands::add_trap_list(CommandResult& result, std::size_t most) {
   }
   result.up_bytes = result.payload.size();
   result.returns_rays = !rays.empty();
-  result.dsp_cycles += rays.size() * config_.dsp().host_ray_cycles();  // there and back
+  // host_ray_cycles is for both ways; the other half is taken with the answer.
+  const std::uint64_t cycles = rays.size() * (config_.dsp().host_ray_cycles() - config_.dsp().host_ray_cycles() / 2);
+  result.dsp_cycles += cycles;
+  if (result.asic_ps != 0) result.asic_ps += cycles_to_ps(cycles, config_.dsp().clock_khz());
   host_traps_total_ += rays.size();
 }
 
@@ -94,17 +98,27 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& w
   }
   aperture_.decode(threads_);
   host_traps_.answered(count);
-  const Rendered resumed = emu::resume(answers, frame, aperture_.framebuffer(), threads_, work);
-  if (resumed.cancelled) return {.error = wire::ErrorCode::kCancelled};
-  rays_ += resumed.rays;
   CommandResult result;
-  result.dsp_cycles = resumed.rays.trap_cycles;
+  RayCounters counts;
+  if (config_.fidelity() != v1::cycle) {
+    const Rendered resumed = emu::resume(answers, frame, aperture_.framebuffer(), threads_, work);
+    if (resumed.cancelled) return {.error = wire::ErrorCode::kCancelled};
+    rays_ += counts = resumed.rays;
+    result.dsp_cycles = count * (config_.dsp().host_ray_cycles() / 2) + counts.trap_cycles +
+                        resumed.returned * config_.dsp().returned_ray_cycles();
+  } else if (count > 0) {
+    const RayCounters before = ray_counters(machine());
+    const Ran ran = emu::resume(answers, frame, aperture_.framebuffer(), config_.dsp(), machine(), counts, work);
+    if (ran.cancelled) return cancelled();
+    rays_ += counts;
+    counts += ray_counters(machine()) - before;
+    result = timed(ran);
+  }
   result.takes_rays = count > 0;
   if (light) {
-    add_ledger(result, resumed.rays, false);
+    add_ledger(result, counts, false);
   } else {
     aperture_.resolve_framebuffer();
-    result.dsp_cycles += resumed.returned * config_.dsp().returned_ray_cycles();
   }
   add_trap_list(result, most);
   return result;

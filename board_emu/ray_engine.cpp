@@ -53,7 +53,15 @@ void RayEngine::take_back(Cycle now) {
     kept_.push_back(token);
     return;
   }
-  if (token.state == RayState::kTrapped && scatter(now, token)) return;
+  if (token.state == RayState::kTrapped) {
+    const Scattered scattered = scatter(now, token);
+    if (scattered == Scattered::kSentAgain) return;
+    if (scattered == Scattered::kToHost) {
+      rays_.remove(token.ray);
+      ++finished_;
+      return;
+    }
+  }
   work_->take(index_of_[token.ray], rays_[token.ray].traveller);
   rays_.remove(token.ray);
   ++counters_.taken;
@@ -61,25 +69,25 @@ void RayEngine::take_back(Cycle now) {
   work_for(now, work_->take_cycles());
 }
 
-// A routine scatters the ray, which is sent again; false if it ends here.
-bool RayEngine::scatter(Cycle now, RayToken token) {
+RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
   RayUnderWay& ray = rays_[token.ray];
   std::uint32_t cycles = 0;
   const Met met = resolve_trap(ray.traveller, *frame_, counts_, cycles);
   counts_.trap_cycles += cycles;
   work_for(now, overflow_cycles_ / 2 + cycles);
+  if (met.fate == Fate::kTrapped) return Scattered::kToHost;
   if (met.fate == Fate::kEnded) {
     count_end(ray.traveller, End::kSpent, *frame_, counts_);
-    return false;
+    return Scattered::kEnds;
   }
   if (const End how = end(ray.traveller, *frame_); how != End::kNot) {
     count_end(ray.traveller, how, *frame_, counts_);
-    return false;
+    return Scattered::kEnds;
   }
   token.state = RayState::kUnderWay;
   ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.traveller.position));
   kept_.push_back(token);
-  return true;
+  return Scattered::kSentAgain;
 }
 
 // Makes the next ray; nothing if it never goes to the ASIC.

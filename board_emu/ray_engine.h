@@ -66,7 +66,9 @@ class RayEngine {
  private:
   void work_for(Cycle now, std::uint64_t dsp_cycles);
   void take_back(Cycle now);
-  bool scatter(Cycle now, RayToken token);
+  // What its routine makes of a trapped ray. kToHost: the application must answer, and has it.
+  enum class Scattered : std::uint8_t { kSentAgain, kEnds, kToHost };
+  Scattered scatter(Cycle now, RayToken token);
   enum class Outgoing : std::uint8_t { kNothing, kRay, kRun };
 
   bool send(Cycle now);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 #include "test_board.h"
@@ -135,6 +136,26 @@ TEST_F(Scattering, ByTheApplicationGivesTheBitsOfTheBoardsOwnRoutine) {
       EXPECT_GT((board_.counters() - before).value("dsp.host_traps"), 1000u);
     }
   }
+}
+
+TEST_F(Scattering, ByTheApplicationGivesTheSameBitsAtCycleLevel) {
+  const auto run = [this](const std::string& options) {
+    board_ = open_board(kSmallBlocks + options);
+    load({1, 1.5, 1});
+    board_.set_scattering_routine(henyey_greenstein);
+    board_.set_material(trap(kHostRoutine, {0.5f}));
+    const LightingReport report = light();
+    expect_exact(report);
+    View gathering = view();
+    gathering.irradiance = true;
+    const Image picture = board_.render(gathering);
+    EXPECT_GT(board_.counters().value("dsp.host_traps"), 1000u);
+    return std::tuple(board_.read_irradiance(), picture, std::llround(report.deposited / report.unit),
+                      std::llround(report.escaped / report.unit), report.rays);
+  };
+  const auto expected = run("");
+  EXPECT_EQ(run("&fidelity=cycle"), expected);
+  EXPECT_EQ(run("&fidelity=cycle&set=asic.processors=2&set=asic.queue_rays=16"), expected);
 }
 
 TEST_F(Scattering, ByTheApplicationPaysForTheBusAndForItsOwnWork) {
