@@ -10,7 +10,16 @@
 namespace gicube::emu {
 
 // What a number is drawn for: draws of one ray at one place must not repeat each other.
-enum class Chance : std::uint64_t { kInteraction = 1, kPhase, kAbsorption, kDirection, kSplat, kShare, kRoutine, kLoss };
+enum class Chance : std::uint64_t {
+  kInteraction = 1,
+  kPhase,
+  kAbsorption,
+  kDirection,
+  kSplat,
+  kShare,
+  kRoutine,
+  kLoss
+};
 
 // 64 bits for the ray (u, v) on a flight: `lifetime` names the flight. `seed` is the SEED register.
 constexpr std::uint64_t draw(Chance what, std::uint16_t u, std::uint16_t v, std::uint16_t lifetime,

@@ -25,9 +25,9 @@ enum class Cause : std::uint8_t {
 };
 
 inline constexpr std::size_t kCauses = 13;
-inline constexpr std::array<std::string_view, kCauses> kCauseNames{"busy",        "leap", "splat", "cache_fill", "cache_miss",
-                                                                   "memory_bank", "refresh", "latency",    "sorter",
-                                                                   "queue_empty", "link",    "ray_bus",    "dsp"};
+inline constexpr std::array<std::string_view, kCauses> kCauseNames{
+    "busy",    "leap",   "splat",       "cache_fill", "cache_miss", "memory_bank", "refresh",
+    "latency", "sorter", "queue_empty", "link",       "ray_bus",    "dsp"};
 
 using CauseCounts = std::array<std::uint64_t, kCauses>;
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "common/input_error.h"
 #include "common/geometry/signed_distance.h"
+#include "common/input_error.h"
 #include "common/truncated_icosahedron.h"
 
 namespace gicube::samples {
