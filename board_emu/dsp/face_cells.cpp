@@ -87,10 +87,4 @@ FaceCell FaceCells::cell(std::uint64_t index) const {
   return {i / 2, i % 2 == 1, {static_cast<std::uint32_t>(in_face % row), static_cast<std::uint32_t>(in_face / row)}};
 }
 
-std::uint64_t FaceCells::row_end(std::uint64_t index) const {
-  const std::size_t i = face(index);
-  const std::uint64_t row = size_[(i / 2 + 1) % 3];
-  return first_[i] + ((index - first_[i]) / row + 1) * row;
-}
-
 }  // namespace gicube::emu

@@ -40,9 +40,7 @@ class FaceCells {
   explicit FaceCells(const Point& extent);  // whole voxels in 10.14, at least one on each axis
 
   std::uint64_t count() const { return first_[6]; }
-  FaceCell cell(std::uint64_t index) const;  // index < count()
-  // The first cell behind the row of cells that `index` is in.
-  std::uint64_t row_end(std::uint64_t index) const;
+  FaceCell cell(std::uint64_t index) const;                      // index < count()
   double extent(std::size_t axis) const { return size_[axis]; }  // voxels
 
  private:

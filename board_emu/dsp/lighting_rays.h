@@ -37,8 +37,6 @@ class LightingRays {
 
   // Rays of this command that there may be: `command.count` for each face cell.
   std::uint64_t count() const { return cells_.count() * command_.count; }
-  // The first ray behind the row of face cells that ray `i` is for.
-  std::uint64_t row_end(std::uint64_t i) const { return cells_.row_end(i / command_.count) * command_.count; }
 
   // Ray i < count(), in any order and from any thread; nothing where the light does not shine or where the energy was
   // rounded to none. Its (v, u) is the ray's number in the whole pass, cell * k + first + ..., its energy word has 12

@@ -262,14 +262,6 @@ TEST(LightingRays, DifferBetweenSeedsAndBetweenLights) {
   EXPECT_LT(same_light, 3);
 }
 
-TEST(LightingRays, RowsEndWhereARowOfCellsEnds) {
-  const LightingRays rays(light(LightKind::kPoint, 1, {6, 4, 5}, 4), kBox, kEven, 8, 3);
-  EXPECT_EQ(rays.row_end(0), 8u * 4);  // a row of a -x face runs along y
-  EXPECT_EQ(rays.row_end(31), 8u * 4);
-  EXPECT_EQ(rays.row_end(32), 16u * 4);
-  EXPECT_EQ(rays.row_end(rays.count() - 1), rays.count());
-}
-
 // The fault of a good rectangle light that `spoil` has changed; "" if none.
 std::string fault_of(const auto& spoil) {
   IlluminateCommand command = rectangle({3, 2, 9}, {5, 1, 0}, {0, 4, 0}, 8);
