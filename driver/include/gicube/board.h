@@ -19,6 +19,7 @@
 
 #include "gicube/counters.h"
 #include "gicube/error.h"
+#include "gicube/export.h"
 #include "gicube/illumination.h"
 #include "gicube/image.h"
 #include "gicube/material.h"
@@ -76,7 +77,7 @@ struct RayBatch {
 // Movable, not copyable: one Board owns one session, which ends with it. Its calls may come from several threads; each
 // call is one transaction and they take turns, so the simulated host is one host. A moved-from Board may only be
 // destroyed or assigned to.
-class Board {
+class GICUBE_API Board {
  public:
   // Opens a board and resets it.
   //   emu:                  starts a private gicube-board child over a socket pair; it ends with this Board

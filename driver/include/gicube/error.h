@@ -4,16 +4,18 @@
 #include <stdexcept>
 #include <string>
 
+#include "gicube/export.h"
+
 namespace gicube {
 
 // The parent of all errors that the driver throws.
-class Error : public std::runtime_error {
+class GICUBE_API Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 // A value that the caller gave is wrong. Thrown before anything is sent: the board is untouched.
-class BadArgument : public Error {
+class GICUBE_API BadArgument : public Error {
  public:
   BadArgument(const std::string& field, const std::string& expected, const std::string& got)
       : Error(field + ": expected " + expected + ", got " + got), field_(field), expected_(expected), got_(got) {}
@@ -27,50 +29,50 @@ class BadArgument : public Error {
 };
 
 // No board could be opened: the URI's scheme, path or program is not there, or nobody answers.
-class OpenFailed : public Error {
+class GICUBE_API OpenFailed : public Error {
  public:
   using Error::Error;
 };
 
 // The board has another owner.
-class BoardBusy : public Error {
+class GICUBE_API BoardBusy : public Error {
  public:
   using Error::Error;
 };
 
 // Driver and board speak different major versions.
-class VersionMismatch : public Error {
+class GICUBE_API VersionMismatch : public Error {
  public:
   using Error::Error;
 };
 
 // The board refused a request (its own words are the message); its state is as before the request.
-class Rejected : public Error {
+class GICUBE_API Rejected : public Error {
  public:
   using Error::Error;
 };
 
 // The application's scattering routine answered what no ray can do (gicube/scattering.h).
-class ScatteringFailed : public Error {
+class GICUBE_API ScatteringFailed : public Error {
  public:
   using Error::Error;
 };
 
 // This board or fidelity level can't do what was asked; its state is as before the request.
-class Unsupported : public Error {
+class GICUBE_API Unsupported : public Error {
  public:
   using Error::Error;
 };
 
 // The board's process ended or the link broke. Everything on the board is lost; every open call throws this, and so do
 // all later calls on the same Board. Open the board again to go on.
-class DeviceLost : public Error {
+class GICUBE_API DeviceLost : public Error {
  public:
   using Error::Error;
 };
 
 // No answer within the wall-clock watchdog. The board may still be working: the Board is closed, as after DeviceLost.
-class TimedOut : public Error {
+class GICUBE_API TimedOut : public Error {
  public:
   using Error::Error;
 };

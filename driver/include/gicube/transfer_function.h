@@ -4,6 +4,8 @@
 #include <array>
 #include <vector>
 
+#include "gicube/export.h"
+
 namespace gicube {
 
 using Colour = std::array<double, 3>;  // red green blue, 0..1, display-referred (sRGB)
@@ -20,7 +22,7 @@ struct OpacityPoint {
 
 // Piecewise linear between its points, constant beyond the first and the last. Values must rise strictly, except that
 // two points may share one value: a step, which takes the second's side.
-struct TransferFunction {
+struct GICUBE_API TransferFunction {
   std::vector<ColourPoint> colours;     // at least one
   std::vector<OpacityPoint> opacities;  // at least one
 
