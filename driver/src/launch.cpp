@@ -1,5 +1,6 @@
 #include "launch.h"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
@@ -14,6 +15,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -48,6 +50,16 @@ Fd raised(Fd fd) {
   return copy;
 }
 
+// Where the installation that this library belongs to has its programs: it may have been moved since it was built.
+std::optional<fs::path> programs_of_this_library() {
+  Dl_info info{};
+  if (::dladdr(reinterpret_cast<const void*>(&find_board_program), &info) == 0 || info.dli_fname == nullptr) return {};
+  std::error_code error;
+  const fs::path library = fs::canonical(info.dli_fname, error);
+  if (error) return {};
+  return (library.parent_path() / GICUBE_LIBRARIES_TO_PROGRAMS).lexically_normal();
+}
+
 // posix_spawn's two parameter objects, with their ends.
 struct SpawnPlan {
   posix_spawn_file_actions_t files;
@@ -76,6 +88,7 @@ std::string find_board_program() {
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
   if (!error) places.push_back(self.parent_path() / kProgram);
+  if (const auto programs = programs_of_this_library()) places.push_back(*programs / kProgram);
   places.push_back(fs::path(GICUBE_INSTALL_BINDIR) / kProgram);
   if (const char* path = std::getenv("PATH")) {
     const std::string list = path;

@@ -29,7 +29,7 @@ struct LoadedVolume {
   std::vector<std::uint8_t> flags;  // in force, one a block
 };
 
-struct Board::State {
+struct GICUBE_HIDDEN Board::State {
   State(const Uri& uri, std::chrono::milliseconds watchdog)
       : threads(uri.threads), device(uri, watchdog), tables(device), batches(device) {}
 

@@ -1,8 +1,11 @@
-// Marks what libgicube.so shows to applications; everything else in it is hidden.
+// Marks what libgicube.so shows to applications; everything else in it is hidden, and so is what a public class has marked
+// so. For C and C++.
 #pragma once
 
 #if defined(__GNUC__)
 #define GICUBE_API __attribute__((visibility("default")))
+#define GICUBE_HIDDEN __attribute__((visibility("hidden")))
 #else
 #define GICUBE_API
+#define GICUBE_HIDDEN
 #endif

@@ -1,0 +1,37 @@
+# script/package: gicube (library and programs) and gicube-dev (headers, CMake, pkg-config, examples) for Debian 12.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME gicube)
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGE_CONTACT "The GI-Cube SDK's authors <gicube@example.org>")  # chosen: no address is the project's own
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL runtime dev)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)      # what the programs link decides what the packages need
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME gicube)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
+"emulated GI-Cube volumetric ray tracing board, and its driver
+ The driver library (C++ and C), gicube-board (the board's emulator) and
+ gicube-render (pictures of volumes and scenes).")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME gicube-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION})")
+set(CPACK_COMPONENT_DEV_DESCRIPTION
+"GI-Cube driver: headers, CMake package, pkg-config, examples
+ What a program needs to build on the GI-Cube driver and to test itself
+ against emulated boards.")
+
+# Debian's place for a package's license; each package has its own.
+foreach(component runtime dev)
+  string(TOUPPER ${component} upper)
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}
+    RENAME copyright COMPONENT ${component})
+endforeach()
+include(CPack)
