@@ -47,6 +47,13 @@ struct Work {
   std::atomic<std::uint32_t> all{0};
 };
 
+// An RDRAM bit error. `block` counts the blocks that are stored, `bit` the bits of its packed words; both count round.
+struct MemoryError {
+  std::uint32_t block = 0;
+  std::uint32_t bit = 0;
+  bool detected = false;
+};
+
 class Observation;
 class Routines;
 
@@ -62,6 +69,10 @@ class Board {
   // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
   // host sends can throw: faults are error replies, error completions, or for posted writes STATUS bits.
   Outcome transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work);
+
+  // Called like transact(). Detected: the next command that reads the volume fails with ErrorCode::kMemory and changes
+  // nothing; there is no other harm. Silent: that bit is wrong until it is written again; without a volume nothing happens.
+  void add_memory_error(const MemoryError& error);
 
   // All state back to power-up. Simulated time starts at 0 again; so do the counters.
   void reset();

@@ -9,8 +9,8 @@
 #include <bit>
 #include <utility>
 
-#include "config_schema.h"
 #include "rdram/layout.h"
+#include "text_schema.h"
 
 namespace gicube::emu {
 namespace {
@@ -176,19 +176,12 @@ void check_refresh(const v1::RdramConfig& rdram, const FieldLines& lines, std::v
 
 }  // namespace
 
-std::string to_string(const Fault& fault) {
-  const std::string where = fault.line > 0 ? fmt::format("line {}: ", fault.line) : "";
-  const std::string name = fault.field.empty() ? "" : fault.field + ": ";
-  return fmt::format("{}{}expected {}, got {}", where, name, fault.expected, fault.got);
-}
-
-std::string to_string(std::span<const Fault> faults) {
-  std::string text;
-  for (const Fault& fault : faults) {
-    if (!text.empty()) text += '\n';
-    text += to_string(fault);
-  }
-  return text;
+ParsedConfig parse_config(std::string_view text) {
+  ParsedConfig parsed;
+  TextReading reading = read_text(text, parsed.config);
+  parsed.lines = std::move(reading.lines);
+  parsed.faults = std::move(reading.faults);
+  return parsed;
 }
 
 std::vector<Fault> apply_override(v1::BoardConfig& config, std::string_view assignment) {

@@ -4,30 +4,14 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "gicube/v1/board_config.pb.h"
+#include "strict_text.h"
 
 namespace gicube::emu {
-
-struct Fault {
-  std::string field;  // dotted path, as "asic.processors"; empty where the text can't be read at all
-  std::string expected;
-  std::string got;
-  int line = 0;  // in the configuration text, from 1; 0 = not known
-};
-
-// "line 3: asic.processors: expected 1 to 16, got 99"
-std::string to_string(const Fault& fault);
-// One fault a line.
-std::string to_string(std::span<const Fault> faults);
-
-// Where a configuration text sets each field: dotted path -> line from 1.
-using FieldLines = std::map<std::string, int, std::less<>>;
 
 struct ParsedConfig {
   v1::BoardConfig config;  // only what the text sets

@@ -19,6 +19,7 @@
 #include "board.h"
 #include "config.h"
 #include "dsp/routines/routine_table.h"
+#include "fault_point.h"
 #include "trace/observation.h"
 
 namespace gicube::emu {
@@ -53,6 +54,9 @@ class BoardSlot {
 
   void set_endpoint(std::string endpoint);
 
+  // What goes wrong between a driver and this board; any thread.
+  FaultPoint& faults() { return faults_; }
+
   struct Info {
     std::uint32_t index = 0;
     std::string endpoint;
@@ -79,7 +83,7 @@ class BoardSlot {
   enum class Owner { kNone, kSession, kManagement };
 
   const std::uint32_t index_;
-  mutable std::mutex mutex_;  // guards everything below but compute_
+  mutable std::mutex mutex_;  // guards everything below but faults_ and compute_
   std::condition_variable released_;
   Owner owner_ = Owner::kNone;
   bool releasing_ = false;
@@ -90,6 +94,7 @@ class BoardSlot {
   const RoutineTable* const routines_;
   std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
   std::unique_ptr<Board> board_;
+  FaultPoint faults_;  // has a lock of its own
   boost::asio::thread_pool compute_{1};
 };
 

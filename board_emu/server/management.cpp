@@ -97,6 +97,30 @@ class Service final : public v1::BoardManagement::Service {
     return {StatusCode::UNAVAILABLE, "the board process ends"};
   }
 
+  Status SetFaultPlan(ServerContext*, const v1::SetFaultPlanRequest* request, v1::FaultPlanInfo* info) override {
+    BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    const std::vector<Fault> faults = slot->faults().set_plan(request->plan_text());
+    if (!faults.empty()) return {StatusCode::INVALID_ARGUMENT, to_string(faults)};
+    describe_plan(*slot, *info);
+    return Status::OK;
+  }
+
+  Status GetFaultPlan(ServerContext*, const v1::GetFaultPlanRequest* request, v1::FaultPlanInfo* info) override {
+    BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    describe_plan(*slot, *info);
+    return Status::OK;
+  }
+
+  Status GetFaultLog(ServerContext*, const v1::GetFaultLogRequest* request, v1::FaultLog* log) override {
+    BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    log->set_board(slot->index());
+    for (v1::PlannedFault& fault : slot->faults().log(request->clear())) *log->add_faults() = std::move(fault);
+    return Status::OK;
+  }
+
   // Ends the watches.
   void stop() {
     const std::lock_guard lock(mutex_);
@@ -137,6 +161,15 @@ class Service final : public v1::BoardManagement::Service {
       listed->set_cycles(routine.cycles);
       listed->set_cycle_budget(routine.cycle_budget);
     }
+  }
+
+  static void describe_plan(BoardSlot& slot, v1::FaultPlanInfo& out) {
+    const FaultPoint::Info info = slot.faults().info();
+    out.set_board(slot.index());
+    out.set_plan_text(info.plan_text);
+    out.set_messages_down(info.messages_down);
+    out.set_messages_up(info.messages_up);
+    out.set_faults(info.faults);
   }
 
   static v1::CounterSnapshot take_snapshot(const BoardSlot& slot) {

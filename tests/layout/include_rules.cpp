@@ -78,7 +78,8 @@ const std::vector<Rule>& rules() {
       {"board_emu/trace",    {"board_emu/trace", "board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/raybus",
                               "board_emu/sorter", "board_emu/pipeline", "board_emu/cache", "board_emu/rdram",
                               "board_emu/link", "proto"}, {"fmt"}},
-      {"board_emu/server",   {"board_emu/server", "board_emu/board.h", "board_emu/config.h", "board_emu/hardware_cost.h",
+      {"board_emu/server",   {"board_emu/server", "board_emu/board.h", "board_emu/config.h", "board_emu/strict_text.h",
+                              "board_emu/text_schema.h", "board_emu/hardware_cost.h",
                               "board_emu/dsp/routines/routine_table.h", "board_emu/trace/observation.h", "proto"},
                              {kAnything}},
 

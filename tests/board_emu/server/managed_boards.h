@@ -43,6 +43,20 @@ class ManagedBoards {
     EXPECT_TRUE(stub->GetInfo(&call, request, &answer).ok());
     return answer;
   }
+  grpc::Status set_fault_plan(const std::string& text, v1::FaultPlanInfo& info) {
+    Call call;
+    v1::SetFaultPlanRequest request;
+    request.set_plan_text(text);
+    return stub->SetFaultPlan(&call, request, &info);
+  }
+  v1::FaultLog fault_log(bool clear = false) {
+    Call call;
+    v1::GetFaultLogRequest request;
+    request.set_clear(clear);
+    v1::FaultLog log;
+    EXPECT_TRUE(stub->GetFaultLog(&call, request, &log).ok());
+    return log;
+  }
   grpc::Status reset(v1::BoardInfo& answer) {
     Call call;
     return stub->Reset(&call, {}, &answer);

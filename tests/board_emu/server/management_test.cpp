@@ -217,5 +217,47 @@ TEST(Management, ASeventeenthWatchIsTurnedAway) {
   for (const auto& each : readers) each->Finish();
 }
 
+TEST(Management, AFaultPlanIsSetShownAndTakenBack) {
+  ManagedBoards managed(2);
+  const std::string plan = "fault { direction: down message: 1000000 kind: drop }";
+  v1::FaultPlanInfo info;
+  ASSERT_TRUE(managed.set_fault_plan(plan, info).ok());
+  EXPECT_EQ(info.plan_text(), plan);
+  for (const std::uint32_t board : {0u, 1u}) {
+    Call call;
+    v1::GetFaultPlanRequest request;
+    request.set_board(board);
+    ASSERT_TRUE(managed.stub->GetFaultPlan(&call, request, &info).ok());
+    EXPECT_EQ(info.plan_text(), board == 0 ? plan : "");
+    EXPECT_EQ(info.faults(), 0u);
+  }
+  ASSERT_TRUE(managed.set_fault_plan("", info).ok());
+  EXPECT_EQ(info.plan_text(), "");
+}
+
+TEST(Management, AFaultyFaultPlanNamesEveryFaultAndChangesNothing) {
+  ManagedBoards managed;
+  v1::FaultPlanInfo info;
+  const grpc::Status status = managed.set_fault_plan("fault { kind: hiccup }\nfoult {}", info);
+  EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(),
+              AllOf(HasSubstr("line 1: fault[0].kind: expected one of drop"), HasSubstr("line 2: foult: expected")));
+  EXPECT_EQ(managed.fault_log().faults_size(), 0);
+}
+
+TEST(Management, AnUnknownBoardHasNoFaultPlan) {
+  ManagedBoards managed;
+  v1::SetFaultPlanRequest set;
+  v1::GetFaultPlanRequest get;
+  v1::GetFaultLogRequest get_log;
+  set.set_board(1), get.set_board(1), get_log.set_board(1);
+  v1::FaultPlanInfo info;
+  v1::FaultLog log;
+  Call calls[3];
+  EXPECT_EQ(managed.stub->SetFaultPlan(&calls[0], set, &info).error_code(), StatusCode::NOT_FOUND);
+  EXPECT_EQ(managed.stub->GetFaultPlan(&calls[1], get, &info).error_code(), StatusCode::NOT_FOUND);
+  EXPECT_EQ(managed.stub->GetFaultLog(&calls[2], get_log, &log).error_code(), StatusCode::NOT_FOUND);
+}
+
 }  // namespace
 }  // namespace gicube::emu

@@ -1,28 +1,32 @@
-// Strict reading of configuration text.
+// Strict reading of protobuf text.
 //
 // Protobuf's own text parser decides what is right; it stops at the first value it can't read. So a faulty field is
 // reported, blanked out of the text, and the parser runs again, until nothing but faults of structure can be left.
+#include "strict_text.h"
+
 #include <fmt/format.h>
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
-#include "config.h"
-#include "config_schema.h"
+#include "text_schema.h"
 
 namespace gicube::emu {
 namespace {
 
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
 using google::protobuf::io::ColumnNumber;
 using google::protobuf::io::Tokenizer;
 
-constexpr std::size_t kMaxConfigBytes = 1 << 20;  // chosen: a whole configuration is below 1 KB
-constexpr int kMaxFaults = 100;                   // chosen: nobody reads more, and each costs a pass
+constexpr std::size_t kMaxTextBytes = 1 << 20;  // chosen: a configuration is below 1 KB, 10,000 planned faults are 1 MB
+constexpr int kMaxFaults = 100;                 // chosen: nobody reads more, and each costs a pass
 
-struct Message {
+struct Complaint {
   int line = 0;  // from 0, as protobuf counts
   int column = 0;
   std::string text;
@@ -37,7 +41,7 @@ class Collector : public google::protobuf::io::ErrorCollector {
     warnings.push_back({line, column, text});
   }
 
-  std::vector<Message> errors, warnings;
+  std::vector<Complaint> errors, warnings;
 };
 
 // One `name: value` or `name { ... }`: tokens [name, end) of the text.
@@ -47,6 +51,7 @@ struct Field {
 };
 
 struct Scan {
+  const Descriptor& schema;
   std::vector<Tokenizer::Token> tokens;
   std::vector<Field> fields;  // in the order of their names
 };
@@ -66,11 +71,39 @@ std::vector<Tokenizer::Token> tokenize(const std::string& text) {
   return tokens;
 }
 
+// Without the [index] that a repeated field has.
+std::string_view bare(std::string_view name) { return name.substr(0, name.find('[')); }
+
+const Descriptor* parent_type(const Descriptor* type, std::string_view path) {
+  for (std::size_t dot; type != nullptr && (dot = path.find('.')) != std::string_view::npos;
+       path.remove_prefix(dot + 1)) {
+    const auto* field = type->FindFieldByName(std::string(bare(path.substr(0, dot))));
+    type = field == nullptr ? nullptr : field->message_type();
+  }
+  return type;
+}
+
+// Nothing if the schema has no such field.
+const FieldDescriptor* known_field(const Descriptor& schema, std::string_view path) {
+  const Descriptor* type = parent_type(&schema, path);
+  return type == nullptr ? nullptr : type->FindFieldByName(std::string(bare(path.substr(path.rfind('.') + 1))));
+}
+
+// The token after the value that begins at `at`.
+std::size_t end_of_value(const std::vector<Tokenizer::Token>& tokens, std::size_t at) {
+  if (at < tokens.size() && tokens[at].text == "-") ++at;
+  if (at < tokens.size() && tokens[at].text == "[") {
+    while (at < tokens.size() && tokens[at].text != "]") ++at;
+  }
+  return at < tokens.size() && !is_close(tokens[at].text) ? at + 1 : at;
+}
+
 // Finds the fields without judging them; a broken structure gives whatever can be recognised.
-Scan scan(const std::string& text) {
-  Scan result{tokenize(text), {}};
+Scan scan(const std::string& text, const Descriptor& schema) {
+  Scan result{schema, tokenize(text), {}};
   const auto& tokens = result.tokens;
-  std::vector<std::size_t> open;  // fields whose braces are open
+  std::vector<std::size_t> open;                 // fields whose braces are open
+  std::map<std::string, std::size_t> instances;  // of repeated fields
   for (std::size_t i = 0; i < tokens.size(); ++i) {
     if (is_close(tokens[i].text)) {
       if (open.empty()) continue;
@@ -81,13 +114,14 @@ Scan scan(const std::string& text) {
     if (tokens[i].type != Tokenizer::TYPE_IDENTIFIER) continue;
     const std::string parent = open.empty() ? "" : result.fields[open.back()].path + ".";
     Field field{parent + tokens[i].text, i, i + 1};
+    const FieldDescriptor* known = known_field(schema, field.path);
+    if (known != nullptr && known->is_repeated()) field.path += fmt::format("[{}]", instances[field.path]++);
     if (field.end < tokens.size() && tokens[field.end].text == ":") ++field.end;
     if (field.end < tokens.size() && is_open(tokens[field.end].text)) {
       open.push_back(result.fields.size());
       i = field.end++;
     } else if (field.end > i + 1) {
-      if (field.end < tokens.size() && tokens[field.end].text == "-") ++field.end;
-      if (field.end < tokens.size() && !is_close(tokens[field.end].text)) ++field.end;
+      field.end = end_of_value(tokens, field.end);
       i = field.end - 1;
     }
     result.fields.push_back(std::move(field));
@@ -96,13 +130,13 @@ Scan scan(const std::string& text) {
   return result;
 }
 
-bool before(const Tokenizer::Token& token, const Message& place) {
+bool before(const Tokenizer::Token& token, const Complaint& place) {
   return std::pair(token.line, token.column) < std::pair(place.line, place.column);
 }
 
 // The field that a message of the parser is about: it reports the token after the one it has last consumed, so this is
 // the last field whose name stands before that place.
-const Field* field_at(const Scan& scan, const Message& place) {
+const Field* field_at(const Scan& scan, const Complaint& place) {
   const Field* found = nullptr;
   for (const Field& field : scan.fields) {
     if (before(scan.tokens[field.name], place)) found = &field;
@@ -136,25 +170,9 @@ void blank(std::string& text, const Scan& scan, const Field& field) {
   }
 }
 
-const google::protobuf::Descriptor* parent_type(std::string_view path) {
-  const google::protobuf::Descriptor* type = v1::BoardConfig::descriptor();
-  for (std::size_t dot; type != nullptr && (dot = path.find('.')) != std::string_view::npos;
-       path.remove_prefix(dot + 1)) {
-    const auto* field = type->FindFieldByName(std::string(path.substr(0, dot)));
-    type = field == nullptr ? nullptr : field->message_type();
-  }
-  return type;
-}
-
-// Nothing if the schema has no such field.
-const google::protobuf::FieldDescriptor* known_field(std::string_view path) {
-  const google::protobuf::Descriptor* type = parent_type(path);
-  return type == nullptr ? nullptr : type->FindFieldByName(std::string(path.substr(path.rfind('.') + 1)));
-}
-
 // Braces after a scalar's name, or a bare value after a message's.
 bool has_wrong_form(const Scan& scan, const Field& field) {
-  const auto* known = known_field(field.path);
+  const auto* known = known_field(scan.schema, field.path);
   if (known == nullptr) return false;
   return (known->message_type() != nullptr) != (value_text(scan, field) == "a message");
 }
@@ -166,12 +184,12 @@ bool is_structural(const std::string& complaint) {
 }
 
 void report_unknown(const Scan& scan, const Collector& collector, std::vector<Fault>& faults) {
-  for (const Message& warning : collector.warnings) {
+  for (const Complaint& warning : collector.warnings) {
     const Field* field = field_at(scan, warning);
     if (field == nullptr) continue;
     const Tokenizer::Token& name = scan.tokens[field->name];
-    const auto* parent = parent_type(field->path);
-    const std::string expected = parent == nullptr ? "a field of BoardConfig" : expected_names(*parent);
+    const auto* parent = parent_type(&scan.schema, field->path);
+    const std::string expected = parent == nullptr ? "a field of " + scan.schema.name() : expected_names(*parent);
     Fault fault{field->path, expected, fmt::format("\"{}\"", name.text), name.line + 1};
     const auto same = [&fault](const Fault& other) { return other.line == fault.line && other.field == fault.field; };
     if (std::none_of(faults.begin(), faults.end(), same)) faults.push_back(std::move(fault));
@@ -179,12 +197,12 @@ void report_unknown(const Scan& scan, const Collector& collector, std::vector<Fa
 }
 
 // Reports what stopped the parser; true if the field could be blanked, so that another pass makes sense.
-bool report_error(std::string& text, const Scan& scan, const Message& error, std::vector<Fault>& faults) {
+bool report_error(std::string& text, const Scan& scan, const Complaint& error, std::vector<Fault>& faults) {
   const Field* field = field_at(scan, error);
   if (field != nullptr && is_structural(error.text) && !has_wrong_form(scan, *field)) field = nullptr;
-  const auto* known = field == nullptr ? nullptr : known_field(field->path);
+  const auto* known = field == nullptr ? nullptr : known_field(scan.schema, field->path);
   if (known == nullptr) {
-    faults.push_back({"", "protobuf text of gicube.v1.BoardConfig", error.text, error.line + 1});
+    faults.push_back({"", "protobuf text of " + scan.schema.full_name(), error.text, error.line + 1});
     return false;
   }
   const bool twice = error.text.find("specified multiple times") != std::string::npos;
@@ -196,27 +214,41 @@ bool report_error(std::string& text, const Scan& scan, const Message& error, std
 
 }  // namespace
 
-ParsedConfig parse_config(std::string_view input) {
-  ParsedConfig result;
-  if (input.size() > kMaxConfigBytes) {
-    result.faults.push_back(
-        {"", fmt::format("at most {} bytes of text", kMaxConfigBytes), std::to_string(input.size())});
+std::string to_string(const Fault& fault) {
+  const std::string where = fault.line > 0 ? fmt::format("line {}: ", fault.line) : "";
+  const std::string name = fault.field.empty() ? "" : fault.field + ": ";
+  return fmt::format("{}{}expected {}, got {}", where, name, fault.expected, fault.got);
+}
+
+std::string to_string(std::span<const Fault> faults) {
+  std::string text;
+  for (const Fault& fault : faults) {
+    if (!text.empty()) text += '\n';
+    text += to_string(fault);
+  }
+  return text;
+}
+
+TextReading read_text(std::string_view input, google::protobuf::Message& message) {
+  TextReading result;
+  if (input.size() > kMaxTextBytes) {
+    result.faults.push_back({"", fmt::format("at most {} bytes of text", kMaxTextBytes), std::to_string(input.size())});
     return result;
   }
   std::string text(input);
   std::replace(text.begin(), text.end(), '\t', ' ');  // the tokenizer counts a tab as up to eight columns
   for (int pass = 0; pass < kMaxFaults; ++pass) {
-    const Scan fields = scan(text);
+    const Scan fields = scan(text, *message.GetDescriptor());
     Collector collector;
     google::protobuf::TextFormat::Parser parser;
     parser.RecordErrorsTo(&collector);
     parser.AllowUnknownField(true);
-    const bool parsed = parser.ParseFromString(text, &result.config);
+    const bool parsed = parser.ParseFromString(text, &message);
     report_unknown(fields, collector, result.faults);
     for (const Field& field : fields.fields) result.lines.emplace(field.path, fields.tokens[field.name].line + 1);
     if (parsed) break;
-    const Message error =
-        collector.errors.empty() ? Message{0, 0, "text that can't be read"} : collector.errors.front();
+    const Complaint error =
+        collector.errors.empty() ? Complaint{0, 0, "text that can't be read"} : collector.errors.front();
     if (!report_error(text, fields, error, result.faults)) break;
   }
   std::stable_sort(result.faults.begin(), result.faults.end(),

@@ -1,4 +1,4 @@
-// What the configuration's schema says, in words for fault messages. Internal to config*.cpp.
+// What a schema says, in words for fault messages.
 #pragma once
 
 #include <google/protobuf/descriptor.h>
@@ -17,6 +17,9 @@ inline std::string expected_names(const google::protobuf::Descriptor& type) {
 // What a field takes: a whole number, one of an enumeration's names (0 is its "unspecified"), or a message.
 inline std::string expected_value(const google::protobuf::FieldDescriptor& field) {
   if (field.message_type() != nullptr) return "a message in braces";
+  if (field.cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_UINT64) {
+    return "a whole number from 0 to 18446744073709551615";
+  }
   if (field.enum_type() == nullptr) return "a whole number from 0 to 4294967295";
   std::string names;
   for (int i = 0; i < field.enum_type()->value_count(); ++i) {

@@ -1,0 +1,126 @@
+#include "fault_point.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <stdexcept>
+#include <system_error>
+#include <tuple>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "fault_plan.h"
+
+namespace gicube::emu {
+
+using v1::PlannedFault;
+
+// Lines of plan text, each in one write, so that a process that is killed has written them.
+class FaultLogFile {
+ public:
+  explicit FaultLogFile(const std::string& path)
+      : path_(path), fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600)) {
+    if (fd_ < 0) throw std::runtime_error(fmt::format("{}: {}", path, std::generic_category().message(errno)));
+  }
+  ~FaultLogFile() { ::close(fd_); }
+  FaultLogFile(const FaultLogFile&) = delete;
+  FaultLogFile& operator=(const FaultLogFile&) = delete;
+
+  void write(const PlannedFault& fault) {
+    const std::string line = to_text(fault) + "\n";
+    if (::write(fd_, line.data(), line.size()) == static_cast<ssize_t>(line.size()) || failed_) return;
+    failed_ = true;
+    spdlog::error("{}: {}: faults from here on are missing", path_, std::generic_category().message(errno));
+  }
+
+ private:
+  const std::string path_;
+  const int fd_;
+  bool failed_ = false;
+};
+
+FaultPoint::FaultPoint() = default;
+FaultPoint::~FaultPoint() = default;
+
+std::vector<Fault> FaultPoint::set_plan(std::string_view text) {
+  ParsedFaultPlan parsed = parse_fault_plan(text);
+  if (!parsed.faults.empty()) return std::move(parsed.faults);
+  const std::lock_guard lock(mutex_);
+  plan_text_ = text;
+  engine_ = FaultEngine(parsed.plan);
+  slow_ = {};
+  faults_ = 0;
+  log_.clear();
+  has_plan_ = parsed.plan.fault_size() > 0 || parsed.plan.random_size() > 0;
+  return {};
+}
+
+FaultPoint::Info FaultPoint::info() const {
+  const std::lock_guard lock(mutex_);
+  return {plan_text_, engine_.message(PlannedFault::down), engine_.message(PlannedFault::up), faults_};
+}
+
+std::vector<PlannedFault> FaultPoint::log(bool clear) {
+  std::vector<PlannedFault> sorted;
+  {
+    const std::lock_guard lock(mutex_);
+    sorted = log_;
+    if (clear) log_.clear();
+  }
+  std::sort(sorted.begin(), sorted.end(), [](const PlannedFault& a, const PlannedFault& b) {
+    return std::tuple(a.direction(), a.message()) < std::tuple(b.direction(), b.message());
+  });
+  return sorted;
+}
+
+void FaultPoint::append_log_to(const std::string& path) {
+  auto file = std::make_unique<FaultLogFile>(path);
+  const std::lock_guard lock(mutex_);
+  file_ = std::move(file);
+}
+
+FaultAction FaultPoint::next(PlannedFault::Direction direction, std::size_t frame_bytes) {
+  if (!has_plan_) return {};
+  const std::lock_guard lock(mutex_);
+  const auto fault = engine_.next(direction, frame_bytes);
+  FaultAction action;
+  if (fault) {
+    ++faults_;
+    log_.push_back(*fault);
+    if (file_) file_->write(*fault);
+    action = act(*fault);
+  }
+  Slow& slow = slow_[direction == PlannedFault::up ? 1 : 0];
+  if (slow.messages > 0) {
+    --slow.messages;
+    action.pause += std::chrono::microseconds(frame_bytes * 1'000'000 / slow.bytes_per_second);
+  }
+  return action;
+}
+
+FaultAction FaultPoint::act(const PlannedFault& fault) {
+  FaultAction action;
+  switch (fault.kind()) {
+    case PlannedFault::drop: action.drop = true; break;
+    case PlannedFault::delay: action.pause = std::chrono::milliseconds(fault.delay_ms()); break;
+    case PlannedFault::corrupt: action.flipped_bit = fault.bit(); break;
+    case PlannedFault::duplicate: action.twice = true; break;
+    case PlannedFault::hang: action.hang = true; break;
+    case PlannedFault::link_loss: action.cut = true; break;
+    case PlannedFault::kill: ::raise(SIGKILL); break;
+    case PlannedFault::slow:
+      slow_[fault.direction() == PlannedFault::up ? 1 : 0] = {fault.bytes_per_second(), fault.messages()};
+      break;
+    case PlannedFault::memory_detected: action.memory_error = MemoryError{fault.block(), fault.bit(), true}; break;
+    case PlannedFault::memory_silent: action.memory_error = MemoryError{fault.block(), fault.bit(), false}; break;
+    case PlannedFault::kind_unspecified: break;
+  }
+  return action;
+}
+
+}  // namespace gicube::emu
