@@ -30,13 +30,13 @@ namespace gicube::test {
 
 // Which board a test runs on. What gicube_add_test() was told comes in the environment, GICUBE_TEST_BUS and so on.
 struct BoardSetup {
-  std::string board;             // URI of a board that there is; empty: a private emulated one of the fields below
-  std::string bus;               // pci33, agp1x, agp2x or agp4x; empty: the board's default, as all below
-  std::string fidelity;          // functional or cycle
-  std::string config;            // file name of a board configuration
-  std::vector<std::string> set;  // "field=value", fields of it
-  std::string faults;            // file name of a fault plan
-  std::uint64_t seed = 1;        // of the test's own random choices
+  std::string board{};             // URI of a board that there is; empty: a private emulated one of the fields below
+  std::string bus{};               // pci33, agp1x, agp2x or agp4x; empty: the board's default, as all below
+  std::string fidelity{};          // functional or cycle
+  std::string config{};            // file name of a board configuration
+  std::vector<std::string> set{};  // "field=value", fields of it
+  std::string faults{};            // file name of a fault plan
+  std::uint64_t seed = 1;          // of the test's own random choices
 
   // Throws BadArgument if GICUBE_TEST_SEED is no number.
   static BoardSetup from_environment();
