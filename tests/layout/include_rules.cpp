@@ -97,6 +97,8 @@ const std::vector<Rule>& rules() {
       // Plain C, for the board and not for the driver.
       {"samples/bsdf_plugin", {"samples/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
       {"samples/results",    {"samples/results", "samples/common", "driver/include"}, {kAnything}},
+      // Outside applications, which know the installed headers only; C too.
+      {"examples",           {"examples", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
       {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
   };

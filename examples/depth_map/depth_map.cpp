@@ -1,0 +1,69 @@
+#include "depth_map.h"
+
+#include <algorithm>
+#include <deque>
+
+namespace example {
+namespace {
+
+std::vector<gicube::HostRay> row_of_rays(int edge, int width, int height, int row) {
+  const double last = edge - 1;
+  std::vector<gicube::HostRay> rays(static_cast<std::size_t>(width));
+  for (int x = 0; x < width; ++x) {
+    gicube::HostRay& ray = rays[static_cast<std::size_t>(x)];
+    ray.id = static_cast<std::uint32_t>(row * width + x);
+    ray.position = {(x + 0.5) / width * last, (row + 0.5) / height * last, 0};
+    ray.direction = {0, 0, 1};
+  }
+  return rays;
+}
+
+}  // namespace
+
+std::vector<std::byte> ball(int edge, double radius) {
+  const double middle = (edge - 1) / 2.0;
+  std::vector<std::byte> voxels;
+  for (int z = 0; z < edge; ++z) {
+    for (int y = 0; y < edge; ++y) {
+      for (int x = 0; x < edge; ++x) {
+        const double distance = gicube::length({x - middle, y - middle, z - middle});
+        voxels.push_back(static_cast<std::byte>(std::clamp(128 + 64 * (radius - distance), 0.0, 255.0)));
+      }
+    }
+  }
+  return voxels;
+}
+
+void load(gicube::Board& board, const std::vector<std::byte>& voxels, int edge) {
+  board.load_volume({.samples = voxels, .type = gicube::SampleType::kUint8, .dims = {edge, edge, edge}});
+  board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{128, 0}, {128, 1}}});
+  // Rays are sampled as the last view was. A ray ends at its first opaque sample.
+  gicube::View view;
+  view.eye = {edge / 2.0, edge / 2.0, -1.0};
+  view.look_at = {edge / 2.0, edge / 2.0, 0};
+  view.width = view.height = 1;
+  view.step = 0.25;
+  view.shade = false;
+  board.render_to_framebuffer(view);
+}
+
+DepthMap depth_map(gicube::Board& board, int edge, int width, int height, int in_flight,
+                   gicube::Picoseconds host_time) {
+  DepthMap map{width, height, std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+  std::deque<gicube::Ticket> under_way;
+  for (int row = 0; row < height || !under_way.empty();) {
+    if (row < height && under_way.size() < static_cast<std::size_t>(in_flight)) {
+      under_way.push_back(board.submit(row_of_rays(edge, width, height, row++)));
+      continue;
+    }
+    const gicube::RayBatch batch = board.receive(under_way.front());
+    under_way.pop_front();
+    for (const gicube::TracedRay& ray : batch.rays) {
+      map.depths[ray.id] = ray.opacity > 0.5 ? static_cast<float>(ray.position.z) : -1.0f;
+    }
+    board.host_compute(host_time);
+  }
+  return map;
+}
+
+}  // namespace example
