@@ -14,6 +14,8 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 
+#include "gicube/wire/checksum.h"
+
 namespace gicube::emu {
 
 namespace asio = boost::asio;
@@ -153,6 +155,12 @@ awaitable<std::optional<Session::Frame>> Session::read_version() {
   const error_code payload_error = co_await read_exactly(frame.payload);
   if (payload_error) {
     stop();
+    co_return std::nullopt;
+  }
+  if (wire::frame_checksum(bytes, frame.payload) != header->checksum) {
+    fail(ErrorCode::kCorrupted, header->id,
+         fmt::format("expected the checksum 0x{:08x}, got 0x{:08x}", wire::frame_checksum(bytes, frame.payload),
+                     header->checksum));
     co_return std::nullopt;
   }
   co_return frame;

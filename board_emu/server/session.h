@@ -112,6 +112,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t unreturned_bytes_ = 0;
   std::uint32_t owed_slots_ = 0;  // of the client's: used by us and not yet handed back
   std::uint64_t owed_bytes_ = 0;
+  std::uint32_t sent_ = 0;  // sequence numbers of the last frames sent and taken
+  std::uint32_t taken_ = 0;
 
   std::unordered_map<std::uint32_t, std::uint64_t> unclaimed_;  // ticket -> bytes
   std::uint64_t unclaimed_bytes_ = 0;

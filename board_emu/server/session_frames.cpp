@@ -5,6 +5,7 @@
 #include <array>
 #include <exception>
 
+#include "gicube/wire/checksum.h"
 #include "session.h"
 
 #include <boost/asio/buffer.hpp>
@@ -85,11 +86,32 @@ awaitable<bool> Session::read_frame() {
                      wire::load<std::uint32_t>(bytes, 0), wire::load<std::uint16_t>(bytes, 4)));
     co_return false;
   }
-  const bool admitted = admit(*header);
-  if (!admitted || header->type == FrameType::kCredit) co_return admitted;
+  if (header->size > agreed_.max_payload_bytes) {
+    fail(ErrorCode::kTooLarge, header->id,
+         fmt::format("expected at most {} payload bytes, got {}", agreed_.max_payload_bytes, header->size));
+    co_return false;
+  }
   Frame frame{*header, std::vector<std::uint8_t>(header->size)};
   const error_code payload_error = co_await read_exactly(frame.payload);
   if (payload_error || stopped_) co_return false;
+  if (wire::frame_checksum(bytes, frame.payload) != header->checksum) {
+    fail(ErrorCode::kCorrupted, header->id,
+         fmt::format("expected the checksum 0x{:08x}, got 0x{:08x}", wire::frame_checksum(bytes, frame.payload),
+                     header->checksum));
+    co_return false;
+  }
+  if (!wire::is_free(header->type)) {
+    const std::int32_t step = wire::sequence_step(taken_, header->sequence);
+    if (step <= 0) co_return true;  // it came twice
+    if (step > 1) {
+      fail(ErrorCode::kCorrupted, header->id,
+           fmt::format("expected the frame number {}, got {}: frames are missing", taken_ + 1, header->sequence));
+      co_return false;
+    }
+    ++taken_;
+  }
+  const bool admitted = admit(*header);
+  if (!admitted || header->type == FrameType::kCredit) co_return admitted;
   if (requested_bytes(frame.header, frame.payload) > agreed_.max_payload_bytes) {
     fail(ErrorCode::kTooLarge, header->id,
          fmt::format("expected a read of at most {} bytes, got {}", agreed_.max_payload_bytes,
@@ -101,7 +123,7 @@ awaitable<bool> Session::read_frame() {
   co_return true;
 }
 
-// Judges a frame by its header, before memory is taken for its payload.
+// Judges a whole frame by its header.
 bool Session::admit(const FrameHeader& header) {
   const Manner manner = manner_of(header.type);
   const int type = static_cast<int>(header.type);
@@ -118,9 +140,8 @@ bool Session::admit(const FrameHeader& header) {
          fmt::format("expected flags {} on a frame of type {}, got {}", flags, type, header.flags));
     return false;
   }
-  const std::uint32_t limit = header.type == FrameType::kCredit ? 0 : agreed_.max_payload_bytes;
-  if (header.size > limit) {
-    fail(ErrorCode::kTooLarge, header.id, fmt::format("expected at most {} payload bytes, got {}", limit, header.size));
+  if (header.type == FrameType::kCredit && header.size != 0) {
+    fail(ErrorCode::kTooLarge, header.id, fmt::format("expected no payload with credit, got {} bytes", header.size));
     return false;
   }
   if (!take_credit(header)) return false;
@@ -217,23 +238,22 @@ awaitable<void> Session::send_outcome(const FrameHeader& request, Outcome outcom
   co_await send(header, std::move(outcome.reply->payload));
 }
 
-// Only if it is free: progress must never hold anything up.
 awaitable<void> Session::send_progress() {
   const std::uint32_t all = work_.all, done = work_.done;
+  if (all == 0) co_return;
   std::vector<std::uint8_t> payload(8);
-  if (all == 0 || !send_credits_->can_send(payload.size())) co_return;
   wire::store(std::span(payload), 0, std::min(done, all));
   wire::store(std::span(payload), 4, all);
   FrameHeader header{FrameType::kProgress, wire::kPosted, work_.ticket};
   header.time_ps = slot_.board().simulated_ps();
-  co_await send(header, std::move(payload));
+  co_await write(header, std::move(payload));
 }
 
 // Most credit travels on other frames. It goes by itself when half the window waits, when the client could not send its
 // largest frame without it, or when it may be waiting for our credit as we are for its.
 awaitable<void> Session::return_credit() {
   if (unreturned_slots_ == 0) co_return;
-  FrameHeader header{FrameType::kCredit, wire::kPosted};
+  FrameHeader header{FrameType::kCredit, wire::kPosted, sent_};
   std::vector<std::uint8_t> nothing;
   co_await write(header, std::move(nothing));
 }
@@ -253,6 +273,7 @@ awaitable<bool> Session::send(FrameHeader header, std::vector<std::uint8_t> payl
   send_credits_->take(payload.size());
   ++owed_slots_;
   owed_bytes_ += payload.size();
+  header.sequence = ++sent_;
   const bool written = co_await write(header, std::move(payload));
   co_return written;
 }
@@ -269,7 +290,7 @@ awaitable<bool> Session::write(FrameHeader header, std::vector<std::uint8_t> pay
     unreturned_bytes_ = 0;
   }
   std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
-  wire::encode(header, bytes);
+  wire::encode_sealed(header, payload, bytes);
   const std::array<asio::const_buffer, 2> buffers{asio::buffer(bytes), asio::buffer(payload)};
   error_code error;
   writing_ = true;

@@ -11,6 +11,8 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "gicube/wire/checksum.h"
+
 namespace gicube {
 namespace {
 
@@ -55,7 +57,7 @@ void FrameStream::run() {
 void FrameStream::send(wire::FrameHeader header, std::vector<std::uint8_t> payload) {
   header.size = static_cast<std::uint32_t>(payload.size());
   Outgoing frame;
-  encode(header, frame.header);
+  wire::encode_sealed(header, payload, frame.header);
   frame.payload = std::move(payload);
   {
     const std::lock_guard lock(mutex_);
@@ -93,6 +95,9 @@ void FrameStream::read_payload(const wire::FrameHeader& header) {
                               return end("the connection ended in the middle of a frame");
                             }
                             if (error) return end(error.message());
+                            if (wire::frame_checksum(header_bytes_, payload_) != header.checksum) {
+                              return end("a frame of the board has a wrong checksum");
+                            }
                             const std::string fault = sink_.take_frame(header, std::exchange(payload_, {}));
                             if (!fault.empty()) return end(fault);
                             read_header();

@@ -204,6 +204,7 @@ void Link::send_with_credit(wire::FrameHeader header, std::vector<std::uint8_t> 
   const auto returned = receive_credits_.give_back();
   header.credit_slots = returned.slots;
   header.credit_bytes = returned.bytes;
+  header.sequence = ++sent_;
   stream_.send(header, std::move(payload));
 }
 

@@ -105,7 +105,7 @@ class Link : private FrameSink {
 
   void shake_hands();
   std::string take_version(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
-  std::string check_open_header(const wire::FrameHeader& header);
+  std::string check_frame(const wire::FrameHeader& header);
   std::string take_credit(const wire::FrameHeader& header);
   void take_response(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
   void take_completion(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
@@ -136,6 +136,8 @@ class Link : private FrameSink {
   std::uint64_t unreturned_slots_ = 0;  // frames and payload bytes that the peer has not handed back
   std::uint64_t unreturned_bytes_ = 0;
   wire::ReceiveCredits receive_credits_;
+  std::uint32_t sent_ = 0;  // sequence numbers of the last frames sent and taken
+  std::uint32_t taken_ = 0;
   std::uint32_t last_id_ = 0;
   std::map<std::uint32_t, Pending> pending_;
   std::map<std::uint32_t, Command> commands_;

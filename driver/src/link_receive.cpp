@@ -5,22 +5,16 @@
 #include "link_error.h"
 
 namespace gicube {
-namespace {
 
-bool is_free_of_credit(wire::FrameType type) {
-  return type == wire::FrameType::kCredit || type == wire::FrameType::kVersion;
-}
-
-}  // namespace
-
+// Only what has to be known before memory is taken: the header may be damaged, the checksum comes with the payload.
 std::string Link::check_header(const wire::FrameHeader& header) {
   const std::lock_guard lock(mutex_);
-  if (phase_ == Phase::kOpen) return check_open_header(header);
   if (phase_ == Phase::kBroken) return broken_reason_;
-  if (header.type != wire::FrameType::kVersion || (header.flags & wire::kResponse) == 0) {
-    return "the peer answered the handshake with a frame of another type";
+  if (phase_ == Phase::kOpen && header.size > agreed_.max_payload_bytes) {
+    return "the board announced " + std::to_string(header.size) + " payload bytes, agreed were at most " +
+           std::to_string(agreed_.max_payload_bytes);
   }
-  if (header.size > wire::kMaxHandshakePayload) {
+  if (phase_ == Phase::kHandshake && header.size > wire::kMaxHandshakePayload) {
     return "the peer announced a handshake of " + std::to_string(header.size) + " bytes, at most " +
            std::to_string(wire::kMaxHandshakePayload) + " are allowed";
   }
@@ -28,11 +22,7 @@ std::string Link::check_header(const wire::FrameHeader& header) {
 }
 
 // Whatever the board did not owe us is a fault: so nothing that comes in can grow without a limit.
-std::string Link::check_open_header(const wire::FrameHeader& header) {
-  if (header.size > agreed_.max_payload_bytes) {
-    return "the board announced " + std::to_string(header.size) + " payload bytes, agreed were at most " +
-           std::to_string(agreed_.max_payload_bytes);
-  }
+std::string Link::check_frame(const wire::FrameHeader& header) {
   const std::string id = std::to_string(header.id);
   if (header.type == wire::FrameType::kVersion) {
     const bool is_last_word = header.error != wire::ErrorCode::kNone && header.size <= wire::kMaxHandshakePayload;
@@ -50,7 +40,7 @@ std::string Link::check_open_header(const wire::FrameHeader& header) {
                           pending->second.type == header.type && !pending->second.response;
     if (!expected) return "the board answered a request that was not made, id " + id;
   }
-  if (!is_free_of_credit(header.type) && !receive_credits_.accept(header.size)) {
+  if (!wire::is_free(header.type) && !receive_credits_.accept(header.size)) {
     return "the board sent more than it had credit for";
   }
   return {};
@@ -62,13 +52,23 @@ std::string Link::take_frame(const wire::FrameHeader& header, std::vector<std::u
   last_heard_ = std::chrono::steady_clock::now();
   changed_.notify_all();  // the waiters run once this frame is dealt with
   if (phase_ == Phase::kHandshake) return take_version(header, payload);
+  if (!wire::is_free(header.type)) {
+    const std::int32_t step = wire::sequence_step(taken_, header.sequence);
+    if (step <= 0) return {};  // it came twice
+    if (step > 1) {
+      return "frames of the board are missing: expected number " + std::to_string(taken_ + 1) + ", got " +
+             std::to_string(header.sequence);
+    }
+    ++taken_;
+  }
+  if (std::string fault = check_frame(header); !fault.empty()) return fault;
   if (std::string fault = take_credit(header); !fault.empty()) return fault;
   const std::size_t bytes = payload.size();
   switch (header.type) {
     case wire::FrameType::kCredit: return {};
     case wire::FrameType::kVersion: return "the board ended the session: " + error_text(payload);
     case wire::FrameType::kCompletion: take_completion(header, std::move(payload)); break;
-    case wire::FrameType::kProgress: take_progress(header, payload); break;
+    case wire::FrameType::kProgress: take_progress(header, payload); return {};
     default: take_response(header, std::move(payload)); break;
   }
   receive_credits_.consume(bytes);
@@ -79,12 +79,16 @@ std::string Link::take_frame(const wire::FrameHeader& header, std::vector<std::u
     const auto returned = receive_credits_.give_back();
     credit.credit_slots = returned.slots;
     credit.credit_bytes = returned.bytes;
+    credit.id = sent_;
     stream_.send(credit, {});
   }
   return {};
 }
 
 std::string Link::take_version(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (header.type != wire::FrameType::kVersion || (header.flags & wire::kResponse) == 0) {
+    return "the peer answered the handshake with a frame of another type";
+  }
   if (header.error != wire::ErrorCode::kNone) {
     refusal_ = header.error;
     return error_text(payload);

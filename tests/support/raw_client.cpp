@@ -12,6 +12,8 @@
 #include <cerrno>
 #include <stdexcept>
 
+#include "gicube/wire/checksum.h"
+
 namespace gicube::reference {
 
 using wire::FrameHeader;
@@ -71,8 +73,9 @@ bool RawClient::send_bytes(std::span<const std::uint8_t> bytes) {
 
 bool RawClient::send(FrameHeader header, std::span<const std::uint8_t> payload) {
   header.size = static_cast<std::uint32_t>(payload.size());
+  if (!wire::is_free(header.type)) header.sequence = ++sent_;
   std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
-  wire::encode(header, bytes);
+  wire::encode_sealed(header, payload, bytes);
   return send_bytes(bytes) && send_bytes(payload);
 }
 
@@ -102,6 +105,7 @@ std::optional<RawFrame> RawClient::receive() {
   if (!header) throw std::runtime_error("the board sent something that is no frame");
   RawFrame frame{*header, std::vector<std::uint8_t>(header->size)};
   if (read_fully(frame.payload) < frame.payload.size()) return std::nullopt;
+  if (wire::frame_checksum(bytes, frame.payload) != header->checksum) throw std::runtime_error("a wrong checksum");
   return frame;
 }
 

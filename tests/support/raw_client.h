@@ -27,7 +27,7 @@ class RawClient {
   explicit RawClient(int fd);
   ~RawClient() { close(); }
 
-  RawClient(RawClient&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+  RawClient(RawClient&& other) noexcept : fd_(other.fd_), sent_(other.sent_) { other.fd_ = -1; }
   RawClient& operator=(RawClient&&) = delete;
 
   void close();
@@ -35,7 +35,7 @@ class RawClient {
 
   // False if the peer has closed.
   bool send_bytes(std::span<const std::uint8_t> bytes);
-  // `size` is set from the payload.
+  // `size`, `sequence` and `checksum` are set.
   bool send(wire::FrameHeader header, std::span<const std::uint8_t> payload = {});
   bool send(wire::FrameType type, std::uint32_t id, std::uint16_t flags, std::span<const std::uint8_t> payload);
 
@@ -57,6 +57,7 @@ class RawClient {
   std::size_t read_fully(std::span<std::uint8_t> bytes);
 
   int fd_;
+  std::uint32_t sent_ = 0;  // sequence number of the last frame
 };
 
 }  // namespace gicube::reference

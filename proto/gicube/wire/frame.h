@@ -10,6 +10,8 @@
 //     20     4  credit_slots   frames that the sender has consumed since it last said so
 //     24     8  time_ps        requester: host clock when issued; board: simulated time of the event
 //     32     8  credit_bytes   payload bytes that the sender has consumed since it last said so
+//     40     4  sequence       counts the frames of one direction that take credit, from 1, modulo 2^32; 0 on all others
+//     44     4  checksum       CRC-32C of the header, this field being 0, and the payload (checksum.h)
 //
 // Little endian. The frame is a model's envelope, not bus traffic: the bus model charges payloads (docs/PROTOCOL.md).
 #pragma once
@@ -23,14 +25,14 @@
 namespace gicube::wire {
 
 inline constexpr std::uint32_t kFrameMagic = 0x55434947;
-inline constexpr std::size_t kFrameHeaderBytes = 40;
+inline constexpr std::size_t kFrameHeaderBytes = 48;
 
 enum class FrameType : std::uint16_t {
-  kVersion = 1,        // first in both directions: VersionInfo
-  kCredit = 2,         // posted, only the header's credit fields count
-  kConfigRead = 3,     // PCI configuration space: u32 offset -> u32 value
-  kConfigWrite = 4,    // u32 offset, u32 value -> empty
-  kRegisterRead = 5,   // BAR0: u32 offset -> u32 value; unmapped reads give all ones
+  kVersion = 1,       // first in both directions: VersionInfo
+  kCredit = 2,        // posted; the header's credit fields count, and id: the last sequence number that its sender used
+  kConfigRead = 3,    // PCI configuration space: u32 offset -> u32 value
+  kConfigWrite = 4,   // u32 offset, u32 value -> empty
+  kRegisterRead = 5,  // BAR0: u32 offset -> u32 value; unmapped reads give all ones
   kRegisterWrite = 6,  // posted: u32 offset, u32 value
   kMemoryWrite = 7,    // posted: u64 address, bytes (memory_map.h)
   kMemoryRead = 8,     // u64 address, u64 length -> bytes; the board writes them to the host as bus master
@@ -47,6 +49,11 @@ enum FrameFlag : std::uint16_t {
   kPosted = 1 << 1,  // no response will follow
 };
 
+// These take no credit and have no sequence number: they are not sent again when a session is resumed.
+constexpr bool is_free(FrameType type) {
+  return type == FrameType::kVersion || type == FrameType::kCredit || type == FrameType::kProgress;
+}
+
 // The numbers are stable: they stand in recorded traffic and in applications' logs.
 enum class ErrorCode : std::uint32_t {
   kNone = 0,
@@ -59,6 +66,11 @@ enum class ErrorCode : std::uint32_t {
   kUnsupported = 7,  // this board or fidelity level can't do that
   kCancelled = 8,    // the board shuts down
   kInternal = 9,     // a fault of the board itself
+  kCorrupted = 10,   // a wrong checksum, or a frame is missing; the connection is closed, the session may be resumed
+  kDeadline = 11,    // the deadline in device time passed first
+  kMemory = 12,      // the RDRAM reported an error that it could not correct
+  kTaken = 13,       // another client took the board by force; the session is closed
+  kNoSession = 14,   // there is no such session to resume; the connection is closed
 };
 
 struct FrameHeader {
@@ -70,6 +82,8 @@ struct FrameHeader {
   std::uint32_t credit_slots = 0;
   std::uint64_t time_ps = 0;
   std::uint64_t credit_bytes = 0;
+  std::uint32_t sequence = 0;
+  std::uint32_t checksum = 0;
 
   friend constexpr bool operator==(const FrameHeader&, const FrameHeader&) = default;
 };
@@ -84,6 +98,8 @@ inline void encode(const FrameHeader& header, std::span<std::uint8_t, kFrameHead
   store(out, 20, header.credit_slots);
   store(out, 24, header.time_ps);
   store(out, 32, header.credit_bytes);
+  store(out, 40, header.sequence);
+  store(out, 44, header.checksum);
 }
 
 // Nothing if the magic or the type is wrong: what follows in the stream can't be trusted then.
@@ -103,10 +119,17 @@ inline std::optional<FrameHeader> decode_frame_header(std::span<const std::uint8
   header.credit_slots = load<std::uint32_t>(in, 20);
   header.time_ps = load<std::uint64_t>(in, 24);
   header.credit_bytes = load<std::uint64_t>(in, 32);
+  header.sequence = load<std::uint32_t>(in, 40);
+  header.checksum = load<std::uint32_t>(in, 44);
   return header;
 }
 
-inline constexpr std::uint16_t kMajorVersion = 1;
+// How far `sequence` is after `taken`: 1 = the next, more = frames are missing, 0 or less = a frame that was taken before.
+constexpr std::int32_t sequence_step(std::uint32_t taken, std::uint32_t sequence) {
+  return static_cast<std::int32_t>(sequence - taken);
+}
+
+inline constexpr std::uint16_t kMajorVersion = 2;
 inline constexpr std::uint16_t kMinorVersion = 0;
 inline constexpr std::uint32_t kMaxHandshakePayload = 4096;  // limit before a version is agreed
 
@@ -118,6 +141,10 @@ enum Capability : std::uint64_t {
   kHostRays = 1 << 4,
 };
 
+enum VersionFlag : std::uint32_t {
+  kForce = 1 << 0,  // client: end the session of whoever owns the board, and take it
+};
+
 // Payload of kVersion. Each side says what it speaks and how much it can take; the smaller minor version, payload limit
 // and the common capabilities hold for the session. The credit fields are each sender's own receive window.
 //
@@ -126,10 +153,15 @@ enum Capability : std::uint64_t {
 //      2     2  minor
 //      4     4  max_payload_bytes
 //      8     4  window_slots
-//     12     4  reserved, 0
+//     12     4  flags            VersionFlag
 //     16     8  window_bytes
 //     24     8  capabilities
-inline constexpr std::size_t kVersionBytes = 32;
+//     32     8  session          client: the session to resume, 0 = a new one; board: the session's token, never 0
+//     40     4  taken            last sequence number that was taken from the peer in this session; 0 in a new one
+//     44     4  consumed         last one whose credit the peer may use again, not later than `taken`
+//     48     4  wait_ms          client: how long it will wait for the board while that has an owner; board: 0
+//     52     4  reserved, 0
+inline constexpr std::size_t kVersionBytes = 56;
 
 struct VersionInfo {
   std::uint16_t major = kMajorVersion;
@@ -138,6 +170,11 @@ struct VersionInfo {
   std::uint32_t window_slots = 64;
   std::uint64_t window_bytes = 16u << 20;
   std::uint64_t capabilities = 0;
+  std::uint32_t flags = 0;
+  std::uint64_t session = 0;
+  std::uint32_t taken = 0;
+  std::uint32_t consumed = 0;
+  std::uint32_t wait_ms = 0;
 
   friend constexpr bool operator==(const VersionInfo&, const VersionInfo&) = default;
 };
@@ -147,9 +184,14 @@ inline void encode(const VersionInfo& info, std::span<std::uint8_t, kVersionByte
   store(out, 2, info.minor);
   store(out, 4, info.max_payload_bytes);
   store(out, 8, info.window_slots);
-  store(out, 12, std::uint32_t{0});
+  store(out, 12, info.flags);
   store(out, 16, info.window_bytes);
   store(out, 24, info.capabilities);
+  store(out, 32, info.session);
+  store(out, 40, info.taken);
+  store(out, 44, info.consumed);
+  store(out, 48, info.wait_ms);
+  store(out, 52, std::uint32_t{0});
 }
 
 inline VersionInfo decode_version(std::span<const std::uint8_t, kVersionBytes> in) {
@@ -158,8 +200,13 @@ inline VersionInfo decode_version(std::span<const std::uint8_t, kVersionBytes> i
   info.minor = load<std::uint16_t>(in, 2);
   info.max_payload_bytes = load<std::uint32_t>(in, 4);
   info.window_slots = load<std::uint32_t>(in, 8);
+  info.flags = load<std::uint32_t>(in, 12);
   info.window_bytes = load<std::uint64_t>(in, 16);
   info.capabilities = load<std::uint64_t>(in, 24);
+  info.session = load<std::uint64_t>(in, 32);
+  info.taken = load<std::uint32_t>(in, 40);
+  info.consumed = load<std::uint32_t>(in, 44);
+  info.wait_ms = load<std::uint32_t>(in, 48);
   return info;
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "gicube/wire/checksum.h"
 #include "served_boards.h"
 
 namespace gicube::emu {
@@ -61,7 +62,7 @@ TEST(Handshake, AnotherMajorVersionIsRefusedByNumber) {
   RawClient client = boards.connect();
   wire::VersionInfo mine;
   mine.major = 7;
-  expect_last_word(client, client.handshake(mine), ErrorCode::kVersion, "expected major version 1, got 7");
+  expect_last_word(client, client.handshake(mine), ErrorCode::kVersion, "expected major version 2, got 7");
 }
 
 TEST(Handshake, LimitsThatNoFrameFitsAreRefused) {
@@ -106,7 +107,7 @@ TEST(Handshake, AShortVersionPayloadIsRefused) {
   const ServedBoards boards;
   RawClient client = boards.connect();
   const std::array<std::uint8_t, 8> payload{};
-  expect_last_word(client, client.call(FrameType::kVersion, 3, payload), ErrorCode::kProtocol, "32 bytes");
+  expect_last_word(client, client.call(FrameType::kVersion, 3, payload), ErrorCode::kProtocol, "56 bytes");
 }
 
 TEST(Handshake, WorksByteByByte) {
@@ -116,8 +117,9 @@ TEST(Handshake, WorksByteByByte) {
   wire::FrameHeader header;
   header.type = FrameType::kVersion;
   header.size = wire::kVersionBytes;
-  wire::encode(header, std::span(bytes).first<wire::kFrameHeaderBytes>());
   wire::encode(wire::VersionInfo{}, std::span(bytes).last<wire::kVersionBytes>());
+  wire::encode_sealed(header, std::span(bytes).subspan(wire::kFrameHeaderBytes),
+                      std::span(bytes).first<wire::kFrameHeaderBytes>());
   for (const std::uint8_t& byte : bytes) client.send_bytes({&byte, 1});
   EXPECT_EQ(client.receive()->header.error, ErrorCode::kNone);
 }

@@ -4,6 +4,7 @@
 
 #include <sys/socket.h>
 
+#include "gicube/wire/checksum.h"
 #include "served_boards.h"
 
 namespace gicube::emu {
@@ -107,8 +108,9 @@ TEST(Session, FramesMayComeByteByByte) {
   FrameHeader header;
   header.type = FrameType::kRegisterRead;
   header.size = 4;
+  header.sequence = 1;
   std::vector<std::uint8_t> bytes(wire::kFrameHeaderBytes);
-  wire::encode(header, std::span(bytes).first<wire::kFrameHeaderBytes>());
+  wire::encode_sealed(header, word(wire::reg::kId), std::span(bytes).first<wire::kFrameHeaderBytes>());
   for (const std::uint8_t byte : word(wire::reg::kId)) bytes.push_back(byte);
   for (const std::uint8_t& byte : bytes) client.send_bytes({&byte, 1});
   EXPECT_EQ(client.receive_answer()->payload, word(wire::kIdValue));

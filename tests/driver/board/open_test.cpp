@@ -16,7 +16,7 @@ using ::testing::ThrowsMessage;
 TEST(Open, APrivateBoardTellsWhatItIs) {
   const Board board = open_board("emu:?set=asic.processors=8&set=asic.block_voxels=16&set=asic.max_volume_voxels=128");
   const BoardInfo& info = board.info();
-  EXPECT_EQ(info.protocol_major, 1);
+  EXPECT_EQ(info.protocol_major, 2);
   EXPECT_EQ(info.fidelity, Fidelity::kFunctional);
   EXPECT_EQ(info.processors, 8);
   EXPECT_EQ(info.block_voxels, 16);

@@ -6,6 +6,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "gicube/wire/checksum.h"
+
 namespace gicube::reference {
 
 FakeBoard::FakeBoard(Script script) {
@@ -40,6 +42,7 @@ std::optional<Frame> FakeBoard::receive() {
   if (!header) return std::nullopt;
   Frame frame{*header, std::vector<std::uint8_t>(header->size)};
   if (!receive_bytes(frame.payload)) return std::nullopt;
+  if (wire::frame_checksum(bytes, frame.payload) != header->checksum) return std::nullopt;
   return frame;
 }
 
@@ -60,8 +63,9 @@ void FakeBoard::send_bytes(std::span<const std::uint8_t> bytes) {
 
 void FakeBoard::send(wire::FrameHeader header, std::span<const std::uint8_t> payload) {
   header.size = static_cast<std::uint32_t>(payload.size());
+  if (!wire::is_free(header.type)) header.sequence = ++sent_;
   std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
-  encode(header, bytes);
+  wire::encode_sealed(header, payload, bytes);
   send_bytes(bytes);
   send_bytes(payload);
 }

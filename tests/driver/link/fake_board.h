@@ -52,6 +52,7 @@ class FakeBoard {
 
   Fd driver_end_;
   Fd board_end_;
+  std::uint32_t sent_ = 0;  // sequence number of the last frame
   std::thread thread_;
 };
 

@@ -270,7 +270,7 @@ TEST(Link, WhatTheBoardDoesNotOweIsAFault) {
               HasSubstr("not made"));
   EXPECT_THAT(reason_after([](FakeBoard& self) {
                 self.receive();
-                self.send_bytes(std::vector<std::uint8_t>(40, 'x'));
+                self.send_bytes(std::vector<std::uint8_t>(wire::kFrameHeaderBytes, 'x'));
               }),
               HasSubstr("no frame"));
 }

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 
+#include "gicube/wire/checksum.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/pci_config.h"
 #include "gicube/wire/ray.h"
@@ -73,11 +74,14 @@ TEST(WireReadme, ShowsTheBytesOfARegisterWrite) {
   header.credit_slots = 1;
   header.time_ps = 1'000'000;
   header.credit_bytes = 4;
+  header.sequence = 17;
   std::array<std::uint8_t, 8> payload{};
   store(std::span(payload), 0, reg::kStep);
   store(std::span(payload), 4, kStepOne / 2);
+  std::array<std::uint8_t, kFrameHeaderBytes> bytes{};
+  encode_sealed(header, payload, bytes);
   EXPECT_EQ(hex_column(marked(read("proto/gicube/wire/README.md"), "frame example")),
-            hex_of<kFrameHeaderBytes>(header) + " " + to_hex(payload));
+            to_hex(bytes) + " " + to_hex(payload));
 }
 
 TEST(WireReadme, ShowsTheBytesOfAHostRay) {

@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include <string_view>
+#include <vector>
+
+#include "gicube/wire/checksum.h"
 #include "hex.h"
 #include "records.h"
 
@@ -18,10 +22,13 @@ TEST(FrameHeader, HasTheBytesThatItsTableSays) {
   header.credit_slots = 5;
   header.time_ps = 1'000'000;   // one microsecond, 0xF4240
   header.credit_bytes = 8'192;  // 0x2000
+  header.sequence = 0x11223344;
+  header.checksum = 0xAABBCCDD;
   EXPECT_EQ(hex_of<kFrameHeaderBytes>(header),
-            "47 49 43 55 07 00 02 00 04 03 02 01 08 10 00 00 "   // G I C U, type, flags, id, size
-            "00 00 00 00 05 00 00 00 "                           // error, credit_slots
-            "40 42 0F 00 00 00 00 00 00 20 00 00 00 00 00 00");  // time_ps, credit_bytes
+            "47 49 43 55 07 00 02 00 04 03 02 01 08 10 00 00 "  // G I C U, type, flags, id, size
+            "00 00 00 00 05 00 00 00 "                          // error, credit_slots
+            "40 42 0F 00 00 00 00 00 00 20 00 00 00 00 00 00 "  // time_ps, credit_bytes
+            "44 33 22 11 DD CC BB AA");                         // sequence, checksum
 }
 
 RC_GTEST_PROP(FrameHeader, ComesBackAsItWas, ()) {
@@ -46,15 +53,56 @@ TEST(FrameNumbers, AreTheOnesThatRecordedTrafficHolds) {
   EXPECT_EQ(static_cast<int>(ErrorCode::kProtocol), 1);
   EXPECT_EQ(static_cast<int>(ErrorCode::kBadAddress), 5);
   EXPECT_EQ(static_cast<int>(ErrorCode::kInternal), 9);
+  EXPECT_EQ(static_cast<int>(ErrorCode::kCorrupted), 10);
+  EXPECT_EQ(static_cast<int>(ErrorCode::kDeadline), 11);
+  EXPECT_EQ(static_cast<int>(ErrorCode::kMemory), 12);
+  EXPECT_EQ(static_cast<int>(ErrorCode::kTaken), 13);
+  EXPECT_EQ(static_cast<int>(ErrorCode::kNoSession), 14);
+}
+
+TEST(Sequence, StepsAcrossItsWrap) {
+  EXPECT_EQ(sequence_step(7, 8), 1);
+  EXPECT_EQ(sequence_step(7, 7), 0);
+  EXPECT_EQ(sequence_step(7, 5), -2);
+  EXPECT_EQ(sequence_step(7, 10), 3);
+  EXPECT_EQ(sequence_step(0xFFFF'FFFF, 0), 1);
+  EXPECT_EQ(sequence_step(1, 0xFFFF'FFFE), -3);
+}
+
+TEST(Checksum, IsTheOneOfTheStandard) {  // check value of CRC-32C/iSCSI; RFC 3720 B.4: 32 bytes of zeros
+  const std::string_view digits = "123456789";
+  EXPECT_EQ(crc32c(std::vector<std::uint8_t>(digits.begin(), digits.end())), 0xE3069283u);
+  EXPECT_EQ(crc32c(std::vector<std::uint8_t>(32)), 0x8A9136AAu);
+  EXPECT_EQ(crc32c({}), 0u);
+}
+
+RC_GTEST_PROP(Checksum, OfAFrameSeesEveryBit, ()) {
+  FrameHeader header = any_header();
+  std::vector<std::uint8_t> payload(*rc::gen::inRange<std::size_t>(0, 300), 0x5A);
+  std::array<std::uint8_t, kFrameHeaderBytes> bytes{};
+  encode_sealed(header, payload, bytes);
+  header.checksum = frame_checksum(bytes, payload);
+  RC_ASSERT(decode_frame_header(bytes) == header);
+  const auto bit = *rc::gen::inRange<std::size_t>(0, 8 * (bytes.size() + payload.size()));
+  std::uint8_t& hit = bit / 8 < bytes.size() ? bytes[bit / 8] : payload[bit / 8 - bytes.size()];
+  hit = static_cast<std::uint8_t>(hit ^ 1u << bit % 8);
+  RC_ASSERT(frame_checksum(bytes, payload) != load<std::uint32_t>(bytes, 44));
 }
 
 TEST(Version, HasTheBytesThatItsTableSays) {
   VersionInfo info{.major = 1, .minor = 2, .max_payload_bytes = 4u << 20, .window_slots = 64};
   info.window_bytes = 16u << 20;
   info.capabilities = kFunctionalLevel | kProgressFrames | kHostRays;  // 1 + 8 + 16 = 0x19
+  info.flags = kForce;
+  info.session = 0x1122334455667788;
+  info.taken = 9;
+  info.consumed = 8;
+  info.wait_ms = 1000;  // 0x3E8
   EXPECT_EQ(hex_of<kVersionBytes>(info),
-            "01 00 02 00 00 00 40 00 40 00 00 00 00 00 00 00 "   // versions, 0x400000, 0x40, reserved
-            "00 00 00 01 00 00 00 00 19 00 00 00 00 00 00 00");  // 0x1000000, capabilities
+            "01 00 02 00 00 00 40 00 40 00 00 00 01 00 00 00 "  // versions, 0x400000, 0x40, flags
+            "00 00 00 01 00 00 00 00 19 00 00 00 00 00 00 00 "  // 0x1000000, capabilities
+            "88 77 66 55 44 33 22 11 09 00 00 00 08 00 00 00 "  // session, taken, consumed
+            "E8 03 00 00 00 00 00 00");                         // wait_ms, reserved
 }
 
 RC_GTEST_PROP(Version, ComesBackAsItWas, ()) {

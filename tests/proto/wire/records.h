@@ -60,16 +60,20 @@ inline FrameHeader any_header() {
   header.flags = any_bits<std::uint16_t>(16);
   header.id = any_bits<std::uint32_t>(32);
   header.size = any_bits<std::uint32_t>(32);
-  header.error = static_cast<ErrorCode>(*rc::gen::inRange(0, 10));
+  header.error = static_cast<ErrorCode>(*rc::gen::inRange(0, 15));
   header.credit_slots = any_bits<std::uint32_t>(32);
   header.time_ps = any_bits<std::uint64_t>(64);
   header.credit_bytes = any_bits<std::uint64_t>(64);
+  header.sequence = any_bits<std::uint32_t>(32);
+  header.checksum = any_bits<std::uint32_t>(32);
   return header;
 }
 
 inline VersionInfo any_version() {
   return {any_bits<std::uint16_t>(16), any_bits<std::uint16_t>(16), any_bits<std::uint32_t>(32),
-          any_bits<std::uint32_t>(32), any_bits<std::uint64_t>(64), any_bits<std::uint64_t>(64)};
+          any_bits<std::uint32_t>(32), any_bits<std::uint64_t>(64), any_bits<std::uint64_t>(64),
+          any_bits<std::uint32_t>(32), any_bits<std::uint64_t>(64), any_bits<std::uint32_t>(32),
+          any_bits<std::uint32_t>(32), any_bits<std::uint32_t>(32)};
 }
 
 inline RenderCommand any_render() {

@@ -1,0 +1,40 @@
+#include "gicube/wire/checksum.h"
+
+#include <isa-l/crc.h>
+
+#include <algorithm>
+#include <array>
+
+namespace gicube::wire {
+namespace {
+
+constexpr std::size_t kChecksumAt = 44;
+constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;  // the library counts in int
+
+}  // namespace
+
+std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t before) {
+  std::uint32_t crc = ~before;
+  while (!bytes.empty()) {
+    const auto part = bytes.first(std::min(bytes.size(), kMostAtOnce));
+    // The library only reads what it takes as a pointer to non-const.
+    crc = crc32_iscsi(const_cast<unsigned char*>(part.data()), static_cast<int>(part.size()), crc);
+    bytes = bytes.subspan(part.size());
+  }
+  return ~crc;
+}
+
+std::uint32_t frame_checksum(std::span<const std::uint8_t, kFrameHeaderBytes> header,
+                             std::span<const std::uint8_t> payload) {
+  static_assert(kChecksumAt + 4 == kFrameHeaderBytes);
+  constexpr std::array<std::uint8_t, 4> kNothing{};
+  return crc32c(payload, crc32c(kNothing, crc32c(header.first<kChecksumAt>())));
+}
+
+void encode_sealed(const FrameHeader& header, std::span<const std::uint8_t> payload,
+                   std::span<std::uint8_t, kFrameHeaderBytes> out) {
+  encode(header, out);
+  store(out, kChecksumAt, frame_checksum(out, payload));
+}
+
+}  // namespace gicube::wire

@@ -1,0 +1,22 @@
+// The checksum of frames: CRC-32C (Castagnoli, reflected, as in iSCSI and SCTP). Not header-only: target gicube_checksum.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "gicube/wire/frame.h"
+
+namespace gicube::wire {
+
+// Of `bytes`, going on from the checksum of what stands before them; 0 = nothing does.
+std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
+
+// What the checksum field of that header must hold, whatever it holds now.
+std::uint32_t frame_checksum(std::span<const std::uint8_t, kFrameHeaderBytes> header,
+                             std::span<const std::uint8_t> payload);
+
+// encode() with the checksum of header and payload; `header.checksum` is not looked at.
+void encode_sealed(const FrameHeader& header, std::span<const std::uint8_t> payload,
+                   std::span<std::uint8_t, kFrameHeaderBytes> out);
+
+}  // namespace gicube::wire
