@@ -16,17 +16,17 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME gicube)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
-set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
+set(CPACK_DEBIAN_RUNTIME_DESCRIPTION
 "emulated GI-Cube volumetric ray tracing board, and its driver
- The driver library (C++ and C), gicube-board (the board's emulator) and
- gicube-render (pictures of volumes and scenes).")
+The driver library (C++ and C), gicube-board (the board's emulator) and
+the programs that use them.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME gicube-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION})")
-set(CPACK_COMPONENT_DEV_DESCRIPTION
+set(CPACK_DEBIAN_DEV_DESCRIPTION
 "GI-Cube driver: headers, CMake package, pkg-config, examples
- What a program needs to build on the GI-Cube driver and to test itself
- against emulated boards.")
+What a program needs to build on the GI-Cube driver and to test itself
+against emulated boards.")
 
 # Debian's place for a package's license; each package has its own.
 foreach(component runtime dev)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the build into a scratch prefix and uses it as an outside project does: examples/ by find_package, their tests,
 # a program by pkg-config, the board found beside the library.
-# Usage: installed_package.sh BUILD_DIR SOURCE_DIR
+# Usage: installed_files.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
 build=$1
 source=$2
@@ -35,4 +35,4 @@ libraries=$(pkg-config --variable=libdir gicube)
 c++ -std=c++20 "$source/samples/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
 LD_LIBRARY_PATH=$libraries "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
 
-echo "installed package: all is well"
+echo "installed files: all is well"

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# Makes the Debian packages, unpacks both into a scratch root and builds and runs a program there.
+# Usage: debian_packages.sh BUILD_DIR SOURCE_DIR
+set -euo pipefail
+build=$1
+source=$2
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cpack --config "$build/CPackConfig.cmake" -B "$scratch/packages" >"$scratch/cpack.log" || { cat "$scratch/cpack.log"; exit 1; }
+runtime=$(echo "$scratch"/packages/gicube_*.deb)
+dev=$(echo "$scratch"/packages/gicube-dev_*.deb)
+
+depends=$(dpkg-deb -f "$runtime" Depends)
+for package in libc6 libgrpc++ libprotobuf; do
+  [[ $depends == *$package* ]] || { echo "gicube does not depend on $package: $depends" >&2; exit 1; }
+done
+[[ $(dpkg-deb -f "$dev" Depends) == "gicube (= $(dpkg-deb -f "$runtime" Version))" ]]
+
+mkdir "$scratch/root"
+dpkg-deb -x "$runtime" "$scratch/root"
+[[ ! -e $scratch/root/usr/include ]]
+test -x "$scratch/root/usr/bin/gicube-board"
+dpkg-deb -x "$dev" "$scratch/root"
+[[ -L $scratch/root/usr/lib/libgicube.so && -e $scratch/root/usr/lib/libgicube.so ]]
+! grep -rIl --exclude-dir=doc -e "$build" "$scratch/root"  # no text in it names the build's place
+
+unset GICUBE_BOARD
+export PATH=/usr/local/bin:/usr/bin:/bin PKG_CONFIG_PATH=$scratch/root/usr/lib/pkgconfig
+# shellcheck disable=SC2046
+c++ -std=c++20 "$source/samples/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
+LD_LIBRARY_PATH=$scratch/root/usr/lib "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
+
+echo "Debian packages: all is well"
