@@ -102,6 +102,7 @@ struct Board::Parts {
   void write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   void command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work);
   Reply wait(std::span<const std::uint8_t> payload);
+  Reply cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   void control(std::uint32_t bits);
 
   Reply finish(const wire::FrameHeader& header, const Errand& errand, std::vector<std::uint8_t> payload) {
@@ -207,18 +208,43 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
                 .up_cargo = result.returns_rays ? Cargo::kRays : Cargo::kCompletion,
                 .watched = true,
                 .name = command_name(payload)});
-  under_way[id] = {header.id, result.error, 0, std::move(result.payload)};
+  under_way[id] = {header.id, result.error, 0, std::move(result.payload), result.leaves_nothing};
   tickets[header.id] = id;
 }
 
 Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
-  if (payload.size() != 4)
-    return refuse(ErrorCode::kBadValue, "payload: expected a ticket, got " + std::to_string(payload.size()) + " bytes");
+  if (payload.size() != 4 && payload.size() != 12) {
+    return refuse(ErrorCode::kBadValue, "payload: expected a ticket, or a ticket and a deadline, got " +
+                                            std::to_string(payload.size()) + " bytes");
+  }
   const auto ticket = wire::load<std::uint32_t>(payload, 0);
+  const Picoseconds deadline = payload.size() == 12 ? wire::load<std::uint64_t>(payload, 4) : kNever;
   const auto found = tickets.find(ticket);
   if (found == tickets.end())
     return refuse(ErrorCode::kBadValue, "ticket " + std::to_string(ticket) + " is not under way");
-  return {.time_ps = timeline.finish(found->second)};
+  if (const auto time = timeline.finish(found->second, std::max(deadline, timeline.now()))) return {.time_ps = *time};
+  Reply late = refuse(ErrorCode::kDeadline,
+                      "ticket " + std::to_string(ticket) + " has not completed at " + std::to_string(deadline) + " ps");
+  late.time_ps = timeline.now();
+  return late;
+}
+
+// A processor's access, as a register's; the DSP looks through its list meanwhile.
+Reply Board::Parts::cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (payload.size() != 4)
+    return refuse(ErrorCode::kBadValue, "payload: expected a ticket, got " + std::to_string(payload.size()) + " bytes");
+  const auto found = tickets.find(wire::load<std::uint32_t>(payload, 0));
+  const bool cancelled = found != tickets.end() && under_way.at(found->second).can_be_cancelled &&
+                         timeline.take_back(header.time_ps, found->second);
+  if (cancelled) {
+    Completion& completion = under_way.at(found->second);
+    completion.error = ErrorCode::kCancelled;
+    const std::string text = "cancelled by the host";
+    completion.payload.assign(text.begin(), text.end());
+  }
+  std::vector<std::uint8_t> answer(4);
+  wire::store(std::span(answer), 0, std::uint32_t{cancelled});
+  return finish(header, kRegisterRead, std::move(answer));
 }
 
 std::vector<Completion> Board::Parts::take_completions() {
@@ -295,6 +321,7 @@ Outcome Board::transact(const wire::FrameHeader& header, std::span<const std::ui
     case FrameType::kMemoryRead: outcome.reply = parts_->read_memory(header, payload); break;
     case FrameType::kCommand: parts_->command(header, payload, work); break;
     case FrameType::kWait: outcome.reply = parts_->wait(payload); break;
+    case FrameType::kCancel: outcome.reply = parts_->cancel(header, payload); break;
     case FrameType::kPoll:
     case FrameType::kCounters: {
       parts_->timeline.advance(header.time_ps);
@@ -306,7 +333,8 @@ Outcome Board::transact(const wire::FrameHeader& header, std::span<const std::ui
   }
   if (outcome.reply) {
     outcome.completions = parts_->take_completions();
-    if (outcome.reply->error != ErrorCode::kNone) outcome.reply->time_ps = header.time_ps;
+    const bool passed = outcome.reply->error == ErrorCode::kDeadline;
+    if (outcome.reply->error != ErrorCode::kNone && !passed) outcome.reply->time_ps = header.time_ps;
     if (parts_->observation != nullptr) {
       parts_->observation->host_waited(wait_name(header.type), header.time_ps, outcome.reply->time_ps);
     }

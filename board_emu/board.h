@@ -31,6 +31,7 @@ struct Completion {
   wire::ErrorCode error = wire::ErrorCode::kNone;
   std::uint64_t time_ps = 0;
   std::vector<std::uint8_t> payload;  // traced rays; with an error: its text
+  bool can_be_cancelled = false;      // it leaves nothing on the board
 };
 
 // What one transaction brought about. Completions go to the host before the reply.

@@ -61,23 +61,26 @@ class ViewingRays : public RayWork {
 
 class HostRays : public RayWork {
  public:
-  HostRays(std::span<wire::Ray> rays, const Frame& frame, const v1::DspConfig& dsp)
-      : rays_(rays), frame_(frame), dsp_(dsp) {}
+  HostRays(std::span<wire::Ray> rays, bool deposit, const Frame& frame, const v1::DspConfig& dsp)
+      : rays_(rays), deposit_(deposit), frame_(frame), dsp_(dsp) {}
 
   std::uint64_t count() const override { return rays_.size(); }
   std::uint64_t row_end(std::uint64_t i) const override { return i + 1; }
   // host_ray_cycles is for both ways.
   std::uint32_t make_cycles() const override { return dsp_.host_ray_cycles() / 2; }
-  std::uint32_t take_cycles() const override { return dsp_.host_ray_cycles() - make_cycles(); }
+  std::uint32_t take_cycles() const override { return deposit_ ? 0 : dsp_.host_ray_cycles() - make_cycles(); }
 
   std::optional<wire::Ray> make(std::uint64_t i) override {
     if (!enter(rays_[i], frame_.extent, frame_.cut_planes)) return std::nullopt;
     return rays_[i];
   }
-  void take(std::uint64_t i, const Traveller& traveller) override { finish(traveller, frame_, rays_[i]); }
+  void take(std::uint64_t i, const Traveller& traveller) override {
+    if (!deposit_) finish(traveller, frame_, rays_[i]);
+  }
 
  private:
   std::span<wire::Ray> rays_;
+  bool deposit_;
   const Frame& frame_;
   const v1::DspConfig& dsp_;
 };
@@ -167,8 +170,9 @@ Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& 
   return machine.run(rays, frame, work);
 }
 
-Ran trace(std::span<wire::Ray> rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Work& work) {
-  HostRays host_rays(rays, frame, dsp);
+Ran trace(std::span<wire::Ray> rays, bool deposit, const Frame& frame, const v1::DspConfig& dsp, Machine& machine,
+          Work& work) {
+  HostRays host_rays(rays, deposit, frame, dsp);
   return machine.run(host_rays, frame, work);
 }
 

@@ -28,7 +28,9 @@ Ran illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig
 Ran resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
            Machine& machine, RayCounters& counters, Work& work);
 
-// Takes host rays to their ends, in place. A ray that misses the volume or lies behind a cut plane returns as it came.
-Ran trace(std::span<wire::Ray> rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Work& work);
+// Takes host rays to their ends, in place. A ray that lies behind a cut plane returns as it came; of rays that `deposit`,
+// nothing does.
+Ran trace(std::span<wire::Ray> rays, bool deposit, const Frame& frame, const v1::DspConfig& dsp, Machine& machine,
+          Work& work);
 
 }  // namespace gicube::emu

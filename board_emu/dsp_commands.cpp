@@ -251,43 +251,6 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   return result;
 }
 
-CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& work) {
-  const std::uint64_t count = payload.size() >= wire::kTraceHeaderBytes ? wire::load<std::uint32_t>(payload, 4) : 0;
-  if (payload.size() != wire::kTraceHeaderBytes + count * wire::kRayBytes) {
-    return refuse(
-        expected("payload", "8 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
-  }
-  if (!has_volume()) return refuse(kNoVolume);
-  const Frame frame = this->frame();
-  if (frame.scatter) {
-    if (const auto what = material_fault(false)) return refuse(*what);
-  }
-  std::vector<wire::Ray> rays(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    rays[i] = wire::decode_ray(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
-    const std::string which = "ray " + std::to_string(i) + ": ";
-    if (rays[i].flags != wire::kHostRay) return refuse(which + expected("flags", "32 (host ray)", rays[i].flags));
-    if (const auto what = fault(rays[i], frame.extent)) return refuse(which + *what);
-  }
-  aperture_.decode(threads_);
-  CommandResult result{.dsp_cycles = count * config_.dsp().host_ray_cycles()};
-  if (config_.fidelity() == v1::cycle) {
-    const Ran ran = emu::trace(rays, frame, config_.dsp(), machine(), work);
-    if (ran.cancelled) return cancelled();
-    result = timed(ran);
-  } else {
-    rays_ += emu::trace(rays, frame, threads_);
-  }
-  host_rays_ += count;
-  result.payload.resize(count * wire::kRayBytes);
-  for (std::size_t i = 0; i < count; ++i) {
-    wire::encode(rays[i], std::span(result.payload).subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
-  }
-  result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
-  result.takes_rays = result.returns_rays = count > 0;
-  return result;
-}
-
 CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Work& work) {
   if (payload.size() != wire::kIlluminateCommandBytes) return refuse(expected("payload", "104 bytes", payload.size()));
   const auto command = wire::decode_illuminate(payload.first<wire::kIlluminateCommandBytes>());

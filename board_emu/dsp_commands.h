@@ -27,6 +27,7 @@ struct CommandResult {
   std::uint64_t up_bytes = 4;  // at least the completion word in the host's memory
   bool takes_rays = false;
   bool returns_rays = false;
+  bool leaves_nothing = false;  // but what it returns: it may be taken back
 };
 
 class DspCommands {
@@ -72,10 +73,11 @@ class DspCommands {
   Observer* observer_ = nullptr;
   const Routines* routines_ = nullptr;
   HostTraps host_traps_;
-  std::unique_ptr<Machine> machine_;  // of the cycle level, as long as the volume keeps its size
-  std::uint64_t cached_volume_ = 0;   // Aperture::volume_writes() that the machine's caches belong to
-  std::vector<wire::Counter> past_;   // counters of machines that were dropped
-  RayCounters rays_;                  // of the functional level and of machines that were dropped
+  std::unique_ptr<Machine> machine_;      // of the cycle level, as long as the volume keeps its size
+  std::vector<wire::Ray> host_ray_room_;  // of the command in work
+  std::uint64_t cached_volume_ = 0;       // Aperture::volume_writes() that the machine's caches belong to
+  std::vector<wire::Counter> past_;       // counters of machines that were dropped
+  RayCounters rays_;                      // of the functional level and of machines that were dropped
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
   std::uint64_t lighting_rays_ = 0;

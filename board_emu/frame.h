@@ -36,6 +36,11 @@ struct Frame {
   bool leap = false;
   std::vector<Plane> cut_planes;
 
+  // Of host rays (wire::RayType):
+  bool segments = false;    // each has a length, and its own step
+  bool colourless = false;  // they gather opacity alone
+  bool to_the_hit = false;  // they end at the sample that brings them to the threshold, and not behind it
+
   // Rays do no more than gather: none of what follows holds.
   bool plain = true;
   std::array<wire::Material, wire::kTags> materials{};

@@ -38,12 +38,15 @@ End gather(Traveller& traveller, const Frame& frame, RayCounters& counters) {
     }
     if (frame.leap && frame.empty[block] != 0) {
       ++counters.leaps;
-      advance(traveller, leap_steps(traveller.position, traveller.step, low, grid.size()));
+      const std::int32_t steps = leap_steps(traveller, low, grid.size(), frame);
+      advance(traveller, steps);
+      count_steps(traveller, steps, frame);
       continue;
     }
     ++counters.samples;
     if (take_sample(traveller, cell(traveller.position, low), view, edge, frame)) ++counters.visible_samples;
     advance(traveller, 1);
+    count_steps(traveller, 1, frame);
   }
   return how;
 }
@@ -68,7 +71,9 @@ End travel(Traveller& traveller, const Frame& frame, RayCounters& counters) {
     if (frame.leap && frame.empty[block] != 0) {
       ++counters.leaps;
       leave_surface(traveller);
-      advance(traveller, leap_steps(traveller.position, traveller.step, low, grid.size()));
+      const std::int32_t steps = leap_steps(traveller, low, grid.size(), frame);
+      advance(traveller, steps);
+      count_steps(traveller, steps, frame);
       continue;
     }
     ++counters.samples;
@@ -80,6 +85,7 @@ End travel(Traveller& traveller, const Frame& frame, RayCounters& counters) {
     if (fate == Fate::kTrapped) fate = scatter_trapped(traveller, frame, counters);
     if (fate == Fate::kEnded) return End::kSpent;
     if (fate == Fate::kTrapped) return End::kWaits;
+    count_steps(traveller, 1, frame);
   }
   return how;
 }

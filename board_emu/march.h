@@ -25,7 +25,7 @@ struct Traveller {
   std::uint32_t length = 0;    // of one voxel length along the direction: 16.16 reference voxel lengths
   std::uint32_t opacity = 0;   // 2^24 - 1 = one; a lighting ray's is `interacted`
   // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows
-  // from the opacity, and `interaction`, which is drawn again when asked for.
+  // from the opacity, and `interaction`, which is drawn again when asked for. Of a segment: the steps that are left.
   std::uint32_t interacted = 0;
   std::array<std::uint16_t, 3> colour{};  // premultiplied, 4095 = one; of a lighting ray: its energy (energy())
   std::array<std::int16_t, 3> direction{};
@@ -61,6 +61,17 @@ inline void space(Traveller& ray, std::uint32_t distance) {
       static_cast<std::uint32_t>(round_shift<16>(static_cast<std::int64_t>(std::uint64_t{distance} * ray.length)));
 }
 
+// Divides a segment's `length`, 16.16 voxels, into even steps of at most the frame's, and goes to the middle of the first.
+inline void divide(Traveller& ray, std::uint32_t length, const Frame& frame) {
+  const std::uint32_t steps = (length + frame.step - 1) / frame.step;
+  ray.interacted = steps;
+  ray.colour = {};
+  if (steps == 0) return;
+  space(ray, (length + steps / 2) / steps);
+  const Point half = step_vector(ray.direction, (length + steps) / (2 * steps));
+  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += half[axis];
+}
+
 inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
   Traveller out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -76,13 +87,18 @@ inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
   out.v = ray.v;
   out.direction = ray.direction;
   space(out, frame.step);
+  if (frame.segments) divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
   return out;
 }
 
 // Writes what the ray has gathered, and where it ended, clamped to the volume, into its packet.
 inline void finish(const Traveller& ray, const Frame& frame, wire::Ray& out) {
+  const bool hit = frame.to_the_hit && ray.opacity >= frame.opacity_threshold;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    out.position[axis] = static_cast<std::uint32_t>(std::clamp(ray.position[axis], 0, frame.extent[axis]));
+    // Back from the next sample's place to that of the hit, or to a segment's end.
+    const std::int32_t back = hit ? ray.step[axis] : frame.segments ? ray.step[axis] / 2 : 0;
+    const std::int32_t at = ray.position[axis] - back;
+    out.position[axis] = static_cast<std::uint32_t>(std::clamp(at, 0, frame.extent[axis]));
     out.colour[axis] = ray.colour[axis];
   }
   out.direction = ray.direction;
@@ -98,6 +114,7 @@ enum class End : std::uint8_t { kNot, kLeft, kOpaque, kSpent, kWaits };
 
 inline End end(const Traveller& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return End::kLeft;
+  if (frame.segments && ray.interacted == 0) return End::kLeft;
   for (const Plane& plane : frame.cut_planes) {
     if (beyond(plane, ray.position, ray.step)) return End::kLeft;
   }
@@ -173,6 +190,10 @@ inline bool take_sample(Traveller& ray, const Cell& at, const BlockView& view, s
   const Channels sample = resample_all(near);
   const wire::SegmentationEntry& entry = frame.segmentation[segmentation_index(sample[0], tag)];
   if (entry.opacity == 0) return false;
+  if (frame.colourless) {
+    over(ray, Colour12{}, (*frame.opacity_correction)(entry.opacity, ray.exponent));
+    return true;
+  }
   const Colour12 colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
                                       : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   over(ray, colour, (*frame.opacity_correction)(entry.opacity, ray.exponent));
@@ -196,6 +217,17 @@ inline std::uint16_t contribution(const Traveller& ray) {
 
 inline void advance(Traveller& ray, std::int32_t steps) {
   for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
+}
+
+// The steps that take the ray out of its empty block [low, low + size), or a segment to its end.
+inline std::int32_t leap_steps(const Traveller& ray, const Point& low, std::int32_t size, const Frame& frame) {
+  const std::int32_t steps = leap_steps(ray.position, ray.step, low, size);
+  return frame.segments ? std::min(steps, static_cast<std::int32_t>(ray.interacted)) : steps;
+}
+
+// Counts the steps of a segment down.
+inline void count_steps(Traveller& ray, std::int32_t steps, const Frame& frame) {
+  if (frame.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
 }
 
 }  // namespace gicube::emu

@@ -124,6 +124,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   jitter_step(traveller, *frame_);
   entry.sampled = !frame_->leap || frame_->empty[ray.block] == 0 || carries;
   End how = End::kNot;
+  std::int32_t steps = 1;
   if (entry.sampled) {
     const Cell at = carries ? carrier_cell(ray) : cell(traveller.position, low);
     const Misses& misses = cache_.check(ray.block, at.voxel);
@@ -142,8 +143,10 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   } else {
     ++counts_.leaps;
     if (lit_) leave_surface(traveller);
-    advance(traveller, leap_steps(traveller.position, traveller.step, low, grid_.size()));
+    steps = leap_steps(traveller, low, grid_.size(), *frame_);
+    advance(traveller, steps);
   }
+  count_steps(traveller, steps, *frame_);
 
   token.contribution = contribution(traveller);
   // A trapped ray has its end looked for when it has its new direction.

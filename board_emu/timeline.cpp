@@ -6,6 +6,12 @@
 
 namespace gicube::emu {
 
+namespace {
+
+constexpr std::uint64_t kCompletionWordBytes = 4;  // in the host's memory
+
+}  // namespace
+
 void Timeline::add(Picoseconds stamp, std::uint64_t id, const Errand& errand) {
   advance(stamp);
   under_way_.emplace(id, Issued{errand, std::max(stamp, now_ps_)});
@@ -19,27 +25,71 @@ void Timeline::end(std::uint64_t id, Picoseconds time) {
 }
 
 void Timeline::deliver(const BusDelivery& delivery) {
-  const auto [errand, stamp] = under_way_.at(delivery.id);
   if (watcher_ != nullptr) watcher_->transferred(delivery);
   if (delivery.direction == Direction::kUp) return end(delivery.id, delivery.time_ps);
-  Picoseconds done = delivery.time_ps;
-  if (errand.dsp) {
-    const Picoseconds busy = cycles_to_ps(errand.dsp_cycles, dsp_khz_);
-    const Picoseconds work = std::max(busy, errand.asic_ps);
-    const Picoseconds waiting_since = std::max(stamp, dsp_free_ps_);
-    if (delivery.time_ps > waiting_since) host_bus_wait_ps_ += delivery.time_ps - waiting_since;
-    done = std::max(done, dsp_free_ps_) + work;
-    dsp_free_ps_ = done;
-    if (watcher_ != nullptr) watcher_->served(errand, done - work, done);
-    dsp_busy_ps_ += busy;
+  if (!under_way_.at(delivery.id).errand.dsp) return send_up(delivery.id, delivery.time_ps);
+  dsp_queue_.push_back({delivery.id, delivery.time_ps});
+  begin_turns();
+}
+
+void Timeline::begin_turns() {
+  if (in_turn_ || dsp_queue_.empty()) return;
+  const Arrived arrived = dsp_queue_.front();
+  dsp_queue_.pop_front();
+  const auto& [errand, stamp] = under_way_.at(arrived.id);
+  const Picoseconds busy = cycles_to_ps(errand.dsp_cycles, dsp_khz_);
+  const Picoseconds waiting_since = std::max(stamp, dsp_free_ps_);
+  if (arrived.time_ps > waiting_since) host_bus_wait_ps_ += arrived.time_ps - waiting_since;
+  const Picoseconds begin = std::max(arrived.time_ps, dsp_free_ps_);
+  dsp_free_ps_ = begin + std::max(busy, errand.asic_ps);
+  if (watcher_ != nullptr) watcher_->served(errand, begin, dsp_free_ps_);
+  dsp_busy_ps_ += busy;
+  in_turn_ = arrived.id;
+}
+
+void Timeline::end_turn() {
+  const std::uint64_t id = *in_turn_;
+  in_turn_.reset();
+  send_up(id, dsp_free_ps_);
+  begin_turns();
+}
+
+void Timeline::send_up(std::uint64_t id, Picoseconds ready) {
+  const Errand& errand = under_way_.at(id).errand;
+  if (errand.up_bytes == 0) return end(id, ready);
+  bus_.enqueue(Direction::kUp, {id, TransferKind::kBulk, errand.up_cargo, errand.up_bytes, ready});
+}
+
+// The next thing that happens, if it does by `horizon`. A turn that ends is dealt with first: what it sends up competes
+// with what is on its way down.
+bool Timeline::step(Picoseconds horizon) {
+  const Picoseconds turn_ends = in_turn_ ? dsp_free_ps_ : kNever;
+  if (const auto delivery = bus_.next_delivery(std::min(horizon, turn_ends))) {
+    deliver(*delivery);
+    return true;
   }
-  if (errand.up_bytes == 0) return end(delivery.id, done);
-  bus_.enqueue(Direction::kUp, {delivery.id, TransferKind::kBulk, errand.up_cargo, errand.up_bytes, done});
+  if (turn_ends == kNever || turn_ends > horizon) return false;
+  end_turn();
+  return true;
 }
 
 void Timeline::advance(Picoseconds horizon) {
-  while (const auto delivery = bus_.next_delivery(horizon)) deliver(*delivery);
+  while (step(horizon)) continue;
   now_ps_ = std::max(now_ps_, horizon);
+}
+
+bool Timeline::take_back(Picoseconds stamp, std::uint64_t id) {
+  advance(stamp);
+  const auto found = under_way_.find(id);
+  const auto waits = [id](const Arrived& arrived) { return arrived.id == id; };
+  const bool on_bus = bus_.carries(Direction::kDown, id);
+  if (found == under_way_.end() || (!on_bus && std::none_of(dsp_queue_.begin(), dsp_queue_.end(), waits))) return false;
+  Errand& errand = found->second.errand;
+  errand.dsp_cycles = 0;
+  errand.asic_ps = 0;
+  errand.up_bytes = kCompletionWordBytes;
+  errand.up_cargo = Cargo::kCompletion;
+  return true;
 }
 
 Picoseconds Timeline::turn_of(Picoseconds stamp, const Errand& errand) const {
@@ -52,13 +102,15 @@ Picoseconds Timeline::turn_of(Picoseconds stamp, const Errand& errand) const {
   return ahead.finish(kAhead);
 }
 
-Picoseconds Timeline::finish(std::uint64_t id) {
+std::optional<Picoseconds> Timeline::finish(std::uint64_t id, Picoseconds deadline) {
   const auto is_it = [id](const Finished& finished) { return finished.id == id; };
   auto found = std::find_if(finished_.begin(), finished_.end(), is_it);
   while (found == finished_.end()) {
-    const auto delivery = bus_.next_delivery(kNever);
-    if (!delivery) throw std::logic_error("errand " + std::to_string(id) + " was never added");
-    deliver(*delivery);
+    if (!step(deadline)) {
+      if (deadline == kNever) throw std::logic_error("errand " + std::to_string(id) + " was never added");
+      advance(deadline);
+      return std::nullopt;
+    }
     found = std::find_if(finished_.begin(), finished_.end(), is_it);
   }
   const Picoseconds time = found->time_ps;

@@ -1,10 +1,13 @@
 // Simulated time of the functional level: host bus and DSP, with an ASIC that takes none.
 //
 // An errand goes down the bus, through the DSP, and up the bus. The DSP serves errands in the order of their arrival.
-// Time advances only as far as it can no longer change: nothing older than the host's latest stamp will follow.
+// Time advances only as far as it can no longer change: nothing older than the host's latest stamp will follow. An errand
+// can be taken back until its turn at the DSP begins.
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -50,7 +53,7 @@ class Timeline {
   void add(Picoseconds stamp, std::uint64_t id, const Errand& errand);
 
   // When the turn at the DSP of an errand like this will begin if it is added at `stamp`. No later errand can change it:
-  // they all follow on the way down.
+  // they all follow on the way down. (That one before it is taken back can.)
   Picoseconds turn_of(Picoseconds stamp, const Errand& errand) const;
 
   // Null for none.
@@ -59,8 +62,14 @@ class Timeline {
   // Lets time pass up to `horizon`.
   void advance(Picoseconds horizon);
 
-  // Lets time pass until that watched errand is finished, and returns when. It must not have been taken yet.
-  Picoseconds finish(std::uint64_t id);
+  // Lets time pass until that watched errand is finished, and returns when; but no longer than to `deadline`, and then
+  // nothing. It must not have been taken yet.
+  std::optional<Picoseconds> finish(std::uint64_t id, Picoseconds deadline);
+  Picoseconds finish(std::uint64_t id) { return *finish(id, kNever); }
+
+  // Takes an errand back at `stamp`: it costs the DSP nothing, and no more than a completion word goes up. False if its
+  // turn has begun.
+  bool take_back(Picoseconds stamp, std::uint64_t id);
 
   // The watched errands that have finished by now and were not taken yet, in the order of their time.
   std::vector<Finished> take_finished();
@@ -72,7 +81,12 @@ class Timeline {
   const HostBus& bus() const { return bus_; }
 
  private:
+  // Everything but advance() and take_back() counts on no turn being over that has not been ended.
+  bool step(Picoseconds horizon);
   void deliver(const BusDelivery& delivery);
+  void begin_turns();
+  void end_turn();
+  void send_up(std::uint64_t id, Picoseconds ready);
   void end(std::uint64_t id, Picoseconds time);
 
   HostBus bus_;
@@ -86,8 +100,14 @@ class Timeline {
     Errand errand;
     Picoseconds stamp_ps = 0;
   };
+  struct Arrived {
+    std::uint64_t id = 0;
+    Picoseconds time_ps = 0;
+  };
   std::unordered_map<std::uint64_t, Issued> under_way_;
-  std::vector<Finished> finished_;  // some may lie in the future: the DSP's work is known as soon as it begins
+  std::deque<Arrived> dsp_queue_;         // those that wait for their turns
+  std::optional<std::uint64_t> in_turn_;  // the errand at the DSP, until dsp_free_ps_
+  std::vector<Finished> finished_;
 };
 
 }  // namespace gicube::emu

@@ -20,6 +20,11 @@ void HostBus::enqueue(Direction direction, const BusTransfer& transfer) {
   if (to.queue.size() == 1) to.dwords_left = to_dwords(transfer.bytes);
 }
 
+bool HostBus::carries(Direction direction, std::uint64_t id) const {
+  const auto& queue = side(direction).queue;
+  return std::any_of(queue.begin(), queue.end(), [id](const BusTransfer& transfer) { return transfer.id == id; });
+}
+
 Picoseconds HostBus::head_ready(Direction direction) const {
   const Side& from = side(direction);
   return from.queue.empty() ? kNever : from.queue.front().ready_ps;

@@ -57,6 +57,9 @@ class HostBus {
  public:
   explicit HostBus(const BusTiming& timing) : timing_(timing) {}
 
+  // Whether a transfer waits or is under way.
+  bool carries(Direction direction, std::uint64_t id) const;
+
   // Within one direction transfers are served in this order, whatever their ready times.
   void enqueue(Direction direction, const BusTransfer& transfer);
 

@@ -41,6 +41,7 @@ Manner manner_of(FrameType type) {
     case FrameType::kMemoryRead:
     case FrameType::kWait:
     case FrameType::kPoll:
+    case FrameType::kCancel:
     case FrameType::kCounters: return Manner::kNonPosted;
     default: return Manner::kNotFromHost;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <span>
@@ -9,40 +10,67 @@
 
 #include "device.h"
 #include "gicube/ray.h"
+#include "upload/host_ray.h"
 
 namespace gicube {
 
+// What bounds the rays under way.
+struct BatchLimits {
+  std::size_t most_rays = 0;
+  BackPressure back_pressure = BackPressure::kWait;
+};
+
 class Batches {
  public:
-  explicit Batches(Device& device) : device_(device) {}
+  Batches(Device& device, const BatchLimits& limits) : device_(device), limits_(limits) {}
 
-  // For rays that passed their checks.
-  Ticket submit(std::span<const HostRay> rays);
-  // Throws BadArgument for an unknown ticket; Rejected or Unsupported if the board refused the batch, which is gone then.
-  RayBatch receive(Ticket ticket);
+  // The rays, part by part, have passed their checks. `lines`: how many of them each polyline has, or nothing.
+  // Throws WouldBlock.
+  Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
+                std::vector<std::size_t> lines = {});
+  // Throws BadArgument for an unknown ticket; DeadlinePassed; Rejected or Unsupported if the board refused the batch,
+  // which is gone then.
+  RayBatch receive(Ticket ticket, Picoseconds deadline);
+  BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline);
   // Throws Rejected or Unsupported for one batch that the board refused, which is gone then; the others stay.
   std::vector<RayBatch> poll();
+  bool cancel(Ticket ticket);
+
+  // The link goes to a new board: everything that has not come back is sent again, in its order.
+  void send_again();
 
  private:
   // As many rays as one command holds.
   struct Part {
     std::uint32_t command = 0;
     std::size_t rays = 0;
+    Payload encoded;  // until the result has come
     std::optional<CommandResult> result;
   };
   struct Batch {
     Picoseconds completed = 0;
+    std::size_t rays = 0;
+    bool deposits = false;
+    double energy_unit = 0;
+    std::vector<std::size_t> lines;
     std::vector<Part> parts;
 
     bool complete() const;
   };
   using Entry = std::map<std::uint32_t, Batch>::iterator;
 
+  Entry find(Ticket ticket);
+  void make_room(std::size_t rays);
   void collect(Batch& batch);
+  void complete(Batch& batch, Picoseconds deadline);
+  // Takes a complete batch out of the list and decodes its rays, into as much room as it has rays.
+  BatchReport release(Entry entry, std::span<TracedRay> rays);
   RayBatch release(Entry entry);
 
   Device& device_;
+  const BatchLimits limits_;
   std::uint32_t last_ticket_ = 0;
+  std::size_t rays_under_way_ = 0;
   std::map<std::uint32_t, Batch> batches_;
 };
 

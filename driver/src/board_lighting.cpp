@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gicube/wire/memory_map.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
 #include "link_error.h"
@@ -60,6 +59,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   report.unit = lights.empty() ? 1 : energy_unit(lights, settings, box, state_->info.wide);
 
   state_->set_lighting(settings);
+  const Picoseconds deadline = state_->deadline();
   state_->device.write_register(reg::kControl, wire::kControlClearIrradiance);
   state_->irradiance_unit = report.unit;
   double flux = 0;
@@ -67,7 +67,6 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
     std::vector<std::uint8_t> command(wire::kIlluminateCommandBytes);
     wire::encode(light_command(lights[i], settings, report.unit),
                  std::span<std::uint8_t, wire::kIlluminateCommandBytes>(command));
-    const std::uint32_t ticket = state_->device.command(std::move(command));
     const auto all = static_cast<std::uint32_t>(lights.size()), before = static_cast<std::uint32_t>(i);
     Progress part;
     if (progress) {  // each light an equal part of the whole
@@ -77,7 +76,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
         progress(before * kParts + here, all * kParts);
       };
     }
-    const CommandResult result = state_->device.finish(ticket, state_->watched(part));
+    const CommandResult result = state_->device.run(std::move(command), state_->watched(part), deadline);
     if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
     const std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < wire::kLightingLedgerBytes) state_->device.give_up("a lighting result of wrong size");
@@ -101,34 +100,6 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
     report.warnings.push_back("the printed rules of low albedo lost the energy that was scattered");
   }
   return report;
-}
-
-std::vector<float> Board::read_irradiance() {
-  const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->loaded("read_irradiance()");
-  if (state_->irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() first");
-  const auto n = static_cast<std::size_t>(state_->info.block_voxels), words = n * n * n;
-  const auto dim = [&volume](std::size_t axis) { return static_cast<std::size_t>(volume.dims[axis]); };
-  const auto blocks = [&volume](std::size_t axis) { return static_cast<std::size_t>(volume.blocks[axis]); };
-  const std::size_t most = state_->device.agreed().max_payload_bytes / wire::kIrradianceBytes;
-  std::vector<float> out(dim(0) * dim(1) * dim(2));
-  for (std::size_t block = 0; block < blocks(0) * blocks(1) * blocks(2); ++block) {
-    const std::array<std::size_t, 3> low{block % blocks(0) * n, block / blocks(0) % blocks(1) * n,
-                                         block / (blocks(0) * blocks(1)) * n};
-    for (std::size_t first = 0; first < words; first += most) {
-      const std::size_t count = std::min(most, words - first);
-      const auto bytes = state_->device.read_memory(
-          wire::kIrradiance.base + (block * words + first) * wire::kIrradianceBytes, count * wire::kIrradianceBytes);
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t word = first + i;
-        const std::size_t x = low[0] + word % n, y = low[1] + word / n % n, z = low[2] + word / (n * n);
-        if (x >= dim(0) || y >= dim(1) || z >= dim(2)) continue;
-        out[x + dim(0) * (y + dim(1) * z)] =
-            static_cast<float>(wire::load<std::uint32_t>(bytes, i * wire::kIrradianceBytes) * state_->irradiance_unit);
-      }
-    }
-  }
-  return out;
 }
 
 }  // namespace gicube

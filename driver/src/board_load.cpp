@@ -60,14 +60,18 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
     if (blocks.stored(block)) stored.push_back(block);
   }
   const auto all = static_cast<std::uint32_t>(stored.size());
-  const auto n = static_cast<std::uint64_t>(info.block_voxels);
   std::vector<std::uint8_t> bytes;
   for (std::uint32_t done = 0; done < all; ++done) {
     if (progress) progress(done, all);
     blocks.pack(stored[done], bytes);
-    device.write_memory(wire::kVolume.base + stored[done] * n * n * n * wire::kVoxelBits / 8, bytes);
+    write_block(stored[done], bytes);
   }
   if (progress) progress(all, all);
+}
+
+void Board::State::write_block(std::size_t block, std::span<const std::uint8_t> packed) {
+  const auto n = static_cast<std::uint64_t>(info.block_voxels);
+  device.write_memory(wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8, packed);
 }
 
 // Waits for all that was written and asks whether the board took it.

@@ -77,7 +77,11 @@ BoardInfo read_info(Device& device) {
 
 Board Board::open(std::string_view uri, const OpenOptions& options) {
   const Uri parsed = parse_uri(uri);
-  auto state = std::make_unique<State>(parsed, checked_watchdog(options.watchdog));
+  if (options.most_rays < 4096) {
+    throw BadArgument("most_rays", "at least 4096", std::to_string(options.most_rays));
+  }
+  auto state = std::make_unique<State>(parsed, checked_watchdog(options.watchdog),
+                                       BatchLimits{options.most_rays, options.back_pressure});
   try {
     state->info = read_info(state->device);
   } catch (const DeviceLost& error) {

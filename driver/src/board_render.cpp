@@ -7,7 +7,6 @@
 #include "link_error.h"
 #include "state.h"
 #include "upload/camera.h"
-#include "upload/host_ray.h"
 
 namespace gicube {
 namespace {
@@ -63,8 +62,7 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   std::vector<std::uint8_t> command(wire::kRenderCommandBytes);
   wire::encode(viewing_command(view, volume.relative_spacing),
                std::span<std::uint8_t, wire::kRenderCommandBytes>(command));
-  const std::uint32_t ticket = state_->device.command(std::move(command));
-  const CommandResult result = state_->device.finish(ticket, state_->watched(progress));
+  const CommandResult result = state_->device.run(std::move(command), state_->watched(progress), state_->deadline());
   if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
   state_->sampling = view;
   state_->sampling_towards_eye = eye;
@@ -96,26 +94,6 @@ Image Board::read_framebuffer() {
 Image Board::render(const View& view, const Progress& progress) {
   render_to_framebuffer(view, progress);
   return read_framebuffer();
-}
-
-Ticket Board::submit(std::span<const HostRay> rays) {
-  const auto lock = state_->begin();
-  if (!state_->info.host_rays) throw Unsupported("this board takes no host rays");
-  const LoadedVolume& volume = state_->loaded("submit()");
-  for (std::size_t i = 0; i < rays.size(); ++i) check(rays[i], i, volume.dims);
-  state_->set_sampling(state_->sampling);
-  if (state_->sampling.shade) state_->tables.send_reflectance(state_->sampling_towards_eye);
-  return state_->batches.submit(rays);
-}
-
-RayBatch Board::receive(Ticket ticket) {
-  const auto lock = state_->begin();
-  return state_->batches.receive(ticket);
-}
-
-std::vector<RayBatch> Board::poll() {
-  const auto lock = state_->begin();
-  return state_->batches.poll();
 }
 
 }  // namespace gicube

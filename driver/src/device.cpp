@@ -6,6 +6,7 @@
 #include "connect.h"
 #include "gicube/wire/counter_list.h"
 #include "gicube/wire/registers.h"
+#include "link_error.h"
 
 namespace gicube {
 namespace {
@@ -119,22 +120,34 @@ std::vector<std::uint8_t> Device::read_memory(std::uint64_t address, std::uint64
   return bytes;
 }
 
-std::uint32_t Device::command(std::vector<std::uint8_t> payload) {
-  return with_last_words([&] { return link_->command(clock_.now(), std::move(payload)); });
+std::uint32_t Device::command(Payload payload) {
+  return with_last_words([&] { return link_->command(clock_.now(), *payload); });
 }
 
-CommandResult Device::finish(std::uint32_t ticket, const Progress& progress) {
-  try {
-    const Response response = with_last_words([&] { return link_->wait(ticket, clock_.now(), progress); });
-    clock_.wait_until(response.time_ps);
-  } catch (...) {  // also what the progress callback throws
-    link_->forget(ticket);
-    throw;
-  }
+CommandResult Device::finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline) {
+  const Response response = with_last_words([&] { return link_->wait(ticket, clock_.now(), deadline, progress); });
+  clock_.wait_until(response.time_ps);
+  if (response.error == wire::ErrorCode::kDeadline) throw DeadlinePassed(error_text(response.payload));
   auto result = link_->take(ticket);
   if (!result) give_up("the board says that a command has completed, but not how");
   clock_.wait_until(result->time_ps);
   return std::move(*result);
+}
+
+CommandResult Device::run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline) {
+  const std::uint32_t ticket = command(std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+  try {
+    return finish(ticket, progress, deadline);
+  } catch (...) {  // also what the progress callback throws
+    link_->forget(ticket);
+    throw;
+  }
+}
+
+bool Device::cancel(std::uint32_t ticket) {
+  const auto answer = request(wire::FrameType::kCancel, words({ticket}));
+  if (answer.size() != 4) give_up("the board answered a cancel with " + std::to_string(answer.size()) + " bytes");
+  return wire::load<std::uint32_t>(answer, 0) != 0;
 }
 
 void Device::poll() { request(wire::FrameType::kPoll, {}); }

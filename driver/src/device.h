@@ -16,6 +16,7 @@
 #include "host_clock.h"
 #include "launch.h"
 #include "link.h"
+#include "payload.h"
 #include "uri.h"
 
 namespace gicube {
@@ -27,6 +28,7 @@ class Device {
 
   const wire::VersionInfo& agreed() const { return link_->agreed(); }
   HostClock& clock() { return clock_; }
+  const HostClock& clock() const { return clock_; }
   // Throws DeviceLost if the board is.
   void check() const;
   [[noreturn]] void give_up(const std::string& reason) { link_->give_up(reason); }
@@ -44,11 +46,16 @@ class Device {
   // At most agreed().max_payload_bytes.
   std::vector<std::uint8_t> read_memory(std::uint64_t address, std::uint64_t length);
 
-  std::uint32_t command(std::vector<std::uint8_t> payload);
-  // Blocks the simulated host until the command has completed. Its error is in the result, and not thrown.
-  CommandResult finish(std::uint32_t ticket, const Progress& progress);
+  std::uint32_t command(Payload payload);
+  // Blocks the simulated host until the command has completed, but no longer than to the simulated time `deadline`:
+  // throws DeadlinePassed then. Its error is in the result, and not thrown. Whatever is thrown, the result can still come.
+  CommandResult finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline = kNoDeadline);
+  // Both; if it throws, nobody asks for the result any more.
+  CommandResult run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline = kNoDeadline);
   // The result of a command if it has come; blocks nobody.
   std::optional<CommandResult> take(std::uint32_t ticket) { return link_->take(ticket); }
+  // Takes a command back whose turn has not begun: true, and it completes with kCancelled.
+  bool cancel(std::uint32_t ticket);
   // Fetches the results of all commands that have completed by now.
   void poll();
 

@@ -116,8 +116,7 @@ void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, cons
   const std::size_t most = std::min(kRaysPerRound, room / wire::kTrappedRayBytes);
   std::vector<wire::Ray> answers;
   while (!answers.empty() || list.waiting > 0) {
-    const auto ticket = device.command(resume_command(answers, static_cast<std::uint32_t>(most)));
-    const CommandResult result = device.finish(ticket, {});
+    const CommandResult result = device.run(resume_command(answers, static_cast<std::uint32_t>(most)), {});
     if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
     std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < ledger_bytes) device.give_up("a lighting result of wrong size");

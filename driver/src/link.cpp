@@ -81,9 +81,11 @@ std::uint32_t Link::command(std::uint64_t now_ps, std::vector<std::uint8_t> payl
   return header.id;
 }
 
-Response Link::wait(std::uint32_t ticket, std::uint64_t now_ps, const OnProgress& on_progress) {
-  std::vector<std::uint8_t> payload(4);
+Response Link::wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds deadline, const OnProgress& on_progress) {
+  const bool bounded = deadline != kNoDeadline;
+  std::vector<std::uint8_t> payload(bounded ? 12 : 4);
   wire::store(std::span(payload), 0, ticket);
+  if (bounded) wire::store(std::span(payload), 4, deadline);
   return exchange(wire::FrameType::kWait, now_ps, std::move(payload), ticket, on_progress);
 }
 
@@ -124,7 +126,8 @@ Response Link::exchange(wire::FrameType type, std::uint64_t now_ps, std::vector<
   const wire::ErrorCode error = pending.error;
   Response response = std::move(*pending.response);
   pending_.erase(header.id);
-  if (error == wire::ErrorCode::kNone) return response;
+  response.error = error;
+  if (error == wire::ErrorCode::kNone || error == wire::ErrorCode::kDeadline) return response;
   const std::string text = error_text(response.payload);
   if (ends_session(error)) break_off(text);
   lock.unlock();

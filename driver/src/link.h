@@ -17,6 +17,7 @@
 
 #include "fd.h"
 #include "frame_stream.h"
+#include "gicube/time.h"
 #include "gicube/wire/credits.h"
 #include "gicube/wire/frame.h"
 
@@ -32,6 +33,7 @@ struct LinkOptions {
 };
 
 struct Response {
+  wire::ErrorCode error = wire::ErrorCode::kNone;  // kDeadline, or else thrown
   std::uint64_t time_ps = 0;
   std::vector<std::uint8_t> payload;
 };
@@ -70,9 +72,10 @@ class Link : private FrameSink {
   // Posts a DSP command; its result is kept until it is taken or forgotten. Returns the ticket, which is never 0.
   std::uint32_t command(std::uint64_t now_ps, std::vector<std::uint8_t> payload);
 
-  // Waits until the command has completed on the board. `on_progress` is called on this thread, with no lock held; what
+  // Waits until the command has completed on the board, or simulated time has come to `deadline` (kNoDeadline: none): the
+  // response's error says which. `on_progress` is called on this thread, with no lock held; what
   // it throws leaves this call and the command goes on.
-  Response wait(std::uint32_t ticket, std::uint64_t now_ps, const OnProgress& on_progress);
+  Response wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds deadline, const OnProgress& on_progress);
 
   // The result of a command, once; nothing while it has not come.
   std::optional<CommandResult> take(std::uint32_t ticket);

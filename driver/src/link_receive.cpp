@@ -129,7 +129,7 @@ void Link::take_response(const wire::FrameHeader& header, std::vector<std::uint8
     return;
   }
   pending->second.error = header.error;
-  pending->second.response = Response{header.time_ps, std::move(payload)};
+  pending->second.response = Response{header.error, header.time_ps, std::move(payload)};
 }
 
 void Link::take_completion(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) {

@@ -30,8 +30,8 @@ struct LoadedVolume {
 };
 
 struct GICUBE_HIDDEN Board::State {
-  State(const Uri& uri, std::chrono::milliseconds watchdog)
-      : threads(uri.threads), device(uri, watchdog), tables(device), batches(device) {}
+  State(const Uri& uri, std::chrono::milliseconds watchdog, const BatchLimits& limits)
+      : threads(uri.threads), device(uri, watchdog), tables(device), batches(device, limits) {}
 
   // Every public call but now() and info() is one transaction. Throws DeviceLost.
   std::unique_lock<std::mutex> begin();
@@ -53,9 +53,18 @@ struct GICUBE_HIDDEN Board::State {
 
   static wire::Spacing spacing_words(Vec3 relative);  // of the SPACING registers
   void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
+  void write_block(std::size_t block, std::span<const std::uint8_t> packed);
+  std::vector<float> read_irradiance(const VoxelBox& box);
   void check_fence();
   void find_flags(LoadedVolume& volume);
   void set_sampling(const View& view);
+  Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
+                std::vector<std::size_t> lines);
+  // Of a call that begins now.
+  Picoseconds deadline() const {
+    const Picoseconds now = device.clock().now();
+    return time_limit == 0 || time_limit > kNoDeadline - now ? kNoDeadline : now + time_limit;
+  }
   void set_lighting(const Illumination& settings);
   // Throws Rejected if a material that `rays` can meet needs the application's routine and there is none.
   void need_routine(bool lighting) const;
@@ -73,6 +82,7 @@ struct GICUBE_HIDDEN Board::State {
   Tables tables;
   Batches batches;
   HostScattering scattering;
+  Picoseconds time_limit = 0;  // of a rendering or an illumination; 0: none
   std::optional<LoadedVolume> volume;
   double irradiance_unit = 0;              // power of one unit; 0 before the first illuminate()
   double bright_flux = 0;                  // power a voxel that full brightness is chosen for

@@ -129,15 +129,16 @@ class BareBoard {
     return image;
   }
 
-  std::vector<wire::Ray> trace(const std::vector<wire::Ray>& rays) {
-    const Outcome outcome = wait(command(trace_payload(rays)));
+  std::vector<wire::Ray> trace(const std::vector<wire::Ray>& rays, const wire::TraceHeader& header = {}) {
+    const Outcome outcome = wait(command(trace_payload(rays, header)));
     return traced(outcome.completions.at(0));
   }
 
-  static std::vector<std::uint8_t> trace_payload(const std::vector<wire::Ray>& rays) {
+  // The header's count is set.
+  static std::vector<std::uint8_t> trace_payload(const std::vector<wire::Ray>& rays, wire::TraceHeader header = {}) {
     std::vector<std::uint8_t> payload(wire::kTraceHeaderBytes + rays.size() * wire::kRayBytes);
-    wire::store(std::span(payload), 0, static_cast<std::uint32_t>(wire::Opcode::kTrace));
-    wire::store(std::span(payload), 4, static_cast<std::uint32_t>(rays.size()));
+    header.count = static_cast<std::uint32_t>(rays.size());
+    wire::encode(header, std::span(payload).first<wire::kTraceHeaderBytes>());
     for (std::size_t i = 0; i < rays.size(); ++i) {
       wire::encode(rays[i],
                    std::span(payload).subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());

@@ -53,26 +53,22 @@ struct BoardInfo {
   bool host_rays = false;  // submit() is offered
 };
 
+// What submit() does when OpenOptions::most_rays are under way.
+enum class BackPressure {
+  kWait,   // the simulated host waits for the oldest batch to complete
+  kThrow,  // throws WouldBlock, and nothing is sent
+};
+
 struct OpenOptions {
   // Wall-clock limit for one answer of the board; 0 = wait for ever.
   std::chrono::milliseconds watchdog{std::chrono::minutes{10}};
+  // Rays that may be under way: submitted, and not yet completed by the simulated board. At least 4096.
+  std::size_t most_rays = std::size_t{1} << 22;
+  BackPressure back_pressure = BackPressure::kWait;
 };
 
 // Parts done and parts in all of a long call; called on the calling thread.
 using Progress = std::function<void(std::uint32_t done, std::uint32_t all)>;
-
-// Names one submitted batch until its rays have been received.
-struct Ticket {
-  std::uint32_t id = 0;
-  friend constexpr bool operator==(Ticket, Ticket) = default;
-};
-
-// A ray batch that has come back.
-struct RayBatch {
-  Ticket ticket;
-  Picoseconds completed = 0;    // simulated time at which the last byte reached the host
-  std::vector<TracedRay> rays;  // in the order in which they were submitted
-};
 
 // Movable, not copyable: one Board owns one session, which ends with it. Its calls may come from several threads; each
 // call is one transaction and they take turns, so the simulated host is one host. A moved-from Board may only be
@@ -103,6 +99,15 @@ class GICUBE_API Board {
   // On DeviceLost or TimedOut the volume is lost with the board.
   void load_volume(const VolumeView& volume, const Progress& progress = {});
 
+  // The values of a box of the volume as the board holds them, 12 bits each, x fastest. The simulated host waits for the
+  // transfer. Throws Rejected (no volume), BadArgument (box).
+  std::vector<float> read_volume(const VoxelBox& box);
+  // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Gradients of the
+  // box and of its neighbours are found again from the voxels that the board holds, tags stay; the empty flags are found
+  // again. The simulated host waits for the transfers, of whole blocks both ways.
+  // Throws Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
+  void write_volume(const VoxelBox& box, std::span<const float> values);
+
   // The map from the loaded volume's values to densities. Throws Rejected before load_volume().
   ValueRange value_range() const;
 
@@ -130,9 +135,17 @@ class GICUBE_API Board {
   // Throws BadArgument (a light's index and field, settings), Rejected (no volume; a routine failed or is missing): the
   // irradiance is as far as it came.
   LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
-  // One value a voxel, x fastest, in units of the lights' power. The simulated host waits for the transfer.
-  // Throws Rejected before the first illuminate().
+  // One value a voxel, x fastest, in units of the lights' power; of the whole volume or of a box of it. The simulated
+  // host waits for the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
   std::vector<float> read_irradiance();
+  std::vector<float> read_irradiance(const VoxelBox& box);
+  // Overwrites it: words are rounded to the unit in force and saturate. Throws as read_irradiance(), and BadArgument
+  // (a value's index): the irradiance is unchanged. The simulated host waits for the transfer.
+  void write_irradiance(const VoxelBox& box, std::span<const float> values);
+  // Sets the irradiance to zero and its unit, in which the words count, to `unit` of the lights' power: for rays of type
+  // kDeposit and for write_irradiance(). The words saturate at 2047, of a board with the wide datapath at 2^32 - 1.
+  // Throws BadArgument, Rejected (no volume).
+  void clear_irradiance(double unit);
 
   // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").
   // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded, whose codes it would
@@ -156,20 +169,39 @@ class GICUBE_API Board {
   // Both.
   Image render(const View& view, const Progress& progress = {});
 
-  // Sends rays to be integrated with the sampling fields (step, threshold, shade, jitter, leap, cut planes) of the last
-  // view rendered, or of a default View. They are not scattered by the application. Returns at once; the simulated host goes on while the board works.
-  // Throws BadArgument (a ray's index and field), Rejected (no volume): nothing was sent.
-  Ticket submit(std::span<const HostRay> rays);
-  // Blocks until that batch has returned and moves the simulated host's clock to its arrival.
-  // Throws BadArgument if the ticket is unknown or its rays were received already.
-  RayBatch receive(Ticket ticket);
-  // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival.
+  // Sends rays, in as many DSP commands as they need. They are not scattered by the application. Returns at once unless
+  // too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any number of
+  // batches may be under way; the caller's memory is free again on return.
+  // Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit before
+  // clear_irradiance() or illuminate()), WouldBlock: nothing was sent.
+  Ticket submit(std::span<const HostRay> rays, const RayRequest& request = {});
+  // The same with rays that lie in several places, as one batch in that order.
+  Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request = {});
+  Ticket submit(std::span<const Polyline> lines);
+  // Blocks until that batch has returned and moves the simulated host's clock to its arrival. What the board refused is
+  // thrown (Rejected, Unsupported), and the batch is gone.
+  // Throws BadArgument if the ticket is unknown or its rays were received already; DeadlinePassed if the batch has not
+  // arrived by the simulated time `deadline`: the clock then stands there, the batch is still under way.
+  RayBatch receive(Ticket ticket, Picoseconds deadline = kNoDeadline);
+  // The same, with the rays straight into the caller's memory: as many as were submitted (polylines: legs; kDeposit and
+  // cancelled batches: none are written). Throws BadArgument if it has another size: the batch is still there.
+  BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline = kNoDeadline);
+  // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival. One that
+  // the board refused is thrown first, and is gone; the others stay.
   std::vector<RayBatch> poll();
+  // Takes back what of a batch the DSP has not begun by now(); its rays are lost, and it comes back, cancelled, through
+  // receive() or poll() as others do. False: too late, it comes back whole. The simulated host waits for the answer.
+  // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit, whose energy can't be taken back.
+  bool cancel(Ticket ticket);
 
   // The simulated host's clock, since open().
   Picoseconds now() const;
   // The host works for that long; the board goes on meanwhile.
   void host_compute(Picoseconds duration);
+  // From now on a rendering or an illuminate() that lets the simulated host wait longer than `limit` throws
+  // DeadlinePassed, and the clock stands at that deadline. The board finishes its command, whose result is lost: the
+  // framebuffer is unknown then, the irradiance as if the pass had ended. 0: no limit.
+  void set_time_limit(Picoseconds limit);
 
   Counters counters();
 

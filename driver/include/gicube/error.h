@@ -71,6 +71,18 @@ class GICUBE_API DeviceLost : public Error {
   using Error::Error;
 };
 
+// The simulated host waited until its deadline, a simulated time. The board works on.
+class DeadlinePassed : public Error {
+ public:
+  using Error::Error;
+};
+
+// As many rays are under way as OpenOptions allow. Nothing was sent; receive or poll, or let simulated time pass.
+class WouldBlock : public Error {
+ public:
+  using Error::Error;
+};
+
 // No answer within the wall-clock watchdog. The board may still be working: the Board is closed, as after DeviceLost.
 class GICUBE_API TimedOut : public Error {
  public:

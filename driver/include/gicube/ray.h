@@ -1,21 +1,74 @@
-// Rays that a host application makes itself and gets back.
+// Rays that a host application makes itself, what it asks of them, and how they come back.
+//
+//   gicube::Ticket ticket = board.submit(rays, {.type = gicube::RayType::kFirstHit, .opacity = 0.5});
+//   ...                                                      // the board works meanwhile
+//   gicube::RayBatch hits = board.receive(ticket);
+//
+// Sources: [P §3.5, §3.6] host rays; [P §5.6] a ray between two voxels whose opacity comes back.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
 
+#include "gicube/illumination.h"
+#include "gicube/time.h"
 #include "gicube/vector.h"
 
 namespace gicube {
 
-// What the board can't hold exactly is rounded: positions to 1/16384 voxel, directions to 1/16384.
-struct HostRay {
-  std::uint32_t id = 0;  // the caller's own; comes back unchanged
-  Vec3 position;         // voxels, inside the volume: 0..size - 1 on each axis
-  Vec3 direction;        // any length but 0; only the direction counts
+// What is asked of the rays of a batch. Sampling (step, leaping over empty blocks, and for rays that gather colour also
+// shading) is that of the last view rendered, or of a default View.
+enum class RayType {
+  // Colour and opacity from its position until it leaves the volume, meets a cut plane, or has the view's
+  // opacity_threshold. Scattered if the view says so. With the view's jitter.
+  kIntegrate,
+  // Until the opacity that it has gathered reaches RayRequest::opacity: its position is then that of the sample which
+  // brought it there, and its opacity at least that. A ray with less has hit nothing and stands where it left the volume
+  // or met a cut plane. No colour. With the view's jitter.
+  kFirstHit,
+  // Colour and opacity between two points, `length` apart, or up to the first sample at which RayRequest::opacity is
+  // reached. Its own step divides the length evenly, at most the view's, and it samples the middle of each: so both
+  // directions see the same samples. Neither jitter nor cut planes.
+  kSegment,
+  // The same without colour: the transmittance between two points is 1 - opacity.
+  kOpacity,
+  // Distributes its energy into the irradiance words on its way (docs/HARDWARE.md, Global illumination), by
+  // RayRequest::albedo and rules; what is asked for is where the energy went: no ray comes back.
+  kDeposit,
 };
 
-// A ray as it returned: integrated through the volume until it left, was opaque, or met a cut plane.
+// What the board can't hold exactly is rounded: positions to 1/16384 voxel, directions to 1/16384, lengths to 1/65536 voxel.
+struct HostRay {
+  std::uint32_t id = 0;  // the caller's own; comes back unchanged. kDeposit: its random choices hang on it
+  Vec3 position;         // voxels, inside the volume: 0..size - 1 on each axis
+  Vec3 direction;        // any length but 0; only the direction counts
+  double length = 0;     // kSegment, kOpacity: voxels along the direction, 0..4096; else not looked at
+  double energy = 0;     // kDeposit: > 0, in units of the lights' power; else not looked at
+};
+
+// The ray from one point to another, both in voxels, for kSegment and kOpacity. Equal points: of no length, along z.
+HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
+
+struct RayRequest {
+  RayType type = RayType::kIntegrate;
+  double opacity = 1;  // kFirstHit, kSegment, kOpacity: > 0..1
+  // kDeposit, as in Illumination:
+  Albedo albedo = Albedo::kLow;
+  EnergyRules rules = EnergyRules::kConserving;
+  int lifetime = 32;
+};
+
+// A line through several points, in voxels: its legs are kSegment rays.
+struct Polyline {
+  std::uint32_t id = 0;
+  std::span<const Vec3> points;  // at least 2
+};
+
+// A ray as it returned.
 struct TracedRay {
   std::uint32_t id = 0;
   Vec3 position;                   // where it ended, clamped to the volume; voxels
@@ -24,6 +77,27 @@ struct TracedRay {
   double opacity = 0;              // 0..1
 
   friend constexpr bool operator==(const TracedRay&, const TracedRay&) = default;
+};
+
+// Names one submitted batch until its rays have been received.
+struct Ticket {
+  std::uint32_t id = 0;
+  friend constexpr bool operator==(Ticket, Ticket) = default;
+};
+
+// When a batch came back, and what its rays left behind.
+struct BatchReport {
+  Ticket ticket;
+  Picoseconds completed = 0;               // simulated time at which the last byte reached the host
+  bool cancelled = false;                  // some of its rays were never traced: there are none to be had
+  std::optional<LightingReport> lighting;  // kDeposit
+};
+
+// A ray batch that has come back.
+struct RayBatch : BatchReport {
+  // In the order in which they were submitted. Polylines: one a leg, with what was gathered from the line's first point
+  // to the end of that leg. kDeposit: none.
+  std::vector<TracedRay> rays;
 };
 
 }  // namespace gicube

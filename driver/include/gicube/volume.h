@@ -33,6 +33,12 @@ struct ValueRange {
   friend constexpr bool operator==(ValueRange, ValueRange) = default;
 };
 
+// A box of voxels: low[axis] .. low[axis] + size[axis] - 1.
+struct VoxelBox {
+  Dims low{};
+  Dims size{};  // at least 1 each
+};
+
 // Does not own its memory: everything pointed to must live until load_volume() returns.
 struct VolumeView {
   // dims[0] * dims[1] * dims[2] samples of `type`, x fastest.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -13,34 +14,123 @@ namespace {
 constexpr std::array<char, 3> kAxisNames{'x', 'y', 'z'};
 constexpr double kPositionOne = wire::kVoxel;
 constexpr double kDirectionOne = 1 << wire::kDirectionFractionBits;
+constexpr double kLengthOne = 65536;
+constexpr double kMostLength = wire::kMostLength / kLengthOne;
+constexpr int kEnergyFractionBits = 12;
 
 std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
 
-}  // namespace
+bool is_segment(RayType type) { return type == RayType::kSegment || type == RayType::kOpacity; }
 
-void check(const HostRay& ray, std::size_t index, Dims dims) {
-  const std::array<double, 3> position = to_array(ray.position), direction = to_array(ray.direction);
+bool has_threshold(RayType type) { return type == RayType::kFirstHit || is_segment(type); }
+
+// As many bits as a ray's energy has [P §4.2].
+double most_energy(const RaySetup& setup) {
+  const int bits = setup.wide ? 24 : setup.request.albedo == Albedo::kHigh ? 4 : 8;
+  return std::ldexp(1, bits) - 1;
+}
+
+void check_position(Vec3 at, const char* what, std::size_t index, const char* field, Dims dims) {
+  const std::array<double, 3> position = to_array(at);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double last = dims[axis] - 1;
-    if (!(position[axis] >= 0 && position[axis] <= last)) {  // the name is made only when it is needed
-      expect_within(fmt::format("rays[{}].position.{}", index, kAxisNames[axis]), position[axis], 0, last);
-    }
-    if (!std::isfinite(direction[axis])) {
-      expect_finite(fmt::format("rays[{}].direction.{}", index, kAxisNames[axis]), direction[axis]);
-    }
+    if (position[axis] >= 0 && position[axis] <= last) continue;  // the name is made only when it is needed
+    expect_within(fmt::format("{}[{}].{}.{}", what, index, field, kAxisNames[axis]), position[axis], 0, last);
+  }
+}
+
+void check_direction(const HostRay& ray, std::size_t index) {
+  const std::array<double, 3> direction = to_array(ray.direction);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (std::isfinite(direction[axis])) continue;
+    expect_finite(fmt::format("rays[{}].direction.{}", index, kAxisNames[axis]), direction[axis]);
   }
   if (ray.direction == Vec3{}) throw BadArgument(fmt::format("rays[{}].direction", index), "any length but 0", "0");
 }
 
-wire::Ray to_wire(const HostRay& ray) {
-  const std::array<double, 3> position = to_array(ray.position), direction = to_array(unit(ray.direction));
+std::uint64_t colour_word(const HostRay& ray, const RaySetup& setup) {
+  if (is_segment(setup.request.type)) return static_cast<std::uint64_t>(std::llround(ray.length * kLengthOne));
+  if (setup.request.type != RayType::kDeposit) return 0;
+  return static_cast<std::uint64_t>(std::llround(std::ldexp(ray.energy / setup.energy_unit, kEnergyFractionBits)));
+}
+
+// The usual length needs no care for squares that over- or underflow.
+Vec3 direction_of(Vec3 v) {
+  const double square = dot(v, v);
+  if (!(square > 1e-100 && square < 1e100)) return unit(v);
+  return (1 / std::sqrt(square)) * v;
+}
+
+}  // namespace
+
+HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to) {
+  const Vec3 way = to - from;
+  return {.id = id, .position = from, .direction = way == Vec3{} ? Vec3{0, 0, 1} : way, .length = length(way)};
+}
+
+void check(const RayRequest& request) {
+  if (request.type < RayType::kIntegrate || request.type > RayType::kDeposit) {
+    throw BadArgument("request.type", "one of RayType's", std::to_string(static_cast<int>(request.type)));
+  }
+  if (has_threshold(request.type) && !(request.opacity > 0 && request.opacity <= 1)) {
+    throw BadArgument("request.opacity", "more than 0, at most 1", number_text(request.opacity));
+  }
+  if (request.type == RayType::kDeposit) expect_within("request.lifetime", request.lifetime, 0, wire::kLifetimeMax);
+}
+
+void check(const HostRay& ray, std::size_t index, const RaySetup& setup) {
+  check_position(ray.position, "rays", index, "position", setup.dims);
+  check_direction(ray, index);
+  if (is_segment(setup.request.type) && !(ray.length >= 0 && ray.length <= kMostLength)) {
+    expect_within(fmt::format("rays[{}].length", index), ray.length, 0, kMostLength);
+  }
+  if (setup.request.type != RayType::kDeposit) return;
+  const double least = std::ldexp(setup.energy_unit, -kEnergyFractionBits);
+  const double most = most_energy(setup) * setup.energy_unit;
+  if (!(ray.energy >= least && ray.energy <= most)) {
+    expect_within(fmt::format("rays[{}].energy", index), ray.energy, least, most);
+  }
+}
+
+void check(const Polyline& line, std::size_t index, Dims dims) {
+  if (line.points.size() < 2) {
+    throw BadArgument(fmt::format("lines[{}].points", index), "at least 2", std::to_string(line.points.size()));
+  }
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    check_position(line.points[i], "lines", index, fmt::format("points[{}]", i).c_str(), dims);
+  }
+}
+
+wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays) {
+  wire::TraceHeader header;
+  header.count = static_cast<std::uint32_t>(rays);
+  header.type = static_cast<wire::RayType>(request.type);
+  if (has_threshold(request.type)) {
+    header.opacity = std::max(1u, static_cast<std::uint32_t>(std::lround(request.opacity * wire::kOpacityOne)));
+  }
+  if (request.type != RayType::kDeposit) return header;
+  header.albedo = request.albedo == Albedo::kHigh ? wire::Albedo::kHigh : wire::Albedo::kLow;
+  header.rules =
+      request.rules == EnergyRules::kConserving ? wire::EnergyRules::kConserving : wire::EnergyRules::kAsPrinted;
+  return header;
+}
+
+wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
+  const std::array<double, 3> position = to_array(ray.position), direction = to_array(direction_of(ray.direction));
   wire::Ray packet;
   packet.set_host_id(ray.id);
   packet.flags = wire::kHostRay;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    packet.position[axis] = static_cast<std::uint32_t>(std::lround(position[axis] * kPositionOne));
-    packet.direction[axis] = static_cast<std::int16_t>(std::lround(direction[axis] * kDirectionOne));
+    packet.position[axis] = static_cast<std::uint32_t>(position[axis] * kPositionOne + 0.5);
+    packet.direction[axis] =
+        static_cast<std::int16_t>(direction[axis] * kDirectionOne + (direction[axis] < 0 ? -0.5 : 0.5));
   }
+  if (setup.request.type == RayType::kIntegrate || setup.request.type == RayType::kFirstHit) return packet;
+  packet.set_colour_word(colour_word(ray, setup));
+  if (setup.request.type != RayType::kDeposit) return packet;
+  packet.flags |= wire::kLightingRay;
+  if (setup.request.albedo == Albedo::kHigh) packet.flags |= wire::kHighAlbedo;
+  packet.lifetime = static_cast<std::uint16_t>(setup.request.lifetime);
   return packet;
 }
 
@@ -53,6 +143,14 @@ TracedRay from_wire(const wire::Ray& ray) {
   for (std::size_t c = 0; c < 3; ++c) traced.colour[c] = ray.colour[c] / double{wire::kColourOne};
   traced.opacity = ray.opacity / double{wire::kOpacityOne};
   return traced;
+}
+
+void add_up(std::span<TracedRay> legs) {
+  for (std::size_t i = 1; i < legs.size(); ++i) {
+    const double seen = 1 - legs[i - 1].opacity;
+    for (std::size_t c = 0; c < 3; ++c) legs[i].colour[c] = legs[i - 1].colour[c] + seen * legs[i].colour[c];
+    legs[i].opacity = legs[i - 1].opacity + seen * legs[i].opacity;
+  }
 }
 
 }  // namespace gicube

@@ -2,21 +2,39 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "gicube/ray.h"
 #include "gicube/vector.h"
+#include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 
 namespace gicube {
 
-// Throws BadArgument naming ray and field: "rays[7].position.x: expected 0..31, got 32.5".
-void check(const HostRay& ray, std::size_t index, Dims dims);
+// What holds for every ray of a batch.
+struct RaySetup {
+  RayRequest request{};
+  Dims dims{};           // of the volume
+  double energy_unit{};  // kDeposit: power of one unit of the energy words
+  bool wide = false;     // kDeposit: the board's datapath, which bounds a ray's energy
+};
+
+// Throw BadArgument naming the field: "rays[7].position.x: expected 0..31, got 32.5".
+void check(const RayRequest& request);
+void check(const HostRay& ray, std::size_t index, const RaySetup& setup);
+void check(const Polyline& line, std::size_t index, Dims dims);
+
+wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays);
 
 // Position rounded to 1/16384 voxel; direction brought to unit length in voxel space, then rounded to 1/16384.
 // For a ray that passed check().
-wire::Ray to_wire(const HostRay& ray);
+wire::Ray to_wire(const HostRay& ray, const RaySetup& setup);
 
 // The direction as the board holds it: of unit length to its rounding.
 TracedRay from_wire(const wire::Ray& ray);
+
+// Turns what each leg of a line gathered into what was gathered up to its end.
+void add_up(std::span<TracedRay> legs);
 
 }  // namespace gicube

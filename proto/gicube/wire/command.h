@@ -22,7 +22,21 @@
 //   byte  size  field
 //      0     4  opcode = 2
 //      4     4  count
-//      8  32 n  ray packets (ray.h), kHostRay set
+//      8     1  type     0 integrate, 1 first hit, 2 segment, 3 opacity, 4 deposit
+//      9     1  albedo   0 low, 1 high             } of deposit; else 0
+//     10     1  rules    0 as printed, 1 conserving }
+//     11     1  reserved, 0
+//     12     4  opacity  24 bits, 2^24 - 1 = 1, not 0: at which a ray of type 1, 2 or 3 ends; else 0
+//     16  32 n  ray packets (ray.h), flags kHostRay alone; and of deposit: also kLightingRay, and kHighAlbedo as `albedo`
+//
+// The colour of a ray packet on its way to the board, 36 bits:
+//   integrate         colour that is gathered already, 3 x 12 bits
+//   first hit         the same, and it stays as it is
+//   segment, opacity  low 32 bits: length, 16.16 voxels, at most 4096; the other bits 0. They start without opacity.
+//   deposit           energy, 24.12 units of the energy words, not 0
+// A segment's step divides its length evenly, and is at most STEP. Its packet has no need for contribution, lifetime,
+// generation and interaction: on the ASIC these 38 bits are the steps that are left and their length.
+// First hit, opacity: no colour comes back. Deposit: no ray does; its completion is a LightingLedger.
 //
 // kIlluminate: the DSP makes the lighting rays of one light; they leave their energy in the irradiance words. Its
 // completion holds a LightingLedger: kLightingLedgerBytes of u64 in its order; and then as kRender's.
@@ -77,7 +91,7 @@ enum class Filter : std::uint8_t { kBox = 0, kTent = 1 };
 
 inline constexpr int kMaxImageSize = 4095;  // u, v are 12.4 pixels
 inline constexpr std::size_t kRenderCommandBytes = 112;
-inline constexpr std::size_t kTraceHeaderBytes = 8;
+inline constexpr std::size_t kTraceHeaderBytes = 16;
 inline constexpr std::size_t kResumeHeaderBytes = 16;
 inline constexpr std::size_t kTrapListHeaderBytes = 8;
 
@@ -110,6 +124,9 @@ inline void encode(const RenderCommand& command, std::span<std::uint8_t, kRender
     for (std::size_t axis = 0; axis < 3; ++axis) store_double(out, 16 + 24 * i + 8 * axis, (*vectors[i])[axis]);
   }
 }
+
+enum class RayType : std::uint8_t { kIntegrate = 0, kFirstHit = 1, kSegment = 2, kOpacity = 3, kDeposit = 4 };
+inline constexpr std::uint32_t kMostLength = 4096u << 16;  // of a segment, 16.16 voxels: beyond any volume's diagonal
 
 enum class LightKind : std::uint8_t { kPoint = 0, kDirectional = 1, kRectangle = 2, kSphere = 3 };
 enum class Albedo : std::uint8_t { kLow = 0, kHigh = 1 };
@@ -148,6 +165,37 @@ inline void encode(const IlluminateCommand& command, std::span<std::uint8_t, kIl
   for (std::size_t i = 0; i < vectors.size(); ++i) {
     for (std::size_t axis = 0; axis < 3; ++axis) store_double(out, 32 + 24 * i + 8 * axis, (*vectors[i])[axis]);
   }
+}
+
+// What precedes the ray packets of kTrace.
+struct TraceHeader {
+  std::uint32_t count = 0;
+  RayType type = RayType::kIntegrate;
+  Albedo albedo = Albedo::kLow;
+  EnergyRules rules = EnergyRules::kAsPrinted;
+  std::uint32_t opacity = 0;
+
+  friend constexpr bool operator==(const TraceHeader&, const TraceHeader&) = default;
+};
+
+inline void encode(const TraceHeader& header, std::span<std::uint8_t, kTraceHeaderBytes> out) {
+  store(out, 0, static_cast<std::uint32_t>(Opcode::kTrace));
+  store(out, 4, header.count);
+  store(out, 8, static_cast<std::uint8_t>(header.type));
+  store(out, 9, static_cast<std::uint8_t>(header.albedo));
+  store(out, 10, static_cast<std::uint8_t>(header.rules));
+  store(out, 11, std::uint8_t{0});
+  store(out, 12, header.opacity);
+}
+
+inline TraceHeader decode_trace(std::span<const std::uint8_t, kTraceHeaderBytes> in) {
+  TraceHeader header;
+  header.count = load<std::uint32_t>(in, 4);
+  header.type = static_cast<RayType>(load<std::uint8_t>(in, 8));
+  header.albedo = static_cast<Albedo>(load<std::uint8_t>(in, 9));
+  header.rules = static_cast<EnergyRules>(load<std::uint8_t>(in, 10));
+  header.opacity = load<std::uint32_t>(in, 12);
+  return header;
 }
 
 inline IlluminateCommand decode_illuminate(std::span<const std::uint8_t, kIlluminateCommandBytes> in) {

@@ -38,10 +38,12 @@ enum class FrameType : std::uint16_t {
   kMemoryRead = 8,     // u64 address, u64 length -> bytes; the board writes them to the host as bus master
   kCommand = 9,        // posted: a DSP command (command.h); its frame id is the ticket
   kCompletion = 10,    // board to host, id = ticket: result of a command, pushed in simulated-time order
-  kWait = 11,          // u32 ticket -> empty, once that command has completed; the host is blocked until then
+  kWait = 11,          // u32 ticket -> empty, once that command has completed; the host is blocked until then.
+                       // u32 ticket, u64 deadline (ps) -> kDeadline at that time if it has not completed by then
   kPoll = 12,          // -> empty, after every completion not later than time_ps has been pushed
   kCounters = 13,      // -> counter list (counter_list.h)
   kProgress = 14,      // board to host, id = ticket: u32 parts done, u32 parts in all; costs no simulated time
+  kCancel = 15,        // u32 ticket -> u32: 1 = the command's turn had not begun, it will complete with kCancelled; 0
 };
 
 enum FrameFlag : std::uint16_t {
@@ -106,8 +108,7 @@ inline void encode(const FrameHeader& header, std::span<std::uint8_t, kFrameHead
 inline std::optional<FrameHeader> decode_frame_header(std::span<const std::uint8_t, kFrameHeaderBytes> in) {
   if (load<std::uint32_t>(in, 0) != kFrameMagic) return std::nullopt;
   const auto type = load<std::uint16_t>(in, 4);
-  if (type < static_cast<std::uint16_t>(FrameType::kVersion) ||
-      type > static_cast<std::uint16_t>(FrameType::kProgress)) {
+  if (type < static_cast<std::uint16_t>(FrameType::kVersion) || type > static_cast<std::uint16_t>(FrameType::kCancel)) {
     return std::nullopt;
   }
   FrameHeader header;

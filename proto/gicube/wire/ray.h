@@ -60,6 +60,13 @@ struct Ray {
     u = static_cast<std::uint16_t>(id);
     v = static_cast<std::uint16_t>(id >> 16);
   }
+  // The colour's bits as one word: a lighting ray's energy, a segment's length (command.h).
+  constexpr std::uint64_t colour_word() const {
+    return colour[0] | std::uint64_t{colour[1]} << 12 | std::uint64_t{colour[2]} << 24;
+  }
+  constexpr void set_colour_word(std::uint64_t word) {
+    for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint16_t>(word >> (12 * i) & 0xFFF);
+  }
   friend constexpr bool operator==(const Ray&, const Ray&) = default;
 };
 

@@ -38,7 +38,7 @@ TEST(Lost, AfterTheBoardsProcessWasKilledEveryCallSaysSoAndANewBoardCanBeOpened)
   EXPECT_THAT([&] { board.counters(); }, ThrowsMessage<DeviceLost>(HasSubstr("signal 9")));
   EXPECT_THROW(board.load_volume(volume.view()), DeviceLost);
   EXPECT_THROW(board.set_transfer_function(reference::step_function(1)), DeviceLost);
-  EXPECT_THROW(board.submit({}), DeviceLost);
+  EXPECT_THROW(board.submit(std::span<const HostRay>{}), DeviceLost);
   EXPECT_THROW(board.poll(), DeviceLost);
   EXPECT_EQ(board.info().processors, 4);
   board = Board::open("emu:");

@@ -28,7 +28,7 @@ TEST(Load, CallsThatNeedAVolumeSaySo) {
   EXPECT_THROW(board.empty_flags(), Rejected);
   EXPECT_THROW(board.set_empty_flags({}), Rejected);
   EXPECT_THROW(board.render_to_framebuffer(front_view(32)), Rejected);
-  EXPECT_THROW(board.submit({}), Rejected);
+  EXPECT_THROW(board.submit(std::span<const HostRay>{}), Rejected);
 }
 
 TEST(Load, GivesTheValueRangeAndTheBlocks) {

@@ -90,7 +90,7 @@ TEST_F(RayBatches, PollingGivesWhatHasArrivedInTheOrderOfArrival) {
 }
 
 TEST_F(RayBatches, AnEmptyBatchIsDoneAtOnce) {
-  const Ticket ticket = board_.submit({});
+  const Ticket ticket = board_.submit(std::span<const HostRay>{});
   const Picoseconds before = board_.now();
   EXPECT_TRUE(board_.receive(ticket).rays.empty());
   EXPECT_EQ(board_.now(), before);

@@ -70,7 +70,7 @@ TEST(Command, ACompletionTwiceIsAFault) {
   });
   Link link(board.take_socket(), kPatient);
   const auto ticket = link.command(0, {});
-  EXPECT_THROW(link.wait(ticket, 0, {}), DeviceLost);
+  EXPECT_THROW(link.wait(ticket, 0, kNoDeadline, {}), DeviceLost);
 }
 
 TEST(Command, AForgottenResultIsDroppedWhenItComes) {
@@ -104,7 +104,7 @@ TEST(Command, ProgressReachesTheWaitingCallerOnItsOwnThread) {
   const auto ticket = link.command(0, {});
   std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
   const auto caller = std::this_thread::get_id();
-  link.wait(ticket, 0, [&](std::uint32_t done, std::uint32_t all) {
+  link.wait(ticket, 0, kNoDeadline, [&](std::uint32_t done, std::uint32_t all) {
     EXPECT_EQ(std::this_thread::get_id(), caller);
     heard.emplace_back(done, all);
   });
@@ -125,8 +125,9 @@ TEST(Command, WhatAProgressCallbackThrowsLeavesTheWaitAndTheLinkGoesOn) {
   });
   Link link(board.take_socket(), kPatient);
   const auto ticket = link.command(0, {});
-  EXPECT_THROW(link.wait(ticket, 0, [](std::uint32_t, std::uint32_t) { throw std::runtime_error("enough"); }),
-               std::runtime_error);
+  EXPECT_THROW(
+      link.wait(ticket, 0, kNoDeadline, [](std::uint32_t, std::uint32_t) { throw std::runtime_error("enough"); }),
+      std::runtime_error);
   EXPECT_EQ(link.request(FrameType::kCounters, 0, {}).payload, bytes_of("fine"));
   EXPECT_TRUE(link.take(ticket));
 }

@@ -178,7 +178,7 @@ TEST(Credit, ALargeWriteAndALargeAnswerDoNotWaitForEachOther) {
   Link link(board.take_socket(), kPatient);
   std::uint32_t last = 0;
   for (int i = 0; i < kCommands; ++i) last = link.command(0, std::vector<std::uint8_t>(kBytes));
-  EXPECT_NO_THROW(link.wait(last, 0, {}));
+  EXPECT_NO_THROW(link.wait(last, 0, kNoDeadline, {}));
   EXPECT_EQ(link.take(last)->payload.size(), kBytes);
 }
 

@@ -318,7 +318,7 @@ TEST(Link, ProgressKeepsTheWatchdogQuiet) {
   });
   Link link(board.take_socket(), {.watchdog = std::chrono::milliseconds(800)});
   const auto ticket = link.command(0, bytes_of("draw"));
-  EXPECT_NO_THROW(link.wait(ticket, 0, {}));
+  EXPECT_NO_THROW(link.wait(ticket, 0, kNoDeadline, {}));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace gicube {
 namespace {
 
 TEST(HostRay, BecomesAPacketThatIsMarkedAndUntouched) {
-  const wire::Ray ray = to_wire({0xDEADBEEF, {1, 2.5, 1023}, {0, 0, -2}});
+  const wire::Ray ray = to_wire({0xDEADBEEF, {1, 2.5, 1023}, {0, 0, -2}}, RaySetup{});
   EXPECT_EQ(ray.host_id(), 0xDEADBEEFu);
   EXPECT_EQ(ray.flags, wire::kHostRay);
   EXPECT_EQ(ray.position, (std::array<std::uint32_t, 3>{16384, 40960, 16760832}));
@@ -23,7 +23,7 @@ TEST(HostRay, BecomesAPacketThatIsMarkedAndUntouched) {
 }
 
 TEST(HostRay, IsRoundedNotTruncated) {
-  const wire::Ray ray = to_wire({0, {0.6 / 16384, 0.4 / 16384, 0}, {1, -1, 0}});
+  const wire::Ray ray = to_wire({0, {0.6 / 16384, 0.4 / 16384, 0}, {1, -1, 0}}, RaySetup{});
   EXPECT_EQ(ray.position, (std::array<std::uint32_t, 3>{1, 0, 0}));
   EXPECT_EQ(ray.direction, (std::array<std::int16_t, 3>{11585, -11585, 0}));  // 11585.24
 }
@@ -50,7 +50,7 @@ TEST(HostRay, ThereAndBackIsWithinTheRounding) {
     const HostRay sent{id,
                        {position(random), position(random), position(random)},
                        {direction(random), direction(random), direction(random)}};
-    const TracedRay back = from_wire(to_wire(sent));
+    const TracedRay back = from_wire(to_wire(sent, RaySetup{}));
     const Vec3 moved = back.position - sent.position, turned = back.direction - normalise(sent.direction);
     RC_ASSERT(back.id == id);
     for (const double error : {moved.x, moved.y, moved.z, turned.x, turned.y, turned.z}) {
@@ -62,7 +62,7 @@ TEST(HostRay, ThereAndBackIsWithinTheRounding) {
 TEST(HostRayCheck, NamesRayAndField) {
   const Dims dims{32, 16, 8};
   const auto refused = [&](Vec3 position, Vec3 direction) {
-    return refusal([&] { check(HostRay{5, position, direction}, 7, dims); });
+    return refusal([&] { check(HostRay{5, position, direction}, 7, RaySetup{.dims = dims}); });
   };
   EXPECT_EQ(refused({0, 0, 0}, {1, 0, 0}), "accepted");
   EXPECT_EQ(refused({31, 15, 7}, {0, 0, -1e-200}), "accepted");

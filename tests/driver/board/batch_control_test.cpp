@@ -1,0 +1,164 @@
+// Deadlines, back-pressure, cancelling, and rays in the caller's own memory.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "test_board.h"
+
+namespace gicube {
+namespace {
+
+using reference::BoxVolume;
+using reference::front_view;
+using reference::open_board;
+using reference::step_function;
+
+constexpr const char* kUri = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
+constexpr Picoseconds kSecond = 1'000'000'000'000;
+
+std::vector<HostRay> rays(std::uint32_t count) {
+  std::vector<HostRay> list;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    list.push_back({.id = i, .position = {i % 31 + 0.25, i / 31 % 31 + 0.25, 0}, .direction = {0, 0, 1}});
+  }
+  return list;
+}
+
+Board loaded_board(const OpenOptions& options = {}) {
+  open_board();  // sets where the board's program is
+  Board board = Board::open(kUri, options);
+  board.load_volume(BoxVolume(32, 8, 23).view());
+  board.set_transfer_function(step_function(0.1));
+  return board;
+}
+
+TEST(Deadline, PassesWhenTheBatchIsStillUnderWayAndTheBatchArrivesLater) {
+  Board board = loaded_board();
+  const auto sent = rays(5000);
+  const Picoseconds before = board.now();
+  const Ticket ticket = board.submit(sent);
+  const Picoseconds deadline = before + 1'000'000;  // 1 us: not even on the board
+  EXPECT_THROW(board.receive(ticket, deadline), DeadlinePassed);
+  EXPECT_EQ(board.now(), deadline);
+  const RayBatch batch = board.receive(ticket);
+  EXPECT_EQ(batch.rays.size(), 5000u);
+  EXPECT_GT(batch.completed, deadline);
+}
+
+TEST(Deadline, BetweenTheCommandsOfABatchLosesNoneOfThem) {
+  Board board = loaded_board();
+  const auto sent = rays(10'000);
+  const RayBatch whole = board.receive(board.submit(sent));
+  const Picoseconds begin = board.now();
+  const Ticket ticket = board.submit(sent);
+  EXPECT_THROW(board.receive(ticket, begin + 1'000'000'000), DeadlinePassed);
+  EXPECT_THROW(board.receive(ticket, begin + 2'000'000'000), DeadlinePassed);
+  EXPECT_EQ(board.receive(ticket, begin + kSecond).rays, whole.rays);
+}
+
+TEST(Deadline, DoesNotChangeWhenABatchArrives) {
+  Board board = loaded_board(), other = loaded_board();
+  const auto sent = rays(5000);
+  const Ticket ticket = board.submit(sent), plain = other.submit(sent);
+  EXPECT_THROW(board.receive(ticket, board.now() + 1'000'000), DeadlinePassed);
+  EXPECT_EQ(board.receive(ticket).completed, other.receive(plain).completed);
+}
+
+TEST(Deadline, OfARenderingLeavesABoardThatGoesOn) {
+  Board board = loaded_board();
+  const View view = front_view(32);
+  const Image picture = board.render(view);
+  board.set_time_limit(1'000'000);
+  const Picoseconds before = board.now();
+  EXPECT_THROW(board.render(view), DeadlinePassed);
+  EXPECT_LE(board.now(), before + 2'000'000);
+  board.set_time_limit(0);
+  EXPECT_EQ(board.render(view).pixels, picture.pixels);
+}
+
+TEST(BackPressure, WaitsInSimulatedTimeUntilRaysHaveComeBack) {
+  Board board = loaded_board({.most_rays = 8192});
+  const auto sent = rays(4096);
+  std::vector<Ticket> tickets;
+  const Picoseconds before = board.now();
+  tickets.push_back(board.submit(sent));
+  tickets.push_back(board.submit(sent));
+  EXPECT_EQ(board.now(), before);
+  tickets.push_back(board.submit(sent));
+  EXPECT_GT(board.now(), before);
+  for (const Ticket ticket : tickets) EXPECT_EQ(board.receive(ticket).rays.size(), 4096u);
+}
+
+TEST(BackPressure, ThrowsIfItIsAskedToAndNothingIsSent) {
+  Board board = loaded_board({.most_rays = 8192, .back_pressure = BackPressure::kThrow});
+  const auto sent = rays(4096);
+  const Ticket first = board.submit(sent);
+  board.submit(sent);
+  const std::uint64_t under_way = board.counters().value("dsp.host_rays");
+  EXPECT_THAT([&] { board.submit(std::span(sent).first(1)); },
+              testing::ThrowsMessage<WouldBlock>(testing::HasSubstr("at most 8192 under way")));
+  EXPECT_EQ(board.counters().value("dsp.host_rays"), under_way);
+  board.receive(first);
+  EXPECT_NO_THROW(board.submit(std::span(sent).first(1)));
+  EXPECT_THROW(Board::open(kUri, {.most_rays = 100}), BadArgument);
+}
+
+TEST(Cancel, TakesBackWhatTheDspHasNotBegun) {
+  Board board = loaded_board();
+  const auto sent = rays(4096);
+  const Ticket first = board.submit(sent), second = board.submit(sent), third = board.submit(sent);
+  EXPECT_TRUE(board.cancel(second));
+  const RayBatch cancelled = board.receive(second);
+  EXPECT_TRUE(cancelled.cancelled);
+  EXPECT_TRUE(cancelled.rays.empty());
+  EXPECT_FALSE(board.receive(first).cancelled);
+  const RayBatch last = board.receive(third);
+  EXPECT_EQ(last.rays.size(), 4096u);
+  EXPECT_THROW(board.cancel(second), BadArgument);
+}
+
+TEST(Cancel, SavesTheDspsAndTheBussTime) {
+  Board board = loaded_board(), other = loaded_board();
+  const auto sent = rays(4096);
+  const auto last_of_three = [&](Board& on, bool cancels) {
+    const Picoseconds begin = on.now();
+    on.submit(sent);
+    const Ticket second = on.submit(sent), third = on.submit(sent);
+    if (cancels) on.cancel(second);
+    return on.receive(third).completed - begin;
+  };
+  const Picoseconds whole = last_of_three(other, false), less = last_of_three(board, true);
+  EXPECT_LT(less, whole);
+  // 4096 rays of 32 bytes up PCI are about 1 ms.
+  EXPECT_GT(whole - less, 800'000'000u);
+}
+
+TEST(Cancel, IsTooLateForWhatHasBegun) {
+  Board board = loaded_board();
+  const Ticket ticket = board.submit(rays(100));
+  board.host_compute(kSecond);
+  EXPECT_FALSE(board.cancel(ticket));
+  EXPECT_EQ(board.receive(ticket).rays.size(), 100u);
+  board.clear_irradiance(1);
+  auto deposits = rays(10);
+  for (HostRay& ray : deposits) ray.energy = 1;
+  const Ticket spent = board.submit(deposits, {.type = RayType::kDeposit});
+  EXPECT_THROW(board.cancel(spent), Unsupported);
+  EXPECT_TRUE(board.receive(spent).lighting);
+}
+
+TEST(CallersMemory, RaysFromSeveralPlacesComeBackAsOneBatchIntoTheRoomThatIsGiven) {
+  Board board = loaded_board();
+  const auto sent = rays(9000);
+  const std::array<std::span<const HostRay>, 4> parts{
+      std::span(sent).first(1), std::span(sent).subspan(1, 5000), {}, std::span(sent).subspan(5001)};
+  std::vector<TracedRay> room(9000);
+  const Ticket ticket = board.submit(parts);
+  EXPECT_THROW(board.receive(ticket, std::span(room).first(8999)), BadArgument);
+  const BatchReport report = board.receive(ticket, room);
+  EXPECT_EQ(report.ticket, ticket);
+  EXPECT_EQ(board.now(), report.completed);
+  EXPECT_EQ(room, board.receive(board.submit(sent)).rays);
+}
+
+}  // namespace
+}  // namespace gicube
