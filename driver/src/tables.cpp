@@ -35,10 +35,12 @@ void Tables::send_gradients() {
 
 void Tables::set_function(const TransferFunction& function, int tag) {
   functions_[static_cast<std::size_t>(tag)] = function;
+  ++changes_;
 }
 
 void Tables::set_material(const Material& material, int tag) {
   materials_[static_cast<std::size_t>(tag)] = material;
+  ++changes_;
   std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
   wire::encode(material_record(material), std::span<std::uint8_t, wire::kMaterialBytes>(bytes));
   device_.write_memory(wire::kMaterials.base + static_cast<std::size_t>(tag) * wire::kMaterialBytes, bytes);
@@ -46,6 +48,8 @@ void Tables::set_material(const Material& material, int tag) {
 
 void Tables::send_segmentation(ValueRange range) {
   constexpr std::size_t kQuarter = wire::kSegmentationEntries / wire::kTags;
+  const Source source{changes_, lit_by_irradiance_, range, {}};
+  if (source == segmentation_source_) return;
   for (std::size_t tag = 0; tag < functions_.size(); ++tag) {
     if (!functions_[tag]) continue;
     auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong);
@@ -60,15 +64,18 @@ void Tables::send_segmentation(ValueRange range) {
     device_.write_memory(wire::kSegmentationLut.base + tag * bytes.size(), bytes);
     std::copy(wanted.begin(), wanted.end(), held.begin());
   }
+  segmentation_source_ = source;
 }
 
 void Tables::send_reflectance(Vec3 towards_eye) {
+  const Source source{changes_, lit_by_irradiance_, {}, towards_eye};
+  if (source == reflectance_source_) return;
   Phong phong = shading_.phong;
   if (lit_by_irradiance_) phong.diffuse = 0;
   auto wanted = reflectance_map(phong, shading_.light, towards_eye);
-  if (wanted == reflectance_) return;
-  device_.write_memory(wire::kReflectanceMap.base, wanted);
+  if (wanted != reflectance_) device_.write_memory(wire::kReflectanceMap.base, wanted);
   reflectance_ = std::move(wanted);
+  reflectance_source_ = source;
 }
 
 void Tables::send_flags(std::span<const std::uint8_t> flags) {

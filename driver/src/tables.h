@@ -29,7 +29,10 @@ class Tables {
   void send_gradients();
 
   void set_function(const TransferFunction& function, int tag);
-  void set_shading(const Shading& shading) { shading_ = shading; }
+  void set_shading(const Shading& shading) {
+    shading_ = shading;
+    ++changes_;
+  }
   void set_material(const Material& material, int tag);
   const std::array<Material, wire::kTags>& materials() const { return materials_; }
   // Entries then hold gains instead of shading coefficients, and the reflectance map highlights alone (lut.h).
@@ -56,6 +59,16 @@ class Tables {
   Shading shading_;
   std::array<Material, wire::kTags> materials_;
   bool lit_by_irradiance_ = false;
+  // What the tables were last made from: making them takes longer than sending a small batch of rays.
+  struct Source {
+    std::uint64_t changes = 0;
+    bool lit = false;
+    ValueRange range{};
+    Vec3 towards_eye;
+    friend constexpr bool operator==(const Source&, const Source&) = default;
+  };
+  std::uint64_t changes_ = 1;  // of functions, shading and materials
+  Source segmentation_source_, reflectance_source_;
   std::vector<std::uint8_t> reflectance_;  // as last sent; empty = never
   std::vector<std::uint8_t> flags_;        // packed, as last sent; empty = all clear
 };
