@@ -48,11 +48,19 @@ std::uint8_t flags_of(const wire::TraceHeader& header) {
                                    (header.albedo == wire::Albedo::kHigh ? wire::kHighAlbedo : 0));
 }
 
-std::optional<std::string> fault_of_colour(const wire::Ray& ray, RayType type) {
+// As many bits as a ray's energy has [P §4.2].
+std::uint64_t most_energy(const wire::TraceHeader& header, bool wide) {
+  const unsigned bits = wide ? 24 : header.albedo == wire::Albedo::kHigh ? 4 : 8;
+  return ((std::uint64_t{1} << bits) - 1) << kEnergyFractionBits;
+}
+
+std::optional<std::string> fault_of_colour(const wire::Ray& ray, RayType type, std::uint64_t most) {
   const std::uint64_t word = ray.colour_word();
   if (is_segment(type) && word > wire::kMostLength) return expected("length", "0..4096 voxels in 16.16", word);
   if (is_segment(type) && ray.opacity != 0) return expected("opacity", "0 of a segment", ray.opacity);
-  if (type == RayType::kDeposit && word == 0) return expected("energy", "more than 0", word);
+  if (type == RayType::kDeposit && (word == 0 || word > most)) {
+    return expected("energy", "1.." + std::to_string(most) + " (24.12)", word);
+  }
   return std::nullopt;
 }
 
@@ -92,6 +100,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     if (const auto what = material_fault(false)) return refuse(*what);
   }
   const std::size_t count = header.count;
+  const std::uint64_t most = most_energy(header, frame.wide);
   std::vector<wire::Ray>& rays = host_ray_room_;
   rays.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -101,7 +110,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
       return refuse(which() + expected("flags", std::to_string(flags_of(header)), rays[i].flags));
     }
     if (const auto what = fault(rays[i], frame.extent)) return refuse(which() + *what);
-    if (const auto what = fault_of_colour(rays[i], header.type)) return refuse(which() + *what);
+    if (const auto what = fault_of_colour(rays[i], header.type, most)) return refuse(which() + *what);
   }
   aperture_.decode(threads_);
   CommandResult result;

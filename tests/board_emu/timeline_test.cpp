@@ -76,5 +76,40 @@ TEST(Timeline, ReportsOnlyWatchedErrands) {
   EXPECT_TRUE(timeline.take_finished().empty());
 }
 
+TEST(Timeline, StopsAtADeadlineAndGoesOnFromThere) {
+  Timeline timeline = pci_timeline(), other = pci_timeline();
+  const Errand errand{.down_bytes = 4 * 8, .dsp = true, .dsp_cycles = 50, .up_bytes = 4 * 16, .watched = true};
+  timeline.add(100, 1, errand);
+  other.add(100, 1, errand);
+  const Picoseconds end = other.finish(1);
+  EXPECT_EQ(timeline.finish(1, end - 1), std::nullopt);
+  EXPECT_EQ(timeline.now(), end - 1);
+  EXPECT_EQ(timeline.finish(1, end), end);
+}
+
+TEST(Timeline, AnErrandThatIsTakenBackCostsTheDspNothingAndOneWordGoesUp) {
+  Timeline timeline = pci_timeline();
+  const Errand errand{.down_bytes = 4, .dsp = true, .dsp_cycles = 1000, .up_bytes = 4 * 16, .watched = true};
+  timeline.add(0, 1, errand);
+  timeline.add(0, 2, errand);
+  timeline.add(0, 3, errand);
+  EXPECT_TRUE(timeline.take_back(20 * kClock, 2));
+  EXPECT_FALSE(timeline.take_back(20 * kClock, 1));  // its turn has begun
+  EXPECT_FALSE(timeline.take_back(20 * kClock, 7));
+  const Picoseconds first = 4 * kClock + 1000 * kDspCycle;
+  EXPECT_EQ(timeline.finish(1), first + 19 * kClock);
+  EXPECT_EQ(timeline.finish(2), first + 19 * kClock + 4 * kClock);
+  EXPECT_EQ(timeline.finish(3), first + 1000 * kDspCycle + 19 * kClock);
+  EXPECT_EQ(timeline.dsp_busy_ps(), 2000 * kDspCycle);
+}
+
+TEST(Timeline, AnErrandOnItsWayDownCanBeTakenBackToo) {
+  Timeline timeline = pci_timeline();
+  timeline.add(0, 1, {.down_bytes = 4 * 1024, .dsp = true, .dsp_cycles = 1000, .up_bytes = 64, .watched = true});
+  EXPECT_TRUE(timeline.take_back(kClock, 1));
+  timeline.finish(1);
+  EXPECT_EQ(timeline.dsp_busy_ps(), 0u);
+}
+
 }  // namespace
 }  // namespace gicube::emu

@@ -33,7 +33,8 @@
 //   integrate         colour that is gathered already, 3 x 12 bits
 //   first hit         the same, and it stays as it is
 //   segment, opacity  low 32 bits: length, 16.16 voxels, at most 4096; the other bits 0. They start without opacity.
-//   deposit           energy, 24.12 units of the energy words, not 0
+//   deposit           energy, 24.12 units of the energy words, not 0; at most 255 units of low albedo, 15 of high,
+//                     2^24 - 1 on the wide datapath
 // A segment's step divides its length evenly, and is at most STEP. Its packet has no need for contribution, lifetime,
 // generation and interaction: on the ASIC these 38 bits are the steps that are left and their length.
 // First hit, opacity: no colour comes back. Deposit: no ray does; its completion is a LightingLedger.
