@@ -62,6 +62,8 @@ class Aperture {
   bool empty(std::size_t block) const { return (empty_flags_[block / 8] >> (block % 8) & 1) != 0; }
 
   const VolumeMemory& volume() const { return volume_; }
+  // An RDRAM error: no write, so what a cache holds stays as it is.
+  void flip(const VolumeMemory::BitPlace& place) { volume_.flip(place); }
   // Counts writes into the volume: what was cached of it before is old.
   std::uint64_t volume_writes() const { return volume_writes_; }
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_.words(); }

@@ -51,6 +51,7 @@ const char* command_name(std::span<const std::uint8_t> payload) {
     case wire::Opcode::kTrace: return "trace";
     case wire::Opcode::kIlluminate: return "illuminate";
     case wire::Opcode::kResume: return "resume";
+    case wire::Opcode::kVerify: return "verify";
     default: return "render";
   }
 }
@@ -196,7 +197,9 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
   }
   CommandResult result = commands.run(payload, work);
   if (observation != nullptr) observation->end_command();
-  if (result.error != ErrorCode::kNone) registers.raise(wire::kStatusBadCommand, 0);
+  if (result.error != ErrorCode::kNone) {
+    registers.raise(result.error == ErrorCode::kMemory ? wire::kStatusMemory : wire::kStatusBadCommand, 0);
+  }
   const std::uint64_t id = next_errand++;
   timeline.add(header.time_ps, id,
                {.cargo = result.takes_rays ? Cargo::kRays : Cargo::kCommand,
@@ -295,6 +298,8 @@ Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observati
 }
 
 Board::~Board() = default;
+
+void Board::add_memory_error(const MemoryError& error) { parts_->commands.add_memory_error(error); }
 
 void Board::reset() {
   const v1::BoardConfig config = parts_->config;

@@ -77,6 +77,7 @@ void DspCommands::clear_irradiance() {
 void DspCommands::reset() {
   drop_machine();
   host_traps_.begin(false, {});
+  memory_errors_.clear();
   aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), most_irradiance(config_));
 }
 
@@ -206,11 +207,15 @@ Frame DspCommands::frame() {
 
 CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work) {
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
+  const auto first = static_cast<std::uint32_t>(wire::Opcode::kRender);
+  const auto last = static_cast<std::uint32_t>(wire::Opcode::kVerify);
+  if (!memory_errors_.empty() && opcode >= first && opcode <= last) return meet_memory_error();
   try {
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kRender)) return render(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace)) return trace(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kIlluminate)) return illuminate(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kResume)) return resume(payload, work);
+    if (opcode == last) return verify(payload);
   } catch (const RoutineFault& fault) {
     drop_machine();
     return refuse(fault.what());
@@ -219,7 +224,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work
     const std::string text = stall.what();
     return {.error = ErrorCode::kInternal, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
   }
-  return refuse(expected("opcode", "1 (render), 2 (trace), 3 (illuminate) or 4 (resume)", opcode));
+  return refuse(expected("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume) or 5 (verify)", opcode));
 }
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& work) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
@@ -36,6 +37,9 @@ class DspCommands {
 
   CommandResult run(std::span<const std::uint8_t> payload, Work& work);
 
+  // As Board::add_memory_error().
+  void add_memory_error(const MemoryError& error);
+
   // Called after a write of a register: false if its new value is out of range. A new volume size drops the volume.
   bool accept_register(std::uint32_t offset);
   void clear_volume();
@@ -55,6 +59,9 @@ class DspCommands {
   CommandResult trace(std::span<const std::uint8_t> payload, Work& work);
   CommandResult illuminate(std::span<const std::uint8_t> payload, Work& work);
   CommandResult resume(std::span<const std::uint8_t> payload, Work& work);
+  CommandResult verify(std::span<const std::uint8_t> payload);
+  Picoseconds reading_time(std::size_t first, std::size_t count) const;
+  CommandResult meet_memory_error();
   static void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid);
   void add_trap_list(CommandResult& result, std::size_t most);
   Frame frame();
@@ -73,11 +80,12 @@ class DspCommands {
   Observer* observer_ = nullptr;
   const Routines* routines_ = nullptr;
   HostTraps host_traps_;
-  std::unique_ptr<Machine> machine_;      // of the cycle level, as long as the volume keeps its size
-  std::vector<wire::Ray> host_ray_room_;  // of the command in work
-  std::uint64_t cached_volume_ = 0;       // Aperture::volume_writes() that the machine's caches belong to
-  std::vector<wire::Counter> past_;       // counters of machines that were dropped
-  RayCounters rays_;                      // of the functional level and of machines that were dropped
+  std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet
+  std::unique_ptr<Machine> machine_;       // of the cycle level, as long as the volume keeps its size
+  std::vector<wire::Ray> host_ray_room_;   // of the command in work
+  std::uint64_t cached_volume_ = 0;        // Aperture::volume_writes() that the machine's caches belong to
+  std::vector<wire::Counter> past_;        // counters of machines that were dropped
+  RayCounters rays_;                       // of the functional level and of machines that were dropped
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
   std::uint64_t lighting_rays_ = 0;

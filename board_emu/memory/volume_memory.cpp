@@ -80,6 +80,24 @@ void VolumeMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const
   }
 }
 
+std::optional<VolumeMemory::BitPlace> VolumeMemory::find_bit(std::size_t stored, std::size_t bit) const {
+  const std::size_t count = stored_blocks();
+  if (count == 0) return std::nullopt;
+  std::size_t block = 0;
+  for (std::size_t before = stored % count;; ++block) {
+    if (packed_[block].empty()) continue;
+    if (before == 0) break;
+    --before;
+  }
+  return BitPlace{block, bit % (block_bytes_ * 8)};
+}
+
+void VolumeMemory::flip(const BitPlace& place) {
+  std::uint8_t& byte = packed_[place.block][place.bit / 8];
+  byte = static_cast<std::uint8_t>(byte ^ (1u << place.bit % 8));
+  mark_stale(place.block);
+}
+
 void VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes) {
   Decoded& decoded = decoded_[block];
   decoded.stale = false;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,19 @@ class VolumeMemory {
   // Byte ranges of the packed blocks (memory_map.h), offset + length <= bytes(). Reading gives what was written, or 0.
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
+  // A block's words; empty if it was never written.
+  std::span<const std::uint8_t> packed(std::size_t block) const { return packed_[block]; }
+  std::size_t block_bytes() const { return block_bytes_; }
+
+  // A bit of a stored block's words.
+  struct BitPlace {
+    std::size_t block = 0;
+    std::size_t bit = 0;
+  };
+  // Bit `bit` of the `stored`-th of the blocks that are stored; both count round. Nothing if none is.
+  std::optional<BitPlace> find_bit(std::size_t stored, std::size_t bit) const;
+  // It reads wrong from now on, until it is written.
+  void flip(const BitPlace& place);
 
   // Makes every block's decoded form current, on `threads` threads. Call before view() when anything was written or the
   // gradient LUT changed.

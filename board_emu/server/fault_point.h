@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,6 +36,13 @@ struct FaultAction {
     return pause.count() > 0 || drop || twice || hang || cut || flipped_bit.has_value() || memory_error.has_value();
   }
 };
+
+// Flips bit `bit` of a frame's header and payload.
+inline void flip_bit(std::size_t bit, std::span<std::uint8_t> header, std::span<std::uint8_t> payload) {
+  const std::size_t at = bit / 8;
+  std::uint8_t& byte = at < header.size() ? header[at] : payload[at - header.size()];
+  byte = static_cast<std::uint8_t>(byte ^ (1u << bit % 8));
+}
 
 class FaultLogFile;
 

@@ -48,6 +48,10 @@ void serve(const Options& options, const RoutineTable& routines) {
     std::unique_ptr<Observation> observation;
     if (options.observation.any()) observation = std::make_unique<Observation>(for_board(options.observation, i));
     slots.push_back(std::make_unique<BoardSlot>(i, options.config, std::move(observation), &routines));
+    FaultPoint& faults = slots.back()->faults();
+    faults.set_plan(options.fault_plan);  // has been checked
+    const std::string suffix = i == 0 ? "" : fmt::format(".{}", i);
+    if (!options.fault_log_file.empty()) faults.append_log_to(options.fault_log_file + suffix);
     boards.push_back(slots.back().get());
   }
   BusServer server;

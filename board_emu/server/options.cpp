@@ -10,6 +10,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "fault_plan.h"
+
 namespace gicube::emu {
 namespace {
 
@@ -19,6 +21,7 @@ struct Flags {
   std::vector<std::string> overrides, bsdf_files;
   std::string certificate_file, key_file, token_file;
   std::string trace_file, vcd_file, vcd_window;
+  std::string fault_file, fault_log_file;
   std::uint32_t boards = 1;
   bool allow_remote_bus = false, is_private = false, quiet = false, print_config = false, print_registers = false,
        print_hardware_cost = false;
@@ -67,6 +70,15 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->type_name("BEGIN:END")
       ->group("Observation");
 
+  app.add_option("--faults", flags.fault_file,
+                 "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/FAULTS.md)")
+      ->type_name("FILE")
+      ->group("Faults");
+  app.add_option("--fault-log", flags.fault_log_file,
+                 "append each fault to FILE before it takes effect; board i > 0 writes FILE.i")
+      ->type_name("FILE")
+      ->group("Faults");
+
   app.add_option("--management", flags.management, "serve the management plane (gRPC) at unix:PATH or tcp:HOST:PORT")
       ->type_name("ENDPOINT")
       ->group("Management");
@@ -102,6 +114,20 @@ v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& faults
     faults.push_back(file + to_string(fault));
   }
   return resolve(parsed.config);
+}
+
+void read_fault_plan(const Flags& flags, Options& options, std::vector<std::string>& faults) {
+  options.fault_log_file = flags.fault_log_file;
+  if (flags.fault_file.empty()) return;
+  std::ifstream file(flags.fault_file, std::ios::binary);
+  options.fault_plan = {std::istreambuf_iterator<char>(file), {}};
+  if (!file) {
+    faults.push_back(fmt::format("--faults: expected a readable file, got {}", flags.fault_file));
+    return;
+  }
+  for (const Fault& fault : parse_fault_plan(options.fault_plan).faults) {
+    faults.push_back(fmt::format("{}: {}", flags.fault_file, to_string(fault)));
+  }
 }
 
 std::optional<Endpoint> read_endpoint(const char* flag, const std::string& text, std::vector<std::string>& faults) {
@@ -216,6 +242,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   read_management(flags, result.options, result.faults);
   result.options.config = read_config(flags, result.faults);
   read_observation(flags, result.options, result.faults);
+  read_fault_plan(flags, result.options, result.faults);
   return result;
 }
 

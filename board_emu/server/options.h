@@ -21,6 +21,8 @@ struct Options {
   v1::BoardConfig config;  // resolved and checked
   std::uint32_t boards = 1;
   ObservationOptions observation;
+  std::string fault_plan;                // its text; empty: no faults
+  std::string fault_log_file;            // empty: none
   std::vector<std::string> bsdf_files;  // scattering routines, in the order of their numbers
   bool is_private = false;
   bool quiet = false;

@@ -61,6 +61,7 @@ class Session : public std::enable_shared_from_this<Session> {
   struct Frame {
     wire::FrameHeader header;
     std::vector<std::uint8_t> payload;
+    std::optional<MemoryError> memory_error{};  // comes over the board before the frame is carried out
   };
   struct LastWord {
     wire::ErrorCode error;
@@ -88,6 +89,14 @@ class Session : public std::enable_shared_from_this<Session> {
   boost::asio::awaitable<void> return_credit();
   boost::asio::awaitable<bool> send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
   boost::asio::awaitable<bool> write(wire::FrameHeader header, std::vector<std::uint8_t> payload);
+
+  // What the board's fault plan does to the messages of both directions (session_faults.cpp).
+  boost::asio::awaitable<bool> arrives(Frame& frame);
+  boost::asio::awaitable<bool> write_message(wire::FrameHeader header, std::vector<std::uint8_t> payload);
+  boost::asio::awaitable<void> pause(std::chrono::microseconds time);
+  boost::asio::awaitable<void> swallow();
+  void cut();
+
   boost::asio::awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress);
 
   boost::asio::awaitable<void> give_board_back();
@@ -114,6 +123,9 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t owed_bytes_ = 0;
   std::uint32_t sent_ = 0;  // sequence numbers of the last frames sent and taken
   std::uint32_t taken_ = 0;
+  std::uint32_t asked_ = 0;                   // last frame of the client that the fault plan was asked about
+  bool is_mute_ = false;                      // by the fault plan: nothing passes until the connection ends
+  std::optional<std::uint32_t> bit_to_flip_;  // of the next frame that is written
 
   std::unordered_map<std::uint32_t, std::uint64_t> unclaimed_;  // ticket -> bytes
   std::uint64_t unclaimed_bytes_ = 0;

@@ -5,6 +5,7 @@
 #include <array>
 #include <exception>
 
+#include "fault_point.h"
 #include "gicube/wire/checksum.h"
 #include "session.h"
 
@@ -80,6 +81,10 @@ awaitable<bool> Session::read_frame() {
   std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
   const error_code header_error = co_await read_exactly(bytes);
   if (header_error || stopped_) co_return false;
+  if (is_mute_) {
+    co_await swallow();
+    co_return false;
+  }
   const std::optional<FrameHeader> header = wire::decode_frame_header(bytes);
   if (!header) {
     fail(ErrorCode::kProtocol, 0,
@@ -109,6 +114,8 @@ awaitable<bool> Session::read_frame() {
            fmt::format("expected the frame number {}, got {}: frames are missing", taken_ + 1, header->sequence));
       co_return false;
     }
+    const bool is_there = co_await arrives(frame);
+    if (!is_there) co_return !stopped_ && !is_mute_;
     ++taken_;
   }
   const bool admitted = admit(*header);
@@ -216,6 +223,7 @@ awaitable<Outcome> Session::transact(const Frame& frame) {
   work_.done = 0;
   work_.ticket = frame.header.id;
   std::function<void()> job = [this, &frame, &outcome] {
+    if (frame.memory_error) slot_.board().add_memory_error(*frame.memory_error);
     outcome = slot_.board().transact(frame.header, frame.payload, work_);
   };
   const bool shows_progress = (agreed_.capabilities & wire::kProgressFrames) != 0;
@@ -275,13 +283,14 @@ awaitable<bool> Session::send(FrameHeader header, std::vector<std::uint8_t> payl
   ++owed_slots_;
   owed_bytes_ += payload.size();
   header.sequence = ++sent_;
-  const bool written = co_await write(header, std::move(payload));
+  const bool written = co_await write_message(header, std::move(payload));
   co_return written;
 }
 
 // Puts one frame on the socket, with all the credit that the client has earned. One writer at a time: the handshake,
 // then the worker, then the goodbye.
 awaitable<bool> Session::write(FrameHeader header, std::vector<std::uint8_t> payload) {
+  if (is_mute_) co_return true;
   header.size = static_cast<std::uint32_t>(payload.size());
   if (receive_credits_) {
     const auto returned = receive_credits_->give_back();
@@ -292,6 +301,7 @@ awaitable<bool> Session::write(FrameHeader header, std::vector<std::uint8_t> pay
   }
   std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
   wire::encode_sealed(header, payload, bytes);
+  if (bit_to_flip_) flip_bit(*std::exchange(bit_to_flip_, std::nullopt), bytes, payload);
   const std::array<asio::const_buffer, 2> buffers{asio::buffer(bytes), asio::buffer(payload)};
   error_code error;
   writing_ = true;

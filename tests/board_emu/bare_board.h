@@ -154,6 +154,8 @@ class BareBoard {
     return rays;
   }
 
+  void add_memory_error(const MemoryError& error) { board_.add_memory_error(error); }
+
   std::vector<wire::Counter> counters() const { return board_.counters(); }
   std::uint64_t counter(const std::string& name) const {
     for (const wire::Counter& counter : board_.counters()) {

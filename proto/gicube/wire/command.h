@@ -72,6 +72,16 @@
 // Its completion: after a kIlluminate first a LightingLedger of what these rays did, `emitted` being the energy that they
 // brought back and `rays` those that came to an end; then a trap list.
 //
+// kVerify: reads blocks of the volume's memory back and sums them up; of the blocks first .. first + count - 1 that are
+// stored each is read once. Its completion: u32 CRC-32C of each block's n^3 packed words (memory_map.h), those of a block
+// that was never written being zero.
+//
+//   byte  size  field
+//      0     4  opcode = 5
+//      4     4  first
+//      8     4  count   1 to 65536
+//     12     4  reserved, 0
+//
 // Trap list:
 //      0     4  count    rays that follow
 //      4     4  waiting  rays that still wait on the board
@@ -86,7 +96,7 @@
 
 namespace gicube::wire {
 
-enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2, kIlluminate = 3, kResume = 4 };
+enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2, kIlluminate = 3, kResume = 4, kVerify = 5 };
 enum class Projection : std::uint8_t { kOrthographic = 0, kPerspective = 1 };
 enum class Filter : std::uint8_t { kBox = 0, kTent = 1 };
 
@@ -95,6 +105,8 @@ inline constexpr std::size_t kRenderCommandBytes = 112;
 inline constexpr std::size_t kTraceHeaderBytes = 16;
 inline constexpr std::size_t kResumeHeaderBytes = 16;
 inline constexpr std::size_t kTrapListHeaderBytes = 8;
+inline constexpr std::size_t kVerifyCommandBytes = 16;
+inline constexpr std::uint32_t kMostVerifyBlocks = 65'536;  // chosen: their sums fit the smallest usual payload limit
 
 struct RenderCommand {
   std::uint16_t width = 0;

@@ -56,7 +56,12 @@ inline constexpr std::uint32_t kIdValue = 0x42434947;  // "GICB"
 inline constexpr std::uint32_t kUnmappedRead = 0xFFFF'FFFF;
 inline constexpr std::uint32_t kMaxCutPlanes = 6;
 
-enum StatusBit : std::uint32_t { kStatusBadAddress = 1 << 0, kStatusBadValue = 1 << 1, kStatusBadCommand = 1 << 2 };
+enum StatusBit : std::uint32_t {
+  kStatusBadAddress = 1 << 0,
+  kStatusBadValue = 1 << 1,
+  kStatusBadCommand = 1 << 2,
+  kStatusMemory = 1 << 3,
+};
 enum ControlBit : std::uint32_t {
   kControlReset = 1 << 0,
   kControlClearVolume = 1 << 1,
@@ -86,7 +91,7 @@ inline constexpr std::uint32_t kSpacingMax = 64 * kSpacingOne;
 // clang-format off
 inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kId, "ID", Access::kReadOnly, kIdValue, "\"GICB\""},
-    RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command"},
+    RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command, 3 memory_error"},
     RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear the same bits of STATUS"},
     RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags and its irradiance, bit 2 clear the irradiance"},
     RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0, "low 32 bits of the address that last set bad_address or bad_value"},

@@ -124,5 +124,22 @@ TEST(CommandLine, HelpAndVersionAreTexts) {
   EXPECT_THAT(parse({"--version"}).text.value_or(""), testing::StartsWith("gicube-board "));
 }
 
+TEST(CommandLine, ReadsAFaultPlanAndNamesEveryFaultInIt) {
+  const reference::TemporaryDirectory folder;
+  const std::string good = folder.file("good"), bad = folder.file("bad");
+  std::ofstream(good) << "fault { direction: down message: 3 kind: drop }";
+  std::ofstream(bad) << "fault { direction: down message: 3 kind: hiccup }\nfoult {}\n";
+  const auto with = [](const std::string& file) {
+    return parse({"--listen", "unix:/tmp/b", "--faults", file.c_str(), "--fault-log", "faults.log"});
+  };
+  const CommandLine line = with(good);
+  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_EQ(line.options.fault_plan, "fault { direction: down message: 3 kind: drop }");
+  EXPECT_EQ(line.options.fault_log_file, "faults.log");
+  EXPECT_THAT(with(bad).faults, ElementsAre(HasSubstr(bad + ": line 1: fault[0].kind: expected one of drop"),
+                                            HasSubstr(bad + ": line 2: foult: expected one of fault, random")));
+  EXPECT_THAT(with(folder.file("none")).faults, ElementsAre(HasSubstr("--faults: expected a readable file")));
+}
+
 }  // namespace
 }  // namespace gicube::emu
