@@ -1,6 +1,7 @@
 // Loading a volume: samples to densities and gradient codes, to blocks, to the board.
 #include <cmath>
 
+#include "gicube/wire/checksum.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
@@ -60,7 +61,9 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
     if (blocks.stored(block)) stored.push_back(block);
   }
   const auto all = static_cast<std::uint32_t>(stored.size());
-  std::vector<std::uint8_t> bytes;
+  const auto n = static_cast<std::uint64_t>(info.block_voxels);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(n * n * n * wire::kVoxelBits / 8));
+  block_sums.assign(blocks.count(), wire::crc32c(bytes));  // zeros: what a block holds that is not sent
   for (std::uint32_t done = 0; done < all; ++done) {
     if (progress) progress(done, all);
     blocks.pack(stored[done], bytes);
@@ -71,6 +74,7 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
 
 void Board::State::write_block(std::size_t block, std::span<const std::uint8_t> packed) {
   const auto n = static_cast<std::uint64_t>(info.block_voxels);
+  block_sums[block] = wire::crc32c(packed);
   device.write_memory(wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8, packed);
 }
 

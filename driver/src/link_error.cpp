@@ -36,6 +36,7 @@ void throw_error(wire::ErrorCode code, const std::string& text) {
     case wire::ErrorCode::kBusy: throw BoardBusy("the board is busy: " + text);
     case wire::ErrorCode::kVersion: throw VersionMismatch("the board speaks another version: " + text);
     case wire::ErrorCode::kUnsupported: throw Unsupported(text);
+    case wire::ErrorCode::kMemory: throw MemoryFault(text);
     case wire::ErrorCode::kProtocol:
     case wire::ErrorCode::kTooLarge: throw DeviceLost("the board ended the session: " + text);
     case wire::ErrorCode::kCancelled: throw DeviceLost("the board shuts down: " + text);

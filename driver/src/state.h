@@ -84,6 +84,7 @@ struct GICUBE_HIDDEN Board::State {
   HostScattering scattering;
   Picoseconds time_limit = 0;  // of a rendering or an illumination; 0: none
   std::optional<LoadedVolume> volume;
+  std::vector<std::uint32_t> block_sums;   // CRC-32C of each block's words as they were written
   double irradiance_unit = 0;              // power of one unit; 0 before the first illuminate()
   double bright_flux = 0;                  // power a voxel that full brightness is chosen for
   View sampling;                           // the last view rendered

@@ -93,8 +93,11 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
   } else if (name == "bsdf") {
     if (value.empty()) throw BadArgument(field, "a file name", quoted(value));
     uri.board_arguments.insert(uri.board_arguments.end(), {"--bsdf", value});
+  } else if (name == "faults" || name == "fault_log") {
+    if (value.empty()) throw BadArgument(field, "a file name", quoted(value));
+    uri.board_arguments.insert(uri.board_arguments.end(), {name == "faults" ? "--faults" : "--fault-log", value});
   } else {
-    throw BadArgument("URI option", "one of fidelity, bus, threads, config, set, bsdf", quoted(name));
+    throw BadArgument("URI option", "one of fidelity, bus, threads, config, set, bsdf, faults, fault_log", quoted(name));
   }
 }
 

@@ -1,6 +1,7 @@
 // Board URIs: which board Board::open() opens, and how an emulated one is started.
 //
-//   emu:[?option=value&...]     fidelity, bus, threads, config and set; set may come several times
+//   emu:[?option=value&...]     fidelity, bus, threads, config, set, bsdf, faults, fault_log; set and bsdf may come
+//                               several times
 //   unix:PATH
 //   tcp:HOST:PORT               an IPv6 address stands in brackets
 //

@@ -80,7 +80,8 @@ class GICUBE_API Board {
   //   unix:PATH             a gicube-board that listens on a Unix socket
   //   tcp:HOST:PORT         the same on TCP
   // emu: takes the query options fidelity, bus, threads, config=FILE, set=path.to.field=value (repeatable) and
-  // bsdf=FILE.so (repeatable; code that the application trusts: docs/BSDF.md), as in
+  // bsdf=FILE.so (repeatable; code that the application trusts: docs/BSDF.md), faults=FILE and fault_log=FILE
+  // (docs/FAULTS.md), as in
   // "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8". The program is found by the environment variable
   // GICUBE_BOARD, beside the running program, where the SDK was installed, or on the PATH, in this order.
   // Throws BadArgument (URI), OpenFailed, BoardBusy, VersionMismatch, TimedOut.
@@ -107,6 +108,11 @@ class GICUBE_API Board {
   // again. The simulated host waits for the transfers, of whole blocks both ways.
   // Throws Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
   void write_volume(const VoxelBox& box, std::span<const float> values);
+  // Has the board read its whole volume back and compares each block with what was written there. Returns the blocks that
+  // differ, ascending, numbered as in empty_flags(): bits of theirs have been lost without the memory's noticing, and
+  // pictures and rays since may be wrong; load the volume again. The simulated host waits for as long as the fullest
+  // RDRAM channel needs to read its blocks. Throws Rejected before load_volume(), MemoryFault.
+  std::vector<std::size_t> verify_volume();
 
   // The map from the loaded volume's values to densities. Throws Rejected before load_volume().
   ValueRange value_range() const;

@@ -58,6 +58,13 @@ class GICUBE_API ScatteringFailed : public Error {
   using Error::Error;
 };
 
+// The board's RDRAM reported an error that it could not correct. The command that met it was not carried out and nothing
+// has changed; the same call may be made again.
+class GICUBE_API MemoryFault : public Error {
+ public:
+  using Error::Error;
+};
+
 // This board or fidelity level can't do what was asked; its state is as before the request.
 class GICUBE_API Unsupported : public Error {
  public:

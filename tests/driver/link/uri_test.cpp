@@ -88,5 +88,12 @@ TEST(Uri, PlacesThatAreNoneAreRefused) {
   }
 }
 
+TEST(Uri, AFaultPlanAndItsLogGoToTheBoard) {
+  const Uri uri = parse_uri("emu:?faults=a%20plan&fault_log=log");
+  EXPECT_EQ(uri.board_arguments, (std::vector<std::string>{"--faults", "a plan", "--fault-log", "log"}));
+  EXPECT_THROW(parse_uri("emu:?faults="), BadArgument);
+  EXPECT_THROW(parse_uri("emu:?faults=a&faults=b"), BadArgument);
+}
+
 }  // namespace
 }  // namespace gicube
