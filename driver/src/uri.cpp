@@ -27,6 +27,7 @@ std::string percent_decode(std::string_view text, const std::string& field) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] != '%') {
+      if (text[i] == '\0') throw BadArgument(field, "text without zero bytes", "one at " + std::to_string(i));
       decoded += text[i];
       continue;
     }

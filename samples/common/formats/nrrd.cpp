@@ -37,10 +37,11 @@ struct Header {
   std::uint64_t data_offset = 0;
 };
 
-// The value of a line "field: value".
+// The value of a line "field: value"; "field:=value" is a note that means nothing to readers.
 std::optional<std::string> value_of(std::string_view line, std::string_view field) {
   const std::string start = std::string(field) + ':';
   if (lower_case(line.substr(0, start.size())) != start) return std::nullopt;
+  if (line.substr(start.size()).starts_with('=')) return std::nullopt;
   return std::string(trimmed(line.substr(start.size())));
 }
 

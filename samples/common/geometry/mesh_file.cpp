@@ -33,9 +33,7 @@ Mesh read_mesh(const std::filesystem::path& path) {
     throw FileError(path, "name", "an ending .obj or .ply", in_quotes(extension));
   }
   const std::string text = read_all(path);
-  Mesh mesh = extension == ".obj" ? parse_obj(text, path) : parse_ply(text, path);
-  if (mesh.triangles.empty()) throw FileError(path, "faces", "at least one", "none");
-  return mesh;
+  return extension == ".obj" ? parse_obj(text, path) : parse_ply(text, path);
 }
 
 }  // namespace gicube::samples

@@ -39,7 +39,10 @@ class ObjReader {
     if (keyword == "f") face(line);
   }
 
-  Mesh finish() { return std::move(mesh_); }
+  Mesh finish() {
+    if (mesh_.triangles.empty()) throw FileError(name_, "faces", "at least one", "none");
+    return std::move(mesh_);
+  }
 
  private:
   [[noreturn]] void fail(const std::string& field, const std::string& expected, const std::string& got) const {

@@ -67,6 +67,7 @@ class PlyReader {
         }
       }
     }
+    if (mesh_.triangles.empty()) fail("faces", "at least one", "none");
     return std::move(mesh_);
   }
 

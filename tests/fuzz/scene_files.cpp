@@ -1,0 +1,62 @@
+// Scenes, transfer functions with the LUT that they become, and meshes with their distances.
+#include <algorithm>
+#include <cmath>
+
+#include "common/file_error.h"
+#include "common/geometry/mesh_distance.h"
+#include "common/geometry/mesh_file.h"
+#include "common/input_error.h"
+#include "common/scene_file.h"
+#include "common/transfer_function_file.h"
+#include "gicube/error.h"
+#include "targets.h"
+#include "upload/segmentation_lut.h"
+#include "upload/transfer_function_check.h"
+
+namespace gicube::fuzz {
+namespace {
+
+constexpr std::size_t kMostTriangles = 500;  // chosen: keeps an input's distances below a millisecond
+
+}  // namespace
+
+void scene(Bytes input) {
+  try {
+    samples::parse_scene(std::string(text_of(input)), "input", "no/such/folder");
+  } catch (const samples::InputError& error) {
+    expect(std::string_view(error.what()).find("input") == 0, "a fault names its file first");
+  }
+}
+
+void transfer_function(Bytes input) {
+  try {
+    const auto file = samples::parse_transfer_function(text_of(input), "input");
+    const ValueRange range{-1000, 3000};
+    TransferFunction function = samples::in_values_of(range, file);
+    check(function, 0);
+    auto entries = segmentation_entries(function, range, {});
+    expect(entries.size() == 4096, "a tag has 4096 entries");
+    set_gains(entries, 0.5);
+  } catch (const samples::InputError&) {
+  } catch (const BadArgument&) {
+  }
+}
+
+void mesh(Bytes input) {
+  const std::string_view text = text_of(input);
+  try {
+    const samples::Mesh mesh =
+        text.starts_with("ply") ? samples::parse_ply(text, "input") : samples::parse_obj(text, "input");
+    expect(!mesh.triangles.empty(), "a mesh has a triangle");
+    for (const auto& triangle : mesh.triangles) {
+      for (const std::uint32_t corner : triangle) expect(corner < mesh.points.size(), "a corner is a point");
+    }
+    if (mesh.triangles.size() > kMostTriangles) return;
+    const samples::MeshDistance distance(mesh, "input");
+    expect(!std::isnan(distance.at({0.25, 0.5, 0.75}).distance), "a closed mesh has a distance everywhere");
+  } catch (const samples::FileError&) {
+  } catch (const samples::InputError&) {
+  }
+}
+
+}  // namespace gicube::fuzz
