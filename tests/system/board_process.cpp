@@ -32,8 +32,7 @@ std::string read_all(int fd) {
 
 }  // namespace
 
-BoardProcess::BoardProcess(const std::vector<std::string>& arguments, int inherited_fd) {
-  const std::string program = GICUBE_BIN_DIR "/gicube-board";
+BoardProcess::BoardProcess(const std::vector<std::string>& arguments, int inherited_fd, const std::string& program) {
   std::vector<std::string> texts{program};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;

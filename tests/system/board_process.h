@@ -1,4 +1,4 @@
-// The real gicube-board as a child process.
+// The real gicube-board, or another program, as a child process.
 #pragma once
 
 #include <sys/types.h>
@@ -10,8 +10,9 @@ namespace gicube::system_test {
 
 class BoardProcess {
  public:
-  // Starts gicube-board with these arguments; `inherited_fd` stays open in it.
-  explicit BoardProcess(const std::vector<std::string>& arguments, int inherited_fd = -1);
+  // Starts gicube-board, or `program`, with these arguments; `inherited_fd` stays open in it.
+  explicit BoardProcess(const std::vector<std::string>& arguments, int inherited_fd = -1,
+                        const std::string& program = GICUBE_BIN_DIR "/gicube-board");
   // Kills it if it still runs.
   ~BoardProcess();
   BoardProcess(const BoardProcess&) = delete;

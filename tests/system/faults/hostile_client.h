@@ -1,0 +1,15 @@
+// Clients that a board must survive: broken ones and hostile ones, drawn by a seed.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace gicube::system_test {
+
+inline constexpr int kHostileWays = 12;
+
+// Connects once and does something wrong in the `way`-th manner (0..kHostileWays - 1), with what is random drawn by
+// `seed`; returns when the board has ended the connection or it has itself. False if nobody took the connection.
+bool misbehave(const std::string& path, int way, std::uint64_t seed);
+
+}  // namespace gicube::system_test

@@ -1,0 +1,116 @@
+// SIGKILL at random moments: who survives says so and goes on.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <random>
+#include <thread>
+
+#include "board_process.h"
+#include "good_client.h"
+#include "temporary_directory.h"
+
+namespace gicube::system_test {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kMoments = 100;
+constexpr std::chrono::seconds kDeadline{20};  // of one answer: far above any that comes, also under a sanitizer
+
+OpenOptions patient() {
+  OpenOptions options;
+  options.watchdog = kDeadline;
+  return options;
+}
+
+std::vector<std::string> arguments(const std::string& path) {
+  std::vector<std::string> all = small_board();
+  all.insert(all.end(), {"--listen", "unix:" + path});
+  return all;
+}
+
+class Kill : public testing::Test {
+ protected:
+  Kill() {
+    BoardProcess process(arguments(path));
+    process.read_line();
+    Board board = Board::open("unix:" + path);
+    const auto begin = Clock::now();
+    prepare(board);
+    expected = work(board);
+    work_time = Clock::now() - begin;
+  }
+
+  // Anywhere from before the first answer to well after the first round of work.
+  std::chrono::microseconds moment(int number) const {
+    std::mt19937_64 random(static_cast<std::uint64_t>(number) + 1);
+    const auto most = std::chrono::duration_cast<std::chrono::microseconds>(2 * work_time).count();
+    return std::chrono::microseconds(random() % static_cast<std::uint64_t>(most));
+  }
+
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  Round expected;
+  Clock::duration work_time{};
+};
+
+TEST_F(Kill, OfTheBoardAtRandomMomentsIsReportedAndTheApplicationGoesOn) {
+  std::optional<BoardProcess> process(std::in_place, arguments(path));
+  process->read_line();
+  Clock::duration slowest{};
+  for (int i = 0; i < kMoments; ++i) {
+    Board board = Board::open("unix:" + path, patient());
+    std::atomic<Clock::rep> killed{0};
+    std::jthread killer([&, wait = moment(i)] {
+      std::this_thread::sleep_for(wait);
+      killed = Clock::now().time_since_epoch().count();
+      process->send_signal(SIGKILL);
+    });
+    EXPECT_THROW(
+        {
+          prepare(board);
+          for (;;) work(board);
+        },
+        DeviceLost)
+        << i;
+    slowest = std::max(slowest, Clock::now().time_since_epoch() - Clock::duration(killed.load()));
+    EXPECT_THROW(board.counters(), DeviceLost) << i;
+    killer.join();
+    EXPECT_EQ(process->exit_code(), 128 + SIGKILL);
+    process.emplace(arguments(path));
+    process->read_line();
+    Board next = Board::open("unix:" + path, patient());
+    prepare(next);
+    ASSERT_EQ(work(next), expected) << i;
+  }
+  RecordProperty("slowest_report_us",
+                 std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(slowest).count()));
+}
+
+TEST_F(Kill, OfTheClientAtRandomMomentsFreesTheBoardForTheNext) {
+  BoardProcess process(arguments(path));
+  process.read_line();
+  Clock::duration slowest{};
+  for (int i = 0; i < kMoments; ++i) {
+    BoardProcess victim({path}, -1, GICUBE_TESTS_DIR "/gicube-victim");
+    ASSERT_EQ(victim.read_line(), "working") << victim.read_errors();
+    std::this_thread::sleep_for(moment(i));
+    victim.send_signal(SIGKILL);
+    ASSERT_EQ(victim.exit_code(), 128 + SIGKILL) << victim.read_errors();
+    const auto begin = Clock::now();
+    Board board = Board::open("unix:" + path, patient());
+    slowest = std::max(slowest, Clock::now() - begin);
+    prepare(board);
+    ASSERT_EQ(work(board), expected) << i;
+  }
+  RecordProperty("slowest_open_us",
+                 std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(slowest).count()));
+}
+
+}  // namespace
+}  // namespace gicube::system_test
