@@ -54,7 +54,10 @@ const std::vector<Rule>& rules() {
 
       // Public headers name nothing but themselves and the standard library, so that applications need nothing else.
       {"driver/include",     {"driver/include"}, {}},
+      {"driver/include/gicube/c_api.h", {"driver/include/gicube/c_types.h", "driver/include/gicube/export.h"}, {}},
+      {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
       {"driver/src",         {"driver", "proto/gicube/wire"}, {kAnything}},
+      {"driver/src/c_api",   {"driver/src/c_api", "driver/include"}, {}},
       {"driver/src/upload",  {"driver/src/upload", "driver/include", "proto/gicube/wire"}, {"fmt"}},
 
       // Siblings on a ray's way do not know each other; the files at the board's root know the map.

@@ -35,4 +35,9 @@ libraries=$(pkg-config --variable=libdir gicube)
 c++ -std=c++20 "$source/samples/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
 LD_LIBRARY_PATH=$libraries "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
 
+# And the C program, by a C compiler that knows nothing of C++.
+cc -std=c99 -Wall -Wextra -Wpedantic -Werror "$source/examples/c_host/c_host.c" $(pkg-config --cflags --libs gicube) \
+  -o "$scratch/c_host"
+LD_LIBRARY_PATH=$libraries "$scratch/c_host" | grep -E '^rays: 50 of 100 met the cube'
+
 echo "installed files: all is well"

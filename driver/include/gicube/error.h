@@ -79,13 +79,13 @@ class GICUBE_API DeviceLost : public Error {
 };
 
 // The simulated host waited until its deadline, a simulated time. The board works on.
-class DeadlinePassed : public Error {
+class GICUBE_API DeadlinePassed : public Error {
  public:
   using Error::Error;
 };
 
 // As many rays are under way as OpenOptions allow. Nothing was sent; receive or poll, or let simulated time pass.
-class WouldBlock : public Error {
+class GICUBE_API WouldBlock : public Error {
  public:
   using Error::Error;
 };

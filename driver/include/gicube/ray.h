@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "gicube/export.h"
 #include "gicube/illumination.h"
 #include "gicube/time.h"
 #include "gicube/vector.h"
@@ -51,7 +52,7 @@ struct HostRay {
 };
 
 // The ray from one point to another, both in voxels, for kSegment and kOpacity. Equal points: of no length, along z.
-HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
+GICUBE_API HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
 
 struct RayRequest {
   RayType type = RayType::kIntegrate;

@@ -1,0 +1,113 @@
+#include "call.h"
+
+#include <iterator>
+#include <utility>
+
+#include "gicube/export.h"
+
+namespace gicube::c_api {
+namespace {
+
+// What gicube_last_error() points to. `text` is empty or stands alone if there was no memory for the words.
+struct LastError {
+  std::string words, field;
+  const char* text = "";
+};
+
+LastError& last_error() {
+  thread_local LastError error;
+  return error;
+}
+
+void keep(const char* words, const std::string& field) {
+  LastError& last = last_error();
+  last.text = "there was no memory for the error's own words";
+  last.field.clear();
+  last.words = words;
+  last.text = last.words.c_str();
+  last.field = field;
+}
+
+// The status of an error of the driver; the more special classes first.
+gicube_status status_of(const Error& error) {
+  if (dynamic_cast<const Stopped*>(&error) != nullptr) return GICUBE_STOPPED;
+  if (dynamic_cast<const BadArgument*>(&error) != nullptr) return GICUBE_BAD_ARGUMENT;
+  if (dynamic_cast<const OpenFailed*>(&error) != nullptr) return GICUBE_OPEN_FAILED;
+  if (dynamic_cast<const BoardBusy*>(&error) != nullptr) return GICUBE_BOARD_BUSY;
+  if (dynamic_cast<const VersionMismatch*>(&error) != nullptr) return GICUBE_VERSION_MISMATCH;
+  if (dynamic_cast<const Rejected*>(&error) != nullptr) return GICUBE_REJECTED;
+  if (dynamic_cast<const ScatteringFailed*>(&error) != nullptr) return GICUBE_SCATTERING_FAILED;
+  if (dynamic_cast<const Unsupported*>(&error) != nullptr) return GICUBE_UNSUPPORTED;
+  if (dynamic_cast<const DeviceLost*>(&error) != nullptr) return GICUBE_DEVICE_LOST;
+  if (dynamic_cast<const TimedOut*>(&error) != nullptr) return GICUBE_TIMED_OUT;
+  if (dynamic_cast<const DeadlinePassed*>(&error) != nullptr) return GICUBE_DEADLINE_PASSED;
+  if (dynamic_cast<const WouldBlock*>(&error) != nullptr) return GICUBE_WOULD_BLOCK;
+  if (dynamic_cast<const MemoryFault*>(&error) != nullptr) return GICUBE_MEMORY_FAULT;
+  return GICUBE_INTERNAL;
+}
+
+gicube_status remember() {
+  try {
+    throw;
+  } catch (const BadArgument& error) {
+    keep(error.what(), error.field());
+    return GICUBE_BAD_ARGUMENT;
+  } catch (const Error& error) {
+    keep(error.what(), {});
+    return status_of(error);
+  } catch (const std::bad_alloc&) {
+    keep("out of memory", {});
+    return GICUBE_NO_MEMORY;
+  } catch (const std::length_error&) {  // a size that no memory holds
+    keep("out of memory", {});
+    return GICUBE_NO_MEMORY;
+  } catch (const std::exception& error) {
+    keep(error.what(), {});
+    return GICUBE_INTERNAL;
+  } catch (...) {
+    keep("something that is no std::exception was thrown", {});
+    return GICUBE_INTERNAL;
+  }
+}
+
+}  // namespace
+
+gicube_status remember_current_error() noexcept {
+  try {
+    return remember();
+  } catch (...) {
+    return GICUBE_NO_MEMORY;
+  }
+}
+
+}  // namespace gicube::c_api
+
+extern "C" {
+
+const char* gicube_last_error(void) { return gicube::c_api::last_error().text; }
+
+const char* gicube_last_error_field(void) { return gicube::c_api::last_error().field.c_str(); }
+
+uint32_t gicube_version(void) { return GICUBE_VERSION_NUMBER; }
+
+const char* gicube_status_name(gicube_status status) {
+  static constexpr const char* kNames[] = {"GICUBE_OK",
+                                           "GICUBE_BAD_ARGUMENT",
+                                           "GICUBE_OPEN_FAILED",
+                                           "GICUBE_BOARD_BUSY",
+                                           "GICUBE_VERSION_MISMATCH",
+                                           "GICUBE_REJECTED",
+                                           "GICUBE_SCATTERING_FAILED",
+                                           "GICUBE_UNSUPPORTED",
+                                           "GICUBE_DEVICE_LOST",
+                                           "GICUBE_TIMED_OUT",
+                                           "GICUBE_DEADLINE_PASSED",
+                                           "GICUBE_WOULD_BLOCK",
+                                           "GICUBE_MEMORY_FAULT",
+                                           "GICUBE_STOPPED",
+                                           "GICUBE_NO_MEMORY",
+                                           "GICUBE_INTERNAL"};
+  static_assert(std::size(kNames) == GICUBE_INTERNAL + 1);
+  return status >= 0 && status <= GICUBE_INTERNAL ? kNames[status] : "?";
+}
+}

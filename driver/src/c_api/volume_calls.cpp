@@ -1,0 +1,225 @@
+// Volumes and how they look.
+#include <algorithm>
+
+#include "defaults.h"
+#include "handle.h"
+#include "record.h"
+
+namespace gicube::c_api {
+namespace {
+
+VolumeView to_volume(const gicube_volume& record) {
+  VolumeView volume;
+  volume.type = choice("volume.type", record.type, SampleType::kFloat32);
+  volume.samples = {static_cast<const std::byte*>(record.samples), record.sample_bytes};
+  if (record.samples == nullptr) throw BadArgument("volume.samples", "a pointer", "NULL");
+  volume.dims = {record.dims[0], record.dims[1], record.dims[2]};
+  volume.spacing = to_vec3(record.spacing);
+  if (truth("volume.has_range", record.has_range)) volume.range = ValueRange{record.low, record.high};
+  volume.gradients = {checked("volume.gradients", record.gradients, record.gradient_count), record.gradient_count};
+  volume.tags = {checked("volume.tags", record.tags, record.tag_count), record.tag_count};
+  return volume;
+}
+
+Material to_material(const gicube_material& record) {
+  Material material;
+  material.scattering = record.scattering;
+  material.bsdf = choice("material.bsdf", record.bsdf, Bsdf::kTrap);
+  material.gloss = record.gloss;
+  material.seen_through_scattering = truth("material.seen_through_scattering", record.seen_through_scattering);
+  material.routine = record.routine;
+  material.surface = truth("material.surface", record.surface);
+  constexpr std::uint32_t kMost = 32;
+  if (record.parameter_count > kMost) {
+    throw BadArgument("material.parameter_count", "at most 32", std::to_string(record.parameter_count));
+  }
+  const float* parameters = checked("material.parameters", record.parameters, record.parameter_count);
+  material.parameters.assign(parameters, parameters + record.parameter_count);
+  return material;
+}
+
+gicube_scatter_event to_c(const ScatterEvent& event) {
+  gicube_scatter_event record{};
+  record.size = sizeof record;
+  record.tag = event.tag;
+  put(event.position, record.position);
+  put(event.direction, record.direction);
+  put(event.normal, record.normal);
+  record.opacity = event.opacity;
+  record.density = event.density;
+  for (std::size_t i = 0; i < event.random.size(); ++i) record.random[i] = event.random[i];
+  record.lighting = event.lighting;
+  record.generation = event.generation;
+  record.parameters = event.parameters.data();
+  record.parameter_count = event.parameters.size();
+  return record;
+}
+
+ScatteringRoutine to_routine(gicube_scattering_routine routine, void* user) {
+  if (routine == nullptr) return {};
+  return [routine, user](const ScatterEvent& event) -> ScatterAnswer {
+    const gicube_scatter_event record = to_c(event);
+    gicube_scatter_answer answer{{0, 0, 0}, 1};
+    if (routine(user, &record, &answer) != 0) throw Stopped("the scattering routine ended the call");
+    return {to_vec3(answer.direction), answer.passes};
+  };
+}
+
+}  // namespace
+
+Progress to_progress(gicube_progress progress, void* user) {
+  if (progress == nullptr) return {};
+  return [progress, user](std::uint32_t done, std::uint32_t all) {
+    if (progress(user, done, all) != 0) throw Stopped("the progress callback ended the call");
+  };
+}
+
+VoxelBox to_box(const gicube_box* given) {
+  const gicube_box& box = checked("box", given);
+  return {{box.low[0], box.low[1], box.low[2]}, {box.size[0], box.size[1], box.size[2]}};
+}
+
+std::size_t voxels_of(const VoxelBox& box) {
+  std::size_t count = 1;
+  for (const int size : box.size) {
+    constexpr int kLongest = 1024;  // voxels: of any volume
+    if (size < 1 || size > kLongest) throw BadArgument("box.size", "1..1024 voxels each", std::to_string(size));
+    count *= static_cast<std::size_t>(size);
+  }
+  return count;
+}
+
+}  // namespace gicube::c_api
+
+using namespace gicube::c_api;
+
+extern "C" {
+
+gicube_status gicube_load_volume(gicube_board* board, const gicube_volume* volume, gicube_progress progress,
+                                 void* user) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    handle.board.load_volume(to_volume(read_record("volume", volume, default_volume())), to_progress(progress, user));
+  });
+}
+
+gicube_status gicube_value_range(gicube_board* board, double* low, double* high) {
+  return call([&] {
+    checked("low", low);
+    checked("high", high);
+    const gicube::ValueRange range = checked_board(board).board.value_range();
+    *low = range.low;
+    *high = range.high;
+  });
+}
+
+gicube_status gicube_read_volume(gicube_board* board, const gicube_box* box, float* values, size_t count) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    const gicube::VoxelBox voxels = to_box(box);
+    check_count("count", count, voxels_of(voxels));
+    checked("values", values);
+    const std::vector<float> read = handle.board.read_volume(voxels);
+    std::copy(read.begin(), read.end(), values);
+  });
+}
+
+gicube_status gicube_write_volume(gicube_board* board, const gicube_box* box, const float* values, size_t count) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    const gicube::VoxelBox voxels = to_box(box);
+    check_count("count", count, voxels_of(voxels));
+    handle.board.write_volume(voxels, {&checked("values", values), count});
+  });
+}
+
+gicube_status gicube_verify_volume(gicube_board* board, size_t* damaged, size_t capacity, size_t* damaged_count) {
+  return call([&] {
+    checked("damaged_count", damaged_count) = 0;
+    gicube_board& handle = checked_board(board);
+    checked("damaged", damaged, capacity);
+    const std::vector<std::size_t> blocks = handle.board.verify_volume();
+    std::copy_n(blocks.begin(), std::min(capacity, blocks.size()), damaged);
+    *damaged_count = blocks.size();
+  });
+}
+
+gicube_status gicube_set_transfer_function(gicube_board* board, int32_t tag, const gicube_colour_point* colours,
+                                           size_t colour_count, const gicube_opacity_point* opacities,
+                                           size_t opacity_count) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    checked("colours", colours, colour_count);
+    checked("opacities", opacities, opacity_count);
+    gicube::TransferFunction function;
+    for (std::size_t i = 0; i < colour_count; ++i) {
+      const auto& [value, colour] = colours[i];
+      function.colours.push_back({value, {colour[0], colour[1], colour[2]}});
+    }
+    for (std::size_t i = 0; i < opacity_count; ++i) {
+      function.opacities.push_back({opacities[i].value, opacities[i].opacity});
+    }
+    handle.board.set_transfer_function(function, tag);
+  });
+}
+
+gicube_status gicube_set_shading(gicube_board* board, const gicube_shading* shading) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    const gicube_shading record = read_record("shading", shading, default_shading());
+    check_reserved("shading.reserved", record.reserved);
+    handle.board.set_shading(
+        {{record.ambient, record.diffuse, record.specular, record.shininess}, to_vec3(record.light)});
+  });
+}
+
+gicube_status gicube_set_material(gicube_board* board, int32_t tag, const gicube_material* material) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    handle.board.set_material(to_material(read_record("material", material, default_material())), tag);
+  });
+}
+
+gicube_status gicube_set_scattering_routine(gicube_board* board, gicube_scattering_routine routine, void* user,
+                                            uint64_t time_per_ray_ps) {
+  return call([&] { checked_board(board).board.set_scattering_routine(to_routine(routine, user), time_per_ray_ps); });
+}
+
+gicube_status gicube_set_gradient_codebook(gicube_board* board, const double* codebook, size_t codes) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    constexpr std::size_t kMost = 2048;
+    if (codes > kMost) throw gicube::BadArgument("codes", "at most 2048", std::to_string(codes));
+    checked("codebook", codebook, 3 * codes);
+    std::vector<gicube::Vec3> directions;
+    for (std::size_t i = 0; i < codes; ++i) {
+      directions.push_back({codebook[3 * i], codebook[3 * i + 1], codebook[3 * i + 2]});
+    }
+    handle.board.set_gradient_codebook(directions);
+  });
+}
+
+gicube_status gicube_get_blocks(gicube_board* board, int32_t blocks[3]) {
+  return call([&] {
+    checked("blocks", blocks);
+    const gicube::Dims dims = checked_board(board).board.blocks();
+    std::copy(dims.begin(), dims.end(), blocks);
+  });
+}
+
+gicube_status gicube_set_empty_flags(gicube_board* board, const uint8_t* flags, size_t count) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    handle.board.set_empty_flags({checked("flags", flags, count), count});
+  });
+}
+
+gicube_status gicube_get_empty_flags(gicube_board* board, uint8_t* flags, size_t count) {
+  return call([&] {
+    const std::vector<std::uint8_t> found = checked_board(board).board.empty_flags();
+    check_count("count", count, found.size());
+    checked("flags", flags, count);
+    std::copy(found.begin(), found.end(), flags);
+  });
+}
+}
