@@ -37,7 +37,7 @@ std::vector<std::byte> ball(int edge, double radius) {
 void load(gicube::Board& board, const std::vector<std::byte>& voxels, int edge) {
   board.load_volume({.samples = voxels, .type = gicube::SampleType::kUint8, .dims = {edge, edge, edge}});
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{128, 0}, {128, 1}}});
-  // Rays are sampled as the last view was. A ray ends at its first opaque sample.
+  // Rays are sampled as the last view was.
   gicube::View view;
   view.eye = {edge / 2.0, edge / 2.0, -1.0};
   view.look_at = {edge / 2.0, edge / 2.0, 0};
@@ -50,16 +50,18 @@ void load(gicube::Board& board, const std::vector<std::byte>& voxels, int edge) 
 DepthMap depth_map(gicube::Board& board, int edge, int width, int height, int in_flight,
                    gicube::Picoseconds host_time) {
   DepthMap map{width, height, std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
+  const gicube::RayRequest first_hit{.type = gicube::RayType::kFirstHit, .opacity = 0.5};
+  std::vector<gicube::TracedRay> traced(static_cast<std::size_t>(width));
   std::deque<gicube::Ticket> under_way;
   for (int row = 0; row < height || !under_way.empty();) {
     if (row < height && under_way.size() < static_cast<std::size_t>(in_flight)) {
-      under_way.push_back(board.submit(row_of_rays(edge, width, height, row++)));
+      under_way.push_back(board.submit(row_of_rays(edge, width, height, row++), first_hit));
       continue;
     }
-    const gicube::RayBatch batch = board.receive(under_way.front());
+    board.receive(under_way.front(), traced);
     under_way.pop_front();
-    for (const gicube::TracedRay& ray : batch.rays) {
-      map.depths[ray.id] = ray.opacity > 0.5 ? static_cast<float>(ray.position.z) : -1.0f;
+    for (const gicube::TracedRay& ray : traced) {
+      map.depths[ray.id] = ray.opacity >= first_hit.opacity ? static_cast<float>(ray.position.z) : -1.0f;
     }
     board.host_compute(host_time);
   }

@@ -16,11 +16,11 @@ struct DepthMap {
 // A cube of `edge` voxels with a ball of `radius` voxels in its middle, whose surface has the value 128.
 std::vector<std::byte> ball(int edge, double radius);
 
-// Loads such a volume and makes everything from the value 128 on opaque.
+// Loads such a volume, and makes everything from the value 128 on opaque.
 void load(gicube::Board& board, const std::vector<std::byte>& voxels, int edge);
 
-// One ray along z for each pixel, a row a batch. Up to `in_flight` batches are on their way at once; of those that have
-// come back the host works `host_time` a row while the board goes on.
+// One ray along z for each pixel, a row a batch, to the first sample on the surface or behind it. Up to `in_flight`
+// batches are on their way at once; with each that has come back the host works for `host_time` while the board goes on.
 DepthMap depth_map(gicube::Board& board, int edge, int width, int height, int in_flight,
                    gicube::Picoseconds host_time = 0);
 

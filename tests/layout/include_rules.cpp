@@ -50,6 +50,7 @@ const std::vector<Rule>& rules() {
   // clang-format off
   static const std::vector<Rule> table{
       {"proto",              {"proto"}, {}},
+      {"proto/gicube/wire/checksum.cpp", {"proto"}, {"isa-l"}},
       {"proto/gicube/bsdf.h", {}, {"stddef.h", "stdint.h"}},  // C
 
       // Public headers name nothing but themselves and the standard library, so that applications need nothing else.

@@ -112,6 +112,9 @@ GICUBE_API gicube_status gicube_read_framebuffer(gicube_board* board, gicube_pix
 GICUBE_API gicube_status gicube_render(gicube_board* board, const gicube_view* view, gicube_pixel* pixels, size_t count,
                                        gicube_progress progress, void* user);
 
+/* The ray from one point to another, for GICUBE_RAY_SEGMENT and GICUBE_RAY_OPACITY. */
+GICUBE_API gicube_status gicube_ray_between(uint32_t id, const double from[3], const double to[3],
+                                            gicube_host_ray* ray);
 /* Rays. request may be NULL: integrate. The caller's memory is free again on return; *ticket is 0 unless it succeeds. */
 GICUBE_API gicube_status gicube_submit(gicube_board* board, const gicube_host_ray* rays, size_t count,
                                        const gicube_ray_request* request, uint32_t* ticket);

@@ -1,6 +1,7 @@
 // Rays of the caller's.
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
 
 #include "defaults.h"
@@ -101,6 +102,16 @@ bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_r
 using namespace gicube::c_api;
 
 extern "C" {
+
+gicube_status gicube_ray_between(uint32_t id, const double from[3], const double to[3], gicube_host_ray* ray) {
+  return call([&] {
+    checked("from", from);
+    checked("to", to);
+    const gicube::HostRay between = gicube::ray_between(id, {from[0], from[1], from[2]}, {to[0], to[1], to[2]});
+    std::memcpy(&checked("ray", ray), &between, sizeof between);
+    ray->reserved = 0;
+  });
+}
 
 gicube_status gicube_submit(gicube_board* board, const gicube_host_ray* rays, size_t count,
                             const gicube_ray_request* request, uint32_t* ticket) {

@@ -204,6 +204,17 @@ TEST_F(CApi, GathersRaysAndPolylines) {
   EXPECT_GT(traced[0].opacity, 0);
 }
 
+TEST(CRay, GoesFromOnePointToAnother) {
+  const double from[] = {1, 2, 3}, to[] = {1, 2, 8};
+  gicube_host_ray ray;
+  ASSERT_EQ(gicube_ray_between(9, from, to, &ray), GICUBE_OK);
+  EXPECT_EQ(ray.id, 9u);
+  EXPECT_EQ(ray.position[2], 3);
+  EXPECT_EQ(ray.length, 5);
+  EXPECT_GT(ray.direction[2], 0);
+  EXPECT_EQ(gicube_ray_between(9, nullptr, to, &ray), GICUBE_BAD_ARGUMENT);
+}
+
 TEST_F(CApi, PollTellsOfBatchesThatReceiveThenGives) {
   load();
   gicube_batch_report report = made(gicube_batch_report_init);
