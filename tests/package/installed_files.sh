@@ -23,6 +23,22 @@ grep -q "^gicube_DIR:PATH=$prefix/" "$scratch/build/CMakeCache.txt"
 cmake --build "$scratch/build"
 ctest --test-dir "$scratch/build" --output-on-failure
 
+# What gicube_add_test() does not understand it says, instead of making a test of something else.
+refuses() {
+  printf 'cmake_minimum_required(VERSION 3.22)\nproject(x LANGUAGES NONE)\nfind_package(gicube REQUIRED)\n%s\n' \
+    "gicube_add_test($1)" >"$scratch/CMakeLists.txt"
+  if cmake -S "$scratch" -B "$scratch/refused" -DCMAKE_PREFIX_PATH="$prefix" >"$scratch/refused.log" 2>&1; then
+    echo "gicube_add_test($1) was taken" >&2
+    return 1
+  fi
+  tr -s '\n ' ' ' <"$scratch/refused.log" | grep -q "$2" || { cat "$scratch/refused.log" >&2; return 1; }
+}
+refuses "COMMAND x" "NAME is missing"
+refuses "NAME x" "either SOURCES or COMMAND"
+refuses "NAME x COMMAND y BUS isa" "BUS: expected pci33, agp1x, agp2x or agp4x, got isa"
+refuses "NAME x COMMAND y BOARD unix:/z BUS pci33" "BOARD is a board that there is"
+refuses "SPEED 3 NAME x COMMAND y" "not understood: SPEED"
+
 # emu: finds the installed program without any help.
 "$scratch/build/depth_map" "$scratch/depth.pgm"
 head -c 15 "$scratch/depth.pgm" | head -n 2 | tr '\n' ' ' | grep -q '^P5 256 256'
