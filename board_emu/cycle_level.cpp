@@ -59,30 +59,27 @@ class ViewingRays : public RayWork {
   std::uint64_t spacing_;
 };
 
-class HostRays : public RayWork {
+class RaysThatAreThere : public RayWork {
  public:
-  HostRays(std::span<wire::Ray> rays, bool deposit, const Frame& frame, const v1::DspConfig& dsp)
-      : rays_(rays), deposit_(deposit), frame_(frame), dsp_(dsp) {}
+  RaysThatAreThere(const GivenRays& given, const Frame& frame) : given_(given), frame_(frame) {}
 
-  std::uint64_t count() const override { return rays_.size(); }
+  std::uint64_t count() const override { return given_.rays.size(); }
   std::uint64_t row_end(std::uint64_t i) const override { return i + 1; }
-  // host_ray_cycles is for both ways.
-  std::uint32_t make_cycles() const override { return dsp_.host_ray_cycles() / 2; }
-  std::uint32_t take_cycles() const override { return deposit_ ? 0 : dsp_.host_ray_cycles() - make_cycles(); }
+  std::uint32_t make_cycles() const override { return given_.make_cycles; }
+  std::uint32_t take_cycles() const override { return given_.take_cycles; }
 
   std::optional<wire::Ray> make(std::uint64_t i) override {
-    if (!enter(rays_[i], frame_.extent, frame_.cut_planes)) return std::nullopt;
-    return rays_[i];
+    wire::Ray& ray = given_.rays[i];
+    if (ray.flags == 0 || !enter(ray, frame_.extent, frame_.cut_planes)) return std::nullopt;
+    return ray;
   }
   void take(std::uint64_t i, const Traveller& traveller) override {
-    if (!deposit_) finish(traveller, frame_, rays_[i]);
+    if (given_.come_back) finish(traveller, frame_, given_.rays[i]);
   }
 
  private:
-  std::span<wire::Ray> rays_;
-  bool deposit_;
+  const GivenRays& given_;
   const Frame& frame_;
-  const v1::DspConfig& dsp_;
 };
 
 class LightRays : public RayWork {
@@ -170,10 +167,9 @@ Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& 
   return machine.run(rays, frame, work);
 }
 
-Ran trace(std::span<wire::Ray> rays, bool deposit, const Frame& frame, const v1::DspConfig& dsp, Machine& machine,
-          Work& work) {
-  HostRays host_rays(rays, deposit, frame, dsp);
-  return machine.run(host_rays, frame, work);
+Ran trace(const GivenRays& rays, const Frame& frame, Machine& machine, Work& work) {
+  RaysThatAreThere given(rays, frame);
+  return machine.run(given, frame, work);
 }
 
 }  // namespace gicube::emu

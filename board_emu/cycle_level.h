@@ -28,9 +28,15 @@ Ran illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig
 Ran resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
            Machine& machine, RayCounters& counters, Work& work);
 
-// Takes host rays to their ends, in place. A ray that lies behind a cut plane returns as it came; of rays that `deposit`,
-// nothing does.
-Ran trace(std::span<wire::Ray> rays, bool deposit, const Frame& frame, const v1::DspConfig& dsp, Machine& machine,
-          Work& work);
+// Rays that are there already, and what they cost the DSP.
+struct GivenRays {
+  std::span<wire::Ray> rays;  // one with no flags is not sent
+  bool come_back = true;      // into their places; else nothing of them is kept
+  std::uint32_t make_cycles = 0;
+  std::uint32_t take_cycles = 0;
+};
+
+// Takes them to their ends. A ray that lies behind a cut plane stays as it is.
+Ran trace(const GivenRays& rays, const Frame& frame, Machine& machine, Work& work);
 
 }  // namespace gicube::emu

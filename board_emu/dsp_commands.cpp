@@ -208,14 +208,15 @@ Frame DspCommands::frame() {
 CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work) {
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
   const auto first = static_cast<std::uint32_t>(wire::Opcode::kRender);
-  const auto last = static_cast<std::uint32_t>(wire::Opcode::kVerify);
+  const auto last = static_cast<std::uint32_t>(wire::Opcode::kPairs);
   if (!memory_errors_.empty() && opcode >= first && opcode <= last) return meet_memory_error();
   try {
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kRender)) return render(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace)) return trace(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kIlluminate)) return illuminate(payload, work);
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kResume)) return resume(payload, work);
-    if (opcode == last) return verify(payload);
+    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kVerify)) return verify(payload);
+    if (opcode == last) return pairs(payload, work);
   } catch (const RoutineFault& fault) {
     drop_machine();
     return refuse(fault.what());
@@ -224,7 +225,8 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work
     const std::string text = stall.what();
     return {.error = ErrorCode::kInternal, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
   }
-  return refuse(expected("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume) or 5 (verify)", opcode));
+  return refuse(
+      expected("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs)", opcode));
 }
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& work) {
@@ -299,6 +301,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Wor
 void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"dsp.viewing_rays", "ray", viewing_rays_});
   list.push_back({"dsp.host_rays", "ray", host_rays_});
+  if (pair_rays_ != 0) list.push_back({"dsp.pair_rays", "ray", pair_rays_});
   RayCounters rays = rays_;
   if (machine_) rays += ray_counters(*machine_);
   list.push_back({"pipeline.rays", "ray", rays.rays});

@@ -31,6 +31,9 @@ struct CommandResult {
   bool leaves_nothing = false;  // but what it returns: it may be taken back
 };
 
+// Sets the frame for rays between two points that gather opacity alone, up to `opacity` (24 bits).
+void set_opacity_rays(Frame& frame, std::uint32_t opacity);
+
 class DspCommands {
  public:
   DspCommands(const v1::BoardConfig& config, const RegisterFile& registers);
@@ -60,6 +63,7 @@ class DspCommands {
   CommandResult illuminate(std::span<const std::uint8_t> payload, Work& work);
   CommandResult resume(std::span<const std::uint8_t> payload, Work& work);
   CommandResult verify(std::span<const std::uint8_t> payload);
+  CommandResult pairs(std::span<const std::uint8_t> payload, Work& work);
   Picoseconds reading_time(std::size_t first, std::size_t count) const;
   CommandResult meet_memory_error();
   static void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid);
@@ -89,6 +93,7 @@ class DspCommands {
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
   std::uint64_t lighting_rays_ = 0;
+  std::uint64_t pair_rays_ = 0;
   std::uint64_t host_traps_total_ = 0;
 };
 

@@ -88,6 +88,10 @@ void set_type(Frame& frame, const wire::TraceHeader& header) {
 
 }  // namespace
 
+void set_opacity_rays(Frame& frame, std::uint32_t opacity) {
+  set_type(frame, {.type = RayType::kOpacity, .opacity = opacity});
+}
+
 CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& work) {
   if (payload.size() < wire::kTraceHeaderBytes) return refuse(expected("payload", "at least 16 bytes", payload.size()));
   const auto header = wire::decode_trace(payload.first<wire::kTraceHeaderBytes>());
@@ -120,7 +124,9 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     for (const wire::Ray& ray : rays) {  // the machine counts what becomes of it
       if (deposit) counts.energy.emitted += energy_units(set_out(ray, frame), frame);
     }
-    const Ran ran = emu::trace(rays, deposit, frame, config_.dsp(), machine(), work);
+    const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
+    const GivenRays given{rays, !deposit, first, deposit ? 0 : both - first};
+    const Ran ran = emu::trace(given, frame, machine(), work);
     if (ran.cancelled) return cancelled();
     counts += ray_counters(machine()) - before;
     result = timed(ran);

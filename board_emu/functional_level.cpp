@@ -138,7 +138,8 @@ RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned thread
   return spread<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counters) {
     const std::size_t end = std::min(rays.size(), (run + 1) * kRun);
     for (std::size_t i = run * kRun; i < end; ++i) {
-      if (!frame.cut_planes.empty() && !enter(rays[i], frame.extent, frame.cut_planes)) continue;
+      if (rays[i].flags == 0 || (!frame.cut_planes.empty() && !enter(rays[i], frame.extent, frame.cut_planes)))
+        continue;
       if ((rays[i].flags & wire::kLightingRay) != 0) {
         counters.energy.emitted += energy_units(set_out(rays[i], frame), frame);
       }

@@ -33,7 +33,7 @@ Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threa
 Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
                 Work& work);
 
-// Takes host rays to their ends, in place. A ray that lies behind a cut plane returns as it came. Of the counters
+// Takes rays to their ends, in place. One without flags is passed over; one that lies behind a cut plane stays as it is. Of the counters
 // energy.emitted is what lighting rays bring.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned threads);
 

@@ -54,6 +54,8 @@ class Device {
   CommandResult run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline = kNoDeadline);
   // The result of a command if it has come; blocks nobody.
   std::optional<CommandResult> take(std::uint32_t ticket) { return link_->take(ticket); }
+  // Nobody will ask for the result.
+  void forget(std::uint32_t ticket) { link_->forget(ticket); }
   // Takes a command back whose turn has not begun: true, and it completes with kCancelled.
   bool cancel(std::uint32_t ticket);
   // Fetches the results of all commands that have completed by now.

@@ -60,6 +60,10 @@ struct GICUBE_HIDDEN Board::State {
   void set_sampling(const View& view);
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
                 std::vector<std::size_t> lines);
+  std::vector<PairFactor> pairs_by_board(std::span<const Element> elements, std::span<const ElementPair> pairs,
+                                         const PairRequest& request, const Progress& progress);
+  std::vector<PairFactor> pairs_by_host(std::span<const Element> elements, std::span<const ElementPair> pairs,
+                                        const PairRequest& request, const Progress& progress);
   // Of a call that begins now.
   Picoseconds deadline() const {
     const Picoseconds now = device.clock().now();

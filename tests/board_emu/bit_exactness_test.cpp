@@ -52,7 +52,7 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   std::vector<wire::Ray> functional_rays = rays, cycle_rays = rays;
   trace(functional_rays, scene.frame, 1);
   Work work;
-  trace(cycle_rays, false, scene.frame, config.dsp(), machine, work);
+  trace({cycle_rays, true, 6, 6}, scene.frame, machine, work);
   EXPECT_EQ(cycle_rays, functional_rays);
 
   // Ticking in another order changes neither bits nor cycles, and a second frame finds warm caches.
@@ -62,7 +62,7 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   EXPECT_EQ(again.pixels, expected.pixels);
   EXPECT_EQ(again.ran.cycles, picture.ran.cycles);
   std::vector<wire::Ray> shuffled_rays = rays;
-  trace(shuffled_rays, false, scene.frame, config.dsp(), shuffled, work);
+  trace({shuffled_rays, true, 6, 6}, scene.frame, shuffled, work);
   EXPECT_EQ(shuffled_rays, functional_rays);
   EXPECT_THAT(counter_texts(shuffled), testing::ElementsAreArray(counter_texts(machine)));
 }

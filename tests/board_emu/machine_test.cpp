@@ -30,7 +30,8 @@ std::vector<wire::Ray> columns(int across, int down, double start = 0.5) {
 
 Ran run(Machine& machine, const Scene& scene, const v1::BoardConfig& config, std::vector<wire::Ray> rays) {
   Work work;
-  return trace(rays, false, scene.frame, config.dsp(), machine, work);
+  const std::uint32_t both = config.dsp().host_ray_cycles();
+  return trace({rays, true, both / 2, both - both / 2}, scene.frame, machine, work);
 }
 
 // 1: DSP makes the ray; push 10; bus 11; sorter writes 12, issues 13; tag check 14. 16 + 16 stages; back at the sorter 47,

@@ -23,6 +23,7 @@
 #include "gicube/illumination.h"
 #include "gicube/image.h"
 #include "gicube/material.h"
+#include "gicube/pair.h"
 #include "gicube/ray.h"
 #include "gicube/scattering.h"
 #include "gicube/shading.h"
@@ -199,6 +200,13 @@ class GICUBE_API Board {
   // receive() or poll() as others do. False: too late, it comes back whole. The simulated host waits for the answer.
   // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit, whose energy can't be taken back.
   bool cancel(Ticket ticket);
+
+  // How much light goes between pairs of elements: one factor a pair. Sampling (step, leaping) is that of the last view
+  // rendered. The simulated host waits; the rays' making costs it no time of its own with PairRays::kByHost, unless the
+  // application adds host_compute().
+  // Throws BadArgument (an element's, a pair's index, the request's fields), Rejected (no volume): nothing was sent.
+  std::vector<PairFactor> pair_factors(std::span<const Element> elements, std::span<const ElementPair> pairs,
+                                       const PairRequest& request = {}, const Progress& progress = {});
 
   // The simulated host's clock, since open().
   Picoseconds now() const;

@@ -101,13 +101,15 @@ void check(const Polyline& line, std::size_t index, Dims dims) {
   }
 }
 
+std::uint32_t opacity_word(double opacity) {
+  return std::max(1u, static_cast<std::uint32_t>(std::lround(opacity * wire::kOpacityOne)));
+}
+
 wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays) {
   wire::TraceHeader header;
   header.count = static_cast<std::uint32_t>(rays);
   header.type = static_cast<wire::RayType>(request.type);
-  if (has_threshold(request.type)) {
-    header.opacity = std::max(1u, static_cast<std::uint32_t>(std::lround(request.opacity * wire::kOpacityOne)));
-  }
+  if (has_threshold(request.type)) header.opacity = opacity_word(request.opacity);
   if (request.type != RayType::kDeposit) return header;
   header.albedo = request.albedo == Albedo::kHigh ? wire::Albedo::kHigh : wire::Albedo::kLow;
   header.rules =

@@ -25,6 +25,9 @@ void check(const RayRequest& request);
 void check(const HostRay& ray, std::size_t index, const RaySetup& setup);
 void check(const Polyline& line, std::size_t index, Dims dims);
 
+// 24 bits, not 0; of one that passed its check.
+std::uint32_t opacity_word(double opacity);
+
 wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays);
 
 // Position rounded to 1/16384 voxel; direction brought to unit length in voxel space, then rounded to 1/16384.

@@ -96,7 +96,23 @@
 
 namespace gicube::wire {
 
-enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2, kIlluminate = 3, kResume = 4, kVerify = 5 };
+// kPairs: the DSP makes rays between elements (pair.h), traces them as opacity rays, and sums them up.
+//
+//   byte  size  field
+//      0     4  opcode = 6
+//      4     4  E, elements
+//      8     4  P, pairs
+//     12     4  rays a pair, 1..65536; P times that at most 2^22
+//     16     4  the first of the samples to be taken
+//     20     4  seed
+//     24     4  opacity at which a ray ends, 24 bits, not 0
+//     28     4  reserved, 0
+//     32  56 E  elements
+//         12 P  pairs
+//
+// Its completion: 16 bytes a pair: f64 mean of G T, f32 mean of G, f32 standard error of the first.
+//
+enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2, kIlluminate = 3, kResume = 4, kVerify = 5, kPairs = 6 };
 enum class Projection : std::uint8_t { kOrthographic = 0, kPerspective = 1 };
 enum class Filter : std::uint8_t { kBox = 0, kTent = 1 };
 

@@ -1,0 +1,159 @@
+// Rays that the DSP makes between pairs of elements, and the sums that it makes of them [P §5.6].
+#include <algorithm>
+#include <limits>
+
+#include "command_fault.h"
+#include "cycle_level.h"
+#include "dsp_commands.h"
+#include "functional_level.h"
+#include "gicube/wire/pair.h"
+#include "machine_counters.h"
+
+namespace gicube::emu {
+
+namespace {
+
+using wire::ErrorCode;
+
+constexpr std::size_t kRaysAtOnce = 65'536;  // chosen: rays in the DSP's memory between two runs of the ASIC
+
+std::optional<std::string> fault_of_header(const wire::PairsHeader& header, std::size_t payload_bytes) {
+  const std::uint64_t bytes = wire::kPairsHeaderBytes + std::uint64_t{header.elements} * wire::kElementBytes +
+                              std::uint64_t{header.pairs} * wire::kPairBytes;
+  if (payload_bytes != bytes) {
+    return expected("payload",
+                    "32 + 56 bytes for each of its " + std::to_string(header.elements) + " elements + 12 for each of " +
+                        std::to_string(header.pairs) + " pairs",
+                    payload_bytes);
+  }
+  if (header.rays < 1 || header.rays > wire::kMostRaysPerPair) return expected("rays", "1..65536", header.rays);
+  if (std::uint64_t{header.pairs} * header.rays > wire::kMostPairRays) {
+    return expected("pairs x rays", "at most 2^22", std::uint64_t{header.pairs} * header.rays);
+  }
+  if (header.first > std::numeric_limits<std::uint32_t>::max() - header.rays) {
+    return expected("first", "below 2^32 - rays", header.first);
+  }
+  if (header.opacity < 1 || header.opacity > wire::kOpacityOne) {
+    return expected("opacity", "1..2^24 - 1", header.opacity);
+  }
+  return std::nullopt;
+}
+
+// All points of an element lie in the volume if its corners do.
+std::optional<std::string> fault_of_element(const wire::Element& element, const Point& extent) {
+  if (element.kind > wire::ElementKind::kBox) {
+    return expected("kind", "0 or 1", static_cast<std::uint64_t>(element.kind));
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    const wire::Vector s{corner & 1 ? 1.0 : 0.0, corner & 2 ? 1.0 : 0.0, corner & 4 ? 1.0 : 0.0};
+    const wire::Vector point = wire::point_of(element, s);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double last = extent[axis] / double{wire::kVoxel};
+      if (!(point[axis] >= 0 && point[axis] <= last)) return "origin, u, v, w: expected corners in the volume";
+    }
+  }
+  return std::nullopt;
+}
+
+struct Job {
+  wire::PairsHeader header;
+  std::vector<wire::Element> elements;
+  std::vector<wire::Vector> normals;
+  std::vector<wire::Pair> pairs;
+  wire::Vector spacing{};
+};
+
+// The rays of pairs [begin, end), and their weights.
+void make(const Job& job, std::size_t begin, std::size_t end, std::vector<wire::Ray>& rays,
+          std::vector<double>& weights) {
+  rays.clear();
+  weights.clear();
+  for (std::size_t p = begin; p < end; ++p) {
+    const wire::Pair& pair = job.pairs[p];
+    for (std::uint32_t i = 0; i < job.header.rays; ++i) {
+      const wire::PairSample sample =
+          wire::pair_sample(job.elements[pair.a], job.elements[pair.b], {job.normals[pair.a], job.normals[pair.b]},
+                            job.spacing, pair.id, job.header.seed, job.header.first + i);
+      weights.push_back(sample.weight);
+      wire::Ray ray;
+      if (sample.weight > 0) ray = wire::segment_packet(sample.from, sample.to, pair.id);
+      rays.push_back(ray);
+    }
+  }
+}
+
+void take(const Job& job, std::size_t begin, std::size_t end, std::span<const wire::Ray> rays,
+          std::span<const double> weights, std::span<std::uint8_t> out) {
+  std::size_t at = 0;
+  for (std::size_t p = begin; p < end; ++p) {
+    wire::PairSum sum(job.header.rays);
+    for (std::uint32_t i = 0; i < job.header.rays; ++i, ++at) {
+      sum.add(i, weights[at], 1 - rays[at].opacity / double{wire::kOpacityOne});
+    }
+    wire::encode(sum.result(), out.subspan(p * wire::kPairResultBytes).first<wire::kPairResultBytes>());
+  }
+}
+
+}  // namespace
+
+CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Work& work) {
+  if (payload.size() < wire::kPairsHeaderBytes) return refuse(expected("payload", "at least 32 bytes", payload.size()));
+  Job job;
+  job.header = wire::decode_pairs(payload.first<wire::kPairsHeaderBytes>());
+  if (const auto what = fault_of_header(job.header, payload.size())) return refuse(*what);
+  if (!has_volume()) return refuse(kNoVolume);
+  Frame frame = this->frame();
+  set_opacity_rays(frame, job.header.opacity);
+  for (std::size_t axis = 0; axis < 3; ++axis) job.spacing[axis] = frame.spacing[axis] / double{wire::kSpacingOne};
+  std::size_t at = wire::kPairsHeaderBytes;
+  for (std::uint32_t e = 0; e < job.header.elements; ++e, at += wire::kElementBytes) {
+    job.elements.push_back(wire::decode_element(payload.subspan(at).first<wire::kElementBytes>()));
+    if (const auto what = fault_of_element(job.elements[e], frame.extent)) {
+      return refuse("element " + std::to_string(e) + ": " + *what);
+    }
+    job.normals.push_back(wire::normal_of(job.elements[e], job.spacing));
+  }
+  for (std::uint32_t p = 0; p < job.header.pairs; ++p, at += wire::kPairBytes) {
+    job.pairs.push_back(wire::decode_pair(payload.subspan(at).first<wire::kPairBytes>()));
+    if (job.pairs[p].a < job.header.elements && job.pairs[p].b < job.header.elements) continue;
+    return refuse("pair " + std::to_string(p) + ": " +
+                  expected("a, b", "elements below " + std::to_string(job.header.elements),
+                           std::max(job.pairs[p].a, job.pairs[p].b)));
+  }
+
+  aperture_.decode(threads_);
+  const v1::DspConfig& dsp = config_.dsp();
+  // Made like lighting rays, from two points of a sequence; taken back like viewing rays, into a sum.
+  const std::uint32_t make_cycles = dsp.lighting_ray_cycles(), take_cycles = dsp.returned_ray_cycles();
+  CommandResult result;
+  result.payload.resize(job.pairs.size() * wire::kPairResultBytes);
+  result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
+  work.all = job.header.pairs;
+  const std::size_t at_once = std::max<std::size_t>(1, kRaysAtOnce / job.header.rays);
+  std::vector<wire::Ray> rays;
+  std::vector<double> weights;
+  for (std::size_t begin = 0; begin < job.pairs.size(); begin += at_once) {
+    if (work.cancel)
+      return config_.fidelity() == v1::cycle ? cancelled() : CommandResult{.error = ErrorCode::kCancelled};
+    const std::size_t end = std::min(begin + at_once, job.pairs.size());
+    make(job, begin, end, rays, weights);
+    if (config_.fidelity() == v1::cycle) {
+      const Ran ran = emu::trace({rays, true, make_cycles, take_cycles}, frame, machine(), work);
+      if (ran.cancelled) return cancelled();
+      const CommandResult part = timed(ran);
+      result.dsp_cycles += part.dsp_cycles;
+      result.asic_ps += part.asic_ps;
+    } else {
+      rays_ += emu::trace(rays, frame, threads_);
+      const auto sent = static_cast<std::uint64_t>(
+          std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0; }));
+      result.dsp_cycles += rays.size() * make_cycles + sent * take_cycles;
+    }
+    take(job, begin, end, rays, weights, result.payload);
+    pair_rays_ += rays.size();
+    work.done = static_cast<std::uint32_t>(end);
+  }
+  return result;
+}
+
+}  // namespace gicube::emu
