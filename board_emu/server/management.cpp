@@ -52,8 +52,7 @@ class Service final : public v1::BoardManagement::Service {
     std::vector<Fault> faults;
     switch (slot->configure(request->config_text(), faults)) {
       case BoardSlot::Configured::kFaulty: return {StatusCode::INVALID_ARGUMENT, to_string(faults)};
-      case BoardSlot::Configured::kInUse:
-        return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", request->board())};
+      case BoardSlot::Configured::kInUse: return has_owner(request->board());
       case BoardSlot::Configured::kDone: break;
     }
     describe(*slot, *info);
@@ -72,6 +71,26 @@ class Service final : public v1::BoardManagement::Service {
     const BoardSlot* slot = find(request->board());
     if (slot == nullptr) return no_board(request->board());
     *snapshot = take_snapshot(*slot);
+    return Status::OK;
+  }
+
+  Status SetTrace(ServerContext*, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
+    BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    std::string fault;
+    switch (slot->set_trace_file(request->file(), fault)) {
+      case BoardSlot::Configured::kFaulty: return {StatusCode::INVALID_ARGUMENT, fault};
+      case BoardSlot::Configured::kInUse: return has_owner(request->board());
+      case BoardSlot::Configured::kDone: break;
+    }
+    describe_trace(*slot, *info);
+    return Status::OK;
+  }
+
+  Status GetTrace(ServerContext*, const v1::GetTraceRequest* request, v1::TraceInfo* info) override {
+    const BoardSlot* slot = find(request->board());
+    if (slot == nullptr) return no_board(request->board());
+    describe_trace(*slot, *info);
     return Status::OK;
   }
 
@@ -142,6 +161,15 @@ class Service final : public v1::BoardManagement::Service {
 
   Status no_board(std::uint32_t board) const {
     return {StatusCode::NOT_FOUND, fmt::format("board: expected 0 to {}, got {}", boards_.size() - 1, board)};
+  }
+
+  static Status has_owner(std::uint32_t board) {
+    return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", board)};
+  }
+
+  static void describe_trace(const BoardSlot& slot, v1::TraceInfo& out) {
+    out.set_board(slot.index());
+    out.set_file(slot.trace_file());
   }
 
   static void describe(const BoardSlot& slot, v1::BoardInfo& out) {

@@ -31,7 +31,7 @@ ObservationOptions for_board(const ObservationOptions& options, std::uint32_t bo
   return own;
 }
 
-Observation::Observation(const ObservationOptions& options) {
+Observation::Observation(const ObservationOptions& options) : options_(options) {
   if (!options.trace_file.empty()) {
     trace_.emplace(options.trace_file);
     name_tracks(*trace_);

@@ -46,6 +46,8 @@ class Observation : public TimelineWatcher {
   // Opens the files; throws std::runtime_error that names the one that can't be.
   explicit Observation(const ObservationOptions& options);
 
+  const ObservationOptions& options() const { return options_; }
+
   // A board of this configuration begins anew, at time 0.
   void power_up(const v1::BoardConfig& config);
 
@@ -66,6 +68,7 @@ class Observation : public TimelineWatcher {
   std::string fault() const;
 
  private:
+  const ObservationOptions options_;
   v1::BoardConfig config_;
   std::optional<TraceFile> trace_;
   std::optional<MachineTrace> cycles_;

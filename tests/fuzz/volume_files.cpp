@@ -1,4 +1,6 @@
 // The volume readers: a file becomes a volume whose samples are all there, or a FileError.
+#include <cmath>
+
 #include "common/formats/meta_image.h"
 #include "common/formats/nifti.h"
 #include "common/formats/nrrd.h"
@@ -26,7 +28,7 @@ void read(Bytes input, samples::Volume (*reader)(const std::filesystem::path&)) 
     }
     expect(volume.samples.size() == samples * sample_bytes(volume.type), "there are as many samples as voxels");
     for (const double edge : {volume.spacing.x, volume.spacing.y, volume.spacing.z}) {
-      expect(edge > 0 && edge < 1e300, "spacing is positive and finite");
+      expect(edge > 0 && std::isfinite(edge), "spacing is positive and finite");
     }
   } catch (const samples::FileError&) {
   }

@@ -100,6 +100,11 @@ const std::vector<Rule>& rules() {
       {"samples/host_bsdf",  {"samples/host_bsdf", "driver/include"}, {}},
       // Plain C, for the board and not for the driver.
       {"samples/bsdf_plugin", {"samples/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
+      // Like applications, and besides in the management plane's messages.
+      {"tools/smi",          {"tools/smi", "driver/include", "proto/gicube/v1/management.pb.h",
+                              "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h"}, {kAnything}},
+      // Speaks the bus below the driver's public headers.
+      {"tools/replay",       {"tools/replay", "driver/include", "driver/src", "proto/gicube/wire"}, {kAnything}},
       {"samples/results",    {"samples/results", "samples/common", "driver/include"}, {kAnything}},
       // Outside applications, which know the installed headers only; C too.
       {"examples",           {"examples", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},

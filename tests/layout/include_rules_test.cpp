@@ -46,7 +46,7 @@ std::string read(const std::filesystem::path& path) {
 TEST(IncludeRules, HoldForEverySourceFileOfTheTree) {
   const std::filesystem::path root = GICUBE_SOURCE_DIR;
   Files all;
-  for (const std::string folder : {"proto", "driver", "board_emu", "samples", "examples", "tests"})
+  for (const std::string folder : {"proto", "driver", "board_emu", "samples", "tools", "examples", "tests"})
     all.merge(files_of(root, folder));
   int checked = 0;
   for (const std::string& file : all) {

@@ -1,0 +1,42 @@
+#include "run_program.h"
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include "temporary_directory.h"
+
+namespace gicube::tools_test {
+namespace {
+
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  text += '\'';
+  return text;
+}
+
+std::string text_of(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+}  // namespace
+
+Finished run_program(const std::string& name, const std::vector<std::string>& arguments,
+                     const std::vector<std::string>& variables) {
+  const reference::TemporaryDirectory folder;
+  std::string command = "env";
+  for (const std::string& variable : variables) command.append(" ").append(quoted(variable));
+  command.append(" ").append(quoted(std::string(GICUBE_BIN_DIR "/") + name));
+  for (const std::string& argument : arguments) command.append(" ").append(quoted(argument));
+  command.append(" >").append(quoted(folder.file("out")));
+  command.append(" 2>").append(quoted(folder.file("err"))).append(" </dev/null");
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), text_of(folder.file("out")),
+          text_of(folder.file("err"))};
+}
+
+}  // namespace gicube::tools_test

@@ -1,0 +1,133 @@
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace gicube::smi {
+namespace {
+
+constexpr const char* kManagementVariable = "GICUBE_MANAGEMENT";
+
+void add_management(CLI::App& app, Options& options, bool needed) {
+  auto* endpoint = app.add_option("-m,--management", options.management,
+                                  "the board process's management plane: unix:PATH or tcp:HOST:PORT")
+                       ->type_name("ENDPOINT")
+                       ->envname(kManagementVariable);
+  if (needed) endpoint->required();
+  app.add_option("--ca", options.ca_file, "TLS: the certificate that signed the board's, PEM")->type_name("FILE");
+  app.add_option("--token-file", options.token_file, "TLS: the token that the board asks for")->type_name("FILE");
+}
+
+void add_board(CLI::App& app, Options& options) {
+  app.add_option("-b,--board", options.board, "the board's number in its process")->type_name("N");
+}
+
+CLI::App* add_command(CLI::App& app, Options& options, Command command, const char* name, const char* what) {
+  CLI::App* sub = app.add_subcommand(name, what);
+  sub->callback([&options, command] { options.command = command; });
+  sub->add_flag("--json", options.json, "for programs: JSON instead of text");
+  return sub;
+}
+
+void add_top(CLI::App& app, Options& options) {
+  CLI::App* top = add_command(app, options, Command::kTop, "top", "what a board does, once a second; ends with Ctrl-C");
+  add_management(*top, options, true);
+  add_board(*top, options);
+  top->add_option("-i,--interval", options.interval_ms, "between two looks, 10 to 60000")
+      ->type_name("MS")
+      ->check(CLI::Range(10, 60000));
+  top->add_option("-n,--count", options.count, "end after so many looks")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1 << 30));
+  top->add_flag_callback(
+      "--once", [&options] { options.count = 1; }, "one look, as -n 1: all since the board was reset");
+  top->add_flag("-a,--all", options.all_counters, "every counter, also those that stand still");
+}
+
+void add_faults(CLI::App& app, Options& options) {
+  CLI::App* faults = app.add_subcommand("faults", "the fault plan of a board: what goes wrong on purpose");
+  faults->require_subcommand(1);
+  const auto add = [&](FaultAction action, const char* name, const char* what) {
+    CLI::App* sub = add_command(*faults, options, Command::kFaults, name, what);
+    sub->parse_complete_callback([&options, action] { options.fault_action = action; });
+    add_management(*sub, options, true);
+    add_board(*sub, options);
+    return sub;
+  };
+  add(FaultAction::kShow, "show", "the plan that holds, and what it has done");
+  add(FaultAction::kSet, "set", "a new plan in place of the former")
+      ->add_option("plan", options.plan_file, "protobuf text of gicube.v1.FaultPlan; - reads standard input")
+      ->type_name("FILE")
+      ->required();
+  add(FaultAction::kClear, "clear", "no more faults");
+  add(FaultAction::kLog, "log", "the faults that have happened; a plan that makes them happen again")
+      ->add_flag("--clear", options.clear_log, "empty the log");
+}
+
+void add_trace(CLI::App& app, Options& options) {
+  CLI::App* trace = app.add_subcommand("trace", "a trace of what a board does, for ui.perfetto.dev");
+  trace->require_subcommand(1);
+  const auto add = [&](TraceAction action, const char* name, const char* what) {
+    CLI::App* sub = add_command(*trace, options, Command::kTrace, name, what);
+    sub->parse_complete_callback([&options, action] { options.trace_action = action; });
+    add_management(*sub, options, true);
+    add_board(*sub, options);
+    return sub;
+  };
+  add(TraceAction::kShow, "show", "where the board writes its trace");
+  add(TraceAction::kStart, "start", "traces all sessions from now on; nobody may own the board")
+      ->add_option("file", options.trace_file, "written by the board's process, as its user")
+      ->type_name("FILE")
+      ->required();
+  add(TraceAction::kStop, "stop", "completes the file; nobody may own the board");
+}
+
+void add_uri(CLI::App& app, Options& options, const char* what) {
+  app.add_option("uri", options.uri, what)->type_name("URI")->capture_default_str();
+}
+
+}  // namespace
+
+std::optional<Options> parse_options(int argc, const char* const* argv, std::string& text) {
+  Options options;
+  CLI::App app(
+      "GI-Cube boards from outside: what there is, what it does, whether it works, and why it can't be opened.\n"
+      "Commands that look at a running board need --management or the environment variable GICUBE_MANAGEMENT.",
+      "gicube-smi");
+  app.set_version_flag("--version", "gicube-smi " GICUBE_VERSION);
+  app.require_subcommand(1);
+  app.failure_message(CLI::FailureMessage::simple);
+
+  add_management(*add_command(app, options, Command::kList, "list", "the boards of a process"), options, true);
+  CLI::App* info = add_command(app, options, Command::kInfo, "info", "a board's configuration and routines");
+  add_management(*info, options, true);
+  add_board(*info, options);
+  add_top(app, options);
+  add_uri(*add_command(app, options, Command::kValidate, "validate",
+                       "opens a board and tests it; what it held is lost. Exit code 1 if a test fails"),
+          options, "the board, as Board::open() takes it");
+  CLI::App* reset = add_command(app, options, Command::kReset, "reset",
+                                "the power button: ends the session that owns the board, clears all state");
+  add_management(*reset, options, true);
+  add_board(*reset, options);
+  add_faults(app, options);
+  add_trace(app, options);
+  CLI::App* doctor = add_command(app, options, Command::kDoctor, "doctor",
+                                 "says why a board can't be opened. Exit code 1 if it can't");
+  add_uri(*doctor, options, "the board that an application would open");
+  add_management(*doctor, options, false);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    text = app.help();
+    return std::nullopt;
+  } catch (const CLI::CallForVersion& version) {
+    text = std::string(version.what()) + "\n";
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + " (--help says more)");
+  }
+  return options;
+}
+
+}  // namespace gicube::smi

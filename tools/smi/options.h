@@ -1,0 +1,45 @@
+// The command line of gicube-smi.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace gicube::smi {
+
+enum class Command { kList, kInfo, kTop, kValidate, kReset, kFaults, kTrace, kDoctor };
+enum class FaultAction { kShow, kSet, kClear, kLog };
+enum class TraceAction { kShow, kStart, kStop };
+
+struct Options {
+  Command command = Command::kList;
+  bool json = false;
+
+  // The management plane: list, info, top, reset, faults, trace; doctor looks at it too if it is named.
+  std::string management;  // unix:PATH or tcp:HOST:PORT; empty: none
+  std::string ca_file;     // TLS: who signed the board's certificate; empty: no TLS
+  std::string token_file;
+  std::uint32_t board = 0;
+
+  std::string uri = "emu:";  // validate, doctor
+  std::uint32_t interval_ms = 1000;
+  std::uint32_t count = 0;  // top: snapshots; 0 = until it is interrupted
+  bool all_counters = false;
+  FaultAction fault_action = FaultAction::kShow;
+  std::string plan_file;  // "-" = standard input
+  bool clear_log = false;
+  TraceAction trace_action = TraceAction::kShow;
+  std::string trace_file;
+};
+
+// The command line is wrong: exit code 2.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Nothing if help or the version was asked for, which is then in `text`. Throws UsageError.
+std::optional<Options> parse_options(int argc, const char* const* argv, std::string& text);
+
+}  // namespace gicube::smi
