@@ -51,6 +51,7 @@ GICUBE_API gicube_status gicube_illumination_init(gicube_illumination* settings,
 GICUBE_API gicube_status gicube_lighting_report_init(gicube_lighting_report* report, size_t size);
 GICUBE_API gicube_status gicube_view_init(gicube_view* view, size_t size);
 GICUBE_API gicube_status gicube_ray_request_init(gicube_ray_request* request, size_t size);
+GICUBE_API gicube_status gicube_pair_request_init(gicube_pair_request* request, size_t size);
 GICUBE_API gicube_status gicube_batch_report_init(gicube_batch_report* report, size_t size);
 
 /* Opens a board and resets it; options may be NULL. *board is NULL unless it succeeds. */
@@ -133,6 +134,12 @@ GICUBE_API gicube_status gicube_receive(gicube_board* board, uint32_t ticket, ui
 GICUBE_API gicube_status gicube_poll(gicube_board* board, gicube_batch_report* report);
 /* *cancelled is 0 if it is too late: the batch comes back whole. It comes back in either case. */
 GICUBE_API gicube_status gicube_cancel(gicube_board* board, uint32_t ticket, int32_t* cancelled);
+
+/* How much light goes between pairs of elements; count is the number of pairs. request may be NULL. */
+GICUBE_API gicube_status gicube_pair_factors(gicube_board* board, const gicube_element* elements, size_t element_count,
+                                             const gicube_element_pair* pairs, size_t pair_count,
+                                             const gicube_pair_request* request, gicube_progress progress, void* user,
+                                             gicube_pair_factor* factors, size_t count);
 
 /* Simulated time. */
 GICUBE_API gicube_status gicube_now(gicube_board* board, uint64_t* now_ps);

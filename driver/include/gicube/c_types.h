@@ -283,6 +283,35 @@ typedef struct gicube_batch_report {
   gicube_lighting_report lighting;
 } gicube_batch_report;
 
+/* gicube/pair.h: Element, ElementPair, PairRequest, PairFactor */
+enum { GICUBE_ELEMENT_PATCH = 0, GICUBE_ELEMENT_BOX = 1 };
+typedef struct gicube_element {
+  int32_t kind;
+  int32_t reserved; /* 0 */
+  double origin[3], u[3], v[3];
+  double w[3]; /* box */
+} gicube_element;
+typedef struct gicube_element_pair {
+  uint32_t a, b; /* indices of elements */
+  uint32_t id;
+  uint32_t reserved; /* 0 */
+} gicube_element_pair;
+enum { GICUBE_PAIR_RAYS_BY_BOARD = 0, GICUBE_PAIR_RAYS_BY_HOST = 1 };
+typedef struct gicube_pair_request {
+  uint32_t size;
+  uint32_t rays; /* a pair */
+  uint32_t first;
+  uint32_t seed;
+  double opacity;
+  int32_t made;
+  int32_t reserved; /* 0 */
+} gicube_pair_request;
+typedef struct gicube_pair_factor {
+  double transported;
+  double geometric;
+  double standard_error;
+} gicube_pair_factor;
+
 #ifdef __cplusplus
 }
 #endif

@@ -85,6 +85,17 @@ gicube_ray_request default_ray_request() {
   return record;
 }
 
+gicube_pair_request default_pair_request() {
+  const PairRequest request;
+  gicube_pair_request record{};
+  record.rays = request.rays;
+  record.first = request.first;
+  record.seed = request.seed;
+  record.opacity = request.opacity;
+  record.made = static_cast<std::int32_t>(request.made);
+  return record;
+}
+
 }  // namespace gicube::c_api
 
 using namespace gicube::c_api;
@@ -125,6 +136,10 @@ gicube_status gicube_view_init(gicube_view* view, size_t size) {
 
 gicube_status gicube_ray_request_init(gicube_ray_request* request, size_t size) {
   return call([&] { init_record("request", request, size, default_ray_request()); });
+}
+
+gicube_status gicube_pair_request_init(gicube_pair_request* request, size_t size) {
+  return call([&] { init_record("request", request, size, default_pair_request()); });
 }
 
 gicube_status gicube_batch_report_init(gicube_batch_report* report, size_t size) {

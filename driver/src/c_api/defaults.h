@@ -12,5 +12,6 @@ gicube_material default_material();
 gicube_illumination default_illumination();
 gicube_view default_view();
 gicube_ray_request default_ray_request();
+gicube_pair_request default_pair_request();
 
 }  // namespace gicube::c_api

@@ -264,6 +264,42 @@ TEST_F(CApi, ReadsAndWritesBoxesOfTheVolume) {
   EXPECT_STREQ(gicube_last_error_field(), "count");
 }
 
+TEST_F(CApi, FindsTheFactorsOfPairsOfTheCppApi) {
+  load();
+  gicube_element elements[2] = {};
+  for (gicube_element& element : elements) {
+    element.kind = GICUBE_ELEMENT_PATCH;
+    element.origin[0] = element.origin[1] = 10;
+    element.u[0] = element.v[1] = 4;
+  }
+  elements[1].origin[2] = 31;
+  std::swap(elements[1].u, elements[1].v);  // faces the first one
+  const gicube_element_pair pair{0, 1, 5, 0};
+  gicube_pair_request request = made(gicube_pair_request_init);
+  request.rays = 64;
+  gicube_pair_factor factor{};
+  ASSERT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1), GICUBE_OK)
+      << gicube_last_error();
+  Board board = twin(voxels_);
+  const std::vector<Element> same{{ElementKind::kPatch, {10, 10, 0}, {4, 0, 0}, {0, 4, 0}, {}},
+                                  {ElementKind::kPatch, {10, 10, 31}, {0, 4, 0}, {4, 0, 0}, {}}};
+  const std::vector<ElementPair> pairs{{0, 1, 5}};
+  PairRequest how;
+  how.rays = 64;
+  const PairFactor expected = board.pair_factors(same, pairs, how).at(0);
+  EXPECT_EQ(factor.transported, expected.transported);
+  EXPECT_EQ(factor.geometric, expected.geometric);
+  EXPECT_EQ(factor.standard_error, expected.standard_error);
+  EXPECT_GT(factor.geometric, factor.transported);
+  EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 2),
+            GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "count");
+  elements[1].kind = 2;
+  EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1),
+            GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "elements[1].kind");
+}
+
 TEST_F(CApi, VerifiesTheVolume) {
   std::size_t damaged = 7;
   EXPECT_EQ(gicube_verify_volume(board_, nullptr, 0, &damaged), GICUBE_REJECTED);
