@@ -108,7 +108,7 @@ void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::ve
     faults.push_back({"fidelity", "functional or cycle (this release has no " + level + " level yet)", got,
                       line_of(lines, "fidelity")});
   }
-  for (const char* path : {"bus.model", "asic.partition", "sorter.queues", "sorter.policy"}) {
+  for (const char* path : {"bus.model", "asic.partition", "sorter.queues", "sorter.policy", "pace"}) {
     const Place place = find_place(config, path);
     const auto* value = place.message->GetReflection()->GetEnum(*place.message, place.field);
     if (value->number() != 0) continue;
@@ -248,6 +248,7 @@ std::string config_text(const v1::BoardConfig& config) {
 std::uint64_t config_hash(const v1::BoardConfig& config) {
   v1::BoardConfig counted = resolve(config);
   counted.clear_threads();
+  counted.clear_pace();
   std::string text;
   google::protobuf::TextFormat::PrintToString(counted, &text);
   std::uint64_t hash = 0xCBF2'9CE4'8422'2325;  // FNV-1a's offset basis and prime

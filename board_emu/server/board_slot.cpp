@@ -4,6 +4,7 @@
 #include <future>
 #include <utility>
 
+#include <fmt/chrono.h>
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/post.hpp>
@@ -30,14 +31,65 @@ BoardSlot::~BoardSlot() {
   if (!fault.empty()) spdlog::error("board {}: {}", index_, fault);
 }
 
-Claim BoardSlot::claim(std::function<void()> end_session) {
+std::uint64_t BoardSlot::stand_in_line(bool at_head) {
   const std::lock_guard lock(mutex_);
-  if (owner_ == Owner::kSession) return releasing_ ? Claim::kSoonFree : Claim::kBusy;
-  if (owner_ == Owner::kManagement) return Claim::kSoonFree;
+  const std::uint64_t place = ++last_place_;
+  line_.insert(at_head ? line_.begin() : line_.end(), place);
+  return place;
+}
+
+void BoardSlot::leave_line(std::uint64_t place) {
+  const std::lock_guard lock(mutex_);
+  std::erase(line_, place);
+}
+
+Claim BoardSlot::claim(const Claimant& who) {
+  const std::lock_guard lock(mutex_);
+  if (!line_.empty() && line_.front() != who.place) return Claim::kBusy;
+  if (owner_ == Owner::kManagement || releasing_) return Claim::kSoonFree;
+  if (owner_ == Owner::kSession) {
+    if (!who.force && !away_) return Claim::kBusy;
+    ask_to_end(wire::ErrorCode::kTaken, who.name + (who.force ? " took the board by force" : " came for the board"));
+    return Claim::kSoonFree;
+  }
   owner_ = Owner::kSession;
+  owner_name_ = who.name;
+  owner_since_ = std::chrono::system_clock::now();
   ++sessions_;
-  end_session_ = std::move(end_session);
+  end_session_ = who.end_session;
   return Claim::kGranted;
+}
+
+void BoardSlot::ask_to_end(wire::ErrorCode error, const std::string& text) {
+  if (!end_session_) return;  // it is asked already
+  releasing_ = true;
+  std::exchange(end_session_, nullptr)(error, text);
+}
+
+void BoardSlot::end_away(std::unique_lock<std::mutex>& lock) {
+  if (owner_ != Owner::kSession || !away_) return;
+  ask_to_end(wire::ErrorCode::kCancelled, "the management plane has rebuilt the board");
+  released_.wait_for(lock, kReleaseTimeout, [this] { return owner_ == Owner::kNone; });
+}
+
+std::string BoardSlot::owner() const {
+  const std::lock_guard lock(mutex_);
+  if (owner_ == Owner::kNone) return {};
+  if (owner_ == Owner::kManagement) return "the management plane";
+  const auto seconds =
+      std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now() - owner_since_);
+  return fmt::format("{} since {:%F %T} UTC, {} s ago", owner_name_,
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(owner_since_)), seconds.count());
+}
+
+void BoardSlot::set_away(bool away) {
+  const std::lock_guard lock(mutex_);
+  away_ = away && owner_ == Owner::kSession;
+}
+
+bool BoardSlot::realtime() const {
+  const std::lock_guard lock(mutex_);
+  return config_.pace() == v1::realtime;
 }
 
 void BoardSlot::announce_release() {
@@ -50,6 +102,7 @@ void BoardSlot::release() {
     const std::lock_guard lock(mutex_);
     owner_ = Owner::kNone;
     releasing_ = false;
+    away_ = false;
     end_session_ = nullptr;
   }
   released_.notify_all();
@@ -68,7 +121,7 @@ void BoardSlot::set_endpoint(std::string endpoint) {
 
 BoardSlot::Info BoardSlot::info() const {
   const std::lock_guard lock(mutex_);
-  return {index_, endpoint_, owner_ == Owner::kSession, config_, routines_->list()};
+  return {index_, endpoint_, owner_ == Owner::kSession && !away_, config_, routines_->list()};
 }
 
 BoardSlot::Snapshot BoardSlot::counters() const {
@@ -80,12 +133,13 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Fa
   ParsedConfig parsed = parse_config(text);
   v1::BoardConfig merged;
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     merged = config_;
     merged.MergeFrom(parsed.config);
     faults = std::move(parsed.faults);
     for (Fault& fault : check(merged, parsed.lines)) faults.push_back(std::move(fault));
     if (!faults.empty()) return Configured::kFaulty;
+    end_away(lock);
     if (owner_ != Owner::kNone) return Configured::kInUse;
     owner_ = Owner::kManagement;
   }
@@ -107,7 +161,7 @@ bool BoardSlot::power_reset() {
   {
     std::unique_lock lock(mutex_);
     const std::uint64_t session = sessions_;
-    if (owner_ == Owner::kSession && end_session_) std::exchange(end_session_, nullptr)();
+    if (owner_ == Owner::kSession) ask_to_end(wire::ErrorCode::kCancelled, "the management plane has reset the board");
     // A session that ends resets the board; one that came after it has found it so.
     const auto ended = [this, session] { return owner_ == Owner::kNone || sessions_ != session; };
     if (!released_.wait_for(lock, kReleaseTimeout, ended)) return false;

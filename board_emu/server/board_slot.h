@@ -1,11 +1,14 @@
 // One board of this process with its configuration and its owner: what the bus server and the management plane share.
 //
 // A board has at most one owner, either a session or the management plane while it resets or rebuilds the board. Only
-// the owner touches the board's state; counters can be read at any time. All calls from any thread.
+// the owner touches the board's state; counters can be read at any time. Who wants a board that has an owner stands in
+// line. An owner whose client is away makes way for the first in line. All calls from any thread.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -26,6 +29,16 @@ namespace gicube::emu {
 
 enum class Claim { kGranted, kBusy, kSoonFree };  // kSoonFree: the owner is about to let go
 
+// Asks a session to end, with what its client is told. Must not block.
+using EndSession = std::function<void(wire::ErrorCode error, std::string text)>;
+
+struct Claimant {
+  EndSession end_session{};  // called at most once, from any thread
+  std::string name{};        // as others are told who owns the board
+  std::uint64_t place = 0;   // in line; 0 = beside it, which is only good if nobody stands there
+  bool force = false;        // take the board from its owner
+};
+
 class BoardSlot {
  public:
   // `config` must be checked; it is resolved here. `observation`: for this board alone, or null. `routines`: as Board's.
@@ -38,8 +51,15 @@ class BoardSlot {
 
   std::uint32_t index() const { return index_; }
 
-  // For a session. `end_session` is called at most once, from any thread, to ask it to end; it must not block.
-  Claim claim(std::function<void()> end_session);
+  // A place in line, at its end or at its head; it must be left again.
+  std::uint64_t stand_in_line(bool at_head);
+  void leave_line(std::uint64_t place);
+  // For a session.
+  Claim claim(const Claimant& who);
+  // The owner, and since when; empty if there is none.
+  std::string owner() const;
+  // The session's client is away, or back again. While it is away the board counts as free.
+  void set_away(bool away);
   // The session still owns the board, but will release it as soon as the running work has ended.
   void announce_release();
   // The board must have been reset.
@@ -53,6 +73,9 @@ class BoardSlot {
   void settle();
 
   void set_endpoint(std::string endpoint);
+
+  // Answers are held back until the wall clock has come to their simulated time.
+  bool realtime() const;
 
   // What goes wrong between a driver and this board; any thread.
   FaultPoint& faults() { return faults_; }
@@ -88,13 +111,22 @@ class BoardSlot {
  private:
   enum class Owner { kNone, kSession, kManagement };
 
+  // A session whose client is away makes way.
+  void end_away(std::unique_lock<std::mutex>& lock);
+  void ask_to_end(wire::ErrorCode error, const std::string& text);
+
   const std::uint32_t index_;
   mutable std::mutex mutex_;  // guards everything below but faults_ and compute_
   std::condition_variable released_;
   Owner owner_ = Owner::kNone;
   bool releasing_ = false;
+  bool away_ = false;
+  std::string owner_name_;
+  std::chrono::system_clock::time_point owner_since_;
+  std::deque<std::uint64_t> line_;
+  std::uint64_t last_place_ = 0;
   std::uint64_t sessions_ = 0;  // so far
-  std::function<void()> end_session_;
+  EndSession end_session_;
   std::string endpoint_;
   v1::BoardConfig config_;
   const RoutineTable* const routines_;

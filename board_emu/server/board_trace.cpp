@@ -17,7 +17,7 @@ std::string BoardSlot::trace_file() const {
 BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& fault) {
   v1::BoardConfig config;
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     if (observation_ && !observation_->options().vcd_file.empty()) {
       fault = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
       return Configured::kFaulty;
@@ -27,6 +27,7 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
       fault = "file: expected the name of a new file, got " + file;
       return Configured::kFaulty;
     }
+    end_away(lock);
     if (owner_ != Owner::kNone) return Configured::kInUse;
     owner_ = Owner::kManagement;
     config = config_;

@@ -112,7 +112,7 @@ class BusServer::Listener {
       if constexpr (std::is_same_v<typename Acceptor::protocol_type, asio::ip::tcp>) {
         socket.set_option(asio::ip::tcp::no_delay(true), ignored);
       }
-      server_.start_session(Session::Socket(std::move(socket)), slot_, false);
+      server_.welcome(Connection::Socket(std::move(socket)), slot_, false);
     }
   }
 
@@ -125,7 +125,7 @@ class BusServer::Listener {
   asio::steady_timer pause_;
 };
 
-BusServer::BusServer(BusOptions options) : options_(std::move(options)) {}
+BusServer::BusServer(BusOptions options) : options_(std::move(options)), reception_(options_) {}
 
 BusServer::~BusServer() = default;
 
@@ -153,26 +153,21 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
                             ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &address_size) == 0;
   if (!is_connected) throw std::runtime_error(fmt::format("fd:{}: expected a connected stream socket", fd));
   ::fcntl(fd, F_SETFD, FD_CLOEXEC);
-  Session::Socket socket(io_);
+  Connection::Socket socket(io_);
   socket.assign(asio::generic::stream_protocol(address.ss_family, 0), fd);
   slot.set_endpoint(fmt::format("fd:{}", fd));
   slots_.push_back(&slot);
-  start_session(std::move(socket), slot, is_private);
+  welcome(std::move(socket), slot, is_private);
 }
 
-void BusServer::start_session(Session::Socket socket, BoardSlot& slot, bool is_private) {
-  auto session = std::make_shared<Session>(std::move(socket), slot, options_, unowned_);
-  std::erase_if(sessions_, [](const std::weak_ptr<Session>& each) { return each.expired(); });
-  sessions_.push_back(session);
-  if (unowned_ > options_.max_unowned) {
-    session->end(wire::ErrorCode::kBusy, fmt::format("{} connections own no board yet", options_.max_unowned));
-  }
-  asio::co_spawn(io_, serve(std::move(session), is_private), asio::detached);
+void BusServer::welcome(Connection::Socket socket, BoardSlot& slot, bool is_private) {
+  auto connection = std::make_shared<Connection>(std::move(socket));
+  asio::co_spawn(io_, serve(std::move(connection), slot, is_private), asio::detached);
 }
 
-asio::awaitable<void> BusServer::serve(std::shared_ptr<Session> session, bool is_private) {
+asio::awaitable<void> BusServer::serve(std::shared_ptr<Connection> connection, BoardSlot& slot, bool is_private) {
   try {
-    co_await session->run();
+    co_await reception_.receive(std::move(connection), slot, !is_private);
   } catch (const std::exception& error) {
     spdlog::error("a session ended by a fault of the server: {}", error.what());
   }
@@ -204,10 +199,7 @@ void BusServer::stop_now() {
   stopped_ = true;
   signals_.cancel();
   for (const auto& listener : listeners_) listener->close();
-  for (const std::weak_ptr<Session>& each : sessions_) {
-    const std::shared_ptr<Session> session = each.lock();
-    if (session) session->end(wire::ErrorCode::kCancelled, "the board shuts down");
-  }
+  reception_.close();
 }
 
 }  // namespace gicube::emu

@@ -12,7 +12,7 @@
 
 #include "board_slot.h"
 #include "endpoint.h"
-#include "session.h"
+#include "reception.h"
 
 namespace gicube::emu {
 
@@ -44,17 +44,16 @@ class BusServer {
  private:
   class Listener;
 
-  void start_session(Session::Socket socket, BoardSlot& slot, bool is_private);
+  void welcome(Connection::Socket socket, BoardSlot& slot, bool is_private);
   void stop_now();
-  boost::asio::awaitable<void> serve(std::shared_ptr<Session> session, bool is_private);
+  boost::asio::awaitable<void> serve(std::shared_ptr<Connection> connection, BoardSlot& slot, bool is_private);
 
   const BusOptions options_;
-  std::size_t unowned_ = 0;
+  Reception reception_;
   bool stopped_ = false;
   boost::asio::io_context io_{1};
   boost::asio::signal_set signals_{io_};
   std::vector<BoardSlot*> slots_;  // those that were served
-  std::vector<std::weak_ptr<Session>> sessions_;
   std::vector<std::unique_ptr<Listener>> listeners_;
 };
 

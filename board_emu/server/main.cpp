@@ -54,7 +54,9 @@ void serve(const Options& options, const RoutineTable& routines) {
     if (!options.fault_log_file.empty()) faults.append_log_to(options.fault_log_file + suffix);
     boards.push_back(slots.back().get());
   }
-  BusServer server;
+  BusOptions bus;
+  bus.resume_limit = options.resume_limit;
+  BusServer server(bus);
   server.stop_on_signals({SIGINT, SIGTERM});
   std::vector<Endpoint> endpoints;
   for (BoardSlot* slot : boards) {

@@ -22,7 +22,7 @@ struct Flags {
   std::string certificate_file, key_file, token_file;
   std::string trace_file, vcd_file, vcd_window;
   std::string fault_file, fault_log_file;
-  std::uint32_t boards = 1;
+  std::uint32_t boards = 1, resume_seconds = 10;
   bool allow_remote_bus = false, is_private = false, quiet = false, print_config = false, print_registers = false,
        print_hardware_cost = false;
 };
@@ -69,6 +69,12 @@ void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("--vcd-window", flags.vcd_window, "core cycles of the machine's clock, END left out")
       ->type_name("BEGIN:END")
       ->group("Observation");
+
+  app.add_option("--resume-seconds", flags.resume_seconds,
+                 "how long a session whose connection broke waits for its client, unless another one comes; 0 = not")
+      ->type_name("N")
+      ->check(CLI::Range(0u, 86'400u))
+      ->capture_default_str();
 
   app.add_option("--faults", flags.fault_file,
                  "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/FAULTS.md)")
@@ -233,6 +239,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   }
   result.options.boards = flags.boards;
   result.options.is_private = flags.is_private;
+  result.options.resume_limit = std::chrono::seconds(flags.resume_seconds);
   result.options.quiet = flags.quiet;
   result.options.bsdf_files = flags.bsdf_files;
   result.options.print_config = flags.print_config;

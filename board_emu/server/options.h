@@ -1,6 +1,7 @@
 // The command line of gicube-board.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "config.h"
 #include "endpoint.h"
 #include "management.h"
+#include "session.h"
 #include "trace/observation.h"
 
 namespace gicube::emu {
@@ -21,9 +23,10 @@ struct Options {
   v1::BoardConfig config;  // resolved and checked
   std::uint32_t boards = 1;
   ObservationOptions observation;
-  std::string fault_plan;                // its text; empty: no faults
-  std::string fault_log_file;            // empty: none
+  std::string fault_plan;               // its text; empty: no faults
+  std::string fault_log_file;           // empty: none
   std::vector<std::string> bsdf_files;  // scattering routines, in the order of their numbers
+  std::chrono::milliseconds resume_limit = BusOptions().resume_limit;
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;

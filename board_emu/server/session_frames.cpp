@@ -9,10 +9,8 @@
 #include "gicube/wire/checksum.h"
 #include "session.h"
 
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
-#include <boost/asio/write.hpp>
 
 namespace gicube::emu {
 
@@ -54,79 +52,98 @@ std::uint64_t requested_bytes(const FrameHeader& header, std::span<const std::ui
   return wire::load<std::uint64_t>(payload, 8);
 }
 
+Payload nothing() {
+  static const Payload kNothing = std::make_shared<const std::vector<std::uint8_t>>();
+  return kNothing;
+}
+
 }  // namespace
 
 // ---- reader
 
-awaitable<void> Session::read_frames(std::shared_ptr<Session> self) {
+awaitable<void> Session::read_frames(std::shared_ptr<Session> self, Connected connection) {
   try {
     bool more = true;
-    while (more) more = co_await self->read_frame();
+    while (more && !self->stopped_) {
+      Connection::Incoming incoming = co_await connection->read(self->agreed_.max_payload_bytes);
+      if (self->connection_ != connection) co_return;  // another one has taken its place, or the session has ended
+      if (!incoming.frame) {
+        self->lose(connection, incoming.fault);
+        co_return;
+      }
+      more = co_await self->take(connection, std::move(*incoming.frame));
+    }
   } catch (const std::exception& error) {  // no memory for a payload
     self->fail(ErrorCode::kInternal, 0, error.what());
   }
-  // Whatever still comes is dropped, so that the client can read the last word before it notices.
-  std::array<std::uint8_t, 4096> scrap;
-  error_code ended;
-  while (self->last_word_ && !ended) {
-    co_await self->socket_.async_read_some(asio::buffer(scrap), asio::redirect_error(asio::use_awaitable, ended));
-  }
-  self->stop();
-  self->reading_ = false;
-  self->wake_.cancel();
 }
 
-// False once nothing more is to be read.
-awaitable<bool> Session::read_frame() {
-  std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
-  const error_code header_error = co_await read_exactly(bytes);
-  if (header_error || stopped_) co_return false;
-  if (is_mute_) {
-    co_await swallow();
+// False once nothing more is to be read from this connection.
+awaitable<bool> Session::take(const Connected& connection, Connection::Frame frame) {
+  const FrameHeader header = frame.header;
+  if (!wire::is_free(header.type)) {
+    const bool more = co_await take_numbered(connection, std::move(frame));
+    co_return more;
+  }
+  if (header.type == FrameType::kVersion && header.flags == wire::kPosted && header.error == ErrorCode::kNone) {
+    stop();  // the client's goodbye
     co_return false;
   }
-  const std::optional<FrameHeader> header = wire::decode_frame_header(bytes);
-  if (!header) {
-    fail(ErrorCode::kProtocol, 0,
-         fmt::format("expected a frame header (magic 0x{:08x}), got 0x{:08x} and type {}", wire::kFrameMagic,
-                     wire::load<std::uint32_t>(bytes, 0), wire::load<std::uint16_t>(bytes, 4)));
+  if (!admit(header)) co_return false;
+  if (wire::sequence_step(taken_, header.id) > 0) {
+    lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
+                              fmt::format("expected the frame number {}, it was sent and did not come", taken_ + 1)});
     co_return false;
   }
-  if (header->size > agreed_.max_payload_bytes) {
-    fail(ErrorCode::kTooLarge, header->id,
-         fmt::format("expected at most {} payload bytes, got {}", agreed_.max_payload_bytes, header->size));
+  // A client that waits in vain asks what we have sent. While something is on its way it need not know.
+  if (header.flags != wire::kPosted && connection->idle()) {
+    put(FrameHeader{FrameType::kCredit, wire::kResponse, sent_}, nothing());
+  }
+  co_return true;
+}
+
+awaitable<bool> Session::take_numbered(const Connected& connection, Connection::Frame frame) {
+  const FrameHeader header = frame.header;
+  const std::int32_t step = wire::sequence_step(taken_, header.sequence);
+  if (step <= 0) co_return true;  // it came twice
+  if (step > 1) {
+    lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
+                              fmt::format("expected the frame number {}, got {}: frames are missing", taken_ + 1,
+                                          header.sequence)});
     co_return false;
   }
-  Frame frame{*header, std::vector<std::uint8_t>(header->size)};
-  const error_code payload_error = co_await read_exactly(frame.payload);
-  if (payload_error || stopped_) co_return false;
-  if (wire::frame_checksum(bytes, frame.payload) != header->checksum) {
-    fail(ErrorCode::kCorrupted, header->id,
-         fmt::format("expected the checksum 0x{:08x}, got 0x{:08x}", wire::frame_checksum(bytes, frame.payload),
-                     header->checksum));
-    co_return false;
+  FaultAction action;
+  if (wire::sequence_step(judged_, header.sequence) > 0) {
+    judged_ = header.sequence;
+    action = slot_.faults().taken(wire::kFrameHeaderBytes + header.size);
   }
-  if (!wire::is_free(header->type)) {
-    const std::int32_t step = wire::sequence_step(taken_, header->sequence);
-    if (step <= 0) co_return true;  // it came twice
-    if (step > 1) {
-      fail(ErrorCode::kCorrupted, header->id,
-           fmt::format("expected the frame number {}, got {}: frames are missing", taken_ + 1, header->sequence));
-      co_return false;
+  if (action.any()) {
+    std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
+    wire::encode(header, bytes);
+    co_await pause(action.pause);
+    if (connection_ != connection) co_return false;
+    if (action.hang) connection->hang();
+    if (action.hang || action.drop) co_return true;
+    if (action.flipped_bit) {
+      flip_bit(*action.flipped_bit, bytes, frame.payload);
+      const std::uint32_t expected = wire::frame_checksum(bytes, frame.payload);
+      const auto got = wire::load<std::uint32_t>(bytes, wire::kFrameHeaderBytes - sizeof(std::uint32_t));
+      lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
+                                fmt::format("expected the checksum 0x{:08x}, got 0x{:08x}", expected, got)});
+    } else if (action.cut) {
+      lose(connection, std::nullopt);
     }
-    const bool is_there = co_await arrives(frame);
-    if (!is_there) co_return !stopped_ && !is_mute_;
-    ++taken_;
+    if (connection_ != connection) co_return false;
   }
-  const bool admitted = admit(*header);
-  if (!admitted || header->type == FrameType::kCredit) co_return admitted;
-  if (requested_bytes(frame.header, frame.payload) > agreed_.max_payload_bytes) {
-    fail(ErrorCode::kTooLarge, header->id,
+  ++taken_;
+  if (!admit(header)) co_return false;
+  if (requested_bytes(header, frame.payload) > agreed_.max_payload_bytes) {
+    fail(ErrorCode::kTooLarge, header.id,
          fmt::format("expected a read of at most {} bytes, got {}", agreed_.max_payload_bytes,
-                     requested_bytes(frame.header, frame.payload)));
+                     requested_bytes(header, frame.payload)));
     co_return false;
   }
-  inbox_.push_back(std::move(frame));
+  inbox_.push_back(Frame{header, std::move(frame.payload), action.memory_error});
   wake_.cancel();
   co_return true;
 }
@@ -153,26 +170,36 @@ bool Session::admit(const FrameHeader& header) {
     return false;
   }
   if (!take_credit(header)) return false;
-  if (header.type == FrameType::kCredit || receive_credits_->accept(header.size)) return true;
+  if (header.type == FrameType::kCredit || receive_credits_.accept(header.size)) return true;
   fail(ErrorCode::kProtocol, header.id,
        fmt::format("expected at most {} frames and {} bytes in flight, got a frame of {} bytes beyond that",
                    options_.version.window_slots, options_.version.window_bytes, header.size));
   return false;
 }
 
+// Credit comes back in the order in which frames were sent, so it also says which of them need not be kept.
 bool Session::take_credit(const FrameHeader& header) {
-  if (header.credit_slots > owed_slots_ || header.credit_bytes > owed_bytes_) {
+  std::uint64_t bytes = 0;
+  const bool fits = header.credit_slots <= kept_.size();
+  for (std::size_t i = 0; fits && i < header.credit_slots; ++i) bytes += kept_[i].payload->size();
+  if (!fits || header.credit_bytes != bytes) {
     fail(ErrorCode::kProtocol, header.id,
-         fmt::format("expected credit for at most {} frames and {} bytes, got {} and {}", owed_slots_, owed_bytes_,
-                     header.credit_slots, header.credit_bytes));
+         fmt::format("expected credit for at most {} frames and {} bytes, got {} and {}", kept_.size(),
+                     fits ? bytes : kept_bytes_, header.credit_slots, header.credit_bytes));
     return false;
   }
-  if (header.credit_slots == 0 && header.credit_bytes == 0) return true;
-  owed_slots_ -= header.credit_slots;
-  owed_bytes_ -= header.credit_bytes;
-  send_credits_->give_back(header.credit_slots, header.credit_bytes);
+  if (header.credit_slots == 0) return true;
+  forget_consumed(header.credit_slots);
+  send_credits_.give_back(header.credit_slots, header.credit_bytes);
   wake_.cancel();
   return true;
+}
+
+void Session::forget_consumed(std::uint32_t slots) {
+  for (; slots > 0; --slots) {
+    kept_bytes_ -= kept_.front().payload->size();
+    kept_.pop_front();
+  }
 }
 
 // ---- worker
@@ -187,13 +214,13 @@ awaitable<void> Session::work() {
     inbox_.pop_front();
     if (!book_command(frame.header)) break;
     Outcome outcome = co_await transact(frame);
-    receive_credits_->consume(frame.header.size);
+    receive_credits_.consume(frame.header.size);
     ++unreturned_slots_;
     unreturned_bytes_ += frame.header.size;
     if (stopped_) break;
     co_await send_outcome(frame.header, std::move(outcome));
     const bool is_tight = unreturned_bytes_ + agreed_.max_payload_bytes > options_.version.window_bytes;
-    if (!stopped_ && (receive_credits_->due() || is_tight)) co_await return_credit();
+    if (!stopped_ && (receive_credits_.due() || is_tight)) return_credit();
   }
 }
 
@@ -238,33 +265,44 @@ awaitable<void> Session::send_outcome(const FrameHeader& request, Outcome outcom
     header.error = completion.error;
     settle_command(completion.ticket);
     header.time_ps = completion.time_ps;
+    co_await keep_pace(completion.time_ps);
     co_await send(header, std::move(completion.payload));
   }
   if (!outcome.reply) co_return;
   FrameHeader header{request.type, wire::kResponse, request.id};
   header.error = outcome.reply->error;
   header.time_ps = outcome.reply->time_ps;
+  co_await keep_pace(header.time_ps);
   co_await send(header, std::move(outcome.reply->payload));
 }
 
-awaitable<void> Session::send_progress() {
+// A board in real time says nothing before its simulated time has come.
+awaitable<void> Session::keep_pace(std::uint64_t time_ps) {
+  if (!realtime_) co_return;
+  const auto due = begin_ + std::chrono::nanoseconds(time_ps / 1000);
+  while (!stopped_ && std::chrono::steady_clock::now() < due) {
+    wake_.expires_at(due);
+    error_code ignored;
+    co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  }
+}
+
+void Session::send_progress() {
   const std::uint32_t all = work_.all, done = work_.done;
-  if (all == 0) co_return;
+  if (all == 0 || !connection_ || !connection_->idle()) return;
   std::vector<std::uint8_t> payload(8);
   wire::store(std::span(payload), 0, std::min(done, all));
   wire::store(std::span(payload), 4, all);
   FrameHeader header{FrameType::kProgress, wire::kPosted, work_.ticket};
   header.time_ps = slot_.board().simulated_ps();
-  co_await write(header, std::move(payload));
+  put(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
 }
 
 // Most credit travels on other frames. It goes by itself when half the window waits, when the client could not send its
 // largest frame without it, or when it may be waiting for our credit as we are for its.
-awaitable<void> Session::return_credit() {
-  if (unreturned_slots_ == 0) co_return;
-  FrameHeader header{FrameType::kCredit, wire::kPosted, sent_};
-  std::vector<std::uint8_t> nothing;
-  co_await write(header, std::move(nothing));
+void Session::return_credit() {
+  if (unreturned_slots_ == 0) return;
+  put(FrameHeader{FrameType::kCredit, wire::kPosted, sent_}, nothing());
 }
 
 // Waits until the client has room. False if the session ends instead.
@@ -274,41 +312,45 @@ awaitable<bool> Session::send(FrameHeader header, std::vector<std::uint8_t> payl
          fmt::format("the answer has {} bytes, {} are agreed", payload.size(), agreed_.max_payload_bytes));
     co_return false;
   }
-  while (!stopped_ && !send_credits_->can_send(payload.size())) {
-    co_await return_credit();
-    if (!stopped_ && !send_credits_->can_send(payload.size())) co_await wait(kUntilWoken);
+  while (!stopped_ && !send_credits_.can_send(payload.size())) {
+    return_credit();
+    co_await wait(kUntilWoken);
   }
   if (stopped_) co_return false;
-  send_credits_->take(payload.size());
-  ++owed_slots_;
-  owed_bytes_ += payload.size();
+  send_credits_.take(payload.size());
   header.sequence = ++sent_;
-  const bool written = co_await write_message(header, std::move(payload));
-  co_return written;
+  kept_.push_back({header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload))});
+  kept_bytes_ += kept_.back().payload->size();
+  const Kept sent = kept_.back();
+  co_await deliver(sent);
+  co_return true;
 }
 
-// Puts one frame on the socket, with all the credit that the client has earned. One writer at a time: the handshake,
-// then the worker, then the goodbye.
-awaitable<bool> Session::write(FrameHeader header, std::vector<std::uint8_t> payload) {
-  if (is_mute_) co_return true;
-  header.size = static_cast<std::uint32_t>(payload.size());
-  if (receive_credits_) {
-    const auto returned = receive_credits_->give_back();
-    header.credit_slots = returned.slots;
-    header.credit_bytes = returned.bytes;
-    unreturned_slots_ = 0;
-    unreturned_bytes_ = 0;
+// Sends a frame for the first time. If the connection ends, the next one will bring it.
+awaitable<void> Session::deliver(const Kept& kept) {
+  const FaultAction action = slot_.faults().sent(wire::kFrameHeaderBytes + kept.payload->size());
+  const Connected connection = connection_;
+  if (action.any()) {
+    co_await pause(action.pause);
+    if (!connection || connection_ != connection) co_return;
+    if (action.cut) lose(connection, std::nullopt);
+    if (action.hang) connection->hang();
+    if (action.drop) co_return;
   }
-  std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
-  wire::encode_sealed(header, payload, bytes);
-  if (bit_to_flip_) flip_bit(*std::exchange(bit_to_flip_, std::nullopt), bytes, payload);
-  const std::array<asio::const_buffer, 2> buffers{asio::buffer(bytes), asio::buffer(payload)};
-  error_code error;
-  writing_ = true;
-  co_await asio::async_write(socket_, buffers, asio::redirect_error(asio::use_awaitable, error));
-  writing_ = false;
-  if (error) stop();
-  co_return !error;
+  put(kept.header, kept.payload, action.flipped_bit);
+  if (action.twice) put(kept.header, kept.payload);
+}
+
+// Queues one frame, with all the credit that the client has earned.
+void Session::put(FrameHeader header, Payload payload, std::optional<std::uint32_t> flipped_bit) {
+  if (!connection_) return;
+  const auto returned = receive_credits_.give_back();
+  header.credit_slots = returned.slots;
+  header.credit_bytes = returned.bytes;
+  returned_ += returned.slots;
+  unreturned_slots_ = 0;
+  unreturned_bytes_ = 0;
+  connection_->send(header, std::move(payload), flipped_bit);
 }
 
 }  // namespace gicube::emu

@@ -36,6 +36,7 @@ class Batches {
   std::vector<RayBatch> poll();
   bool cancel(Ticket ticket);
 
+  bool empty() const { return batches_.empty(); }
   // The link goes to a new board: everything that has not come back is sent again, in its order.
   void send_again();
 

@@ -1,5 +1,6 @@
 // Loading a volume: samples to densities and gradient codes, to blocks, to the board.
 #include <cmath>
+#include <utility>
 
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/memory_map.h"
@@ -45,9 +46,10 @@ void Board::load_volume(const VolumeView& view, const Progress& progress) {
   state_->find_flags(loaded);
   state_->check_fence();
   state_->volume = std::move(loaded);
+  if (std::exchange(state_->batches_wait, false)) state_->batches.send_again();
 }
 
-void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of, const Progress& progress) {
+void Board::State::begin_volume(const LoadedVolume& of) {
   device.write_register(reg::kControl, wire::kControlClearVolume);
   for (std::uint32_t axis = 0; axis < 3; ++axis) {  // also where nothing changes: a new size clears the volume
     device.write_register(reg::kVolumeX + 4 * axis, static_cast<std::uint32_t>(of.dims[axis]));
@@ -55,7 +57,11 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
   const wire::Spacing spacing = spacing_words(of.relative_spacing);
   for (std::uint32_t axis = 0; axis < 3; ++axis) device.set_register(reg::kSpacingX + 4 * axis, spacing[axis]);
   tables.send_gradients();
+}
 
+void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of, const Progress& progress) {
+  kept_blocks.clear();
+  begin_volume(of);
   std::vector<std::size_t> stored;
   for (std::size_t block = 0; block < blocks.count(); ++block) {
     if (blocks.stored(block)) stored.push_back(block);
@@ -73,9 +79,14 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
 }
 
 void Board::State::write_block(std::size_t block, std::span<const std::uint8_t> packed) {
-  const auto n = static_cast<std::uint64_t>(info.block_voxels);
+  if (keep_volume) kept_blocks[block].assign(packed.begin(), packed.end());
   block_sums[block] = wire::crc32c(packed);
-  device.write_memory(wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8, packed);
+  device.write_memory(block_address(block), packed);
+}
+
+std::uint64_t Board::State::block_address(std::size_t block) const {
+  const auto n = static_cast<std::uint64_t>(info.block_voxels);
+  return wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8;
 }
 
 // Waits for all that was written and asks whether the board took it.

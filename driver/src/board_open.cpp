@@ -1,6 +1,7 @@
 // Opening a board: who it is and what it can do.
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include "gicube/wire/pci_config.h"
 #include "gicube/wire/registers.h"
@@ -20,6 +21,17 @@ std::chrono::milliseconds checked_watchdog(std::chrono::milliseconds watchdog) {
     throw BadArgument("watchdog", "0 or more milliseconds", std::to_string(watchdog.count()));
   }
   return watchdog > kLongestWatchdog ? std::chrono::milliseconds(0) : watchdog;
+}
+
+DeviceOptions device_options(const OpenOptions& options) {
+  constexpr std::chrono::hours kLongestWait{24 * 7};
+  if (options.wait_for_board.count() < 0 || options.wait_for_board > kLongestWait) {
+    throw BadArgument("wait_for_board", "0 milliseconds to one week", std::to_string(options.wait_for_board.count()));
+  }
+  if (options.reopen_attempts < 0) {
+    throw BadArgument("reopen_attempts", "0 or more", std::to_string(options.reopen_attempts));
+  }
+  return {checked_watchdog(options.watchdog), options.reopen_attempts, options.force, options.wait_for_board};
 }
 
 bool has_agp_capability(Device& device) {
@@ -80,8 +92,8 @@ Board Board::open(std::string_view uri, const OpenOptions& options) {
   if (options.most_rays < 4096) {
     throw BadArgument("most_rays", "at least 4096", std::to_string(options.most_rays));
   }
-  auto state = std::make_unique<State>(parsed, checked_watchdog(options.watchdog),
-                                       BatchLimits{options.most_rays, options.back_pressure});
+  auto state = std::make_unique<State>(parsed, device_options(options),
+                                       BatchLimits{options.most_rays, options.back_pressure}, options.keep_volume);
   try {
     state->info = read_info(state->device);
   } catch (const DeviceLost& error) {
@@ -90,6 +102,47 @@ Board Board::open(std::string_view uri, const OpenOptions& options) {
     throw OpenFailed(error.what());
   }
   return Board(std::move(state));
+}
+
+// Whatever can't be put back as it was is as on a board that was just opened.
+void Board::State::restore() {
+  if (!std::exchange(restoring, true)) registers_before = device.registers();
+  const int block_voxels = info.block_voxels;
+  info = read_info(device);  // resets the board
+  for (const wire::RegisterInfo& each : wire::kRegisterTable) {
+    const bool is_size = each.offset >= reg::kVolumeX && each.offset <= reg::kVolumeZ;
+    const auto held = registers_before.find(each.offset);
+    if (each.access != wire::Access::kReadWrite || is_size || held == registers_before.end()) continue;
+    device.set_register(each.offset, held->second);
+  }
+  tables.restore();
+  irradiance_unit = 0;
+  framebuffer_size = {};
+  if (volume && (!keep_volume || info.block_voxels != block_voxels)) volume.reset();
+  batches_wait = !volume && !batches.empty();
+  if (volume) {
+    begin_volume(*volume);
+    for (const auto& [block, bytes] : kept_blocks) device.write_memory(block_address(block), bytes);
+    tables.send_segmentation(volume->range);
+    tables.send_flags(volume->flags);
+    check_fence();
+    batches.send_again();
+  }
+  restoring = false;
+}
+
+void Board::State::need_batches() const {
+  if (batches_wait) throw Rejected("the ray batches wait for a volume on the new board: call load_volume() first");
+}
+
+Reopened Board::reopen() {
+  if (state_->in_callback.load() == std::this_thread::get_id()) {
+    throw Error("a callback may ask its Board for now() and info() only");
+  }
+  const std::lock_guard lock(state_->mutex);
+  const bool resumed = state_->device.reopen() && !state_->restoring;
+  if (!resumed) state_->restore();
+  return {resumed, state_->volume.has_value()};
 }
 
 Board::Board(std::unique_ptr<State> state) : state_(std::move(state)) {}

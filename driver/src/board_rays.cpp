@@ -60,21 +60,25 @@ Ticket Board::submit(std::span<const Polyline> lines) {
 
 RayBatch Board::receive(Ticket ticket, Picoseconds deadline) {
   const auto lock = state_->begin();
+  state_->need_batches();
   return state_->batches.receive(ticket, deadline);
 }
 
 BatchReport Board::receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline) {
   const auto lock = state_->begin();
+  state_->need_batches();
   return state_->batches.receive(ticket, rays, deadline);
 }
 
 std::vector<RayBatch> Board::poll() {
   const auto lock = state_->begin();
+  state_->need_batches();
   return state_->batches.poll();
 }
 
 bool Board::cancel(Ticket ticket) {
   const auto lock = state_->begin();
+  state_->need_batches();
   return state_->batches.cancel(ticket);
 }
 

@@ -28,21 +28,39 @@ std::vector<std::uint8_t> words(std::initializer_list<std::uint32_t> values) {
 
 }  // namespace
 
-Device::Device(const Uri& uri, std::chrono::milliseconds watchdog) {
-  LinkOptions options;
-  options.watchdog = watchdog;
-  if (uri.scheme == UriScheme::kEmu) child_ = std::make_unique<ChildProcess>(find_board_program(), uri.board_arguments);
-  link_ = open_link(uri, options);
+Device::Device(const Uri& uri, const DeviceOptions& options) : uri_(uri) {
+  link_options_.watchdog = options.watchdog;
+  link_options_.reopen_attempts = options.reopen_attempts;
+  if (options.force) link_options_.mine.flags |= wire::kForce;
+  link_options_.mine.wait_ms = static_cast<std::uint32_t>(options.wait_for_board.count());
+  if (uri_.scheme != UriScheme::kEmu) {
+    link_options_.reconnect = [this] { return connect(uri_, link_options_.watchdog); };
+  }
+  link_ = open_link();
 }
 
-std::unique_ptr<Link> Device::open_link(const Uri& uri, const LinkOptions& options) {
-  if (!child_) return std::make_unique<Link>(connect(uri, options.watchdog), options);
+std::unique_ptr<Link> Device::open_link() {
+  if (link_options_.reconnect) return std::make_unique<Link>(link_options_.reconnect(), link_options_);
+  child_ = std::make_unique<ChildProcess>(find_board_program(), uri_.board_arguments);
   try {
-    return std::make_unique<Link>(child_->take_socket(), options);
+    return std::make_unique<Link>(child_->take_socket(), link_options_);
   } catch (const OpenFailed&) {
     if (!child_->ended(kObituary)) throw;
     throw OpenFailed(child_->last_words());
   }
+}
+
+bool Device::reopen() {
+  if (link_options_.reconnect) {
+    if (link_->resume()) return true;
+    link_ = open_link();
+    return false;
+  }
+  if (!link_->is_broken()) return true;
+  auto lost = std::move(child_);  // its end must not be waited for before the link is closed
+  auto fresh = open_link();
+  link_ = std::move(fresh);
+  return false;
 }
 
 // A private board that dies is the caller's own child: its last words say more than its silence.
@@ -52,11 +70,11 @@ auto Device::with_last_words(const Call& call) const {
     return call();
   } catch (const DeviceLost& error) {
     if (!child_ || !child_->ended(kObituary)) throw;
-    throw DeviceLost(std::string(error.what()) + "; " + child_->last_words());
+    throw DeviceLost(std::string(error.what()) + "; " + child_->last_words(), error.cause());
   }
 }
 
-void Device::check() const {
+void Device::check() {
   with_last_words([&] { link_->check(); });
 }
 
@@ -121,7 +139,7 @@ std::vector<std::uint8_t> Device::read_memory(std::uint64_t address, std::uint64
 }
 
 std::uint32_t Device::command(Payload payload) {
-  return with_last_words([&] { return link_->command(clock_.now(), *payload); });
+  return with_last_words([&] { return link_->command_shared(clock_.now(), payload); });
 }
 
 CommandResult Device::finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline) {

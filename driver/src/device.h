@@ -21,16 +21,27 @@
 
 namespace gicube {
 
+struct DeviceOptions {
+  std::chrono::milliseconds watchdog{0};  // 0 = none
+  int reopen_attempts = 0;
+  bool force = false;
+  std::chrono::milliseconds wait_for_board{0};
+};
+
 class Device {
  public:
   // Connects, or starts a private board. Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, BadArgument.
-  Device(const Uri& uri, std::chrono::milliseconds watchdog);
+  Device(const Uri& uri, const DeviceOptions& options);
+
+  // After DeviceLost or TimedOut, connects again. True: the session goes on, and nothing was lost. False: this is a board
+  // that knows nothing of us. Throws as the constructor and DeviceLost: the device is as lost as before.
+  bool reopen();
 
   const wire::VersionInfo& agreed() const { return link_->agreed(); }
   HostClock& clock() { return clock_; }
   const HostClock& clock() const { return clock_; }
   // Throws DeviceLost if the board is.
-  void check() const;
+  void check();
   [[noreturn]] void give_up(const std::string& reason) { link_->give_up(reason); }
 
   std::uint32_t read_config(std::uint32_t offset);
@@ -40,6 +51,8 @@ class Device {
   void set_register(std::uint32_t offset, std::uint32_t value);
   // All of the board's state as at power-up.
   void reset();
+  // What registers that can be read and written hold: all of them once reset() has been called.
+  const std::map<std::uint32_t, std::uint32_t>& registers() const { return registers_; }
 
   // In pieces that the link's payload limit allows, each of whole dwords, LUT entries and pairs of voxels.
   void write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes);
@@ -64,12 +77,14 @@ class Device {
   Counters counters();
 
  private:
-  std::unique_ptr<Link> open_link(const Uri& uri, const LinkOptions& options);
+  std::unique_ptr<Link> open_link();
   std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
   std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);
   template <typename Call>
   auto with_last_words(const Call& call) const;
 
+  const Uri uri_;
+  LinkOptions link_options_;
   std::unique_ptr<ChildProcess> child_;  // before the link: it ends by itself once the link has closed
   std::unique_ptr<Link> link_;
   HostClock clock_;

@@ -19,6 +19,8 @@ namespace {
 // chosen: a peer that refuses us closes after its last words; they are read even when our own write fails first.
 constexpr std::chrono::seconds kLastWords{1};
 
+constexpr const char* kMiddle = "the connection ended in the middle of a frame";
+
 int address_family(int fd) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
@@ -28,13 +30,13 @@ int address_family(int fd) {
 
 }  // namespace
 
-FrameStream::FrameStream(Fd socket, FrameSink& sink) : sink_(sink) {
+FrameStream::FrameStream(Fd socket, FrameSink& sink, FrameTap tap) : sink_(sink), tap_(std::move(tap)) {
   socket_.assign(boost::asio::generic::stream_protocol(address_family(socket.get()), 0), socket.get());
   socket.release();
 }
 
 FrameStream::~FrameStream() {
-  close("closed");
+  close({"closed", Loss::kClosed});
   if (thread_.joinable()) thread_.join();
 }
 
@@ -49,15 +51,16 @@ void FrameStream::run() {
       io_.run();
       return;
     } catch (const std::exception& error) {  // no memory for a payload
-      end(error.what());
+      end({error.what(), Loss::kEnded});
     }
   }
 }
 
-void FrameStream::send(wire::FrameHeader header, std::vector<std::uint8_t> payload) {
-  header.size = static_cast<std::uint32_t>(payload.size());
+void FrameStream::send(wire::FrameHeader header, Payload payload) {
+  header.size = static_cast<std::uint32_t>(payload->size());
   Outgoing frame;
-  wire::encode_sealed(header, payload, frame.header);
+  wire::encode_sealed(header, *payload, frame.header);
+  if (tap_) tap_(true, frame.header, *payload);
   frame.payload = std::move(payload);
   {
     const std::lock_guard lock(mutex_);
@@ -68,40 +71,44 @@ void FrameStream::send(wire::FrameHeader header, std::vector<std::uint8_t> paylo
   boost::asio::post(io_, [this] { write_queued(); });
 }
 
-void FrameStream::close(const std::string& reason) {
+void FrameStream::close(const StreamFault& reason) {
   boost::asio::post(io_, [this, reason] { end(reason); });
 }
 
 void FrameStream::read_header() {
-  boost::asio::async_read(
-      socket_, boost::asio::buffer(header_bytes_), [this](const boost::system::error_code& error, std::size_t bytes) {
-        if (error == boost::asio::error::eof) {
-          return end(bytes == 0 ? "the board closed the connection" : "the connection ended in the middle of a frame");
-        }
-        if (error) return end(error.message());
-        const auto header = wire::decode_frame_header(header_bytes_);
-        if (!header) return end("the board sent something that is no frame");
-        const std::string fault = sink_.check_header(*header);
-        if (!fault.empty()) return end(fault);
-        read_payload(*header);
-      });
+  boost::asio::async_read(socket_, boost::asio::buffer(header_bytes_),
+                          [this](const boost::system::error_code& error, std::size_t bytes) {
+                            if (error == boost::asio::error::eof) {
+                              return end({bytes == 0 ? "the board closed the connection" : kMiddle, Loss::kClosed});
+                            }
+                            if (error) return end({error.message(), Loss::kClosed});
+                            const auto header = wire::decode_frame_header(header_bytes_);
+                            if (!header) return end({"the board sent something that is no frame", Loss::kCorrupted});
+                            const StreamFault fault = sink_.check_header(*header);
+                            if (!fault.text.empty()) return end(fault);
+                            read_payload(*header);
+                          });
 }
 
 void FrameStream::read_payload(const wire::FrameHeader& header) {
   payload_.resize(header.size);
+  if (header.size == 0) return take_payload(header);
   boost::asio::async_read(socket_, boost::asio::buffer(payload_),
                           [this, header](const boost::system::error_code& error, std::size_t) {
-                            if (error == boost::asio::error::eof) {
-                              return end("the connection ended in the middle of a frame");
-                            }
-                            if (error) return end(error.message());
-                            if (wire::frame_checksum(header_bytes_, payload_) != header.checksum) {
-                              return end("a frame of the board has a wrong checksum");
-                            }
-                            const std::string fault = sink_.take_frame(header, std::exchange(payload_, {}));
-                            if (!fault.empty()) return end(fault);
-                            read_header();
+                            if (error == boost::asio::error::eof) return end({kMiddle, Loss::kClosed});
+                            if (error) return end({error.message(), Loss::kClosed});
+                            take_payload(header);
                           });
+}
+
+void FrameStream::take_payload(const wire::FrameHeader& header) {
+  if (wire::frame_checksum(header_bytes_, payload_) != header.checksum) {
+    return end({"a frame of the board has a wrong checksum", Loss::kCorrupted});
+  }
+  if (tap_) tap_(false, header_bytes_, payload_);
+  const StreamFault fault = sink_.take_frame(header, std::exchange(payload_, {}));
+  if (!fault.text.empty()) return end(fault);
+  read_header();
 }
 
 void FrameStream::write_queued() {
@@ -116,7 +123,7 @@ void FrameStream::write_queued() {
   std::vector<boost::asio::const_buffer> buffers;
   for (const Outgoing& frame : in_flight_) {
     buffers.push_back(boost::asio::buffer(frame.header));
-    if (!frame.payload.empty()) buffers.push_back(boost::asio::buffer(frame.payload));
+    if (!frame.payload->empty()) buffers.push_back(boost::asio::buffer(*frame.payload));
   }
   boost::asio::async_write(socket_, buffers, [this](const boost::system::error_code& error, std::size_t) {
     in_flight_.clear();
@@ -124,12 +131,12 @@ void FrameStream::write_queued() {
     if (ended_) return;
     last_words_.expires_after(kLastWords);
     last_words_.async_wait([this, text = error.message()](const boost::system::error_code& cancelled) {
-      if (!cancelled) end(text);
+      if (!cancelled) end({text, Loss::kClosed});
     });
   });
 }
 
-void FrameStream::end(const std::string& reason) {
+void FrameStream::end(const StreamFault& reason) {
   if (ended_) return;
   ended_ = true;
   last_words_.cancel();

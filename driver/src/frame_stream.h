@@ -1,11 +1,13 @@
-// Whole frames over one stream socket, on a thread of its own: it reads while it writes, so a peer that is slow to read
-// never keeps frames from coming in.
+// Whole, undamaged frames over one stream socket, on a thread of its own: it reads while it writes, so a peer that is slow
+// to read never keeps frames from coming in.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -15,26 +17,38 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "fd.h"
+#include "gicube/error.h"
 #include "gicube/wire/frame.h"
+#include "payload.h"
 
 namespace gicube {
+
+// Why a stream has to end; no text = it does not.
+struct StreamFault {
+  std::string text;
+  Loss cause = Loss::kEnded;
+};
 
 // What a FrameStream reports, on its thread. The first two answer with the fault that ends the stream, or with nothing.
 class FrameSink {
  public:
-  // A header has come; its payload is neither read nor given memory yet.
-  virtual std::string check_header(const wire::FrameHeader& header) = 0;
-  virtual std::string take_frame(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) = 0;
+  // A header has come; its payload is neither read nor given memory yet, and it may be damaged.
+  virtual StreamFault check_header(const wire::FrameHeader& header) = 0;
+  virtual StreamFault take_frame(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) = 0;
   // The last report: the stream has ended, by itself, by a fault or by close().
-  virtual void stream_ended(const std::string& reason) = 0;
+  virtual void stream_ended(const StreamFault& reason) = 0;
 
  protected:
   ~FrameSink() = default;
 };
 
+// Sees every frame as it is on the wire: `sent` by us, or received undamaged. On any thread; must not block.
+using FrameTap = std::function<void(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
+                                    std::span<const std::uint8_t> payload)>;
+
 class FrameStream {
  public:
-  FrameStream(Fd socket, FrameSink& sink);
+  FrameStream(Fd socket, FrameSink& sink, FrameTap tap = {});
   // Closes the socket; reports nothing more once it returns.
   ~FrameStream();
 
@@ -44,26 +58,28 @@ class FrameStream {
   // Reports begin. Once.
   void start();
 
-  // Queues a frame; `header.size` is set from the payload. Any thread, never blocks. What is queued is bounded by the
-  // caller's credits.
-  void send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
+  // Queues a frame; `size` and `checksum` are set. Any thread, never blocks. What is queued is bounded by the caller's
+  // credits.
+  void send(wire::FrameHeader header, Payload payload);
 
   // Any thread.
-  void close(const std::string& reason);
+  void close(const StreamFault& reason);
 
  private:
   struct Outgoing {
     std::array<std::uint8_t, wire::kFrameHeaderBytes> header;
-    std::vector<std::uint8_t> payload;
+    Payload payload;
   };
 
   void run();
   void read_header();
   void read_payload(const wire::FrameHeader& header);
+  void take_payload(const wire::FrameHeader& header);
   void write_queued();
-  void end(const std::string& reason);
+  void end(const StreamFault& reason);
 
   FrameSink& sink_;
+  const FrameTap tap_;
   boost::asio::io_context io_{1};
   boost::asio::generic::stream_protocol::socket socket_{io_};
   boost::asio::steady_timer last_words_{io_};

@@ -7,6 +7,13 @@
 #include "link_error.h"
 
 namespace gicube {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+const Payload kNothing = std::make_shared<const std::vector<std::uint8_t>>();
+
+}  // namespace
 
 wire::VersionInfo driver_version() {
   wire::VersionInfo info;
@@ -16,41 +23,59 @@ wire::VersionInfo driver_version() {
 }
 
 Link::Link(Fd socket, const LinkOptions& options)
-    : options_(options),
-      agreed_(options.mine),
-      receive_credits_(options.mine.window_slots, options.mine.window_bytes),
-      stream_(std::move(socket), *this) {
-  stream_.start();
-  shake_hands();
-}
-
-void Link::shake_hands() {
-  std::vector<std::uint8_t> payload(wire::kVersionBytes);
-  encode(options_.mine, std::span<std::uint8_t, wire::kVersionBytes>(payload));
-  wire::FrameHeader header;
-  header.type = wire::FrameType::kVersion;
+    : options_(options), agreed_(options.mine), receive_credits_(options.mine.window_slots, options.mine.window_bytes) {
+  const std::chrono::milliseconds waiting(options_.mine.wait_ms);
   Lock lock(mutex_);
-  last_heard_ = std::chrono::steady_clock::now();
-  stream_.send(header, std::move(payload));
-  try {
-    await(lock, [this] { return phase_ == Phase::kOpen; });
-  } catch (const DeviceLost&) {
-    if (refusal_ == wire::ErrorCode::kBusy || refusal_ == wire::ErrorCode::kVersion) {
-      throw_error(refusal_, broken_reason_);
-    }
-    throw OpenFailed("no GI-Cube board answered: " + broken_reason_);
-  }
+  shake_hands(lock, std::move(socket),
+              options_.watchdog.count() == 0 ? options_.watchdog : options_.watchdog + waiting);
+  if (phase_ != Phase::kOpen) refuse_to_open();
 }
 
-void Link::check() const {
+Link::~Link() {
   const std::lock_guard lock(mutex_);
-  throw_if_broken();
+  if (phase_ != Phase::kOpen) return;
+  wire::FrameHeader goodbye;
+  goodbye.type = wire::FrameType::kVersion;
+  goodbye.flags = wire::kPosted;
+  stream_->send(goodbye, kNothing);
+}
+
+void Link::refuse_to_open() {
+  if (broken_.cause == Loss::kTimedOut) throw TimedOut(broken_.text);
+  if (refusal_ == wire::ErrorCode::kBusy || refusal_ == wire::ErrorCode::kVersion) throw_error(refusal_, broken_.text);
+  throw OpenFailed("no GI-Cube board answered: " + broken_.text);
+}
+
+void Link::check() {
+  Lock lock(mutex_);
+  if (phase_ == Phase::kBroken) recover_or_throw(lock);
+}
+
+bool Link::is_broken() const {
+  const std::lock_guard lock(mutex_);
+  return phase_ == Phase::kBroken;
+}
+
+bool Link::resume() {
+  Lock lock(mutex_);
+  changed_.wait(lock, [this] { return phase_ != Phase::kHandshake; });
+  if (phase_ == Phase::kOpen) return true;
+  if (session_ == 0 || !options_.reconnect) return false;
+  lock.unlock();  // broken as it is, only this call changes that
+  Fd socket = options_.reconnect();
+  lock.lock();
+  shake_hands(lock, std::move(socket), options_.watchdog);
+  if (phase_ == Phase::kOpen) return true;
+  if (refusal_ == wire::ErrorCode::kNoSession) return false;
+  if (broken_.cause == Loss::kTimedOut) throw TimedOut(broken_.text);
+  throw_broken();
 }
 
 void Link::give_up(const std::string& reason) {
   const std::lock_guard lock(mutex_);
-  break_off(reason);
-  throw DeviceLost("the board is lost: " + broken_reason_);
+  session_ = 0;
+  break_off({reason, Loss::kEnded});
+  throw_broken();
 }
 
 void Link::post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
@@ -61,16 +86,16 @@ void Link::post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uin
   header.flags = wire::kPosted;
   header.id = next_id();
   header.time_ps = now_ps;
-  send_with_credit(header, std::move(payload));
+  send_with_credit(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
 }
 
 Response Link::request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
   return exchange(type, now_ps, std::move(payload), 0, {});
 }
 
-std::uint32_t Link::command(std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
+std::uint32_t Link::command_shared(std::uint64_t now_ps, Payload payload) {
   Lock lock(mutex_);
-  await_credit(lock, payload.size());
+  await_credit(lock, payload->size());
   wire::FrameHeader header;
   header.type = wire::FrameType::kCommand;
   header.flags = wire::kPosted;
@@ -79,6 +104,10 @@ std::uint32_t Link::command(std::uint64_t now_ps, std::vector<std::uint8_t> payl
   commands_.emplace(header.id, Command{});
   send_with_credit(header, std::move(payload));
   return header.id;
+}
+
+std::uint32_t Link::command(std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
+  return command_shared(now_ps, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
 }
 
 Response Link::wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds deadline, const OnProgress& on_progress) {
@@ -120,16 +149,22 @@ Response Link::exchange(wire::FrameType type, std::uint64_t now_ps, std::vector<
   Pending& pending = pending_[header.id];
   pending.type = type;
   pending.watched_ticket = watched_ticket;
-  send_with_credit(header, std::move(payload));
+  send_with_credit(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
   await_response(lock, header.id, on_progress);
 
+  const auto command = commands_.find(watched_ticket);
+  if (pending.error != wire::ErrorCode::kNone && command != commands_.end() && command->second.result) {
+    // An earlier wait for it, whose call the loss of the connection ended, has brought the result already.
+    pending.error = wire::ErrorCode::kNone;
+    pending.response->time_ps = std::max(pending.response->time_ps, command->second.result->time_ps);
+  }
   const wire::ErrorCode error = pending.error;
   Response response = std::move(*pending.response);
   pending_.erase(header.id);
   response.error = error;
   if (error == wire::ErrorCode::kNone || error == wire::ErrorCode::kDeadline) return response;
   const std::string text = error_text(response.payload);
-  if (ends_session(error)) break_off(text);
+  if (ends_session(error)) break_off({text, cause_of(error)});
   lock.unlock();
   throw_error(error, text);
 }
@@ -151,7 +186,7 @@ void Link::await_response(Lock& lock, std::uint32_t id, const OnProgress& on_pro
     }
   } catch (...) {
     if (!lock.owns_lock()) lock.lock();
-    if (pending.response || phase_ == Phase::kBroken) {
+    if (pending.response) {
       pending_.erase(id);
     } else {  // the response will still come: it must not be taken for one that was never asked for
       pending.abandoned = true;
@@ -166,49 +201,80 @@ void Link::await_credit(Lock& lock, std::size_t payload) {
     throw BadArgument("payload", "at most " + std::to_string(agreed_.max_payload_bytes) + " bytes",
                       std::to_string(payload));
   }
-  throw_if_broken();
-  await(lock, [this, payload] { return send_credits_.can_send(payload); });
+  await(lock, [this, payload] { return phase_ == Phase::kOpen && send_credits_.can_send(payload); });
 }
 
 template <typename Ready>
 void Link::await(Lock& lock, const Ready& ready) {
-  const auto begin = std::chrono::steady_clock::now();
+  auto begin = Clock::now();
   while (!ready()) {
-    throw_if_broken();
-    if (options_.watchdog.count() == 0) {
-      changed_.wait(lock);
+    if (phase_ == Phase::kBroken) {
+      recover_or_throw(lock);
+      begin = Clock::now();
       continue;
     }
+    if (phase_ == Phase::kHandshake) {  // another caller is at it
+      changed_.wait(lock);
+      begin = Clock::now();
+      continue;
+    }
+    const auto now = Clock::now();
+    const auto probe = std::max(begin, last_frame_) + options_.probe;
     const auto deadline = std::max(begin, last_heard_) + options_.watchdog;
-    if (std::chrono::steady_clock::now() >= deadline) expire();
-    changed_.wait_until(lock, deadline);
+    if (options_.watchdog.count() != 0 && now >= deadline) {
+      expire(lock);
+      begin = Clock::now();
+      continue;
+    }
+    if (now >= probe) {
+      send_credit(0);
+      last_frame_ = now;
+      continue;
+    }
+    changed_.wait_until(lock, options_.watchdog.count() != 0 ? std::min(probe, deadline) : probe);
   }
 }
 
-void Link::expire() {
+void Link::expire(Lock& lock) {
   const std::string text = "no answer of the board within " + std::to_string(options_.watchdog.count()) + " ms";
-  break_off(text);
-  throw TimedOut(text);
+  break_off({text, Loss::kTimedOut});
+  if (!can_recover()) throw TimedOut(text);
+  recover(lock);
+  if (phase_ == Phase::kBroken) throw_broken();
 }
 
-void Link::break_off(const std::string& reason) {
+void Link::break_off(const StreamFault& reason) {
   if (phase_ == Phase::kBroken) return;
   phase_ = Phase::kBroken;
-  broken_reason_ = reason;
-  stream_.close(reason);
+  deaf_ = true;
+  broken_ = reason;
+  if (stream_) stream_->close(reason);
   changed_.notify_all();
 }
 
 // Only with credit; hands back on the way what has been consumed meanwhile.
-void Link::send_with_credit(wire::FrameHeader header, std::vector<std::uint8_t> payload) {
-  send_credits_.take(payload.size());
-  unreturned_slots_ += 1;
-  unreturned_bytes_ += payload.size();
+void Link::send_with_credit(wire::FrameHeader header, Payload payload) {
+  send_credits_.take(payload->size());
+  header.sequence = ++sent_;
+  kept_.push_back({header, payload});
+  kept_bytes_ += payload->size();
   const auto returned = receive_credits_.give_back();
+  returned_ += returned.slots;
   header.credit_slots = returned.slots;
   header.credit_bytes = returned.bytes;
-  header.sequence = ++sent_;
-  stream_.send(header, std::move(payload));
+  stream_->send(header, std::move(payload));
+}
+
+void Link::send_credit(std::uint16_t flags) {
+  wire::FrameHeader header;
+  header.type = wire::FrameType::kCredit;
+  header.flags = flags;
+  header.id = sent_;
+  const auto returned = receive_credits_.give_back();
+  returned_ += returned.slots;
+  header.credit_slots = returned.slots;
+  header.credit_bytes = returned.bytes;
+  stream_->send(header, kNothing);
 }
 
 // Requests and tickets share the numbers; after 2^32 of them those still in use are passed over.
@@ -219,8 +285,6 @@ std::uint32_t Link::next_id() {
   return last_id_;
 }
 
-void Link::throw_if_broken() const {
-  if (phase_ == Phase::kBroken) throw DeviceLost("the board is lost: " + broken_reason_);
-}
+void Link::throw_broken() const { throw DeviceLost("the board is lost: " + broken_.text, broken_.cause); }
 
 }  // namespace gicube

@@ -1,14 +1,18 @@
 // The driver's end of the data plane: handshake, credits, requests with their responses, commands with their completions.
 //
 // A Link may be used from several threads. Each call stands in the stream in the order in which it got its credit.
-// Once the link is broken every waiting and every later call throws DeviceLost with the reason.
+// What was sent is kept until its credit has come back: if the connection breaks, the session can be resumed over another
+// one, and each side sends again what the other has not taken. Until then, if the link may not resume by itself, every
+// waiting and every later call throws DeviceLost with the reason.
 #pragma once
 
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -29,7 +33,14 @@ wire::VersionInfo driver_version();
 struct LinkOptions {
   // Wall-clock limit between two signs of life of the board while a call waits; 0 = none.
   std::chrono::milliseconds watchdog{0};
-  wire::VersionInfo mine = driver_version();
+  wire::VersionInfo mine = driver_version();  // with its flags and wait_ms
+  // Connects again after a loss; throws OpenFailed or TimedOut. Empty: the connection can't be had again.
+  std::function<Fd()> reconnect{};
+  // How often in a row the link resumes its session by itself without that the board has taken or sent anything.
+  int reopen_attempts = 0;
+  // A call that has waited so long in silence asks whether something was lost on its way.
+  std::chrono::milliseconds probe{100};  // chosen: ten frames a second
+  FrameTap tap{};
 };
 
 struct Response {
@@ -51,13 +62,19 @@ class Link : private FrameSink {
   // Takes a connected stream socket and agrees on a version.
   // Throws OpenFailed (no board there), BoardBusy, VersionMismatch, TimedOut.
   Link(Fd socket, const LinkOptions& options);
-  ~Link() = default;
+  // Says goodbye: the board is free at once.
+  ~Link();
 
   // What holds for the session: the smaller minor version and limits, the common capabilities.
   const wire::VersionInfo& agreed() const { return agreed_; }
 
-  // Throws DeviceLost if the link is broken.
-  void check() const;
+  // Throws DeviceLost if the link is broken and can't resume by itself.
+  void check();
+
+  bool is_broken() const;
+  // After DeviceLost or TimedOut: goes on with the session over a new connection, had by LinkOptions::reconnect. False:
+  // the board has it no more, or there is none to resume. Throws what `reconnect` does, DeviceLost, TimedOut.
+  bool resume();
 
   // Ends the session: the board said something that it can't have meant. Throws DeviceLost with the reason.
   [[noreturn]] void give_up(const std::string& reason);
@@ -71,6 +88,8 @@ class Link : private FrameSink {
 
   // Posts a DSP command; its result is kept until it is taken or forgotten. Returns the ticket, which is never 0.
   std::uint32_t command(std::uint64_t now_ps, std::vector<std::uint8_t> payload);
+  // The same with bytes that the caller keeps too.
+  std::uint32_t command_shared(std::uint64_t now_ps, Payload payload);
 
   // Waits until the command has completed on the board, or simulated time has come to `deadline` (kNoDeadline: none): the
   // response's error says which. `on_progress` is called on this thread, with no lock held; what
@@ -85,6 +104,11 @@ class Link : private FrameSink {
 
  private:
   enum class Phase { kHandshake, kOpen, kBroken };
+
+  struct Kept {
+    wire::FrameHeader header;
+    Payload payload;
+  };
 
   struct Pending {
     wire::FrameType type{};
@@ -102,14 +126,18 @@ class Link : private FrameSink {
 
   using Lock = std::unique_lock<std::mutex>;
 
-  std::string check_header(const wire::FrameHeader& header) override;
-  std::string take_frame(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) override;
-  void stream_ended(const std::string& reason) override;
+  StreamFault check_header(const wire::FrameHeader& header) override;
+  StreamFault take_frame(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) override;
+  void stream_ended(const StreamFault& reason) override;
 
-  void shake_hands();
-  std::string take_version(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
-  std::string check_frame(const wire::FrameHeader& header);
-  std::string take_credit(const wire::FrameHeader& header);
+  void shake_hands(Lock& lock, Fd socket, std::chrono::milliseconds limit);
+  [[noreturn]] void refuse_to_open();
+  StreamFault take_version(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  StreamFault take_up_session(const wire::VersionInfo& theirs);
+  StreamFault take_number(const wire::FrameHeader& header, bool& is_new);
+  StreamFault check_frame(const wire::FrameHeader& header);
+  StreamFault take_credit(const wire::FrameHeader& header);
+  void forget_consumed(std::uint32_t slots);
   void take_response(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
   void take_completion(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
   void take_progress(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
@@ -120,32 +148,42 @@ class Link : private FrameSink {
   void await_credit(Lock& lock, std::size_t payload);
   template <typename Ready>
   void await(Lock& lock, const Ready& ready);
-  void send_with_credit(wire::FrameHeader header, std::vector<std::uint8_t> payload);
+  void send_with_credit(wire::FrameHeader header, Payload payload);
+  void send_credit(std::uint16_t flags);
   std::uint32_t next_id();
-  void throw_if_broken() const;
-  void break_off(const std::string& reason);
-  [[noreturn]] void expire();
+  bool can_recover() const;
+  void recover(Lock& lock);
+  void recover_or_throw(Lock& lock);
+  [[noreturn]] void throw_broken() const;
+  void break_off(const StreamFault& reason);
+  void expire(Lock& lock);
 
   const LinkOptions options_;
   wire::VersionInfo agreed_;  // written once, before the constructor returns
+  wire::VersionInfo theirs_;
 
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
   Phase phase_ = Phase::kHandshake;
-  std::string broken_reason_;
+  StreamFault broken_;
   wire::ErrorCode refusal_ = wire::ErrorCode::kNone;  // of the handshake
-  std::chrono::steady_clock::time_point last_heard_;
+  std::uint64_t session_ = 0;                         // its token; 0 = it can't be resumed
+  int attempts_ = 0;                                  // to resume, since the board last took or sent something
+  bool deaf_ = false;  // what the stream reports belongs to a connection that is given up
+  std::chrono::steady_clock::time_point last_heard_;  // a sign of life
+  std::chrono::steady_clock::time_point last_frame_;  // any frame either way that a probe would only repeat
   wire::SendCredits send_credits_{0, 0};
-  std::uint64_t unreturned_slots_ = 0;  // frames and payload bytes that the peer has not handed back
-  std::uint64_t unreturned_bytes_ = 0;
+  std::deque<Kept> kept_;  // sent, and the board has not given its credit back: it may have to be sent again
+  std::uint64_t kept_bytes_ = 0;
   wire::ReceiveCredits receive_credits_;
-  std::uint32_t sent_ = 0;  // sequence numbers of the last frames sent and taken
-  std::uint32_t taken_ = 0;
+  std::uint32_t sent_ = 0;      // sequence numbers: the last one that we used,
+  std::uint32_t taken_ = 0;     // that we took,
+  std::uint32_t returned_ = 0;  // whose credit we gave back
   std::uint32_t last_id_ = 0;
   std::map<std::uint32_t, Pending> pending_;
   std::map<std::uint32_t, Command> commands_;
 
-  FrameStream stream_;  // last: its thread ends before what it reports to
+  std::unique_ptr<FrameStream> stream_;  // last: its thread ends before what it reports to
 };
 
 }  // namespace gicube

@@ -26,8 +26,18 @@ bool ends_session(wire::ErrorCode code) {
     case wire::ErrorCode::kVersion:
     case wire::ErrorCode::kTooLarge:
     case wire::ErrorCode::kBusy:
-    case wire::ErrorCode::kCancelled: return true;
+    case wire::ErrorCode::kCancelled:
+    case wire::ErrorCode::kTaken: return true;
     default: return false;
+  }
+}
+
+Loss cause_of(wire::ErrorCode last_word) {
+  switch (last_word) {
+    case wire::ErrorCode::kTaken: return Loss::kTakenOver;
+    case wire::ErrorCode::kTooLarge:  // we keep to the limits: it was a size that was damaged
+    case wire::ErrorCode::kCorrupted: return Loss::kCorrupted;
+    default: return Loss::kEnded;
   }
 }
 
@@ -38,8 +48,10 @@ void throw_error(wire::ErrorCode code, const std::string& text) {
     case wire::ErrorCode::kUnsupported: throw Unsupported(text);
     case wire::ErrorCode::kMemory: throw MemoryFault(text);
     case wire::ErrorCode::kProtocol:
-    case wire::ErrorCode::kTooLarge: throw DeviceLost("the board ended the session: " + text);
-    case wire::ErrorCode::kCancelled: throw DeviceLost("the board shuts down: " + text);
+    case wire::ErrorCode::kTooLarge: throw DeviceLost("the board ended the session: " + text, Loss::kEnded);
+    case wire::ErrorCode::kCancelled: throw DeviceLost("the board shuts down: " + text, Loss::kEnded);
+    case wire::ErrorCode::kCorrupted: throw DeviceLost(text, Loss::kCorrupted);
+    case wire::ErrorCode::kTaken: throw DeviceLost(text, Loss::kTakenOver);
     default: throw Rejected(text);
   }
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "gicube/error.h"
 #include "gicube/wire/frame.h"
 
 namespace gicube {
@@ -14,6 +15,9 @@ std::string error_text(std::span<const std::uint8_t> payload);
 
 // True if the board closes the session with this error.
 bool ends_session(wire::ErrorCode code);
+
+// What a board's last word with this error means for the session.
+Loss cause_of(wire::ErrorCode last_word);
 
 // Throws what `code` stands for, `text` being the board's own words. Only for codes other than kNone.
 [[noreturn]] void throw_error(wire::ErrorCode code, const std::string& text);

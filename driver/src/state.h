@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -30,9 +31,15 @@ struct LoadedVolume {
 };
 
 struct GICUBE_HIDDEN Board::State {
-  State(const Uri& uri, std::chrono::milliseconds watchdog, const BatchLimits& limits)
-      : threads(uri.threads), device(uri, watchdog), tables(device), batches(device, limits) {}
+  State(const Uri& uri, const DeviceOptions& options, const BatchLimits& limits, bool keeps_volume)
+      : keep_volume(keeps_volume),
+        threads(uri.threads),
+        device(uri, options),
+        tables(device),
+        batches(device, limits) {}
 
+  // Throws Rejected while the batches wait for a volume.
+  void need_batches() const;
   // Every public call but now() and info() is one transaction. Throws DeviceLost.
   std::unique_lock<std::mutex> begin();
   // While it lives, this Board takes no calls from the thread that made it: a callback of the application runs.
@@ -52,7 +59,11 @@ struct GICUBE_HIDDEN Board::State {
   LoadedVolume& loaded(const char* what);
 
   static wire::Spacing spacing_words(Vec3 relative);  // of the SPACING registers
+  // The board is a new one: brings it to where the lost one was, as far as the driver knows.
+  void restore();
+  void begin_volume(const LoadedVolume& volume);
   void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
+  std::uint64_t block_address(std::size_t block) const;
   void write_block(std::size_t block, std::span<const std::uint8_t> packed);
   std::vector<float> read_irradiance(const VoxelBox& box);
   void check_fence();
@@ -78,6 +89,7 @@ struct GICUBE_HIDDEN Board::State {
   void scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger);
   std::uint32_t exposure_word(const View& view) const;
 
+  const bool keep_volume;
   const unsigned threads;  // for the driver's own work, 0 = one a core
   std::mutex mutex;
   std::atomic<std::thread::id> in_callback{};
@@ -88,10 +100,14 @@ struct GICUBE_HIDDEN Board::State {
   HostScattering scattering;
   Picoseconds time_limit = 0;  // of a rendering or an illumination; 0: none
   std::optional<LoadedVolume> volume;
-  std::vector<std::uint32_t> block_sums;   // CRC-32C of each block's words as they were written
-  double irradiance_unit = 0;              // power of one unit; 0 before the first illuminate()
-  double bright_flux = 0;                  // power a voxel that full brightness is chosen for
-  View sampling;                           // the last view rendered
+  std::map<std::size_t, std::vector<std::uint8_t>> kept_blocks;  // packed, as last written; with keep_volume
+  bool batches_wait = false;                                     // for a volume on a new board, to be sent again
+  bool restoring = false;                                        // restore() has begun and not ended
+  std::map<std::uint32_t, std::uint32_t> registers_before;       // it
+  std::vector<std::uint32_t> block_sums;                         // CRC-32C of each block's words as they were written
+  double irradiance_unit = 0;                                    // power of one unit; 0 before the first illuminate()
+  double bright_flux = 0;                                        // power a voxel that full brightness is chosen for
+  View sampling;                                                 // the last view rendered
   Vec3 sampling_towards_eye{0, 0, -1};     // chosen: rays before any picture are lit as if seen from the front
   std::pair<int, int> framebuffer_size{};  // pixels; 0 before the first rendering
 };

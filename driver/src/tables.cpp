@@ -46,6 +46,15 @@ void Tables::set_material(const Material& material, int tag) {
   device_.write_memory(wire::kMaterials.base + static_cast<std::size_t>(tag) * wire::kMaterialBytes, bytes);
 }
 
+void Tables::restore() {
+  gradients_sent_ = false;
+  segmentation_.assign(wire::kSegmentationEntries, {});
+  reflectance_.clear();
+  flags_.clear();
+  ++changes_;
+  for (std::size_t tag = 0; tag < materials_.size(); ++tag) set_material(materials_[tag], static_cast<int>(tag));
+}
+
 void Tables::send_segmentation(ValueRange range) {
   constexpr std::size_t kQuarter = wire::kSegmentationEntries / wire::kTags;
   const Source source{changes_, lit_by_irradiance_, range, {}};

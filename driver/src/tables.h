@@ -48,6 +48,8 @@ class Tables {
   // One value a block. After forget_flags() the board's are known to be clear.
   void send_flags(std::span<const std::uint8_t> flags);
   void forget_flags() { flags_.clear(); }
+  // The board is a new one: what it was sent is forgotten, and the materials are sent again.
+  void restore();
 
  private:
   Device& device_;

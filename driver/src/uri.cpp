@@ -11,6 +11,7 @@ namespace gicube {
 namespace {
 
 constexpr std::string_view kFidelities[] = {"functional", "approximate", "cycle"};
+constexpr std::string_view kPaces[] = {"as_fast_as_possible", "realtime"};
 constexpr std::string_view kBuses[] = {"pci33", "agp1x", "agp2x", "agp4x"};
 constexpr unsigned kMaxThreads = 1024;  // chosen: beyond any machine, so a slip of the pen is told from a wish
 
@@ -82,6 +83,9 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
   } else if (name == "bus") {
     check_choice(field, value, kBuses);
     uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "bus.model=" + value});
+  } else if (name == "pace") {
+    check_choice(field, value, kPaces);
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "pace=" + value});
   } else if (name == "threads") {
     uri.threads = parse_threads(value);
     uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "threads=" + std::to_string(uri.threads)});
@@ -98,7 +102,8 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
     if (value.empty()) throw BadArgument(field, "a file name", quoted(value));
     uri.board_arguments.insert(uri.board_arguments.end(), {name == "faults" ? "--faults" : "--fault-log", value});
   } else {
-    throw BadArgument("URI option", "one of fidelity, bus, threads, config, set, bsdf, faults, fault_log", quoted(name));
+    throw BadArgument("URI option", "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log",
+                      quoted(name));
   }
 }
 

@@ -1,6 +1,6 @@
 // Board URIs: which board Board::open() opens, and how an emulated one is started.
 //
-//   emu:[?option=value&...]     fidelity, bus, threads, config, set, bsdf, faults, fault_log; set and bsdf may come
+//   emu:[?option=value&...]     fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log; set and bsdf may come
 //                               several times
 //   unix:PATH
 //   tcp:HOST:PORT               an IPv6 address stands in brackets

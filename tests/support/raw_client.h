@@ -49,6 +49,9 @@ class RawClient {
   // A request and its answer.
   std::optional<RawFrame> call(wire::FrameType type, std::uint32_t id, std::span<const std::uint8_t> payload);
 
+  // The next frame follows on number `sequence`.
+  void continue_from(std::uint32_t sequence) { sent_ = sequence; }
+
   void write_register(std::uint32_t offset, std::uint32_t value);
   // All ones and more if there is no good answer.
   std::uint64_t read_register(std::uint32_t offset);

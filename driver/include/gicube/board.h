@@ -66,6 +66,21 @@ struct OpenOptions {
   // Rays that may be under way: submitted, and not yet completed by the simulated board. At least 4096.
   std::size_t most_rays = std::size_t{1} << 22;
   BackPressure back_pressure = BackPressure::kWait;
+  // Keeps the volume's packed blocks in the host's memory, 4.5 bytes a stored voxel, so that reopen() can load them again.
+  bool keep_volume = false;
+  // How often in a row a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut: while
+  // the board knows the session, the call goes on as if nothing had been. Not for emu:, whose board ends with its link.
+  int reopen_attempts = 0;
+  // Takes the board from its owner, whose calls then throw DeviceLost with Loss::kTakenOver.
+  bool force = false;
+  // How long open() waits in line while the board has an owner; first come, first served. Then BoardBusy, as at once with 0.
+  std::chrono::milliseconds wait_for_board{0};
+};
+
+// What Board::reopen() found.
+struct Reopened {
+  bool resumed = false;  // the same session goes on: nothing was lost
+  bool volume = false;   // there is a volume on the board
 };
 
 // Parts done and parts in all of a long call; called on the calling thread.
@@ -80,13 +95,21 @@ class GICUBE_API Board {
   //   emu:                  starts a private gicube-board child over a socket pair; it ends with this Board
   //   unix:PATH             a gicube-board that listens on a Unix socket
   //   tcp:HOST:PORT         the same on TCP
-  // emu: takes the query options fidelity, bus, threads, config=FILE, set=path.to.field=value (repeatable) and
+  // emu: takes the query options fidelity, bus, pace, threads, config=FILE, set=path.to.field=value (repeatable) and
   // bsdf=FILE.so (repeatable; code that the application trusts: docs/BSDF.md), faults=FILE and fault_log=FILE
   // (docs/FAULTS.md), as in
   // "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8". The program is found by the environment variable
   // GICUBE_BOARD, beside the running program, where the SDK was installed, or on the PATH, in this order.
   // Throws BadArgument (URI), OpenFailed, BoardBusy, VersionMismatch, TimedOut.
   static Board open(std::string_view uri, const OpenOptions& options = {});
+
+  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, it goes
+  // on: what was under way comes, exactly once, and the call that failed may be made again. Otherwise this is a new board
+  // (of emu: a new process), on which the host's clock goes on: registers, tables and materials are written again, and the
+  // volume too with OpenOptions::keep_volume; irradiance and framebuffer are lost. Ray batches that were not received are
+  // sent again, once there is a volume. On a Board that is not lost it does nothing, and says resumed.
+  // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost: the Board is as lost as before.
+  Reopened reopen();
 
   Board(Board&&) noexcept;
   Board& operator=(Board&&) noexcept;

@@ -34,7 +34,7 @@ class GICUBE_API OpenFailed : public Error {
   using Error::Error;
 };
 
-// The board has another owner.
+// The board has another owner; the message says who, and since when.
 class GICUBE_API BoardBusy : public Error {
  public:
   using Error::Error;
@@ -71,11 +71,24 @@ class GICUBE_API Unsupported : public Error {
   using Error::Error;
 };
 
-// The board's process ended or the link broke. Everything on the board is lost; every open call throws this, and so do
-// all later calls on the same Board. Open the board again to go on.
+enum class Loss {
+  kClosed,     // the board's process ended, or the connection did
+  kCorrupted,  // a frame was damaged, or one is missing
+  kTimedOut,   // the watchdog expired; the call that it ended has thrown TimedOut
+  kTakenOver,  // another client took the board by force
+  kEnded,      // the board ended the session: it shuts down, was reset by management, or found a fault in what was sent
+};
+
+// The link to the board broke. Every open call throws this, and so do all later calls on the same Board until
+// Board::reopen(): that goes on where the session stood, or on a new board.
 class GICUBE_API DeviceLost : public Error {
  public:
-  using Error::Error;
+  explicit DeviceLost(const std::string& text, Loss cause = Loss::kClosed) : Error(text), cause_(cause) {}
+
+  Loss cause() const { return cause_; }
+
+ private:
+  Loss cause_;
 };
 
 // The simulated host waited until its deadline, a simulated time. The board works on.
@@ -90,7 +103,8 @@ class GICUBE_API WouldBlock : public Error {
   using Error::Error;
 };
 
-// No answer within the wall-clock watchdog. The board may still be working: the Board is closed, as after DeviceLost.
+// No answer within the wall-clock watchdog. The board may still be working: the Board is closed, as after DeviceLost,
+// until Board::reopen().
 class GICUBE_API TimedOut : public Error {
  public:
   using Error::Error;

@@ -12,23 +12,29 @@
 namespace gicube::emu {
 namespace {
 
+Claimant nobody() {
+  return {.end_session = [](wire::ErrorCode, const std::string&) {}};
+}
+
 TEST(BoardSlot, HasOneOwnerAtATime) {
   BoardSlot slot(3, {});
-  EXPECT_EQ(slot.claim([] {}), Claim::kGranted);
-  EXPECT_EQ(slot.claim([] {}), Claim::kBusy);
+  EXPECT_EQ(slot.claim(nobody()), Claim::kGranted);
+  EXPECT_EQ(slot.claim(nobody()), Claim::kBusy);
   EXPECT_TRUE(slot.info().in_use);
   slot.announce_release();
-  EXPECT_EQ(slot.claim([] {}), Claim::kSoonFree);
+  EXPECT_EQ(slot.claim(nobody()), Claim::kSoonFree);
   slot.release();
   EXPECT_FALSE(slot.info().in_use);
-  EXPECT_EQ(slot.claim([] {}), Claim::kGranted);
+  EXPECT_EQ(slot.claim(nobody()), Claim::kGranted);
   slot.release();
 }
 
 TEST(BoardSlot, APowerResetAsksTheOwnerToEndAndWaitsForIt) {
   BoardSlot slot(0, {});
   std::thread owner;
-  ASSERT_EQ(slot.claim([&] { owner = std::thread([&slot] { slot.release(); }); }), Claim::kGranted);
+  ASSERT_EQ(slot.claim({.end_session = [&](wire::ErrorCode,
+                                           const std::string&) { owner = std::thread([&slot] { slot.release(); }); }}),
+            Claim::kGranted);
   EXPECT_TRUE(slot.power_reset());
   EXPECT_FALSE(slot.info().in_use);
   owner.join();

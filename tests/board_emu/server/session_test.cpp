@@ -136,7 +136,7 @@ TEST(Session, GarbageEndsItWithAWordAndTheBoardServesTheNextClient) {
   {
     RawClient client = boards.open();
     client.send_bytes(std::vector<std::uint8_t>(1000, 0xAB));
-    expect_ended(client, ErrorCode::kProtocol, 0, "got 0xabababab");
+    expect_ended(client, ErrorCode::kCorrupted, 0, "got 0xabababab");
   }
   EXPECT_TRUE(serves_afresh(boards));
 }

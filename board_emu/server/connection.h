@@ -1,0 +1,98 @@
+// One socket of the data plane, whatever session it serves: whole, undamaged frames in, frames out.
+//
+// What is queued goes out in as few writes as the socket allows, payloads uncopied. Nothing here is locked: all of it runs
+// on the server's io thread.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
+#include <vector>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "gicube/wire/frame.h"
+
+namespace gicube::emu {
+
+// The bytes of a frame, shared by those that may have to send it again.
+using Payload = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+// What a client is told before its connection is closed: a frame kVersion | kResponse, which costs no credit, with the id
+// of the frame at fault.
+struct LastWord {
+  wire::ErrorCode error{};
+  std::uint32_t id = 0;
+  std::string text;
+};
+
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  using Socket = boost::asio::generic::stream_protocol::socket;
+  using Executor = Socket::executor_type;
+
+  explicit Connection(Socket socket);
+
+  struct Frame {
+    wire::FrameHeader header;
+    std::vector<std::uint8_t> payload;
+  };
+  // Neither of both: the connection has ended.
+  struct Incoming {
+    std::optional<Frame> frame;
+    std::optional<LastWord> fault;  // what came is no frame, too large or damaged: nothing after it can be read
+  };
+  // One reader at a time.
+  boost::asio::awaitable<Incoming> read(std::uint32_t max_payload);
+
+  // Queues a frame; `size` and `checksum` are set. With `flipped_bit` it is damaged on its way.
+  void send(wire::FrameHeader header, Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
+  // True if nothing waits to be written.
+  bool idle() const { return queued_.empty() && !writing_; }
+
+  // Says why, and closes once the client has closed or its time is up: closing on unread bytes could take the last word
+  // from it.
+  void refuse(const LastWord& word);
+  void close();
+  // From now on nothing passes any more, in either direction, until the client closes.
+  void hang() { hanging_ = true; }
+  bool is_open() const { return !closing_; }
+  // Reads and forgets until the client closes, then closes too.
+  boost::asio::awaitable<void> drop_input();
+  // True if the client has closed its end: found without reading.
+  bool client_has_left();
+
+  Executor executor() { return socket_.get_executor(); }
+  // Who is at the other end, as "process 1234" or "127.0.0.1:5678".
+  const std::string& peer() const { return peer_; }
+
+ private:
+  struct Outgoing {
+    std::array<std::uint8_t, wire::kFrameHeaderBytes> header{};
+    Payload payload;
+  };
+
+  boost::asio::awaitable<boost::system::error_code> read_exactly(std::span<std::uint8_t> bytes);
+  boost::asio::awaitable<Incoming> read_one(std::uint32_t max_payload);
+  static boost::asio::awaitable<void> write_queued(std::shared_ptr<Connection> self);
+
+  Socket socket_;
+  boost::asio::steady_timer linger_;
+  std::string peer_;
+  std::deque<Outgoing> queued_;
+  std::deque<Outgoing> in_flight_;
+  bool writing_ = false;
+  bool reading_ = false;
+  bool closing_ = false;  // the last word is queued, or the socket is closed
+  bool hanging_ = false;
+};
+
+}  // namespace gicube::emu

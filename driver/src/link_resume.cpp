@@ -1,0 +1,155 @@
+// Link's handshakes: with a new session, and with one that goes on over another connection.
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "gicube/error.h"
+#include "link.h"
+#include "link_error.h"
+
+namespace gicube {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kFirstPause{
+    5};  // chosen: before the second attempt in a row; each later one waits twice as long,
+constexpr milliseconds kLongestPause{1000};  // at most this
+
+}  // namespace
+
+// Replaces the connection. Afterwards the link is open, or broken with the reason.
+void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
+  phase_ = Phase::kHandshake;
+  refusal_ = wire::ErrorCode::kNone;
+  auto fresh = std::make_unique<FrameStream>(std::move(socket), static_cast<FrameSink&>(*this), options_.tap);
+  if (std::unique_ptr<FrameStream> old = std::move(stream_)) {
+    deaf_ = true;
+    lock.unlock();
+    old.reset();
+    lock.lock();
+  }
+  deaf_ = false;
+  stream_ = std::move(fresh);
+  last_heard_ = last_frame_ = Clock::now();
+
+  wire::VersionInfo mine = options_.mine;
+  mine.session = session_;
+  mine.taken = taken_;
+  returned_ += receive_credits_.give_back().slots;
+  mine.consumed = returned_;
+  if (session_ != 0) mine.flags = mine.wait_ms = 0;
+  std::vector<std::uint8_t> payload(wire::kVersionBytes);
+  encode(mine, std::span<std::uint8_t, wire::kVersionBytes>(payload));
+  wire::FrameHeader header;
+  header.type = wire::FrameType::kVersion;
+  stream_->start();
+  stream_->send(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+
+  const auto deadline = Clock::now() + limit;
+  while (phase_ == Phase::kHandshake) {
+    if (limit.count() == 0) {
+      changed_.wait(lock);
+    } else if (changed_.wait_until(lock, deadline) == std::cv_status::timeout && phase_ == Phase::kHandshake) {
+      break_off({"no answer of the board within " + std::to_string(limit.count()) + " ms", Loss::kTimedOut});
+    }
+  }
+  if (refusal_ == wire::ErrorCode::kNoSession) session_ = 0;
+  changed_.notify_all();
+}
+
+StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (header.type != wire::FrameType::kVersion || (header.flags & wire::kResponse) == 0) {
+    return {"the peer answered the handshake with a frame of another type", Loss::kEnded};
+  }
+  if (header.error != wire::ErrorCode::kNone) {
+    refusal_ = header.error;
+    return {error_text(payload), cause_of(header.error)};
+  }
+  if (payload.size() < wire::kVersionBytes) {
+    return {"the peer's version is cut short, " + std::to_string(payload.size()) + " bytes", Loss::kEnded};
+  }
+  const auto theirs = wire::decode_version(payload.first<wire::kVersionBytes>());
+  const auto agreed = wire::agree(options_.mine, theirs);
+  if (theirs.major != options_.mine.major) {
+    refusal_ = wire::ErrorCode::kVersion;
+    return {
+        "major version " + std::to_string(theirs.major) + ", this driver's is " + std::to_string(options_.mine.major),
+        Loss::kEnded};
+  }
+  if (!agreed) return {"the board's limits leave no room for a frame", Loss::kEnded};
+  // Credit that we hold back, less than half the window, must never keep the board from its largest frame.
+  if (options_.mine.window_bytes / 2 < agreed->max_payload_bytes) {
+    return {"the driver's window is too small", Loss::kEnded};
+  }
+  if (session_ != 0) return take_up_session(theirs);
+  agreed_ = *agreed;
+  theirs_ = theirs;
+  session_ = theirs.session;
+  send_credits_ = wire::SendCredits(theirs.window_slots, theirs.window_bytes);
+  phase_ = Phase::kOpen;
+  return {};
+}
+
+// Sends again what the board has not taken.
+StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
+  const std::uint32_t first_kept = kept_.empty() ? sent_ + 1 : kept_.front().header.sequence;
+  const bool fits = theirs.session == session_ && wire::sequence_step(first_kept - 1, theirs.consumed) >= 0 &&
+                    wire::sequence_step(theirs.consumed, theirs.taken) >= 0 &&
+                    wire::sequence_step(theirs.taken, sent_) >= 0;
+  if (!fits) {
+    session_ = 0;
+    return {"the board does not know where the session stood", Loss::kEnded};
+  }
+  while (!kept_.empty() && wire::sequence_step(kept_.front().header.sequence, theirs.consumed) >= 0) {
+    forget_consumed(1);
+  }
+  send_credits_ = wire::SendCredits(theirs_.window_slots - static_cast<std::uint32_t>(kept_.size()),
+                                    theirs_.window_bytes - kept_bytes_);
+  for (const Kept& kept : kept_) {
+    if (wire::sequence_step(theirs.taken, kept.header.sequence) > 0) stream_->send(kept.header, kept.payload);
+  }
+  phase_ = Phase::kOpen;
+  return {};
+}
+
+bool Link::can_recover() const {
+  const bool may_come_back =
+      broken_.cause == Loss::kClosed || broken_.cause == Loss::kCorrupted || broken_.cause == Loss::kTimedOut;
+  return may_come_back && session_ != 0 && options_.reconnect && attempts_ < options_.reopen_attempts;
+}
+
+void Link::recover_or_throw(Lock& lock) {
+  recover(lock);
+  if (phase_ == Phase::kBroken) throw_broken();
+}
+
+// Resumes the session, as often as it may be tried. Other callers wait meanwhile.
+void Link::recover(Lock& lock) {
+  while (phase_ == Phase::kBroken && can_recover()) {
+    const int before = attempts_++;
+    const auto pause =
+        before == 0 ? milliseconds(0) : std::min(kLongestPause, kFirstPause * (1 << std::min(before, 10)));
+    phase_ = Phase::kHandshake;
+    Fd socket;
+    StreamFault fault;
+    lock.unlock();
+    std::this_thread::sleep_for(pause);
+    try {
+      socket = options_.reconnect();
+    } catch (const Error& error) {
+      fault = {error.what(), Loss::kClosed};
+    }
+    lock.lock();
+    if (fault.text.empty()) {
+      shake_hands(lock, std::move(socket), options_.watchdog);
+    } else {
+      phase_ = Phase::kBroken;
+      broken_ = fault;
+      changed_.notify_all();
+    }
+  }
+}
+
+}  // namespace gicube

@@ -1,0 +1,266 @@
+// Boards over a Unix socket whose connections break, whose processes die and whose owners change.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "board_process.h"
+#include "temporary_directory.h"
+#include "test_board.h"
+
+namespace gicube::system_test {
+namespace {
+
+using reference::BoxVolume;
+using reference::front_view;
+using reference::step_function;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+class Reopen : public testing::Test {
+ protected:
+  // A board process on the same socket as the last one.
+  void start(const std::string& plan = "", const std::vector<std::string>& more = {}) {
+    process_.reset();
+    std::vector<std::string> arguments{
+        "--listen", "unix:" + path_, "--quiet", "--set", "asic.block_voxels=8", "--set", "asic.max_volume_voxels=64"};
+    if (!plan.empty()) {
+      const std::string file = folder_.file("plan");
+      std::ofstream(file) << plan;
+      arguments.insert(arguments.end(), {"--faults", file});
+    }
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    process_ = std::make_unique<BoardProcess>(arguments);
+    ASSERT_THAT(process_->read_line(), HasSubstr("ready"));
+  }
+  Board open(OpenOptions options = {}) {
+    if (options.watchdog == OpenOptions().watchdog) options.watchdog = std::chrono::seconds(30);
+    return Board::open("unix:" + path_, options);
+  }
+  static void load(Board& board) {
+    board.load_volume(BoxVolume(32, 8, 23).view());
+    board.set_transfer_function(step_function(0.1));
+  }
+  static std::vector<HostRay> rays(std::uint32_t count) {
+    std::vector<HostRay> list;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      list.push_back({.id = i, .position = {i % 31 + 0.25, i / 31 % 31 + 0.25, 0}, .direction = {0, 0, 1}});
+    }
+    return list;
+  }
+  // What an application sees of a session: pictures, rays, simulated times.
+  struct Story {
+    Image image;
+    std::vector<TracedRay> rays;
+    Picoseconds end = 0;
+  };
+  static Story play(Board& board) {
+    Story story;
+    load(board);
+    const Ticket first = board.submit(rays(9000)), second = board.submit(rays(100));
+    story.image = board.render(front_view(32));
+    for (const Ticket ticket : {first, second}) {
+      for (const TracedRay& ray : board.receive(ticket).rays) story.rays.push_back(ray);
+    }
+    story.end = board.now();
+    return story;
+  }
+  static void expect_same(const Story& got, const Story& expected) {
+    EXPECT_EQ(got.end, expected.end);
+    EXPECT_TRUE(got.image == expected.image);
+    ASSERT_EQ(got.rays.size(), expected.rays.size());
+    for (std::size_t i = 0; i < got.rays.size(); ++i) {
+      ASSERT_EQ(got.rays[i].id, expected.rays[i].id);
+      ASSERT_EQ(got.rays[i].opacity, expected.rays[i].opacity);
+      ASSERT_EQ(got.rays[i].position.z, expected.rays[i].position.z);
+    }
+  }
+
+  reference::TemporaryDirectory folder_;
+  std::string path_ = folder_.file("board");
+  std::unique_ptr<BoardProcess> process_;
+};
+
+TEST_F(Reopen, ASessionThatResumesByItselfSeesNothingOfLostDamagedAndDoubledMessages) {
+  start();
+  Board quiet = open();
+  const Story expected = play(quiet);
+  std::string plan;
+  for (const char* kind : {"drop", "corrupt bit: 400", "duplicate", "link_loss", "corrupt bit: 100"}) {
+    static int n = 0;
+    ++n;
+    plan += "fault { direction: down message: " + std::to_string(7 * n) + " kind: " + kind + " }\n";
+    plan += "fault { direction: up message: " + std::to_string(2 * n + 1) + " kind: " + kind + " }\n";
+  }
+  start(plan);
+  OpenOptions options;
+  options.reopen_attempts = 5;
+  Board board = open(options);
+  expect_same(play(board), expected);
+}
+
+TEST_F(Reopen, AfterALinkLossTheSessionGoesOnAndEachBatchComesOnce) {
+  start("fault { direction: up message: 40 kind: link_loss }");
+  Board board = open();
+  load(board);
+  const Ticket ticket = board.submit(rays(5000));
+  const auto lose = [&] {
+    for (int i = 0; i < 100; ++i) board.counters();
+  };
+  try {
+    lose();
+    ADD_FAILURE() << "the link was not lost";
+  } catch (const DeviceLost& error) {
+    EXPECT_EQ(error.cause(), Loss::kClosed);
+  }
+  EXPECT_THROW(board.receive(ticket), DeviceLost) << "until it is opened again";
+  const Reopened reopened = board.reopen();
+  EXPECT_TRUE(reopened.resumed);
+  EXPECT_TRUE(reopened.volume);
+  const RayBatch batch = board.receive(ticket);
+  ASSERT_EQ(batch.rays.size(), 5000u);
+  for (std::uint32_t i = 0; i < 5000; ++i) ASSERT_EQ(batch.rays[i].id, i);
+  EXPECT_THROW(board.receive(ticket), BadArgument);
+}
+
+TEST_F(Reopen, ABoardThatHangsTimesOutAndItsSessionGoesOn) {
+  start("fault { direction: up message: 40 kind: hang }");
+  OpenOptions options;
+  options.watchdog = milliseconds(300);
+  Board board = open(options);
+  load(board);
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 100; ++i) board.counters();
+      },
+      TimedOut);
+  EXPECT_TRUE(board.reopen().resumed);
+  EXPECT_NO_THROW(board.render(front_view(32)));
+}
+
+TEST_F(Reopen, AKilledBoardIsReplacedByANewOneWithVolumeTablesAndBatches) {
+  start();
+  OpenOptions options;
+  options.keep_volume = true;
+  Board board = open(options);
+  load(board);
+  const Image before = board.render(front_view(32));
+  const Ticket ticket = board.submit(rays(5000));
+  process_->send_signal(SIGKILL);
+  process_->exit_code();
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 100; ++i) board.counters();
+      },
+      DeviceLost);
+  EXPECT_THROW(board.reopen(), OpenFailed) << "nobody is there";
+  const Picoseconds lost_at = board.now();
+  start();
+  const Reopened reopened = board.reopen();
+  EXPECT_FALSE(reopened.resumed);
+  EXPECT_TRUE(reopened.volume);
+  EXPECT_GE(board.now(), lost_at);
+  EXPECT_EQ(board.receive(ticket).rays.size(), 5000u);
+  EXPECT_THROW(board.read_framebuffer(), Rejected);
+  const Image after = board.render(front_view(32));
+  EXPECT_TRUE(after == before);
+}
+
+TEST_F(Reopen, WithoutAKeptVolumeTheBatchesWaitForTheNextOne) {
+  start();
+  Board board = open();
+  load(board);
+  const Ticket ticket = board.submit(rays(50));
+  process_->send_signal(SIGKILL);
+  process_->exit_code();
+  start();
+  const Reopened reopened = board.reopen();
+  EXPECT_FALSE(reopened.resumed);
+  EXPECT_FALSE(reopened.volume);
+  EXPECT_THROW(board.receive(ticket), Rejected);
+  EXPECT_THROW(board.render(front_view(32)), Rejected);
+  board.load_volume(BoxVolume(32, 8, 23).view());
+  EXPECT_EQ(board.receive(ticket).rays.size(), 50u);
+}
+
+TEST_F(Reopen, ABusyBoardNamesItsOwnerAndForceTakesIt) {
+  start();
+  Board owner = open();
+  load(owner);
+  EXPECT_THAT([&] { open(); },
+              ThrowsMessage<BoardBusy>(HasSubstr("process " + std::to_string(::getpid()) + " since ")));
+  OpenOptions options;
+  options.force = true;
+  Board thief = open(options);
+  try {
+    owner.counters();
+    ADD_FAILURE() << "the owner still has the board";
+  } catch (const DeviceLost& error) {
+    EXPECT_EQ(error.cause(), Loss::kTakenOver);
+    EXPECT_THAT(error.what(), HasSubstr("took the board by force"));
+  }
+  EXPECT_THROW(thief.render(front_view(32)), Rejected) << "it has no volume: it was reset";
+  EXPECT_THROW(owner.reopen(), BoardBusy);
+}
+
+TEST_F(Reopen, ClientsThatWaitGetTheBoardInTheirOrder) {
+  start();
+  auto owner = std::make_unique<Board>(open());
+  std::mutex mutex;
+  std::vector<int> order;
+  std::vector<std::thread> clients;
+  for (int i = 0; i < 4; ++i) {
+    clients.emplace_back([&, i] {
+      OpenOptions options;
+      options.wait_for_board = std::chrono::seconds(30);
+      const Board board = open(options);
+      const std::lock_guard lock(mutex);
+      order.push_back(i);
+    });
+    std::this_thread::sleep_for(milliseconds(150));  // so that they stand in line in this order
+  }
+  owner.reset();
+  for (std::thread& client : clients) client.join();
+  EXPECT_THAT(order, testing::ElementsAre(0, 1, 2, 3));
+}
+
+TEST_F(Reopen, ABoardWhoseClientIsGoneBelongsToTheNextAtOnce) {
+  start("fault { direction: up message: 20 kind: link_loss }");
+  Board lost = open();
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 100; ++i) lost.counters();
+      },
+      DeviceLost);
+  Board next = open();
+  load(next);
+  EXPECT_THROW(lost.reopen(), BoardBusy);
+  EXPECT_NO_THROW(next.render(front_view(32)));
+}
+
+TEST_F(Reopen, BoardsInRealTimeAnswerNoEarlierThanTheirSimulatedTime) {
+  start("", {"--set", "pace=realtime", "--set", "bus.model=pci33"});
+  const auto begin = std::chrono::steady_clock::now();
+  Board board = open();
+  load(board);
+  board.host_compute(50'000'000'000);  // 50 ms
+  board.render(front_view(32));
+  const auto took = std::chrono::steady_clock::now() - begin;
+  EXPECT_GE(board.now(), 50'000'000'000u);
+  EXPECT_GE(std::chrono::duration_cast<std::chrono::nanoseconds>(took).count() + 1,
+            static_cast<std::int64_t>(board.now() / 1000));
+}
+
+TEST_F(Reopen, APrivateBoardIsStartedAgain) {
+  Board board = reference::open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
+  EXPECT_TRUE(board.reopen().resumed) << "it is not lost";
+}
+
+}  // namespace
+}  // namespace gicube::system_test
