@@ -57,6 +57,8 @@ std::optional<fs::path> programs_of_this_library() {
   std::error_code error;
   const fs::path library = fs::canonical(info.dli_fname, error);
   if (error) return {};
+  // Linked into a program, it has no place of its own.
+  if (library == fs::canonical("/proc/self/exe", error) || error) return {};
   return (library.parent_path() / GICUBE_LIBRARIES_TO_PROGRAMS).lexically_normal();
 }
 

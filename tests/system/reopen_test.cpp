@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <memory>
 #include <mutex>
@@ -103,6 +104,31 @@ TEST_F(Reopen, ASessionThatResumesByItselfSeesNothingOfLostDamagedAndDoubledMess
   options.reopen_attempts = 5;
   Board board = open(options);
   expect_same(play(board), expected);
+}
+
+TEST_F(Reopen, ManyRandomFaultsChangeNoRayAndNoPicosecond) {
+  Board quiet = reference::open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
+  load(quiet);
+  start("random { seed: 5 kinds: [drop, corrupt, duplicate, link_loss, delay] mean_messages: 20 most_delay_ms: 2 }");
+  OpenOptions options;
+  options.reopen_attempts = 100;
+  options.watchdog = std::chrono::seconds(2);
+  Board board = open(options);
+  load(board);
+  quiet.host_compute(std::max(board.now(), quiet.now()) - quiet.now());
+  board.host_compute(quiet.now() - board.now());
+  for (int i = 0; i < 60; ++i) {
+    const auto batch = rays(static_cast<std::uint32_t>(1 + 37 * i));
+    const Ticket ours = board.submit(batch), theirs = quiet.submit(batch);
+    const RayBatch got = board.receive(ours), expected = quiet.receive(theirs);
+    ASSERT_EQ(got.completed, expected.completed) << i;
+    ASSERT_EQ(got.rays.size(), expected.rays.size());
+    for (std::size_t k = 0; k < got.rays.size(); ++k) {
+      ASSERT_EQ(got.rays[k].id, expected.rays[k].id);
+      ASSERT_EQ(got.rays[k].opacity, expected.rays[k].opacity);
+    }
+  }
+  EXPECT_EQ(board.now(), quiet.now());
 }
 
 TEST_F(Reopen, AfterALinkLossTheSessionGoesOnAndEachBatchComesOnce) {

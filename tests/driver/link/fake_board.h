@@ -43,6 +43,8 @@ class FakeBoard {
   void return_credit(std::uint32_t slots, std::uint64_t bytes);
   // Answers the driver's version with `mine`; returns what the driver said.
   wire::VersionInfo shake_hands(const wire::VersionInfo& mine = {});
+  // The next numbered frame follows on number `sequence`.
+  void continue_from(std::uint32_t sequence) { sent_ = sequence; }
   // Receives until the driver closes.
   void drain();
   bool readable_within(int milliseconds) const;
