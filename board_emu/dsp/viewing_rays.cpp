@@ -58,13 +58,14 @@ std::optional<Interval> clip(const Line& line, const Point& extent, std::span<co
 
 std::optional<wire::Ray> viewing_ray(const Line& line, std::uint16_t u, std::uint16_t v, const Point& extent,
                                      std::span<const Plane> planes) {
+  const std::array<double, 3>& d = line.direction;
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
   const auto interval = clip(line, extent, planes);
   if (!interval) return std::nullopt;
   wire::Ray ray;
   ray.u = u;
   ray.v = v;
-  const std::array<double, 3>& d = line.direction;
-  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     ray.position[axis] = to_word(line.origin[axis] + interval->begin * d[axis], extent[axis]);
     ray.direction[axis] = static_cast<std::int16_t>(std::round(d[axis] / length * (1 << wire::kDirectionFractionBits)));

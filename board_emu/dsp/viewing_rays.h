@@ -30,7 +30,8 @@ struct Interval {
 };
 std::optional<Interval> clip(const Line& line, const Point& extent, std::span<const Plane> planes);
 
-// The rendering ray that starts where `line` enters, with destination (u, v) in 12.4 pixels; nothing if it misses.
+// The rendering ray that starts where `line` enters, with destination (u, v) in 12.4 pixels; nothing if it misses, or if
+// its direction has no length that a double can hold: a host's vectors can cancel out or run over in a pixel.
 std::optional<wire::Ray> viewing_ray(const Line& line, std::uint16_t u, std::uint16_t v, const Point& extent,
                                      std::span<const Plane> planes);
 

@@ -31,7 +31,8 @@ DeviceOptions device_options(const OpenOptions& options) {
   if (options.reopen_attempts < 0) {
     throw BadArgument("reopen_attempts", "0 or more", std::to_string(options.reopen_attempts));
   }
-  return {checked_watchdog(options.watchdog), options.reopen_attempts, options.force, options.wait_for_board};
+  return {checked_watchdog(options.watchdog), options.reopen_attempts, options.force, options.wait_for_board,
+          options.capture};
 }
 
 bool has_agp_capability(Device& device) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "capture.h"
 #include "connect.h"
 #include "gicube/wire/counter_list.h"
 #include "gicube/wire/registers.h"
@@ -28,7 +29,8 @@ std::vector<std::uint8_t> words(std::initializer_list<std::uint32_t> values) {
 
 }  // namespace
 
-Device::Device(const Uri& uri, const DeviceOptions& options) : uri_(uri) {
+Device::Device(const Uri& uri, const DeviceOptions& options)
+    : uri_(uri), capture_file_(options.capture.empty() ? uri.capture : options.capture) {
   link_options_.watchdog = options.watchdog;
   link_options_.reopen_attempts = options.reopen_attempts;
   if (options.force) link_options_.mine.flags |= wire::kForce;
@@ -39,7 +41,16 @@ Device::Device(const Uri& uri, const DeviceOptions& options) : uri_(uri) {
   link_ = open_link();
 }
 
+void Device::capture_next_session() {
+  const std::shared_ptr<Capture> capture = open_capture(capture_file_, captures_++);
+  if (!capture) return;
+  link_options_.tap = [capture](bool sent, auto header, auto payload) {
+    capture->write(sent ? wire::CaptureKind::kDown : wire::CaptureKind::kUp, header, payload);
+  };
+}
+
 std::unique_ptr<Link> Device::open_link() {
+  capture_next_session();
   if (link_options_.reconnect) return std::make_unique<Link>(link_options_.reconnect(), link_options_);
   child_ = std::make_unique<ChildProcess>(find_board_program(), uri_.board_arguments);
   try {

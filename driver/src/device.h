@@ -26,6 +26,7 @@ struct DeviceOptions {
   int reopen_attempts = 0;
   bool force = false;
   std::chrono::milliseconds wait_for_board{0};
+  std::string capture{};
 };
 
 class Device {
@@ -78,12 +79,15 @@ class Device {
 
  private:
   std::unique_ptr<Link> open_link();
+  void capture_next_session();
   std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
   std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);
   template <typename Call>
   auto with_last_words(const Call& call) const;
 
   const Uri uri_;
+  const std::string capture_file_;
+  unsigned captures_ = 0;  // sessions that were begun
   LinkOptions link_options_;
   std::unique_ptr<ChildProcess> child_;  // before the link: it ends by itself once the link has closed
   std::unique_ptr<Link> link_;

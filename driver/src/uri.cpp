@@ -95,6 +95,9 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
   } else if (name == "set") {
     check_set(value);
     uri.board_arguments.insert(uri.board_arguments.end(), {"--set", value});
+  } else if (name == "capture") {
+    if (value.empty()) throw BadArgument(field, "a file name", quoted(value));
+    uri.capture = value;
   } else if (name == "bsdf") {
     if (value.empty()) throw BadArgument(field, "a file name", quoted(value));
     uri.board_arguments.insert(uri.board_arguments.end(), {"--bsdf", value});
@@ -102,7 +105,8 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
     if (value.empty()) throw BadArgument(field, "a file name", quoted(value));
     uri.board_arguments.insert(uri.board_arguments.end(), {name == "faults" ? "--faults" : "--fault-log", value});
   } else {
-    throw BadArgument("URI option", "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log",
+    throw BadArgument("URI option",
+                      "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, capture",
                       quoted(name));
   }
 }

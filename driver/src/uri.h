@@ -1,6 +1,6 @@
 // Board URIs: which board Board::open() opens, and how an emulated one is started.
 //
-//   emu:[?option=value&...]     fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log; set and bsdf may come
+//   emu:[?option=value&...]     fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, capture; set and bsdf may come
 //                               several times
 //   unix:PATH
 //   tcp:HOST:PORT               an IPv6 address stands in brackets
@@ -23,6 +23,7 @@ struct Uri {
   std::string host;                          // tcp, without brackets
   std::uint16_t port = 0;                    // tcp
   std::vector<std::string> board_arguments;  // emu: what gicube-board is started with, as "--set", "threads=2"
+  std::string capture;                       // emu: the file that the session is captured to
   unsigned threads = 0;                      // emu: 0 = one a core
 };
 

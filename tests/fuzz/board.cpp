@@ -19,10 +19,26 @@ namespace {
 using wire::FrameType;
 
 // Cancels work that takes too long: an input may well ask for hours. A board that does not hear it is a finding, by the
-// fuzzer's own time limit.
+// fuzzer's own time limit. One thread for all inputs: to begin and end one with each would cost more than the board does.
 class Impatience {
  public:
-  explicit Impatience(emu::Work& work) : thread_([this, &work] { watch(work); }) {}
+  static Impatience& instance() {
+    static Impatience impatience;
+    return impatience;
+  }
+
+  void begin(emu::Work& work) {
+    const std::lock_guard lock(mutex_);
+    work_ = &work;
+    end_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+  }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    work_ = nullptr;
+  }
+
+ private:
+  Impatience() : thread_([this] { watch(); }) {}
   ~Impatience() {
     {
       const std::lock_guard lock(mutex_);
@@ -32,16 +48,19 @@ class Impatience {
     thread_.join();
   }
 
- private:
-  void watch(emu::Work& work) {
+  void watch() {
     std::unique_lock lock(mutex_);
-    if (!changed_.wait_for(lock, std::chrono::milliseconds(200), [this] { return over_; })) work.cancel = true;
+    while (!changed_.wait_for(lock, std::chrono::milliseconds(50), [this] { return over_; })) {
+      if (work_ != nullptr && std::chrono::steady_clock::now() > end_) work_->cancel = true;
+    }
   }
 
   std::mutex mutex_;
   std::condition_variable changed_;
+  emu::Work* work_ = nullptr;
+  std::chrono::steady_clock::time_point end_;
   bool over_ = false;
-  std::thread thread_;
+  std::thread thread_;  // last: it sees all of the others
 };
 
 struct Machine {
@@ -86,9 +105,7 @@ bool is_posted(FrameType type) {
   return type == FrameType::kRegisterWrite || type == FrameType::kMemoryWrite || type == FrameType::kCommand;
 }
 
-void play(Machine& machine, Input& input) {
-  emu::Work work;
-  const Impatience impatience(work);
+void play(Machine& machine, Input& input, emu::Work& work) {
   std::uint64_t now = 0;
   std::map<std::uint32_t, int> issued;  // and not answered yet, by ticket
   for (std::uint32_t id = 1; !input.empty() && id < 200; ++id) {
@@ -124,7 +141,15 @@ void board(Bytes bytes) {
   std::unique_ptr<Machine>& machine = machines[which];
   if (!machine) machine = std::make_unique<Machine>(kBoards[which]);
   machine->board.reset();
-  play(*machine, input);
+  emu::Work work;
+  Impatience::instance().begin(work);
+  try {
+    play(*machine, input, work);
+  } catch (...) {
+    Impatience::instance().end();
+    throw;
+  }
+  Impatience::instance().end();
   if (bytes.size() % 4 == 0)
     expect(machine->known_scene() == machine->first_day, "a reset board is as on its first day");
 }

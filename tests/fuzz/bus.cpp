@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -16,7 +17,9 @@
 #include "board_slot.h"
 #include "bus_server.h"
 #include "config.h"
+#include "fd.h"
 #include "frames.h"
+#include "temporary_directory.h"
 
 namespace gicube::fuzz {
 namespace {
@@ -26,51 +29,75 @@ using wire::FrameType;
 
 constexpr std::chrono::milliseconds kPatience{5000}, kLittlePatience{10};
 
-// A board process in this process, for one connection.
+// A board process in this process, on a Unix socket.
 class Server {
  public:
-  explicit Server(emu::BoardSlot& slot) : server_(options()) {
-    std::array<int, 2> ends{};
-    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw std::runtime_error("no sockets");
-    client_ = ends[0];
-    ::fcntl(client_, F_SETFL, O_NONBLOCK);
-    server_.adopt(slot, ends[1], true);
+  Server() : slot_(0, emu::parse_config(kConfig).config), server_(options()) {
+    path_ = folder_.file("bus");
+    server_.listen(slot_, emu::parse_endpoint("unix:" + path_));
     thread_ = std::thread([this] { server_.run(); });
   }
   ~Server() {
-    close();
+    server_.stop();
     thread_.join();
   }
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  int client() const { return client_; }
-  void close() {
-    if (client_ >= 0) ::close(client_);
-    client_ = -1;
+  // A new connection.
+  Fd connect() const {
+    Fd socket(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path_.copy(address.sun_path, sizeof address.sun_path - 1);
+    const int failed = ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+    expect(failed == 0, "a board takes connections");
+    ::fcntl(socket.get(), F_SETFL, O_NONBLOCK);
+    return socket;
   }
 
  private:
+  static constexpr const char* kConfig =
+      "threads: 1 asic { max_volume_voxels: 32 block_voxels: 8 } dsp { framebuffer_mb: 1 }";
+
   static emu::BusOptions options() {
     emu::BusOptions options;
     options.handshake_deadline = std::chrono::milliseconds(500);
     return options;
   }
 
+  reference::TemporaryDirectory folder_;
+  std::string path_;
+  emu::BoardSlot slot_;
   emu::BusServer server_;
-  int client_ = -1;
   std::thread thread_;
 };
 
 class Client {
  public:
-  explicit Client(int fd) : fd_(fd) {}
+  explicit Client(const Server& server) : server_(server), socket_(server.connect()) {}
+
+  // A new connection in place of the old one; what the board has not taken by then is lost.
+  void reconnect() {
+    socket_ = server_.connect();
+    open_ = true;
+    reader_.lose_rest();
+    back_ = {};
+  }
+  std::uint32_t taken() const { return reader_.taken(); }
+  // What the board may send again is no longer known.
+  void expect_any_number() { reader_.expect_any_number(); }
+  void go_on_after(std::uint32_t sequence) { sent_ = sequence; }
+  void begin_anew() {
+    sent_ = 0;
+    reader_ = {};
+  }
 
   // Sends all of it, and reads meanwhile. False once the board has closed.
   bool send(Bytes bytes) {
     while (!bytes.empty() && open_) {
       pump(POLLIN | POLLOUT);
-      const ssize_t count = ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      const ssize_t count = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
       if (count > 0) bytes = bytes.subspan(static_cast<std::size_t>(count));
       if (count < 0 && errno != EAGAIN) open_ = false;
     }
@@ -121,18 +148,19 @@ class Client {
   }
 
   void pump(short events) {
-    pollfd ready{fd_, events, 0};
+    pollfd ready{socket_.get(), events, 0};
     ::poll(&ready, 1, spoilt ? static_cast<int>(kLittlePatience.count()) : 100);
     std::array<std::uint8_t, 65536> bytes;
     while (open_) {
-      const ssize_t count = ::recv(fd_, bytes.data(), bytes.size(), 0);
+      const ssize_t count = ::recv(socket_.get(), bytes.data(), bytes.size(), 0);
       if (count > 0) reader_.add(Bytes(bytes).first(static_cast<std::size_t>(count)));
       if (count == 0 || (count < 0 && errno != EAGAIN)) open_ = false;
       if (count <= 0) return;
     }
   }
 
-  int fd_;
+  const Server& server_;
+  Fd socket_;
   bool open_ = true;
   FrameReader reader_;
   FrameHeader back_;
@@ -146,18 +174,47 @@ FrameHeader version_header() {
   return header;
 }
 
-void play(int fd, Input& input) {
-  Client client(fd);
-  const std::vector<std::uint8_t> version = version_payload(input);
-  if (!client.send(frame_bytes(version_header(), version, input, client.spoilt))) return;
-  if (input.u8() != 255 && !client.await(FrameType::kVersion)) return;
-  std::uint64_t now = 0;
+// Shakes hands, to open a session or to go on with one. False if there is none then.
+bool shake_hands(Client& client, Input& input, std::uint64_t& session) {
+  wire::VersionInfo version = version_of(input);
+  const std::uint64_t asked = version.session ^ session;
+  if (session != 0) {
+    if (version.taken != 0 || version.consumed != 0) client.expect_any_number();
+    version.taken += client.taken();
+    version.consumed += client.taken();
+    version.session = asked;
+  }
+  std::vector<std::uint8_t> payload(wire::kVersionBytes);
+  wire::encode(version, std::span(payload).first<wire::kVersionBytes>());
+  if (!client.send(frame_bytes(version_header(), payload, input, client.spoilt))) return false;
+  if (input.u8() == 255) return true;  // does not wait
+  const auto answer = client.await(FrameType::kVersion);
+  if (!answer || answer->header.error != wire::ErrorCode::kNone) return false;
+  expect(answer->payload.size() >= wire::kVersionBytes, "a version has all of its fields");
+  const auto theirs = wire::decode_version(std::span(answer->payload).first<wire::kVersionBytes>());
+  const bool resumed = asked != 0 && theirs.session == asked;
+  if (!resumed) client.begin_anew();
+  if (resumed) client.go_on_after(theirs.taken);
+  session = theirs.session;
+  return true;
+}
+
+void play(const Server& server, Input& input) {
+  Client client(server);
+  std::uint64_t session = 0, now = 0;
+  if (!shake_hands(client, input, session)) return;
   for (std::uint32_t id = 2; !input.empty() && id < 60; ++id) {
     Move move = next_move(input, id);
     if (move.header.time_ps == 0) move.header.time_ps = now;
     const bool posted = (move.header.flags & wire::kPosted) != 0;
-    if (!client.send(frame_bytes(client.next(move.header), move.payload, input, client.spoilt))) return;
-    if (posted || input.below(4) == 3) continue;
+    const bool sent = client.send(frame_bytes(client.next(move.header), move.payload, input, client.spoilt));
+    const std::uint8_t then = input.u8();
+    if (then >= 240 || !sent) {  // the connection breaks
+      client.reconnect();
+      if (!shake_hands(client, input, session)) return;
+      continue;
+    }
+    if (posted || then % 4 == 3) continue;
     const auto answer = client.await(move.header.type);
     if (!answer) return;
     now = std::max(now, answer->header.time_ps);
@@ -170,13 +227,12 @@ void play(int fd, Input& input) {
 }
 
 // What a good client gets out of the board, with its times.
-std::vector<std::uint8_t> known_scene(emu::BoardSlot& slot) {
-  const Server server(slot);
-  Client client(server.client());
+std::vector<std::uint8_t> known_scene(const Server& server) {
+  Client client(server);
   std::vector<std::uint8_t> all;
   Input nothing({});
-  client.send(good_frame(version_header(), version_payload(nothing)));
-  expect(client.await(FrameType::kVersion).has_value(), "a board takes the next client");
+  std::uint64_t session = 0;
+  expect(shake_hands(client, nothing, session), "a board takes the next client");
   client.on_frame = [&all](const FrameReader::Frame& frame) {
     if (frame.header.type == FrameType::kCredit || frame.header.type == FrameType::kProgress) return;
     all.insert(all.end(), frame.payload.begin(), frame.payload.end());
@@ -199,17 +255,13 @@ std::vector<std::uint8_t> known_scene(emu::BoardSlot& slot) {
 }  // namespace
 
 void bus(Bytes bytes) {
-  static emu::BoardSlot slot(
-      0,
-      emu::parse_config("threads: 1 asic { max_volume_voxels: 32 block_voxels: 8 } dsp { framebuffer_mb: 1 }").config);
-  static const std::vector<std::uint8_t> first_day = known_scene(slot);
+  static const Server server;
+  static const std::vector<std::uint8_t> first_day = known_scene(server);
   Input input(bytes);
-  {
-    const Server server(slot);
-    play(server.client(), input);
+  play(server, input);
+  if (bytes.size() % 4 == 0) {
+    expect(known_scene(server) == first_day, "the next client finds the board as on its first day");
   }
-  if (bytes.size() % 4 == 0)
-    expect(known_scene(slot) == first_day, "the next client finds the board as on its first day");
 }
 
 }  // namespace gicube::fuzz

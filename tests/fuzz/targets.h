@@ -16,6 +16,7 @@ namespace gicube::fuzz {
 using Bytes = std::span<const std::uint8_t>;
 
 // Files.
+void capture(Bytes input);
 void config(Bytes input);
 void mesh(Bytes input);
 void meta_image(Bytes input);
@@ -29,6 +30,9 @@ void uri(Bytes input);
 void board(Bytes input);
 void bus(Bytes input);
 void link(Bytes input);
+
+// The driver's C ABI.
+void c_api(Bytes input);
 
 struct Target {
   const char* name;  // also of its folder in corpus/

@@ -90,6 +90,14 @@ TEST(Framebuffer, TurnsFullWordsIntoFullPixels) {
   EXPECT_EQ(framebuffer.pixel(1, 0), wire::Pixel{});
 }
 
+TEST(ViewingRay, IsNoneWithoutADirection) {
+  const std::array<double, 3> inside{1, 1, 1};
+  EXPECT_TRUE(viewing_ray({inside, {0, 0, 1}}, 0, 0, kExtent, {}));
+  EXPECT_FALSE(viewing_ray({inside, {0, 0, 0}}, 0, 0, kExtent, {}));
+  EXPECT_FALSE(viewing_ray({inside, {0, 0, 1e-300}}, 0, 0, kExtent, {})) << "its square is 0";
+  EXPECT_FALSE(viewing_ray({inside, {0, 0, 1e300}}, 0, 0, kExtent, {})) << "its square is infinite";
+}
+
 TEST(Framebuffer, AveragesTheRaysOfAPixelByTheBoxFilter) {
   Framebuffer framebuffer;
   framebuffer.clear(1, 1, wire::Filter::kBox);

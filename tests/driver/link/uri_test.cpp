@@ -95,5 +95,17 @@ TEST(Uri, AFaultPlanAndItsLogGoToTheBoard) {
   EXPECT_THROW(parse_uri("emu:?faults=a&faults=b"), BadArgument);
 }
 
+TEST(Uri, ACaptureIsTheDriversOwnAffair) {
+  const Uri uri = parse_uri("emu:?capture=a%20session");
+  EXPECT_EQ(uri.capture, "a session");
+  EXPECT_TRUE(uri.board_arguments.empty());
+  EXPECT_THROW(parse_uri("emu:?capture="), BadArgument);
+}
+
+TEST(Uri, HoldsNoZeroByte) {
+  EXPECT_THROW(parse_uri(std::string_view("emu:?config=a\0b", 15)), BadArgument);
+  EXPECT_THROW(parse_uri(std::string_view("unix:/tmp/a\0b", 13)), BadArgument);
+}
+
 }  // namespace
 }  // namespace gicube

@@ -1,0 +1,88 @@
+#include "capture_reader.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+
+#include "gicube/wire/checksum.h"
+
+namespace gicube::replay {
+namespace {
+
+constexpr std::size_t kPiece = std::size_t{1} << 20;            // bytes that are read at a time
+constexpr std::uint32_t kMostPayload = std::uint32_t{1} << 28;  // chosen: far above what two peers agree on
+
+}  // namespace
+
+struct CaptureReader::File {
+  explicit File(const std::filesystem::path& name) : gz(::gzopen(name.c_str(), "rb")) {}
+  ~File() {
+    if (gz != nullptr) ::gzclose(gz);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  gzFile gz;
+};
+
+CaptureReader::CaptureReader(const std::filesystem::path& file) : name_(file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) throw CaptureError(file.string() + ": no such file");
+  file_ = std::make_unique<File>(file);
+  if (file_->gz == nullptr) throw CaptureError(file.string() + ": can't be read");
+  std::array<std::uint8_t, wire::kCaptureHeaderBytes> header{};
+  const bool is_whole = read(header.data(), header.size()) == header.size();
+  const auto version = is_whole ? wire::decode_capture_header(header) : std::nullopt;
+  if (!version) throw CaptureError(file.string() + ": expected a capture, got something else");
+  if (*version != wire::kCaptureVersion) {
+    fail(fmt::format("expected a capture of version {}, got {}", wire::kCaptureVersion, *version));
+  }
+}
+
+CaptureReader::~CaptureReader() = default;
+CaptureReader::CaptureReader(CaptureReader&&) noexcept = default;
+
+void CaptureReader::fail(const std::string& what) const {
+  throw CaptureError(fmt::format("{}: byte {}: {}", name_.string(), at_, what));
+}
+
+// As many as there are.
+std::size_t CaptureReader::read(std::uint8_t* bytes, std::size_t count) {
+  const int got = ::gzread(file_->gz, bytes, static_cast<unsigned>(count));
+  int error = Z_OK;
+  const char* text = ::gzerror(file_->gz, &error);
+  if (got < 0 || (error != Z_OK && error != Z_BUF_ERROR)) fail(fmt::format("damaged: {}", text));
+  at_ += static_cast<std::uint64_t>(got);
+  return static_cast<std::size_t>(got);
+}
+
+bool CaptureReader::next(CapturedFrame& frame) {
+  std::array<std::uint8_t, wire::kCaptureRecordBytes> record{};
+  const std::size_t got = complete_ ? 0 : read(record.data(), record.size());
+  if (got < record.size()) return false;
+  const auto decoded = wire::decode_capture_record(record);
+  if (!decoded) fail("expected a record, got something else");
+  if (decoded->kind == wire::CaptureKind::kEnd) {
+    complete_ = true;
+    return false;
+  }
+  std::array<std::uint8_t, wire::kFrameHeaderBytes> header{};
+  if (read(header.data(), header.size()) < header.size()) return false;
+  const auto frame_header = wire::decode_frame_header(header);
+  if (!frame_header || frame_header->size > kMostPayload) fail("expected a frame's header, got something else");
+  frame.record = *decoded;
+  frame.header = *frame_header;
+  frame.payload.clear();
+  while (frame.payload.size() < frame_header->size) {
+    const std::size_t begin = frame.payload.size();
+    const std::size_t wanted = std::min<std::size_t>(kPiece, frame_header->size - begin);
+    frame.payload.resize(begin + wanted);
+    const std::size_t came = read(frame.payload.data() + begin, wanted);
+    if (came < wanted) return false;
+  }
+  if (wire::frame_checksum(header, frame.payload) != frame_header->checksum) fail("a frame with a wrong checksum");
+  return true;
+}
+
+}  // namespace gicube::replay
