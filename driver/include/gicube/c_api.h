@@ -40,6 +40,8 @@ GICUBE_API const char* gicube_status_name(gicube_status status);
 GICUBE_API const char* gicube_last_error(void);
 /* The name of the argument or field that was wrong, as "view.width"; empty if the last failure was not GICUBE_BAD_ARGUMENT. */
 GICUBE_API const char* gicube_last_error_field(void);
+/* Why the board was lost: GICUBE_LOSS_..., of the last call of this thread that failed. */
+GICUBE_API int32_t gicube_last_loss(void);
 
 /* Set all defaults, and `size` to sizeof of the caller's record: gicube_view_init(&view, sizeof view). */
 GICUBE_API gicube_status gicube_open_options_init(gicube_open_options* options, size_t size);
@@ -56,6 +58,9 @@ GICUBE_API gicube_status gicube_batch_report_init(gicube_batch_report* report, s
 
 /* Opens a board and resets it; options may be NULL. *board is NULL unless it succeeds. */
 GICUBE_API gicube_status gicube_open(const char* uri, const gicube_open_options* options, gicube_board** board);
+/* After GICUBE_DEVICE_LOST or GICUBE_TIMED_OUT: connects again by the same URI and options, and goes on with the session or on
+ * a new board (Board::reopen() says what is then left). reopened may be NULL. If it fails the board is as lost as before. */
+GICUBE_API gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened);
 /* Ends the session. NULL is no board and no error. */
 GICUBE_API void gicube_close(gicube_board* board);
 GICUBE_API gicube_status gicube_get_info(gicube_board* board, gicube_board_info* info);

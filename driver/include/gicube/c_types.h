@@ -26,7 +26,7 @@ enum {
   GICUBE_REJECTED = 5,          /* the board is not in a state for it, which stays as it is */
   GICUBE_SCATTERING_FAILED = 6, /* a scattering routine answered what no ray can do */
   GICUBE_UNSUPPORTED = 7,       /* this board or fidelity level can't do it */
-  GICUBE_DEVICE_LOST = 8,       /* the board's process or the link is gone, and all on the board with it */
+  GICUBE_DEVICE_LOST = 8,       /* the link to the board is gone: gicube_last_loss() says why */
   GICUBE_TIMED_OUT = 9,         /* no answer within the wall-clock watchdog; as after GICUBE_DEVICE_LOST */
   GICUBE_DEADLINE_PASSED = 10,  /* a simulated time has come first; the board works on */
   GICUBE_WOULD_BLOCK = 11,      /* as many rays are under way as may be; nothing was sent */
@@ -42,9 +42,31 @@ enum { GICUBE_BACK_PRESSURE_WAIT = 0, GICUBE_BACK_PRESSURE_FAIL = 1 };
 typedef struct gicube_open_options {
   uint32_t size;
   int32_t back_pressure;
-  uint64_t watchdog_ms; /* wall clock; 0 = wait for ever */
-  uint64_t most_rays;   /* that may be under way */
+  uint64_t watchdog_ms;       /* wall clock; 0 = wait for ever */
+  uint64_t most_rays;         /* that may be under way */
+  int32_t keep_volume;        /* so that gicube_reopen() can load it again */
+  int32_t reopen_attempts;    /* how often in a row a call resumes a session that lost its connection */
+  int32_t force;              /* takes the board from its owner */
+  int32_t reserved;           /* 0 */
+  uint64_t wait_for_board_ms; /* in line while the board has an owner */
+  const char* capture;        /* NULL, or the file that the session's frames are written to (docs/CAPTURE.md) */
 } gicube_open_options;
+
+/* gicube/board.h: Reopened */
+typedef struct gicube_reopened {
+  int32_t resumed; /* the same session goes on: nothing was lost */
+  int32_t volume;  /* there is a volume on the board */
+} gicube_reopened;
+
+/* gicube/error.h: why GICUBE_DEVICE_LOST */
+enum {
+  GICUBE_LOSS_NONE = -1,     /* the last failure was another */
+  GICUBE_LOSS_CLOSED = 0,    /* the board's process ended, or the connection did */
+  GICUBE_LOSS_CORRUPTED = 1, /* a frame was damaged, or one is missing */
+  GICUBE_LOSS_TIMED_OUT = 2,
+  GICUBE_LOSS_TAKEN_OVER = 3, /* another client took the board by force */
+  GICUBE_LOSS_ENDED = 4       /* the board ended the session */
+};
 
 /* gicube/board.h: BoardInfo */
 enum { GICUBE_FIDELITY_FUNCTIONAL = 0, GICUBE_FIDELITY_APPROXIMATE = 1, GICUBE_FIDELITY_CYCLE = 2 };

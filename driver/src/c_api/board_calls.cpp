@@ -20,6 +20,12 @@ OpenOptions to_options(const gicube_open_options* given) {
   constexpr std::uint64_t kLongest = 1000ull * 60 * 60 * 24 * 365;  // chosen: as good as for ever, and fits the clock
   options.watchdog = std::chrono::milliseconds(std::min(record.watchdog_ms, kLongest));
   options.most_rays = record.most_rays;
+  options.keep_volume = truth("options.keep_volume", record.keep_volume);
+  options.reopen_attempts = record.reopen_attempts;
+  options.force = truth("options.force", record.force);
+  options.wait_for_board = std::chrono::milliseconds(std::min(record.wait_for_board_ms, kLongest));
+  if (record.capture != nullptr) options.capture = record.capture;
+  check_reserved("options.reserved", static_cast<std::uint32_t>(record.reserved));
   options.back_pressure = choice("options.back_pressure", record.back_pressure, BackPressure::kThrow);
   return options;
 }
@@ -55,6 +61,18 @@ gicube_status gicube_open(const char* uri, const gicube_open_options* options, g
     checked("board", board) = nullptr;
     checked("uri", uri);
     *board = new gicube_board(gicube::Board::open(uri, to_options(options)));
+  });
+}
+
+gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    const gicube::Reopened found = handle.board.reopen();
+    if (!found.resumed) {  // the framebuffer is gone
+      const std::scoped_lock lock(handle.mutex);
+      handle.framebuffer = {};
+    }
+    if (reopened != nullptr) *reopened = {found.resumed, found.volume};
   });
 }
 

@@ -11,6 +11,7 @@ namespace {
 // What gicube_last_error() points to. `text` is empty or stands alone if there was no memory for the words.
 struct LastError {
   std::string words, field;
+  std::int32_t loss = GICUBE_LOSS_NONE;
   const char* text = "";
 };
 
@@ -19,8 +20,9 @@ LastError& last_error() {
   return error;
 }
 
-void keep(const char* words, const std::string& field) {
+void keep(const char* words, const std::string& field, std::int32_t loss = GICUBE_LOSS_NONE) {
   LastError& last = last_error();
+  last.loss = loss;
   last.text = "there was no memory for the error's own words";
   last.field.clear();
   last.words = words;
@@ -38,7 +40,6 @@ gicube_status status_of(const Error& error) {
   if (dynamic_cast<const Rejected*>(&error) != nullptr) return GICUBE_REJECTED;
   if (dynamic_cast<const ScatteringFailed*>(&error) != nullptr) return GICUBE_SCATTERING_FAILED;
   if (dynamic_cast<const Unsupported*>(&error) != nullptr) return GICUBE_UNSUPPORTED;
-  if (dynamic_cast<const DeviceLost*>(&error) != nullptr) return GICUBE_DEVICE_LOST;
   if (dynamic_cast<const TimedOut*>(&error) != nullptr) return GICUBE_TIMED_OUT;
   if (dynamic_cast<const DeadlinePassed*>(&error) != nullptr) return GICUBE_DEADLINE_PASSED;
   if (dynamic_cast<const WouldBlock*>(&error) != nullptr) return GICUBE_WOULD_BLOCK;
@@ -52,6 +53,9 @@ gicube_status remember() {
   } catch (const BadArgument& error) {
     keep(error.what(), error.field());
     return GICUBE_BAD_ARGUMENT;
+  } catch (const DeviceLost& error) {
+    keep(error.what(), {}, static_cast<std::int32_t>(error.cause()));
+    return GICUBE_DEVICE_LOST;
   } catch (const Error& error) {
     keep(error.what(), {});
     return status_of(error);
@@ -70,6 +74,12 @@ gicube_status remember() {
   }
 }
 
+static_assert(static_cast<int>(Loss::kClosed) == GICUBE_LOSS_CLOSED &&
+              static_cast<int>(Loss::kCorrupted) == GICUBE_LOSS_CORRUPTED &&
+              static_cast<int>(Loss::kTimedOut) == GICUBE_LOSS_TIMED_OUT &&
+              static_cast<int>(Loss::kTakenOver) == GICUBE_LOSS_TAKEN_OVER &&
+              static_cast<int>(Loss::kEnded) == GICUBE_LOSS_ENDED);
+
 }  // namespace
 
 gicube_status remember_current_error() noexcept {
@@ -87,6 +97,8 @@ extern "C" {
 const char* gicube_last_error(void) { return gicube::c_api::last_error().text; }
 
 const char* gicube_last_error_field(void) { return gicube::c_api::last_error().field.c_str(); }
+
+int32_t gicube_last_loss(void) { return gicube::c_api::last_error().loss; }
 
 uint32_t gicube_version(void) { return GICUBE_VERSION_NUMBER; }
 

@@ -8,10 +8,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <thread>
 #include <vector>
 
 #include "gicube/board.h"
+#include "temporary_directory.h"
 
 namespace gicube {
 namespace {
@@ -298,6 +300,47 @@ TEST_F(CApi, FindsTheFactorsOfPairsOfTheCppApi) {
   EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1),
             GICUBE_BAD_ARGUMENT);
   EXPECT_STREQ(gicube_last_error_field(), "elements[1].kind");
+}
+
+// The board dies with its 40th message; a new one has the volume again, and the rays that were under way.
+TEST(CReopen, GoesOnOnANewBoardWithTheVolumeAndTheRaysThatWereUnderWay) {
+  setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
+  const reference::TemporaryDirectory folder;
+  const std::string plan = folder.file("plan.textproto");
+  std::ofstream(plan) << "fault { direction: up message: 40 kind: kill }\n";
+  gicube_open_options options = made(gicube_open_options_init);
+  options.keep_volume = 1;
+  const std::string capture = folder.file("session.capture");
+  options.capture = capture.c_str();
+  gicube_board* board = nullptr;
+  ASSERT_EQ(gicube_open(("emu:?faults=" + plan).c_str(), &options, &board), GICUBE_OK) << gicube_last_error();
+  const std::vector<std::uint8_t> voxels = cube();
+  gicube_volume volume = made(gicube_volume_init);
+  volume.type = GICUBE_SAMPLE_UINT8;
+  for (std::int32_t& edge : volume.dims) edge = kEdge;
+  volume.samples = voxels.data();
+  volume.sample_bytes = voxels.size();
+  ASSERT_EQ(gicube_load_volume(board, &volume, nullptr, nullptr), GICUBE_OK) << gicube_last_error();
+  gicube_host_ray ray{};
+  ray.direction[2] = 1;
+  gicube_traced_ray traced{};
+  std::uint32_t ticket = 0;
+  gicube_status status = GICUBE_OK;
+  for (int i = 0; i < 100 && status == GICUBE_OK; ++i) {
+    ray.id = static_cast<std::uint32_t>(i);
+    status = gicube_submit(board, &ray, 1, nullptr, &ticket);
+    if (status == GICUBE_OK) status = gicube_receive(board, ticket, GICUBE_NO_DEADLINE, &traced, 1, nullptr);
+  }
+  ASSERT_EQ(status, GICUBE_DEVICE_LOST);
+  EXPECT_EQ(gicube_last_loss(), GICUBE_LOSS_CLOSED);
+  gicube_reopened reopened{};
+  ASSERT_EQ(gicube_reopen(board, &reopened), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(reopened.resumed, 0);
+  EXPECT_EQ(reopened.volume, 1);
+  ASSERT_EQ(gicube_receive(board, ticket, GICUBE_NO_DEADLINE, &traced, 1, nullptr), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(traced.id, ray.id);
+  gicube_close(board);
+  EXPECT_TRUE(std::ifstream(capture).good());
 }
 
 TEST_F(CApi, VerifiesTheVolume) {

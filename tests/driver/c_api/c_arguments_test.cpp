@@ -38,6 +38,8 @@ TEST(CArgumentsWithoutABoard, AreRefusedAndWriteNothing) {
   EXPECT_EQ(value, 7u);
   EXPECT_REFUSED(gicube_host_compute(nullptr, 1), "board");
   EXPECT_REFUSED(gicube_set_time_limit(nullptr, 1), "board");
+  EXPECT_REFUSED(gicube_reopen(nullptr, nullptr), "board");
+  EXPECT_EQ(gicube_last_loss(), GICUBE_LOSS_NONE);
   EXPECT_REFUSED(gicube_get_info(nullptr, nullptr), "board");
   EXPECT_REFUSED(gicube_load_volume(nullptr, nullptr, nullptr, nullptr), "board");
   EXPECT_REFUSED(gicube_value_range(nullptr, nullptr, nullptr), "low");
@@ -85,6 +87,8 @@ TEST(CArgumentsWithoutABoard, OpeningGivesNoBoardUnlessItSucceeds) {
   ASSERT_EQ(gicube_open_options_init(&options, sizeof options), GICUBE_OK);
   options.back_pressure = 2;
   EXPECT_REFUSED(gicube_open("emu:", &options, &board), "options.back_pressure");
+  options.force = 2;
+  EXPECT_REFUSED(gicube_open("emu:", &options, &board), "options.force");
   EXPECT_EQ(board, nullptr);
 }
 
