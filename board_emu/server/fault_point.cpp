@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <stdexcept>
 #include <system_error>
 #include <tuple>
@@ -112,7 +111,7 @@ FaultAction FaultPoint::act(const PlannedFault& fault) {
     case PlannedFault::duplicate: action.twice = true; break;
     case PlannedFault::hang: action.hang = true; break;
     case PlannedFault::link_loss: action.cut = true; break;
-    case PlannedFault::kill: ::raise(SIGKILL); break;
+    case PlannedFault::kill: action.kill = true; break;
     case PlannedFault::slow:
       slow_[fault.direction() == PlannedFault::up ? 1 : 0] = {fault.bytes_per_second(), fault.messages()};
       break;

@@ -24,16 +24,18 @@ namespace gicube::emu {
 // What becomes of one message. Only frames with a sequence number are messages, each the first time that it is taken or
 // sent: what is sent again after a resume is not asked for a second time.
 struct FaultAction {
-  std::chrono::microseconds pause{0};        // first of all
-  bool drop = false;                         // as if it had been lost on its way
-  bool twice = false;                        // it comes a second time
-  bool hang = false;                         // neither it nor anything else passes until the connection ends
-  bool cut = false;                          // the connection ends now, without a last word
+  std::chrono::microseconds pause{0};  // first of all
+  bool drop = false;                   // as if it had been lost on its way
+  bool twice = false;                  // it comes a second time
+  bool hang = false;                   // neither it nor anything else passes until the connection ends
+  bool cut = false;                    // the connection ends now, without a last word
+  bool kill = false;                   // the process ends now, once all messages before this one have been written
   std::optional<std::uint32_t> flipped_bit;  // of the frame, header first, as it is on the wire
   std::optional<MemoryError> memory_error;   // to be given to the board before the message is carried out
 
   bool any() const {
-    return pause.count() > 0 || drop || twice || hang || cut || flipped_bit.has_value() || memory_error.has_value();
+    return pause.count() > 0 || drop || twice || hang || cut || kill || flipped_bit.has_value() ||
+           memory_error.has_value();
   }
 };
 

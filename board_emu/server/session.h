@@ -131,6 +131,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::deque<Frame> inbox_;
   Work work_;
   bool job_done_ = false;
+  bool delivering_ = false;  // a frame has its number and waits to be sent, by the fault plan
   bool stopped_ = false;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 

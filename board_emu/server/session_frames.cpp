@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <exception>
 
 #include "fault_point.h"
@@ -96,7 +97,7 @@ awaitable<bool> Session::take(const Connected& connection, Connection::Frame fra
     co_return false;
   }
   // A client that waits in vain asks what we have sent. While something is on its way it need not know.
-  if (header.flags != wire::kPosted && connection->idle()) {
+  if (header.flags != wire::kPosted && connection->idle() && !delivering_) {
     put(FrameHeader{FrameType::kCredit, wire::kResponse, sent_}, nothing());
   }
   co_return true;
@@ -120,6 +121,7 @@ awaitable<bool> Session::take_numbered(const Connected& connection, Connection::
   if (action.any()) {
     std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
     wire::encode(header, bytes);
+    if (action.kill) ::raise(SIGKILL);
     co_await pause(action.pause);
     if (connection_ != connection) co_return false;
     if (action.hang) connection->hang();
@@ -331,7 +333,12 @@ awaitable<void> Session::deliver(const Kept& kept) {
   const FaultAction action = slot_.faults().sent(wire::kFrameHeaderBytes + kept.payload->size());
   const Connected connection = connection_;
   if (action.any()) {
+    delivering_ = true;
+    // What was sent before must not be lost with the process: the log would not be that of the plan and the traffic.
+    while (action.kill && connection && !connection->idle()) co_await pause(std::chrono::milliseconds(1));
+    if (action.kill) ::raise(SIGKILL);
     co_await pause(action.pause);
+    delivering_ = false;
     if (!connection || connection_ != connection) co_return;
     if (action.cut) lose(connection, std::nullopt);
     if (action.hang) connection->hang();

@@ -76,11 +76,16 @@ std::string BoardProcess::read_errors() { return read_all(errors_); }
 
 void BoardProcess::send_signal(int signal) const { ::kill(pid_, signal); }
 
-int BoardProcess::exit_code() {
-  int status = 0;
-  ::waitpid(pid_, &status, 0);
-  pid_ = -1;
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+bool BoardProcess::reap(int options) {
+  if (pid_ > 0 && ::waitpid(pid_, &status_, options) == pid_) pid_ = -1;
+  return pid_ < 0;
 }
+
+int BoardProcess::exit_code() {
+  reap(0);
+  return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
+}
+
+bool BoardProcess::has_ended() { return reap(WNOHANG); }
 
 }  // namespace gicube::system_test

@@ -27,9 +27,13 @@ class BoardProcess {
   void send_signal(int signal) const;
   // Waits for its end; 128 + signal if one ended it.
   int exit_code();
+  bool has_ended();
 
  private:
-  pid_t pid_ = -1;
+  bool reap(int options);
+
+  pid_t pid_ = -1;  // -1: it has ended
+  int status_ = 0;
   int output_ = -1;
   int errors_ = -1;
 };

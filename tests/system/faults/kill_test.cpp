@@ -25,6 +25,7 @@ constexpr std::chrono::seconds kDeadline{20};  // of one answer: far above any t
 OpenOptions patient() {
   OpenOptions options;
   options.watchdog = kDeadline;
+  options.keep_volume = true;
   return options;
 }
 
@@ -84,12 +85,54 @@ TEST_F(Kill, OfTheBoardAtRandomMomentsIsReportedAndTheApplicationGoesOn) {
     EXPECT_EQ(process->exit_code(), 128 + SIGKILL);
     process.emplace(arguments(path));
     process->read_line();
-    Board next = Board::open("unix:" + path, patient());
-    prepare(next);
-    ASSERT_EQ(work(next), expected) << i;
+    const Reopened reopened = board.reopen();
+    EXPECT_FALSE(reopened.resumed) << i;
+    if (!reopened.volume) prepare(board);  // killed before it was there
+    const Round again = work(board);
+    ASSERT_EQ(again.pictures, expected.pictures) << i;
+    for (std::size_t batch = 0; batch < again.batches.size(); ++batch) {
+      ASSERT_TRUE(again.batches[batch].rays == expected.batches[batch].rays) << i;
+    }
   }
   RecordProperty("slowest_report_us",
                  std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(slowest).count()));
+}
+
+TEST_F(Kill, OfTheBoardLosesNoBatchThatWasSubmitted) {
+  constexpr std::size_t kBatches = 40, kRays = 500;
+  std::optional<BoardProcess> process(std::in_place, arguments(path));
+  process->read_line();
+  std::vector<std::vector<TracedRay>> sound(kBatches);
+  Board board = Board::open("unix:" + path, patient());
+  prepare(board);
+  for (std::size_t i = 0; i < kBatches; ++i) sound[i] = board.receive(board.submit(good_rays(i * kRays, kRays))).rays;
+  for (int round = 0; round < 20; ++round) {
+    std::vector<Ticket> tickets;
+    for (std::size_t i = 0; i < kBatches; ++i) tickets.push_back(board.submit(good_rays(i * kRays, kRays)));
+    std::size_t received = 0;
+    const auto receive_all = [&] {
+      for (; received < kBatches; ++received)
+        ASSERT_TRUE(board.receive(tickets[received]).rays == sound[received]) << received;
+    };
+    std::jthread killer([&, wait = moment(round) / 4] {
+      std::this_thread::sleep_for(wait);
+      process->send_signal(SIGKILL);
+    });
+    try {
+      receive_all();
+    } catch (const DeviceLost&) {
+    }
+    killer.join();
+    EXPECT_EQ(process->exit_code(), 128 + SIGKILL);
+    process.emplace(arguments(path));
+    process->read_line();
+    const Reopened reopened = board.reopen();
+    EXPECT_FALSE(reopened.resumed);
+    ASSERT_TRUE(reopened.volume);
+    receive_all();
+    EXPECT_THROW(board.receive(tickets[0]), BadArgument) << "received twice";
+    ASSERT_EQ(board.counters().value("dsp.host_rays") % kRays, 0u);
+  }
 }
 
 TEST_F(Kill, OfTheClientAtRandomMomentsFreesTheBoardForTheNext) {
