@@ -1,103 +1,12 @@
-// The C ABI does what the C++ API does, bit by bit, and turns wrong arguments away by their names.
-#include "gicube/c_api.h"
+// The C ABI does what the C++ API does, bit by bit.
+#include "c_board.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <array>
-#include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <fstream>
-#include <thread>
-#include <vector>
 
-#include "gicube/board.h"
 #include "temporary_directory.h"
 
-namespace gicube {
+namespace gicube::c_api_test {
 namespace {
-
-using testing::HasSubstr;
-using testing::StartsWith;
-
-constexpr int kEdge = 32;
-
-std::vector<std::uint8_t> cube() {
-  std::vector<std::uint8_t> voxels(std::size_t{kEdge} * kEdge * kEdge);
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const std::size_t x = i % kEdge, y = i / kEdge % kEdge, z = i / (kEdge * kEdge);
-    const auto inside = [](std::size_t v) { return v >= 8 && v < 24; };
-    voxels[i] = inside(x) && inside(y) && inside(z) ? static_cast<std::uint8_t>(100 + 4 * x) : 0;
-  }
-  return voxels;
-}
-
-template <typename Record>
-Record made(gicube_status (*init)(Record*, std::size_t)) {
-  Record record;
-  std::memset(static_cast<void*>(&record), 0xAA, sizeof record);
-  EXPECT_EQ(init(&record, sizeof record), GICUBE_OK);
-  EXPECT_EQ(record.size, sizeof record);
-  return record;
-}
-
-class CApi : public testing::Test {
- protected:
-  static void SetUpTestSuite() { setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
-  void SetUp() override { ASSERT_EQ(gicube_open("emu:", nullptr, &board_), GICUBE_OK) << gicube_last_error(); }
-  void TearDown() override { gicube_close(board_); }
-
-  gicube_volume volume() {
-    gicube_volume record = made(gicube_volume_init);
-    record.type = GICUBE_SAMPLE_UINT8;
-    for (std::int32_t& edge : record.dims) edge = kEdge;
-    record.samples = voxels_.data();
-    record.sample_bytes = voxels_.size();
-    return record;
-  }
-  gicube_status make_visible() {
-    const gicube_colour_point colours[] = {{0, {1, 0.5, 0.25}}};
-    const gicube_opacity_point opacities[] = {{90, 0}, {250, 0.3}};
-    return gicube_set_transfer_function(board_, 0, colours, 1, opacities, 2);
-  }
-  void load() {
-    const gicube_volume record = volume();
-    ASSERT_EQ(gicube_load_volume(board_, &record, nullptr, nullptr), GICUBE_OK) << gicube_last_error();
-    ASSERT_EQ(make_visible(), GICUBE_OK) << gicube_last_error();
-  }
-  gicube_view view() {
-    gicube_view record = made(gicube_view_init);
-    record.width = 40;
-    record.height = 30;
-    record.eye[0] = 70;
-    record.eye[1] = 50;
-    record.eye[2] = -40;
-    for (double& axis : record.look_at) axis = 15.5;
-    return record;
-  }
-  static std::vector<gicube_host_ray> rays(std::size_t count) {
-    std::vector<gicube_host_ray> all(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      all[i].id = static_cast<std::uint32_t>(1000 + i);
-      all[i].position[0] = static_cast<double>(i % 31);
-      all[i].position[1] = static_cast<double>(i / 31 % 31);
-      all[i].direction[2] = 1;
-    }
-    return all;
-  }
-
-  gicube_board* board_ = nullptr;
-  const std::vector<std::uint8_t> voxels_ = cube();
-};
-
-// The same calls by the C++ API on a board of its own.
-Board twin(const std::vector<std::uint8_t>& voxels) {
-  Board board = Board::open("emu:");
-  board.load_volume({.samples = std::as_bytes(std::span(voxels)), .dims = {kEdge, kEdge, kEdge}});
-  board.set_transfer_function({.colours = {{0, {1, 0.5, 0.25}}}, .opacities = {{90, 0}, {250, 0.3}}});
-  return board;
-}
 
 TEST_F(CApi, RendersTheBitsOfTheCppApiInTheSameTime) {
   load();
@@ -127,125 +36,6 @@ TEST_F(CApi, RendersTheBitsOfTheCppApiInTheSameTime) {
   EXPECT_EQ(height, 30);
 }
 
-TEST_F(CApi, TracesTheRaysOfTheCppApi) {
-  load();
-  const auto given = rays(5000);
-  std::uint32_t ticket = 0;
-  ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), nullptr, &ticket), GICUBE_OK) << gicube_last_error();
-  std::vector<gicube_traced_ray> traced(given.size());
-  gicube_batch_report report = made(gicube_batch_report_init);
-  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), traced.size(), &report), GICUBE_OK)
-      << gicube_last_error();
-  EXPECT_EQ(report.ticket, ticket);
-  EXPECT_EQ(report.rays, 5000u);
-  EXPECT_EQ(report.deposited, 0);
-
-  Board board = twin(voxels_);
-  std::vector<HostRay> same;
-  for (const gicube_host_ray& ray : given) {
-    same.push_back({ray.id, {ray.position[0], ray.position[1], ray.position[2]}, {0, 0, 1}});
-  }
-  const RayBatch batch = board.receive(board.submit(same));
-  for (std::size_t i = 0; i < traced.size(); ++i) {
-    ASSERT_EQ(traced[i].id, batch.rays[i].id);
-    ASSERT_EQ(traced[i].opacity, batch.rays[i].opacity);
-    ASSERT_EQ(traced[i].position[2], batch.rays[i].position.z);
-    ASSERT_EQ(traced[i].colour[1], batch.rays[i].colour[1]);
-  }
-  EXPECT_EQ(report.completed_ps, batch.completed);
-}
-
-TEST_F(CApi, AskedForRaysOfEveryTypeItPassesTheRequestOn) {
-  load();
-  auto given = rays(500);
-  for (gicube_host_ray& ray : given) ray.length = 16, ray.energy = 10;
-  gicube_ray_request request = made(gicube_ray_request_init);
-  std::vector<gicube_traced_ray> whole(given.size()), half(given.size());
-  std::uint32_t ticket = 0;
-  for (const auto& [type, into] : {std::pair(GICUBE_RAY_INTEGRATE, &whole), std::pair(GICUBE_RAY_OPACITY, &half)}) {
-    request.type = type;
-    ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), &request, &ticket), GICUBE_OK) << gicube_last_error();
-    ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, into->data(), into->size(), nullptr), GICUBE_OK);
-  }
-  const std::size_t middle = 12 * 31 + 12;
-  EXPECT_GT(whole[middle].opacity, half[middle].opacity);
-  EXPECT_GT(half[middle].opacity, 0);
-  EXPECT_EQ(half[middle].colour[0], 0);
-
-  ASSERT_EQ(gicube_clear_irradiance(board_, 0.5), GICUBE_OK) << gicube_last_error();
-  request.type = GICUBE_RAY_DEPOSIT;
-  ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), &request, &ticket), GICUBE_OK) << gicube_last_error();
-  gicube_batch_report report = made(gicube_batch_report_init);
-  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, nullptr, 0, &report), GICUBE_OK) << gicube_last_error();
-  EXPECT_EQ(report.deposited, 1);
-  EXPECT_EQ(report.rays, 0u);
-  EXPECT_GT(report.lighting.deposited, 0);
-  std::vector<float> irradiance(voxels_.size());
-  ASSERT_EQ(gicube_read_irradiance(board_, nullptr, irradiance.data(), irradiance.size()), GICUBE_OK);
-  double sum = 0;
-  for (const float value : irradiance) sum += value;
-  EXPECT_NEAR(sum, report.lighting.deposited, 1e-3 * sum);
-}
-
-TEST_F(CApi, GathersRaysAndPolylines) {
-  load();
-  const auto given = rays(31);
-  const gicube_ray_span spans[] = {{given.data(), 10}, {nullptr, 0}, {given.data() + 10, 21}};
-  std::uint32_t ticket = 0;
-  ASSERT_EQ(gicube_submit_gather(board_, spans, 3, nullptr, &ticket), GICUBE_OK) << gicube_last_error();
-  std::vector<gicube_traced_ray> traced(31);
-  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), 31, nullptr), GICUBE_OK);
-  for (std::size_t i = 0; i < 31; ++i) EXPECT_EQ(traced[i].id, 1000 + i);
-
-  const double points[] = {12, 12, 0, 12, 12, 16, 12, 12, 31};
-  const gicube_polyline line{7, 0, points, 3};
-  ASSERT_EQ(gicube_submit_polylines(board_, &line, 1, &ticket), GICUBE_OK) << gicube_last_error();
-  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), 2, nullptr), GICUBE_OK)
-      << gicube_last_error();
-  EXPECT_GT(traced[1].opacity, traced[0].opacity);
-  EXPECT_GT(traced[0].opacity, 0);
-}
-
-TEST(CRay, GoesFromOnePointToAnother) {
-  const double from[] = {1, 2, 3}, to[] = {1, 2, 8};
-  gicube_host_ray ray;
-  ASSERT_EQ(gicube_ray_between(9, from, to, &ray), GICUBE_OK);
-  EXPECT_EQ(ray.id, 9u);
-  EXPECT_EQ(ray.position[2], 3);
-  EXPECT_EQ(ray.length, 5);
-  EXPECT_GT(ray.direction[2], 0);
-  EXPECT_EQ(gicube_ray_between(9, nullptr, to, &ray), GICUBE_BAD_ARGUMENT);
-}
-
-TEST_F(CApi, PollTellsOfBatchesThatReceiveThenGives) {
-  load();
-  gicube_batch_report report = made(gicube_batch_report_init);
-  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
-  EXPECT_EQ(report.ticket, 0u);
-  const auto given = rays(100);
-  std::uint32_t first = 0, second = 0;
-  ASSERT_EQ(gicube_submit(board_, given.data(), 60, nullptr, &first), GICUBE_OK);
-  ASSERT_EQ(gicube_submit(board_, given.data(), 40, nullptr, &second), GICUBE_OK);
-  std::vector<gicube_traced_ray> traced(60);
-  EXPECT_EQ(gicube_receive(board_, second, 1, traced.data(), 40, nullptr), GICUBE_DEADLINE_PASSED);
-  ASSERT_EQ(gicube_host_compute(board_, 1'000'000'000), GICUBE_OK);
-  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
-  EXPECT_EQ(report.ticket, first);
-  EXPECT_EQ(report.rays, 60u);
-  std::int32_t cancelled = 7;
-  EXPECT_EQ(gicube_cancel(board_, first, &cancelled), GICUBE_OK);
-  EXPECT_EQ(cancelled, 0);
-  EXPECT_EQ(gicube_receive(board_, first, GICUBE_NO_DEADLINE, traced.data(), 59, nullptr), GICUBE_BAD_ARGUMENT);
-  EXPECT_EQ(gicube_receive(board_, first, GICUBE_NO_DEADLINE, traced.data(), 60, nullptr), GICUBE_OK);
-  EXPECT_EQ(traced[59].id, 1059u);
-  EXPECT_EQ(gicube_receive(board_, first, GICUBE_NO_DEADLINE, traced.data(), 60, nullptr), GICUBE_BAD_ARGUMENT);
-  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
-  EXPECT_EQ(report.ticket, second);
-  EXPECT_EQ(gicube_receive(board_, second, GICUBE_NO_DEADLINE, traced.data(), 40, nullptr), GICUBE_OK);
-  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
-  EXPECT_EQ(report.ticket, 0u);
-}
-
 TEST_F(CApi, ReadsAndWritesBoxesOfTheVolume) {
   load();
   double low = 1, high = 0;
@@ -264,42 +54,6 @@ TEST_F(CApi, ReadsAndWritesBoxesOfTheVolume) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(read[i], values[i], 0.1);
   EXPECT_EQ(gicube_read_volume(board_, &box, values.data(), 5), GICUBE_BAD_ARGUMENT);
   EXPECT_STREQ(gicube_last_error_field(), "count");
-}
-
-TEST_F(CApi, FindsTheFactorsOfPairsOfTheCppApi) {
-  load();
-  gicube_element elements[2] = {};
-  for (gicube_element& element : elements) {
-    element.kind = GICUBE_ELEMENT_PATCH;
-    element.origin[0] = element.origin[1] = 10;
-    element.u[0] = element.v[1] = 4;
-  }
-  elements[1].origin[2] = 31;
-  std::swap(elements[1].u, elements[1].v);  // faces the first one
-  const gicube_element_pair pair{0, 1, 5, 0};
-  gicube_pair_request request = made(gicube_pair_request_init);
-  request.rays = 64;
-  gicube_pair_factor factor{};
-  ASSERT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1), GICUBE_OK)
-      << gicube_last_error();
-  Board board = twin(voxels_);
-  const std::vector<Element> same{{ElementKind::kPatch, {10, 10, 0}, {4, 0, 0}, {0, 4, 0}, {}},
-                                  {ElementKind::kPatch, {10, 10, 31}, {0, 4, 0}, {4, 0, 0}, {}}};
-  const std::vector<ElementPair> pairs{{0, 1, 5}};
-  PairRequest how;
-  how.rays = 64;
-  const PairFactor expected = board.pair_factors(same, pairs, how).at(0);
-  EXPECT_EQ(factor.transported, expected.transported);
-  EXPECT_EQ(factor.geometric, expected.geometric);
-  EXPECT_EQ(factor.standard_error, expected.standard_error);
-  EXPECT_GT(factor.geometric, factor.transported);
-  EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 2),
-            GICUBE_BAD_ARGUMENT);
-  EXPECT_STREQ(gicube_last_error_field(), "count");
-  elements[1].kind = 2;
-  EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1),
-            GICUBE_BAD_ARGUMENT);
-  EXPECT_STREQ(gicube_last_error_field(), "elements[1].kind");
 }
 
 // The board dies with its 40th message; a new one has the volume again, and the rays that were under way.
@@ -445,4 +199,4 @@ TEST_F(CApi, FlagsAndCodebookAndShading) {
 }
 
 }  // namespace
-}  // namespace gicube
+}  // namespace gicube::c_api_test

@@ -1,0 +1,165 @@
+// Rays of a C program come back as those of a C++ program, bit by bit.
+#include "c_board.h"
+
+#include <utility>
+
+namespace gicube::c_api_test {
+namespace {
+
+TEST_F(CApi, TracesTheRaysOfTheCppApi) {
+  load();
+  const auto given = rays(5000);
+  std::uint32_t ticket = 0;
+  ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), nullptr, &ticket), GICUBE_OK) << gicube_last_error();
+  std::vector<gicube_traced_ray> traced(given.size());
+  gicube_batch_report report = made(gicube_batch_report_init);
+  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), traced.size(), &report), GICUBE_OK)
+      << gicube_last_error();
+  EXPECT_EQ(report.ticket, ticket);
+  EXPECT_EQ(report.rays, 5000u);
+  EXPECT_EQ(report.deposited, 0);
+
+  Board board = twin(voxels_);
+  std::vector<HostRay> same;
+  for (const gicube_host_ray& ray : given) {
+    same.push_back({ray.id, {ray.position[0], ray.position[1], ray.position[2]}, {0, 0, 1}});
+  }
+  const RayBatch batch = board.receive(board.submit(same));
+  for (std::size_t i = 0; i < traced.size(); ++i) {
+    ASSERT_EQ(traced[i].id, batch.rays[i].id);
+    ASSERT_EQ(traced[i].opacity, batch.rays[i].opacity);
+    ASSERT_EQ(traced[i].position[2], batch.rays[i].position.z);
+    ASSERT_EQ(traced[i].colour[1], batch.rays[i].colour[1]);
+  }
+  EXPECT_EQ(report.completed_ps, batch.completed);
+}
+
+TEST_F(CApi, AskedForRaysOfEveryTypeItPassesTheRequestOn) {
+  load();
+  auto given = rays(500);
+  for (gicube_host_ray& ray : given) ray.length = 16, ray.energy = 10;
+  gicube_ray_request request = made(gicube_ray_request_init);
+  std::vector<gicube_traced_ray> whole(given.size()), half(given.size());
+  std::uint32_t ticket = 0;
+  for (const auto& [type, into] : {std::pair(GICUBE_RAY_INTEGRATE, &whole), std::pair(GICUBE_RAY_OPACITY, &half)}) {
+    request.type = type;
+    ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), &request, &ticket), GICUBE_OK) << gicube_last_error();
+    ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, into->data(), into->size(), nullptr), GICUBE_OK);
+  }
+  const std::size_t middle = 12 * 31 + 12;
+  EXPECT_GT(whole[middle].opacity, half[middle].opacity);
+  EXPECT_GT(half[middle].opacity, 0);
+  EXPECT_EQ(half[middle].colour[0], 0);
+
+  ASSERT_EQ(gicube_clear_irradiance(board_, 0.5), GICUBE_OK) << gicube_last_error();
+  request.type = GICUBE_RAY_DEPOSIT;
+  ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), &request, &ticket), GICUBE_OK) << gicube_last_error();
+  gicube_batch_report report = made(gicube_batch_report_init);
+  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, nullptr, 0, &report), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(report.deposited, 1);
+  EXPECT_EQ(report.rays, 0u);
+  EXPECT_GT(report.lighting.deposited, 0);
+  std::vector<float> irradiance(voxels_.size());
+  ASSERT_EQ(gicube_read_irradiance(board_, nullptr, irradiance.data(), irradiance.size()), GICUBE_OK);
+  double sum = 0;
+  for (const float value : irradiance) sum += value;
+  EXPECT_NEAR(sum, report.lighting.deposited, 1e-3 * sum);
+}
+
+TEST_F(CApi, GathersRaysAndPolylines) {
+  load();
+  const auto given = rays(31);
+  const gicube_ray_span spans[] = {{given.data(), 10}, {nullptr, 0}, {given.data() + 10, 21}};
+  std::uint32_t ticket = 0;
+  ASSERT_EQ(gicube_submit_gather(board_, spans, 3, nullptr, &ticket), GICUBE_OK) << gicube_last_error();
+  std::vector<gicube_traced_ray> traced(31);
+  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), 31, nullptr), GICUBE_OK);
+  for (std::size_t i = 0; i < 31; ++i) EXPECT_EQ(traced[i].id, 1000 + i);
+
+  const double points[] = {12, 12, 0, 12, 12, 16, 12, 12, 31};
+  const gicube_polyline line{7, 0, points, 3};
+  ASSERT_EQ(gicube_submit_polylines(board_, &line, 1, &ticket), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), 2, nullptr), GICUBE_OK)
+      << gicube_last_error();
+  EXPECT_GT(traced[1].opacity, traced[0].opacity);
+  EXPECT_GT(traced[0].opacity, 0);
+}
+
+TEST(CRay, GoesFromOnePointToAnother) {
+  const double from[] = {1, 2, 3}, to[] = {1, 2, 8};
+  gicube_host_ray ray;
+  ASSERT_EQ(gicube_ray_between(9, from, to, &ray), GICUBE_OK);
+  EXPECT_EQ(ray.id, 9u);
+  EXPECT_EQ(ray.position[2], 3);
+  EXPECT_EQ(ray.length, 5);
+  EXPECT_GT(ray.direction[2], 0);
+  EXPECT_EQ(gicube_ray_between(9, nullptr, to, &ray), GICUBE_BAD_ARGUMENT);
+}
+
+TEST_F(CApi, PollTellsOfBatchesThatReceiveThenGives) {
+  load();
+  gicube_batch_report report = made(gicube_batch_report_init);
+  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
+  EXPECT_EQ(report.ticket, 0u);
+  const auto given = rays(100);
+  std::uint32_t first = 0, second = 0;
+  ASSERT_EQ(gicube_submit(board_, given.data(), 60, nullptr, &first), GICUBE_OK);
+  ASSERT_EQ(gicube_submit(board_, given.data(), 40, nullptr, &second), GICUBE_OK);
+  std::vector<gicube_traced_ray> traced(60);
+  EXPECT_EQ(gicube_receive(board_, second, 1, traced.data(), 40, nullptr), GICUBE_DEADLINE_PASSED);
+  ASSERT_EQ(gicube_host_compute(board_, 1'000'000'000), GICUBE_OK);
+  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
+  EXPECT_EQ(report.ticket, first);
+  EXPECT_EQ(report.rays, 60u);
+  std::int32_t cancelled = 7;
+  EXPECT_EQ(gicube_cancel(board_, first, &cancelled), GICUBE_OK);
+  EXPECT_EQ(cancelled, 0);
+  EXPECT_EQ(gicube_receive(board_, first, GICUBE_NO_DEADLINE, traced.data(), 59, nullptr), GICUBE_BAD_ARGUMENT);
+  EXPECT_EQ(gicube_receive(board_, first, GICUBE_NO_DEADLINE, traced.data(), 60, nullptr), GICUBE_OK);
+  EXPECT_EQ(traced[59].id, 1059u);
+  EXPECT_EQ(gicube_receive(board_, first, GICUBE_NO_DEADLINE, traced.data(), 60, nullptr), GICUBE_BAD_ARGUMENT);
+  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
+  EXPECT_EQ(report.ticket, second);
+  EXPECT_EQ(gicube_receive(board_, second, GICUBE_NO_DEADLINE, traced.data(), 40, nullptr), GICUBE_OK);
+  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
+  EXPECT_EQ(report.ticket, 0u);
+}
+
+TEST_F(CApi, FindsTheFactorsOfPairsOfTheCppApi) {
+  load();
+  gicube_element elements[2] = {};
+  for (gicube_element& element : elements) {
+    element.kind = GICUBE_ELEMENT_PATCH;
+    element.origin[0] = element.origin[1] = 10;
+    element.u[0] = element.v[1] = 4;
+  }
+  elements[1].origin[2] = 31;
+  std::swap(elements[1].u, elements[1].v);  // faces the first one
+  const gicube_element_pair pair{0, 1, 5, 0};
+  gicube_pair_request request = made(gicube_pair_request_init);
+  request.rays = 64;
+  gicube_pair_factor factor{};
+  ASSERT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1), GICUBE_OK)
+      << gicube_last_error();
+  Board board = twin(voxels_);
+  const std::vector<Element> same{{ElementKind::kPatch, {10, 10, 0}, {4, 0, 0}, {0, 4, 0}, {}},
+                                  {ElementKind::kPatch, {10, 10, 31}, {0, 4, 0}, {4, 0, 0}, {}}};
+  const std::vector<ElementPair> pairs{{0, 1, 5}};
+  PairRequest how;
+  how.rays = 64;
+  const PairFactor expected = board.pair_factors(same, pairs, how).at(0);
+  EXPECT_EQ(factor.transported, expected.transported);
+  EXPECT_EQ(factor.geometric, expected.geometric);
+  EXPECT_EQ(factor.standard_error, expected.standard_error);
+  EXPECT_GT(factor.geometric, factor.transported);
+  EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 2),
+            GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "count");
+  elements[1].kind = 2;
+  EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1),
+            GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "elements[1].kind");
+}
+
+}  // namespace
+}  // namespace gicube::c_api_test
