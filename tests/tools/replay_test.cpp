@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 
+#include "board_process.h"
 #include "gicube/board.h"
 #include "gicube/wire/capture.h"
 #include "gicube/wire/checksum.h"
@@ -29,9 +33,14 @@ std::string contents(const std::string& file) {
 
 void write(const std::string& file, const std::string& bytes) { std::ofstream(file, std::ios::binary) << bytes; }
 
+Board open(const std::string& uri, const OpenOptions& options) {
+  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);  // this program stands in another folder
+  return Board::open(uri, options);
+}
+
 // A volume, a picture, rays, counters: something of each kind of traffic.
 void use(const std::string& uri, const OpenOptions& options = {}) {
-  Board board = Board::open(uri, options);
+  Board board = open(uri, options);
   std::vector<std::byte> samples(40 * 40 * 40);
   for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = static_cast<std::byte>(i % 251);
   board.load_volume({.samples = samples, .type = SampleType::kUint8, .dims = {40, 40, 40}});
@@ -91,6 +100,29 @@ TEST(Replay, AnotherMachineMakesTheSamePicturesAndRays) {
   EXPECT_THAT(run.out, AllOf(HasSubstr("another configuration"), HasSubstr("no difference")));
 }
 
+TEST(Replay, ASessionThatWasResumedReplaysAsIfNothingHadBeen) {
+  const TemporaryDirectory folder;
+  write(folder.file("plan"), "random { kinds: drop kinds: corrupt kinds: duplicate mean_messages: 8 seed: 3 }");
+  system_test::BoardProcess process(
+      {"--listen", "unix:" + folder.file("bus"), "--faults", folder.file("plan"), "--quiet"});
+  ASSERT_THAT(process.read_line(), HasSubstr("ready"));
+  OpenOptions options;
+  options.capture = folder.file("session.cap");
+  options.reopen_attempts = 100;
+  use("unix:" + folder.file("bus"), options);
+  std::map<std::uint32_t, int> times_sent;
+  alter(options.capture, [&](wire::CaptureKind kind, wire::FrameHeader& header, std::span<std::uint8_t>) {
+    if (kind == wire::CaptureKind::kDown && !wire::is_free(header.type)) ++times_sent[header.sequence];
+    return false;
+  });
+  const bool sent_again =
+      std::any_of(times_sent.begin(), times_sent.end(), [](const auto& frame) { return frame.second > 1; });
+  EXPECT_TRUE(sent_again) << "the plan has lost nothing";
+  const Finished run = replay(options.capture);
+  EXPECT_EQ(run.code, 0) << run.out << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("times and counters are compared too"), HasSubstr("no difference")));
+}
+
 TEST(Replay, TheUriAndTheEnvironmentNameTheFileToo) {
   const TemporaryDirectory folder;
   use("emu:?capture=" + folder.file("uri.cap"));
@@ -103,7 +135,7 @@ TEST(Replay, TheUriAndTheEnvironmentNameTheFileToo) {
 TEST(Replay, AFileThatCantBeWrittenIsAnErrorOfOpen) {
   OpenOptions options;
   options.capture = "/no/such/folder/session.cap";
-  EXPECT_THROW(Board::open("emu:", options), OpenFailed);
+  EXPECT_THROW(open("emu:", options), OpenFailed);
 }
 
 TEST(Replay, NamesTheFirstByteThatDiffers) {
