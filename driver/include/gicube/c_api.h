@@ -16,6 +16,8 @@
 #include "gicube/c_types.h"
 #include "gicube/export.h"
 
+/* NOLINTBEGIN(modernize-use-using, readability-identifier-naming): C, and its names */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -161,6 +163,8 @@ GICUBE_API gicube_status gicube_counters_at(const gicube_counter_list* list, siz
                                             const char** unit, uint64_t* value);
 /* GICUBE_UNSUPPORTED if this board's fidelity level does not keep it; *value is 0 then. */
 GICUBE_API gicube_status gicube_counters_value(const gicube_counter_list* list, const char* name, uint64_t* value);
+
+/* NOLINTEND(modernize-use-using, readability-identifier-naming) */
 
 #ifdef __cplusplus
 }

@@ -11,6 +11,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* NOLINTBEGIN(modernize-use-using, readability-identifier-naming): C, and its names */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -333,6 +335,8 @@ typedef struct gicube_pair_factor {
   double geometric;
   double standard_error;
 } gicube_pair_factor;
+
+/* NOLINTEND(modernize-use-using, readability-identifier-naming) */
 
 #ifdef __cplusplus
 }
