@@ -169,7 +169,8 @@ class Link : private FrameSink {
   wire::ErrorCode refusal_ = wire::ErrorCode::kNone;  // of the handshake
   std::uint64_t session_ = 0;                         // its token; 0 = it can't be resumed
   int attempts_ = 0;                                  // to resume, since the board last took or sent something
-  bool deaf_ = false;  // what the stream reports belongs to a connection that is given up
+  std::uint32_t known_taken_ = 0;  // the last frame of ours that the board has said it took, when it was resumed
+  bool deaf_ = false;              // what the stream reports belongs to a connection that is given up
   std::chrono::steady_clock::time_point last_heard_;  // a sign of life
   std::chrono::steady_clock::time_point last_frame_;  // any frame either way that a probe would only repeat
   wire::SendCredits send_credits_{0, 0};

@@ -87,6 +87,7 @@ StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const 
   agreed_ = *agreed;
   theirs_ = theirs;
   session_ = theirs.session;
+  known_taken_ = 0;
   send_credits_ = wire::SendCredits(theirs.window_slots, theirs.window_bytes);
   phase_ = Phase::kOpen;
   return {};
@@ -102,6 +103,8 @@ StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
     session_ = 0;
     return {"the board does not know where the session stood", Loss::kEnded};
   }
+  if (wire::sequence_step(known_taken_, theirs.taken) > 0) attempts_ = 0;
+  known_taken_ = theirs.taken;
   while (!kept_.empty() && wire::sequence_step(kept_.front().header.sequence, theirs.consumed) >= 0) {
     forget_consumed(1);
   }
