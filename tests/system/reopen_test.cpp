@@ -256,6 +256,54 @@ TEST_F(Reopen, ClientsThatWaitGetTheBoardInTheirOrder) {
   EXPECT_THAT(order, testing::ElementsAre(0, 1, 2, 3));
 }
 
+TEST_F(Reopen, AClientThatWaitsLongEnoughIsToldThatTheBoardIsBusy) {
+  start();
+  const Board owner = open();
+  OpenOptions options;
+  options.wait_for_board = milliseconds(400);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THROW(open(options), BoardBusy);
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(400));
+  options.wait_for_board = milliseconds(-1);
+  EXPECT_THAT([&] { open(options); }, ThrowsMessage<BadArgument>(HasSubstr("wait_for_board")));
+}
+
+TEST_F(Reopen, BoardsOfOneProcessAreStrangersToEachOther) {
+  start("", {"--boards", "2"});
+  Board first = open(), second = Board::open("unix:" + path_ + ".1");
+  Board alone = reference::open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
+  load(first);
+  EXPECT_THROW(second.render(front_view(32)), Rejected);
+  load(second);
+  load(alone);
+  const Image expected = alone.render(front_view(32));
+  for (Board* board : {&first, &second}) {
+    EXPECT_TRUE(board->render(front_view(32)) == expected);
+    EXPECT_EQ(board->now(), alone.now());
+  }
+  OpenOptions force;
+  force.force = true;
+  const Board thief = open(force);
+  EXPECT_THROW(first.counters(), DeviceLost);
+  EXPECT_NO_THROW(second.counters());
+}
+
+TEST_F(Reopen, WithoutResumingABrokenConnectionIsTheEndOfTheSession) {
+  start("fault { direction: up message: 40 kind: link_loss }", {"--resume-seconds", "0"});
+  OpenOptions options;
+  options.reopen_attempts = 3;
+  Board board = open(options);
+  load(board);
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 100; ++i) board.counters();
+      },
+      DeviceLost);
+  const Reopened reopened = board.reopen();
+  EXPECT_FALSE(reopened.resumed);
+  EXPECT_FALSE(reopened.volume);
+}
+
 TEST_F(Reopen, ABoardWhoseClientIsGoneBelongsToTheNextAtOnce) {
   start("fault { direction: up message: 20 kind: link_loss }");
   Board lost = open();

@@ -34,6 +34,20 @@ TEST(CommandLine, TakesAListeningBoardWithOverrides) {
   EXPECT_FALSE(line.options.management);
 }
 
+TEST(CommandLine, SaysHowLongASessionMayBeResumed) {
+  EXPECT_EQ(parse({"--listen", "unix:/tmp/b"}).options.resume_limit, std::chrono::seconds(10));
+  EXPECT_EQ(parse({"--listen", "unix:/tmp/b", "--resume-seconds", "0"}).options.resume_limit.count(), 0);
+  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--resume-seconds", "86401"}).faults,
+              Contains(HasSubstr("--resume-seconds")));
+}
+
+TEST(CommandLine, ThePaceIsNoPartOfTheConfigurationsHash) {
+  const auto paced = parse({"--listen", "unix:/tmp/b", "--set", "pace=realtime"}).options.config;
+  EXPECT_EQ(paced.pace(), v1::realtime);
+  EXPECT_EQ(config_hash(paced), config_hash(parse({"--listen", "unix:/tmp/b"}).options.config));
+  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--set", "pace=PACE_UNSPECIFIED"}).faults, Contains(HasSubstr("pace")));
+}
+
 TEST(CommandLine, ReportsAllFaultsAtOnce) {
   const reference::TemporaryDirectory folder;
   const std::string file = folder.file("board.textproto");

@@ -17,7 +17,8 @@ using reference::FakeBoard;
 using reference::Frame;
 using wire::FrameType;
 
-const LinkOptions kPatient{.watchdog = std::chrono::seconds(60)};
+// Without the questions of a call that waits long: the scripts count frames.
+const LinkOptions kPatient{.watchdog = std::chrono::seconds(60), .probe = std::chrono::hours(1)};
 
 wire::VersionInfo window(std::uint32_t slots, std::uint64_t bytes) {
   wire::VersionInfo info;

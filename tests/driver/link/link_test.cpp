@@ -19,7 +19,8 @@ using reference::Frame;
 using ::testing::HasSubstr;
 using wire::FrameType;
 
-const LinkOptions kPatient{.watchdog = std::chrono::seconds(60)};
+// Without the questions of a call that waits long: the scripts count frames.
+const LinkOptions kPatient{.watchdog = std::chrono::seconds(60), .probe = std::chrono::hours(1)};
 
 template <typename Call>
 std::string what_of(const Call& call) {

@@ -38,6 +38,11 @@ TEST(Uri, EmuOptionsBecomeTheBoardsArgumentsInTheirOrder) {
   EXPECT_EQ(uri.threads, 2u);
 }
 
+TEST(Uri, ThePaceIsOneOfTwo) {
+  EXPECT_THAT(parse_uri("emu:?pace=realtime").board_arguments, ElementsAre("--set", "pace=realtime"));
+  EXPECT_EQ(error_of("emu:?pace=fast"), "URI option pace: expected one of as_fast_as_possible, realtime, got \"fast\"");
+}
+
 TEST(Uri, UnixTakesThePathWithItsPercentEscapes) {
   const Uri uri = parse_uri("unix:/run/a%3fb/board%25.sock");
   EXPECT_EQ(uri.scheme, UriScheme::kUnix);
