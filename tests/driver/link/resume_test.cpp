@@ -81,8 +81,8 @@ TEST(Resume, SendsAgainWhatTheBoardHasNotTakenAndNothingElse) {
   link.post(FrameType::kRegisterWrite, 2, bytes_of("bbbbbbbb"));
   EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
   EXPECT_TRUE(link.resume());
-  EXPECT_EQ(said.session, kToken);
   EXPECT_EQ(link.request(FrameType::kPoll, 3, {}).time_ps, 5u);
+  EXPECT_EQ(said.session, kToken);
   ASSERT_EQ(again.size(), 3u);
   EXPECT_EQ(again[0].payload, bytes_of("bbbbbbbb"));
   EXPECT_EQ(again[0].header.sequence, 2u);
