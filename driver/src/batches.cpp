@@ -73,6 +73,8 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   batch.lines = std::move(lines);
   batch.deposits = setup.request.type == RayType::kDeposit;
   batch.energy_unit = setup.energy_unit;
+  batch.sampling = setup.sampling;
+  batch.towards_eye = setup.towards_eye;
   do {
     ++last_ticket_;
   } while (last_ticket_ == 0 || batches_.contains(last_ticket_));
@@ -193,8 +195,10 @@ bool Batches::cancel(Ticket ticket) {
   return any;
 }
 
-void Batches::send_again() {
+void Batches::send_again(const std::function<void(const View&, Vec3)>& set_sampling) {
   for (auto& [ticket, batch] : batches_) {
+    if (batch.complete()) continue;
+    set_sampling(batch.sampling, batch.towards_eye);
     for (Part& part : batch.parts) {
       if (!part.result) part.command = device_.command(part.encoded);
     }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -38,7 +38,8 @@ class Batches {
 
   bool empty() const { return batches_.empty(); }
   // The link goes to a new board: everything that has not come back is sent again, in its order.
-  void send_again();
+  // `set_sampling(view, towards_eye)` is called before each, with what it was submitted with.
+  void send_again(const std::function<void(const View&, Vec3)>& set_sampling);
 
  private:
   // As many rays as one command holds.
@@ -53,6 +54,8 @@ class Batches {
     std::size_t rays = 0;
     bool deposits = false;
     double energy_unit = 0;
+    View sampling;
+    Vec3 towards_eye;
     std::vector<std::size_t> lines;
     std::vector<Part> parts;
 

@@ -46,7 +46,7 @@ void Board::load_volume(const VolumeView& view, const Progress& progress) {
   state_->find_flags(loaded);
   state_->check_fence();
   state_->volume = std::move(loaded);
-  if (std::exchange(state_->batches_wait, false)) state_->batches.send_again();
+  if (std::exchange(state_->batches_wait, false)) state_->send_batches_again();
 }
 
 void Board::State::begin_volume(const LoadedVolume& of) {

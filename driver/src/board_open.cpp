@@ -126,9 +126,8 @@ void Board::State::restore() {
     for (const auto& [block, bytes] : kept_blocks) device.write_memory(block_address(block), bytes);
     tables.send_segmentation(volume->range);
     tables.send_flags(volume->flags);
-    if (sampling.shade) tables.send_reflectance(sampling_towards_eye);  // that the batches were submitted with
     check_fence();
-    batches.send_again();
+    send_batches_again();
   }
   restoring = false;
 }

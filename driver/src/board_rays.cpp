@@ -19,7 +19,7 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   if (deposits && irradiance_unit <= 0) {
     throw Rejected("rays that deposit need a unit of energy: clear_irradiance() or illuminate() first");
   }
-  const RaySetup setup{request, of.dims, irradiance_unit, info.wide};
+  const RaySetup setup{request, of.dims, irradiance_unit, info.wide, sampling, sampling_towards_eye};
   std::size_t index = 0;
   for (const auto& part : rays) {
     for (const HostRay& ray : part) check(ray, index++, setup);
@@ -29,6 +29,13 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
   if (gathers_colour && sampling.shade) tables.send_reflectance(sampling_towards_eye);
   return batches.submit(rays, setup, std::move(lines));
+}
+
+void Board::State::send_batches_again() {
+  batches.send_again([this](const View& view, Vec3 towards_eye) {
+    set_sampling(view);
+    if (view.shade) tables.send_reflectance(towards_eye);
+  });
 }
 
 Ticket Board::submit(std::span<const HostRay> rays, const RayRequest& request) {

@@ -75,6 +75,7 @@ struct GICUBE_HIDDEN Board::State {
                                          const PairRequest& request, const Progress& progress);
   std::vector<PairFactor> pairs_by_host(std::span<const Element> elements, std::span<const ElementPair> pairs,
                                         const PairRequest& request, const Progress& progress);
+  void send_batches_again();
   // Of a call that begins now.
   Picoseconds deadline() const {
     const Picoseconds now = device.clock().now();

@@ -198,6 +198,43 @@ TEST_F(Reopen, AKilledBoardIsReplacedByANewOneWithVolumeTablesAndBatches) {
   EXPECT_TRUE(after == before);
 }
 
+TEST_F(Reopen, BatchesAreSentAgainAsTheyWereSampledFirst) {
+  View coarse = front_view(32), fine = front_view(32);
+  coarse.step = 3;
+  coarse.shade = false;
+  fine.step = 0.25;
+  fine.opacity_threshold = 0.5;
+  const auto submit_both = [&](Board& board) {
+    load(board);
+    board.render_to_framebuffer(coarse);
+    const Ticket first = board.submit(rays(900));
+    board.render_to_framebuffer(fine);
+    return std::pair(first, board.submit(rays(900)));
+  };
+  start();
+  std::vector<TracedRay> expected;
+  {
+    Board quiet = open();
+    const auto [first, second] = submit_both(quiet);
+    for (const Ticket ticket : {first, second}) {
+      for (const TracedRay& ray : quiet.receive(ticket).rays) expected.push_back(ray);
+    }
+  }
+  OpenOptions options;
+  options.keep_volume = true;
+  Board board = open(options);
+  const auto [first, second] = submit_both(board);
+  start();  // the board that has the rays is gone
+  EXPECT_THROW(board.counters(), DeviceLost);
+  EXPECT_FALSE(board.reopen().resumed);
+  std::vector<TracedRay> got;
+  for (const Ticket ticket : {first, second}) {
+    for (const TracedRay& ray : board.receive(ticket).rays) got.push_back(ray);
+  }
+  EXPECT_TRUE(got == expected);
+  EXPECT_NE(expected[900 / 2].opacity, expected[900 + 900 / 2].opacity);
+}
+
 TEST_F(Reopen, WithoutAKeptVolumeTheBatchesWaitForTheNextOne) {
   start();
   Board board = open();

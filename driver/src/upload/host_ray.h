@@ -7,6 +7,7 @@
 
 #include "gicube/ray.h"
 #include "gicube/vector.h"
+#include "gicube/view.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 
@@ -18,6 +19,8 @@ struct RaySetup {
   Dims dims{};           // of the volume
   double energy_unit{};  // kDeposit: power of one unit of the energy words
   bool wide = false;     // kDeposit: the board's datapath, which bounds a ray's energy
+  View sampling{};       // what the batch is sampled by, should it have to be sent again
+  Vec3 towards_eye{};
 };
 
 // Throw BadArgument naming the field: "rays[7].position.x: expected 0..31, got 32.5".
