@@ -18,7 +18,6 @@ namespace asio = boost::asio;
 using asio::awaitable;
 using boost::system::error_code;
 using wire::ErrorCode;
-using wire::FrameHeader;
 using wire::FrameType;
 
 namespace {

@@ -27,7 +27,7 @@ constexpr std::chrono::milliseconds kForever = std::chrono::hours(24);
 
 }  // namespace
 
-Session::Session(Connection::Executor executor, BoardSlot& slot, const BusOptions& options, std::uint64_t token,
+Session::Session(const Connection::Executor& executor, BoardSlot& slot, const BusOptions& options, std::uint64_t token,
                  const wire::VersionInfo& agreed, const wire::VersionInfo& theirs)
     : slot_(slot),
       options_(options),

@@ -48,7 +48,7 @@ struct BusOptions {
 class Session : public std::enable_shared_from_this<Session> {
  public:
   // For an owner of `slot` that speaks `theirs`. `token` names the session. All references must outlive it.
-  Session(Connection::Executor executor, BoardSlot& slot, const BusOptions& options, std::uint64_t token,
+  Session(const Connection::Executor& executor, BoardSlot& slot, const BusOptions& options, std::uint64_t token,
           const wire::VersionInfo& agreed, const wire::VersionInfo& theirs);
 
   std::uint64_t token() const { return token_; }

@@ -22,6 +22,8 @@ extern "C" {
 /* Raised when a field changes its meaning or goes; a board loads only objects of its own version. */
 #define GICUBE_BSDF_ABI 1u
 
+/* NOLINTBEGIN(modernize-use-using, readability-identifier-naming): C, and its names */
+
 /* A ray that waits for the routine. Read up to `size` bytes only: a later board may send more. */
 typedef struct gicube_bsdf_event {
   uint32_t size;            /* of this struct, bytes */
@@ -69,5 +71,7 @@ const gicube_bsdf* gicube_bsdf_describe(void);
 #ifdef __cplusplus
 }
 #endif
+
+/* NOLINTEND(modernize-use-using, readability-identifier-naming) */
 
 #endif

@@ -123,9 +123,10 @@ wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
   packet.set_host_id(ray.id);
   packet.flags = wire::kHostRay;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    packet.position[axis] = static_cast<std::uint32_t>(position[axis] * kPositionOne + 0.5);
-    packet.direction[axis] =
-        static_cast<std::int16_t>(direction[axis] * kDirectionOne + (direction[axis] < 0 ? -0.5 : 0.5));
+    packet.position[axis] = wire::to_nearest(position[axis] * kPositionOne);
+    const double d = direction[axis] * kDirectionOne;
+    const auto size = static_cast<std::int16_t>(wire::to_nearest(d < 0 ? -d : d));
+    packet.direction[axis] = static_cast<std::int16_t>(d < 0 ? -size : size);
   }
   if (setup.request.type == RayType::kIntegrate || setup.request.type == RayType::kFirstHit) return packet;
   packet.set_colour_word(colour_word(ray, setup));

@@ -257,11 +257,12 @@ inline Ray segment_packet(const Vector& from, const Vector& to, std::uint32_t id
   }
   const double length = std::sqrt(square), scale = 1 / length;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    ray.position[axis] = static_cast<std::uint32_t>(from[axis] * kVoxel + 0.5);
+    ray.position[axis] = to_nearest(from[axis] * kVoxel);
     const double d = (length > 0 ? scale * way[axis] : axis == 2 ? 1.0 : 0.0) * (1 << kDirectionFractionBits);
-    ray.direction[axis] = static_cast<std::int16_t>(d + (d < 0 ? -0.5 : 0.5));
+    const auto size = static_cast<std::int16_t>(to_nearest(d < 0 ? -d : d));
+    ray.direction[axis] = static_cast<std::int16_t>(d < 0 ? -size : size);
   }
-  ray.set_colour_word(static_cast<std::uint64_t>(length * 65536 + 0.5));
+  ray.set_colour_word(to_nearest(length * 65536));
   return ray;
 }
 

@@ -70,6 +70,9 @@ struct Ray {
   friend constexpr bool operator==(const Ray&, const Ray&) = default;
 };
 
+// The nearest whole number to x, 0..2^30: what rounds a position or a direction into its word, without a library call.
+constexpr std::uint32_t to_nearest(double x) { return (static_cast<std::uint32_t>(2 * x) + 1) / 2; }
+
 inline void encode(const Ray& ray, std::span<std::uint8_t, kRayBytes> out) {
   BitRecord<4> bits;
   bits.put(0, 16, ray.u);

@@ -130,7 +130,8 @@ TEST_P(RayTypes, DepositedEnergyIsInTheIrradianceAndInTheReport) {
   board_.clear_irradiance(0.5);
   std::vector<HostRay> rays;
   for (std::uint32_t i = 0; i < 100; ++i) {
-    rays.push_back({.id = i, .position = {10.0 + i % 10, 10.0 + i / 10, 0}, .direction = {0, 0, 1}, .energy = 20});
+    const std::uint32_t column = i % 10, row = i / 10;
+    rays.push_back({.id = i, .position = {10.0 + column, 10.0 + row, 0}, .direction = {0, 0, 1}, .energy = 20});
   }
   const RayBatch batch = board_.receive(board_.submit(rays, {.type = RayType::kDeposit}));
   EXPECT_TRUE(batch.rays.empty());
