@@ -6,6 +6,7 @@
 
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
+#include "lighting_ledger.h"
 #include "link_error.h"
 
 namespace gicube {
@@ -40,17 +41,6 @@ std::vector<std::uint8_t> trace_command(Gather& rays, std::size_t count, const R
                  all.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
   }
   return bytes;
-}
-
-void add(const wire::LightingLedger& ledger, double unit, LightingReport& report) {
-  report.unit = unit;
-  report.rays += ledger.rays;
-  report.emitted += static_cast<double>(ledger.emitted) * unit;
-  report.deposited += static_cast<double>(ledger.deposited) * unit;
-  report.escaped += static_cast<double>(ledger.escaped) * unit;
-  report.scattered_away += static_cast<double>(ledger.scattered_away) * unit;
-  report.given_up += static_cast<double>(ledger.given_up) * unit;
-  report.clipped += static_cast<double>(ledger.clipped) * unit;
 }
 
 bool refused(const CommandResult& result) {
@@ -219,7 +209,7 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
   const Batch batch = std::move(entry->second);
   BatchReport report{{entry->first}, batch.completed, false, std::nullopt};
   batches_.erase(entry);
-  if (batch.deposits) report.lighting.emplace();
+  if (batch.deposits) report.lighting.emplace().unit = batch.energy_unit;
   for (const Part& part : batch.parts) {
     if (refused(*part.result)) throw_error(part.result->error, error_text(part.result->payload));
     if (part.result->error == wire::ErrorCode::kCancelled) report.cancelled = true;
@@ -233,7 +223,7 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
                       " rays");
     }
     if (batch.deposits) {
-      add(wire::decode_lighting_ledger(bytes.first<wire::kLightingLedgerBytes>()), batch.energy_unit, *report.lighting);
+      add(wire::decode_lighting_ledger(bytes.first<wire::kLightingLedgerBytes>()), *report.lighting);
       continue;
     }
     for (std::size_t i = 0; i < part.rays; ++i) {

@@ -4,6 +4,7 @@
 
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
+#include "lighting_ledger.h"
 #include "link_error.h"
 #include "state.h"
 #include "upload/lights.h"
@@ -16,16 +17,6 @@ namespace reg = wire::reg;
 LitBox lit_box(const LoadedVolume& volume) {
   const Vec3 edge = volume.relative_spacing;
   return {{(volume.dims[0] - 1) * edge.x, (volume.dims[1] - 1) * edge.y, (volume.dims[2] - 1) * edge.z}, edge};
-}
-
-void add(const wire::LightingLedger& ledger, LightingReport& report) {
-  report.rays += ledger.rays;
-  report.emitted += static_cast<double>(ledger.emitted) * report.unit;
-  report.deposited += static_cast<double>(ledger.deposited) * report.unit;
-  report.escaped += static_cast<double>(ledger.escaped) * report.unit;
-  report.scattered_away += static_cast<double>(ledger.scattered_away) * report.unit;
-  report.given_up += static_cast<double>(ledger.given_up) * report.unit;
-  report.clipped += static_cast<double>(ledger.clipped) * report.unit;
 }
 
 }  // namespace
