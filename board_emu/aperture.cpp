@@ -45,6 +45,7 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
     materials_.write(at, bytes);
   } else if (is(region, wire::kSegmentationLut)) {
     segmentation_.write(at, bytes);
+    ++segmentation_writes_;
   } else if (is(region, wire::kGradientLut)) {
     gradients_.write(at, bytes);
     gradients_changed_ = true;

@@ -66,6 +66,7 @@ class Aperture {
   void flip(const VolumeMemory::BitPlace& place) { volume_.flip(place); }
   // Counts writes into the volume: what was cached of it before is old.
   std::uint64_t volume_writes() const { return volume_writes_; }
+  std::uint64_t segmentation_writes() const { return segmentation_writes_; }
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_.words(); }
   std::span<const wire::Material> materials() const { return materials_.words(); }
   IrradianceMemory& irradiance() { return irradiance_; }
@@ -84,6 +85,7 @@ class Aperture {
   std::vector<std::uint8_t> empty_flags_;
   VolumeMemory volume_;
   std::uint64_t volume_writes_ = 0;
+  std::uint64_t segmentation_writes_ = 0;
   Framebuffer framebuffer_;
   std::vector<std::uint8_t> pixels_;
 };

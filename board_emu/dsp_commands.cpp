@@ -67,6 +67,7 @@ void DspCommands::clear_volume() {
     size[axis] = static_cast<int>(registers_.value(reg::kVolumeX + 4 * axis));
   const bool complete = std::all_of(size.begin(), size.end(), [](int edge) { return edge > 0; });
   aperture_.resize_volume(complete ? size : std::array<int, 3>{});
+  opacity_march_.clear();
 }
 
 void DspCommands::clear_irradiance() {

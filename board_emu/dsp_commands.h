@@ -17,6 +17,7 @@
 #include "gicube/v1/board_config.pb.h"
 #include "host_traps.h"
 #include "machine.h"
+#include "opacity_march.h"
 
 namespace gicube::emu {
 
@@ -80,6 +81,7 @@ class DspCommands {
   const RegisterFile& registers_;
   unsigned threads_;
   OpacityCorrection opacity_correction_;
+  OpacityMarch opacity_march_{opacity_correction_};
   Aperture aperture_;
   Observer* observer_ = nullptr;
   const Routines* routines_ = nullptr;

@@ -8,6 +8,7 @@
 #include "functional_level.h"
 #include "gicube/wire/pair.h"
 #include "machine_counters.h"
+#include "spread.h"
 
 namespace gicube::emu {
 
@@ -63,35 +64,67 @@ struct Job {
   wire::Vector spacing{};
 };
 
-// The rays of pairs [begin, end), and their weights.
-void make(const Job& job, std::size_t begin, std::size_t end, std::vector<wire::Ray>& rays,
-          std::vector<double>& weights) {
-  rays.clear();
-  weights.clear();
+// The rays of some pairs, and their weights.
+struct PairRays {
+  std::vector<wire::Ray> rays;
+  std::vector<double> weights;
+};
+
+void make(const Job& job, std::size_t begin, std::size_t end, PairRays& made) {
+  made.rays.clear();
+  made.weights.clear();
   for (std::size_t p = begin; p < end; ++p) {
     const wire::Pair& pair = job.pairs[p];
     for (std::uint32_t i = 0; i < job.header.rays; ++i) {
       const wire::PairSample sample =
           wire::pair_sample(job.elements[pair.a], job.elements[pair.b], {job.normals[pair.a], job.normals[pair.b]},
                             job.spacing, pair.id, job.header.seed, job.header.first + i);
-      weights.push_back(sample.weight);
+      made.weights.push_back(sample.weight);
       wire::Ray ray;
       if (sample.weight > 0) ray = wire::segment_packet(sample.from, sample.to, pair.id);
-      rays.push_back(ray);
+      made.rays.push_back(ray);
     }
   }
 }
 
-void take(const Job& job, std::size_t begin, std::size_t end, std::span<const wire::Ray> rays,
-          std::span<const double> weights, std::span<std::uint8_t> out) {
+void take(const Job& job, std::size_t begin, std::size_t end, const PairRays& made, std::span<std::uint8_t> out) {
   std::size_t at = 0;
   for (std::size_t p = begin; p < end; ++p) {
     wire::PairSum sum(job.header.rays);
     for (std::uint32_t i = 0; i < job.header.rays; ++i, ++at) {
-      sum.add(i, weights[at], 1 - rays[at].opacity / double{wire::kOpacityOne});
+      sum.add(i, made.weights[at], 1 - made.rays[at].opacity / double{wire::kOpacityOne});
     }
     wire::encode(sum.result(), out.subspan(p * wire::kPairResultBytes).first<wire::kPairResultBytes>());
   }
+}
+
+struct PairCounts : RayCounters {
+  std::uint64_t sent = 0;  // rays: samples of weight
+
+  PairCounts& operator+=(const PairCounts& other) {
+    RayCounters::operator+=(other);
+    sent += other.sent;
+    return *this;
+  }
+};
+
+// All of it on the host's threads, each with pairs of its own.
+PairCounts measure(const Job& job, const Frame& frame, const OpacityMarch* march, unsigned threads, Work& work,
+                   std::span<std::uint8_t> out) {
+  constexpr std::size_t kRays = 2048;  // chosen: in a thread's cache
+  const std::size_t run_pairs = std::max<std::size_t>(1, kRays / job.header.rays);
+  const std::size_t runs = (job.pairs.size() + run_pairs - 1) / run_pairs;
+  return spread<PairCounts>(runs, threads, [&](std::size_t run, PairCounts& counts) {
+    if (work.cancel) return;
+    const std::size_t begin = run * run_pairs, end = std::min(begin + run_pairs, job.pairs.size());
+    PairRays made;
+    make(job, begin, end, made);
+    counts += PairCounts{trace(made.rays, frame, march, 1)};
+    counts.sent += static_cast<std::uint64_t>(
+        std::count_if(made.weights.begin(), made.weights.end(), [](double weight) { return weight > 0; }));
+    take(job, begin, end, made, out);
+    work.done += static_cast<std::uint32_t>(end - begin);
+  });
 }
 
 }  // namespace
@@ -129,28 +162,28 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Work& wo
   result.payload.resize(job.pairs.size() * wire::kPairResultBytes);
   result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
   work.all = job.header.pairs;
+  pair_rays_ += std::uint64_t{job.header.pairs} * job.header.rays;
+  if (config_.fidelity() != v1::cycle) {
+    const std::uint64_t rays = std::uint64_t{job.header.pairs} * job.header.rays;
+    const bool fast = opacity_march_.prepare(rays, frame, aperture_.segmentation_writes(), threads_);
+    const PairCounts counts =
+        measure(job, frame, fast ? &opacity_march_ : nullptr, threads_, work, std::span(result.payload));
+    if (work.cancel) return {.error = ErrorCode::kCancelled};
+    rays_ += counts;
+    result.dsp_cycles = rays * make_cycles + counts.sent * take_cycles;
+    return result;
+  }
   const std::size_t at_once = std::max<std::size_t>(1, kRaysAtOnce / job.header.rays);
-  std::vector<wire::Ray> rays;
-  std::vector<double> weights;
+  PairRays made;
   for (std::size_t begin = 0; begin < job.pairs.size(); begin += at_once) {
-    if (work.cancel)
-      return config_.fidelity() == v1::cycle ? cancelled() : CommandResult{.error = ErrorCode::kCancelled};
     const std::size_t end = std::min(begin + at_once, job.pairs.size());
-    make(job, begin, end, rays, weights);
-    if (config_.fidelity() == v1::cycle) {
-      const Ran ran = emu::trace({rays, true, make_cycles, take_cycles}, frame, machine(), work);
-      if (ran.cancelled) return cancelled();
-      const CommandResult part = timed(ran);
-      result.dsp_cycles += part.dsp_cycles;
-      result.asic_ps += part.asic_ps;
-    } else {
-      rays_ += emu::trace(rays, frame, threads_);
-      const auto sent = static_cast<std::uint64_t>(
-          std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0; }));
-      result.dsp_cycles += rays.size() * make_cycles + sent * take_cycles;
-    }
-    take(job, begin, end, rays, weights, result.payload);
-    pair_rays_ += rays.size();
+    make(job, begin, end, made);
+    const Ran ran = emu::trace({made.rays, true, make_cycles, take_cycles}, frame, machine(), work);
+    if (ran.cancelled) return cancelled();
+    const CommandResult part = timed(ran);
+    result.dsp_cycles += part.dsp_cycles;
+    result.asic_ps += part.asic_ps;
+    take(job, begin, end, made, result.payload);
     work.done = static_cast<std::uint32_t>(end);
   }
   return result;

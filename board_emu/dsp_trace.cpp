@@ -131,7 +131,8 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     counts += ray_counters(machine()) - before;
     result = timed(ran);
   } else {
-    counts = emu::trace(rays, frame, threads_);
+    const bool fast = opacity_march_.prepare(count, frame, aperture_.segmentation_writes(), threads_);
+    counts = emu::trace(rays, frame, fast ? &opacity_march_ : nullptr, threads_);
     rays_ += counts;
     const std::uint64_t cycles = config_.dsp().host_ray_cycles();  // for both ways
     result.dsp_cycles = count * (deposit ? cycles / 2 : cycles) + counts.trap_cycles;

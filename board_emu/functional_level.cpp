@@ -1,48 +1,16 @@
 #include "functional_level.h"
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
-#include <mutex>
-#include <thread>
-#include <vector>
 
 #include "dsp/viewing_rays.h"
 #include "functional.h"
 #include "march.h"
 #include "meet.h"
+#include "spread.h"
 
 namespace gicube::emu {
 
 namespace {
-
-// Runs `job(i, counters)` for i in [0, count) on `threads` threads and adds their counters up. What one of them throws
-// ends all, and is thrown again.
-template <typename Counters, typename Job>
-Counters spread(std::size_t count, unsigned threads, const Job& job) {
-  std::atomic<std::size_t> next{0};
-  std::vector<Counters> each(std::max(threads, 1u));
-  std::mutex fault_mutex;
-  std::exception_ptr fault;
-  const auto work = [&](Counters& counters) {
-    try {
-      for (std::size_t i = next++; i < count; i = next++) job(i, counters);
-    } catch (...) {
-      next = count;
-      const std::lock_guard lock(fault_mutex);
-      if (!fault) fault = std::current_exception();
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    for (std::size_t t = 1; t < each.size() && t < count; ++t) others.emplace_back([&, t] { work(each[t]); });
-    work(each[0]);
-  }
-  if (fault) std::rethrow_exception(fault);
-  Counters sum;
-  for (const Counters& counters : each) sum += counters;
-  return sum;
-}
 
 struct Counts : RayCounters {
   std::uint64_t returned = 0;
@@ -132,18 +100,16 @@ Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuf
   return {answers.size(), counts.returned, counts, work.cancel};
 }
 
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned threads) {
-  constexpr std::size_t kRun = 64;  // rays a thread takes at a time
-  const std::size_t runs = (rays.size() + kRun - 1) / kRun;
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const OpacityMarch* march, unsigned threads) {
+  const std::size_t run_rays = march != nullptr ? 512 : 64;  // chosen: that a thread takes at a time
+  const std::size_t runs = (rays.size() + run_rays - 1) / run_rays;
   return spread<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counters) {
-    const std::size_t end = std::min(rays.size(), (run + 1) * kRun);
-    for (std::size_t i = run * kRun; i < end; ++i) {
-      if (rays[i].flags == 0 || (!frame.cut_planes.empty() && !enter(rays[i], frame.extent, frame.cut_planes)))
-        continue;
-      if ((rays[i].flags & wire::kLightingRay) != 0) {
-        counters.energy.emitted += energy_units(set_out(rays[i], frame), frame);
-      }
-      integrate(rays[i], frame, counters);
+    const auto part = rays.subspan(run * run_rays, std::min(run_rays, rays.size() - run * run_rays));
+    if (march != nullptr) return march->trace(part, frame, counters);
+    for (wire::Ray& ray : part) {
+      if (ray.flags == 0 || (!frame.cut_planes.empty() && !enter(ray, frame.extent, frame.cut_planes))) continue;
+      if ((ray.flags & wire::kLightingRay) != 0) counters.energy.emitted += energy_units(set_out(ray, frame), frame);
+      integrate(ray, frame, counters);
     }
   });
 }

@@ -11,6 +11,7 @@
 #include "dsp/lighting_rays.h"
 #include "frame.h"
 #include "gicube/wire/command.h"
+#include "opacity_march.h"
 
 namespace gicube::emu {
 
@@ -34,7 +35,7 @@ Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuf
                 Work& work);
 
 // Takes rays to their ends, in place. One without flags is passed over; one that lies behind a cut plane stays as it is. Of the counters
-// energy.emitted is what lighting rays bring.
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, unsigned threads);
+// energy.emitted is what lighting rays bring. `march`: made ready for this frame, or null.
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const OpacityMarch* march, unsigned threads);
 
 }  // namespace gicube::emu

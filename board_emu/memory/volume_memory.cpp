@@ -26,6 +26,7 @@ void VolumeMemory::resize(const std::array<int, 3>& size) {
   }
   packed_.assign(count, {});
   decoded_.assign(count, {});
+  resized_ = true;
 }
 
 std::size_t VolumeMemory::stored_blocks() const {
@@ -145,6 +146,9 @@ void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool g
   for (std::size_t block = 0; block < decoded_.size(); ++block) {
     if (decoded_[block].stale || gradients_changed) stale.push_back(block);
   }
+  if (stale.empty() && !resized_) return;
+  resized_ = false;
+  ++decodings_;
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     for (std::size_t i = next++; i < stale.size(); i = next++) decode_block(stale[i], codes);

@@ -55,6 +55,9 @@ class VolumeMemory {
   // Makes every block's decoded form current, on `threads` threads. Call before view() when anything was written or the
   // gradient LUT changed.
   void decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads);
+  // Counts the calls of decode() that changed anything, over all volumes.
+  std::uint64_t decodings() const { return decodings_; }
+  bool is_stored(std::size_t block) const { return !decoded_[block].voxels.empty(); }
   BlockView view(std::size_t block) const {
     const Decoded& decoded = decoded_[block];
     return {decoded.voxels.empty() ? zero_.data() : decoded.voxels.data(),
@@ -78,6 +81,8 @@ class VolumeMemory {
   std::array<int, 3> blocks_{};
   std::vector<std::vector<std::uint8_t>> packed_;  // empty: never written
   std::vector<Decoded> decoded_;
+  std::uint64_t decodings_ = 0;
+  bool resized_ = false;  // since then
   std::vector<DecodedVoxel> zero_;  // what every block without storage shows
 };
 

@@ -19,12 +19,21 @@ class OpacityCorrection {
  public:
   // `alpha`: 16 bits, of one voxel length. `exponent`: 16.16 voxel lengths. The result has 24 bits.
   std::uint32_t operator()(std::uint16_t alpha, std::uint32_t exponent) const {
-    if (alpha == 0) return 0;
     if (alpha == wire::kClassifiedOpacityOne) return wire::kOpacityOne;
-    const std::uint64_t tau = full_scale_log2_ - log2(wire::kClassifiedOpacityOne - alpha);  // 8.24
-    const std::uint64_t x = (tau * exponent + (1u << 15)) >> 16;                             // 40.24
+    const std::uint64_t x = (std::uint64_t{depth(alpha)} * exponent + (1u << 15)) >> 16;  // 40.24
     return wire::kOpacityOne - exp2_negative(x);
   }
+
+  static constexpr int kSegmentBits = 10;
+  static constexpr std::size_t kSegments = std::size_t{1} << kSegmentBits;
+  static constexpr int kFractionBits = 24;
+
+  // -log2(1 - alpha), 8.24, for an alpha below full scale; 0 for 0 alone.
+  std::uint32_t depth(std::uint16_t alpha) const {
+    return static_cast<std::uint32_t>(full_scale_log2_) - log2(wire::kClassifiedOpacityOne - alpha);
+  }
+  // 2^-(segment / kSegments) in 24 bits.
+  std::uint32_t exp2_at(std::size_t segment) const { return exp2_[segment]; }
 
   OpacityCorrection() {
     for (std::size_t i = 0; i <= kSegments; ++i) {
@@ -36,9 +45,6 @@ class OpacityCorrection {
   }
 
  private:
-  static constexpr int kSegmentBits = 10;
-  static constexpr std::size_t kSegments = std::size_t{1} << kSegmentBits;
-  static constexpr int kFractionBits = 24;
   static constexpr double kOne = 1 << kFractionBits;
 
   // Base-2 logarithm of 1..65535 with 24 fraction bits.

@@ -51,6 +51,76 @@ void host_rays(benchmark::State& state) {
 }
 BENCHMARK(host_rays)->Arg(4096)->Arg(65536)->Arg(262144)->UseRealTime()->Unit(benchmark::kMillisecond);
 
+// Between random points of a volume of 128^3, as visibility asks: 66 voxels a ray on average, in steps of one. `density`: of
+// a fog in which nothing ends and nothing can be leapt over.
+struct Visibility {
+  static constexpr int kEdge = 128;
+
+  Visibility() : board(Board::open("emu:?threads=2")) {
+    std::vector<std::byte> fog(std::size_t{kEdge} * kEdge * kEdge);
+    for (std::size_t i = 0; i < fog.size(); ++i) fog[i] = static_cast<std::byte>(60 + i * 2654435761u % 97);
+    board.load_volume({.samples = fog, .dims = {kEdge, kEdge, kEdge}});
+    TransferFunction function;
+    function.opacities = {{0, 0}, {255, 0.02}};
+    function.colours = {{0, {1, 1, 1}}};
+    board.set_transfer_function(function);
+    View view;
+    view.eye = {64, 64, -300};
+    view.look_at = {64, 64, 64};
+    view.width = view.height = 8;
+    view.step = 1;
+    board.render_to_framebuffer(view);  // from now on rays take its step
+  }
+
+  static Vec3 point(std::uint64_t i) {
+    const auto axis = [&](std::uint64_t step) {
+      return static_cast<double>((i + 1) * step >> 11) * 0x1p-53 * (kEdge - 1);
+    };
+    return {axis(0xD1342543DE82EF95), axis(0xAF251AF3B0F025B5), axis(0x9E3779B97F4A7C15)};
+  }
+
+  Board board;
+};
+
+// Host-made rays, four batches of range(0) under way, transport included.
+void visibility_by_host(benchmark::State& state) {
+  Visibility scene;
+  std::vector<HostRay> rays;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(state.range(0)); ++i) {
+    rays.push_back(ray_between(static_cast<std::uint32_t>(i), scene.point(2 * i), scene.point(2 * i + 1)));
+  }
+  std::vector<TracedRay> room(rays.size());
+  std::vector<Ticket> tickets(4);
+  for (Ticket& ticket : tickets) ticket = scene.board.submit(rays, {.type = RayType::kOpacity});
+  std::size_t next = 0;
+  for (auto _ : state) {
+    scene.board.receive(tickets[next], room);
+    tickets[next] = scene.board.submit(rays, {.type = RayType::kOpacity});
+    next = (next + 1) % tickets.size();
+    benchmark::DoNotOptimize(room.data());
+  }
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * state.range(0));
+}
+BENCHMARK(visibility_by_host)->Arg(262144)->UseRealTime()->Unit(benchmark::kMillisecond);
+
+// Rays that the board makes between boxes of one voxel, range(0) a pair.
+void visibility_by_board(benchmark::State& state) {
+  Visibility scene;
+  std::vector<Element> elements;
+  std::vector<ElementPair> pairs;
+  for (std::uint32_t i = 0; i < 4096; ++i) {
+    Vec3 at = scene.point(i);
+    for (double* x : {&at.x, &at.y, &at.z}) *x *= 0.99;
+    elements.push_back({ElementKind::kBox, at, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  }
+  const auto count = static_cast<std::uint32_t>(262'144 / state.range(0));
+  for (std::uint32_t i = 0; i < count; ++i) pairs.push_back({i % 4096, (i * 1237 + 511) % 4096, i});
+  const PairRequest request{.rays = static_cast<std::uint32_t>(state.range(0))};
+  for (auto _ : state) benchmark::DoNotOptimize(scene.board.pair_factors(elements, pairs, request));
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * count * state.range(0));
+}
+BENCHMARK(visibility_by_board)->Arg(1)->Arg(16)->Arg(64)->UseRealTime()->Unit(benchmark::kMillisecond);
+
 // From submit() to the ray: what one ray takes that the application waits for.
 void one_ray(benchmark::State& state) {
   Board board = fog_board();

@@ -77,7 +77,7 @@ const std::vector<Rule>& rules() {
       sibling("board_emu/link"),
       {"board_emu/*",        {"board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/dsp", "board_emu/memory",
                               "board_emu/raybus", "board_emu/sorter", "board_emu/pipeline", "board_emu/cache",
-                              "board_emu/rdram", "board_emu/link", "board_emu/trace", "proto"}, {"fmt", "google/protobuf"}},
+                              "board_emu/rdram", "board_emu/link", "board_emu/trace", "proto"}, {"fmt", "google/protobuf", "hwy"}},
       // Watches the whole machine, and is watched by none of its parts.
       {"board_emu/trace",    {"board_emu/trace", "board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/raybus",
                               "board_emu/sorter", "board_emu/pipeline", "board_emu/cache", "board_emu/rdram",
