@@ -149,7 +149,8 @@ struct Counts {
   std::uint64_t samples = 0, visible = 0, leaps = 0;
 };
 
-// Takes all lanes on until at least `enough` of them have ended. An idle lane has no steps left.
+// Takes all lanes on until at least `enough` of them have no steps left, or one has ended otherwise. An idle lane has no
+// steps left. What masks a step must not hang on opacity: the next samples are fetched while this one is composited.
 HWY_INLINE void march(Rays& rays, const OpacityField& field, std::size_t enough, Counts& counts) {
   const D32 d;
   std::array<V, 3> p{}, s{};
@@ -163,23 +164,23 @@ HWY_INLINE void march(Rays& rays, const OpacityField& field, std::size_t enough,
   const V inside_mask = set((1 << field.block_shift) - 1), fraction_mask = set(wire::kVoxel - 1);
   const V last = set(field.threshold - 1);
   while (true) {
-    // The sign bit of this is set once a ray has left the volume, has no steps left, or is opaque: end().
-    V ended = hn::Or(hn::Sub(left, one), hn::Sub(last, opacity));
+    const auto stepping = hn::Gt(left, zero);
+    if (hn::Lanes(d) - hn::CountTrue(d, stepping) >= enough) break;
+    V ended = hn::Sub(last, opacity);  // its sign: it has left the volume, or is opaque
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ended = hn::Or(ended, hn::Or(p[axis], hn::Sub(set(field.extent[axis]), p[axis])));
     }
-    const auto alive = hn::Gt(ended, set(-1));
-    if (hn::Lanes(d) - hn::CountTrue(d, alive) >= enough) break;
+    if (!hn::AllFalse(d, hn::And(stepping, hn::Lt(ended, zero)))) break;
 
     const auto block_of = [&](std::size_t axis) {
-      return hn::ShiftRightSame(hn::IfThenElseZero(alive, p[axis]), field.block_shift);
+      return hn::ShiftRightSame(hn::IfThenElseZero(stepping, p[axis]), field.block_shift);
     };
     const V block =
         hn::Add(block_of(0), hn::Add(hn::Mul(block_of(1), set(field.across)), hn::Mul(block_of(2), set(field.slice))));
     const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(block));
-    const auto leaps = hn::And(alive, hn::Lt(first, zero));
-    const auto samples = hn::AndNot(leaps, alive);
-    V steps = hn::IfThenElseZero(alive, one);
+    const auto leaps = hn::And(stepping, hn::Lt(first, zero));
+    const auto samples = hn::AndNot(leaps, stepping);
+    V steps = hn::IfThenElseZero(stepping, one);
 
     std::array<V, 3> inside_block{};
     for (std::size_t axis = 0; axis < 3; ++axis) inside_block[axis] = hn::And(p[axis], inside_mask);
@@ -266,7 +267,7 @@ void trace(std::span<wire::Ray> all, const Frame& frame, const OpacityField& fie
     if (busy == 0) break;
     // A few idle lanes cost less than an exchange for each; with no new rays all of the busy ones must end.
     const std::size_t idle = lanes - busy;
-    march(rays, field, next < all.size() ? std::max<std::size_t>(lanes / 8, 1) : idle + 1, counts);
+    march(rays, field, next < all.size() ? std::max<std::size_t>(lanes / 4, 1) : idle + 1, counts);
   }
   counters.samples += counts.samples;
   counters.visible_samples += counts.visible;
