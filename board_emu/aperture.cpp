@@ -24,6 +24,7 @@ Aperture::Aperture(int block_voxels, std::uint32_t most_irradiance)
       gradients_(wire::kGradientCodes, decode_gradient),
       materials_(wire::kTags, wire::decode_material),
       irradiance_(block_voxels, most_irradiance),
+      sums_(block_voxels),
       reflectance_map_(wire::kReflectanceBytes),
       empty_flags_(wire::kEmptyFlags.bytes),
       volume_(block_voxels) {}
@@ -72,6 +73,12 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
     irradiance_.read(offset, out);
     return out;
   }
+  if (is(region, wire::kSums)) {
+    if (offset + length > sums_.bytes() || offset % 9 != 0 || length % 9 != 0) return std::nullopt;
+    std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
+    sums_.read(offset, out);
+    return out;
+  }
   if (is(region, wire::kMaterials)) return slice(materials_.bytes(), offset, length);
   if (is(region, wire::kFramebuffer)) {
     if (offset + length > pixels_.size()) return std::nullopt;
@@ -85,6 +92,7 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
 void Aperture::resize_volume(const std::array<int, 3>& size) {
   volume_.resize(size);
   irradiance_.resize(size);
+  sums_.resize(size);
   ++volume_writes_;
   std::fill(empty_flags_.begin(), empty_flags_.end(), std::uint8_t{0});
 }

@@ -11,6 +11,7 @@
 #include "gicube/wire/material.h"
 #include "gicube/wire/memory_map.h"
 #include "memory/irradiance_memory.h"
+#include "memory/sum_memory.h"
 #include "memory/volume_memory.h"
 
 namespace gicube::emu {
@@ -70,6 +71,7 @@ class Aperture {
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_.words(); }
   std::span<const wire::Material> materials() const { return materials_.words(); }
   IrradianceMemory& irradiance() { return irradiance_; }
+  SumMemory& sums() { return sums_; }
   const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
   Framebuffer& framebuffer() { return framebuffer_; }
   // After a rendering: what the host will read.
@@ -80,6 +82,7 @@ class Aperture {
   Table<wire::GradientEntry, wire::kGradientEntryBytes> gradients_;
   Table<wire::Material, wire::kMaterialBytes> materials_;
   IrradianceMemory irradiance_;
+  SumMemory sums_;
   bool gradients_changed_ = true;
   std::vector<std::uint8_t> reflectance_map_;
   std::vector<std::uint8_t> empty_flags_;

@@ -132,6 +132,7 @@ void Board::Parts::control(std::uint32_t bits) {
   }
   if ((bits & wire::kControlClearVolume) != 0) commands.clear_volume();
   if ((bits & wire::kControlClearIrradiance) != 0) commands.clear_irradiance();
+  if ((bits & wire::kControlClearSums) != 0) commands.clear_sums();
 }
 
 Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {

@@ -75,6 +75,11 @@ void DspCommands::clear_irradiance() {
   if (machine_) machine_->invalidate_caches();
 }
 
+void DspCommands::clear_sums() {
+  aperture_.sums().clear();
+  if (machine_) machine_->invalidate_caches();
+}
+
 void DspCommands::reset() {
   drop_machine();
   host_traps_.begin(false, {});
@@ -92,15 +97,16 @@ void DspCommands::drop_machine() {
   machine_.reset();
 }
 
-Machine& DspCommands::machine() {
+Machine& DspCommands::machine(bool sums) {
   const VolumeMemory& volume = aperture_.volume();
   if (machine_ && machine_->blocks() != volume.blocks()) drop_machine();
   if (!machine_) {
     machine_ = std::make_unique<Machine>(config_, volume.blocks());
     machine_->set_observer(observer_);
   }
-  if (cached_volume_ != aperture_.volume_writes()) machine_->invalidate_caches();
+  if (cached_volume_ != aperture_.volume_writes() || cached_sums_ != sums) machine_->invalidate_caches();
   cached_volume_ = aperture_.volume_writes();
+  cached_sums_ = sums;
   return *machine_;
 }
 
@@ -310,7 +316,7 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"pipeline.visible_samples", "sample", rays.visible_samples});
   list.push_back({"pipeline.leaps", "leap", rays.leaps});
   list.push_back({"pipeline.terminated", "ray", rays.terminated});
-  if (lighting_rays_ != 0 || rays.scatterings != 0) {
+  if (lighting_rays_ != 0 || rays.scatterings != 0 || rays.deposits != 0) {
     list.push_back({"dsp.lighting_rays", "ray", lighting_rays_});
     list.push_back({"dsp.trap_cycles", "DSP cycle", rays.trap_cycles});
     list.push_back({"dsp.host_traps", "ray", host_traps_total_});

@@ -48,6 +48,7 @@ class DspCommands {
   bool accept_register(std::uint32_t offset);
   void clear_volume();
   void clear_irradiance();
+  void clear_sums();
   void reset();
 
   // For materials that trap; null: there is none. Must outlive this.
@@ -73,7 +74,8 @@ class DspCommands {
   std::optional<std::string> material_fault(bool host_answers = true) const;
   CommandResult cancelled();
   CommandResult timed(const Ran& ran) const;
-  Machine& machine();
+  // `sums`: its caches are to hold the sums' words.
+  Machine& machine(bool sums = false);
   void drop_machine();
   bool has_volume() const { return aperture_.volume().block_count() > 0; }
 
@@ -90,6 +92,7 @@ class DspCommands {
   std::unique_ptr<Machine> machine_;       // of the cycle level, as long as the volume keeps its size
   std::vector<wire::Ray> host_ray_room_;   // of the command in work
   std::uint64_t cached_volume_ = 0;        // Aperture::volume_writes() that the machine's caches belong to
+  bool cached_sums_ = false;               // they hold sums, not voxels
   std::vector<wire::Counter> past_;        // counters of machines that were dropped
   RayCounters rays_;                       // of the functional level and of machines that were dropped
   std::uint64_t viewing_rays_ = 0;

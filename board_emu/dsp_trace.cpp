@@ -1,6 +1,8 @@
 // Rays that the host made [P §3.5, §3.6]: what it asks of them, and how they go back to it.
 #include <algorithm>
+#include <cstdlib>
 
+#include "backproject.h"
 #include "command_fault.h"
 #include "cycle_level.h"
 #include "dsp_commands.h"
@@ -19,7 +21,20 @@ bool has_threshold(RayType type) {
   return type == RayType::kFirstHit || type == RayType::kSegment || type == RayType::kOpacity;
 }
 
-bool is_segment(RayType type) { return type == RayType::kSegment || type == RayType::kOpacity; }
+bool is_segment(RayType type) {
+  return type == RayType::kSegment || type == RayType::kOpacity || type == RayType::kIntegral ||
+         type == RayType::kBackproject;
+}
+
+constexpr std::uint64_t kMostMoved = std::uint64_t{1} << 34;
+
+bool comes_back(RayType type) { return type != RayType::kDeposit && type != RayType::kBackproject; }
+
+// A byte of the header that only rays of one type have: 0 or 1, of others 0.
+std::optional<std::string> fault_of_choice(const char* name, unsigned value, bool has) {
+  if (value <= (has ? 1u : 0u)) return std::nullopt;
+  return expected(name, has ? "0 or 1" : "0", value);
+}
 
 std::optional<std::string> fault(const wire::TraceHeader& header, std::size_t payload_bytes) {
   const std::uint64_t bytes = wire::kTraceHeaderBytes + std::uint64_t{header.count} * wire::kRayBytes;
@@ -27,13 +42,12 @@ std::optional<std::string> fault(const wire::TraceHeader& header, std::size_t pa
     return expected("payload", "16 + 32 bytes for each of its " + std::to_string(header.count) + " rays",
                     payload_bytes);
   }
-  if (header.type > RayType::kDeposit) return expected("type", "0..4", static_cast<std::uint64_t>(header.type));
+  if (header.type > RayType::kBackproject) return expected("type", "0..6", static_cast<std::uint64_t>(header.type));
   const bool deposit = header.type == RayType::kDeposit;
-  if (static_cast<unsigned>(header.albedo) > (deposit ? 1u : 0u)) {
-    return expected("albedo", deposit ? "0 or 1" : "0", static_cast<std::uint64_t>(header.albedo));
-  }
-  if (static_cast<unsigned>(header.rules) > (deposit ? 1u : 0u)) {
-    return expected("rules", deposit ? "0 or 1" : "0", static_cast<std::uint64_t>(header.rules));
+  if (auto what = fault_of_choice("albedo", static_cast<unsigned>(header.albedo), deposit)) return what;
+  if (auto what = fault_of_choice("rules", static_cast<unsigned>(header.rules), deposit)) return what;
+  if (auto what = fault_of_choice("words", static_cast<unsigned>(header.words), header.type == RayType::kBackproject)) {
+    return what;
   }
   if (!has_threshold(header.type) && header.opacity != 0) return expected("opacity", "0", header.opacity);
   if (has_threshold(header.type) && (header.opacity < 1 || header.opacity > wire::kOpacityOne)) {
@@ -54,14 +68,30 @@ std::uint64_t most_energy(const wire::TraceHeader& header, bool wide) {
   return ((std::uint64_t{1} << bits) - 1) << kEnergyFractionBits;
 }
 
-std::optional<std::string> fault_of_colour(const wire::Ray& ray, RayType type, std::uint64_t most) {
+std::optional<std::string> fault_of_words(const wire::Ray& ray, const wire::TraceHeader& header, std::uint64_t most) {
   const std::uint64_t word = ray.colour_word();
-  if (is_segment(type) && word > wire::kMostLength) return expected("length", "0..4096 voxels in 16.16", word);
-  if (is_segment(type) && ray.opacity != 0) return expected("opacity", "0 of a segment", ray.opacity);
-  if (type == RayType::kDeposit && (word == 0 || word > most)) {
+  if (is_segment(header.type) && word > wire::kMostLength) return expected("length", "0..4096 voxels in 16.16", word);
+  if (header.type == RayType::kBackproject) {
+    const std::int32_t amount = wire::sign_extend(ray.opacity, 24);
+    const bool whole = header.words == wire::SumWords::kWhole;
+    if (amount <= wire::kMostAmount && amount >= (whole ? -wire::kMostAmount : 0)) return std::nullopt;
+    return expected("opacity", whole ? "an amount of at least -(2^23 - 1)" : "an amount of 0..2^23 - 1", ray.opacity);
+  }
+  if (is_segment(header.type) && ray.opacity != 0) return expected("opacity", "0 of a segment", ray.opacity);
+  if (header.type == RayType::kDeposit && (word == 0 || word > most)) {
     return expected("energy", "1.." + std::to_string(most) + " (24.12)", word);
   }
   return std::nullopt;
+}
+
+// How far the rays can move one sum.
+std::uint64_t most_moved(std::span<const wire::Ray> rays, const Frame& frame) {
+  std::uint64_t sum = 0;
+  for (const wire::Ray& ray : rays) {
+    const auto size = static_cast<std::uint32_t>(std::abs(wire::sign_extend(ray.opacity, 24)));
+    sum += wire::most_moved(size, static_cast<std::uint32_t>(ray.colour_word()), frame.step);
+  }
+  return sum;
 }
 
 // What of the frame is otherwise for rays of this type.
@@ -73,17 +103,33 @@ void set_type(Frame& frame, const wire::TraceHeader& header) {
     frame.cut_planes.clear();  // they cut what the eye sees
     return;
   }
-  if (!has_threshold(header.type)) return;
-  frame.opacity_threshold = header.opacity;
-  frame.to_the_hit = true;
+  if (header.type == RayType::kIntegrate) return;
+  frame.opacity_threshold = has_threshold(header.type) ? header.opacity : wire::kOpacityOne;
+  frame.to_the_hit = has_threshold(header.type);
+  frame.integral = header.type == RayType::kIntegral;
+  frame.backprojects = header.type == RayType::kBackproject;
   frame.scatter = frame.high_albedo = false;
-  frame.colourless = header.type != RayType::kSegment;
-  if (frame.colourless) frame.lit_by_irradiance = false;
-  frame.plain = !frame.lit_by_irradiance;
+  frame.colourless = header.type == RayType::kFirstHit || header.type == RayType::kOpacity;
+  if (header.type != RayType::kSegment) frame.lit_by_irradiance = false;
+  frame.plain = !frame.lit_by_irradiance && !frame.backprojects;
   if (!is_segment(header.type)) return;
   frame.segments = true;
   frame.jitter = false;
   frame.cut_planes.clear();
+  if (frame.integral || frame.backprojects) frame.leap = false;  // an empty block is one without opacity
+}
+
+// The completion of a backprojection: `overflow` is what of its sums had to be clipped.
+void add_deposits(CommandResult& result, const RayCounters& counts, const Overflow& overflow) {
+  wire::DepositLedger ledger;
+  ledger.rays = counts.rays;
+  ledger.samples = counts.samples;
+  ledger.kept = static_cast<std::int64_t>(counts.energy.deposited.kept) - overflow.clipped;
+  ledger.clipped = static_cast<std::int64_t>(counts.energy.deposited.clipped) + overflow.clipped;
+  ledger.overflowed = overflow.words;
+  result.payload.resize(wire::kDepositLedgerBytes);
+  wire::encode(ledger, std::span(result.payload).first<wire::kDepositLedgerBytes>());
+  result.up_bytes = result.payload.size();
 }
 
 }  // namespace
@@ -97,9 +143,10 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
   const auto header = wire::decode_trace(payload.first<wire::kTraceHeaderBytes>());
   if (const auto what = fault(header, payload.size())) return refuse(*what);
   if (!has_volume()) return refuse(kNoVolume);
-  const bool deposit = header.type == RayType::kDeposit;
+  const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type);
   Frame frame = this->frame();
   set_type(frame, header);
+  if (header.words == wire::SumWords::kWhole) frame.sums = &aperture_.sums();
   if (frame.scatter || deposit) {
     if (const auto what = material_fault(false)) return refuse(*what);
   }
@@ -114,34 +161,48 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
       return refuse(which() + expected("flags", std::to_string(flags_of(header)), rays[i].flags));
     }
     if (const auto what = fault(rays[i], frame.extent)) return refuse(which() + *what);
-    if (const auto what = fault_of_colour(rays[i], header.type, most)) return refuse(which() + *what);
+    if (const auto what = fault_of_words(rays[i], header, most)) return refuse(which() + *what);
+  }
+  std::uint64_t moved = 0;
+  if (frame.sums != nullptr) {
+    moved = most_moved(rays, frame);
+    if (moved > kMostMoved) return refuse(expected("rays", "that can move no sum by more than 2^34", moved));
   }
   aperture_.decode(threads_);
   CommandResult result;
   RayCounters counts;
   if (config_.fidelity() == v1::cycle) {
-    const RayCounters before = ray_counters(machine());
+    Machine& machine = this->machine(frame.sums != nullptr);
+    const RayCounters before = ray_counters(machine);
     for (const wire::Ray& ray : rays) {  // the machine counts what becomes of it
       if (deposit) counts.energy.emitted += energy_units(set_out(ray, frame), frame);
     }
     const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
-    const GivenRays given{rays, !deposit, first, deposit ? 0 : both - first};
-    const Ran ran = emu::trace(given, frame, machine(), work);
+    const GivenRays given{rays, back, first, back ? both - first : 0};
+    const Ran ran = emu::trace(given, frame, machine, work);
     if (ran.cancelled) return cancelled();
-    counts += ray_counters(machine()) - before;
+    counts += ray_counters(machine) - before;
     result = timed(ran);
   } else {
-    const bool fast = opacity_march_.prepare(count, frame, aperture_.segmentation_writes(), threads_);
-    counts = emu::trace(rays, frame, fast ? &opacity_march_ : nullptr, threads_);
+    if (frame.sums != nullptr) {
+      counts = backproject(rays, frame, threads_);
+    } else {
+      const bool fast = opacity_march_.prepare(count, frame, aperture_.segmentation_writes(), threads_);
+      counts = emu::trace(rays, frame, fast ? &opacity_march_ : nullptr, threads_);
+    }
     rays_ += counts;
     const std::uint64_t cycles = config_.dsp().host_ray_cycles();  // for both ways
-    result.dsp_cycles = count * (deposit ? cycles / 2 : cycles) + counts.trap_cycles;
+    result.dsp_cycles = count * (back ? cycles : cycles / 2) + counts.trap_cycles;
   }
   host_rays_ += count;
   result.takes_rays = count > 0;
   if (deposit) {
     lighting_rays_ += count;
     add_ledger(result, counts, false);
+    return result;
+  }
+  if (frame.backprojects) {
+    add_deposits(result, counts, frame.sums != nullptr ? frame.sums->settle(moved) : Overflow{});
     return result;
   }
   result.payload.resize(count * wire::kRayBytes);

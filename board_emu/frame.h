@@ -19,6 +19,7 @@ namespace gicube::emu {
 
 class HostTraps;
 class Routines;
+class SumMemory;
 
 // What holds for every ray of a frame: registers, tables, volume. The tables must outlive it.
 struct Frame {
@@ -37,9 +38,12 @@ struct Frame {
   std::vector<Plane> cut_planes;
 
   // Of host rays (wire::RayType):
-  bool segments = false;    // each has a length, and its own step
-  bool colourless = false;  // they gather opacity alone
-  bool to_the_hit = false;  // they end at the sample that brings them to the threshold, and not behind it
+  bool segments = false;      // each has a length, and its own step
+  bool colourless = false;    // they gather opacity alone
+  bool to_the_hit = false;    // they end at the sample that brings them to the threshold, and not behind it
+  bool integral = false;      // they sum the densities
+  bool backprojects = false;  // their samples leave amounts: in the sums, or without them in irradiance words
+  SumMemory* sums = nullptr;
 
   // Rays do no more than gather: none of what follows holds.
   bool plain = true;

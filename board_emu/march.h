@@ -27,7 +27,8 @@ struct Traveller {
   // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows
   // from the opacity, and `interaction`, which is drawn again when asked for. Of a segment: the steps that are left.
   std::uint32_t interacted = 0;
-  std::array<std::uint16_t, 3> colour{};  // premultiplied, 4095 = one; of a lighting ray: its energy (energy())
+  // Premultiplied, 4095 = one; of a lighting ray: its energy (energy()); the sum of densities; amount_of().
+  std::array<std::uint16_t, 3> colour{};
   std::array<std::int16_t, 3> direction{};
   std::uint16_t u = 0;
   std::uint16_t v = 0;
@@ -48,6 +49,11 @@ constexpr std::uint64_t energy(const std::array<std::uint16_t, 3>& colour) {
 }
 constexpr void set_energy(std::array<std::uint16_t, 3>& colour, std::uint64_t energy) {
   for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint16_t>(energy >> (12 * i) & 0xFFF);
+}
+
+// What each sample of a ray that backprojects leaves: the 24 bits that its packet has in place of opacity.
+inline std::int32_t amount_of(const Traveller& ray) {
+  return wire::sign_extend(static_cast<std::uint32_t>(energy(ray.colour)), 24);
 }
 
 // How many reference voxel lengths one voxel length along `direction` is, 16.16. Exactly one where spacing is one.
@@ -88,6 +94,10 @@ inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
   out.direction = ray.direction;
   space(out, frame.step);
   if (frame.segments) divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
+  if (frame.backprojects) {
+    set_energy(out.colour, ray.opacity);
+    out.opacity = 0;
+  }
   return out;
 }
 
@@ -188,6 +198,10 @@ inline bool take_sample(Traveller& ray, const Cell& at, const BlockView& view, s
                     slice * (at.fraction[2] >= kHalf)];
   }
   const Channels sample = resample_all(near);
+  if (frame.integral) {
+    set_energy(ray.colour, energy(ray.colour) + static_cast<std::uint64_t>(sample[0]));
+    return sample[0] != 0;
+  }
   const wire::SegmentationEntry& entry = frame.segmentation[segmentation_index(sample[0], tag)];
   if (entry.opacity == 0) return false;
   if (frame.colourless) {

@@ -6,6 +6,7 @@
 #include "pipeline/illuminate.h"
 #include "pipeline/scatter.h"
 #include "pipeline/splat.h"
+#include "pipeline/spread.h"
 
 namespace gicube::emu {
 
@@ -126,6 +127,20 @@ Deposit split_at(const Point& place, std::uint32_t units, std::uint16_t u, std::
   return out;
 }
 
+// The same of a signed amount, in the sums' way.
+Deposit spread_at(const Point& place, std::int32_t amount) {
+  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
+  Deposit out;
+  std::array<std::uint32_t, 3> fraction{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
+    fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
+  }
+  const SignedShares shares = spread(amount, fraction);
+  for (std::size_t i = 0; i < shares.size(); ++i) out.shares[i] = static_cast<std::uint32_t>(shares[i]);
+  return out;
+}
+
 // Gives `units` to the voxels round `place`.
 void deposit(Met& met, const Traveller& ray, std::uint32_t units, const Point& place, const Frame& frame) {
   if (units == 0) return;
@@ -243,6 +258,28 @@ void meet_rendering(Met& met, Traveller& ray, const Cell& at, std::size_t block,
   scatter(met, ray, where, material, sample, frame, counters);
 }
 
+// A ray that takes nothing from its energy leaves its amount at each sample.
+Met backproject(Traveller& ray, const Frame& frame, RayCounters& counters) {
+  Met met;
+  met.visible = true;
+  const std::int32_t amount = amount_of(ray);
+  ++counters.deposits;
+  if (frame.sums != nullptr) {
+    met.deposits = amount != 0;
+    met.place = ray.position;
+    met.units = static_cast<std::uint32_t>(amount);
+    met.deposit = spread_at(ray.position, amount);
+  } else {  // a fraction of a unit is rounded at random, and the place's own way
+    constexpr int kFraction = wire::kAmountFractionBits;
+    const std::uint64_t chance = draw_at(Chance::kPhase, ray.position, ray.u, ray.v, 0, frame.seed) >> (64 - kFraction);
+    deposit(met, ray, (static_cast<std::uint32_t>(amount) + static_cast<std::uint32_t>(chance)) >> kFraction,
+            ray.position, frame);
+    counters.energy.emitted += met.units;
+  }
+  advance(ray, 1);
+  return met;
+}
+
 }  // namespace
 
 void turn(Traveller& ray, const Direction& direction, const Frame& frame) {
@@ -260,9 +297,10 @@ Sample sample_at(const Point& position, const Frame& frame) {
   return classify(cell(position, grid.low(position)), frame.volume->view(grid.block(position)), edge, frame);
 }
 
-Deposit deposit_of(const Traveller& carrier, std::uint32_t seed) {
+Deposit deposit_of(const Traveller& carrier, const Frame& frame) {
+  if (frame.sums != nullptr) return spread_at(carrier.position, amount_of(carrier));
   const auto units = static_cast<std::uint32_t>(energy(carrier.colour) >> kEnergyFractionBits);
-  return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, seed);
+  return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, frame.seed);
 }
 
 std::uint32_t energy_units(const Traveller& ray, const Frame& frame) {
@@ -272,6 +310,7 @@ std::uint32_t energy_units(const Traveller& ray, const Frame& frame) {
 
 Met meet(Traveller& ray, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge, const Frame& frame,
          RayCounters& counters) {
+  if (frame.backprojects) return backproject(ray, frame, counters);
   Met met;
   const Sample sample = classify(at, view, edge, frame);
   const wire::Material& material = frame.materials[sample.tag];

@@ -34,12 +34,12 @@ struct Met {
   // If it does: where, not always in the block of the sample; how much; and on which flight.
   Deposit deposit;
   Point place{};
-  std::uint32_t units = 0;
+  std::uint32_t units = 0;  // in sums: signed
   std::uint16_t lifetime = 0;
 };
 
 // How the energy of an irradiance carrier falls to the voxels round its position: as that of the ray which sent it did.
-Deposit deposit_of(const Traveller& carrier, std::uint32_t seed);
+Deposit deposit_of(const Traveller& carrier, const Frame& frame);
 
 // Takes the sample at `at` of the block `view`, and advances or scatters the ray.
 Met meet(Traveller& ray, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge, const Frame& frame,

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "meet.h"
+#include "memory/sum_memory.h"
 #include "processor.h"
 
 namespace gicube::emu {
@@ -10,7 +11,7 @@ namespace gicube::emu {
 End Processor::meet_sample(RayUnderWay& ray, const Cell& at, InFlight& entry) {
   Traveller& traveller = ray.traveller;
   if (traveller.is(wire::kIrradianceCarrier)) {
-    splat(ray.block, deposit_of(traveller, frame_->seed), entry);
+    splat(ray.block, deposit_of(traveller, *frame_), entry);
     return End::kSpent;
   }
   const std::uint32_t block = ray.block;
@@ -18,7 +19,8 @@ End Processor::meet_sample(RayUnderWay& ray, const Cell& at, InFlight& entry) {
   const Met met = meet(traveller, at, frame_->volume->view(block), block, edge_, *frame_, counts_);
   if (met.visible) ++counts_.visible_samples;
   if (met.deposits) {
-    const SharingBlocks sharing = frame_->irradiance->blocks_of(met.deposit);
+    const SharingBlocks sharing =
+        frame_->sums != nullptr ? frame_->sums->blocks_of(met.deposit) : frame_->irradiance->blocks_of(met.deposit);
     Splat* work = nullptr;
     for (std::size_t i = 0; i < sharing.count; ++i) {
       if (sharing.block[i] == block) work = &splat(block, met.deposit, entry);
@@ -42,10 +44,15 @@ Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
 
 // Adds the deposit to the words of `block`, and notes which of its tiles have changed.
 Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& entry) {
-  counts_.energy.deposited += frame_->irradiance->add(deposit, block);
+  if (frame_->sums != nullptr) {
+    counts_.energy.deposited.kept += static_cast<std::uint64_t>(frame_->sums->add(deposit, block));
+  } else {
+    counts_.energy.deposited += frame_->irradiance->add(deposit, block);
+  }
   Splat& work = add_splat(block, entry);
   const std::array<std::int32_t, 3> corner = grid_.corner(block);
-  const auto tiles_x = static_cast<std::int32_t>(edge_ / 2 + 1), last = static_cast<std::int32_t>(edge_) - 1;
+  const auto tiles_x = static_cast<std::int32_t>(edge_ / 2 + 1),
+             last = static_cast<std::int32_t>(edge_) - (frame_->sums != nullptr ? 2 : 1);
   for (std::size_t i = 0; i < 8; ++i) {
     if (deposit.shares[i] == 0) continue;
     std::array<std::int32_t, 3> local{};
@@ -71,7 +78,8 @@ RayToken Processor::carrier(const Traveller& from, const Met& met, std::uint32_t
   ray.traveller.v = from.v;
   ray.traveller.lifetime = met.lifetime;
   ray.traveller.flags = wire::kLightingRay | wire::kIrradianceCarrier;
-  set_energy(ray.traveller.colour, std::uint64_t{met.units} << kEnergyFractionBits);
+  set_energy(ray.traveller.colour,
+             frame_->sums != nullptr ? met.units & 0xFF'FFFF : std::uint64_t{met.units} << kEnergyFractionBits);
   ray.block = block;
   RayToken token;
   token.ray = rays_.add(ray);

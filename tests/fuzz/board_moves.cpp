@@ -164,7 +164,7 @@ std::vector<std::uint8_t> rays(Input& input, wire::Opcode opcode) {
   wire::store(std::span(payload), 0, static_cast<std::uint32_t>(opcode));
   wire::store(std::span(payload), 4, count);
   if (opcode == wire::Opcode::kTrace && head > 11) {
-    payload[8] %= 6;  // ray types
+    payload[8] %= 8;  // ray types
     payload[9] %= 3;
     payload[10] %= 3;
     payload[11] = payload[11] == 255 ? 1 : 0;

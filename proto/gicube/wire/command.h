@@ -22,10 +22,10 @@
 //   byte  size  field
 //      0     4  opcode = 2
 //      4     4  count
-//      8     1  type     0 integrate, 1 first hit, 2 segment, 3 opacity, 4 deposit
+//      8     1  type     0 integrate, 1 first hit, 2 segment, 3 opacity, 4 deposit, 5 integral, 6 backproject
 //      9     1  albedo   0 low, 1 high             } of deposit; else 0
 //     10     1  rules    0 as printed, 1 conserving }
-//     11     1  reserved, 0
+//     11     1  words    of backproject: 0 irradiance words, 1 sums, the whole 36-bit voxel words; else 0
 //     12     4  opacity  24 bits, 2^24 - 1 = 1, not 0: at which a ray of type 1, 2 or 3 ends; else 0
 //     16  32 n  ray packets (ray.h), flags kHostRay alone; and of deposit: also kLightingRay, and kHighAlbedo as `albedo`
 //
@@ -35,9 +35,20 @@
 //   segment, opacity  low 32 bits: length, 16.16 voxels, at most 4096; the other bits 0. They start without opacity.
 //   deposit           energy, 24.12 units of the energy words, not 0; at most 255 units of low albedo, 15 of high,
 //                     2^24 - 1 on the wide datapath
+//   integral          length, as a segment
+//   backproject       length, as a segment; the opacity's 24 bits are the amount that each sample leaves: in irradiance
+//                     words 11.12 units, not negative; in sums signed whole units, at least -(2^23 - 1)
 // A segment's step divides its length evenly, and is at most STEP. Its packet has no need for contribution, lifetime,
 // generation and interaction: on the ASIC these 38 bits are the steps that are left and their length.
-// First hit, opacity: no colour comes back. Deposit: no ray does; its completion is a LightingLedger.
+// First hit, opacity: no colour comes back. Integral: the colour's 36 bits are the sum of the samples' densities, 12.3
+// each, with no opacity; it leaps over nothing, since an empty block may have density. At most 2^18 samples of 2^15: 33 bits.
+// Deposit, backproject: no ray comes back; their completions are a LightingLedger and a DepositLedger.
+//
+// Backproject takes nothing from its rays: each sample leaves the ray's amount, split among the eight voxels around it. In
+// irradiance words by systematic rounding, saturating, as lighting deposits; in sums by halves (board_emu/pipeline/spread.h).
+// After a command each sum is within +-(2^34 - 1), and what is beyond is clipped and counted; within a command it can't
+// leave its 36 bits, because one whose rays could move a word by more than 2^34 is refused: the sum over the rays of
+// |amount| x (3 + floor(2 / step in voxels)) is at most 2^34.
 //
 // kIlluminate: the DSP makes the lighting rays of one light; they leave their energy in the irradiance words. Its
 // completion holds a LightingLedger: kLightingLedgerBytes of u64 in its order; and then as kRender's.
@@ -154,7 +165,19 @@ inline void encode(const RenderCommand& command, std::span<std::uint8_t, kRender
   }
 }
 
-enum class RayType : std::uint8_t { kIntegrate = 0, kFirstHit = 1, kSegment = 2, kOpacity = 3, kDeposit = 4 };
+enum class RayType : std::uint8_t {
+  kIntegrate = 0,
+  kFirstHit = 1,
+  kSegment = 2,
+  kOpacity = 3,
+  kDeposit = 4,
+  kIntegral = 5,
+  kBackproject = 6,
+};
+enum class SumWords : std::uint8_t { kIrradiance = 0, kWhole = 1 };
+inline constexpr std::int32_t kMostAmount = (1 << 23) - 1;             // that a sample leaves
+inline constexpr int kAmountFractionBits = 12;                         // in irradiance words
+inline constexpr std::int64_t kMostSum = (std::int64_t{1} << 34) - 1;  // between commands
 inline constexpr std::uint32_t kMostLength = 4096u << 16;  // of a segment, 16.16 voxels: beyond any volume's diagonal
 
 enum class LightKind : std::uint8_t { kPoint = 0, kDirectional = 1, kRectangle = 2, kSphere = 3 };
@@ -202,6 +225,7 @@ struct TraceHeader {
   RayType type = RayType::kIntegrate;
   Albedo albedo = Albedo::kLow;
   EnergyRules rules = EnergyRules::kAsPrinted;
+  SumWords words = SumWords::kIrradiance;
   std::uint32_t opacity = 0;
 
   friend constexpr bool operator==(const TraceHeader&, const TraceHeader&) = default;
@@ -213,7 +237,7 @@ inline void encode(const TraceHeader& header, std::span<std::uint8_t, kTraceHead
   store(out, 8, static_cast<std::uint8_t>(header.type));
   store(out, 9, static_cast<std::uint8_t>(header.albedo));
   store(out, 10, static_cast<std::uint8_t>(header.rules));
-  store(out, 11, std::uint8_t{0});
+  store(out, 11, static_cast<std::uint8_t>(header.words));
   store(out, 12, header.opacity);
 }
 
@@ -223,6 +247,7 @@ inline TraceHeader decode_trace(std::span<const std::uint8_t, kTraceHeaderBytes>
   header.type = static_cast<RayType>(load<std::uint8_t>(in, 8));
   header.albedo = static_cast<Albedo>(load<std::uint8_t>(in, 9));
   header.rules = static_cast<EnergyRules>(load<std::uint8_t>(in, 10));
+  header.words = static_cast<SumWords>(load<std::uint8_t>(in, 11));
   header.opacity = load<std::uint32_t>(in, 12);
   return header;
 }
@@ -268,6 +293,44 @@ inline void encode(const LightingLedger& ledger, std::span<std::uint8_t, kLighti
 inline LightingLedger decode_lighting_ledger(std::span<const std::uint8_t, kLightingLedgerBytes> in) {
   const auto word = [in](std::size_t i) { return load<std::uint64_t>(in, 8 * i); };
   return {word(0), word(1), word(2), word(3), word(4), word(5), word(6), word(7)};
+}
+
+// The steps that a segment of `length` is divided into, both 16.16 voxels; each is at most `step`.
+constexpr std::uint32_t steps_of(std::uint32_t length, std::uint32_t step) { return (length + step - 1) / step; }
+
+// The most that a backprojecting ray can add to one word: the samples along it that are less than a voxel from a place
+// on every axis lie on a piece shorter than 2 sqrt(3) voxels, and the weights of a piece of line sum to no more than this.
+constexpr std::uint64_t most_moved(std::uint32_t amount_size, std::uint32_t length, std::uint32_t step) {
+  const std::uint32_t steps = steps_of(length, step);
+  if (steps == 0) return 0;
+  const std::uint32_t each = length / steps;
+  const std::uint64_t weight = each == 0 ? steps : 3 + (2u << 16) / each;
+  return std::uint64_t{amount_size} * (weight < steps ? weight : steps);
+}
+
+// What a backprojection left, in units of its words: left = kept + clipped.
+struct DepositLedger {
+  std::uint64_t rays = 0;
+  std::uint64_t samples = 0;     // that left something or, of amount 0, nothing
+  std::int64_t kept = 0;         // by the words, each voxel counted once
+  std::int64_t clipped = 0;      // by words that were full; of sums: signed, as what was clipped
+  std::uint64_t overflowed = 0;  // sums that were clipped after the command
+
+  friend constexpr bool operator==(const DepositLedger&, const DepositLedger&) = default;
+};
+inline constexpr std::size_t kDepositLedgerBytes = 40;
+
+inline void encode(const DepositLedger& ledger, std::span<std::uint8_t, kDepositLedgerBytes> out) {
+  store(out, 0, ledger.rays);
+  store(out, 8, ledger.samples);
+  store(out, 16, static_cast<std::uint64_t>(ledger.kept));
+  store(out, 24, static_cast<std::uint64_t>(ledger.clipped));
+  store(out, 32, ledger.overflowed);
+}
+
+inline DepositLedger decode_deposit_ledger(std::span<const std::uint8_t, kDepositLedgerBytes> in) {
+  const auto word = [in](std::size_t i) { return load<std::uint64_t>(in, 8 * i); };
+  return {word(0), word(1), static_cast<std::int64_t>(word(2)), static_cast<std::int64_t>(word(3)), word(4)};
 }
 
 // The enumerations are taken as they come: the DSP checks every field's range and names the one that is wrong.

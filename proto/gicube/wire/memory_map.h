@@ -45,8 +45,14 @@ inline constexpr MemoryRegion kIrradiance{"irradiance", 0x4'0000'0000,
                                           std::uint64_t{1024} * 1024 * 1024 * kIrradianceBytes, true,
                                           "blocks of 32-bit irradiance words"};
 
-inline constexpr std::array<MemoryRegion, 8> kMemoryMap{kSegmentationLut, kGradientLut, kReflectanceMap, kEmptyFlags,
-                                                        kMaterials,       kFramebuffer, kVolume,         kIrradiance};
+// Sums of backprojecting rays (command.h): where the volume's words of the same blocks lie there are signed 36-bit sums, in
+// two's complement. Read in pieces of whole pairs of words, nine bytes. A block that was never reached is zero.
+inline constexpr MemoryRegion kSums{"sums", 0x2'4000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, false,
+                                    "blocks of packed signed 36-bit sums"};
+
+inline constexpr std::array<MemoryRegion, 9> kMemoryMap{kSegmentationLut, kGradientLut, kReflectanceMap,
+                                                        kEmptyFlags,      kMaterials,   kFramebuffer,
+                                                        kVolume,          kSums,        kIrradiance};
 
 // The region that holds [address, address + bytes), or null.
 constexpr const MemoryRegion* find_region(std::uint64_t address, std::uint64_t bytes) {

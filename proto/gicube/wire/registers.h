@@ -66,6 +66,7 @@ enum ControlBit : std::uint32_t {
   kControlReset = 1 << 0,
   kControlClearVolume = 1 << 1,
   kControlClearIrradiance = 1 << 2,
+  kControlClearSums = 1 << 3,
 };
 enum PipelineBit : std::uint32_t {
   kPipelineJitter = 1 << 0,
@@ -93,7 +94,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kId, "ID", Access::kReadOnly, kIdValue, "\"GICB\""},
     RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command, 3 memory_error"},
     RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear the same bits of STATUS"},
-    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags and its irradiance, bit 2 clear the irradiance"},
+    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags, its irradiance and its sums, bit 2 clear the irradiance, bit 3 the sums"},
     RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0, "low 32 bits of the address that last set bad_address or bad_value"},
     RegisterInfo{reg::kDatapath, "DATAPATH", Access::kReadOnly, 0, "1 paper, 2 wide; from the configuration"},
     RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0, "1 functional, 2 approximate, 3 cycle; from the configuration"},

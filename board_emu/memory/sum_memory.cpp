@@ -1,0 +1,154 @@
+#include "memory/sum_memory.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "gicube/wire/voxel.h"
+
+namespace gicube::emu {
+
+void SumMemory::resize(const std::array<int, 3>& size) {
+  size_ = size;
+  std::size_t count = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    blocks_[axis] = (size[axis] + n_ - 1) / n_;
+    count *= static_cast<std::size_t>(blocks_[axis]);
+  }
+  blocks_words_.clear();
+  blocks_words_.resize(count);
+  bound_ = 0;
+}
+
+std::size_t SumMemory::stored_blocks() const {
+  return static_cast<std::size_t>(
+      std::count_if(blocks_words_.begin(), blocks_words_.end(), [](const auto& words) { return words != nullptr; }));
+}
+
+std::array<int, 3> SumMemory::place(std::size_t block) const {
+  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
+  return {static_cast<int>(block % nx), static_cast<int>(block / nx % ny), static_cast<int>(block / (nx * ny))};
+}
+
+std::int64_t* SumMemory::storage(std::size_t block) {
+  auto& words = blocks_words_[block];
+  if (words == nullptr) words = std::make_unique<std::int64_t[]>(edge_ * edge_ * edge_);
+  return words.get();
+}
+
+SharingBlocks SumMemory::blocks_of(const Deposit& deposit) const {
+  SharingBlocks out;
+  for (std::size_t i = 0; i < 8; ++i) {
+    if (deposit.shares[i] == 0) continue;
+    std::array<int, 3> at{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      at[axis] = (deposit.voxel[axis] + static_cast<int>(i >> axis & 1)) / n_;
+    const auto block = static_cast<std::uint32_t>(block_at(at[0], at[1], at[2]));
+    const auto end = out.block.begin() + static_cast<std::ptrdiff_t>(out.count);
+    if (std::find(out.block.begin(), end, block) == end) out.block[out.count++] = block;
+  }
+  return out;
+}
+
+std::int64_t SumMemory::add(const Deposit& deposit, std::uint32_t block) {
+  const std::array<int, 3> at = place(block);
+  std::int64_t* const words = storage(block);
+  std::int64_t sum = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    if (deposit.shares[i] == 0) continue;
+    std::array<int, 3> local{};
+    bool own = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      local[axis] = deposit.voxel[axis] + static_cast<int>(i >> axis & 1) - at[axis] * n_;
+      own = own && local[axis] >= 0 && local[axis] < n_;
+    }
+    if (!own) continue;
+    const auto share = static_cast<std::int32_t>(deposit.shares[i]);
+    words[index(local[0], local[1], local[2])] += share;
+    sum += share;
+  }
+  return sum;
+}
+
+// Brings the parts that lie beyond the blocks' far faces to the words that they belong to.
+void SumMemory::gather_parts() {
+  for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
+    if (blocks_words_[block] == nullptr) continue;
+    std::int64_t* const words = blocks_words_[block].get();
+    const std::array<int, 3> at = place(block);
+    const auto move = [&](int x, int y, int z) {
+      std::int64_t& part = words[index(x, y, z)];
+      if (part == 0) return;
+      const std::size_t owner = block_at(at[0] + x / n_, at[1] + y / n_, at[2] + z / n_);
+      storage(owner)[index(x % n_, y % n_, z % n_)] += part;
+      part = 0;
+    };
+    for (int a = 0; a <= n_; ++a) {
+      for (int b = 0; b <= n_; ++b) {
+        move(n_, a, b);
+        move(a, n_, b);
+        move(a, b, n_);
+      }
+    }
+  }
+}
+
+Overflow SumMemory::settle(std::uint64_t most_moved) {
+  Overflow out;
+  bound_ += most_moved;
+  if (bound_ <= static_cast<std::uint64_t>(wire::kMostSum)) return out;
+  gather_parts();
+  std::int64_t most = 0;
+  for (const auto& words : blocks_words_) {
+    if (words == nullptr) continue;
+    for (std::size_t i = 0; i < edge_ * edge_ * edge_; ++i) {
+      const std::int64_t value = words[i];
+      most = std::max(most, std::abs(value));
+      if (std::abs(value) <= wire::kMostSum) continue;
+      words[i] = std::clamp(value, -wire::kMostSum, wire::kMostSum);
+      ++out.words;
+      out.clipped += value - words[i];
+    }
+  }
+  bound_ = static_cast<std::uint64_t>(std::min(most, wire::kMostSum));
+  return out;
+}
+
+// A word on a near face has parts in up to seven neighbours.
+std::int64_t SumMemory::value(std::size_t block, int x, int y, int z) const {
+  const std::array<int, 3> at = place(block), local{x, y, z};
+  std::int64_t sum = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    std::array<int, 3> from = at, in = local;
+    bool there = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if ((i >> axis & 1) == 0) continue;
+      there = there && local[axis] == 0 && at[axis] > 0;
+      --from[axis];
+      in[axis] = n_;
+    }
+    if (!there) continue;
+    const auto& words = blocks_words_[block_at(from[0], from[1], from[2])];
+    if (words != nullptr) sum += words[index(in[0], in[1], in[2])];
+  }
+  return sum;
+}
+
+void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+  const std::size_t count = out.size() / 9 * 2;
+  const std::uint64_t first = offset / 9 * 2, of_block = block_bytes() / 9 * 2;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto block = static_cast<std::size_t>((first + i) / of_block);
+    const auto word = static_cast<int>((first + i) % of_block);
+    const int x = word % n_, y = word / n_ % n_, z = word / (n_ * n_);
+    const bool near_face = x == 0 || y == 0 || z == 0;
+    std::int64_t sum = 0;
+    if (near_face) {
+      sum = value(block, x, y, z);
+    } else if (blocks_words_[block] != nullptr) {
+      sum = blocks_words_[block][index(x, y, z)];
+    }
+    wire::store36(out, i, static_cast<std::uint64_t>(sum) & ((std::uint64_t{1} << wire::kVoxelBits) - 1));
+  }
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,75 @@
+// The sums of backprojecting rays: signed words, one a voxel, of 36 bits on the board (command.h).
+//
+// Each word belongs to one block; nothing samples the sums, so there are no copies on shared faces. The functional level
+// gives each block (n+1)^3 words all the same: what a block's samples leave in the voxels beyond its far faces stays there
+// as a part of the neighbour's word, so that blocks can be worked on side by side without locks. Sums of integers don't
+// depend on their order, and a word's value is that of its parts together. A block that no ray has reached takes no memory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "flow.h"
+#include "gicube/wire/command.h"
+#include "memory/irradiance_memory.h"
+
+namespace gicube::emu {
+
+// What settling clipped.
+struct Overflow {
+  std::uint64_t words = 0;
+  std::int64_t clipped = 0;  // signed, as what was lost
+};
+
+class SumMemory {
+ public:
+  explicit SumMemory(int block_voxels) : n_(block_voxels), edge_(static_cast<std::size_t>(block_voxels) + 1) {}
+
+  void resize(const std::array<int, 3>& size);  // voxels; forgets everything
+  void clear() { resize(size_); }
+
+  // The blocks that words of the deposit's shares belong to.
+  SharingBlocks blocks_of(const Deposit& deposit) const;
+  // Adds the shares, read as signed, whose words belong to `block`, and returns their sum.
+  std::int64_t add(const Deposit& deposit, std::uint32_t block);
+
+  // A block's (n+1)^3 words, x fastest, for one thread to add to; makes them if there are none.
+  std::int64_t* storage(std::size_t block);
+
+  // After a command that can have moved any word by at most `most_moved`: clips what is beyond +-kMostSum. Looks at the
+  // words only when one of them can be.
+  Overflow settle(std::uint64_t most_moved);
+
+  // Bytes of the address range (memory_map.h). `offset` and the length are multiples of nine, two words, within bytes().
+  std::uint64_t bytes() const { return blocks_words_.size() * block_bytes(); }
+  void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
+
+  std::size_t stored_blocks() const;
+
+ private:
+  std::uint64_t block_bytes() const {
+    return static_cast<std::uint64_t>(n_) * static_cast<std::uint64_t>(n_) * static_cast<std::uint64_t>(n_) * 9 / 2;
+  }
+  std::array<int, 3> place(std::size_t block) const;
+  std::size_t block_at(int x, int y, int z) const {
+    return static_cast<std::size_t>(x + blocks_[0] * (y + blocks_[1] * z));
+  }
+  std::size_t index(int x, int y, int z) const {
+    return static_cast<std::size_t>(x) + edge_ * (static_cast<std::size_t>(y) + edge_ * static_cast<std::size_t>(z));
+  }
+  std::int64_t value(std::size_t block, int x, int y, int z) const;
+  void gather_parts();
+
+  int n_;
+  std::size_t edge_;  // n + 1
+  std::array<int, 3> size_{};
+  std::array<int, 3> blocks_{};
+  std::vector<std::unique_ptr<std::int64_t[]>> blocks_words_;
+  std::uint64_t bound_ = 0;  // no word is larger
+};
+
+}  // namespace gicube::emu
