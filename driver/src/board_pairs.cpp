@@ -4,6 +4,7 @@
 
 #include "link_error.h"
 #include "state.h"
+#include "upload/clear_paths.h"
 #include "upload/pairs.h"
 
 namespace gicube {
@@ -16,6 +17,34 @@ constexpr std::size_t kUnderWay = 4;                       // chosen: so that bu
 std::size_t pairs_at_once(const PairRequest& request, std::size_t payload_bytes) {
   const std::size_t fitting = (payload_bytes - wire::kPairsHeaderBytes) / (wire::kPairBytes + 2 * wire::kElementBytes);
   return std::clamp<std::size_t>(kRaysAtOnce / request.rays, 1, std::min(kPairsAtOnce, fitting));
+}
+
+// The pairs that need no ray have their factors, the others are left.
+struct Sorted {
+  std::vector<PairFactor> factors;
+  std::vector<ElementPair> left;
+  std::vector<std::size_t> places;  // of those, among all
+};
+
+// Without leaping the board would look at voxels whose flags it was told to trust.
+Sorted without_clear(std::span<const Element> elements, std::span<const ElementPair> pairs, const PairRequest& request,
+                     const LoadedVolume& volume, int block_voxels, const View& sampling) {
+  const BlockFlags flags{volume.blocks, block_voxels, volume.flags};
+  const bool possible = sampling.leap && std::any_of(flags.empty.begin(), flags.empty.end(), [](auto f) { return f; });
+  Sorted sorted;
+  sorted.factors.resize(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (possible) {
+      const wire::Element a = to_wire(elements[pairs[i].a]), b = to_wire(elements[pairs[i].b]);
+      if (is_clear(a, b, flags, sampling.step)) {
+        sorted.factors[i] = clear_factor(a, b, pairs[i].id, request, volume.relative_spacing);
+        continue;
+      }
+    }
+    sorted.left.push_back(pairs[i]);
+    sorted.places.push_back(i);
+  }
+  return sorted;
 }
 
 }  // namespace
@@ -99,10 +128,17 @@ std::vector<PairFactor> Board::pair_factors(std::span<const Element> elements, s
   const LoadedVolume& volume = state_->loaded("pair_factors()");
   for (std::size_t i = 0; i < elements.size(); ++i) check(elements[i], i, volume.dims);
   for (std::size_t i = 0; i < pairs.size(); ++i) check(pairs[i], i, elements.size());
-  const Progress watched = state_->watched(progress);
-  if (request.made == PairRays::kByHost) return state_->pairs_by_host(elements, pairs, request, watched);
-  state_->set_sampling(state_->sampling);
-  return state_->pairs_by_board(elements, pairs, request, watched);
+  Sorted sorted = without_clear(elements, pairs, request, volume, state_->info.block_voxels, state_->sampling);
+  if (sorted.left.empty()) return std::move(sorted.factors);
+  const auto clear = static_cast<std::uint32_t>(pairs.size() - sorted.left.size());
+  const Progress given = state_->watched(progress);
+  Progress of_all;
+  if (given) of_all = [&](std::uint32_t done, std::uint32_t all) { given(done + clear, all + clear); };
+  if (request.made == PairRays::kByBoard) state_->set_sampling(state_->sampling);
+  const auto found = request.made == PairRays::kByHost ? state_->pairs_by_host(elements, sorted.left, request, of_all)
+                                                       : state_->pairs_by_board(elements, sorted.left, request, of_all);
+  for (std::size_t i = 0; i < found.size(); ++i) sorted.factors[sorted.places[i]] = found[i];
+  return std::move(sorted.factors);
 }
 
 }  // namespace gicube

@@ -229,7 +229,8 @@ class GICUBE_API Board {
 
   // How much light goes between pairs of elements: one factor a pair. Sampling (step, leaping) is that of the last view
   // rendered. The simulated host waits; the rays' making costs it no time of its own with PairRays::kByHost, unless the
-  // application adds host_compute().
+  // application adds host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), while leaping is on)
+  // are summed up here, without rays: PairFactor::clear.
   // Throws BadArgument (an element's, a pair's index, the request's fields), Rejected (no volume): nothing was sent.
   std::vector<PairFactor> pair_factors(std::span<const Element> elements, std::span<const ElementPair> pairs,
                                        const PairRequest& request = {}, const Progress& progress = {});

@@ -237,6 +237,8 @@ typedef struct gicube_view {
   uint32_t seed;
   uint32_t cut_plane_count;
   const gicube_cut_plane* cut_planes;
+  int32_t incident;
+  int32_t reserved; /* 0 */
 } gicube_view;
 
 /* gicube/image.h: Pixel */
@@ -334,6 +336,8 @@ typedef struct gicube_pair_factor {
   double transported;
   double geometric;
   double standard_error;
+  int32_t clear;    /* 1: the empty flags prove a clear path, and no ray was sent */
+  int32_t reserved; /* 0 */
 } gicube_pair_factor;
 
 /* NOLINTEND(modernize-use-using, readability-identifier-naming) */

@@ -45,9 +45,11 @@ struct PairRequest {
 struct PairFactor {
   double transported = 0;  // f f T / (pi r^2)
   double geometric = 0;    // f f / (pi r^2)
-  double standard_error =
-      0;  // of `transported`, from the means of eight runs of its samples: an upper bound, as a rule,
-          // since the runs fill the elements less evenly than all; infinite for fewer than 8 rays
+  // Of `transported`, from the means of eight runs of its samples: an upper bound, as a rule, since the runs fill the
+  // elements less evenly than all; infinite for fewer than 8 rays.
+  double standard_error = 0;
+  // No ray was sent: the empty flags prove T = 1 for all of them. The other fields are the same bits as with rays.
+  bool clear = false;
 
   friend constexpr bool operator==(const PairFactor&, const PairFactor&) = default;
 };

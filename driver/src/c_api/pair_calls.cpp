@@ -58,7 +58,7 @@ gicube_status gicube_pair_factors(gicube_board* board, const gicube_element* ele
     std::vector<gicube::ElementPair> between;
     for (std::size_t i = 0; i < pair_count; ++i) between.push_back(to_pair(pairs[i], i));
     for (const gicube::PairFactor& factor : handle.board.pair_factors(all, between, how, to_progress(progress, user))) {
-      *factors++ = {factor.transported, factor.geometric, factor.standard_error};
+      *factors++ = {factor.transported, factor.geometric, factor.standard_error, factor.clear ? 1 : 0, 0};
     }
   });
 }

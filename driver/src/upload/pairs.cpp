@@ -91,7 +91,7 @@ std::vector<std::uint8_t> pairs_command(std::span<const Element> elements, std::
 }
 
 PairFactor from_wire(const wire::PairResult& result) {
-  return {result.transported, static_cast<double>(result.geometric), static_cast<double>(result.standard_error)};
+  return {result.transported, static_cast<double>(result.geometric), static_cast<double>(result.standard_error), false};
 }
 
 PairRaysMade make_rays(std::span<const Element> elements, std::span<const ElementPair> pairs,

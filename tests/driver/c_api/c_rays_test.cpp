@@ -152,6 +152,13 @@ TEST_F(CApi, FindsTheFactorsOfPairsOfTheCppApi) {
   EXPECT_EQ(factor.geometric, expected.geometric);
   EXPECT_EQ(factor.standard_error, expected.standard_error);
   EXPECT_GT(factor.geometric, factor.transported);
+  EXPECT_EQ(factor.clear, 0);
+  const gicube_colour_point white{0, {1, 1, 1}};
+  const gicube_opacity_point invisible{0, 0};
+  ASSERT_EQ(gicube_set_transfer_function(board_, 0, &white, 1, &invisible, 1), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1), GICUBE_OK);
+  EXPECT_EQ(factor.clear, 1);
+  EXPECT_EQ(static_cast<float>(factor.transported), static_cast<float>(factor.geometric));
   EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 2),
             GICUBE_BAD_ARGUMENT);
   EXPECT_STREQ(gicube_last_error_field(), "count");
