@@ -38,7 +38,9 @@ void Board::State::set_sampling(const View& view) {
   device.set_register(reg::kLifetime, static_cast<std::uint32_t>(view.lifetime));
   device.set_register(reg::kSeed, view.seed);
   if (view.irradiance) device.set_register(reg::kExposure, exposure_word(view));
-  tables.set_lit_by_irradiance(view.irradiance);
+  tables.set_light(!view.irradiance ? SampleLight::kMap
+                   : view.incident  ? SampleLight::kIncident
+                                    : SampleLight::kAbsorbed);
   if (volume) tables.send_segmentation(volume->range);
   const auto planes = static_cast<std::uint32_t>(view.cut_planes.size());
   for (std::uint32_t i = 0; i < planes; ++i) {

@@ -57,12 +57,13 @@ void Tables::restore() {
 
 void Tables::send_segmentation(ValueRange range) {
   constexpr std::size_t kQuarter = wire::kSegmentationEntries / wire::kTags;
-  const Source source{changes_, lit_by_irradiance_, range, {}};
+  const Source source{changes_, light_, range, {}};
   if (source == segmentation_source_) return;
   for (std::size_t tag = 0; tag < functions_.size(); ++tag) {
     if (!functions_[tag]) continue;
     auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong);
-    if (lit_by_irradiance_) set_gains(wanted, materials_[tag].scattering);
+    if (light_ == SampleLight::kAbsorbed) set_gains(wanted, materials_[tag].scattering);
+    if (light_ == SampleLight::kIncident) set_unit_gains(wanted);
     const auto held = std::span(segmentation_).subspan(tag * kQuarter, kQuarter);
     if (std::equal(wanted.begin(), wanted.end(), held.begin(), held.end())) continue;
     std::vector<std::uint8_t> bytes(kQuarter * wire::kSegmentationEntryBytes);
@@ -77,10 +78,10 @@ void Tables::send_segmentation(ValueRange range) {
 }
 
 void Tables::send_reflectance(Vec3 towards_eye) {
-  const Source source{changes_, lit_by_irradiance_, {}, towards_eye};
+  const Source source{changes_, light_, {}, towards_eye};
   if (source == reflectance_source_) return;
   Phong phong = shading_.phong;
-  if (lit_by_irradiance_) phong.diffuse = 0;
+  if (light_ != SampleLight::kMap) phong.diffuse = 0;
   auto wanted = reflectance_map(phong, shading_.light, towards_eye);
   if (wanted != reflectance_) device_.write_memory(wire::kReflectanceMap.base, wanted);
   reflectance_ = std::move(wanted);

@@ -18,6 +18,10 @@
 
 namespace gicube {
 
+// What makes a sample bright: the reflectance map, or the irradiance, whose words hold what a sample absorbed or what falls
+// on it.
+enum class SampleLight { kMap, kAbsorbed, kIncident };
+
 // For arguments that passed their checks. Only what has changed is sent.
 class Tables {
  public:
@@ -35,8 +39,8 @@ class Tables {
   }
   void set_material(const Material& material, int tag);
   const std::array<Material, wire::kTags>& materials() const { return materials_; }
-  // Entries then hold gains instead of shading coefficients, and the reflectance map highlights alone (lut.h).
-  void set_lit_by_irradiance(bool lit) { lit_by_irradiance_ = lit; }
+  // By irradiance entries hold gains instead of shading coefficients, and the reflectance map highlights alone (lut.h).
+  void set_light(SampleLight light) { light_ = light; }
 
   // The segmentation LUT depends on the map from values to densities, and so on the volume.
   void send_segmentation(ValueRange range);
@@ -60,11 +64,11 @@ class Tables {
       std::vector<wire::SegmentationEntry>(wire::kSegmentationEntries);  // a tag never set is invisible
   Shading shading_;
   std::array<Material, wire::kTags> materials_;
-  bool lit_by_irradiance_ = false;
+  SampleLight light_ = SampleLight::kMap;
   // What the tables were last made from: making them takes longer than sending a small batch of rays.
   struct Source {
     std::uint64_t changes = 0;
-    bool lit = false;
+    SampleLight light = SampleLight::kMap;
     ValueRange range{};
     Vec3 towards_eye;
     friend constexpr bool operator==(const Source&, const Source&) = default;

@@ -18,6 +18,10 @@ enum class PixelFilter { kBox, kTent };
 
 // All positions in voxels of the volume; voxel (0, 0, 0) has its centre at the origin. Angles and lengths are seen in
 // physical space, so a volume with anisotropic spacing keeps its shape.
+//
+// Irradiance is what voxels absorbed after illuminate() and rays of type kDeposit: a sample's brightness is then its word over
+// (opacity (1 - Ks)). A field that an application wrote, such as a solution of radiosity, is shown as colour x irradiance x
+// exposure with `incident`; nothing chooses its exposure.
 struct View {
   Vec3 eye;
   Vec3 look_at;                    // not at the eye
@@ -35,6 +39,7 @@ struct View {
   bool jitter = false;
   bool leap = true;          // over blocks whose empty flag is set
   bool irradiance = false;   // lit by the irradiance that illuminate() left, instead of by the reflectance map
+  bool incident = false;     // the irradiance is what falls on a sample, not what it absorbed (see below)
   double exposure = 0;       // irradiance only: brightness of one unit of irradiance; 0 = chosen by illuminate()
   bool scatter = false;      // rays go on where a material scatters them (Material::seen_through_scattering)
   bool high_albedo = false;  // colour is taken once, where the ray is absorbed: needs many rays a pixel

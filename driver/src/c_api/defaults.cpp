@@ -71,6 +71,7 @@ gicube_view default_view() {
   record.jitter = view.jitter;
   record.leap = view.leap;
   record.irradiance = view.irradiance;
+  record.incident = view.incident;
   record.scatter = view.scatter;
   record.high_albedo = view.high_albedo;
   record.lifetime = view.lifetime;

@@ -23,6 +23,8 @@ View to_view(const gicube_view& record) {
   view.jitter = truth("view.jitter", record.jitter);
   view.leap = truth("view.leap", record.leap);
   view.irradiance = truth("view.irradiance", record.irradiance);
+  view.incident = truth("view.incident", record.incident);
+  check_reserved("view.reserved", static_cast<std::uint32_t>(record.reserved));
   view.exposure = record.exposure;
   view.scatter = truth("view.scatter", record.scatter);
   view.high_albedo = truth("view.high_albedo", record.high_albedo);

@@ -47,4 +47,12 @@ void set_gains(std::vector<wire::SegmentationEntry>& entries, double scattering)
   }
 }
 
+void set_unit_gains(std::vector<wire::SegmentationEntry>& entries) {
+  for (wire::SegmentationEntry& entry : entries) {
+    entry.ambient = 0;
+    entry.specular = wire::kShadeOne;
+    entry.set_gain(1 << wire::kGainFractionBits);
+  }
+}
+
 }  // namespace gicube

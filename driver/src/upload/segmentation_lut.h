@@ -20,5 +20,7 @@ std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction
 // reflectance map has them, and a gain of 1 / (opacity (1 - scattering)), since that is the share of the light that the
 // irradiance words were given; at most 255.99.
 void set_gains(std::vector<wire::SegmentationEntry>& entries, double scattering);
+// The same for words that hold the light which falls on a sample: the gain is 1.
+void set_unit_gains(std::vector<wire::SegmentationEntry>& entries);
 
 }  // namespace gicube

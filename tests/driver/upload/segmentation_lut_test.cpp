@@ -48,5 +48,16 @@ TEST(SegmentationLut, ShadingCoefficientsAreIn128ths) {
   EXPECT_EQ(entry({0, 0, 0, 1}).knee, 0);
 }
 
+TEST(SegmentationLut, GainsTurnWhatWasAbsorbedIntoWhatFellOnASampleAndAreOneIfTheWordsHoldThat) {
+  const TransferFunction f{{{0, {}}}, {{0, 0.25}}};
+  auto entries = segmentation_entries(f, {0, 1}, {});
+  set_gains(entries, 0.5);
+  EXPECT_EQ(entries[7].gain(), 8u << wire::kGainFractionBits);
+  set_unit_gains(entries);
+  EXPECT_EQ(entries[7].gain(), 1u << wire::kGainFractionBits);
+  EXPECT_EQ(entries[7].ambient, 0);
+  EXPECT_EQ(entries[7].opacity, 16384);
+}
+
 }  // namespace
 }  // namespace gicube
