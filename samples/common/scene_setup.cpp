@@ -105,12 +105,18 @@ void set_lights(const Scene& scene, SceneSetup& setup) {
 void set_optics(const Scene& scene, SceneSetup& setup) {
   setup.optics.clear();
   setup.scattering_colours.clear();
+  setup.emissions.clear();
   for (const SceneMaterial& material : scene.materials) {
     check(material);
     const auto tag = static_cast<std::size_t>(material.tag);
-    if (setup.optics.size() <= tag) setup.optics.resize(tag + 1), setup.scattering_colours.resize(tag + 1, {1, 1, 1});
+    if (setup.optics.size() <= tag) {
+      setup.optics.resize(tag + 1);
+      setup.scattering_colours.resize(tag + 1, {1, 1, 1});
+      setup.emissions.resize(tag + 1, {0, 0, 0});
+    }
     setup.optics[tag] = material.optics;
     setup.scattering_colours[tag] = material.scattering_colour;
+    for (std::size_t c = 0; c < 3; ++c) setup.emissions[tag][c] = material.emission * material.emission_colour[c];
     setup.view.scatter = setup.view.scatter || material.optics.seen_through_scattering;
   }
 }

@@ -78,6 +78,10 @@ SceneMaterial GraphReader::material(const v1::Material& source, int index, const
   if (source.has_scattering_colour()) {
     result.scattering_colour = read_colour(faults_, field + ".scattering_colour", source.scattering_colour());
   }
+  result.emission = source.emission();
+  if (source.has_emission_colour()) {
+    result.emission_colour = read_colour(faults_, field + ".emission_colour", source.emission_colour());
+  }
   if (source.has_bsdf()) faults_.gather_part(field, [&] { result.optics.bsdf = bsdf_named(source.bsdf()); });
   result.optics.gloss = source.gloss();
   result.optics.seen_through_scattering = source.seen_through_scattering();

@@ -55,6 +55,9 @@ void check(const SceneMaterial& material) {
   const Material& optics = material.optics;
   require(optics.scattering >= 0 && optics.scattering <= 1, "scattering", "0 to 1", optics.scattering);
   check_colour("scattering_colour", material.scattering_colour);
+  require(material.emission >= 0 && std::isfinite(material.emission), "emission", "a number, 0 or more",
+          material.emission);
+  check_colour("emission_colour", material.emission_colour);
   require(optics.gloss >= 0 && optics.gloss <= kMostGloss, "gloss", "0 to 15.99", optics.gloss);
   require(optics.scattering == 0 || optics.bsdf != Bsdf::kNone, "bsdf", "another than none with scattering",
           optics.scattering);

@@ -36,6 +36,10 @@ struct SceneMaterial {
   Material optics{};
   // With Lighting::colour_passes: factors of optics.scattering in the passes of red, green and blue.
   Colour scattering_colour{1, 1, 1};
+  // Light of its own: power from a unit of a solid's surface, or of a fog's or scan's volume, in the scene's units.
+  // Board::illuminate() has no such lights: it is for gicube-form-factors.
+  double emission = 0;
+  Colour emission_colour{1, 1, 1};  // linear factors of it
 };
 
 // Its look if it is of that kind, or else nullptr.

@@ -56,6 +56,8 @@ TEST(SceneMaterial, IsCheckedByField) {
               StartsWith("parameter"));
   EXPECT_THAT(fault_of({"m", 4, {}, {}, {1, 1, 1}}), StartsWith("tag"));
   EXPECT_THAT(fault_of({"m", 0, {}, {}, {1, 2, 1}}), StartsWith("scattering_colour"));
+  EXPECT_THAT(fault_of({"m", 0, {}, {}, {1, 1, 1}, -1}), StartsWith("emission: expected a number, 0 or more, got -1"));
+  EXPECT_THAT(fault_of({"m", 0, {}, {}, {1, 1, 1}, 3, {1, 1, -0.5}}), StartsWith("emission_colour"));
   EXPECT_THAT(fault_of({"m", 0, FogLook{{1, 1, 1}, 0}, {}, {1, 1, 1}}), StartsWith("fog.extinction"));
   EXPECT_THAT(fault_of({"m", 0, SolidLook{{1, 1, 1}, 2}, {}, {1, 1, 1}}), StartsWith("solid.opacity"));
 }

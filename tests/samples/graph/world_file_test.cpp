@@ -36,7 +36,8 @@ TEST(WorldFile, FillsTheStructsOfTheScenegraph) {
       node { name: "scan" material: "bone" volume { file: "head.nrrd" spacing: [1, 1, 2] } }
       node { name: "haze" material: "air" box { } } }
     material { name: "gold" solid { colour { red: 1 green: 0.8 blue: 0.3 } } scattering: 0.9 bsdf: "dull_reflection" gloss: 0.05
-               seen_through_scattering: true scattering_colour { red: 1 green: 0.8 blue: 0.4 } }
+               seen_through_scattering: true scattering_colour { red: 1 green: 0.8 blue: 0.4 }
+               emission: 2.5 emission_colour { red: 1 green: 0.5 blue: 0 } }
     material { name: "paper" tag: 3 scattering: 0.5 bsdf: "diffuse" }
     material { name: "bone" tag: 1 transfer_function { preset: "ct-bone" } }
     material { name: "air" tag: 2 fog { extinction: 0.7 } scattering: 0.4 bsdf: "trap" routine: "henyey_greenstein"
@@ -77,6 +78,9 @@ TEST(WorldFile, FillsTheStructsOfTheScenegraph) {
   EXPECT_EQ(scene.materials[0].optics.gloss, 0.05);
   EXPECT_TRUE(scene.materials[0].optics.seen_through_scattering);
   EXPECT_EQ(scene.materials[0].scattering_colour, (Colour{1, 0.8, 0.4}));
+  EXPECT_EQ(scene.materials[0].emission, 2.5);
+  EXPECT_EQ(scene.materials[0].emission_colour, (Colour{1, 0.5, 0}));
+  EXPECT_EQ(scene.materials[1].emission, 0);
   EXPECT_EQ(scene.materials[1].tag, 3);
   EXPECT_FALSE(scene.materials[1].look);
   EXPECT_NE(look_as<TransferFunctionFile>(scene.materials[2]), nullptr);
