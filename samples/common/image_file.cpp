@@ -5,15 +5,14 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
-#include <random>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include "common/formats/header_lines.h"
+#include "common/whole_file.h"
 
 namespace gicube::samples {
 namespace {
@@ -46,36 +45,10 @@ void check(const Image& image, const std::filesystem::path& path) {
                   fmt::format("{} x {} and {}", image.width, image.height, image.pixels.size()));
 }
 
-// A file beside the final one that is gone again unless it was renamed.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::filesystem::path& final_path) : final_(final_path), path_(final_path) {
-    std::random_device random;
-    path_.replace_filename(fmt::format(".{}.{:08x}.part", final_path.filename().string(), random()));
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-
-  const std::filesystem::path& path() const { return path_; }
-
-  void rename() const {
-    std::error_code fault;
-    std::filesystem::rename(path_, final_, fault);
-    if (fault) throw FileError(final_, "file", "a place to write to", fault.message());
-  }
-
- private:
-  std::filesystem::path final_, path_;
-};
-
 void write(const std::filesystem::path& path, const std::string& format, OIIO::ImageSpec spec, OIIO::TypeDesc type,
            const void* samples) {
   spec["Software"] = "GI-Cube";
-  const TemporaryFile file(path);
+  const WholeFile file(path);
   const auto output = OIIO::ImageOutput::create(format);
   if (!output) throw FileError(path, "format", "one that OpenImageIO can write", OIIO::geterror());
   const bool written =

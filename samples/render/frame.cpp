@@ -8,6 +8,7 @@
 
 #include "common/geometry/codebook.h"
 #include "common/input_error.h"
+#include "common/light_field.h"
 #include "render/colour_passes.h"
 
 namespace gicube::samples {
@@ -35,6 +36,12 @@ void check_fits(const Dims& dims, const BoardInfo& info, const std::string& sour
                   "emulated one larger)",
                   info.max_volume_voxels, needed),
       fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]));
+}
+
+void check_fits(const LightField& field, const Dims& dims) {
+  if (field.dims == dims) return;
+  const auto text = [](const Dims& d) { return fmt::format("{} x {} x {}", d[0], d[1], d[2]); };
+  throw InputError("--irradiance", "a field of the volume's " + text(dims) + " voxels", text(field.dims));
 }
 
 // Wall and simulated time of a part of the work, and what the board counted in it.
@@ -78,7 +85,9 @@ std::optional<Colour> background_of(const RenderOptions& options, const std::opt
 class Renderer {
  public:
   Renderer(const RenderOptions& options, ProgressLine& progress)
-      : options_(options), progress_(progress), input_(input_scene(options)), board_(open_board(options.board)) {}
+      : options_(options), progress_(progress), input_(input_scene(options)), board_(open_board(options.board)) {
+    if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
+  }
 
   // Pictures `first` to before `last`: of one volume and one light.
   void run(const std::vector<double>& times, std::size_t first, std::size_t last,
@@ -132,6 +141,7 @@ class Renderer {
     setup_ = set_up(scene, options_.board.threads);
     set_phong(options_, setup_.shading.phong);
     check_fits(setup_.volume.dims, board_.info(), setup_.volume.source);
+    if (field_) check_fits(*field_, setup_.volume.dims);
     const Picoseconds begin = board_.now();
     board_.set_shading(setup_.shading);
     if (!last_ && scene.own_codebook && !moves_nodes(scene)) {
@@ -177,7 +187,13 @@ class Renderer {
     board_.set_shading(setup_.shading);
     set_optics(pass);
     frame.background = background_of(options_, setup_.background);
-    put_together(pass, board_.render(view, progress_.parts(what)), frame.background, frame.image);
+    if (field_) {
+      const double voxel = setup_.grid.voxel, asked = setup_.lighting.exposure * voxel * voxel;
+      frame.image = picture_of(board_, *field_, view, asked > 0 ? asked : exposure_for(*field_), frame.background,
+                               progress_.parts(what));
+    } else {
+      put_together(pass, board_.render(view, progress_.parts(what)), frame.background, frame.image);
+    }
 
     FrameStatistics& statistics = frame.statistics;
     statistics.frame += window.simulated();
@@ -194,6 +210,7 @@ class Renderer {
   ProgressLine& progress_;
   Scene input_;
   Board board_;
+  std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;
   std::optional<Scene> last_;  // whose voxels and light are on the board
   LightingStatistics lighting_;

@@ -29,6 +29,11 @@ void add_lighting_options(CLI::App& app, LightingOptions& options) {
       ->check(CLI::Range(0, 1023));
   group.value("--exposure", options.exposure, "brightness of a unit of light on a unit of area; 0: chosen (0)")
       ->check(CLI::Range(0.0, 1e12));
+  app.add_option("--irradiance", options.field,
+                 "light known already, of one channel or three (NRRD, as gicube-form-factors writes it), in place of "
+                 "lighting rays")
+      ->type_name("FILE")
+      ->group(name);
   group.flag("--colour-passes", options.colour_passes, "light in red, green and blue, one after the other");
 }
 
@@ -54,6 +59,11 @@ void check_animation(const AnimationOptions& options) {
 
 void set_lighting(const LightingOptions& options, Scene& scene) {
   Lighting& lighting = scene.lighting;
+  if (!options.field.empty()) {
+    if (!options.illumination.empty()) throw UsageError("--irradiance: expected it or --illumination, got both");
+    lighting.on = false;
+    if (!scene.phong) scene.phong = Phong{.ambient = 0, .diffuse = 1, .specular = 0};  // all light is in the field
+  }
   if (!options.illumination.empty()) set_albedo(options.illumination, "--illumination", lighting);
   if (!options.rules.empty()) lighting.settings.rules = rules_named(options.rules, "--rules");
   lighting.settings.rays_per_face_voxel = options.rays.value_or(lighting.settings.rays_per_face_voxel);

@@ -19,6 +19,7 @@ struct LightingOptions {
   std::optional<int> lifetime;
   std::optional<double> exposure;
   bool colour_passes = false;
+  std::filesystem::path field;  // light that is known already, in place of lighting rays; empty: none
 };
 
 struct AnimationOptions {

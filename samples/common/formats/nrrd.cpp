@@ -151,14 +151,16 @@ double spacing_of(const Nrrd& nrrd, unsigned axis) {
   return spacing;
 }
 
-StoredLayout layout_of(const std::filesystem::path& file, const Header& header) {
+// `channels`: of the first axis, taken into the second.
+StoredLayout layout_of(const std::filesystem::path& file, const Header& header, std::size_t channels = 1) {
   const Nrrd& nrrd = *header.nrrd;
-  const std::vector<unsigned> axes = spatial_axes(nrrd);
+  const std::vector<unsigned> axes = channels > 1 ? std::vector<unsigned>{1, 2, 3} : spatial_axes(nrrd);
   std::vector<std::int64_t> sizes;
   for (const unsigned axis : axes) {
     constexpr std::size_t kMost = std::numeric_limits<std::int64_t>::max();
     sizes.push_back(static_cast<std::int64_t>(std::min(nrrd.axis[axis].size, kMost)));
   }
+  if (channels > 1 && sizes[0] <= kMaxFileDim) sizes[0] *= static_cast<std::int64_t>(channels);
   StoredLayout layout;
   layout.file = file;
   layout.dims = checked_dims(file, "sizes", sizes);
@@ -202,9 +204,9 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, bool
 
 bool is_nrrd(const std::filesystem::path& file) { return file_start(file, 7) == "NRRD000"; }
 
-Volume read_nrrd(const std::filesystem::path& file) {
-  const Header header = read_header(file);
-  StoredLayout layout = layout_of(file, header);
+namespace {
+
+Volume read_data_of(const std::filesystem::path& file, const Header& header, StoredLayout layout) {
   const std::size_t bytes = checked_bytes(layout);
   const NrrdEncoding* encoding = header.io->encoding;
   if (encoding == nrrdEncodingRaw || encoding == nrrdEncodingGzip) {
@@ -218,6 +220,20 @@ Volume read_nrrd(const std::filesystem::path& file) {
   }
   layout.big_endian = std::endian::native == std::endian::big;
   return to_volume(read_numbers(place.file, begin, layout.type, bytes / bytes_of(layout.type)), layout);
+}
+
+}  // namespace
+
+Volume read_nrrd(const std::filesystem::path& file) {
+  const Header header = read_header(file);
+  return read_data_of(file, header, layout_of(file, header));
+}
+
+Volume read_nrrd_channels(const std::filesystem::path& file, int& channels) {
+  const Header header = read_header(file);
+  const bool vectors = header.nrrd->dim == 4 && header.nrrd->axis[0].size == 3;
+  channels = vectors ? 3 : 1;
+  return read_data_of(file, header, layout_of(file, header, vectors ? 3 : 1));
 }
 
 }  // namespace gicube::samples

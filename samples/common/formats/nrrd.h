@@ -16,4 +16,8 @@ bool is_nrrd(const std::filesystem::path& file);
 // Axes of one sample may stand beside the three that count, wherever they are.
 Volume read_nrrd(const std::filesystem::path& file);
 
+// Voxels of one sample or, with a first axis of three and three more, of three: those of a row then follow each other, as a
+// volume of three times as many voxels along x. `channels`: 1 or 3.
+Volume read_nrrd_channels(const std::filesystem::path& file, int& channels);
+
 }  // namespace gicube::samples

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/light_field.h"
 #include "render_program.h"
 
 namespace gicube::samples {
@@ -64,6 +65,37 @@ TEST_F(RenderProgram, DrawsASceneFileIntoAnExr) {
   const Outcome result = run(path("ball.scene") + " -o " + path("ball.exr"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_GT(colours(path("ball.exr"), 24, 16), 20u);
+}
+
+// Light that is known already is shown as colour times light times exposure: a white block in red and blue light.
+TEST_F(RenderProgram, ShowsAFieldOfLightInPlaceOfLightingRays) {
+  std::ofstream(path("block.scene")) << R"(
+    world { size: 16 node { name: "block" material: "chalk" box { low { x: -3 y: -3 z: -3 } high { x: 3 y: 3 z: 3 } } } }
+    material { name: "chalk" solid { colour { red: 0.5 green: 0.5 blue: 0.5 } } scattering: 0.9 bsdf: "diffuse" }
+    light { point { position { x: 0 y: -3 z: 0 } } power: 100 }
+    camera { eye { x: 0 y: -9 z: 0 } fov_degrees: 10 } illumination { exposure: 2 colour_passes: true })";
+  LightField field{{16, 16, 16}, 3, {}};
+  for (int i = 0; i < 16 * 16 * 16; ++i) field.values.insert(field.values.end(), {0.6F, 0.0F, 0.2F});
+  write_light_field(field, {1, 1, 1}, path("field.nrrd"));
+  const std::string shown = path("block.scene") + " --size 16x16 --irradiance " + path("field.nrrd") + " -o ";
+  for (const char* set : {"", " --set asic.datapath=wide"}) {
+    const Outcome result = run(shown + path("field.png") + set);
+    ASSERT_EQ(result.code, 0) << result.err;
+    const auto seen = pixel(path("field.png"), 8, 8);
+    EXPECT_NEAR(seen[0], 0.5 * 0.6 * 2, 0.01);
+    EXPECT_EQ(seen[1], 0);
+    EXPECT_NEAR(seen[2], 0.5 * 0.2 * 2, 0.01);
+  }
+  ASSERT_EQ(run(shown + path("half.png") + " --exposure 1").code, 0);
+  EXPECT_NEAR(pixel(path("half.png"), 8, 8)[0], 0.5 * 0.6, 0.01);
+
+  const Outcome both = run(shown + path("a.png") + " --illumination low");
+  EXPECT_EQ(both.code, 2);
+  EXPECT_THAT(both.err, HasSubstr("--irradiance: expected it or --illumination, got both"));
+  const Outcome other = run(shown + path("a.png") + " --volume-size 20");
+  EXPECT_EQ(other.code, 1);
+  EXPECT_THAT(other.err,
+              HasSubstr("--irradiance: expected a field of the volume's 20 x 20 x 20 voxels, got 16 x 16 x 16"));
 }
 
 TEST_F(RenderProgram, FailsWithOneLineAndCodeTwoForWrongUsage) {

@@ -1,0 +1,40 @@
+// Light that falls on the voxels of a volume: a file of its own, and pictures of it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "gicube/board.h"
+#include "gicube/transfer_function.h"
+
+namespace gicube::samples {
+
+// Power that falls on a unit of area, or a quarter of the fluence in a medium: a diffuse thing there, and a medium that scatters
+// to all sides alike, shows its colour times this.
+struct LightField {
+  Dims dims{};
+  int channels = 1;           // or 3: red, green, blue
+  std::vector<float> values;  // x fastest, a voxel's channels side by side; 0 or more
+};
+
+// NRRD of float: axes x, y, z or, with three channels, 3, x, y, z. `spacing`: the voxels' edges, noted in the file.
+// Throws FileError; a file that was there stays until the new one is whole.
+void write_light_field(const LightField& field, Vec3 spacing, const std::filesystem::path& path);
+// Throws FileError: no such file, another type than float, other axes, a value that is below 0 or not finite.
+LightField read_light_field(const std::filesystem::path& path);
+
+// Brightness of a unit of it that shows the lighter parts well: nine in ten values above 0 are below 0.8 of white [C]; 1 for
+// a field without light.
+double exposure_for(const LightField& field);
+
+// Writes a channel as the board's irradiance, in place of what was there. What shows brighter than four times white under
+// `exposure` is clipped [C], so that the paper's 11 bits are left for the rest.
+void put_on(Board& board, const LightField& field, int channel, double exposure);
+
+// A picture of the volume on the board, which has the field's size, in that light: one rendering, or one a channel whose
+// channels are put together. Opaque over a background; without one alpha is the volume's.
+Image picture_of(Board& board, const LightField& field, View view, double exposure,
+                 const std::optional<Colour>& background, const Progress& progress = {});
+
+}  // namespace gicube::samples
