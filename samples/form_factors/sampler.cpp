@@ -1,0 +1,179 @@
+#include "form_factors/sampler.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kRaysPerMember = 2;               // chosen: more pairs of members tell more, fewer spare the bus
+constexpr std::size_t kLinksAtOnce = 1u << 16;  // chosen: some ten commands of the driver's
+
+std::uint64_t mix(std::uint64_t x) {  // SplitMix64 (Steele, Lea, Flood 2014)
+  x += 0x9E3779B97F4A7C15u;
+  x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
+  x = (x ^ x >> 27) * 0x94D049BB133111EBu;
+  return x ^ x >> 31;
+}
+
+// Of a link, and of the i-th draw of its members.
+std::uint64_t hash_of(const Link& link, std::uint64_t i) { return mix(mix(link.a | std::uint64_t{link.b} << 32) + i); }
+
+// Adds a mean over `more` rays to one over `rays`.
+void join(double& mean, double rays, double other, double more) { mean += (other - mean) * more / (rays + more); }
+
+}  // namespace
+
+LinkSampler::LinkSampler(Board& board, const Forest& forest, const Contents& contents,
+                         const RadiositySettings& settings, RadiosityStatistics& statistics)
+    : board_(board),
+      forest_(forest),
+      contents_(contents),
+      settings_(settings),
+      statistics_(statistics),
+      box_factors_(forest.edges) {
+  for (const Leaf& leaf : forest.leaves) elements_.push_back(leaf.element);
+  for (const Cluster& cluster : forest.clusters) elements_.push_back(element_of(cluster));
+}
+
+std::vector<PairFactor> LinkSampler::ask(std::span<const ElementPair> pairs, const PairRequest& request) {
+  statistics_.pairs += pairs.size();
+  statistics_.rays += std::uint64_t{request.rays} * pairs.size();
+  return board_.pair_factors(elements_, pairs, request);
+}
+
+void LinkSampler::add_rays(std::span<SampledLink*> links, int rays) {
+  const auto full = [&](const SampledLink* sampled) {
+    return forest_.clusters[sampled->link.a].full && forest_.clusters[sampled->link.b].full;
+  };
+  const auto middle = std::stable_partition(links.begin(), links.end(), full);
+  const auto in_parts = [](std::span<SampledLink* const> of, const auto& work) {
+    for (std::size_t at = 0; at < of.size(); at += kLinksAtOnce) {
+      work(of.subspan(at, std::min(kLinksAtOnce, of.size() - at)));
+    }
+  };
+  in_parts({links.begin(), middle}, [&](std::span<SampledLink* const> part) { full_pairs(part, rays); });
+  in_parts({middle, links.end()}, [&](std::span<SampledLink* const> part) { member_pairs(part, rays); });
+}
+
+void LinkSampler::full_pairs(std::span<SampledLink* const> links, int rays) {
+  const auto leaves = static_cast<std::uint32_t>(forest_.leaves.size());
+  std::vector<ElementPair> pairs;
+  for (const SampledLink* sampled : links) {
+    const Link& link = sampled->link;
+    pairs.push_back({leaves + link.a, leaves + link.b, static_cast<std::uint32_t>(hash_of(link, 0))});
+  }
+  if (pairs.empty()) return;
+  const auto factors = ask(pairs, {.rays = static_cast<std::uint32_t>(rays),
+                                   .first = links.front()->link.rays,
+                                   .seed = settings_.seed,
+                                   .made = settings_.made});
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    SampledLink& sampled = *links[i];
+    const double before = sampled.link.rays, more = rays, all = before + more;
+    join(sampled.transported, before, factors[i].transported, more);
+    join(sampled.geometric, before, factors[i].geometric, more);
+    const double error = factors[i].standard_error;
+    sampled.variance = (before * before * sampled.variance + more * more * error * error) / (all * all);
+    sampled.link.rays += static_cast<std::uint32_t>(rays);
+    conclude(sampled);
+  }
+}
+
+// The leaf at a share, 0..1, of the cluster's measure.
+std::uint32_t LinkSampler::member(const Cluster& cluster, double share) const {
+  const auto begin = forest_.measures.begin();
+  const double at = std::lerp(begin[cluster.first], begin[cluster.last], share);
+  const auto after = std::upper_bound(begin + cluster.first + 1, begin + cluster.last, at);
+  return static_cast<std::uint32_t>(after - begin) - 1;
+}
+
+void LinkSampler::member_pairs(std::span<SampledLink* const> links, int rays) {
+  // Fractions of the powers of 1 / 1.3247..., the generalised golden ratio of two dimensions, in 64-bit fixed point.
+  constexpr std::array<std::uint64_t, 2> kSteps{0xC13FA9A902A6328F, 0x91E10DA5C79E7B1D};
+  constexpr double kShare = 0x1p-64;
+  const auto draws = static_cast<std::uint64_t>(rays / kRaysPerMember);
+  std::vector<ElementPair> pairs;
+  for (const SampledLink* sampled : links) {
+    const Link& link = sampled->link;
+    const std::uint64_t turn = mix(settings_.seed), first = link.rays / kRaysPerMember;
+    const std::uint64_t turn_a = hash_of(link, turn), turn_b = hash_of(link, turn + 1);
+    for (std::uint64_t i = first; i < first + draws; ++i) {
+      const double share_a = static_cast<double>(turn_a + (i + 1) * kSteps[0]) * kShare;
+      const double share_b = static_cast<double>(turn_b + (i + 1) * kSteps[1]) * kShare;
+      pairs.push_back({member(forest_.clusters[link.a], share_a), member(forest_.clusters[link.b], share_b),
+                       static_cast<std::uint32_t>(hash_of(link, i + 2))});
+    }
+  }
+  if (pairs.empty()) return;
+  const auto factors = ask(pairs, {.rays = kRaysPerMember, .seed = settings_.seed, .made = settings_.made});
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    SampledLink& sampled = *links[i];
+    double transported = 0, geometric = 0, squares = 0;
+    for (std::size_t k = i * draws; k < (i + 1) * draws; ++k) {
+      transported += factors[k].transported / static_cast<double>(draws);
+      geometric += factors[k].geometric / static_cast<double>(draws);
+    }
+    for (std::size_t k = i * draws; k < (i + 1) * draws; ++k) {
+      const double off = factors[k].transported - transported;
+      squares += off * off;
+    }
+    const double variance = squares / (static_cast<double>(draws) * static_cast<double>(draws - 1));
+    const double before = sampled.link.rays, more = rays, all = before + more;
+    join(sampled.transported, before, transported, more);
+    join(sampled.geometric, before, geometric, more);
+    sampled.variance = (before * before * sampled.variance + more * more * variance) / (all * all);
+    sampled.link.rays += static_cast<std::uint32_t>(rays);
+    conclude(sampled);
+  }
+}
+
+// The mean factor of two full clusters that are too near for rays, if what is between them is open and even enough.
+std::optional<double> LinkSampler::near_factor(const Cluster& a, const Cluster& b) {
+  constexpr double kNear = 1;       // chosen: distance, in sizes of the larger one
+  constexpr double kUneven = 0.02;  // chosen: of ln T
+  std::array<double, 3> low, high;
+  double gap = 0, size = 0, across = 0;
+  const std::array edges{forest_.edges.x, forest_.edges.y, forest_.edges.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = std::min(a.low[axis], b.low[axis]);
+    high[axis] = std::max(a.high[axis], b.high[axis]);
+    const double apart = std::max({a.low[axis] - b.high[axis], b.low[axis] - a.high[axis], 0.0}) * edges[axis];
+    gap += apart * apart;
+    for (const Cluster* of : {&a, &b}) size = std::max(size, (of->high[axis] - of->low[axis]) * edges[axis]);
+    across = std::max(across, (high[axis] - low[axis]) * edges[axis]);
+  }
+  if (gap > kNear * size * size) return std::nullopt;
+  const Contents::Of between = contents_.box(low, high);
+  if (between.solid || between.kappa_spread * across > kUneven) return std::nullopt;
+  return box_factors_.of(a, b, between.mean_kappa);
+}
+
+// From means to the exchange area.
+void LinkSampler::conclude(SampledLink& sampled) {
+  Link& link = sampled.link;
+  const Cluster& a = forest_.clusters[link.a];
+  const Cluster& b = forest_.clusters[link.b];
+  const double scale = forest_.exchange_measure(a) * forest_.exchange_measure(b), rays = link.rays;
+  const double error = std::sqrt(sampled.variance);
+  link.exchange = scale * sampled.transported;
+  link.standard_error = scale * error;
+  link.spread = scale * error * std::sqrt(rays);
+  if (a.full && b.full && sampled.geometric > 0) {
+    // The rays' error is that of the share which arrives, and can't be more than if each came whole or not at all.
+    const double geometric = box_factors_.of(a, b);
+    const double share = std::min(sampled.transported / sampled.geometric, 1.0);
+    const double most = std::sqrt(share * (1 - share) / rays);
+    link.exchange = scale * geometric * share;
+    link.standard_error = scale * geometric * std::min(error / sampled.geometric, most);
+    if (const auto factor = near_factor(a, b)) {
+      link.exchange = scale * *factor;
+      link.standard_error = 0;
+    }
+  }
+  // What none of the rays has found the next one may find.
+  const double unseen = sampled.transported > 0 ? link.exchange : scale * sampled.geometric;
+  link.spread = std::max(link.spread, unseen / (rays + 1));
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,49 @@
+// Estimates links by the board's pairs.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "form_factors/box_factor.h"
+#include "form_factors/elements.h"
+#include "form_factors/radiosity.h"
+
+namespace gicube::samples {
+
+struct SampledLink {
+  Link link;
+  double transported = 0, geometric = 0;  // means over its rays, as PairFactor
+  double variance = 0;                    // of `transported`
+};
+
+// A full cluster is one element for the board: k rays between two of them are k points that fill both evenly. What is known
+// without rays, their geometric factor, is taken from BoxFactors; the rays say which share of it arrives. Near ones with an
+// open and about even medium around them are done without rays. Of other clusters members are drawn, evenly in the running sum of their measures: the mean over members is an unbiased estimate of the sum
+// over all of them.
+class LinkSampler {
+ public:
+  LinkSampler(Board& board, const Forest& forest, const Contents& contents, const RadiositySettings& settings,
+              RadiosityStatistics& statistics);
+
+  // Adds `rays` to each of them. They must have the same number of rays before.
+  void add_rays(std::span<SampledLink*> links, int rays);
+
+ private:
+  void full_pairs(std::span<SampledLink* const> links, int rays);
+  void member_pairs(std::span<SampledLink* const> links, int rays);
+  std::vector<PairFactor> ask(std::span<const ElementPair> pairs, const PairRequest& request);
+  std::uint32_t member(const Cluster& cluster, double share) const;
+  void conclude(SampledLink& sampled);
+  std::optional<double> near_factor(const Cluster& a, const Cluster& b);
+
+  Board& board_;
+  const Forest& forest_;
+  const Contents& contents_;
+  const RadiositySettings& settings_;
+  RadiosityStatistics& statistics_;
+  BoxFactors box_factors_;
+  std::vector<Element> elements_;  // leaves, then clusters
+};
+
+}  // namespace gicube::samples
