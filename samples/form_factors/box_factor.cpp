@@ -59,9 +59,9 @@ const Rule& rule_at(double sizes) { return sizes < 2 ? kFour : sizes < 8 ? kThre
 
 class Integral {
  public:
-  Integral(std::uint8_t a, std::uint8_t b, double kappa) : a_(a), b_(b), kappa_(kappa) {}
+  Integral(std::uint8_t a, std::uint8_t b, WayFactor& out) : a_(a), b_(b), out_(out) {}
 
-  double over(const Cell& cell, int depth) const {
+  void over(const Cell& cell, int depth) const {
     double square = 0, size = 0;
     for (const Interval& t : cell) {
       const double near = t.low > 0 ? t.low : t.high < 0 ? -t.high : 0;
@@ -75,7 +75,7 @@ class Integral {
 
  private:
   // In half along the axes that are long, so that parts become cubes.
-  double divided(const Cell& cell, double size, int depth) const {
+  void divided(const Cell& cell, double size, int depth) const {
     std::array<Intervals, 3> parts;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Interval& t = cell[axis];
@@ -86,13 +86,11 @@ class Integral {
         parts[axis] = {part(t, t.low, middle), part(t, middle, t.high)};
       }
     }
-    double total = 0;
     for (const Interval& x : parts[0]) {
       for (const Interval& y : parts[1]) {
-        for (const Interval& z : parts[2]) total += over({x, y, z}, depth - 1);
+        for (const Interval& z : parts[2]) over({x, y, z}, depth - 1);
       }
     }
-    return total;
   }
 
   struct Point {
@@ -111,20 +109,18 @@ class Integral {
     return rule.points;
   }
 
-  double sum(const Cell& cell, const Rule& rule) const {
+  void sum(const Cell& cell, const Rule& rule) const {
     std::array<std::array<Point, 4>, 3> at;
     std::array<std::size_t, 3> count;
     for (std::size_t axis = 0; axis < 3; ++axis) count[axis] = points(cell[axis], rule, at[axis]);
-    double total = 0;
     for (std::size_t i = 0; i < count[0]; ++i) {
       for (std::size_t j = 0; j < count[1]; ++j) {
         const double weight = at[0][i].weight * at[1][j].weight;
         for (std::size_t k = 0; k < count[2]; ++k) {
-          total += weight * at[2][k].weight * kernel({at[0][i].t, at[1][j].t, at[2][k].t});
+          add(weight * at[2][k].weight, {at[0][i].t, at[1][j].t, at[2][k].t});
         }
       }
     }
-    return total;
   }
 
   static double along(std::uint8_t facing, const std::array<double, 3>& t) {
@@ -132,26 +128,23 @@ class Integral {
     return facing % 2 == 1 ? s : -s;
   }
 
-  double kernel(const std::array<double, 3>& t) const {
-    const double square = t[0] * t[0] + t[1] * t[1] + t[2] * t[2];
-    double out = 1 / (std::numbers::pi * square);
-    const double r = std::sqrt(square);
-    if (kappa_ > 0) out *= std::exp(-kappa_ * r);
-    if (a_ != kMedium) out *= std::max(0.0, along(a_, t)) / r;
-    if (b_ != kMedium) out *= std::max(0.0, -along(b_, t)) / r;
-    return out;
+  void add(double weight, const std::array<double, 3>& t) const {
+    const double square = t[0] * t[0] + t[1] * t[1] + t[2] * t[2], r = std::sqrt(square);
+    double factor = weight / (std::numbers::pi * square);
+    if (a_ != kMedium) factor *= std::max(0.0, along(a_, t)) / r;
+    if (b_ != kMedium) factor *= std::max(0.0, -along(b_, t)) / r;
+    out_.add(r, factor);
   }
 
   std::uint8_t a_, b_;
-  double kappa_;
+  WayFactor& out_;
 };
 
-constexpr double kGrades = 8;   // chosen: kept kappas an octave
 constexpr int kMostDepth = 12;  // chosen: about 2^-12 of the light between touching elements is summed without care
 
 }  // namespace
 
-double mean_factor(const AxisBox& a, const AxisBox& b, double kappa) {
+WayFactor::WayFactor(const AxisBox& a, const AxisBox& b) {
   std::array<Intervals, 3> axes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     axes[axis] = differences(a.low[axis], a.high[axis], b.low[axis], b.high[axis]);
@@ -160,16 +153,25 @@ double mean_factor(const AxisBox& a, const AxisBox& b, double kappa) {
   const auto flat = [](const AxisBox& box) { return box.facing != kMedium; };
   if (flat(a) && flat(b) && a.facing / 2 == b.facing / 2) {
     const Interval& apart = axes[a.facing / 2u].front();
-    if (a.facing == b.facing || apart.low == 0) return 0;
+    if (a.facing == b.facing || apart.low == 0) return;
   }
-  const Integral integral(a.facing, b.facing, kappa);
-  double total = 0;
+  double longest = 0;
+  for (const Intervals& axis : axes) longest = std::hypot(longest, std::max(-axis.front().low, axis.back().high));
+  bins_per_length_ = kBins / longest;
+  const Integral integral(a.facing, b.facing, *this);
   for (const Interval& x : axes[0]) {
     for (const Interval& y : axes[1]) {
-      for (const Interval& z : axes[2]) total += integral.over({x, y, z}, kMostDepth);
+      for (const Interval& z : axes[2]) integral.over({x, y, z}, kMostDepth);
     }
   }
-  return total;
+}
+
+double WayFactor::at(double kappa) const {
+  double sum = 0;
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    if (factor_[bin] > 0) sum += factor_[bin] * (kappa > 0 ? std::exp(-kappa * way_[bin] / factor_[bin]) : 1);
+  }
+  return sum;
 }
 
 std::size_t BoxFactors::Hash::operator()(const Key& key) const {
@@ -181,7 +183,7 @@ std::size_t BoxFactors::Hash::operator()(const Key& key) const {
   return hash;
 }
 
-double BoxFactors::at_grade(const Cluster& a, const Cluster& b, std::int16_t grade) {
+const WayFactor& BoxFactors::of(const Cluster& a, const Cluster& b) {
   const auto halves = [](double x) { return static_cast<std::int16_t>(std::lround(2 * x)); };
   Key key{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -194,27 +196,16 @@ double BoxFactors::at_grade(const Cluster& a, const Cluster& b, std::int16_t gra
     if (!normal) key[6 + axis] = std::max(key[6 + axis], halves(a.high[axis] - b.high[axis]));
   }
   key[9] = static_cast<std::int16_t>(a.facing * 7 + b.facing);
-  key[10] = grade;
-  const auto [at, fresh] = known_.try_emplace(key, 0);
+  const auto [at, fresh] = known_.try_emplace(key);
   if (fresh) {
     const std::array edges{edges_.x, edges_.y, edges_.z};
     AxisBox from{a.low, a.high, a.facing}, to{b.low, b.high, b.facing};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (AxisBox* box : {&from, &to}) box->low[axis] *= edges[axis], box->high[axis] *= edges[axis];
     }
-    at->second = mean_factor(from, to, grade == kClear ? 0 : std::exp2(grade / kGrades));
+    at->second = WayFactor(from, to);
   }
   return at->second;
-}
-
-double BoxFactors::of(const Cluster& a, const Cluster& b, double kappa) {
-  if (!(kappa > 0)) return of(a, b);
-  const double place = std::max(kGrades * std::log2(kappa), -1e4), below = std::floor(place);
-  const auto grade = static_cast<std::int16_t>(below);
-  const double low = std::exp2(below / kGrades), high = std::exp2((below + 1) / kGrades);
-  const double first = at_grade(a, b, grade), second = at_grade(a, b, static_cast<std::int16_t>(grade + 1));
-  if (!(second > 0)) return 0;
-  return first * std::pow(second / first, (kappa - low) / (high - low));  // as e^-kappa r goes
 }
 
 }  // namespace gicube::samples

@@ -146,7 +146,7 @@ std::optional<double> LinkSampler::near_factor(const Cluster& a, const Cluster& 
   if (gap > kNear * size * size) return std::nullopt;
   const Contents::Of between = contents_.box(low, high);
   if (between.solid || between.kappa_spread * across > kUneven) return std::nullopt;
-  return box_factors_.of(a, b, between.mean_kappa);
+  return box_factors_.of(a, b).at(between.mean_kappa);
 }
 
 // From means to the exchange area.
@@ -161,7 +161,7 @@ void LinkSampler::conclude(SampledLink& sampled) {
   link.spread = scale * error * std::sqrt(rays);
   if (a.full && b.full && sampled.geometric > 0) {
     // The rays' error is that of the share which arrives, and can't be more than if each came whole or not at all.
-    const double geometric = box_factors_.of(a, b);
+    const double geometric = box_factors_.of(a, b).at(0);
     const double share = std::min(sampled.transported / sampled.geometric, 1.0);
     const double most = std::sqrt(share * (1 - share) / rays);
     link.exchange = scale * geometric * share;

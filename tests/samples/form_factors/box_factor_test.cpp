@@ -10,6 +10,7 @@ namespace gicube::samples {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+double mean_factor(const AxisBox& a, const AxisBox& b, double kappa = 0) { return WayFactor(a, b).at(kappa); }
 AxisBox cube(double x, double y, double z) { return {{x, y, z}, {x + 1, y + 1, z + 1}, kMedium}; }
 const AxisBox kFloor{{0, 0, 0}, {1, 1, 0}, 5};
 
@@ -50,6 +51,17 @@ TEST(BoxFactor, ACubeWithItselfIsTheSumOfItsEighths) {
     sum += mean_factor(eighth(i % 8), eighth(i / 8)) / 64;
   }
   EXPECT_NEAR(mean_factor(cube(0, 0, 0), cube(0, 0, 0)), sum, 1e-5 * sum);
+}
+
+// In a medium of kappa a side (shared design's table, within its rounding).
+TEST(BoxFactor, SquaresInAMedium) {
+  const AxisBox ceiling{{0, 0, 1}, {1, 1, 1}, 4}, wall{{0, 0, 0}, {0, 1, 1}, 1};
+  EXPECT_NEAR(mean_factor(kFloor, ceiling, 0.1), 0.1789, 1e-4);
+  EXPECT_NEAR(mean_factor(kFloor, ceiling, 1), 0.0662, 1e-4);
+  EXPECT_NEAR(mean_factor(kFloor, ceiling, 3), 0.0074, 1e-4);
+  EXPECT_NEAR(mean_factor(kFloor, wall, 0.1), 0.190, 1e-3);
+  EXPECT_NEAR(mean_factor(kFloor, wall, 1), 0.122, 5e-4);
+  EXPECT_NEAR(mean_factor(kFloor, wall, 3), 0.061, 5e-4);
 }
 
 TEST(BoxFactor, FacesThatLookAwayOrLieInOnePlaneSeeNothing) {
