@@ -19,32 +19,57 @@ class Gather {
  public:
   explicit Gather(std::span<const std::span<const HostRay>> parts) : parts_(parts) {}
 
-  const HostRay& next() {
+  const HostRay& peek() {
     while (at_ == parts_.front().size()) {
       parts_ = parts_.subspan(1);
       at_ = 0;
     }
-    return parts_.front()[at_++];
+    return parts_.front()[at_];
   }
+  void take() { ++at_; }
 
  private:
   std::span<const std::span<const HostRay>> parts_;
   std::size_t at_ = 0;
 };
 
-std::vector<std::uint8_t> trace_command(Gather& rays, std::size_t count, const RaySetup& setup) {
-  std::vector<std::uint8_t> bytes(wire::kTraceHeaderBytes + count * wire::kRayBytes);
-  const std::span all(bytes);
-  wire::encode(trace_header(setup.request, count), all.first<wire::kTraceHeaderBytes>());
-  for (std::size_t i = 0; i < count; ++i) {
-    wire::encode(to_wire(rays.next(), setup),
-                 all.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
+struct TraceCommand {
+  std::vector<std::uint8_t> bytes;
+  std::size_t rays = 0;
+  std::vector<double> units;  // kIntegral
+};
+
+// Of `most` rays, or of as many as may move the sums in one command, and at least one.
+TraceCommand trace_command(Gather& rays, std::size_t most, const RaySetup& setup) {
+  constexpr std::uint64_t kMostMoved = std::uint64_t{1} << 34;  // command.h
+  TraceCommand command;
+  command.bytes.resize(wire::kTraceHeaderBytes + most * wire::kRayBytes);
+  std::uint64_t moved = 0;
+  for (; command.rays < most; ++command.rays) {
+    const HostRay& ray = rays.peek();
+    const wire::Ray packet = to_wire(ray, setup);
+    moved += most_moved(packet, setup);
+    if (moved > kMostMoved && command.rays > 0) break;
+    if (setup.request.type == RayType::kIntegral) command.units.push_back(integral_unit(ray, setup));
+    const std::size_t at = wire::kTraceHeaderBytes + command.rays * wire::kRayBytes;
+    wire::encode(packet, std::span(command.bytes).subspan(at).first<wire::kRayBytes>());
+    rays.take();
   }
-  return bytes;
+  command.bytes.resize(wire::kTraceHeaderBytes + command.rays * wire::kRayBytes);
+  wire::encode(trace_header(setup.request, command.rays), std::span(command.bytes).first<wire::kTraceHeaderBytes>());
+  return command;
 }
 
 bool refused(const CommandResult& result) {
   return result.error != wire::ErrorCode::kNone && result.error != wire::ErrorCode::kCancelled;
+}
+
+std::size_t bytes_of_result(RayType type, std::size_t rays) {
+  switch (type) {
+    case RayType::kDeposit: return wire::kLightingLedgerBytes;
+    case RayType::kBackproject: return wire::kDepositLedgerBytes;
+    default: return rays * wire::kRayBytes;
+  }
 }
 
 }  // namespace
@@ -61,7 +86,7 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   const std::size_t limit = (device_.agreed().max_payload_bytes - wire::kTraceHeaderBytes) / wire::kRayBytes;
   const std::size_t most = std::min(kRaysPerCommand, limit);
   batch.lines = std::move(lines);
-  batch.deposits = setup.request.type == RayType::kDeposit;
+  batch.type = setup.request.type;
   batch.energy_unit = setup.energy_unit;
   batch.sampling = setup.sampling;
   batch.towards_eye = setup.towards_eye;
@@ -74,11 +99,12 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   for (std::size_t left = kept.rays; left > 0;) {
     const std::size_t count = std::min(left, most);
     if (limits_.back_pressure == BackPressure::kWait) make_room(count);
-    auto encoded = std::make_shared<const std::vector<std::uint8_t>>(trace_command(from, count, setup));
+    TraceCommand made = trace_command(from, count, setup);
+    auto encoded = std::make_shared<const std::vector<std::uint8_t>>(std::move(made.bytes));
     const std::uint32_t command = device_.command(encoded);
-    kept.parts.push_back({command, count, std::move(encoded), std::nullopt});
-    rays_under_way_ += count;
-    left -= count;
+    kept.parts.push_back({command, made.rays, std::move(encoded), std::move(made.units), std::nullopt});
+    rays_under_way_ += made.rays;
+    left -= made.rays;
   }
   kept.completed = device_.clock().now();
   return {ticket};
@@ -176,7 +202,12 @@ std::vector<RayBatch> Batches::poll() {
 
 bool Batches::cancel(Ticket ticket) {
   Batch& batch = find(ticket)->second;
-  if (batch.deposits) throw Unsupported("a batch of type kDeposit can't be cancelled: its energy may be spent");
+  if (!batch.comes_back()) {
+    throw Unsupported(std::string("a batch of type ") +
+                      (batch.type == RayType::kDeposit
+                           ? "kDeposit can't be cancelled: its energy may be spent"
+                           : "kBackproject can't be cancelled: it may have left something"));
+  }
   bool any = false;
   // From the end: the part in work, if any, is found last.
   for (auto part = batch.parts.rbegin(); part != batch.parts.rend(); ++part) {
@@ -200,16 +231,18 @@ RayBatch Batches::release(Entry entry) {
     return part.result->error == wire::ErrorCode::kCancelled;
   });
   RayBatch batch;
-  if (!cancelled && !entry->second.deposits) batch.rays.resize(entry->second.rays);
+  if (!cancelled && entry->second.comes_back()) batch.rays.resize(entry->second.rays);
   static_cast<BatchReport&>(batch) = release(entry, batch.rays);
   return batch;
 }
 
 BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
   const Batch batch = std::move(entry->second);
-  BatchReport report{{entry->first}, batch.completed, false, std::nullopt};
+  BatchReport report{{entry->first}, batch.completed, false, std::nullopt, std::nullopt};
   batches_.erase(entry);
-  if (batch.deposits) report.lighting.emplace().unit = batch.energy_unit;
+  const bool deposits = batch.type == RayType::kDeposit, backprojects = batch.type == RayType::kBackproject;
+  if (deposits) report.lighting.emplace().unit = batch.energy_unit;
+  if (backprojects) report.deposits.emplace().unit = batch.energy_unit;
   for (const Part& part : batch.parts) {
     if (refused(*part.result)) throw_error(part.result->error, error_text(part.result->payload));
     if (part.result->error == wire::ErrorCode::kCancelled) report.cancelled = true;
@@ -218,16 +251,21 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
   std::size_t at = 0;
   for (const Part& part : batch.parts) {
     const std::span<const std::uint8_t> bytes = part.result->payload;
-    if (bytes.size() != (batch.deposits ? wire::kLightingLedgerBytes : part.rays * wire::kRayBytes)) {
+    if (bytes.size() != bytes_of_result(batch.type, part.rays)) {
       device_.give_up("the board returned " + std::to_string(bytes.size()) + " bytes for " + std::to_string(part.rays) +
                       " rays");
     }
-    if (batch.deposits) {
+    if (backprojects) {
+      add(wire::decode_deposit_ledger(bytes.first<wire::kDepositLedgerBytes>()), *report.deposits);
+      continue;
+    }
+    if (deposits) {
       add(wire::decode_lighting_ledger(bytes.first<wire::kLightingLedgerBytes>()), *report.lighting);
       continue;
     }
     for (std::size_t i = 0; i < part.rays; ++i) {
-      rays[at++] = from_wire(wire::decode_ray(bytes.subspan(i * wire::kRayBytes).first<wire::kRayBytes>()));
+      const wire::Ray ray = wire::decode_ray(bytes.subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
+      rays[at++] = batch.type == RayType::kIntegral ? integral_from_wire(ray, part.units[i]) : from_wire(ray);
     }
   }
   for (const std::size_t legs : batch.lines) {

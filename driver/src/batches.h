@@ -46,13 +46,14 @@ class Batches {
   struct Part {
     std::uint32_t command = 0;
     std::size_t rays = 0;
-    Payload encoded;  // until the result has come
+    Payload encoded;            // until the result has come
+    std::vector<double> units;  // kIntegral: of each ray's sum
     std::optional<CommandResult> result;
   };
   struct Batch {
     Picoseconds completed = 0;
     std::size_t rays = 0;
-    bool deposits = false;
+    RayType type = RayType::kIntegrate;
     double energy_unit = 0;
     View sampling;
     Vec3 towards_eye;
@@ -60,6 +61,7 @@ class Batches {
     std::vector<Part> parts;
 
     bool complete() const;
+    bool comes_back() const { return type != RayType::kDeposit && type != RayType::kBackproject; }
   };
   using Entry = std::map<std::uint32_t, Batch>::iterator;
 

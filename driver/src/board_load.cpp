@@ -32,6 +32,7 @@ void Board::load_volume(const VolumeView& view, const Progress& progress) {
   loaded.dims = view.dims;
   loaded.range = resolve_range(view);
   loaded.relative_spacing = relative_spacing(view.spacing);
+  loaded.least_spacing = std::min({view.spacing.x, view.spacing.y, view.spacing.z});
   const auto densities = to_densities(view, loaded.range);
   const auto codes = gradient_codes(view, loaded.range, state_->tables.codebook(), state_->threads);
   const VoxelBlocks blocks(view.dims, state_->info.block_voxels, densities, codes, view.tags);
@@ -39,7 +40,7 @@ void Board::load_volume(const VolumeView& view, const Progress& progress) {
   loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
 
   state_->volume.reset();
-  state_->irradiance_unit = 0;  // clearing the volume clears it
+  state_->irradiance_unit = state_->sum_unit = 0;  // clearing the volume clears them
   state_->tables.forget_flags();
   state_->send_volume(blocks, loaded, state_->watched(progress));
   state_->tables.send_segmentation(loaded.range);

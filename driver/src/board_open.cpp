@@ -117,7 +117,7 @@ void Board::State::restore() {
     device.set_register(each.offset, held->second);
   }
   tables.restore();
-  irradiance_unit = 0;
+  irradiance_unit = sum_unit = 0;
   framebuffer_size = {};
   if (volume && (!keep_volume || info.block_voxels != block_voxels)) volume.reset();
   batches_wait = !volume && !batches.empty();

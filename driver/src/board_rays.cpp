@@ -1,6 +1,7 @@
 // Rays of the host application.
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "gicube/wire/command.h"
 #include "gicube/wire/registers.h"
@@ -19,13 +20,25 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   if (deposits && irradiance_unit <= 0) {
     throw Rejected("rays that deposit need a unit of energy: clear_irradiance() or illuminate() first");
   }
-  const RaySetup setup{request, of.dims, irradiance_unit, info.wide, sampling, sampling_towards_eye};
+  const bool backprojects = request.type == RayType::kBackproject, sums = request.words == SumWords::kSums;
+  if (backprojects && (sums ? sum_unit : irradiance_unit) <= 0) {
+    throw Rejected(std::string("rays that backproject need a unit of what they leave: ") +
+                   (sums ? "clear_sums()" : "clear_irradiance()") + " first");
+  }
+  const RaySetup setup{request,
+                       of.dims,
+                       backprojects && sums ? sum_unit : irradiance_unit,
+                       info.wide,
+                       sampling,
+                       sampling_towards_eye,
+                       of.least_spacing * of.relative_spacing,
+                       of.range};
   std::size_t index = 0;
   for (const auto& part : rays) {
     for (const HostRay& ray : part) check(ray, index++, setup);
   }
   set_sampling(sampling);
-  if (deposits) device.set_register(wire::reg::kSeed, sampling.seed);
+  if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampling.seed);
   const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
   if (gathers_colour && sampling.shade) tables.send_reflectance(sampling_towards_eye);
   return batches.submit(rays, setup, std::move(lines));

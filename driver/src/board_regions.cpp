@@ -119,6 +119,10 @@ std::uint64_t volume_address(const BlockPart& part, int n) {
   return wire::kVolume.base + (part.block * words + part.first) * wire::kVoxelBits / 8;
 }
 
+std::uint64_t sums_address(const BlockPart& part, int n) {
+  return volume_address(part, n) - wire::kVolume.base + wire::kSums.base;
+}
+
 // Voxels of a box as they stand on the board, channel by channel.
 struct Voxels {
   VoxelBox box;
@@ -253,6 +257,32 @@ std::vector<float> Board::State::read_irradiance(const VoxelBox& box) {
     for_each_voxel(part, box, n, [&](std::size_t index, std::size_t word) {
       out[index] =
           static_cast<float>(wire::load<std::uint32_t>(bytes, word * wire::kIrradianceBytes) * irradiance_unit);
+    });
+  });
+  return out;
+}
+
+void Board::clear_sums(double unit) {
+  const auto lock = state_->begin();
+  if (!(std::isfinite(unit) && unit > 0)) throw BadArgument("unit", "a finite number above 0", number_text(unit));
+  state_->loaded("clear_sums()");
+  state_->device.write_register(wire::reg::kControl, wire::kControlClearSums);
+  state_->sum_unit = unit;
+}
+
+std::vector<float> Board::read_sums(const VoxelBox& box) {
+  const auto lock = state_->begin();
+  const LoadedVolume& of = state_->loaded("read_sums()");
+  if (state_->sum_unit <= 0) throw Rejected("read_sums() needs a unit: clear_sums() first");
+  check(box, of.dims);
+  const int n = state_->info.block_voxels;
+  std::vector<float> out(count(box));
+  for_each_block(box, of.blocks, n, [&](const BlockPart& part) {
+    const auto bytes = read(state_->device, sums_address(part, n), wire::packed36_bytes(part.words));
+    for_each_voxel(part, box, n, [&](std::size_t index, std::size_t word) {
+      constexpr int kUnused = 64 - wire::kVoxelBits;
+      const std::int64_t sum = static_cast<std::int64_t>(wire::load36(bytes, word) << kUnused) >> kUnused;
+      out[index] = static_cast<float>(static_cast<double>(sum) * state_->sum_unit);
     });
   });
   return out;

@@ -31,7 +31,7 @@ std::uint32_t Board::State::exposure_word(const View& view) const {
 }
 
 void Board::State::set_sampling(const View& view) {
-  device.set_register(reg::kStep, static_cast<std::uint32_t>(std::lround(view.step * wire::kStepOne)));
+  device.set_register(reg::kStep, step_word(view));
   device.set_register(reg::kOpacityThreshold,
                       static_cast<std::uint32_t>(std::lround(view.opacity_threshold * wire::kOpacityOne)));
   device.set_register(reg::kPipeline, pipeline_word(view));

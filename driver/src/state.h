@@ -26,6 +26,7 @@ struct LoadedVolume {
   Dims blocks{};
   ValueRange range;
   Vec3 relative_spacing;
+  double least_spacing = 1;  // of VolumeView::spacing, which relative_spacing is relative to
   std::vector<BlockStatistics> statistics;
   std::vector<std::uint8_t> flags;  // in force, one a block
 };
@@ -107,6 +108,7 @@ struct GICUBE_HIDDEN Board::State {
   std::map<std::uint32_t, std::uint32_t> registers_before;       // it
   std::vector<std::uint32_t> block_sums;                         // CRC-32C of each block's words as they were written
   double irradiance_unit = 0;                                    // power of one unit; 0 before the first illuminate()
+  double sum_unit = 0;                                           // of the sums; 0 before the first clear_sums()
   double bright_flux = 0;                                        // power a voxel that full brightness is chosen for
   View sampling;                                                 // the last view rendered
   Vec3 sampling_towards_eye{0, 0, -1};     // chosen: rays before any picture are lit as if seen from the front

@@ -256,7 +256,8 @@ void ray_call(gicube_board* board, Input& input) {
   for (gicube_host_ray& each : rays) each = ray(input);
   Argument<gicube_ray_request> request(input, gicube_ray_request_init);
   if (gicube_ray_request* r = request.whole()) {
-    r->type = whole_number(input, 6);
+    r->type = whole_number(input, 8);
+    r->words = whole_number(input, 3);
     r->opacity = input.below(2) == 0 ? 1 : input.number();
     r->lifetime = static_cast<std::int32_t>(input.below(8));
   }
@@ -307,7 +308,13 @@ void other_call(gicube_board* board, Input& input) {
     }
     case 4:
       return check(gicube_set_scattering_routine(board, input.below(2) == 0 ? nullptr : scatter, &input, input.u16()));
-    case 5: return check(gicube_clear_irradiance(board, input.number()));
+    case 5: {
+      check(input.below(2) == 0 ? gicube_clear_irradiance(board, input.number())
+                                : gicube_clear_sums(board, input.number()));
+      const gicube_box box{{0, 0, 0}, {2, static_cast<std::int32_t>(input.below(4)), 2}};
+      std::vector<float> sums(input.below(20));
+      return check(gicube_read_sums(board, &box, sums.data(), sums.size()));
+    }
     case 6: {
       Argument<gicube_board_info> info(input, gicube_board_info_init);
       return check(gicube_get_info(board, info.get()));

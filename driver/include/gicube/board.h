@@ -109,7 +109,7 @@ class GICUBE_API Board {
   // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, it goes
   // on: what was under way comes, exactly once, and the call that failed may be made again. Otherwise this is a new board
   // (of emu: a new process), on which the host's clock goes on: registers, tables and materials are written again, and the
-  // volume too with OpenOptions::keep_volume; irradiance and framebuffer are lost. Ray batches that were not received are
+  // volume too with OpenOptions::keep_volume; irradiance, sums and framebuffer are lost. Ray batches that were not received are
   // sent again, once there is a volume. On a Board that is not lost it does nothing, and says resumed.
   // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost: the Board is as lost as before.
   Reopened reopen();
@@ -179,6 +179,12 @@ class GICUBE_API Board {
   // kDeposit and for write_irradiance(). The words saturate at 2047, of a board with the wide datapath at 2^32 - 1.
   // Throws BadArgument, Rejected (no volume).
   void clear_irradiance(double unit);
+  // Sets the sums that rays of type kBackproject leave to zero, and what one unit of theirs is worth: energy times length.
+  // They are kept beside the volume until the next load_volume() or reset. Throws BadArgument, Rejected (no volume).
+  void clear_sums(double unit);
+  // One sum a voxel, x fastest, of a box of the volume. A sum is clipped at 2^34 units, which DepositReport tells. The
+  // simulated host waits for the transfer. Throws Rejected before the first clear_sums(), BadArgument (box).
+  std::vector<float> read_sums(const VoxelBox& box);
 
   // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").
   // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded, whose codes it would
@@ -206,7 +212,7 @@ class GICUBE_API Board {
   // too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any number of
   // batches may be under way; the caller's memory is free again on return.
   // Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit before
-  // clear_irradiance() or illuminate()), WouldBlock: nothing was sent.
+  // clear_irradiance() or illuminate(), kBackproject before clear_irradiance() or clear_sums()), WouldBlock: nothing was sent.
   Ticket submit(std::span<const HostRay> rays, const RayRequest& request = {});
   // The same with rays that lie in several places, as one batch in that order.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request = {});
@@ -216,15 +222,16 @@ class GICUBE_API Board {
   // Throws BadArgument if the ticket is unknown or its rays were received already; DeadlinePassed if the batch has not
   // arrived by the simulated time `deadline`: the clock then stands there, the batch is still under way.
   RayBatch receive(Ticket ticket, Picoseconds deadline = kNoDeadline);
-  // The same, with the rays straight into the caller's memory: as many as were submitted (polylines: legs; kDeposit and
-  // cancelled batches: none are written). Throws BadArgument if it has another size: the batch is still there.
+  // The same, with the rays straight into the caller's memory: as many as were submitted (polylines: legs; kDeposit,
+  // kBackproject and cancelled batches: none are written). Throws BadArgument if it has another size: the batch is still there.
   BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline = kNoDeadline);
   // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival. One that
   // the board refused is thrown first, and is gone; the others stay.
   std::vector<RayBatch> poll();
   // Takes back what of a batch the DSP has not begun by now(); its rays are lost, and it comes back, cancelled, through
   // receive() or poll() as others do. False: too late, it comes back whole. The simulated host waits for the answer.
-  // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit, whose energy can't be taken back.
+  // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit and kBackproject: what they left can't be
+  // taken back.
   bool cancel(Ticket ticket);
 
   // How much light goes between pairs of elements: one factor a pair. Sampling (step, leaping) is that of the last view

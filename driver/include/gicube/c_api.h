@@ -109,6 +109,9 @@ GICUBE_API gicube_status gicube_read_irradiance(gicube_board* board, const gicub
 GICUBE_API gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box, const float* values,
                                                  size_t count);
 GICUBE_API gicube_status gicube_clear_irradiance(gicube_board* board, double unit);
+/* What rays of type GICUBE_RAY_BACKPROJECT leave; one value a voxel of the box. */
+GICUBE_API gicube_status gicube_clear_sums(gicube_board* board, double unit);
+GICUBE_API gicube_status gicube_read_sums(gicube_board* board, const gicube_box* box, float* values, size_t count);
 
 /* Pictures; count is width times height, rows from the top. */
 GICUBE_API gicube_status gicube_render_to_framebuffer(gicube_board* board, const gicube_view* view,
@@ -120,7 +123,7 @@ GICUBE_API gicube_status gicube_read_framebuffer(gicube_board* board, gicube_pix
 GICUBE_API gicube_status gicube_render(gicube_board* board, const gicube_view* view, gicube_pixel* pixels, size_t count,
                                        gicube_progress progress, void* user);
 
-/* The ray from one point to another, for GICUBE_RAY_SEGMENT and GICUBE_RAY_OPACITY. */
+/* The ray from one point to another, for types of rays that have a length. */
 GICUBE_API gicube_status gicube_ray_between(uint32_t id, const double from[3], const double to[3],
                                             gicube_host_ray* ray);
 /* Rays. request may be NULL: integrate. The caller's memory is free again on return; *ticket is 0 unless it succeeds. */
@@ -131,8 +134,8 @@ GICUBE_API gicube_status gicube_submit_gather(gicube_board* board, const gicube_
                                               const gicube_ray_request* request, uint32_t* ticket);
 GICUBE_API gicube_status gicube_submit_polylines(gicube_board* board, const gicube_polyline* lines, size_t count,
                                                  uint32_t* ticket);
-/* Waits for that batch, and writes its rays; count is as many as were submitted (polylines: legs; a deposit: any, as none
- * come back). report may be NULL. GICUBE_DEADLINE_PASSED, GICUBE_WOULD_BLOCK and GICUBE_BAD_ARGUMENT leave the batch as it
+/* Waits for that batch, and writes its rays; count is as many as were submitted (polylines: legs; deposits and backprojection: any,
+ * as none come back). report may be NULL. GICUBE_DEADLINE_PASSED, GICUBE_WOULD_BLOCK and GICUBE_BAD_ARGUMENT leave the batch as it
  * is. */
 GICUBE_API gicube_status gicube_receive(gicube_board* board, uint32_t ticket, uint64_t deadline_ps,
                                         gicube_traced_ray* rays, size_t count, gicube_batch_report* report);

@@ -264,6 +264,7 @@ typedef struct gicube_traced_ray {
   double direction[3];
   double colour[3];
   double opacity;
+  double integral;
 } gicube_traced_ray;
 
 /* gicube/ray.h: RayRequest */
@@ -272,8 +273,11 @@ enum {
   GICUBE_RAY_FIRST_HIT = 1,
   GICUBE_RAY_SEGMENT = 2,
   GICUBE_RAY_OPACITY = 3,
-  GICUBE_RAY_DEPOSIT = 4
+  GICUBE_RAY_DEPOSIT = 4,
+  GICUBE_RAY_INTEGRAL = 5,
+  GICUBE_RAY_BACKPROJECT = 6
 };
+enum { GICUBE_WORDS_IRRADIANCE = 0, GICUBE_WORDS_SUMS = 1 };
 typedef struct gicube_ray_request {
   uint32_t size;
   int32_t type;
@@ -281,7 +285,7 @@ typedef struct gicube_ray_request {
   int32_t albedo;
   int32_t rules;
   int32_t lifetime;
-  int32_t reserved; /* 0 */
+  int32_t words; /* GICUBE_RAY_BACKPROJECT */
 } gicube_ray_request;
 
 /* Rays that lie together, of several that make one batch. */
@@ -298,6 +302,14 @@ typedef struct gicube_polyline {
   size_t point_count;   /* at least 2 */
 } gicube_polyline;
 
+/* gicube/ray.h: DepositReport */
+typedef struct gicube_deposit_report {
+  uint64_t rays, samples;
+  double kept, clipped;
+  uint64_t overflowed;
+  double unit;
+} gicube_deposit_report;
+
 /* gicube/ray.h: BatchReport */
 typedef struct gicube_batch_report {
   uint32_t size;
@@ -307,6 +319,9 @@ typedef struct gicube_batch_report {
   int32_t cancelled;
   int32_t deposited; /* 1: `lighting` says where the energy of a deposit went */
   gicube_lighting_report lighting;
+  int32_t backprojected; /* 1: `deposits` says what was left */
+  int32_t reserved;
+  gicube_deposit_report deposits;
 } gicube_batch_report;
 
 /* gicube/pair.h: Element, ElementPair, PairRequest, PairFactor */

@@ -40,6 +40,19 @@ enum class RayType {
   // Distributes its energy into the irradiance words on its way (docs/HARDWARE.md, Global illumination), by
   // RayRequest::albedo and rules; what is asked for is where the energy went: no ray comes back.
   kDeposit,
+  // The line integral of the volume's values less ValueRange::low between two points, lengths in the unit of
+  // VolumeView::spacing. Sampled as kSegment; opacities, empty blocks, jitter and cut planes don't matter, and outside of
+  // the volume there is nothing.
+  kIntegral,
+  // The other way round: leaves `energy` for each unit of length on its way from one point to another, and loses nothing by
+  // it. In the words of RayRequest::words; no ray comes back.
+  kBackproject,
+};
+
+// Where rays of type kBackproject leave what they carry.
+enum class SumWords {
+  kIrradiance,  // what read_irradiance() reads: not negative, 11 bits or 32 on the wide datapath, by clear_irradiance()
+  kSums,        // the whole 36-bit words: signed sums of whole units, by clear_sums() and read_sums()
 };
 
 // What the board can't hold exactly is rounded: positions to 1/16384 voxel, directions to 1/16384, lengths to 1/65536 voxel.
@@ -47,11 +60,12 @@ struct HostRay {
   std::uint32_t id = 0;  // the caller's own; comes back unchanged. kDeposit: its random choices hang on it
   Vec3 position;         // voxels, inside the volume: 0..size - 1 on each axis
   Vec3 direction;        // any length but 0; only the direction counts
-  double length = 0;     // kSegment, kOpacity: voxels along the direction, 0..4096; else not looked at
-  double energy = 0;     // kDeposit: > 0, in units of the lights' power; else not looked at
+  double length = 0;     // kSegment, kOpacity, kIntegral, kBackproject: voxels along the direction, 0..4096
+  // kDeposit: > 0, in units of the lights' power. kBackproject: a unit of length; into sums of either sign
+  double energy = 0;
 };
 
-// The ray from one point to another, both in voxels, for kSegment and kOpacity. Equal points: of no length, along z.
+// The ray from one point to another, both in voxels, for rays with a length. Equal points: of no length, along z.
 GICUBE_API HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
 
 struct RayRequest {
@@ -61,6 +75,7 @@ struct RayRequest {
   Albedo albedo = Albedo::kLow;
   EnergyRules rules = EnergyRules::kConserving;
   int lifetime = 32;
+  SumWords words = SumWords::kSums;  // kBackproject
 };
 
 // A line through several points, in voxels: its legs are kSegment rays.
@@ -76,6 +91,7 @@ struct TracedRay {
   Vec3 direction;                  // unit length in voxels
   std::array<double, 3> colour{};  // premultiplied, 0..1
   double opacity = 0;              // 0..1
+  double integral = 0;             // kIntegral
 
   friend constexpr bool operator==(const TracedRay&, const TracedRay&) = default;
 };
@@ -86,18 +102,29 @@ struct Ticket {
   friend constexpr bool operator==(Ticket, Ticket) = default;
 };
 
+// What a batch of type kBackproject left: kept + clipped in all.
+struct DepositReport {
+  std::uint64_t rays = 0;
+  std::uint64_t samples = 0;
+  double kept = 0;               // in the units of HostRay::energy times length
+  double clipped = 0;            // by words that were full: what is read is wrong by as much
+  std::uint64_t overflowed = 0;  // sums that were full; each is counted by every command that moves it further
+  double unit = 0;               // of one unit of the words
+};
+
 // When a batch came back, and what its rays left behind.
 struct BatchReport {
   Ticket ticket;
   Picoseconds completed = 0;               // simulated time at which the last byte reached the host
   bool cancelled = false;                  // some of its rays were never traced: there are none to be had
   std::optional<LightingReport> lighting;  // kDeposit
+  std::optional<DepositReport> deposits;   // kBackproject
 };
 
 // A ray batch that has come back.
 struct RayBatch : BatchReport {
   // In the order in which they were submitted. Polylines: one a leg, with what was gathered from the line's first point
-  // to the end of that leg. kDeposit: none.
+  // to the end of that leg. kDeposit, kBackproject: none.
   std::vector<TracedRay> rays;
 };
 

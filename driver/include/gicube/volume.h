@@ -45,7 +45,8 @@ struct VolumeView {
   std::span<const std::byte> samples;
   SampleType type = SampleType::kUint8;
   Dims dims{};            // voxels, 2..the board's max_volume_voxels each
-  Vec3 spacing{1, 1, 1};  // physical voxel edge; only the ratios count, each within 64 of the smallest
+  Vec3 spacing{1, 1, 1};  // physical voxel edge, each within 64 of the smallest; the ratios count, and for
+                          // line integrals and backprojection the lengths too
   // Unset: 0..255 for kUint8, 0..4095 for kUint12, the least and the greatest sample for the others.
   std::optional<ValueRange> range{};
   // Empty: by a 3x3x3 Sobel filter. Else 3 floats a voxel, x fastest: the physical direction in which the value grows;

@@ -111,4 +111,19 @@ gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box
 gicube_status gicube_clear_irradiance(gicube_board* board, double unit) {
   return call([&] { checked_board(board).board.clear_irradiance(unit); });
 }
+
+gicube_status gicube_clear_sums(gicube_board* board, double unit) {
+  return call([&] { checked_board(board).board.clear_sums(unit); });
+}
+
+gicube_status gicube_read_sums(gicube_board* board, const gicube_box* box, float* values, size_t count) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    const gicube::VoxelBox voxels = to_box(box);
+    check_count("count", count, voxels_of(voxels));
+    checked("values", values);
+    const std::vector<float> read = handle.board.read_sums(voxels);
+    std::copy(read.begin(), read.end(), values);
+  });
+}
 }

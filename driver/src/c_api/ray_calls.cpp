@@ -27,6 +27,7 @@ static_assert(offsetof(gicube_traced_ray, position) == offsetof(TracedRay, posit
 static_assert(offsetof(gicube_traced_ray, direction) == offsetof(TracedRay, direction));
 static_assert(offsetof(gicube_traced_ray, colour) == offsetof(TracedRay, colour));
 static_assert(offsetof(gicube_traced_ray, opacity) == offsetof(TracedRay, opacity));
+static_assert(offsetof(gicube_traced_ray, integral) == offsetof(TracedRay, integral));
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && std::is_standard_layout_v<Vec3>);
 
 std::span<const HostRay> to_rays(const gicube_host_ray* rays, std::size_t count) {
@@ -37,18 +38,18 @@ RayRequest to_request(const gicube_ray_request* given) {
   RayRequest request;
   if (given == nullptr) return request;
   const gicube_ray_request record = read_record("request", given, default_ray_request());
-  request.type = choice("request.type", record.type, RayType::kDeposit);
+  request.type = choice("request.type", record.type, RayType::kBackproject);
   request.opacity = record.opacity;
   request.albedo = choice("request.albedo", record.albedo, Albedo::kHigh);
   request.rules = choice("request.rules", record.rules, EnergyRules::kConserving);
   request.lifetime = record.lifetime;
-  check_reserved("request.reserved", static_cast<std::uint32_t>(record.reserved));
+  request.words = choice("request.words", record.words, SumWords::kSums);
   return request;
 }
 
 // Remembers the ticket of a batch of which no rays come back.
 void note(gicube_board& handle, const RayRequest& request, std::uint32_t ticket) {
-  if (request.type != RayType::kDeposit) return;
+  if (request.type != RayType::kDeposit && request.type != RayType::kBackproject) return;
   const std::scoped_lock lock(handle.mutex);
   handle.deposits.insert(ticket);
 }
@@ -76,6 +77,9 @@ void write_report(gicube_batch_report* out, const BatchReport& batch, std::size_
   record.cancelled = batch.cancelled;
   record.deposited = batch.lighting.has_value();
   record.lighting = to_c(batch.lighting.value_or(LightingReport{}));
+  record.backprojected = batch.deposits.has_value();
+  const DepositReport left = batch.deposits.value_or(DepositReport{});
+  record.deposits = {left.rays, left.samples, left.kept, left.clipped, left.overflowed, left.unit};
   write_record("report", out, record);
 }
 
@@ -86,7 +90,7 @@ bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_r
   const auto found = handle.arrived.find(ticket);
   if (found == handle.arrived.end()) return false;
   const RayBatch& batch = found->second;
-  if (!batch.lighting && !batch.cancelled) check_count("count", count, batch.rays.size());
+  if (!batch.lighting && !batch.deposits && !batch.cancelled) check_count("count", count, batch.rays.size());
   write_report(report, batch, batch.rays.size());
   const auto* from = reinterpret_cast<const gicube_traced_ray*>(batch.rays.data());
   if (!batch.rays.empty()) std::copy(from, from + batch.rays.size(), rays);
@@ -168,7 +172,7 @@ gicube_status gicube_receive(gicube_board* board, uint32_t ticket, uint64_t dead
     if (receive_arrived(handle, ticket, rays, count, report)) return;
     const gicube::BatchReport batch =
         receive(handle, {ticket}, std::span(reinterpret_cast<gicube::TracedRay*>(rays), count), deadline_ps);
-    write_report(report, batch, batch.cancelled || batch.lighting ? 0 : count);
+    write_report(report, batch, batch.cancelled || batch.lighting || batch.deposits ? 0 : count);
   });
 }
 

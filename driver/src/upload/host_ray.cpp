@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "gicube/wire/registers.h"
+#include "gicube/wire/voxel.h"
 #include "upload/argument.h"
 
 namespace gicube {
@@ -20,9 +22,18 @@ constexpr int kEnergyFractionBits = 12;
 
 std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
 
-bool is_segment(RayType type) { return type == RayType::kSegment || type == RayType::kOpacity; }
+bool is_segment(RayType type) {
+  return type == RayType::kSegment || type == RayType::kOpacity || type == RayType::kIntegral ||
+         type == RayType::kBackproject;
+}
 
-bool has_threshold(RayType type) { return type == RayType::kFirstHit || is_segment(type); }
+bool has_threshold(RayType type) {
+  return type == RayType::kFirstHit || type == RayType::kSegment || type == RayType::kOpacity;
+}
+
+bool leaves_sums(const RaySetup& setup) {
+  return setup.request.type == RayType::kBackproject && setup.request.words == SumWords::kSums;
+}
 
 // As many bits as a ray's energy has [P §4.2].
 double most_energy(const RaySetup& setup) {
@@ -48,8 +59,12 @@ void check_direction(const HostRay& ray, std::size_t index) {
   if (ray.direction == Vec3{}) throw BadArgument(fmt::format("rays[{}].direction", index), "any length but 0", "0");
 }
 
+std::uint64_t length_word(const HostRay& ray) {
+  return static_cast<std::uint64_t>(std::llround(ray.length * kLengthOne));
+}
+
 std::uint64_t colour_word(const HostRay& ray, const RaySetup& setup) {
-  if (is_segment(setup.request.type)) return static_cast<std::uint64_t>(std::llround(ray.length * kLengthOne));
+  if (is_segment(setup.request.type)) return length_word(ray);
   if (setup.request.type != RayType::kDeposit) return 0;
   return static_cast<std::uint64_t>(std::llround(std::ldexp(ray.energy / setup.energy_unit, kEnergyFractionBits)));
 }
@@ -61,6 +76,29 @@ Vec3 direction_of(Vec3 v) {
   return (1 / std::sqrt(square)) * v;
 }
 
+// Physical length of a step; 0 of a ray of no length.
+double length_of_a_step(const HostRay& ray, const RaySetup& setup) {
+  const std::uint32_t steps = wire::steps_of(static_cast<std::uint32_t>(length_word(ray)), step_word(setup.sampling));
+  if (steps == 0) return 0;
+  const Vec3 along = direction_of(ray.direction);
+  const Vec3 physical{along.x * setup.spacing.x, along.y * setup.spacing.y, along.z * setup.spacing.z};
+  return ray.length / steps * std::sqrt(dot(physical, physical));
+}
+
+// What a backprojecting ray's step leaves, in units of its field in the packet.
+double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
+  const double units = ray.energy * length_of_a_step(ray, setup) / setup.energy_unit;
+  return leaves_sums(setup) ? units : std::ldexp(units, wire::kAmountFractionBits);
+}
+
+void check_energy_of_a_step(const HostRay& ray, std::size_t index, const RaySetup& setup) {
+  if (!std::isfinite(ray.energy)) expect_finite(fmt::format("rays[{}].energy", index), ray.energy);
+  const double units = units_of_a_step(ray, setup), least = leaves_sums(setup) ? -wire::kMostAmount : 0;
+  if (units >= least && units <= wire::kMostAmount) return;
+  const double one = ray.energy / units;
+  expect_within(fmt::format("rays[{}].energy", index), ray.energy, least * one, wire::kMostAmount * one);
+}
+
 }  // namespace
 
 HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to) {
@@ -68,12 +106,19 @@ HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to) {
   return {.id = id, .position = from, .direction = way == Vec3{} ? Vec3{0, 0, 1} : way, .length = length(way)};
 }
 
+std::uint32_t step_word(const View& view) {
+  return static_cast<std::uint32_t>(std::lround(view.step * wire::kStepOne));
+}
+
 void check(const RayRequest& request) {
-  if (request.type < RayType::kIntegrate || request.type > RayType::kDeposit) {
+  if (request.type < RayType::kIntegrate || request.type > RayType::kBackproject) {
     throw BadArgument("request.type", "one of RayType's", std::to_string(static_cast<int>(request.type)));
   }
   if (has_threshold(request.type) && !(request.opacity > 0 && request.opacity <= 1)) {
     throw BadArgument("request.opacity", "more than 0, at most 1", number_text(request.opacity));
+  }
+  if (request.words != SumWords::kIrradiance && request.words != SumWords::kSums) {
+    throw BadArgument("request.words", "one of SumWords'", std::to_string(static_cast<int>(request.words)));
   }
   if (request.type == RayType::kDeposit) expect_within("request.lifetime", request.lifetime, 0, wire::kLifetimeMax);
 }
@@ -84,6 +129,7 @@ void check(const HostRay& ray, std::size_t index, const RaySetup& setup) {
   if (is_segment(setup.request.type) && !(ray.length >= 0 && ray.length <= kMostLength)) {
     expect_within(fmt::format("rays[{}].length", index), ray.length, 0, kMostLength);
   }
+  if (setup.request.type == RayType::kBackproject) check_energy_of_a_step(ray, index, setup);
   if (setup.request.type != RayType::kDeposit) return;
   const double least = std::ldexp(setup.energy_unit, -kEnergyFractionBits);
   const double most = most_energy(setup) * setup.energy_unit;
@@ -110,6 +156,9 @@ wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays) {
   header.count = static_cast<std::uint32_t>(rays);
   header.type = static_cast<wire::RayType>(request.type);
   if (has_threshold(request.type)) header.opacity = opacity_word(request.opacity);
+  if (request.type == RayType::kBackproject) {
+    header.words = request.words == SumWords::kSums ? wire::SumWords::kWhole : wire::SumWords::kIrradiance;
+  }
   if (request.type != RayType::kDeposit) return header;
   header.albedo = request.albedo == Albedo::kHigh ? wire::Albedo::kHigh : wire::Albedo::kLow;
   header.rules =
@@ -130,11 +179,32 @@ wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
   }
   if (setup.request.type == RayType::kIntegrate || setup.request.type == RayType::kFirstHit) return packet;
   packet.set_colour_word(colour_word(ray, setup));
+  if (setup.request.type == RayType::kBackproject) {
+    packet.opacity = static_cast<std::uint32_t>(std::llround(units_of_a_step(ray, setup))) & wire::kOpacityOne;
+  }
   if (setup.request.type != RayType::kDeposit) return packet;
   packet.flags |= wire::kLightingRay;
   if (setup.request.albedo == Albedo::kHigh) packet.flags |= wire::kHighAlbedo;
   packet.lifetime = static_cast<std::uint16_t>(setup.request.lifetime);
   return packet;
+}
+
+double integral_unit(const HostRay& ray, const RaySetup& setup) {
+  constexpr double kDensitySteps = 8.0 * wire::kDensityMax;  // of a sample's 12.3 bits over the value range
+  return (setup.range.high - setup.range.low) / kDensitySteps * length_of_a_step(ray, setup);
+}
+
+std::uint64_t most_moved(const wire::Ray& packet, const RaySetup& setup) {
+  if (!leaves_sums(setup)) return 0;
+  const auto size = static_cast<std::uint32_t>(std::abs(wire::sign_extend(packet.opacity, 24)));
+  return wire::most_moved(size, static_cast<std::uint32_t>(packet.colour_word()), step_word(setup.sampling));
+}
+
+TracedRay integral_from_wire(const wire::Ray& ray, double unit) {
+  TracedRay traced = from_wire(ray);
+  traced.integral = static_cast<double>(ray.colour_word()) * unit;
+  traced.colour = {};
+  return traced;
 }
 
 TracedRay from_wire(const wire::Ray& ray) {

@@ -8,6 +8,7 @@
 #include "gicube/ray.h"
 #include "gicube/vector.h"
 #include "gicube/view.h"
+#include "gicube/volume.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 
@@ -17,11 +18,16 @@ namespace gicube {
 struct RaySetup {
   RayRequest request{};
   Dims dims{};           // of the volume
-  double energy_unit{};  // kDeposit: power of one unit of the energy words
+  double energy_unit{};  // kDeposit, kBackproject: of one unit of the words
   bool wide = false;     // kDeposit: the board's datapath, which bounds a ray's energy
   View sampling{};       // what the batch is sampled by, should it have to be sent again
   Vec3 towards_eye{};
+  Vec3 spacing{1, 1, 1};  // of voxels
+  ValueRange range{};     // kIntegral
 };
+
+// A ray's step, 16.16 voxels, is at most this: the STEP register.
+std::uint32_t step_word(const View& view);
 
 // Throw BadArgument naming the field: "rays[7].position.x: expected 0..31, got 32.5".
 void check(const RayRequest& request);
@@ -37,8 +43,15 @@ wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays);
 // For a ray that passed check().
 wire::Ray to_wire(const HostRay& ray, const RaySetup& setup);
 
+// kIntegral: what one unit of the densities' sum is worth for this ray.
+double integral_unit(const HostRay& ray, const RaySetup& setup);
+// kBackproject: the most that a sum can move by a packet (command.h); 0 in other words.
+std::uint64_t most_moved(const wire::Ray& packet, const RaySetup& setup);
+
 // The direction as the board holds it: of unit length to its rounding.
 TracedRay from_wire(const wire::Ray& ray);
+// The same of kIntegral, by its integral_unit().
+TracedRay integral_from_wire(const wire::Ray& ray, double unit);
 
 // Turns what each leg of a line gathered into what was gathered up to its end.
 void add_up(std::span<TracedRay> legs);

@@ -57,6 +57,7 @@ TEST(CArgumentsWithoutABoard, AreRefusedAndWriteNothing) {
   EXPECT_REFUSED(gicube_read_irradiance(nullptr, nullptr, nullptr, 0), "board");
   EXPECT_REFUSED(gicube_write_irradiance(nullptr, nullptr, nullptr, 0), "board");
   EXPECT_REFUSED(gicube_clear_irradiance(nullptr, 1), "board");
+  EXPECT_REFUSED(gicube_clear_sums(nullptr, 1), "board");
   EXPECT_REFUSED(gicube_render_to_framebuffer(nullptr, nullptr, nullptr, nullptr), "board");
   EXPECT_REFUSED(gicube_get_framebuffer_size(nullptr, nullptr, nullptr), "board");
   EXPECT_REFUSED(gicube_read_framebuffer(nullptr, nullptr, 0), "board");
@@ -190,7 +191,7 @@ TEST_F(CArguments, OfEveryRecordAreCheckedByName) {
   EXPECT_REFUSED(gicube_submit_polylines(board_, &line, 1, &ticket), "lines[0].points");
   gicube_ray_request request;
   ASSERT_EQ(gicube_ray_request_init(&request, sizeof request), GICUBE_OK);
-  request.type = 5;
+  request.type = 7;
   const gicube_host_ray ray{};
   EXPECT_REFUSED(gicube_submit(board_, &ray, 1, &request, &ticket), "request.type");
 }

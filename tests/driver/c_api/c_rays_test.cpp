@@ -66,6 +66,36 @@ TEST_F(CApi, AskedForRaysOfEveryTypeItPassesTheRequestOn) {
   EXPECT_NEAR(sum, report.lighting.deposited, 1e-3 * sum);
 }
 
+TEST_F(CApi, ProjectsAndBackprojects) {
+  load();
+  auto given = rays(500);
+  for (gicube_host_ray& ray : given) ray.length = 16, ray.energy = -2;
+  gicube_ray_request request = made(gicube_ray_request_init);
+  request.type = GICUBE_RAY_INTEGRAL;
+  std::uint32_t ticket = 0;
+  std::vector<gicube_traced_ray> traced(given.size());
+  ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), &request, &ticket), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), traced.size(), nullptr), GICUBE_OK);
+  EXPECT_GT(traced[12 * 31 + 12].integral, 0);
+
+  request.type = GICUBE_RAY_BACKPROJECT;
+  EXPECT_EQ(request.words, GICUBE_WORDS_SUMS);
+  ASSERT_EQ(gicube_clear_sums(board_, 1e-5), GICUBE_OK) << gicube_last_error();
+  ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), &request, &ticket), GICUBE_OK) << gicube_last_error();
+  gicube_batch_report report = made(gicube_batch_report_init);
+  ASSERT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, nullptr, 0, &report), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(report.backprojected, 1);
+  EXPECT_EQ(report.deposits.rays, 500u);
+  EXPECT_NEAR(report.deposits.kept, -2 * 16 * 500, 1e-3);
+  const gicube_box all{{0, 0, 0}, {32, 32, 32}};
+  std::vector<float> sums(voxels_.size());
+  ASSERT_EQ(gicube_read_sums(board_, &all, sums.data(), sums.size()), GICUBE_OK) << gicube_last_error();
+  double sum = 0;
+  for (const float value : sums) sum += value;
+  EXPECT_NEAR(sum, report.deposits.kept, 1e-3);
+  EXPECT_EQ(gicube_read_sums(board_, &all, sums.data(), 5), GICUBE_BAD_ARGUMENT);
+}
+
 TEST_F(CApi, GathersRaysAndPolylines) {
   load();
   const auto given = rays(31);
