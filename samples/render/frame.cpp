@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <chrono>
 
-#include "common/geometry/codebook.h"
+#include "common/board_run.h"
 #include "common/input_error.h"
 #include "common/light_field.h"
 #include "render/colour_passes.h"
@@ -17,51 +15,11 @@ namespace {
 // chosen: pictures with the same light that are held until all their colour passes are made; 64 of 512^2 take 128 MB.
 constexpr std::size_t kMaxRun = 64;
 
-Board open_board(const BoardOptions& options) {
-  const std::string uri = board_uri(options);
-  try {
-    return Board::open(uri);
-  } catch (const BadArgument& error) {
-    throw UsageError(error.what());
-  }
-}
-
-void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source) {
-  const int longest = *std::max_element(dims.begin(), dims.end());
-  if (longest <= info.max_volume_voxels) return;
-  const unsigned needed = std::bit_ceil(static_cast<unsigned>(longest));
-  throw InputError(
-      source,
-      fmt::format("at most {} voxels an edge, which this board holds (--set asic.max_volume_voxels={} makes an "
-                  "emulated one larger)",
-                  info.max_volume_voxels, needed),
-      fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]));
-}
-
-void check_fits(const LightField& field, const Dims& dims) {
+void check_size(const LightField& field, const Dims& dims) {
   if (field.dims == dims) return;
   const auto text = [](const Dims& d) { return fmt::format("{} x {} x {}", d[0], d[1], d[2]); };
   throw InputError("--irradiance", "a field of the volume's " + text(dims) + " voxels", text(field.dims));
 }
-
-// Wall and simulated time of a part of the work, and what the board counted in it.
-class Window {
- public:
-  explicit Window(Board& board)
-      : board_(board), counters_(board.counters()), begin_(board.now()), start_(std::chrono::steady_clock::now()) {}
-
-  Picoseconds simulated() const { return board_.now() - begin_; }
-  double host_seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  Counters counters() { return board_.counters() - counters_; }
-
- private:
-  Board& board_;
-  Counters counters_;
-  Picoseconds begin_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 Counters sum_of(const Counters& a, const Counters& b) {
   if (a.list().empty()) return b;
@@ -141,19 +99,12 @@ class Renderer {
     setup_ = set_up(scene, options_.board.threads);
     set_phong(options_, setup_.shading.phong);
     check_fits(setup_.volume.dims, board_.info(), setup_.volume.source);
-    if (field_) check_fits(*field_, setup_.volume.dims);
+    if (field_) check_size(*field_, setup_.volume.dims);
     const Picoseconds begin = board_.now();
     board_.set_shading(setup_.shading);
-    if (!last_ && scene.own_codebook && !moves_nodes(scene)) {
-      const std::vector<Vec3> codebook = codebook_of(scene.world ? setup_.gradients : std::vector<float>());
-      if (codebook.size() > 1) board_.set_gradient_codebook(codebook);
-    }
-    board_.load_volume(setup_.volume_view(), progress_.parts("loading the volume"));
+    const bool own_codebook = !last_ && scene.world && scene.own_codebook && !moves_nodes(scene);
+    load(board_, setup_, own_codebook, progress_.parts("loading the volume"));
     setup_.free_voxels();
-    const ValueRange range = board_.value_range();
-    for (std::size_t tag = 0; tag < setup_.materials.size(); ++tag) {
-      board_.set_transfer_function(in_values_of(range, setup_.materials[tag]), static_cast<int>(tag));
-    }
     return board_.now() - begin;
   }
 

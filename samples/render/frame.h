@@ -4,10 +4,10 @@
 #include <functional>
 #include <optional>
 
+#include "common/progress.h"
 #include "gicube/board.h"
 #include "gicube/image.h"
 #include "render/options.h"
-#include "render/progress.h"
 #include "render/statistics.h"
 
 namespace gicube::samples {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/graph/lighting_names.h"
-#include "render/option_group.h"
+#include "common/option_group.h"
 
 namespace gicube::samples {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "common/buckyball.h"
 #include "common/input_error.h"
+#include "common/option_group.h"
 #include "common/scene_file.h"
-#include "render/option_group.h"
 
 namespace gicube::samples {
 namespace {

@@ -2,23 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-
-#include "common/input_error.h"
+#include "common/run_json.h"
 
 namespace gicube::samples {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-const char* name_of(Fidelity fidelity) {
-  switch (fidelity) {
-    case Fidelity::kFunctional: return "functional";
-    case Fidelity::kApproximate: return "approximate";
-    case Fidelity::kCycle: return "cycle";
-  }
-  return "unknown";
-}
 
 Json counter_or_null(const Counters& counters, const char* name) {
   return counters.has(name) ? Json(counters.value(name)) : Json(nullptr);
@@ -50,14 +39,7 @@ void add_asic(const FrameStatistics& statistics, Json& json) {
   json["dsp_utilisation"] = value(statistics, "dsp.busy_ps") * 1e-12 / seconds;
 }
 
-Json to_json(const Counters& counters) {
-  Json json = Json::object();
-  for (const Counter& counter : counters.list())
-    json[counter.name] = {{"value", counter.value}, {"unit", counter.unit}};
-  return json;
-}
-
-Json to_json(const LightingStatistics& lighting) {
+Json lighting_json(const LightingStatistics& lighting) {
   const LightingReport& report = lighting.report;
   Json json;
   json["channel"] = lighting.channel;
@@ -82,13 +64,6 @@ Json to_json(const LightingStatistics& lighting) {
   return json;
 }
 
-void write(const Json& json, const std::filesystem::path& path) {
-  std::ofstream stream(path);
-  stream << json.dump(2) << '\n';
-  stream.close();
-  if (!stream) throw InputError(path.string(), "a file that can be written", "an error");
-}
-
 }  // namespace
 
 double bus_ms(const Counters& counters) {
@@ -110,13 +85,13 @@ Json to_json(const FrameStatistics& statistics) {
   json["image"] = {{"width", statistics.width}, {"height", statistics.height}};
   json["volume"] = {{"dims", statistics.dims}};
   json["lighting"] = nullptr;
-  for (const LightingStatistics& lighting : statistics.lighting) json["lighting"].push_back(to_json(lighting));
+  for (const LightingStatistics& lighting : statistics.lighting) json["lighting"].push_back(lighting_json(lighting));
   json["counters"] = to_json(statistics.counters);
   return json;
 }
 
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path) {
-  write(to_json(statistics), path);
+  write_json(to_json(statistics), path);
 }
 
 void write_statistics(const std::vector<FrameStatistics>& frames, const std::filesystem::path& path) {
@@ -134,7 +109,7 @@ void write_statistics(const std::vector<FrameStatistics>& frames, const std::fil
   }
   json["illumination_passes"] = passes;
   json["volumes_loaded"] = loads;
-  write(json, path);
+  write_json(json, path);
 }
 
 }  // namespace gicube::samples

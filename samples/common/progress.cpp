@@ -1,4 +1,4 @@
-#include "render/progress.h"
+#include "common/progress.h"
 
 #include <unistd.h>
 
