@@ -1,0 +1,59 @@
+// The command line of gicube-form-factors.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/board_options.h"
+#include "common/scene.h"
+#include "form_factors/radiosity.h"
+
+namespace gicube::samples {
+
+// What is solved or looked through.
+struct InputOptions {
+  std::string input;
+  std::optional<int> volume_size;
+  std::string transfer_function;
+};
+
+struct SolveOptions {
+  InputOptions input;
+  struct ByTag {
+    int tag = 0;
+    Power value{};
+  };
+  std::vector<ByTag> emissions, albedos;  // in place of the scene's
+  RadiositySettings settings;
+  std::filesystem::path factors, solution, picture;  // empty: none
+  std::string camera_name;
+  std::optional<std::array<int, 2>> size;
+  double exposure = 0;  // 0 = the scene's or chosen
+  BoardOptions board;
+};
+
+struct VisibilityOptions {
+  InputOptions input;
+  std::uint32_t pairs = 100'000;
+  int rays = 16;  // a pair
+  double step = 0.5;
+  PairRays made = PairRays::kByBoard;
+  BoardOptions board;
+};
+
+using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions>;
+
+// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
+std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out);
+
+// The input as a scene. Throws UsageError, InputError.
+Scene scene_of(const InputOptions& options);
+
+// The scene's materials with the options' emissions and albedos in their place; materials are made for tags that have none.
+void set_materials(const SolveOptions& options, Scene& scene);
+
+}  // namespace gicube::samples
