@@ -67,7 +67,7 @@ void DspCommands::clear_volume() {
     size[axis] = static_cast<int>(registers_.value(reg::kVolumeX + 4 * axis));
   const bool complete = std::all_of(size.begin(), size.end(), [](int edge) { return edge > 0; });
   aperture_.resize_volume(complete ? size : std::array<int, 3>{});
-  opacity_march_.clear();
+  packets_.clear();
 }
 
 void DspCommands::clear_irradiance() {
@@ -212,6 +212,10 @@ Frame DspCommands::frame() {
   return frame;
 }
 
+const RayPackets* DspCommands::packets(std::uint64_t rays, const Frame& frame) {
+  return packets_.prepare(rays, frame, aperture_.segmentation_writes(), threads_) ? &packets_ : nullptr;
+}
+
 CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work) {
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
   const auto first = static_cast<std::uint32_t>(wire::Opcode::kRender);
@@ -236,6 +240,14 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work
       expected("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs)", opcode));
 }
 
+namespace {
+
+std::uint64_t viewing_rays(const wire::RenderCommand& command) {
+  return std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
+}
+
+}  // namespace
+
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& work) {
   if (payload.size() != wire::kRenderCommandBytes) return refuse(expected("payload", "112 bytes", payload.size()));
   const auto command = wire::decode_render(payload.first<wire::kRenderCommandBytes>());
@@ -253,14 +265,15 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
     if (ran.cancelled) return cancelled();
     result = timed(ran);
   } else {
-    const Rendered rendered = emu::render(command, frame, aperture_.framebuffer(), threads_, work);
+    const Rendered rendered =
+        emu::render(command, frame, aperture_.framebuffer(), packets(viewing_rays(command), frame), threads_, work);
     if (rendered.cancelled) return {.error = ErrorCode::kCancelled};
     rays_ += rendered.rays;
     result.dsp_cycles = rendered.made * dsp.viewing_ray_cycles() + rendered.returned * dsp.returned_ray_cycles() +
                         rendered.rays.trap_cycles;
   }
   aperture_.resolve_framebuffer();
-  viewing_rays_ += std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
+  viewing_rays_ += viewing_rays(command);
   add_trap_list(result, 0);
   return result;
 }

@@ -17,7 +17,7 @@
 #include "gicube/v1/board_config.pb.h"
 #include "host_traps.h"
 #include "machine.h"
-#include "opacity_march.h"
+#include "ray_packets.h"
 
 namespace gicube::emu {
 
@@ -71,6 +71,8 @@ class DspCommands {
   static void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid);
   void add_trap_list(CommandResult& result, std::size_t most);
   Frame frame();
+  // Of the functional level, for so many rays; null if they go the plain way.
+  const RayPackets* packets(std::uint64_t rays, const Frame& frame);
   std::optional<std::string> material_fault(bool host_answers = true) const;
   CommandResult cancelled();
   CommandResult timed(const Ran& ran) const;
@@ -83,7 +85,7 @@ class DspCommands {
   const RegisterFile& registers_;
   unsigned threads_;
   OpacityCorrection opacity_correction_;
-  OpacityMarch opacity_march_{opacity_correction_};
+  RayPackets packets_{opacity_correction_};
   Aperture aperture_;
   Observer* observer_ = nullptr;
   const Routines* routines_ = nullptr;

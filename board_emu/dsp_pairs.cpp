@@ -1,5 +1,6 @@
 // Rays that the DSP makes between pairs of elements, and the sums that it makes of them [P §5.6].
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "command_fault.h"
@@ -64,7 +65,7 @@ struct Job {
   wire::Vector spacing{};
 };
 
-// The rays of some pairs, and their weights.
+// The rays of some pairs, and their weights. A sample without weight is a ray without flags, which is not sent.
 struct PairRays {
   std::vector<wire::Ray> rays;
   std::vector<double> weights;
@@ -98,6 +99,8 @@ void take(const Job& job, std::size_t begin, std::size_t end, const PairRays& ma
   }
 }
 
+bool is_sent(const wire::Ray& ray) { return ray.flags != 0; }
+
 struct PairCounts : RayCounters {
   std::uint64_t sent = 0;  // rays: samples of weight
 
@@ -109,7 +112,7 @@ struct PairCounts : RayCounters {
 };
 
 // All of it on the host's threads, each with pairs of its own.
-PairCounts measure(const Job& job, const Frame& frame, const OpacityMarch* march, unsigned threads, Work& work,
+PairCounts measure(const Job& job, const Frame& frame, const RayPackets* packets, unsigned threads, Work& work,
                    std::span<std::uint8_t> out) {
   constexpr std::size_t kRays = 2048;  // chosen: in a thread's cache
   const std::size_t run_pairs = std::max<std::size_t>(1, kRays / job.header.rays);
@@ -119,9 +122,14 @@ PairCounts measure(const Job& job, const Frame& frame, const OpacityMarch* march
     const std::size_t begin = run * run_pairs, end = std::min(begin + run_pairs, job.pairs.size());
     PairRays made;
     make(job, begin, end, made);
-    counts += PairCounts{trace(made.rays, frame, march, 1)};
-    counts.sent += static_cast<std::uint64_t>(
-        std::count_if(made.weights.begin(), made.weights.end(), [](double weight) { return weight > 0; }));
+    std::vector<wire::Ray> rays;
+    std::copy_if(made.rays.begin(), made.rays.end(), std::back_inserter(rays), is_sent);
+    counts += PairCounts{trace(rays, frame, packets, 1)};
+    counts.sent += rays.size();
+    auto back = rays.begin();
+    for (wire::Ray& ray : made.rays) {
+      if (is_sent(ray)) ray = *back++;
+    }
     take(job, begin, end, made, out);
     work.done += static_cast<std::uint32_t>(end - begin);
   });
@@ -165,9 +173,7 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Work& wo
   pair_rays_ += std::uint64_t{job.header.pairs} * job.header.rays;
   if (config_.fidelity() != v1::cycle) {
     const std::uint64_t rays = std::uint64_t{job.header.pairs} * job.header.rays;
-    const bool fast = opacity_march_.prepare(rays, frame, aperture_.segmentation_writes(), threads_);
-    const PairCounts counts =
-        measure(job, frame, fast ? &opacity_march_ : nullptr, threads_, work, std::span(result.payload));
+    const PairCounts counts = measure(job, frame, packets(rays, frame), threads_, work, std::span(result.payload));
     if (work.cancel) return {.error = ErrorCode::kCancelled};
     rays_ += counts;
     result.dsp_cycles = rays * make_cycles + counts.sent * take_cycles;

@@ -187,8 +187,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     if (frame.sums != nullptr) {
       counts = backproject(rays, frame, threads_);
     } else {
-      const bool fast = opacity_march_.prepare(count, frame, aperture_.segmentation_writes(), threads_);
-      counts = emu::trace(rays, frame, fast ? &opacity_march_ : nullptr, threads_);
+      counts = emu::trace(rays, frame, packets(count, frame), threads_);
     }
     rays_ += counts;
     const std::uint64_t cycles = config_.dsp().host_ray_cycles();  // for both ways

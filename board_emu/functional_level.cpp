@@ -24,24 +24,23 @@ struct Counts : RayCounters {
 
 }  // namespace
 
-Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
-                Work& work) {
+Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
+                const RayPackets* packets, unsigned threads, Work& work) {
   constexpr int kSubPixels = 16;
   constexpr int kTile = 16;  // pixels an edge; chosen: the rays of a tile share the voxels that fit a core's cache
   framebuffer.clear(command.width, command.height, command.filter);
   const int samples = command.samples_per_axis, spacing = kSubPixels / samples;
 
-  const auto send = [&](int u, int v, Counts& counts) {
+  // The ray of a place of the image, unless it misses the volume.
+  const auto make = [&](int u, int v, std::vector<wire::Ray>& rays) {
+    const Line line = viewing_line(command, static_cast<double>(u) / kSubPixels, static_cast<double>(v) / kSubPixels);
     wire::Ray miss;
     miss.u = static_cast<std::uint16_t>(u);
     miss.v = static_cast<std::uint16_t>(v);
-    const Line line = viewing_line(command, static_cast<double>(u) / kSubPixels, static_cast<double>(v) / kSubPixels);
     auto ray = viewing_ray(line, miss.u, miss.v, frame.extent, frame.cut_planes);
     if (!ray) return framebuffer.add(miss);
     ray->lifetime = frame.lifetime;
-    if (!integrate(*ray, frame, counts)) return;
-    ++counts.returned;
-    framebuffer.add(*ray);
+    rays.push_back(*ray);
   };
   const int across = (command.width + kTile - 1) / kTile, down = (command.height + kTile - 1) / kTile;
   const auto tiles = static_cast<std::size_t>(across * down);
@@ -50,8 +49,15 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
     if (work.cancel) return;
     const int left = static_cast<int>(tile) % across * kTile, top = static_cast<int>(tile) / across * kTile;
     const int right = std::min(left + kTile, int{command.width}), bottom = std::min(top + kTile, int{command.height});
+    std::vector<wire::Ray> rays;
     for (int v = top * kSubPixels + spacing / 2; v < bottom * kSubPixels; v += spacing) {
-      for (int u = left * kSubPixels + spacing / 2; u < right * kSubPixels; u += spacing) send(u, v, tile_counts);
+      for (int u = left * kSubPixels + spacing / 2; u < right * kSubPixels; u += spacing) make(u, v, rays);
+    }
+    if (packets != nullptr) packets->trace(rays, frame, tile_counts);
+    for (wire::Ray& ray : rays) {
+      if (packets == nullptr && !integrate(ray, frame, tile_counts)) continue;  // it waits for the host
+      ++tile_counts.returned;
+      framebuffer.add(ray);
     }
     ++work.done;
   });
@@ -100,14 +106,14 @@ Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuf
   return {answers.size(), counts.returned, counts, work.cancel};
 }
 
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const OpacityMarch* march, unsigned threads) {
-  const std::size_t run_rays = march != nullptr ? 512 : 64;  // chosen: that a thread takes at a time
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads) {
+  const std::size_t run_rays = packets != nullptr ? 512 : 64;  // chosen: that a thread takes at a time
   const std::size_t runs = (rays.size() + run_rays - 1) / run_rays;
   return spread<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counters) {
     const auto part = rays.subspan(run * run_rays, std::min(run_rays, rays.size() - run * run_rays));
-    if (march != nullptr) return march->trace(part, frame, counters);
+    if (packets != nullptr) return packets->trace(part, frame, counters);
     for (wire::Ray& ray : part) {
-      if (ray.flags == 0 || (!frame.cut_planes.empty() && !enter(ray, frame.extent, frame.cut_planes))) continue;
+      if (!frame.cut_planes.empty() && !enter(ray, frame.extent, frame.cut_planes)) continue;
       if ((ray.flags & wire::kLightingRay) != 0) counters.energy.emitted += energy_units(set_out(ray, frame), frame);
       integrate(ray, frame, counters);
     }

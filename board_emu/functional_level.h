@@ -11,7 +11,7 @@
 #include "dsp/lighting_rays.h"
 #include "frame.h"
 #include "gicube/wire/command.h"
-#include "opacity_march.h"
+#include "ray_packets.h"
 
 namespace gicube::emu {
 
@@ -22,9 +22,11 @@ struct Rendered {
   bool cancelled = false;
 };
 
+// `packets`, here and below: made ready for this frame, or null.
+
 // Fills `framebuffer` with the image of `command`. Progress is in tiles of pixels.
-Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
-                Work& work);
+Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
+                const RayPackets* packets, unsigned threads, Work& work);
 
 // Sends the lighting rays of `rays` into the volume, each with the frame's lifetime. Progress is in runs of rays.
 Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Work& work);
@@ -34,8 +36,8 @@ Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threa
 Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
                 Work& work);
 
-// Takes rays to their ends, in place. One without flags is passed over; one that lies behind a cut plane stays as it is. Of the counters
-// energy.emitted is what lighting rays bring. `march`: made ready for this frame, or null.
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const OpacityMarch* march, unsigned threads);
+// Takes rays to their ends, in place. One that lies behind a cut plane stays as it is. Of the counters
+// energy.emitted is what lighting rays bring.
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads);
 
 }  // namespace gicube::emu

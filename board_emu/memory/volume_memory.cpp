@@ -8,13 +8,23 @@
 
 namespace gicube::emu {
 
+namespace {
+
+constexpr std::size_t kTagsBeyond = 3;  // so that the last tag too can be read as the low byte of a word
+
+}  // namespace
+
 VolumeMemory::VolumeMemory(int block_voxels)
     : n_(block_voxels),
       block_bytes_(
           wire::packed36_bytes(static_cast<std::size_t>(block_voxels) * static_cast<std::size_t>(block_voxels) *
                                static_cast<std::size_t>(block_voxels))) {
+  voxels_.resize(block_voxels_and_faces());
+}
+
+std::size_t VolumeMemory::block_voxels_and_faces() const {
   const auto edge = static_cast<std::size_t>(n_) + 1;
-  zero_.resize(edge * edge * edge);
+  return edge * edge * edge;
 }
 
 void VolumeMemory::resize(const std::array<int, 3>& size) {
@@ -25,7 +35,10 @@ void VolumeMemory::resize(const std::array<int, 3>& size) {
     count *= static_cast<std::size_t>(blocks_[axis]);
   }
   packed_.assign(count, {});
-  decoded_.assign(count, {});
+  stale_.assign(count, 0);
+  first_.assign(count, 0);
+  voxels_ = std::vector<DecodedVoxel>(block_voxels_and_faces());
+  tags_ = {};
   resized_ = true;
 }
 
@@ -47,7 +60,7 @@ void VolumeMemory::mark_stale(std::size_t block) {
             bz = static_cast<int>(block / (nx * ny));
   for (int dz = 0; dz <= std::min(bz, 1); ++dz) {
     for (int dy = 0; dy <= std::min(by, 1); ++dy) {
-      for (int dx = 0; dx <= std::min(bx, 1); ++dx) decoded_[block_index(bx - dx, by - dy, bz - dz)].stale = true;
+      for (int dx = 0; dx <= std::min(bx, 1); ++dx) stale_[block_index(bx - dx, by - dy, bz - dz)] = 1;
     }
   }
 }
@@ -99,16 +112,15 @@ void VolumeMemory::flip(const BitPlace& place) {
   mark_stale(place.block);
 }
 
-void VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes) {
-  Decoded& decoded = decoded_[block];
-  decoded.stale = false;
-  if (packed_[block].empty()) return;  // never written: zero with its faces
+bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes, std::uint8_t* tags) {
   const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
   const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
             bz = static_cast<int>(block / (nx * ny));
   const auto edge = static_cast<std::size_t>(n_) + 1;
-  decoded.voxels.assign(edge * edge * edge, DecodedVoxel{});
-  decoded.tags.clear();
+  DecodedVoxel* const voxels = voxels_.data() + first_[block];
+  std::fill_n(voxels, block_voxels_and_faces(), DecodedVoxel{});
+  if (tags != nullptr) std::fill_n(tags, block_voxels_and_faces(), std::uint8_t{0});
+  unsigned tagged = 0;
 
   for (int z = 0; z <= n_; ++z) {
     for (int y = 0; y <= n_; ++y) {
@@ -126,36 +138,69 @@ void VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel>
           const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, source + x));
           DecodedVoxel out = codes[voxel.gradient];
           out.channel[0] = static_cast<std::int16_t>(voxel.density << kDensityFractionBits);
-          decoded.voxels[target + x] = out;
-          if (voxel.tag != 0 && decoded.tags.empty()) decoded.tags.assign(edge * edge * edge, 0);
-          if (!decoded.tags.empty()) decoded.tags[target + x] = voxel.tag;
+          voxels[target + x] = out;
+          tagged |= voxel.tag;
+          if (tags != nullptr) tags[target + x] = voxel.tag;
         }
       }
     }
   }
+  return tagged != 0;
+}
+
+// Each stored block has its place. Those that have one keep it.
+void VolumeMemory::make_places() {
+  const std::size_t voxels = block_voxels_and_faces();
+  std::size_t end = voxels_.size();
+  for (std::size_t block = 0; block < packed_.size(); ++block) {
+    if (packed_[block].empty() || first_[block] != 0) continue;
+    first_[block] = end;
+    end += voxels;
+    stale_[block] = 1;
+  }
+  if (end == voxels_.size()) return;
+  voxels_.resize(end);
+  if (!tags_.empty()) tags_.resize(end + kTagsBeyond);
+}
+
+void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes,
+                                 unsigned threads) {
+  std::atomic<std::size_t> next{0};
+  std::atomic<bool> tagged{!tags_.empty()};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < which.size(); i = next++) {
+      std::uint8_t* const tags = tags_.empty() ? nullptr : tags_.data() + first_[which[i]];
+      if (decode_block(which[i], codes, tags)) tagged = true;
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (unsigned t = 1; t < threads && t < which.size(); ++t) others.emplace_back(work);
+    work();
+  }
+  if (!tagged || !tags_.empty()) return;
+  // The first tags of this volume: blocks decoded before them have none.
+  tags_.resize(voxels_.size() + kTagsBeyond);
+  decode_blocks(which, codes, threads);
 }
 
 void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads) {
+  make_places();
+  std::vector<std::size_t> stale;
+  for (std::size_t block = 0; block < first_.size(); ++block) {
+    if (first_[block] != 0 && (stale_[block] != 0 || gradients_changed)) stale.push_back(block);
+    stale_[block] = 0;
+  }
+  if (stale.empty() && !resized_) return;
+  resized_ = false;
+  ++decodings_;
   std::vector<DecodedVoxel> codes(wire::kGradientCodes);
   for (std::size_t code = 0; code < codes.size(); ++code) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       codes[code].channel[axis + 1] = static_cast<std::int16_t>(gradients[code][axis] * (1 << kGradientFractionBits));
     }
   }
-  std::vector<std::size_t> stale;
-  for (std::size_t block = 0; block < decoded_.size(); ++block) {
-    if (decoded_[block].stale || gradients_changed) stale.push_back(block);
-  }
-  if (stale.empty() && !resized_) return;
-  resized_ = false;
-  ++decodings_;
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < stale.size(); i = next++) decode_block(stale[i], codes);
-  };
-  std::vector<std::jthread> others;
-  for (unsigned t = 1; t < threads && t < stale.size(); ++t) others.emplace_back(work);
-  work();
+  decode_blocks(stale, codes, threads);
 }
 
 }  // namespace gicube::emu

@@ -55,35 +55,38 @@ class VolumeMemory {
   // Makes every block's decoded form current, on `threads` threads. Call before view() when anything was written or the
   // gradient LUT changed.
   void decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads);
-  // Counts the calls of decode() that changed anything, over all volumes.
-  std::uint64_t decodings() const { return decodings_; }
-  bool is_stored(std::size_t block) const { return !decoded_[block].voxels.empty(); }
   BlockView view(std::size_t block) const {
-    const Decoded& decoded = decoded_[block];
-    return {decoded.voxels.empty() ? zero_.data() : decoded.voxels.data(),
-            decoded.tags.empty() ? nullptr : decoded.tags.data()};
+    return {voxels_.data() + first_[block], tags_.empty() ? nullptr : tags_.data() + first_[block]};
   }
 
- private:
-  struct Decoded {
-    std::vector<DecodedVoxel> voxels;
-    std::vector<std::uint8_t> tags;  // empty while every tag is 0
-    bool stale = false;
-  };
+  // All decoded blocks in one array, for who reads many at once: block b's voxels begin at first()[b]. Blocks that were
+  // never written share the first place.
+  std::span<const DecodedVoxel> decoded() const { return voxels_; }
+  std::span<const std::uint8_t> decoded_tags() const { return tags_; }  // beside it; none if every tag is 0
+  std::span<const std::size_t> first() const { return first_; }
+  // Counts the calls of decode() that changed anything, over all volumes.
+  std::uint64_t decodings() const { return decodings_; }
 
+ private:
   std::size_t block_index(int bx, int by, int bz) const;
   void mark_stale(std::size_t block);
-  void decode_block(std::size_t block, std::span<const DecodedVoxel> codes);
+  std::size_t block_voxels_and_faces() const;
+  void make_places();
+  // True if one of the block's voxels has a tag; `tags` may be null.
+  bool decode_block(std::size_t block, std::span<const DecodedVoxel> codes, std::uint8_t* tags);
+  void decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes, unsigned threads);
 
   int n_;
   std::size_t block_bytes_;
   std::array<int, 3> size_{};
   std::array<int, 3> blocks_{};
   std::vector<std::vector<std::uint8_t>> packed_;  // empty: never written
-  std::vector<Decoded> decoded_;
+  std::vector<std::uint8_t> stale_;                // one a block
+  std::vector<std::size_t> first_;                 // of each block in:
+  std::vector<DecodedVoxel> voxels_;               // blocks with faces; the first one is zero
+  std::vector<std::uint8_t> tags_;                 // empty while every tag is 0; four bytes may be read from any place
   std::uint64_t decodings_ = 0;
-  bool resized_ = false;  // since then
-  std::vector<DecodedVoxel> zero_;  // what every block without storage shows
+  bool resized_ = false;  // since the last of them
 };
 
 }  // namespace gicube::emu

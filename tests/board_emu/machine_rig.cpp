@@ -48,7 +48,7 @@ Picture functional_picture(const Scene& scene, const wire::RenderCommand& view) 
   Picture picture;
   Framebuffer framebuffer;
   Work work;
-  const Rendered rendered = render(view, scene.frame, framebuffer, 1, work);
+  const Rendered rendered = render(view, scene.frame, framebuffer, nullptr, 1, work);
   picture.pixels = framebuffer.packed();
   picture.rays = rendered.rays;
   return picture;

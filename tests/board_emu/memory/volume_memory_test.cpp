@@ -78,8 +78,12 @@ TEST(VolumeMemory, TakesNoMemoryForBlocksNeverWrittenAndShowsThemZero) {
   EXPECT_EQ(memory.stored_blocks(), 6u);
   memory.decode(gradient_lut(), true, 1);
   const BlockView view = memory.view(0);
-  for (int i = 0; i < 9 * 9 * 9; ++i) ASSERT_EQ(view.voxels[i], DecodedVoxel{});
-  EXPECT_EQ(view.tags, nullptr);
+  for (int i = 0; i < 9 * 9 * 9; ++i) {
+    ASSERT_EQ(view.voxels[i], DecodedVoxel{});
+    ASSERT_TRUE(view.tags == nullptr || view.tags[i] == 0);
+  }
+  EXPECT_EQ(memory.view(5).voxels, view.voxels);  // in the one place of all such blocks
+  EXPECT_EQ(memory.decoded().size(), (6 + 1) * 9u * 9 * 9);
   std::vector<std::uint8_t> bytes(100, 7);
   memory.read(10, bytes);
   EXPECT_EQ(bytes, std::vector<std::uint8_t>(100, 0));

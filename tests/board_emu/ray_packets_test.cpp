@@ -1,6 +1,6 @@
-// The vector march of opacity rays gives the bits of the plain way, ray by ray and count by count, on every instruction
-// set that this host has.
-#include "opacity_march.h"
+// Rays side by side in vectors give the bits of the plain way, ray by ray and count by count, on every instruction set that
+// this host has.
+#include "ray_packets.h"
 
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
@@ -22,15 +22,13 @@ struct Rays {
 
 Rays plainly(std::vector<wire::Ray> rays, const Frame& frame) {
   Rays out{std::move(rays), {}};
-  for (wire::Ray& ray : out.rays) {
-    if (ray.flags != 0) integrate(ray, frame, out.counters);
-  }
+  for (wire::Ray& ray : out.rays) integrate(ray, frame, out.counters);
   return out;
 }
 
-Rays by_vectors(std::vector<wire::Ray> rays, const Frame& frame, const OpacityMarch& march) {
+Rays by_vectors(std::vector<wire::Ray> rays, const Frame& frame, const RayPackets& packets) {
   Rays out{std::move(rays), {}};
-  march.trace(out.rays, frame, out.counters);
+  packets.trace(out.rays, frame, out.counters);
   return out;
 }
 
@@ -65,17 +63,33 @@ void draw_field(Scene& scene, Dice& dice) {
     wire::Voxel voxel;
     voxel.density = static_cast<std::uint16_t>(inside > 0 ? std::min(4095, 700 + inside * 40) : air);
     voxel.tag = static_cast<std::uint8_t>(tagged ? (x + y / 3) & 3 : 0);
+    voxel.gradient = static_cast<std::uint16_t>((x * 7 + y * 131 + z * 31) % 2048);
     return voxel;
   });
   const unsigned peak = static_cast<unsigned>(dice.one_of({3, 900, 20'000, 65'535}));
   for (std::size_t i = 0; i < scene.segmentation.size(); ++i) {
     const auto density = static_cast<unsigned>(i % 4096);
     const unsigned opacity = density < 250 ? 0 : std::min(65'535u, 1 + peak * density / 3000 + (i > 4095 ? 200 : 0));
-    scene.segmentation[i].opacity = static_cast<std::uint16_t>(opacity);
+    const auto byte = [&] { return static_cast<std::uint8_t>(dice.number(0, 255)); };
+    const auto colour = [&] { return static_cast<std::uint16_t>(dice.number(0, 4095)); };
+    scene.segmentation[i] = {
+        {colour(), colour(), colour()}, static_cast<std::uint16_t>(opacity), byte(), byte(), byte()};
   }
+  for (auto& gradient : scene.gradients) {  // of any length, also too short to be shaded
+    for (auto& component : gradient)
+      component = static_cast<std::int16_t>(dice.number(-511, 511) / dice.one_of({1, 1, 9}));
+  }
+  scene.gradients[5] = {511, -511, 511};
+  scene.gradients[6] = {-511, -511, 0};
+  scene.volume.decode(scene.gradients, true, 1);
+  for (std::uint8_t& texel : scene.reflectance_map) texel = static_cast<std::uint8_t>(dice.number(0, 255));
   Frame& frame = scene.frame;
-  frame.segments = frame.colourless = frame.to_the_hit = frame.plain = true;
-  frame.jitter = frame.shade = false;
+  frame.plain = true;
+  frame.jitter = false;
+  frame.segments = dice.chance(50);
+  frame.colourless = dice.chance(40);
+  frame.to_the_hit = dice.chance(50);
+  frame.shade = dice.chance(60);
   frame.cut_planes.clear();
   frame.leap = dice.chance(60);
   frame.step = static_cast<std::uint32_t>(dice.one_of({9'000, 32'768, 65'536, 150'000}));
@@ -85,7 +99,7 @@ void draw_field(Scene& scene, Dice& dice) {
 }
 
 // Anywhere in the volume: also on its faces, along axes, of no length, and out of it.
-std::vector<wire::Ray> draw_segments(Dice& dice, int count) {
+std::vector<wire::Ray> draw_rays(Dice& dice, int count, const Frame& frame) {
   std::vector<wire::Ray> rays;
   for (int i = 0; i < count; ++i) {
     std::array<double, 3> position{}, direction{};
@@ -96,61 +110,64 @@ std::vector<wire::Ray> draw_segments(Dice& dice, int count) {
     }
     if (direction == std::array<double, 3>{}) direction[2] = 1;
     wire::Ray ray = host_ray(static_cast<std::uint32_t>(i + 1), position, direction);
-    ray.set_colour_word(static_cast<std::uint64_t>(dice.one_of({0, 1, 700, dice.number(0, 60 << 16)})));
-    if (dice.chance(5)) ray.flags = 0;
+    if (frame.segments) {
+      ray.set_colour_word(static_cast<std::uint64_t>(dice.one_of({0, 1, 700, dice.number(0, 60 << 16)})));
+    } else if (dice.chance(20)) {  // carries what an earlier flight gathered
+      ray.opacity = static_cast<std::uint32_t>(dice.number(0, wire::kOpacityOne));
+      for (std::uint16_t& c : ray.colour) c = static_cast<std::uint16_t>(dice.number(0, 4095));
+    }
     rays.push_back(ray);
   }
   return rays;
 }
 
-class OpacityMarchOfRandomScenes : public testing::TestWithParam<unsigned> {};
+class RayPacketsOfRandomScenes : public testing::TestWithParam<unsigned> {};
 
-TEST_P(OpacityMarchOfRandomScenes, GivesTheBitsOfThePlainWay) {
+TEST_P(RayPacketsOfRandomScenes, GivesTheBitsOfThePlainWay) {
   Dice dice(GetParam());
   Scene scene(kSize, dice.one_of({8, 16, 32}));
   draw_field(scene, dice);
-  OpacityMarch march(scene.opacity_correction);
-  ASSERT_TRUE(march.prepare(1 << 20, scene.frame, 0, 2));
-  const auto rays = draw_segments(dice, dice.one_of({1, 15, 16, 17, 300}));
+  RayPackets packets(scene.opacity_correction);
+  ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 0, 2));
+  const auto rays = draw_rays(dice, dice.one_of({1, 15, 16, 17, 300}), scene.frame);
   const Rays expected = plainly(rays, scene.frame);
-  on_every_target([&] { expect_equal(by_vectors(rays, scene.frame, march), expected); });
+  on_every_target([&] { expect_equal(by_vectors(rays, scene.frame, packets), expected); });
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, OpacityMarchOfRandomScenes, testing::Range(1u, 201u));
+INSTANTIATE_TEST_SUITE_P(Scenes, RayPacketsOfRandomScenes, testing::Range(1u, 201u));
 
-TEST(OpacityMarch, FollowsTheVolumeAndTheLut) {
+TEST(RayPackets, FollowsTheVolumeAndTheLut) {
   Dice dice(7);
   Scene scene(kSize, 16);
   draw_field(scene, dice);
-  OpacityMarch march(scene.opacity_correction);
-  ASSERT_TRUE(march.prepare(1 << 20, scene.frame, 0, 1));
-  const auto rays = draw_segments(dice, 200);
-  const Rays before = by_vectors(rays, scene.frame, march);
+  RayPackets packets(scene.opacity_correction);
+  ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 0, 1));
+  const auto rays = draw_rays(dice, 200, scene.frame);
+  const Rays before = by_vectors(rays, scene.frame, packets);
 
   scene.fill([](int x, int, int) { return wire::Voxel{.density = static_cast<std::uint16_t>(80 * x)}; });
-  ASSERT_TRUE(march.prepare(1 << 20, scene.frame, 0, 1));
-  const Rays refilled = by_vectors(rays, scene.frame, march);
+  ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 0, 1));
+  const Rays refilled = by_vectors(rays, scene.frame, packets);
   expect_equal(refilled, plainly(rays, scene.frame));
   EXPECT_NE(refilled.counters.visible_samples, before.counters.visible_samples);
 
   for (auto& entry : scene.segmentation) entry.opacity = 77;
-  ASSERT_TRUE(march.prepare(1 << 20, scene.frame, 1, 1));
-  expect_equal(by_vectors(rays, scene.frame, march), plainly(rays, scene.frame));
+  ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 1, 1));
+  expect_equal(by_vectors(rays, scene.frame, packets), plainly(rays, scene.frame));
 }
 
-TEST(OpacityMarch, IsNotReadyForFewRaysNorForMoreThanOpacity) {
+TEST(RayPackets, AreNotMadeForFewRaysNorForMoreThanGathering) {
   Dice dice(3);
   Scene scene(kSize, 8);
   draw_field(scene, dice);
-  OpacityMarch march(scene.opacity_correction);
-  EXPECT_FALSE(march.prepare(1, scene.frame, 0, 1));  // a copy of the volume for one ray would be a bad bargain
-  EXPECT_TRUE(march.prepare(scene.volume.stored_blocks(), scene.frame, 0, 1));
-  Frame coloured = scene.frame;
-  coloured.colourless = false;
-  EXPECT_FALSE(march.prepare(1 << 20, coloured, 0, 1));
-  Frame jittered = scene.frame;
+  RayPackets packets(scene.opacity_correction);
+  EXPECT_FALSE(packets.prepare(1, scene.frame, 0, 1));  // a copy of the densities for one ray would be a bad bargain
+  EXPECT_TRUE(packets.prepare(scene.volume.stored_blocks(), scene.frame, 0, 1));
+  Frame jittered = scene.frame, cut = scene.frame, lit = scene.frame;
   jittered.jitter = true;
-  EXPECT_FALSE(march.prepare(1 << 20, jittered, 0, 1));
+  cut.cut_planes.push_back({});
+  lit.plain = false;
+  for (const Frame* frame : {&jittered, &cut, &lit}) EXPECT_FALSE(packets.prepare(1 << 20, *frame, 0, 1));
 }
 
 }  // namespace

@@ -1,0 +1,265 @@
+// The pipeline's stages for lanes of rays. Each says which scalar stage it repeats; the bits are the same.
+//
+// Words of 32 bits stand in 16 lanes. Products of more than 32 bits are made in 64-bit lanes, once for the even and once for
+// the odd ones.
+
+// Included once for each instruction set.
+#if defined(GICUBE_PACKET_STAGES) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PACKET_STAGES
+#undef GICUBE_PACKET_STAGES
+#else
+#define GICUBE_PACKET_STAGES
+#endif
+
+#include <hwy/highway.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "pipeline/advance.h"
+#include "pipeline/classify.h"
+#include "pipeline/composite.h"
+#include "pipeline/resample.h"
+#include "pipeline/shade.h"
+#include "ray_packets.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D32 = hn::CappedTag<std::int32_t, 16>;
+using DU32 = hn::RebindToUnsigned<D32>;
+using DU64 = hn::Repartition<std::uint64_t, D32>;
+using D16 = hn::Repartition<std::int16_t, D32>;
+using DF = hn::RebindToFloat<D32>;
+using V = hn::Vec<D32>;
+using VU = hn::Vec<DU32>;
+using VU64 = hn::Vec<DU64>;
+using V16 = hn::Vec<D16>;
+using Mask = hn::Mask<D32>;
+
+HWY_INLINE V set(std::int32_t x) { return hn::Set(D32(), x); }
+HWY_INLINE VU64 set64(std::uint64_t x) { return hn::Set(DU64(), x); }
+
+template <class Vector>
+HWY_INLINE VU64 evens(Vector v) {
+  return hn::And(hn::BitCast(DU64(), v), set64(0xFFFF'FFFF));
+}
+template <class Vector>
+HWY_INLINE VU64 odds(Vector v) {
+  return hn::ShiftRight<32>(hn::BitCast(DU64(), v));
+}
+// The low halves of both.
+HWY_INLINE V together(VU64 even, VU64 odd) {
+  return hn::BitCast(D32(), hn::Or(hn::And(even, set64(0xFFFF'FFFF)), hn::ShiftLeft<32>(odd)));
+}
+HWY_INLINE VU64 product(VU64 a, VU64 b) { return hn::MulEven(hn::BitCast(DU32(), a), hn::BitCast(DU32(), b)); }
+
+HWY_INLINE V gather(const void* base, V byte_offsets) {
+  return hn::GatherOffset(D32(), static_cast<const std::int32_t*>(base), byte_offsets);
+}
+HWY_INLINE VU64 gather64(const void* base, VU64 index) {
+  return hn::GatherIndex(DU64(), static_cast<const std::uint64_t*>(base),
+                         hn::BitCast(hn::RebindToSigned<DU64>(), index));
+}
+
+// lerp() of pipeline/resample.h on 16-bit lanes; `weight` 0.15.
+HWY_INLINE V16 lerp16(V16 a, V16 b, V16 weight) { return hn::Add(a, hn::MulFixedPoint15(hn::Sub(b, a), weight)); }
+
+// The same on the low halves of 32-bit lanes; what the high halves hold does not matter.
+HWY_INLINE V lerp(V a, V b, V weight) {
+  const D16 d;
+  return hn::BitCast(D32(), lerp16(hn::BitCast(d, a), hn::BitCast(d, b), hn::BitCast(d, weight)));
+}
+// Two neighbours along x in one word.
+HWY_INLINE V along_x(V pair, V weight) {
+  return lerp(pair, hn::BitCast(D32(), hn::ShiftRight<16>(hn::BitCast(DU32(), pair))), weight);
+}
+
+// A sample's place: the index of its cell among the decoded voxels, fractions of 14 and weights of 15 bits.
+struct Place {
+  V index;
+  std::array<V, 3> fraction, weight;
+};
+
+// resample() of the density, 12.3.
+HWY_INLINE V resample_density(const Place& at, const PacketField& field) {
+  const V two = hn::ShiftLeft<1>(at.index);
+  const std::int16_t* const row = field.densities;
+  const std::ptrdiff_t down = field.edge, deep = std::ptrdiff_t{field.edge} * field.edge;
+  const V near =
+      lerp(along_x(gather(row, two), at.weight[0]), along_x(gather(row + down, two), at.weight[0]), at.weight[1]);
+  const V far = lerp(along_x(gather(row + deep, two), at.weight[0]),
+                     along_x(gather(row + deep + down, two), at.weight[0]), at.weight[1]);
+  return hn::And(lerp(near, far, at.weight[2]), set(0xFFFF));
+}
+
+// resample_all(): of the low halves of 64-bit lanes, all four channels.
+HWY_INLINE VU64 resample_channels(VU64 index, const std::array<VU64, 3>& weights, const PacketField& field) {
+  const std::ptrdiff_t down = field.edge, deep = std::ptrdiff_t{field.edge} * field.edge;
+  std::array<V16, 3> w{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const VU64 two = hn::Or(weights[axis], hn::ShiftLeft<16>(weights[axis]));
+    w[axis] = hn::BitCast(D16(), hn::Or(two, hn::ShiftLeft<32>(two)));
+  }
+  const auto row = [&](std::ptrdiff_t offset) {
+    const DecodedVoxel* const from = field.voxels + offset;
+    const V16 a = hn::BitCast(D16(), gather64(from, index)), b = hn::BitCast(D16(), gather64(from + 1, index));
+    return lerp16(a, b, w[0]);
+  };
+  const V16 near = lerp16(row(0), row(down), w[1]), far = lerp16(row(deep), row(deep + down), w[1]);
+  return hn::BitCast(DU64(), lerp16(near, far, w[2]));
+}
+
+HWY_INLINE std::array<V, 3> resample_gradient(const Place& at, const PacketField& field) {
+  const auto half = [&](auto part) {
+    return resample_channels(part(at.index), {part(at.weight[0]), part(at.weight[1]), part(at.weight[2])}, field);
+  };
+  const VU64 even = half([](V v) { return evens(v); }), odd = half([](V v) { return odds(v); });
+  const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));
+  return {hn::ShiftRight<16>(low), hn::ShiftRight<16>(hn::ShiftLeft<16>(high)), hn::ShiftRight<16>(high)};
+}
+
+// segmentation_index(), with the tag of the nearest voxel.
+HWY_INLINE V classify(V density, const Place& at, const PacketField& field) {
+  constexpr int kHalf = 1 << (kDensityFractionBits - 1);
+  const V entry = hn::ShiftRight<kDensityFractionBits>(hn::Add(density, set(kHalf)));
+  if (field.tags == nullptr) return entry;
+  constexpr int kToHalf = wire::kPositionFractionBits - 1;
+  const V nearest = hn::Add(hn::Add(at.index, hn::ShiftRight<kToHalf>(at.fraction[0])),
+                            hn::Add(hn::Mul(hn::ShiftRight<kToHalf>(at.fraction[1]), set(field.edge)),
+                                    hn::Mul(hn::ShiftRight<kToHalf>(at.fraction[2]), set(field.edge * field.edge))));
+  return hn::Or(entry, hn::ShiftLeft<12>(hn::And(gather(field.tags, nearest), set(0xFF))));
+}
+
+// The weight of a sample behind `opacity`: OpacityCorrection of its depth, and the first line of over(). 64-bit lanes.
+HWY_INLINE VU64 weight_of(VU64 depth, VU64 exponent, VU64 opacity, const PacketField& field) {
+  constexpr int kFraction = OpacityCorrection::kFractionBits, kRest = kFraction - OpacityCorrection::kSegmentBits;
+  const VU64 one = set64(wire::kOpacityOne);
+  // Beyond 25 halvings nothing is left, and more would not fit a shift.
+  const VU64 x = hn::Min(hn::ShiftRight<16>(hn::Add(product(depth, exponent), set64(std::uint64_t{1} << 15))),
+                         set64(std::uint64_t{25} << kFraction));
+  const VU64 whole = hn::ShiftRight<kFraction>(x);
+  const VU64 fraction = hn::And(x, set64((std::uint64_t{1} << kFraction) - 1));
+  const VU64 segment = gather64(field.tables->exp2.data(), hn::ShiftRight<kRest>(fraction));
+  const VU64 fall = product(hn::ShiftRight<32>(segment), hn::And(fraction, set64((std::uint64_t{1} << kRest) - 1)));
+  const VU64 value = hn::Sub(hn::ShiftLeft<kRest>(hn::And(segment, set64(0xFFFF'FFFF))), fall);
+  const VU64 rounding = hn::Shl(set64(std::uint64_t{1} << (kRest - 1)), whole);
+  const VU64 through = hn::Shr(hn::ShiftRight<kRest>(hn::Add(value, rounding)), whole);
+  const VU64 alpha = hn::IfThenElse(hn::Eq(depth, set64(0xFFFF'FFFF)), one, hn::Sub(one, through));
+  const VU64 t = hn::Add(product(hn::Sub(one, opacity), alpha), set64(std::uint64_t{1} << 23));
+  return hn::ShiftRight<24>(hn::Add(t, hn::ShiftRight<24>(t)));  // divide_by_full_scale<24>
+}
+
+HWY_INLINE V weight_of(V depth, V exponent, V opacity, const PacketField& field) {
+  return together(weight_of(evens(depth), evens(exponent), evens(opacity), field),
+                  weight_of(odds(depth), odds(exponent), odds(opacity), field));
+}
+
+// What over() adds to a channel: divide_by_full_scale<24>.
+HWY_INLINE V part_of(V colour, V weight) {
+  const auto half = [](VU64 c, VU64 w) {
+    const VU64 t = hn::Add(product(c, w), set64(std::uint64_t{1} << 23));
+    return hn::ShiftRight<24>(hn::Add(t, hn::ShiftRight<24>(t)));
+  };
+  return together(half(evens(colour), evens(weight)), half(odds(colour), odds(weight)));
+}
+
+// reflectance(): bilinear in the cube map, 15 fraction bits.
+HWY_INLINE V reflectance(const std::array<V, 3>& gradient, const PacketField& field) {
+  std::array<V, 3> normal{}, size{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    normal[axis] = hn::Neg(gradient[axis]);
+    size[axis] = hn::Abs(normal[axis]);
+  }
+  const Mask y_first = hn::Gt(size[1], size[0]);
+  const V larger = hn::Max(size[0], size[1]);
+  const Mask z_major = hn::Gt(size[2], larger);
+  const Mask y_major = hn::AndNot(z_major, y_first);
+  const Mask x_major = hn::AndNot(z_major, hn::Not(y_first));
+  const V b = hn::IfThenElse(x_major, normal[1], normal[0]);
+  const V c = hn::IfThenElse(z_major, normal[1], normal[2]);
+  const V main = hn::IfThenElse(x_major, normal[0], hn::IfThenElse(y_major, normal[1], normal[2]));
+  const V axis2 = hn::IfThenElse(z_major, set(4), hn::IfThenElseZero(y_major, set(2)));
+  const V face = hn::Sub(axis2, hn::ShiftRight<31>(main));
+
+  const auto major = hn::ConvertTo(DF(), hn::Max(hn::Max(larger, size[2]), set(1)));
+  const auto to_texel = [&](V minor) {
+    const auto ratio = hn::Div(hn::ConvertTo(DF(), minor), major);
+    return hn::Add(hn::NearestInt(hn::Mul(ratio, hn::Set(DF(), 127 * 128))), set(127 * 128));
+  };
+  const V column = to_texel(b), row = to_texel(c), most = set(wire::kReflectanceSize - 2);
+  const V i = hn::Min(hn::ShiftRight<8>(column), most), j = hn::Min(hn::ShiftRight<8>(row), most);
+  const V s = hn::Sub(column, hn::ShiftLeft<8>(i)), t = hn::Sub(row, hn::ShiftLeft<8>(j));
+
+  constexpr int kRowBits = 7;
+  static_assert(wire::kReflectanceSize == 1 << kRowBits);
+  const V at = hn::Add(hn::ShiftLeft<kRowBits>(hn::Add(hn::ShiftLeft<kRowBits>(face), j)), i);
+  // A word of four that ends with the two texels: it does not reach beyond the map's end, and before its start is room.
+  static_assert(kBeforeMap == 2);
+  const auto between = [&](std::ptrdiff_t offset) {
+    const VU word = hn::BitCast(DU32(), gather(field.tables->reflectance_map.data() + offset, at));
+    const V first = hn::BitCast(D32(), hn::And(hn::ShiftRight<16>(word), hn::Set(DU32(), 0xFF)));
+    const V second = hn::BitCast(D32(), hn::ShiftRight<24>(word));
+    return hn::Add(hn::Mul(first, hn::Sub(set(256), s)), hn::Mul(second, s));
+  };
+  const V sum = hn::Add(hn::Mul(between(0), hn::Sub(set(256), t)), hn::Mul(between(wire::kReflectanceSize), t));
+  return hn::ShiftRight<8>(hn::Add(sum, set(128)));
+}
+
+struct Look {
+  std::array<V, 3> colour;
+  V ambient, reflect, knee;
+};
+
+HWY_INLINE Look look_of(V entry, const PacketField& field) {
+  const VU64 even = gather64(field.tables->look.data(), evens(entry)),
+             odd = gather64(field.tables->look.data(), odds(entry));
+  const auto bits = [&](auto from, std::int32_t mask) { return hn::And(together(from(even), from(odd)), set(mask)); };
+  return {{bits([](VU64 v) { return v; }, 0xFFF), bits([](VU64 v) { return hn::ShiftRight<12>(v); }, 0xFFF),
+           bits([](VU64 v) { return hn::ShiftRight<24>(v); }, 0xFFF)},
+          bits([](VU64 v) { return hn::ShiftRight<36>(v); }, 0xFF),
+          bits([](VU64 v) { return hn::ShiftRight<44>(v); }, 0xFF),
+          bits([](VU64 v) { return hn::ShiftRight<52>(v); }, 0xFF)};
+}
+
+// shade(). Its 64-bit sums stay below 2^30: colour <= 4095, base + highlight <= 3 * 255 * 2^8.
+HWY_INLINE std::array<V, 3> shade(const Look& look, const std::array<V, 3>& gradient, const PacketField& field) {
+  constexpr int kCoefficientShift = kShadeFractionBits - 7;
+  const V square = hn::Add(hn::Mul(gradient[0], gradient[0]),
+                           hn::Add(hn::Mul(gradient[1], gradient[1]), hn::Mul(gradient[2], gradient[2])));
+  const Mask flat = hn::Lt(square, set(kShortestGradient * kShortestGradient));
+  const V intensity = reflectance(gradient, field);
+  const V total = hn::Add(hn::ShiftLeft<kCoefficientShift>(look.ambient),
+                          hn::ShiftRight<7>(hn::Add(hn::Mul(look.reflect, intensity), set(64))));
+  const V base = hn::Min(total, hn::ShiftLeft<kCoefficientShift>(look.knee));
+  const V highlight = hn::Mul(hn::Sub(total, base), set(static_cast<std::int32_t>(wire::kColourOne)));
+  std::array<V, 3> out{};
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    const V lit = hn::Add(hn::Mul(look.colour[channel], base), highlight);
+    const V shaded = hn::Min(hn::ShiftRight<kShadeFractionBits>(hn::Add(lit, set(kShadeUnit / 2))),
+                             set(static_cast<std::int32_t>(wire::kColourOne)));
+    out[channel] = hn::IfThenElse(flat, look.colour[channel], shaded);
+  }
+  return out;
+}
+
+// leap_steps() along one axis. Dividends have at most 24 bits, so a float's quotient, rounded down, is exact: the true one is
+// at least 1 / divisor below the next whole number, and the rounding is less.
+HWY_INLINE V steps_out(V inside_block, V step, V size) {
+  const Mask forward = hn::Gt(step, hn::Zero(D32()));
+  const V way = hn::Abs(step), one = set(1);
+  const V dividend =
+      hn::IfThenElse(forward, hn::Add(hn::Sub(size, inside_block), hn::Sub(way, one)), hn::Add(inside_block, way));
+  const auto quotient = hn::Div(hn::ConvertTo(DF(), dividend), hn::ConvertTo(DF(), hn::Max(way, one)));
+  return hn::IfThenElse(hn::Eq(way, hn::Zero(D32())), size, hn::ConvertTo(D32(), quotient));
+}
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
