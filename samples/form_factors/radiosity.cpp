@@ -55,7 +55,7 @@ RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emi
   check(emissions);
   const Medium medium = make_medium(setup, settings.solid_opacity);
   const Forest forest = make_forest(make_leaves(medium, setup, emissions), medium.edges, settings.leaf_voxels);
-  RadiositySolver solver(forest);
+  RadiositySolver solver(forest, settings.balance);
   if (!(solver.emitted()[0] + solver.emitted()[1] + solver.emitted()[2] > 0)) {
     throw InputError("emissions", "some power from an open face or medium", "none");
   }

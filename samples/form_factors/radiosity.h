@@ -58,6 +58,7 @@ struct RadiositySettings {
   bool hierarchy = true;       // false: a link for each pair of leaves
   double convergence = 1e-4;   // > 0: share of the emitted power that may be under way when the solver stops
   int most_iterations = 1000;  // of a solve
+  bool balance = true;         // the links, so that each element's sum closes: no power is lost or made
   int leaf_voxels = 1;         // voxels an edge that are not divided further: 1, 2, 4, ...
 };
 
@@ -107,9 +108,10 @@ struct Iteration {
 };
 
 // Where the emitted power went, a channel each. emitted = absorbed_by_faces + absorbed_by_medium + escaped + under_way +
-// closure, the last being what the links' sums miss (positive) or have too much.
+// closure, the last being what the links' sums miss (positive) or have too much; about 0 if they were balanced.
 struct EnergyBalance {
   Power emitted{}, absorbed_by_faces{}, absorbed_by_medium{}, escaped{}, under_way{}, closure{};
+  Power measured_closure{};  // what `closure` would be with the links as they were measured, not balanced
 };
 
 struct RadiosityStatistics {
@@ -119,7 +121,7 @@ struct RadiosityStatistics {
   std::uint64_t refinements = 0;      // links that were divided
   std::vector<Iteration> iterations;
   EnergyBalance energy;
-  double closure_rms = 0;  // root mean square of (sum over j of X_ij) / w_i - 1, by weight
+  double closure_rms = 0;  // root mean square of (sum over j of X_ij) / w_i - 1 as measured, by weight
   std::uint64_t bus_down_bytes = 0, bus_up_bytes = 0;
   Picoseconds board_time = 0;  // simulated, of all its pairs
   double host_seconds = 0;     // wall clock, of the whole solution

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace gicube::samples {
 namespace {
@@ -128,24 +129,31 @@ void LinkSampler::member_pairs(std::span<SampledLink* const> links, int rays) {
   }
 }
 
+LinkSampler::Place LinkSampler::place_of(const Cluster& a, const Cluster& b) const {
+  const std::array edges{forest_.edges.x, forest_.edges.y, forest_.edges.z};
+  Place place;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double gap = std::max({a.low[axis] - b.high[axis], b.low[axis] - a.high[axis], 0.0}) * edges[axis];
+    const double size = std::max(a.high[axis] - a.low[axis], b.high[axis] - b.low[axis]) * edges[axis];
+    place.gap += gap * gap;
+    place.size = std::max(place.size, size);
+  }
+  place.gap = std::sqrt(place.gap);
+  return place;
+}
+
 // The mean factor of two full clusters that are too near for rays, if what is between them is open and even enough.
 std::optional<double> LinkSampler::near_factor(const Cluster& a, const Cluster& b) {
-  constexpr double kNear = 1;       // chosen: distance, in sizes of the larger one
   constexpr double kUneven = 0.02;  // chosen: of ln T
+  const Place place = place_of(a, b);
+  if (!place.near()) return std::nullopt;
   std::array<double, 3> low, high;
-  double gap = 0, size = 0, across = 0;
-  const std::array edges{forest_.edges.x, forest_.edges.y, forest_.edges.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     low[axis] = std::min(a.low[axis], b.low[axis]);
     high[axis] = std::max(a.high[axis], b.high[axis]);
-    const double apart = std::max({a.low[axis] - b.high[axis], b.low[axis] - a.high[axis], 0.0}) * edges[axis];
-    gap += apart * apart;
-    for (const Cluster* of : {&a, &b}) size = std::max(size, (of->high[axis] - of->low[axis]) * edges[axis]);
-    across = std::max(across, (high[axis] - low[axis]) * edges[axis]);
   }
-  if (gap > kNear * size * size) return std::nullopt;
   const Contents::Of between = contents_.box(low, high);
-  if (between.solid || between.kappa_spread * across > kUneven) return std::nullopt;
+  if (between.solid || between.kappa_spread * (place.gap + 2 * place.size) > kUneven) return std::nullopt;
   return box_factors_.of(a, b).at(between.mean_kappa);
 }
 
@@ -171,9 +179,12 @@ void LinkSampler::conclude(SampledLink& sampled) {
       link.standard_error = 0;
     }
   }
-  // What none of the rays has found the next one may find.
-  const double unseen = sampled.transported > 0 ? link.exchange : scale * sampled.geometric;
-  link.spread = std::max(link.spread, unseen / (rays + 1));
+  // What none of the rays has found the next one may find: of near clusters a place where they meet.
+  const Place place = place_of(a, b);
+  double unseen = sampled.transported > 0 ? sampled.transported : sampled.geometric;
+  if (place.near())
+    unseen = std::max(unseen, 1 / (std::numbers::pi * (place.gap * place.gap + place.size * place.size / 4)));
+  link.spread = std::max(link.spread, scale * unseen / (rays + 1));
 }
 
 }  // namespace gicube::samples

@@ -34,6 +34,12 @@ class LinkSampler {
   void member_pairs(std::span<SampledLink* const> links, int rays);
   std::vector<PairFactor> ask(std::span<const ElementPair> pairs, const PairRequest& request);
   std::uint32_t member(const Cluster& cluster, double share) const;
+  // Physical distance of two boxes, and the longest edge of both.
+  struct Place {
+    double gap = 0, size = 0;
+    bool near() const { return gap <= size; }  // chosen
+  };
+  Place place_of(const Cluster& a, const Cluster& b) const;
   void conclude(SampledLink& sampled);
   std::optional<double> near_factor(const Cluster& a, const Cluster& b);
 

@@ -14,12 +14,15 @@ double total(const Power& power) { return power[0] + power[1] + power[2]; }
 
 }  // namespace
 
-RadiositySolver::RadiositySolver(const Forest& forest)
+RadiositySolver::RadiositySolver(const Forest& forest, bool balance)
     : forest_(forest),
+      balance_(balance),
       leaf_in_(forest.leaves.size()),
       cluster_out_(forest.clusters.size()),
       sent_(forest.clusters.size()),
-      received_(forest.clusters.size()) {
+      received_(forest.clusters.size()),
+      factors_(forest.leaves.size(), 1),
+      raw_sums_(forest.leaves.size(), 1) {
   for (const Leaf& leaf : forest.leaves) {
     leaf_out_.push_back(leaf.emission);
     add(emitted_, leaf.weight, leaf.emission);
@@ -37,9 +40,9 @@ void RadiositySolver::push_pull() {
     add(incident[i], 1 / cluster.weight, received_[i]);
     if (cluster.child != kNone) continue;
     for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
-      leaf_in_[leaf] = incident[i];
       for (std::size_t c = 0; c < 3; ++c) {
-        leaf_out_[leaf][c] = forest_.leaves[leaf].emission[c] + forest_.leaves[leaf].albedo[c] * incident[i][c];
+        leaf_in_[leaf][c] = factors_[leaf] * incident[i][c];
+        leaf_out_[leaf][c] = forest_.leaves[leaf].emission[c] + forest_.leaves[leaf].albedo[c] * leaf_in_[leaf][c];
       }
     }
   }
@@ -48,7 +51,7 @@ void RadiositySolver::push_pull() {
     const Cluster& cluster = clusters[i];
     if (cluster.child == kNone) {
       for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
-        add(cluster_out_[i], forest_.leaves[leaf].weight / cluster.weight, leaf_out_[leaf]);
+        add(cluster_out_[i], factors_[leaf] * forest_.leaves[leaf].weight / cluster.weight, leaf_out_[leaf]);
       }
     }
     if (cluster.parent != kNone) {
@@ -58,14 +61,10 @@ void RadiositySolver::push_pull() {
 }
 
 void RadiositySolver::index(std::span<const Link> links) {
-  reach_.assign(forest_.clusters.size(), 0);
   first_.assign(forest_.clusters.size() + 1, 0);
   for (const Link& link : links) {
-    reach_[link.a] += link.exchange;
     ++first_[link.a + 1];
-    if (link.a == link.b) continue;
-    reach_[link.b] += link.exchange;
-    ++first_[link.b + 1];
+    if (link.a != link.b) ++first_[link.b + 1];
   }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   own_.resize(first_.back());
@@ -73,6 +72,61 @@ void RadiositySolver::index(std::span<const Link> links) {
   for (std::uint32_t i = 0; i < links.size(); ++i) {
     own_[next[links[i].a]++] = i;
     if (links[i].a != links[i].b) own_[next[links[i].b]++] = i;
+  }
+}
+
+void RadiositySolver::reach(std::span<const Link> links) {
+  const auto& clusters = forest_.clusters;
+  std::vector<double> taken(clusters.size());  // of what comes to a cluster
+  for (std::size_t i = clusters.size(); i-- > 0;) {
+    const Cluster& cluster = clusters[i];
+    if (cluster.child == kNone) {
+      for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
+        taken[i] += factors_[leaf] * forest_.leaves[leaf].weight / cluster.weight;
+      }
+    }
+    if (cluster.parent != kNone) taken[cluster.parent] += taken[i] * cluster.weight / clusters[cluster.parent].weight;
+  }
+  reach_.assign(clusters.size(), 0);
+  for (const Link& link : links) {
+    reach_[link.a] += link.exchange * taken[link.b];
+    if (link.a != link.b) reach_[link.b] += link.exchange * taken[link.a];
+  }
+}
+
+// Sums of the leaves' exchange areas over their weights.
+std::vector<double> RadiositySolver::leaf_sums() const {
+  const auto& clusters = forest_.clusters;
+  std::vector<double> sums(clusters.size()), leaves(forest_.leaves.size());
+  for (std::size_t i = 0; i < clusters.size(); ++i) {
+    const Cluster& cluster = clusters[i];
+    sums[i] = reach_[i] / cluster.weight + (cluster.parent != kNone ? sums[cluster.parent] : 0);
+    if (cluster.child != kNone) continue;
+    for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) leaves[leaf] = factors_[leaf] * sums[i];
+  }
+  return leaves;
+}
+
+// Symmetric scaling to given sums (Sinkhorn 1964).
+void RadiositySolver::balance(std::span<const Link> links) {
+  constexpr int kMostTurns = 50;
+  constexpr double kClosed = 1e-5,
+                   kMostFactor = 2;  // chosen: what is further off was not seen well enough to be scaled
+  std::fill(factors_.begin(), factors_.end(), 1.0);
+  reach(links);
+  raw_sums_ = leaf_sums();
+  if (!balance_) return;
+  for (int turn = 0; turn < kMostTurns; ++turn) {
+    const std::vector<double> sums = leaf_sums();
+    double worst = 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double factor = sums[i] > 0 ? factors_[i] / std::sqrt(sums[i]) : 1;
+      const double kept = std::clamp(factor, 1 / kMostFactor, kMostFactor);
+      if (kept == factor) worst = std::max(worst, std::abs(sums[i] - 1));
+      factors_[i] = kept;
+    }
+    reach(links);
+    if (worst < kClosed) return;
   }
 }
 
@@ -117,6 +171,8 @@ double RadiositySolver::residual() const {
 void RadiositySolver::solve(std::span<const Link> links, Solver solver, double convergence, int most_iterations,
                             std::vector<Iteration>& iterations) {
   index(links);
+  balance(links);
+  push_pull();
   gather(links);  // all links may be new
   for (int i = 0;; ++i) {
     iterations.push_back({static_cast<std::uint32_t>(links.size()), residual()});
@@ -139,13 +195,11 @@ void RadiositySolver::results(RadiosityResult& result) const {
     for (std::size_t c = 0; c < 3; ++c) where[c] += (1 - leaf.albedo[c]) * leaf.weight * leaf_in_[i][c];
     add(energy.closure, leaf.weight, leaf_out_[i]);
   }
-  // The means' reach down to the leaves, for closure, and the links' errors.
   const auto& clusters = forest_.clusters;
-  std::vector<double> sum(clusters.size()), variance(clusters.size());
+  std::vector<double> variance(clusters.size());
   for (std::uint32_t i = 0; i < clusters.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) energy.under_way[c] += under_way(i, c);
     add(energy.closure, -reach_[i], cluster_out_[i]);
-    sum[i] = reach_[i] / clusters[i].weight;
   }
   for (const Link& link : result.links) {
     const auto error = [&](std::uint32_t from, std::uint32_t to) {
@@ -159,12 +213,14 @@ void RadiositySolver::results(RadiosityResult& result) const {
   result.standard_error.assign(forest_.leaves.size(), 0);
   for (std::uint32_t i = 0; i < clusters.size(); ++i) {
     const Cluster& cluster = clusters[i];
-    if (cluster.parent != kNone) sum[i] += sum[cluster.parent], variance[i] += variance[cluster.parent];
+    if (cluster.parent != kNone) variance[i] += variance[cluster.parent];
     if (cluster.child != kNone) continue;
-    squares += cluster.weight * (sum[i] - 1) * (sum[i] - 1);
-    weight += cluster.weight;
     for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
       result.standard_error[leaf] = std::sqrt(variance[i]);
+      const double off = 1 - raw_sums_[leaf], w = forest_.leaves[leaf].weight;
+      squares += w * off * off;
+      weight += w;
+      add(energy.measured_closure, w * off, leaf_out_[leaf]);
     }
   }
   result.statistics.closure_rms = std::sqrt(squares / weight);
