@@ -34,22 +34,25 @@ struct alignas(64) Word {
 
 // The rays under way. A ray ends when no steps are left, or by its opacity.
 struct Lanes {
-  std::array<Word, 3> position, step, colour;
+  std::array<Word, 3> position, step;
+  std::array<Word, 3> colour;  // of integrals: the sum's low kSumBits, and what is above
   Word exponent, opacity;
   Word left;  // steps to the end of a segment or of the volume
   Word more;  // by which a leap may go beyond that: a leaping ray overshoots the volume, but not its segment
 };
 
+constexpr int kSumBits = 20;
+
 // Takes all lanes on until at least `enough` of them have ended. What addresses the samples hangs on steps alone, so that
 // the next are fetched while one is composited: a ray that has become opaque goes on as a ghost, of which nothing is kept.
-template <bool kColoured>
+template <Gathers kGathers>
 HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough, RayCounters& counters) {
   const D32 d;
   std::array<V, 3> p{}, s{}, colour{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     p[axis] = lanes.position[axis].load();
     s[axis] = lanes.step[axis].load();
-    if (kColoured) colour[axis] = lanes.colour[axis].load();
+    if (kGathers != Gathers::kOpacity) colour[axis] = lanes.colour[axis].load();
   }
   V left = lanes.left.load(), opacity = lanes.opacity.load();
   const V exponent = lanes.exponent.load(), more = lanes.more.load();
@@ -90,21 +93,29 @@ HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough
       }
       const V rows = hn::Add(voxel[1], hn::Mul(voxel[2], set(field.edge)));
       at.index = hn::IfThenElseZero(samples, hn::Add(first, hn::Add(voxel[0], hn::Mul(rows, set(field.edge)))));
-      const V entry = classify(resample_density(at, field), at, field);
+      const V density = resample_density(at, field);
       const Mask taking = hn::And(samples, running);
-      const V depth = hn::IfThenElseZero(taking, gather(field.tables->depth.data(), hn::ShiftLeft<2>(entry)));
       counters.samples += hn::CountTrue(d, taking);
-      const Mask visible = hn::Ne(depth, zero);
-      if (!hn::AllFalse(d, visible)) {
-        counters.visible_samples += hn::CountTrue(d, visible);
-        const V weight = weight_of(depth, exponent, opacity, field);
-        opacity = hn::Add(opacity, weight);
-        if (kColoured) {
-          const Look look = look_of(entry, field);
-          const auto seen = field.shaded ? shade(look, resample_gradient(at, field), field) : look.colour;
-          for (std::size_t c = 0; c < 3; ++c) {
-            colour[c] =
-                hn::Min(hn::Add(colour[c], part_of(seen[c], weight)), set(static_cast<std::int32_t>(wire::kColourOne)));
+      if constexpr (kGathers == Gathers::kIntegral) {
+        const V sum = hn::Add(colour[0], hn::IfThenElseZero(taking, density));
+        colour[0] = hn::And(sum, set((1 << kSumBits) - 1));
+        colour[1] = hn::Add(colour[1], hn::ShiftRight<kSumBits>(sum));
+        counters.visible_samples += hn::CountTrue(d, hn::And(taking, hn::Ne(density, zero)));
+      } else {
+        const V entry = classify(density, at, field);
+        const V depth = hn::IfThenElseZero(taking, gather(field.tables->depth.data(), hn::ShiftLeft<2>(entry)));
+        const Mask visible = hn::Ne(depth, zero);
+        if (!hn::AllFalse(d, visible)) {
+          counters.visible_samples += hn::CountTrue(d, visible);
+          const V weight = weight_of(depth, exponent, opacity, field);
+          opacity = hn::Add(opacity, weight);
+          if constexpr (kGathers == Gathers::kColour) {
+            const Look look = look_of(entry, field);
+            const auto seen = field.shaded ? shade(look, resample_gradient(at, field), field) : look.colour;
+            for (std::size_t c = 0; c < 3; ++c) {
+              colour[c] = hn::Min(hn::Add(colour[c], part_of(seen[c], weight)),
+                                  set(static_cast<std::int32_t>(wire::kColourOne)));
+            }
           }
         }
       }
@@ -115,7 +126,7 @@ HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     lanes.position[axis].store(hn::Add(lanes.position[axis].load(), hn::Mul(taken, s[axis])));
-    if (kColoured) lanes.colour[axis].store(colour[axis]);
+    if (kGathers != Gathers::kOpacity) lanes.colour[axis].store(colour[axis]);
   }
   lanes.left.store(hn::Sub(lanes.left.load(), taken));
   lanes.opacity.store(opacity);
@@ -176,7 +187,7 @@ class Exchange {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.position[axis].lane[lane] = ray.position[axis];
       lanes.step[axis].lane[lane] = ray.step[axis];
-      lanes.colour[axis].lane[lane] = ray.colour[axis];
+      lanes.colour[axis].lane[lane] = frame_.integral ? 0 : ray.colour[axis];
     }
     const std::int32_t volume = steps_inside(ray, frame_), limit = std::int32_t{1} << 29,
                        segment = frame_.segments ? static_cast<std::int32_t>(ray.interacted) : limit;
@@ -194,6 +205,10 @@ class Exchange {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ray.position[axis] = lanes.position[axis].lane[lane];
       if (!frame_.colourless) ray.colour[axis] = static_cast<std::uint16_t>(lanes.colour[axis].lane[lane]);
+    }
+    if (frame_.integral) {
+      const auto low = static_cast<std::uint64_t>(lanes.colour[0].lane[lane]);
+      set_energy(ray.colour, low | static_cast<std::uint64_t>(lanes.colour[1].lane[lane]) << kSumBits);
     }
     if (frame_.segments) ray.interacted -= static_cast<std::uint32_t>(slot.steps - lanes.left.lane[lane]);
     ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
@@ -219,7 +234,11 @@ void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& fie
     if (exchange.busy() == 0) return;
     // A few idle lanes cost less than an exchange for each; without new rays one of the busy ones must end.
     const std::size_t enough = exchange.has_more() ? std::max<std::size_t>(count / 4, 1) : count - exchange.busy() + 1;
-    field.coloured ? march<true>(lanes, field, enough, counters) : march<false>(lanes, field, enough, counters);
+    switch (field.gathers) {
+      case Gathers::kOpacity: march<Gathers::kOpacity>(lanes, field, enough, counters); break;
+      case Gathers::kColour: march<Gathers::kColour>(lanes, field, enough, counters); break;
+      case Gathers::kIntegral: march<Gathers::kIntegral>(lanes, field, enough, counters); break;
+    }
   }
 }
 
@@ -256,7 +275,7 @@ void RayPackets::read(std::span<const wire::SegmentationEntry> segmentation) {
 }
 
 bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads) {
-  if (!frame.plain || frame.integral || frame.backprojects || frame.jitter || !frame.cut_planes.empty()) return false;
+  if (!frame.plain || frame.backprojects || frame.jitter || !frame.cut_planes.empty()) return false;
   const VolumeMemory& volume = *frame.volume;
   if (volume_ != volume.decodings()) {
     clear();
@@ -292,7 +311,7 @@ void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.block_shift = std::countr_zero(static_cast<unsigned>(volume.block_voxels())) + wire::kPositionFractionBits;
   field.across = volume.blocks()[0];
   field.slice = volume.blocks()[0] * volume.blocks()[1];
-  field.coloured = !frame.colourless;
+  field.gathers = frame.integral ? Gathers::kIntegral : frame.colourless ? Gathers::kOpacity : Gathers::kColour;
   field.shaded = frame.shade;
   HWY_DYNAMIC_DISPATCH(trace)(rays, frame, field, counters);
 }

@@ -26,6 +26,8 @@ struct PacketTables {
   std::vector<std::int32_t> first;  // of each block among the decoded ones; negative: an empty block to be leapt over
 };
 
+enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
+
 // What lanes read beside them.
 struct PacketField {
   const std::int16_t* densities;
@@ -36,7 +38,8 @@ struct PacketField {
   std::int32_t edge;  // voxels of a block with its +1 face
   int block_shift;    // from position units to blocks
   std::int32_t across, slice;
-  bool coloured, shaded;
+  Gathers gathers;
+  bool shaded;
 };
 
 class RayPackets {

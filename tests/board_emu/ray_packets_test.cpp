@@ -90,6 +90,8 @@ void draw_field(Scene& scene, Dice& dice) {
   frame.colourless = dice.chance(40);
   frame.to_the_hit = dice.chance(50);
   frame.shade = dice.chance(60);
+  frame.integral = dice.chance(20);
+  if (frame.integral) frame.segments = frame.colourless = true;
   frame.cut_planes.clear();
   frame.leap = dice.chance(60);
   frame.step = static_cast<std::uint32_t>(dice.one_of({9'000, 32'768, 65'536, 150'000}));
