@@ -183,7 +183,7 @@ std::size_t BoxFactors::Hash::operator()(const Key& key) const {
   return hash;
 }
 
-const WayFactor& BoxFactors::of(const Cluster& a, const Cluster& b) {
+double BoxFactors::of(const Cluster& a, const Cluster& b, double kappa) {
   const auto halves = [](double x) { return static_cast<std::int16_t>(std::lround(2 * x)); };
   Key key{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -203,9 +203,11 @@ const WayFactor& BoxFactors::of(const Cluster& a, const Cluster& b) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       for (AxisBox* box : {&from, &to}) box->low[axis] *= edges[axis], box->high[axis] *= edges[axis];
     }
-    at->second = WayFactor(from, to);
+    at->second.way = WayFactor(from, to);
   }
-  return at->second;
+  Known& known = at->second;
+  if (known.kappa != kappa) known.kappa = kappa, known.factor = known.way.at(kappa);
+  return known.factor;
 }
 
 }  // namespace gicube::samples

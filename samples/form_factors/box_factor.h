@@ -47,8 +47,8 @@ class WayFactor {
 class BoxFactors {
  public:
   explicit BoxFactors(Vec3 edges) : edges_(edges) {}
-  // Of two full clusters; their boxes are multiples of half a voxel. Valid until the next call.
-  const WayFactor& of(const Cluster& a, const Cluster& b);
+  // WayFactor::at() of two full clusters; their boxes are multiples of half a voxel.
+  double of(const Cluster& a, const Cluster& b, double kappa);
 
  private:
   using Key = std::array<std::int16_t, 10>;
@@ -56,8 +56,13 @@ class BoxFactors {
     std::size_t operator()(const Key& key) const;
   };
 
+  struct Known {
+    WayFactor way;
+    double kappa = -1, factor = 0;  // the last that was asked for: a fog has one kappa
+  };
+
   Vec3 edges_;
-  std::unordered_map<Key, WayFactor, Hash> known_;
+  std::unordered_map<Key, Known, Hash> known_;
 };
 
 }  // namespace gicube::samples

@@ -58,7 +58,7 @@ struct RadiositySettings {
   bool hierarchy = true;       // false: a link for each pair of leaves
   double convergence = 1e-4;   // > 0: share of the emitted power that may be under way when the solver stops
   int most_iterations = 1000;  // of a solve
-  bool balance = true;         // the links, so that each element's sum closes: no power is lost or made
+  bool balance = true;         // scales what is uncertain of the links until each element's sum closes
   int leaf_voxels = 1;         // voxels an edge that are not divided further: 1, 2, 4, ...
 };
 
@@ -118,6 +118,7 @@ struct RadiosityStatistics {
   std::uint64_t faces = 0, medium = 0, ends = 0, clusters = 0, links = 0;
   std::uint64_t all_pairs = 0;        // of leaves that can see each other by their sides alone: a full matrix's links
   std::uint64_t pairs = 0, rays = 0;  // asked of the board
+  std::uint64_t clear_pairs = 0;      // of them, with only empty blocks in between: no ray was sent
   std::uint64_t refinements = 0;      // links that were divided
   std::vector<Iteration> iterations;
   EnergyBalance energy;

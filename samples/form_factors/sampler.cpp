@@ -40,10 +40,16 @@ LinkSampler::LinkSampler(Board& board, const Forest& forest, const Contents& con
 std::vector<PairFactor> LinkSampler::ask(std::span<const ElementPair> pairs, const PairRequest& request) {
   statistics_.pairs += pairs.size();
   statistics_.rays += std::uint64_t{request.rays} * pairs.size();
-  return board_.pair_factors(elements_, pairs, request);
+  auto factors = board_.pair_factors(elements_, pairs, request);
+  for (const PairFactor& factor : factors) statistics_.clear_pairs += factor.clear ? 1 : 0;
+  return factors;
 }
 
 void LinkSampler::add_rays(std::span<SampledLink*> links, int rays) {
+  const auto known = std::stable_partition(links.begin(), links.end(), [&](SampledLink* sampled) {
+    return sampled->link.rays > 0 || !conclude_without_rays(*sampled);
+  });
+  links = {links.begin(), known};
   const auto full = [&](const SampledLink* sampled) {
     return forest_.clusters[sampled->link.a].full && forest_.clusters[sampled->link.b].full;
   };
@@ -154,7 +160,17 @@ std::optional<double> LinkSampler::near_factor(const Cluster& a, const Cluster& 
   }
   const Contents::Of between = contents_.box(low, high);
   if (between.solid || between.kappa_spread * (place.gap + 2 * place.size) > kUneven) return std::nullopt;
-  return box_factors_.of(a, b).at(between.mean_kappa);
+  return box_factors_.of(a, b, between.mean_kappa);
+}
+
+// Leaves that are near: no rays tell more, and there is no division that their spread would have to decide on.
+bool LinkSampler::conclude_without_rays(SampledLink& sampled) {
+  const Cluster& a = forest_.clusters[sampled.link.a];
+  const Cluster& b = forest_.clusters[sampled.link.b];
+  if (a.child != kNone || b.child != kNone || !a.full || !b.full) return false;
+  const auto factor = near_factor(a, b);
+  if (factor) sampled.link.exchange = forest_.exchange_measure(a) * forest_.exchange_measure(b) * *factor;
+  return factor.has_value();
 }
 
 // From means to the exchange area.
@@ -169,7 +185,7 @@ void LinkSampler::conclude(SampledLink& sampled) {
   link.spread = scale * error * std::sqrt(rays);
   if (a.full && b.full && sampled.geometric > 0) {
     // The rays' error is that of the share which arrives, and can't be more than if each came whole or not at all.
-    const double geometric = box_factors_.of(a, b).at(0);
+    const double geometric = box_factors_.of(a, b, 0);
     const double share = std::min(sampled.transported / sampled.geometric, 1.0);
     const double most = std::sqrt(share * (1 - share) / rays);
     link.exchange = scale * geometric * share;

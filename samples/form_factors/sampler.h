@@ -40,6 +40,7 @@ class LinkSampler {
     bool near() const { return gap <= size; }  // chosen
   };
   Place place_of(const Cluster& a, const Cluster& b) const;
+  bool conclude_without_rays(SampledLink& sampled);
   void conclude(SampledLink& sampled);
   std::optional<double> near_factor(const Cluster& a, const Cluster& b);
 

@@ -6,23 +6,31 @@
 namespace gicube::samples {
 namespace {
 
-void add(Power& to, double factor, const Power& what) {
-  for (std::size_t c = 0; c < 3; ++c) to[c] += factor * what[c];
+template <std::size_t N>
+void add(std::array<double, N>& to, double factor, const std::array<double, N>& what) {
+  for (std::size_t c = 0; c < N; ++c) to[c] += factor * what[c];
 }
 
 double total(const Power& power) { return power[0] + power[1] + power[2]; }
 
 }  // namespace
 
+double uncertain_part(const Link& link, const Forest& forest) {
+  if (!(link.exchange > 0)) return 0;
+  const bool leaves = forest.clusters[link.a].child == kNone && forest.clusters[link.b].child == kNone;
+  return std::min((leaves ? link.standard_error : link.spread) / link.exchange, 1.0);
+}
+
 RadiositySolver::RadiositySolver(const Forest& forest, bool balance)
     : forest_(forest),
       balance_(balance),
       leaf_in_(forest.leaves.size()),
+      factors_(forest.leaves.size(), 1),
+      raw_sums_(forest.leaves.size(), 1),
       cluster_out_(forest.clusters.size()),
       sent_(forest.clusters.size()),
       received_(forest.clusters.size()),
-      factors_(forest.leaves.size(), 1),
-      raw_sums_(forest.leaves.size(), 1) {
+      reach_(forest.clusters.size()) {
   for (const Leaf& leaf : forest.leaves) {
     leaf_out_.push_back(leaf.emission);
     add(emitted_, leaf.weight, leaf.emission);
@@ -30,10 +38,15 @@ RadiositySolver::RadiositySolver(const Forest& forest, bool balance)
   push_pull();
 }
 
+Power RadiositySolver::outgoing(std::uint32_t cluster) const {
+  const Flow& out = cluster_out_[cluster];
+  return {out[0], out[1], out[2]};
+}
+
 // What clusters received goes down to their leaves; what leaves send out goes up as means.
 void RadiositySolver::push_pull() {
   const auto& clusters = forest_.clusters;
-  std::vector<Power> incident(clusters.size());
+  std::vector<Flow> incident(clusters.size());
   for (std::size_t i = 0; i < clusters.size(); ++i) {  // parents come before their children
     const Cluster& cluster = clusters[i];
     if (cluster.parent != kNone) incident[i] = incident[cluster.parent];
@@ -41,28 +54,31 @@ void RadiositySolver::push_pull() {
     if (cluster.child != kNone) continue;
     for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
       for (std::size_t c = 0; c < 3; ++c) {
-        leaf_in_[leaf][c] = factors_[leaf] * incident[i][c];
+        leaf_in_[leaf][c] = incident[i][c] + factors_[leaf] * incident[i][3 + c];
         leaf_out_[leaf][c] = forest_.leaves[leaf].emission[c] + forest_.leaves[leaf].albedo[c] * leaf_in_[leaf][c];
       }
     }
   }
-  std::fill(cluster_out_.begin(), cluster_out_.end(), Power{});
+  std::fill(cluster_out_.begin(), cluster_out_.end(), Flow{});
   for (std::size_t i = clusters.size(); i-- > 0;) {
     const Cluster& cluster = clusters[i];
-    if (cluster.child == kNone) {
-      for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
-        add(cluster_out_[i], factors_[leaf] * forest_.leaves[leaf].weight / cluster.weight, leaf_out_[leaf]);
-      }
+    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+      const Power& out = leaf_out_[leaf];
+      const double d = factors_[leaf];
+      add(cluster_out_[i], forest_.leaves[leaf].weight / cluster.weight,
+          Flow{out[0], out[1], out[2], d * out[0], d * out[1], d * out[2]});
     }
-    if (cluster.parent != kNone) {
-      add(cluster_out_[cluster.parent], cluster.weight / clusters[cluster.parent].weight, cluster_out_[i]);
-    }
+    if (cluster.parent == kNone) continue;
+    add(cluster_out_[cluster.parent], cluster.weight / clusters[cluster.parent].weight, cluster_out_[i]);
   }
 }
 
 void RadiositySolver::index(std::span<const Link> links) {
+  parts_.clear();
   first_.assign(forest_.clusters.size() + 1, 0);
   for (const Link& link : links) {
+    const double uncertain = balance_ ? uncertain_part(link, forest_) * link.exchange : 0;
+    parts_.push_back({link.exchange - uncertain, uncertain});
     ++first_[link.a + 1];
     if (link.a != link.b) ++first_[link.b + 1];
   }
@@ -77,32 +93,37 @@ void RadiositySolver::index(std::span<const Link> links) {
 
 void RadiositySolver::reach(std::span<const Link> links) {
   const auto& clusters = forest_.clusters;
-  std::vector<double> taken(clusters.size());  // of what comes to a cluster
+  std::vector<double> taken(clusters.size());  // of what comes to a cluster by uncertain parts
   for (std::size_t i = clusters.size(); i-- > 0;) {
     const Cluster& cluster = clusters[i];
-    if (cluster.child == kNone) {
-      for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
-        taken[i] += factors_[leaf] * forest_.leaves[leaf].weight / cluster.weight;
-      }
+    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+      taken[i] += factors_[leaf] * forest_.leaves[leaf].weight / cluster.weight;
     }
     if (cluster.parent != kNone) taken[cluster.parent] += taken[i] * cluster.weight / clusters[cluster.parent].weight;
   }
-  reach_.assign(clusters.size(), 0);
-  for (const Link& link : links) {
-    reach_[link.a] += link.exchange * taken[link.b];
-    if (link.a != link.b) reach_[link.b] += link.exchange * taken[link.a];
+  reach_.assign(clusters.size(), {});
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto& [a, b] = std::pair(links[i].a, links[i].b);
+    reach_[a].certain += parts_[i].certain;
+    reach_[a].uncertain += parts_[i].uncertain * taken[b];
+    if (a == b) continue;
+    reach_[b].certain += parts_[i].certain;
+    reach_[b].uncertain += parts_[i].uncertain * taken[a];
   }
 }
 
 // Sums of the leaves' exchange areas over their weights.
-std::vector<double> RadiositySolver::leaf_sums() const {
+std::vector<RadiositySolver::Parts> RadiositySolver::leaf_sums() const {
   const auto& clusters = forest_.clusters;
-  std::vector<double> sums(clusters.size()), leaves(forest_.leaves.size());
+  std::vector<Parts> sums(clusters.size()), leaves(forest_.leaves.size());
   for (std::size_t i = 0; i < clusters.size(); ++i) {
     const Cluster& cluster = clusters[i];
-    sums[i] = reach_[i] / cluster.weight + (cluster.parent != kNone ? sums[cluster.parent] : 0);
-    if (cluster.child != kNone) continue;
-    for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) leaves[leaf] = factors_[leaf] * sums[i];
+    if (cluster.parent != kNone) sums[i] = sums[cluster.parent];
+    sums[i].certain += reach_[i].certain / cluster.weight;
+    sums[i].uncertain += reach_[i].uncertain / cluster.weight;
+    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+      leaves[leaf] = {sums[i].certain, factors_[leaf] * sums[i].uncertain};
+    }
   }
   return leaves;
 }
@@ -111,31 +132,42 @@ std::vector<double> RadiositySolver::leaf_sums() const {
 void RadiositySolver::balance(std::span<const Link> links) {
   constexpr int kMostTurns = 50;
   constexpr double kClosed = 1e-5,
-                   kMostFactor = 2;  // chosen: what is further off was not seen well enough to be scaled
+                   kMostFactor = 4;  // chosen: what is further off was not seen well enough to be scaled
   std::fill(factors_.begin(), factors_.end(), 1.0);
   reach(links);
-  raw_sums_ = leaf_sums();
+  std::vector<Parts> sums = leaf_sums();
+  for (std::size_t i = 0; i < sums.size(); ++i) raw_sums_[i] = sums[i].certain + sums[i].uncertain;
   if (!balance_) return;
   for (int turn = 0; turn < kMostTurns; ++turn) {
-    const std::vector<double> sums = leaf_sums();
     double worst = 0;
     for (std::size_t i = 0; i < sums.size(); ++i) {
-      const double factor = sums[i] > 0 ? factors_[i] / std::sqrt(sums[i]) : 1;
+      if (!(sums[i].uncertain > 0)) continue;
+      const double wished = std::max(1 - sums[i].certain, 0.0);
+      const double factor = factors_[i] * std::sqrt(wished / sums[i].uncertain);
       const double kept = std::clamp(factor, 1 / kMostFactor, kMostFactor);
-      if (kept == factor) worst = std::max(worst, std::abs(sums[i] - 1));
+      if (kept == factor) worst = std::max(worst, std::abs(sums[i].uncertain - wished));
       factors_[i] = kept;
     }
     reach(links);
     if (worst < kClosed) return;
+    sums = leaf_sums();
+  }
+}
+
+void RadiositySolver::carry(std::uint32_t link, std::uint32_t to, const Flow& what) {
+  Flow& received = received_[to];
+  for (std::size_t c = 0; c < 3; ++c) {
+    received[c] += parts_[link].certain * what[c];
+    received[3 + c] += parts_[link].uncertain * what[3 + c];
   }
 }
 
 void RadiositySolver::gather(std::span<const Link> links) {
   sent_ = cluster_out_;
-  std::fill(received_.begin(), received_.end(), Power{});
-  for (const Link& link : links) {
-    add(received_[link.a], link.exchange, sent_[link.b]);
-    if (link.a != link.b) add(received_[link.b], link.exchange, sent_[link.a]);
+  std::fill(received_.begin(), received_.end(), Flow{});
+  for (std::uint32_t i = 0; i < links.size(); ++i) {
+    carry(i, links[i].a, sent_[links[i].b]);
+    if (links[i].a != links[i].b) carry(i, links[i].b, sent_[links[i].a]);
   }
   push_pull();
 }
@@ -144,26 +176,34 @@ void RadiositySolver::gather(std::span<const Link> links) {
 void RadiositySolver::shoot(std::span<const Link> links) {
   std::vector<double> unsent(forest_.clusters.size());
   for (std::uint32_t i = 0; i < unsent.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) unsent[i] += std::abs(under_way(i, c));
+    for (const double part : under_way(i)) unsent[i] += std::abs(part);
   }
   const double least = 0.5 * *std::max_element(unsent.begin(), unsent.end());
   for (std::uint32_t i = 0; i < unsent.size(); ++i) {
     if (unsent[i] < least || unsent[i] == 0) continue;
-    Power shot = cluster_out_[i];
+    Flow shot = cluster_out_[i];
     add(shot, -1, sent_[i]);
     for (std::uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
       const Link& link = links[own_[k]];
-      add(received_[link.a == i ? link.b : link.a], link.exchange, shot);
+      carry(own_[k], link.a == i ? link.b : link.a, shot);
     }
     sent_[i] = cluster_out_[i];
   }
   push_pull();
 }
 
+// Power that the cluster has not sent yet along its own links.
+RadiositySolver::Flow RadiositySolver::under_way(std::uint32_t cluster) const {
+  Flow flow = cluster_out_[cluster];
+  add(flow, -1, sent_[cluster]);
+  for (std::size_t c = 0; c < 3; ++c) flow[c] *= reach_[cluster].certain, flow[3 + c] *= reach_[cluster].uncertain;
+  return flow;
+}
+
 double RadiositySolver::residual() const {
   double sum = 0;
   for (std::uint32_t i = 0; i < reach_.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) sum += std::abs(under_way(i, c));
+    for (const double part : under_way(i)) sum += std::abs(part);
   }
   return sum / total(emitted_);
 }
@@ -187,43 +227,46 @@ void RadiositySolver::results(RadiosityResult& result) const {
   EnergyBalance& energy = result.statistics.energy;
   energy = {};
   energy.emitted = emitted_;
+  double squares = 0, weight = 0;
   for (std::size_t i = 0; i < leaf_in_.size(); ++i) {
     const Leaf& leaf = forest_.leaves[i];
     Power& where = leaf.tag == kOutside     ? energy.escaped
                    : leaf.facing == kMedium ? energy.absorbed_by_medium
                                             : energy.absorbed_by_faces;
     for (std::size_t c = 0; c < 3; ++c) where[c] += (1 - leaf.albedo[c]) * leaf.weight * leaf_in_[i][c];
+    const double off = 1 - raw_sums_[i];
     add(energy.closure, leaf.weight, leaf_out_[i]);
+    add(energy.measured_closure, leaf.weight * off, leaf_out_[i]);
+    squares += leaf.weight * off * off;
+    weight += leaf.weight;
   }
+  result.statistics.closure_rms = std::sqrt(squares / weight);
+
   const auto& clusters = forest_.clusters;
   std::vector<double> variance(clusters.size());
   for (std::uint32_t i = 0; i < clusters.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) energy.under_way[c] += under_way(i, c);
-    add(energy.closure, -reach_[i], cluster_out_[i]);
+    const Flow late = under_way(i), &out = cluster_out_[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      energy.under_way[c] += late[c] + late[3 + c];
+      energy.closure[c] -= reach_[i].certain * out[c] + reach_[i].uncertain * out[3 + c];
+    }
   }
   for (const Link& link : result.links) {
     const auto error = [&](std::uint32_t from, std::uint32_t to) {
-      const double off = link.standard_error * total(cluster_out_[from]) / clusters[to].weight;
+      const double off = link.standard_error * total(outgoing(from)) / clusters[to].weight;
       return off * off;
     };
     variance[link.a] += error(link.b, link.a);
     if (link.a != link.b) variance[link.b] += error(link.a, link.b);
   }
-  double squares = 0, weight = 0;
   result.standard_error.assign(forest_.leaves.size(), 0);
   for (std::uint32_t i = 0; i < clusters.size(); ++i) {
     const Cluster& cluster = clusters[i];
     if (cluster.parent != kNone) variance[i] += variance[cluster.parent];
-    if (cluster.child != kNone) continue;
-    for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
+    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
       result.standard_error[leaf] = std::sqrt(variance[i]);
-      const double off = 1 - raw_sums_[leaf], w = forest_.leaves[leaf].weight;
-      squares += w * off * off;
-      weight += w;
-      add(energy.measured_closure, w * off, leaf_out_[leaf]);
     }
   }
-  result.statistics.closure_rms = std::sqrt(squares / weight);
 }
 
 }  // namespace gicube::samples

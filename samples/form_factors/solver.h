@@ -11,8 +11,8 @@ namespace gicube::samples {
 
 class RadiositySolver {
  public:
-  // `balance`: scales what leaves send and take, each by a factor of its own, until the links' sums close (as the smoothing
-  // of exchange areas in the zonal method); they stay reciprocal.
+  // `balance`: what is uncertain of the exchange areas (uncertain_part()) is scaled until each leaf's sum closes, by a factor
+  // of each leaf for what it sends and takes, so that they stay reciprocal. What is certain stays as it was measured.
   RadiositySolver(const Forest& forest, bool balance);
 
   // Goes on from what it has, with these links, until the share of the emitted power that is under way is at most
@@ -21,37 +21,47 @@ class RadiositySolver {
              std::vector<Iteration>& iterations);
 
   // Radiosity of a cluster: the mean over its leaves, by weight.
-  const Power& outgoing(std::uint32_t cluster) const { return cluster_out_[cluster]; }
+  Power outgoing(std::uint32_t cluster) const;
   const Power& emitted() const { return emitted_; }  // power
 
   // Of the last solve().
   void results(RadiosityResult& result) const;
 
  private:
+  // Three channels of the links' certain parts, and three of the uncertain ones.
+  using Flow = std::array<double, 6>;
+  struct Parts {
+    double certain = 0, uncertain = 0;  // of an exchange area
+  };
+
   void gather(std::span<const Link> links);
   void shoot(std::span<const Link> links);
   void index(std::span<const Link> links);
-  void reach(std::span<const Link> links);
-  std::vector<double> leaf_sums() const;
-  void balance(std::span<const Link> links);
+  void carry(std::uint32_t link, std::uint32_t to, const Flow& what);
   void push_pull();
-  double under_way(std::uint32_t cluster, std::size_t channel) const {
-    return reach_[cluster] * (cluster_out_[cluster][channel] - sent_[cluster][channel]);
-  }
+  void balance(std::span<const Link> links);
+  void reach(std::span<const Link> links);
+  std::vector<Parts> leaf_sums() const;
+  Flow under_way(std::uint32_t cluster) const;
   double residual() const;
 
   const Forest& forest_;
   bool balance_;
   Power emitted_{};
   std::vector<Power> leaf_in_, leaf_out_;
-  std::vector<Power> cluster_out_;
-  std::vector<Power> sent_;      // the part of it that has gone over the cluster's own links
-  std::vector<Power> received_;  // power that came over them
-  std::vector<double> factors_;  // of leaves, from balancing
-  std::vector<double> reach_;  // sum of the exchange areas of its own links, as the leaves at their other ends take it
-  std::vector<double> raw_sums_;      // by leaf, of its exchange areas over its weight, before balancing
+  std::vector<double> factors_;   // of leaves, from balancing
+  std::vector<double> raw_sums_;  // by leaf, of its exchange areas over its weight, before balancing
+  std::vector<Flow> cluster_out_;
+  std::vector<Flow> sent_;            // the part of it that has gone over the cluster's own links
+  std::vector<Flow> received_;        // power that came over them
+  std::vector<Parts> reach_;          // sums of the cluster's own links, as the leaves at their other ends take it
+  std::vector<Parts> parts_;          // by link
   std::vector<std::uint32_t> first_;  // of each cluster's own links in `own_`
   std::vector<std::uint32_t> own_;
 };
+
+// Share, 0..1, of a link's exchange area that is not certain between any two of its leaves: of leaves the noise of its rays,
+// of larger clusters what its rays differ by.
+double uncertain_part(const Link& link, const Forest& forest);
 
 }  // namespace gicube::samples

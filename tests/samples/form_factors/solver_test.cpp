@@ -78,12 +78,18 @@ TEST_F(TwoLevels, ShootingAndGatheringAgree) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(gathered.outgoing[i][0], shot.outgoing[i][0], 1e-8);
 }
 
-TEST_F(TwoLevels, BalancedLinksLoseNoPower) {
-  const auto result = solve(Solver::kGathering, true);
+TEST_F(TwoLevels, BalancedLinksLoseNoPowerIfTheyAreUncertain) {
+  links[0].spread = links[1].standard_error = 1;
+  const auto result = solve(Solver::kShooting, true);
   const EnergyBalance& energy = result.statistics.energy;
   EXPECT_NEAR(energy.closure[0], 0, 1e-4);
   EXPECT_NEAR(energy.absorbed_by_faces[0], 4, 1e-4);
   EXPECT_GT(energy.measured_closure[0], 0.5);
+}
+
+TEST_F(TwoLevels, WhatIsCertainStaysAsItWas) {
+  const auto as_measured = solve(Solver::kGathering, false), balanced = solve(Solver::kGathering, true);
+  EXPECT_EQ(as_measured.outgoing, balanced.outgoing);
 }
 
 TEST(RadiositySolver, TheVolumesEndsTakeWhatEscapes) {
