@@ -6,6 +6,7 @@
 
 #include "common/input_error.h"
 #include "common/progress.h"
+#include "form_factors/charts.h"
 #include "form_factors/solve.h"
 #include "form_factors/visibility.h"
 
@@ -32,6 +33,9 @@ int run(int argc, char** argv) {
     }
     ProgressLine progress(!wanted->board.quiet);
     solve(*wanted, progress);
+  } else if (const auto* drawn = std::get_if<ChartOptions>(&*options)) {
+    ProgressLine progress(!drawn->board.quiet);
+    charts(*drawn, progress);
   } else {
     const auto& looked = std::get<VisibilityOptions>(*options);
     check_folder(looked.board.stats);

@@ -170,6 +170,26 @@ void add_visibility(CLI::App& app, VisibilityOptions& options) {
   add_made(app, group, options.made);
 }
 
+void add_charts(CLI::App& app, ChartOptions& options) {
+  app.add_option("FOLDER", options.folder, "gets the tables")->required()->check(CLI::ExistingDirectory);
+  app.add_option("SCENE", options.hierarchy.input, "whose light is solved with and without a hierarchy")->required();
+  app.add_option("--volume-size", options.hierarchy.volume_size, "its voxels along the longest edge")
+      ->check(CLI::Range(kMinWorldSize, kMaxWorldSize));
+  app.add_option("--leaf-voxels", options.leaf_voxels, "of its elements")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--errors", options.errors, "thresholds of its links")->delimiter(',')->capture_default_str();
+  app.add_option("--most-rays", options.most_rays, "of an estimate of a closed form")
+      ->check(CLI::Range(64u, 65'536u))
+      ->capture_default_str();
+  app.add_option("--pairs", options.pairs, "of random voxels between which the trade is measured")
+      ->check(CLI::Range(2u, 1'000'000u))
+      ->capture_default_str();
+  app.add_option("--most-rays-a-pair", options.most_rays_a_pair, "there")
+      ->check(CLI::Range(1u, 4096u))
+      ->capture_default_str();
+}
+
 void check_solve(SolveOptions& options) {
   const std::string extension = options.picture.extension().string();
   if (!options.picture.empty() && extension != ".png" && extension != ".exr") {
@@ -191,12 +211,15 @@ void check_solve(SolveOptions& options) {
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out) {
   SolveOptions solve;
   VisibilityOptions visibility;
+  ChartOptions charts;
   CLI::App app("Radiosity in volumes, its form factors by a GI-Cube board.", "gicube-form-factors");
   app.footer(kFooter);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.require_subcommand(1);
   CLI::App* const solving = app.add_subcommand("solve", "spread the light of a scene's emitters");
   CLI::App* const looking = app.add_subcommand("visibility", "light between random voxels, and what it costs");
+  CLI::App* const charting =
+      app.add_subcommand("charts", "the tables of docs/charts/form_factors_*.csv (script/charts)");
   add_input(*solving, solve.input);
   add_materials(*solving, solve);
   add_method(*solving, solve);
@@ -205,6 +228,8 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   add_input(*looking, visibility.input);
   add_visibility(*looking, visibility);
   add_board_options(*looking, visibility.board);
+  add_charts(*charting, charts);
+  add_board_options(*charting, charts.board);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -217,6 +242,7 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
     throw UsageError(error.what());
   }
   if (looking->parsed()) return visibility;
+  if (charting->parsed()) return charts;
   check_solve(solve);
   return solve;
 }

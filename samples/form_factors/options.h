@@ -45,7 +45,19 @@ struct VisibilityOptions {
   BoardOptions board;
 };
 
-using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions>;
+struct ChartOptions {
+  std::filesystem::path folder;
+  std::uint32_t most_rays = 65'536;  // of an estimate of a closed form
+  InputOptions trade{.input = "builtin:buckyball", .volume_size = 128, .transfer_function = {}};
+  std::uint32_t pairs = 500;                                             // of random voxels, in the trade
+  std::uint32_t most_rays_a_pair = 256;                                  // there
+  InputOptions hierarchy;                                                // scene, and its resolution
+  int leaf_voxels = 1;                                                   // there
+  std::vector<double> errors{1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5};  // thresholds of its links
+  BoardOptions board;
+};
+
+using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions, ChartOptions>;
 
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out);

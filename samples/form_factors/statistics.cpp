@@ -99,9 +99,8 @@ Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const
 }
 
 std::string Utilisation::bound() const {
-  std::pair<double, const char*> best{bus_down, "bus down"};
+  std::pair<double, const char*> best{bus_down + bus_up, "bus"};
   const auto compare = [&best](double share, const char* name) { best = std::max(best, {share, name}); };
-  compare(bus_up, "bus up");
   compare(dsp, "DSP");
   if (sorter) compare(*sorter, "sorter");
   if (pipelines) compare(*pipelines, "pipelines");

@@ -10,7 +10,8 @@ namespace gicube::samples {
 
 // What the board did in a time, as shares of it. A part that the fidelity level does not model has none.
 struct Utilisation {
-  double bus_down = 0, bus_up = 0, dsp = 0;
+  double bus_down = 0, bus_up = 0;  // of one bus, on which both directions take turns
+  double dsp = 0;
   std::optional<double> pipelines;  // cycles of the busiest processor that took a sample
   std::optional<double> sorter;     // its cycles that were lost because its sorter had no ray ready
   std::optional<double> memory;     // data cycles of the busiest RDRAM channel

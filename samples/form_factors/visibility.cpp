@@ -93,6 +93,7 @@ Visibility look(Board& board, const RandomPairs& pairs, const PairRequest& reque
   double sum = 0, squares = 0;
   for (const PairFactor& factor : factors) {
     const double through = factor.geometric > 0 ? factor.transported / factor.geometric : 0;
+    out.transmittances.push_back(through);
     sum += through;
     squares += through * through;
     out.clear_pairs += factor.clear ? 1 : 0;

@@ -20,10 +20,11 @@ RandomPairs random_pairs(const Dims& dims, std::uint32_t count, std::uint64_t se
 
 struct Visibility {
   std::uint64_t pairs = 0, clear_pairs = 0, rays = 0;  // rays: with those that clear pairs would have had
-  double transmittance = 0;   // mean over the pairs, of the mean over each pair's rays by their weight
-  double standard_error = 0;  // of that, over pairs
-  std::uint64_t hidden = 0;   // pairs with less than 1e-3
-  Picoseconds duration = 0;   // simulated
+  std::vector<double> transmittances;                  // of each pair: the mean over its rays by their weight
+  double transmittance = 0;                            // mean over the pairs
+  double standard_error = 0;                           // of that, over pairs
+  std::uint64_t hidden = 0;                            // pairs with less than 1e-3
+  Picoseconds duration = 0;                            // simulated
   double host_seconds = 0;
   Counters counters;
   Utilisation utilisation;
