@@ -51,8 +51,10 @@ struct RadiositySettings {
   double error = 1e-5;         // > 0: a link that may misplace more than this share of the emitted power is refined
   int rays = 16;               // first guess of a link; 8..65536
   int most_rays = 1024;        // of a link between elements that can't be divided; rays..2^24
-  double step = 0.25;          // voxels, of the rays; 1/64..16. Solids thinner than it along a ray may be missed
-  std::uint32_t seed = 0;      // another seed is an independent experiment
+  // Voxels, of the rays; 1/64..16. A ray that cuts less than this of a solid's edge may miss it: a room with a block of two
+  // voxels closes within 0.6% at 0.25, 0.16% at 1/16.
+  double step = 0.125;
+  std::uint32_t seed = 0;  // another seed is an independent experiment
   Solver solver = Solver::kGathering;
   PairRays made = PairRays::kByBoard;
   bool hierarchy = true;       // false: a link for each pair of leaves

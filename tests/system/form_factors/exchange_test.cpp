@@ -20,7 +20,7 @@ using testing::ThrowsMessage;
 
 constexpr int kSize = 40;
 constexpr double kSide = 20;  // voxels: the unit of the closed forms
-constexpr double kHighest = 0.001;
+constexpr double kHighest = 0.002;
 
 // A medium in which light falls by e^-kappa over a side.
 Board even_medium(double kappa) {
@@ -44,7 +44,7 @@ void expect_factor(const Exchange& exchange, double area, double expected, doubl
   const double factor = exchange.value / area, error = exchange.standard_error / area;
   EXPECT_NEAR(factor, expected, 0.005 * expected + digit);
   EXPECT_NEAR(factor, expected, 4 * error + digit);
-  EXPECT_LT(error, 2 * kHighest * expected);
+  EXPECT_LT(error, 0.003 * expected);
 }
 
 struct Medium {
