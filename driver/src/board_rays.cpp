@@ -25,11 +25,13 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
     throw Rejected(std::string("rays that backproject need a unit of what they leave: ") +
                    (sums ? "clear_sums()" : "clear_irradiance()") + " first");
   }
+  View sampled = sampling;
+  if (request.step != 0) sampled.step = request.step;
   const RaySetup setup{request,
                        of.dims,
                        backprojects && sums ? sum_unit : irradiance_unit,
                        info.wide,
-                       sampling,
+                       sampled,
                        sampling_towards_eye,
                        of.least_spacing * of.relative_spacing,
                        of.range};
@@ -37,7 +39,7 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   for (const auto& part : rays) {
     for (const HostRay& ray : part) check(ray, index++, setup);
   }
-  set_sampling(sampling);
+  set_sampling(sampled);
   if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampling.seed);
   const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
   if (gathers_colour && sampling.shade) tables.send_reflectance(sampling_towards_eye);

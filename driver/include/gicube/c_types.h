@@ -286,6 +286,7 @@ typedef struct gicube_ray_request {
   int32_t rules;
   int32_t lifetime;
   int32_t words; /* GICUBE_RAY_BACKPROJECT */
+  double step;
 } gicube_ray_request;
 
 /* Rays that lie together, of several that make one batch. */

@@ -76,6 +76,7 @@ struct RayRequest {
   EnergyRules rules = EnergyRules::kConserving;
   int lifetime = 32;
   SumWords words = SumWords::kSums;  // kBackproject
+  double step = 0;                   // 1/64..16 voxels between samples; 0: the view's
 };
 
 // A line through several points, in voxels: its legs are kSegment rays.

@@ -87,6 +87,7 @@ gicube_ray_request default_ray_request() {
   record.albedo = static_cast<std::int32_t>(request.albedo);
   record.rules = static_cast<std::int32_t>(request.rules);
   record.lifetime = request.lifetime;
+  record.step = request.step;
   record.words = static_cast<std::int32_t>(request.words);
   return record;
 }

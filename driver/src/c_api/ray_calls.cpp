@@ -43,6 +43,7 @@ RayRequest to_request(const gicube_ray_request* given) {
   request.albedo = choice("request.albedo", record.albedo, Albedo::kHigh);
   request.rules = choice("request.rules", record.rules, EnergyRules::kConserving);
   request.lifetime = record.lifetime;
+  request.step = record.step;
   request.words = choice("request.words", record.words, SumWords::kSums);
   return request;
 }

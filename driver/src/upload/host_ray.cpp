@@ -117,6 +117,8 @@ void check(const RayRequest& request) {
   if (has_threshold(request.type) && !(request.opacity > 0 && request.opacity <= 1)) {
     throw BadArgument("request.opacity", "more than 0, at most 1", number_text(request.opacity));
   }
+  constexpr double kOne = wire::kStepOne;
+  if (request.step != 0) expect_within("request.step", request.step, wire::kStepMin / kOne, wire::kStepMax / kOne);
   if (request.words != SumWords::kIrradiance && request.words != SumWords::kSums) {
     throw BadArgument("request.words", "one of SumWords'", std::to_string(static_cast<int>(request.words)));
   }

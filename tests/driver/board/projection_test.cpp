@@ -149,6 +149,20 @@ TEST_P(Projection, EachRayLeavesItsEnergyTimesItsLength) {
   for (const float sum : sums()) ASSERT_EQ(sum, 0);
 }
 
+TEST_P(Projection, ARequestsOwnStepIsTaken) {
+  load([](int, int, int) { return 0.0; });
+  board_.clear_sums(1e-6);
+  HostRay ray = ray_between(0, {1, 4, 4}, {21, 4, 4});
+  ray.energy = 1;
+  for (const double step : {0.25, 1.0, 2.0}) {
+    const RayBatch batch =
+        board_.receive(board_.submit(std::span(&ray, 1), {.type = RayType::kBackproject, .step = step}));
+    EXPECT_EQ(batch.deposits.value().samples, static_cast<std::uint64_t>(20 / step));
+    EXPECT_NEAR(batch.deposits->kept, 20 * kSpacing.x, 1e-4);
+  }
+  EXPECT_THROW(board_.submit(std::span(&ray, 1), {.type = RayType::kBackproject, .step = 0.001}), BadArgument);
+}
+
 TEST_P(Projection, IrradianceWordsTakeTheSameUpToTheirRounding) {
   load([](int, int, int) { return 0.0; });
   board_.clear_sums(1e-5);

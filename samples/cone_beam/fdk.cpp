@@ -1,0 +1,154 @@
+#include "cone_beam/fdk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "cone_beam/backprojector.h"
+#include "cone_beam/threads.h"
+
+namespace gicube::samples {
+namespace {
+
+void check(const FdkSettings& settings, const ConeGeometry& geometry, const Projections& projections) {
+  check(geometry);
+  if (settings.rays < 1 || settings.rays > 4) throw BadArgument("rays", "1..4", std::to_string(settings.rays));
+  if (!(settings.step >= 1.0 / 64 && settings.step <= 16)) {
+    throw BadArgument("step", "1/64..16 voxels", fmt::format("{}", settings.step));
+  }
+  if (!(settings.sharpen >= 0 && settings.sharpen <= 0.25)) {
+    throw BadArgument("sharpen", "0..1/4", fmt::format("{}", settings.sharpen));
+  }
+  const std::size_t pixels = projections.view_size() * geometry.angles.size();
+  if (projections.columns != geometry.detector.columns || projections.rows != geometry.detector.rows ||
+      projections.values.size() != pixels) {
+    throw BadArgument(
+        "projections", "a view of the detector's size for each angle",
+        fmt::format("{} x {}, {} values", projections.columns, projections.rows, projections.values.size()));
+  }
+}
+
+// At fine x fine places a row of `coarse` rows of `columns`, by cubics through four rows; beyond the detector as at its edge.
+std::vector<double> finer_rows(const std::vector<double>& coarse, std::size_t columns, int rows, int fine) {
+  if (fine == 1) return coarse;
+  std::vector<double> out(coarse.size() * static_cast<std::size_t>(fine));
+  for (int row = 0; row < rows * fine; ++row) {
+    const double at = (row + 0.5) / fine - 0.5;
+    const int below = static_cast<int>(std::floor(at));
+    const double t = at - below;
+    const std::array<double, 4> weights{-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2,
+                                        -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
+    double* to = out.data() + static_cast<std::size_t>(row) * columns;
+    for (int k = 0; k < 4; ++k) {
+      const auto from = static_cast<std::size_t>(std::clamp(below - 1 + k, 0, rows - 1));
+      for (std::size_t i = 0; i < columns; ++i)
+        to[i] += weights[static_cast<std::size_t>(k)] * coarse[from * columns + i];
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void sharpen(std::vector<float>& values, const Dims& dims, double part) {
+  const auto a = static_cast<float>(part);
+  std::size_t stride = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto length = static_cast<std::size_t>(dims[axis]), run = stride * length;
+    in_parallel(values.size() / run, [&, stride](std::size_t piece) {
+      float* const first = values.data() + piece * run;
+      for (std::size_t lane = 0; lane < stride; ++lane) {
+        float before = first[lane];
+        for (std::size_t i = 0; i < length; ++i) {
+          float& value = first[lane + i * stride];
+          const float here = value, behind = i + 1 < length ? first[lane + (i + 1) * stride] : here;
+          value = (1 + 2 * a) * here - a * (before + behind);
+          before = here;
+        }
+      }
+    });
+    stride = run;
+  }
+}
+
+RampFilter ramp_filter(const ConeGeometry& geometry, Window window, int fine) {
+  const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
+  return {geometry.detector.columns, geometry.detector.pitch_u * at_axis, window, fine};
+}
+
+std::vector<double> filtered_view(const Projections& projections, const ConeGeometry& geometry, std::size_t view,
+                                  const RampFilter& filter, int fine) {
+  const Detector& detector = geometry.detector;
+  const double distance = geometry.source_to_detector, at_axis = geometry.source_to_axis / distance;
+  const double arc = arc_weights(geometry)[view];
+  const bool is_short = is_short_scan(geometry);
+  const double after = geometry.angles[view] - geometry.angles.front();
+  const double whole = geometry.angles.back() - geometry.angles.front();
+  const auto columns = static_cast<std::size_t>(detector.columns), wide = columns * static_cast<std::size_t>(fine);
+  std::vector<double> rows(wide * static_cast<std::size_t>(detector.rows));
+  std::vector<double> row(columns);
+  for (int j = 0; j < detector.rows; ++j) {
+    const double v = v_of(detector, j);
+    const float* from = projections.view(view) + static_cast<std::size_t>(j) * columns;
+    for (std::size_t i = 0; i < columns; ++i) {
+      const double u = u_of(detector, static_cast<double>(i));
+      double weight = distance / std::sqrt(distance * distance + u * u + v * v);
+      if (is_short) weight *= short_scan_weight(after, -std::atan(u / distance), whole);
+      row[i] = weight * static_cast<double>(from[i]);
+    }
+    filter.apply(row.data(), rows.data() + static_cast<std::size_t>(j) * wide);
+  }
+  std::vector<double> out = finer_rows(rows, wide, detector.rows, fine);
+  // Of the value at a place: the arc, the area of a ray at the axis, and the ray's slant, by a voxel's volume.
+  const Vec3 edge = geometry.volume.spacing;
+  const double area = detector.pitch_u * detector.pitch_v * at_axis * at_axis / (fine * fine);
+  const double scale = arc * area / (edge.x * edge.y * edge.z);
+  for (std::size_t j = 0; j < out.size() / wide; ++j) {
+    const double v = v_of(detector, (static_cast<double>(j) + 0.5) / fine - 0.5);
+    for (std::size_t i = 0; i < wide; ++i) {
+      const double u = u_of(detector, (static_cast<double>(i) + 0.5) / fine - 0.5);
+      out[j * wide + i] *= scale * distance / std::sqrt(distance * distance + u * u + v * v);
+    }
+  }
+  return out;
+}
+
+Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,
+                               const FdkSettings& settings, const Progress& progress) {
+  check(settings, geometry, projections);
+  const Dims dims = geometry.volume.dims;
+  const std::vector<std::byte> nothing(static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) *
+                                       static_cast<std::size_t>(dims[2]));
+  board.load_volume({.samples = nothing, .dims = dims, .spacing = geometry.volume.spacing});
+  const Picoseconds begin = board.now();
+
+  const RampFilter filter = ramp_filter(geometry, settings.window, settings.rays);
+  const std::size_t views = geometry.angles.size();
+  // Filtered twice, since all views together would take more memory than the volume.
+  const auto filtered = [&](std::size_t view) {
+    return filtered_view(projections, geometry, view, filter, settings.rays);
+  };
+  std::vector<double> most_of(views);
+  in_parallel(views, [&](std::size_t view) {
+    for (const double value : filtered(view)) most_of[view] = std::max(most_of[view], std::abs(value));
+  });
+  const double most = *std::max_element(most_of.begin(), most_of.end());
+  Backprojector backprojector(board, geometry, settings.rays, settings.step, most, views);
+  for (std::size_t view = 0; view < views; ++view) {
+    if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));
+    backprojector.add(geometry.angles[view], filtered(view));
+  }
+  Reconstruction out{backprojector.finish()};
+  sharpen(out.values, dims, settings.sharpen);
+  out.rays = backprojector.rays();
+  out.deposits = backprojector.deposits();
+  out.overflowed = backprojector.overflowed();
+  out.board_time = board.now() - begin;
+  if (progress) progress(static_cast<std::uint32_t>(views), static_cast<std::uint32_t>(views));
+  return out;
+}
+
+}  // namespace gicube::samples

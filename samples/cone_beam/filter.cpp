@@ -1,0 +1,131 @@
+#include "cone_beam/filter.h"
+
+#include <fftw3.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <numbers>
+
+namespace gicube::samples {
+namespace {
+
+using std::numbers::pi;
+
+// FFTW's planner is not for several threads at once; running plans is.
+std::mutex planner;
+
+struct Free {
+  void operator()(void* memory) const { fftw_free(memory); }
+};
+template <typename T>
+using Buffer = std::unique_ptr<T[], Free>;
+
+Buffer<double> reals(std::size_t count) { return Buffer<double>(fftw_alloc_real(count)); }
+Buffer<fftw_complex> complexes(std::size_t count) { return Buffer<fftw_complex>(fftw_alloc_complex(count)); }
+
+double window_at(Window window, double part) {  // of the highest frequency
+  switch (window) {
+    case Window::kRamLak: return 1;
+    case Window::kSheppLogan: return part == 0 ? 1 : std::sin(pi * part / 2) / (pi * part / 2);
+    case Window::kHann: return 0.5 * (1 + std::cos(pi * part));
+  }
+  return 1;
+}
+
+}  // namespace
+
+RampFilter::RampFilter(int samples, double pitch, Window window, int fine)
+    : samples_(samples), fine_(fine), padded_(std::bit_ceil(2 * static_cast<std::size_t>(samples))) {
+  const std::size_t half = padded_ / 2 + 1;
+  const auto time = reals(padded_);
+  const auto spectrum = complexes(half);
+  {
+    const std::lock_guard lock(planner);
+    const int size = static_cast<int>(padded_);
+    forward_ = fftw_plan_dft_r2c_1d(size, time.get(), spectrum.get(), FFTW_ESTIMATE);
+    backward_ = fftw_plan_dft_c2r_1d(size, spectrum.get(), time.get(), FFTW_ESTIMATE);
+  }
+  // The band-limited ramp in space (Kak and Slaney, eq. 61 of chapter 3), times the pitch of the convolution's sum: its
+  // transform has the right mean, where a ramp of frequencies would have none.
+  std::fill_n(time.get(), padded_, 0.0);
+  time[0] = 1 / (4 * pitch);
+  for (std::size_t n = 1; n < padded_ / 2; n += 2) {
+    time[n] = time[padded_ - n] = -1 / (pi * pi * static_cast<double>(n * n) * pitch);
+  }
+  fftw_execute_dft_r2c(static_cast<fftw_plan>(forward_), time.get(), spectrum.get());
+  for (std::size_t k = 0; k < half; ++k) {
+    const double part = static_cast<double>(k) / (static_cast<double>(padded_) / 2);
+    response_.push_back(spectrum[k][0] * window_at(window, part) / static_cast<double>(padded_));
+  }
+  for (int sub = 0; sub < fine; ++sub) {
+    const double offset = (sub + 0.5) / fine - 0.5;  // samples
+    for (std::size_t k = 0; k < half; ++k) {
+      shifts_.push_back(std::polar(1.0, 2 * pi * offset * static_cast<double>(k) / static_cast<double>(padded_)));
+    }
+  }
+}
+
+RampFilter::~RampFilter() {
+  const std::lock_guard lock(planner);
+  fftw_destroy_plan(static_cast<fftw_plan>(forward_));
+  fftw_destroy_plan(static_cast<fftw_plan>(backward_));
+}
+
+void RampFilter::apply(const double* row, double* out) const {
+  const auto time = reals(padded_);
+  const auto spectrum = complexes(response_.size()), shifted = complexes(response_.size());
+  std::fill(std::copy_n(row, samples_, time.get()), time.get() + padded_, 0.0);
+  fftw_execute_dft_r2c(static_cast<fftw_plan>(forward_), time.get(), spectrum.get());
+  for (int sub = 0; sub < fine_; ++sub) {
+    const std::complex<double>* shift = shifts_.data() + static_cast<std::size_t>(sub) * response_.size();
+    for (std::size_t k = 0; k < response_.size(); ++k) {
+      const std::complex<double> value = response_[k] * std::complex(spectrum[k][0], spectrum[k][1]) * shift[k];
+      shifted[k][0] = value.real();
+      shifted[k][1] = k + 1 == response_.size() ? 0 : value.imag();
+    }
+    fftw_execute_dft_c2r(static_cast<fftw_plan>(backward_), shifted.get(), time.get());
+    for (int i = 0; i < samples_; ++i) out[i * fine_ + sub] = time[static_cast<std::size_t>(i)];
+  }
+}
+
+namespace {
+
+double arc_of(const ConeGeometry& geometry) {
+  const auto& angles = geometry.angles;
+  return (angles.back() - angles.front()) * static_cast<double>(angles.size()) / static_cast<double>(angles.size() - 1);
+}
+
+}  // namespace
+
+bool is_short_scan(const ConeGeometry& geometry) { return arc_of(geometry) < 2 * pi * 0.999; }
+
+std::vector<double> arc_weights(const ConeGeometry& geometry) {
+  const auto& angles = geometry.angles;
+  const std::size_t count = angles.size();
+  const bool whole = !is_short_scan(geometry);
+  std::vector<double> weights(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double before = i > 0 ? angles[i] - angles[i - 1] : whole ? angles[0] + 2 * pi - angles[count - 1] : 0;
+    const double behind = i + 1 < count ? angles[i + 1] - angles[i] : whole ? angles[0] + 2 * pi - angles[i] : 0;
+    weights[i] = (before + behind) / 2 * (whole ? 0.5 : 1);
+  }
+  return weights;
+}
+
+double short_scan_weight(double angle, double fan, double arc) {
+  const double beyond = (arc - pi) / 2;  // the largest fan angle that the arc serves
+  const auto smooth = [](double part) {
+    const double s = std::sin(pi / 4 * part);
+    return s * s;
+  };
+  if (angle < 0 || angle > arc) return 0;
+  const double rise = 2 * (beyond - fan), fall = 2 * (beyond + fan);  // angles of the first and the last such views
+  if (rise > 0 && angle < rise) return smooth(2 * angle / rise);
+  if (fall > 0 && angle > arc - fall) return smooth(2 * (arc - angle) / fall);
+  return 1;
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,80 @@
+// Where source, detector and volume stand in cone-beam tomography. Lengths in one unit of the caller's, say millimetres;
+// angles in radians.
+//
+// The axis of rotation is z. At angle b the source stands at source_to_axis (cos b, sin b, 0); a detector that faces it
+// squarely lies source_to_detector away from it, its columns run along (-sin b, cos b, 0) and its rows along z. The volume's
+// middle is the origin.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "gicube/vector.h"
+
+namespace gicube::samples {
+
+struct Detector {
+  int columns = 0;      // at least 2
+  int rows = 0;         // at least 1
+  double pitch_u = 1;   // between columns; > 0
+  double pitch_v = 1;   // between rows; > 0
+  double offset_u = 0;  // of the detector's middle from the ray through the axis
+  double offset_v = 0;
+};
+
+struct Grid {
+  Dims dims{};  // voxels
+  Vec3 spacing{1, 1, 1};
+};
+
+struct ConeGeometry {
+  double source_to_axis = 0;      // > 0
+  double source_to_detector = 0;  // > 0
+  Detector detector;
+  Grid volume;
+  std::vector<double> angles;  // ascending, within one turn; at least 2
+};
+
+// Throws BadArgument naming the field.
+void check(const ConeGeometry& geometry);
+
+// `views` angles from `first` on, evenly over `arc` (2 pi: the last is not the first).
+std::vector<double> even_angles(int views, double first, double arc);
+
+// One view's source and detector in space: pixel (i, j) is at middle + u_of(i) along_u + v_of(j) along_v.
+struct Pose {
+  Vec3 source;
+  Vec3 middle;  // where the ray through the axis meets the detector
+  Vec3 along_u, along_v;
+};
+Pose pose(const ConeGeometry& geometry, double angle);
+
+// Of pixel centres; whole numbers are pixels.
+inline double u_of(const Detector& detector, double column) {
+  return (column - (detector.columns - 1) / 2.0) * detector.pitch_u + detector.offset_u;
+}
+inline double v_of(const Detector& detector, double row) {
+  return (row - (detector.rows - 1) / 2.0) * detector.pitch_v + detector.offset_v;
+}
+
+// The place of voxel (x, y, z), which need not be whole.
+inline Vec3 to_space(const Grid& grid, Vec3 voxel) {
+  return {(voxel.x - (grid.dims[0] - 1) / 2.0) * grid.spacing.x, (voxel.y - (grid.dims[1] - 1) / 2.0) * grid.spacing.y,
+          (voxel.z - (grid.dims[2] - 1) / 2.0) * grid.spacing.z};
+}
+inline Vec3 to_voxels(const Grid& grid, Vec3 place) {
+  return {place.x / grid.spacing.x + (grid.dims[0] - 1) / 2.0, place.y / grid.spacing.y + (grid.dims[1] - 1) / 2.0,
+          place.z / grid.spacing.z + (grid.dims[2] - 1) / 2.0};
+}
+
+// Projections of a scan: view by view, row by row, columns fastest.
+struct Projections {
+  int columns = 0, rows = 0;
+  std::vector<float> values;  // line integrals
+
+  std::size_t view_size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+  const float* view(std::size_t i) const { return values.data() + i * view_size(); }
+  float* view(std::size_t i) { return values.data() + i * view_size(); }
+};
+
+}  // namespace gicube::samples
