@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <thread>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct Piece {
   Point first{};  // from the block's corner
   Point step{};
   std::int32_t amount = 0;
+  std::uint32_t moves = 0;  // a word by at most
 };
 
 // How many samples of the ray lie in the volume, of those that it has left.
@@ -42,12 +44,19 @@ void cut(const wire::Ray& packet, const Frame& frame, std::vector<Piece>& pieces
   ++counters.rays;
   counters.samples += static_cast<std::uint64_t>(left);
   const std::int32_t amount = amount_of(ray);
+  const auto size = static_cast<std::uint32_t>(std::abs(amount));
+  const auto moves =
+      static_cast<std::uint32_t>(wire::most_moved(size, static_cast<std::uint32_t>(packet.colour_word()), frame.step));
   counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{amount} * left);
   while (left > 0) {
     const Point low = grid.low(ray.position);
     const std::int32_t count = std::min(left, leap_steps(ray.position, ray.step, low, grid.size()));
-    Piece piece{
-        static_cast<std::uint32_t>(grid.block(ray.position)), static_cast<std::uint32_t>(count), {}, ray.step, amount};
+    Piece piece{static_cast<std::uint32_t>(grid.block(ray.position)),
+                static_cast<std::uint32_t>(count),
+                {},
+                ray.step,
+                amount,
+                moves};
     for (std::size_t axis = 0; axis < 3; ++axis) piece.first[axis] = ray.position[axis] - low[axis];
     pieces.push_back(piece);
     advance(ray, count);
@@ -106,7 +115,10 @@ RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, uns
   // Sorted by block: block b's pieces begin at starts[b].
   std::vector<std::uint32_t> starts(frame.volume->block_count() + 1);
   for (const auto& list : pieces) {
-    for (const Piece& piece : list) ++starts[piece.block + 1];
+    for (const Piece& piece : list) {
+      ++starts[piece.block + 1];
+      frame.sums->moved(piece.block, piece.moves);
+    }
   }
   std::vector<std::uint32_t> busy;
   for (std::uint32_t block = 0; block + 1 < starts.size(); ++block) {

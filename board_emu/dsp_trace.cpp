@@ -163,10 +163,10 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     if (const auto what = fault(rays[i], frame.extent)) return refuse(which() + *what);
     if (const auto what = fault_of_words(rays[i], header, most)) return refuse(which() + *what);
   }
-  std::uint64_t moved = 0;
   if (frame.sums != nullptr) {
-    moved = most_moved(rays, frame);
+    const std::uint64_t moved = most_moved(rays, frame);
     if (moved > kMostMoved) return refuse(expected("rays", "that can move no sum by more than 2^34", moved));
+    if (config_.fidelity() == v1::cycle) aperture_.sums().moved_anywhere(moved);
   }
   aperture_.decode(threads_);
   CommandResult result;
@@ -201,7 +201,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     return result;
   }
   if (frame.backprojects) {
-    add_deposits(result, counts, frame.sums != nullptr ? frame.sums->settle(moved) : Overflow{});
+    add_deposits(result, counts, frame.sums != nullptr ? frame.sums->settle() : Overflow{});
     return result;
   }
   result.payload.resize(count * wire::kRayBytes);

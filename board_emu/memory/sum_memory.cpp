@@ -16,7 +16,7 @@ void SumMemory::resize(const std::array<int, 3>& size) {
   }
   blocks_words_.clear();
   blocks_words_.resize(count);
-  bound_ = 0;
+  bounds_.assign(count, 0);
 }
 
 std::size_t SumMemory::stored_blocks() const {
@@ -92,13 +92,29 @@ void SumMemory::gather_parts() {
   }
 }
 
-Overflow SumMemory::settle(std::uint64_t most_moved) {
+// A word has parts in its block and in the seven before it.
+bool SumMemory::can_overflow() const {
+  for (std::size_t block = 0; block < bounds_.size(); ++block) {
+    const std::array<int, 3> at = place(block);
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < 8; ++i) {
+      std::array<int, 3> from = at;
+      for (std::size_t axis = 0; axis < 3; ++axis) from[axis] = std::max(at[axis] - static_cast<int>(i >> axis & 1), 0);
+      sum += bounds_[block_at(from[0], from[1], from[2])];
+    }
+    if (sum > static_cast<std::uint64_t>(wire::kMostSum)) return true;
+  }
+  return false;
+}
+
+Overflow SumMemory::settle() {
   Overflow out;
-  bound_ += most_moved;
-  if (bound_ <= static_cast<std::uint64_t>(wire::kMostSum)) return out;
+  if (!can_overflow()) return out;
   gather_parts();
-  std::int64_t most = 0;
-  for (const auto& words : blocks_words_) {
+  for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
+    std::int64_t* const words = blocks_words_[block].get();
+    std::int64_t most = 0;
+    bounds_[block] = 0;
     if (words == nullptr) continue;
     for (std::size_t i = 0; i < edge_ * edge_ * edge_; ++i) {
       const std::int64_t value = words[i];
@@ -108,8 +124,8 @@ Overflow SumMemory::settle(std::uint64_t most_moved) {
       ++out.words;
       out.clipped += value - words[i];
     }
+    bounds_[block] = static_cast<std::uint64_t>(std::min(most, wire::kMostSum));
   }
-  bound_ = static_cast<std::uint64_t>(std::min(most, wire::kMostSum));
   return out;
 }
 

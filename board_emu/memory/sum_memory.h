@@ -40,9 +40,13 @@ class SumMemory {
   // A block's (n+1)^3 words, x fastest, for one thread to add to; makes them if there are none.
   std::int64_t* storage(std::size_t block);
 
-  // After a command that can have moved any word by at most `most_moved`: clips what is beyond +-kMostSum. Looks at the
-  // words only when one of them can be.
-  Overflow settle(std::uint64_t most_moved);
+  // The words of a block's storage() can have moved by so much more.
+  void moved(std::size_t block, std::uint64_t by) { bounds_[block] += by; }
+  void moved_anywhere(std::uint64_t by) {
+    for (std::uint64_t& bound : bounds_) bound += by;
+  }
+  // After a command: clips what is beyond +-kMostSum. Looks at the words only when one of them can be.
+  Overflow settle();
 
   // Bytes of the address range (memory_map.h). `offset` and the length are multiples of nine, two words, within bytes().
   std::uint64_t bytes() const { return blocks_words_.size() * block_bytes(); }
@@ -63,13 +67,14 @@ class SumMemory {
   }
   std::int64_t value(std::size_t block, int x, int y, int z) const;
   void gather_parts();
+  bool can_overflow() const;
 
   int n_;
   std::size_t edge_;  // n + 1
   std::array<int, 3> size_{};
   std::array<int, 3> blocks_{};
   std::vector<std::unique_ptr<std::int64_t[]>> blocks_words_;
-  std::uint64_t bound_ = 0;  // no word is larger
+  std::vector<std::uint64_t> bounds_;  // no word of the block's storage is larger
 };
 
 }  // namespace gicube::emu

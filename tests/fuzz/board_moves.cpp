@@ -167,7 +167,8 @@ std::vector<std::uint8_t> rays(Input& input, wire::Opcode opcode) {
     payload[8] %= 8;  // ray types
     payload[9] %= 3;
     payload[10] %= 3;
-    payload[11] = payload[11] == 255 ? 1 : 0;
+    const bool backprojects = payload[8] == static_cast<std::uint8_t>(wire::RayType::kBackproject);
+    payload[11] = backprojects ? payload[11] % 3 : payload[11] == 255 ? 1 : 0;  // which words
   }
   for (std::uint32_t i = 0; i < count; ++i) {
     std::vector<std::uint8_t> packet = input.bytes(wire::kRayBytes);

@@ -50,7 +50,8 @@ TEST(SumMemory, APartBeyondABlocksFaceBelongsToTheNeighboursWord) {
   sums.storage(0)[8 + 9 * (8 + 9 * 8)] = 11;
   EXPECT_EQ(sum_at(sums, 8, 1, 8 * (3 + 8 * 4)), 2);
   EXPECT_EQ(sum_at(sums, 8, 7, 0), 11);
-  const Overflow none = sums.settle(std::uint64_t{1} << 40);  // looks at all words and brings the parts together
+  sums.moved_anywhere(std::uint64_t{1} << 40);
+  const Overflow none = sums.settle();  // looks at all words and brings the parts together
   EXPECT_EQ(none.words, 0u);
   EXPECT_EQ(sum_at(sums, 8, 1, 8 * (3 + 8 * 4)), 2);
   EXPECT_EQ(sum_at(sums, 8, 7, 0), 11);
@@ -66,11 +67,24 @@ TEST(SumMemory, ASumBeyondItsBitsIsClippedAndCounted) {
   std::int64_t added = 0;
   for (int i = 0; i < kTimes; ++i) added += sums.add(much, 0);
   EXPECT_EQ(added, -std::int64_t{kTimes} * wire::kMostAmount);
-  const Overflow overflow = sums.settle(static_cast<std::uint64_t>(-added));
+  sums.moved(0, static_cast<std::uint64_t>(-added));
+  const Overflow overflow = sums.settle();
   EXPECT_EQ(overflow.words, 1u);
   EXPECT_EQ(overflow.clipped, added + wire::kMostSum);
   EXPECT_EQ(sum_at(sums, 8, 0, 0), -wire::kMostSum);
-  EXPECT_EQ(sums.settle(0).words, 0u);
+  EXPECT_EQ(sums.settle().words, 0u);
+}
+
+TEST(SumMemory, WordsWhosePartsTogetherAreTooLargeAreFound) {
+  SumMemory sums(8);
+  sums.resize({16, 8, 8});
+  constexpr std::int64_t kMore = wire::kMostSum / 2 + 10;
+  for (const std::size_t block : {0u, 1u}) {
+    sums.storage(block)[block == 0 ? 8 : 0] = kMore;  // (8, 0, 0) of the volume
+    sums.moved(block, kMore);
+  }
+  EXPECT_EQ(sums.settle().words, 1u);
+  EXPECT_EQ(sum_at(sums, 8, 1, 0), wire::kMostSum);
 }
 
 class Sums : public testing::TestWithParam<v1::FidelityLevel> {
