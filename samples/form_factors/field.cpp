@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "form_factors/smooth.h"
+
 namespace gicube::samples {
 namespace {
 
@@ -24,6 +26,7 @@ class Writer {
  public:
   Writer(const RadiosityResult& result, const SceneSetup& setup)
       : result_(result),
+        incident_(smoothed(result)),
         setup_(setup),
         dims_(setup.volume.dims),
         faces_(voxels(), kNone),
@@ -90,7 +93,7 @@ class Writer {
   }
 
   Power sum(std::uint32_t leaf) const {
-    Power all = result_.incident[leaf];
+    Power all = incident_[leaf];
     for (std::size_t c = 0; c < 3; ++c) all[c] += result_.leaves[leaf].emission[c];
     return all;
   }
@@ -128,7 +131,7 @@ class Writer {
         const double facing = dot(n, axis_of(result_.leaves[i].facing));
         if (facing < kLeastFacing) continue;
         const double of_face = weight * result_.leaves[i].weight;
-        for (std::size_t c = 0; c < 3; ++c) flux[c] += of_face * result_.incident[i][c];
+        for (std::size_t c = 0; c < 3; ++c) flux[c] += of_face * incident_[i][c];
         area += of_face * facing;
         faces += of_face;
       }
@@ -137,7 +140,7 @@ class Writer {
       const double of_face = result_.leaves[i].weight;
       for (std::size_t c = 0; c < 3; ++c) {
         own[c] += of_face * result_.leaves[i].emission[c];
-        if (area == 0) flux[c] += of_face * result_.incident[i][c];  // a sheet whose sides cancel
+        if (area == 0) flux[c] += of_face * incident_[i][c];  // a sheet whose sides cancel
       }
       own_area += of_face;
     }
@@ -172,6 +175,7 @@ class Writer {
   }
 
   const RadiosityResult& result_;
+  const std::vector<Power> incident_;  // of it, without the edges of clusters
   const SceneSetup& setup_;
   const Dims dims_;
   std::vector<std::uint32_t> faces_;  // by solid voxel: the first of its faces, and
