@@ -8,12 +8,12 @@ set format x "10^{%T}"
 set logscale y
 set format y "10^{%T}"
 set grid
-set key outside right
+set key outside below maxcols 3
 slope(i) = system(sprintf("awk -F, 'NR == %d { print $3 }' form_factors_slopes.csv", i + 2))
 name(i) = system(sprintf("awk -F, 'NR == %d { print $1 }' form_factors_slopes.csv", i + 2))
 blocks = int(system("awk 'END { print NR - 1 }' form_factors_slopes.csv"))
 do for [format in "svg png"] {
-  if (format eq "svg") { set terminal svg size 1000,480 background 'white' } else { set terminal pngcairo size 1000,480 }
+  if (format eq "svg") { set terminal svg size 800,560 background 'white' } else { set terminal pngcairo size 800,560 }
   set output 'form_factors_error.' . format
   plot for [i = 0:blocks - 1] 'form_factors_error.csv' index i using (strcol(2) eq "rays" ? NaN : $2):3 \
     with linespoints lw 2 title sprintf("%s (slope %s)", name(i), slope(i)), \

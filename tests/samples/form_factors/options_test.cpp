@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <sstream>
 
 namespace gicube::samples {
@@ -126,6 +128,19 @@ TEST(FormFactorOptions, WhatIsWrongIsNamed) {
   EXPECT_THAT(refusal({"solve", "a.scene", "--rays", "64", "--most-rays", "32"}),
               HasSubstr("--most-rays: expected 64 (--rays) or more, got 32"));
   EXPECT_THAT(refusal({"visibility", "a.scene", "--pairs", "0"}), HasSubstr("--pairs"));
+}
+
+TEST(RadiosityScenes, OfTheSourceTreeAreReadAndSendOutLight) {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(GICUBE_SOURCE_DIR "/samples/scenes/radiosity")) {
+    const Scene scene = scene_of(InputOptions{.input = entry.path(), .volume_size = 32, .transfer_function = {}});
+    EXPECT_TRUE(std::any_of(scene.materials.begin(), scene.materials.end(), [](const auto& m) {
+      return m.emission > 0;
+    })) << entry.path();
+    EXPECT_EQ(scene.world->size, 32);
+    ++scenes;
+  }
+  EXPECT_EQ(scenes, 3);
 }
 
 TEST(FormFactorOptions, MaterialsTakeTheEmissionsAndAlbedosOfTheirTags) {
