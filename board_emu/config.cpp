@@ -102,13 +102,11 @@ class Silence : public google::protobuf::io::ErrorCollector {
 };
 
 void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Fault>& faults) {
-  if (config.fidelity() != v1::functional && config.fidelity() != v1::cycle) {
-    const std::string& got = v1::FidelityLevel_Name(config.fidelity());
-    const std::string level = config.fidelity() == v1::FIDELITY_UNSPECIFIED ? "other" : got;
-    faults.push_back({"fidelity", "functional or cycle (this release has no " + level + " level yet)", got,
-                      line_of(lines, "fidelity")});
+  if (config.fidelity() == v1::approximate && config.sorter().queues() == v1::single) {
+    faults.push_back(
+        {"fidelity", "functional or cycle with sorter.queues=single", "approximate", line_of(lines, "fidelity")});
   }
-  for (const char* path : {"bus.model", "asic.partition", "sorter.queues", "sorter.policy", "pace"}) {
+  for (const char* path : {"fidelity", "bus.model", "asic.partition", "sorter.queues", "sorter.policy", "pace"}) {
     const Place place = find_place(config, path);
     const auto* value = place.message->GetReflection()->GetEnum(*place.message, place.field);
     if (value->number() != 0) continue;
@@ -235,7 +233,7 @@ std::vector<Fault> check(const v1::BoardConfig& config, const FieldLines& lines)
   check_powers(config, lines, faults);
   check_refresh(config.rdram(), lines, faults);
   check_volume(config.asic(), lines, faults);
-  if (faults.empty() && config.fidelity() == v1::cycle) check_rdram(config, lines, faults);
+  if (faults.empty() && config.fidelity() != v1::functional) check_rdram(config, lines, faults);
   return faults;
 }
 

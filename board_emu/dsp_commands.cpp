@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "approximate_level.h"
 #include "command_fault.h"
 #include "cycle_level.h"
 #include "dsp/lighting_rays.h"
@@ -89,12 +90,29 @@ void DspCommands::reset() {
 
 // The next command begins with a new machine; the counters go on.
 void DspCommands::drop_machine() {
-  if (!machine_) return;
-  rays_ += ray_counters(*machine_);
-  std::vector<wire::Counter> list;
-  emu::count(*machine_, list);
-  add(list, past_);
-  machine_.reset();
+  const auto keep_counters = [&](const auto& machine) {
+    std::vector<wire::Counter> list;
+    machine(list);
+    add(list, past_);
+  };
+  if (machine_) {
+    rays_ += ray_counters(*machine_);
+    keep_counters([&](auto& list) { emu::count(*machine_, list); });
+    machine_.reset();
+  }
+  if (turn_machine_) {
+    keep_counters([&](auto& list) { turn_machine_->count(list); });
+    turn_machine_.reset();
+  }
+}
+
+TurnMachine& DspCommands::turn_machine() {
+  const VolumeMemory& volume = aperture_.volume();
+  if (turn_machine_ && turn_machine_->blocks() != volume.blocks()) drop_machine();
+  if (!turn_machine_) turn_machine_ = std::make_unique<TurnMachine>(config_, volume.blocks());
+  if (turns_volume_ != aperture_.volume_writes()) turn_machine_->invalidate_caches();
+  turns_volume_ = aperture_.volume_writes();
+  return *turn_machine_;
 }
 
 Machine& DspCommands::machine(bool sums) {
@@ -260,8 +278,13 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   const Frame frame = this->frame();
   const v1::DspConfig& dsp = config_.dsp();
   CommandResult result;
-  if (config_.fidelity() == v1::cycle) {
+  if (in_cycles(frame)) {
     const Ran ran = emu::render(command, frame, aperture_.framebuffer(), dsp, machine(), work);
+    if (ran.cancelled) return cancelled();
+    result = timed(ran);
+  } else if (in_turns(frame)) {
+    const Ran ran = emu::render(command, frame, aperture_.framebuffer(), dsp, packets(viewing_rays(command), frame),
+                                threads_, turn_machine(), rays_, work);
     if (ran.cancelled) return cancelled();
     result = timed(ran);
   } else {
@@ -295,7 +318,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Wor
   const LightingRays rays(command, frame.extent, frame.spacing, bits, frame.seed);
   CommandResult result;
   RayCounters counts;
-  if (config_.fidelity() == v1::cycle) {
+  if (in_cycles(frame)) {
     Lit lit;
     const RayCounters before = ray_counters(machine());
     const Ran ran = emu::illuminate(rays, frame, config_.dsp(), machine(), lit, work);
@@ -339,6 +362,11 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   }
   std::vector<wire::Counter> cycle_level;
   if (machine_) emu::count(*machine_, cycle_level);
+  if (turn_machine_) {
+    std::vector<wire::Counter> turns;
+    turn_machine_->count(turns);
+    add(turns, cycle_level);
+  }
   add(past_, cycle_level);
   list.insert(list.end(), cycle_level.begin(), cycle_level.end());
 }

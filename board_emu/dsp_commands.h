@@ -18,6 +18,7 @@
 #include "host_traps.h"
 #include "machine.h"
 #include "ray_packets.h"
+#include "turn_machine.h"
 
 namespace gicube::emu {
 
@@ -75,6 +76,12 @@ class DspCommands {
   const RayPackets* packets(std::uint64_t rays, const Frame& frame);
   std::optional<std::string> material_fault(bool host_answers = true) const;
   CommandResult cancelled();
+  // Whether this frame's rays take the machine's cycles, or at the approximate level their turns. Neither: no time.
+  bool in_cycles(const Frame& frame) const {
+    return config_.fidelity() == v1::cycle || (config_.fidelity() == v1::approximate && !frame.plain);
+  }
+  bool in_turns(const Frame& frame) const { return config_.fidelity() == v1::approximate && frame.plain; }
+  TurnMachine& turn_machine();
   CommandResult timed(const Ran& ran) const;
   // `sums`: its caches are to hold the sums' words.
   Machine& machine(bool sums = false);
@@ -90,13 +97,15 @@ class DspCommands {
   Observer* observer_ = nullptr;
   const Routines* routines_ = nullptr;
   HostTraps host_traps_;
-  std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet
-  std::unique_ptr<Machine> machine_;       // of the cycle level, as long as the volume keeps its size
-  std::vector<wire::Ray> host_ray_room_;   // of the command in work
-  std::uint64_t cached_volume_ = 0;        // Aperture::volume_writes() that the machine's caches belong to
-  bool cached_sums_ = false;               // they hold sums, not voxels
-  std::vector<wire::Counter> past_;        // counters of machines that were dropped
-  RayCounters rays_;                       // of the functional level and of machines that were dropped
+  std::deque<MemoryError> memory_errors_;      // detected ones that no command has met yet
+  std::unique_ptr<Machine> machine_;           // of the cycle level, as long as the volume keeps its size
+  std::vector<wire::Ray> host_ray_room_;       // of the command in work
+  std::uint64_t cached_volume_ = 0;            // Aperture::volume_writes() that the machine's caches belong to
+  std::unique_ptr<TurnMachine> turn_machine_;  // of the approximate level, as long
+  std::uint64_t turns_volume_ = 0;             // as cached_volume_, of it
+  bool cached_sums_ = false;                   // they hold sums, not voxels
+  std::vector<wire::Counter> past_;            // counters of machines that were dropped
+  RayCounters rays_;                           // of the functional level and of machines that were dropped
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
   std::uint64_t lighting_rays_ = 0;

@@ -3,6 +3,7 @@
 #include <iterator>
 #include <limits>
 
+#include "approximate_level.h"
 #include "command_fault.h"
 #include "cycle_level.h"
 #include "dsp_commands.h"
@@ -171,7 +172,7 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Work& wo
   result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
   work.all = job.header.pairs;
   pair_rays_ += std::uint64_t{job.header.pairs} * job.header.rays;
-  if (config_.fidelity() != v1::cycle) {
+  if (config_.fidelity() == v1::functional) {
     const std::uint64_t rays = std::uint64_t{job.header.pairs} * job.header.rays;
     const PairCounts counts = measure(job, frame, packets(rays, frame), threads_, work, std::span(result.payload));
     if (work.cancel) return {.error = ErrorCode::kCancelled};
@@ -184,7 +185,10 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Work& wo
   for (std::size_t begin = 0; begin < job.pairs.size(); begin += at_once) {
     const std::size_t end = std::min(begin + at_once, job.pairs.size());
     make(job, begin, end, made);
-    const Ran ran = emu::trace({made.rays, true, make_cycles, take_cycles}, frame, machine(), work);
+    const GivenRays given{made.rays, true, make_cycles, take_cycles};
+    const Ran ran = in_turns(frame) ? emu::trace(given, frame, packets(made.rays.size(), frame), threads_,
+                                                 turn_machine(), rays_, work)
+                                    : emu::trace(given, frame, machine(), work);
     if (ran.cancelled) return cancelled();
     const CommandResult part = timed(ran);
     result.dsp_cycles += part.dsp_cycles;

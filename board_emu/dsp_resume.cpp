@@ -100,7 +100,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& w
   host_traps_.answered(count);
   CommandResult result;
   RayCounters counts;
-  if (config_.fidelity() != v1::cycle) {
+  if (config_.fidelity() == v1::functional) {
     const Rendered resumed = emu::resume(answers, frame, aperture_.framebuffer(), threads_, work);
     if (resumed.cancelled) return {.error = wire::ErrorCode::kCancelled};
     rays_ += counts = resumed.rays;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "approximate_level.h"
 #include "backproject.h"
 #include "command_fault.h"
 #include "cycle_level.h"
@@ -171,17 +172,22 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
   aperture_.decode(threads_);
   CommandResult result;
   RayCounters counts;
-  if (config_.fidelity() == v1::cycle) {
+  const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
+  const GivenRays given{rays, back, first, back ? both - first : 0};
+  if (in_cycles(frame)) {
     Machine& machine = this->machine(frame.sums != nullptr);
     const RayCounters before = ray_counters(machine);
     for (const wire::Ray& ray : rays) {  // the machine counts what becomes of it
       if (deposit) counts.energy.emitted += energy_units(set_out(ray, frame), frame);
     }
-    const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
-    const GivenRays given{rays, back, first, back ? both - first : 0};
     const Ran ran = emu::trace(given, frame, machine, work);
     if (ran.cancelled) return cancelled();
     counts += ray_counters(machine) - before;
+    result = timed(ran);
+  } else if (in_turns(frame)) {
+    const Ran ran = emu::trace(given, frame, packets(count, frame), threads_, turn_machine(), counts, work);
+    if (ran.cancelled) return cancelled();
+    rays_ += counts;
     result = timed(ran);
   } else {
     if (frame.sums != nullptr) {
@@ -190,8 +196,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
       counts = emu::trace(rays, frame, packets(count, frame), threads_);
     }
     rays_ += counts;
-    const std::uint64_t cycles = config_.dsp().host_ray_cycles();  // for both ways
-    result.dsp_cycles = count * (back ? cycles : cycles / 2) + counts.trap_cycles;
+    result.dsp_cycles = std::uint64_t{count} * (back ? both : first) + counts.trap_cycles;
   }
   host_rays_ += count;
   result.takes_rays = count > 0;

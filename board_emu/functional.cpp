@@ -22,7 +22,7 @@ std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
 namespace {
 
 // A ray that gathers and does nothing else.
-End gather(Traveller& traveller, const Frame& frame, RayCounters& counters) {
+End gather(Traveller& traveller, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   std::size_t block = ~std::size_t{0};
@@ -41,12 +41,14 @@ End gather(Traveller& traveller, const Frame& frame, RayCounters& counters) {
       const std::int32_t steps = leap_steps(traveller, low, grid.size(), frame);
       advance(traveller, steps);
       count_steps(traveller, steps, frame);
+      taken += steps;
       continue;
     }
     ++counters.samples;
     if (take_sample(traveller, cell(traveller.position, low), view, edge, frame)) ++counters.visible_samples;
     advance(traveller, 1);
     count_steps(traveller, 1, frame);
+    ++taken;
   }
   return how;
 }
@@ -92,9 +94,11 @@ End travel(Traveller& traveller, const Frame& frame, RayCounters& counters) {
 
 }  // namespace
 
-bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
+bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps) {
   Traveller traveller = set_out(ray, frame);
-  const End how = frame.plain ? gather(traveller, frame, counters) : travel(traveller, frame, counters);
+  std::int32_t taken = 0;
+  const End how = frame.plain ? gather(traveller, frame, counters, taken) : travel(traveller, frame, counters);
+  if (steps != nullptr) *steps = taken;
   if (how == End::kWaits) return false;
   count_end(traveller, how, frame, counters);
   finish(traveller, frame, ray);

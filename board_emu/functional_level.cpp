@@ -106,16 +106,20 @@ Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuf
   return {answers.size(), counts.returned, counts, work.cancel};
 }
 
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads) {
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads,
+                  std::span<std::int32_t> steps) {
   const std::size_t run_rays = packets != nullptr ? 512 : 64;  // chosen: that a thread takes at a time
   const std::size_t runs = (rays.size() + run_rays - 1) / run_rays;
   return spread<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counters) {
-    const auto part = rays.subspan(run * run_rays, std::min(run_rays, rays.size() - run * run_rays));
-    if (packets != nullptr) return packets->trace(part, frame, counters);
-    for (wire::Ray& ray : part) {
+    const std::size_t begin = run * run_rays, count = std::min(run_rays, rays.size() - begin);
+    const auto part = rays.subspan(begin, count);
+    const auto their_steps = steps.empty() ? steps : steps.subspan(begin, count);
+    if (packets != nullptr) return packets->trace(part, frame, counters, their_steps);
+    for (std::size_t i = 0; i < count; ++i) {
+      wire::Ray& ray = part[i];
       if (!frame.cut_planes.empty() && !enter(ray, frame.extent, frame.cut_planes)) continue;
       if ((ray.flags & wire::kLightingRay) != 0) counters.energy.emitted += energy_units(set_out(ray, frame), frame);
-      integrate(ray, frame, counters);
+      integrate(ray, frame, counters, steps.empty() ? nullptr : &their_steps[i]);
     }
   });
 }

@@ -37,7 +37,8 @@ Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuf
                 Work& work);
 
 // Takes rays to their ends, in place. One that lies behind a cut plane stays as it is. Of the counters
-// energy.emitted is what lighting rays bring.
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads);
+// energy.emitted is what lighting rays bring. `steps`, if there are any, of a plain frame: of each ray, on its way.
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads,
+                  std::span<std::int32_t> steps = {});
 
 }  // namespace gicube::emu

@@ -18,8 +18,11 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR  // no vectors
 
-void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField&, RayCounters& counters) {
-  for (wire::Ray& ray : rays) integrate(ray, frame, counters);
+void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField&, RayCounters& counters,
+           std::span<std::int32_t> steps) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    integrate(rays[i], frame, counters, steps.empty() ? nullptr : &steps[i]);
+  }
 }
 
 #else
@@ -147,8 +150,8 @@ std::int32_t steps_inside(const Traveller& ray, const Frame& frame) {
 // The rays of a span one after the other on the lanes.
 class Exchange {
  public:
-  Exchange(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters)
-      : rays_(rays), frame_(frame), counters_(counters) {}
+  Exchange(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, std::span<std::int32_t> steps)
+      : rays_(rays), frame_(frame), counters_(counters), steps_(steps) {}
 
   bool has_more() const { return next_ < rays_.size(); }
   std::size_t busy() const { return busy_; }
@@ -214,6 +217,9 @@ class Exchange {
     ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
     count_end(ray, end(ray, frame_), frame_, counters_);
     finish(ray, frame_, *slot.ray);
+    if (!steps_.empty()) {
+      steps_[static_cast<std::size_t>(slot.ray - rays_.data())] = slot.steps - lanes.left.lane[lane];
+    }
     slot.ray = nullptr;
     --busy_;
   }
@@ -221,14 +227,16 @@ class Exchange {
   std::span<wire::Ray> rays_;
   const Frame& frame_;
   RayCounters& counters_;
+  std::span<std::int32_t> steps_;
   std::array<Slot, 16> slots_{};
   std::size_t next_ = 0, busy_ = 0;
 };
 
-void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& field, RayCounters& counters) {
+void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& field, RayCounters& counters,
+           std::span<std::int32_t> steps) {
   const std::size_t count = hn::Lanes(D32());
   Lanes lanes{};
-  Exchange exchange(rays, frame, counters);
+  Exchange exchange(rays, frame, counters, steps);
   while (true) {
     exchange.serve(lanes, count);
     if (exchange.busy() == 0) return;
@@ -299,7 +307,8 @@ bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
   return true;
 }
 
-void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters) const {
+void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
+                       std::span<std::int32_t> steps) const {
   const VolumeMemory& volume = *frame.volume;
   PacketField field{};
   field.densities = copy_.densities();
@@ -313,7 +322,7 @@ void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.slice = volume.blocks()[0] * volume.blocks()[1];
   field.gathers = frame.integral ? Gathers::kIntegral : frame.colourless ? Gathers::kOpacity : Gathers::kColour;
   field.shaded = frame.shade;
-  HWY_DYNAMIC_DISPATCH(trace)(rays, frame, field, counters);
+  HWY_DYNAMIC_DISPATCH(trace)(rays, frame, field, counters, steps);
 }
 
 }  // namespace gicube::emu

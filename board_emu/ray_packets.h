@@ -53,8 +53,9 @@ class RayPackets {
   // Gives the copy's memory back.
   void clear();
 
-  // Takes rays to their ends, in place, on the calling thread.
-  void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters) const;
+  // Takes rays to their ends, in place, on the calling thread. `steps`, if there are any: of each ray, on its way there.
+  void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
+             std::span<std::int32_t> steps = {}) const;
 
  private:
   void read(std::span<const wire::SegmentationEntry> segmentation);

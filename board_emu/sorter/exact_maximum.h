@@ -24,6 +24,8 @@ class ExactMaximum {
     }
   }
 
+  // The largest; 0 if there is none.
+  std::uint32_t importance() const { return importance_[1]; }
   // Only if some importance is above 0.
   std::uint32_t queue() const {
     std::uint32_t node = 1;

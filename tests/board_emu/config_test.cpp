@@ -143,10 +143,12 @@ TEST(Config, RefusesACycleLevelVolumeThatItsMemoryChannelsCannotHold) {
               testing::ElementsAre("rdram.refresh_interval: expected 0 or at least 64 tCYCLE, got 63"));
 }
 
-TEST(Config, RefusesTheLevelsThatThisReleaseDoesNotHave) {
+TEST(Config, HasThreeLevels) {
   EXPECT_THAT(texts(check(with({"fidelity=cycle"}))), IsEmpty());
-  EXPECT_THAT(texts(check(with({"fidelity=approximate"}))),
-              testing::ElementsAre(HasSubstr("no approximate level yet), got approximate")));
+  EXPECT_THAT(texts(check(with({"fidelity=approximate"}))), IsEmpty());
+  EXPECT_THAT(
+      texts(check(with({"fidelity=approximate", "sorter.queues=single"}))),
+      testing::ElementsAre("fidelity: expected functional or cycle with sorter.queues=single, got approximate"));
   EXPECT_THAT(texts(check(with({"fidelity=FIDELITY_UNSPECIFIED", "bus.model=BUS_UNSPECIFIED"}))), testing::SizeIs(2));
 }
 

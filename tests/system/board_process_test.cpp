@@ -124,15 +124,14 @@ TEST(BoardProcess, TakesOverAStaleSocketButNotALiveOne) {
 TEST(BoardProcess, EveryConfigurationFaultIsOnStderrAndTheCodeIsTwo) {
   const TemporaryDirectory folder;
   const std::string file = folder.file("board.textproto");
-  std::ofstream(file) << "asic {\n  processors: 99\n  colour: 3\n}\nfidelity: approximate\n";
+  std::ofstream(file) << "asic {\n  processors: 99\n  colour: 3\n}\nfidelity: FIDELITY_UNSPECIFIED\n";
   BoardProcess board({"--listen", "unix:" + folder.file("board"), "--config", file, "--set", "bus.speed=1"});
   EXPECT_EQ(board.exit_code(), 2);
   EXPECT_EQ(board.read_output(), "");
   const std::string errors = board.read_errors();
   EXPECT_THAT(errors, HasSubstr("line 2: asic.processors: expected 1 to 16 processors, got 99"));
   EXPECT_THAT(errors, HasSubstr("line 3: asic.colour: expected one of processors"));
-  EXPECT_THAT(errors, HasSubstr("line 5: fidelity: expected functional or cycle (this release has no approximate level "
-                                "yet), got approximate"));
+  EXPECT_THAT(errors, HasSubstr("line 5: fidelity: expected one of functional, approximate, cycle"));
   EXPECT_THAT(errors, HasSubstr("bus.speed: expected one of model"));
 }
 

@@ -1,0 +1,222 @@
+#include "turn_processor.h"
+
+#include <algorithm>
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::uint32_t kMostPackets = 8;  // of one neighbourhood
+constexpr Cycle kToQueue = 4;              // from the end of the pipeline by four registers to its beginning
+constexpr Cycle kToDsp = 4;                // through the merge tree
+constexpr Cycle kOverRing = 1;             // into the sorter behind a link
+constexpr std::uint32_t kRayBits = 256;
+
+}  // namespace
+
+TurnProcessor::TurnProcessor(std::uint8_t number, const Surroundings& surroundings)
+    : number_(number),
+      with_(surroundings),
+      prefetch_(with_.config->pipeline().prefetch_stages()),
+      compute_(with_.config->pipeline().compute_stages()),
+      capacity_(with_.config->ideal().queues() != 0 ? kNone : with_.config->asic().queue_rays()),
+      ratio_(with_.config->rdram().clocks_per_core_cycle()),
+      room_(with_.config->cache().miss_packets() - kMostPackets),
+      link_cycles_((kRayBits + with_.config->link().bits() - 1) / with_.config->link().bits()),
+      rac_latency_(with_.config->rdram().rac_latency()),
+      memories_blocks_(with_.config->rdram().processors_per_rdram()),
+      ideal_memory_(with_.config->ideal().memory() != 0),
+      queues_(std::max<std::size_t>(1, with_.partition->blocks_of(number))),
+      slots_(queues_.size()),
+      most_(static_cast<std::uint32_t>(queues_.size())),
+      listed_(queues_.size()),
+      cache_(
+          {static_cast<int>(with_.config->asic().block_voxels()), with_.config->cache().ways(), false, with_.blocks}) {}
+
+void TurnProcessor::begin(Cycle now, const Frame& frame) {
+  now_ = std::max(now_, now);
+  computing_ = std::max(computing_, now);
+  frame_ = &frame;
+  grid_ = BlockGrid(*frame.volume);
+}
+
+Cycle TurnProcessor::next() const {
+  if (waiting_ > 0) return now_ + 1;
+  const Cycle first = std::min(returned_.empty() ? kNoCycle : returned_.front().ready, others_);
+  return first == kNoCycle ? first : std::max(first, now_ + 1);
+}
+
+// Counts rays that come (+1) and go (-1).
+inline void TurnProcessor::hold(int rays, Cycle when) {
+  if (holds_ == 0) held_since_ = when;
+  holds_ += static_cast<std::uint64_t>(rays);
+  if (holds_ == 0) counters_.held += std::max(when, held_since_) - held_since_;
+}
+
+// Slots that were given up are only counted when one is needed.
+inline bool TurnProcessor::has_slot(std::uint32_t queue, Cycle now) {
+  if (slots_[queue] < capacity_) return true;
+  while (!released_.empty() && released_.front().first <= now) --slots_[released_.pop().second];
+  return slots_[queue] < capacity_;
+}
+
+inline void TurnProcessor::write(const Coming& ray) {
+  if (!ray.keeps_slot) {
+    if (!has_slot(ray.queue, ray.ready)) {
+      ++counters_.overflows;
+      with_.up->push({ray.ready + kToDsp, ray.ray, 0, false, true});
+      return;
+    }
+    ++slots_[ray.queue];
+  }
+  queues_[ray.queue].push(ray.ray);
+  ++waiting_;
+  ++counters_.written;
+  if (ray.queue == active_ || listed_[ray.queue] != 0) return;
+  listed_[ray.queue] = 1;
+  modified_.push(ray.queue);
+}
+
+// What has come from elsewhere by now.
+void TurnProcessor::take_others(Cycle now) {
+  others_ = kNoCycle;
+  for (auto& from : from_) {
+    while (!from.empty() && from.front().ready <= now) {
+      const std::uint64_t before = waiting_;
+      const Coming ray = from.pop();
+      write(ray);
+      if (waiting_ > before) hold(1, ray.ready);
+    }
+    if (!from.empty()) others_ = std::min(others_, from.front().ready);
+  }
+}
+
+// The sorter's insertions in so many cycles.
+inline void TurnProcessor::take_in(Cycle cycles) {
+  while (cycles > 0 && !modified_.empty()) {
+    const std::uint32_t queue = modified_.pop();
+    listed_[queue] = 0;
+    if (queue == active_ || queues_[queue].empty()) continue;
+    most_.set(queue, static_cast<std::uint32_t>(queues_[queue].size()));
+    --cycles;
+  }
+}
+
+// The active queue gives way when it is empty. False if no ray waits.
+inline bool TurnProcessor::choose() {
+  if (active_ != kNone && queues_[active_].empty()) {
+    most_.set(active_, 0);
+    active_ = kNone;
+  }
+  if (active_ != kNone) return true;
+  if (waiting_ == 0 || most_.importance() == 0) return false;
+  active_ = most_.queue();
+  ++counters_.activations;
+  return true;
+}
+
+// The shorter way round the ring. Each hop takes its cycles; the first link is one ray's at a time, and when too many wait at
+// its entry the pipeline stands.
+void TurnProcessor::cross(const Home& home, const Coming& ray, Cycle out) {
+  const auto count = static_cast<unsigned>(with_.processors->size());
+  const unsigned right = (home.processor + count - number_) % count;
+  const bool to_right = right <= count - right;
+  const unsigned hops = to_right ? right : count - right;
+  Cycle& free = link_free_[to_right ? 0 : 1];
+  const Cycle begin = std::max(free, out + 1);
+  free = begin + link_cycles_;
+  const Cycle at_the_entry = with_.config->link().rays() * link_cycles_;
+  if (begin > out + 1 + at_the_entry) computing_ = std::max(computing_, begin - at_the_entry - compute_);
+  ++counters_.rays_sent;
+  counters_.hops += hops;
+  Coming coming = ray;
+  coming.ready = begin + hops * link_cycles_ + kOverRing;
+  (*with_.processors)[home.processor]->send(to_right ? From::kLeft : From::kRight, coming);
+}
+
+// When the packets are there of a sample that could be resampled in cycle `first`: each is written in a cycle of its own,
+// and the last is handed on in that cycle.
+inline Cycle TurnProcessor::fetch(const TurnRay& ray, const Point& low, Cycle first) {
+  const Misses& misses = cache_.check(ray.block, cell(ray.position, low).voxel);
+  if (ideal_memory_) return first;
+  const std::uint32_t number = with_.partition->home(ray.block).number;
+  TurnMemory& memory = *with_.memory;
+  for (std::uint32_t i = 0; i < misses.count; ++i) {
+    memory.asked = std::max(memory.asked, now_) + 1;
+    const rdram::Location at = memory.layout.locate(number * memories_blocks_ + with_.place, misses.tiles[i]);
+    const rdram::Access access = memory.channel.read(at, memory.asked * ratio_);
+    const Cycle arrival = (access.data_end + rac_latency_ + ratio_ - 1) / ratio_;
+    first = std::max(i == 0 ? first : first + 1, arrival);
+    taken_[packets_++ % kRemembered] = first;
+  }
+  return first;
+}
+
+// Out of the pipeline, in cycle `out`.
+inline void TurnProcessor::leave(std::uint32_t number, std::uint32_t queue, Cycle out) {
+  TurnRay& ray = (*with_.rays)[number];
+  if (ray.left <= 0) {
+    with_.up->push({out + kToDsp, number, 0, false, false});
+    released_.push({out + 1, queue});
+    hold(-1, out);
+    return;
+  }
+  ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
+  const Home& home = with_.partition->home(ray.block);
+  Coming coming{out + kToQueue, number, home.number, false, false};
+  if (home.processor == number_) {
+    coming.keeps_slot = home.number == queue;
+    returned_.push(coming);
+  } else {
+    cross(home, coming, out);
+    hold(-1, out);
+  }
+  if (!coming.keeps_slot) released_.push({out + 1, queue});
+}
+
+// One turn of `ray`, which has left `queue`; sets now_ to the cycle in which it enters the pipeline.
+inline void TurnProcessor::turn(std::uint32_t queue, std::uint32_t number) {
+  TurnRay& ray = (*with_.rays)[number];
+  // The prefetch line is as long as it is, and has room for the packets of a sample.
+  if (turns_ >= prefetch_) now_ = std::max(now_, started_[(turns_ - prefetch_) % kRemembered] + 1);
+  if (packets_ > room_) now_ = std::max(now_, taken_[(packets_ - room_ - 1) % kRemembered] + 1);
+
+  const Point low = grid_.low(ray.position);
+  Cycle begin = std::max(computing_ + 1, now_ + prefetch_);
+  std::int32_t steps = 1;
+  if (frame_->leap && frame_->empty[ray.block] != 0) {
+    ++counters_.leaps;
+    steps = std::min(leap_steps(ray.position, ray.step, low, grid_.size()), ray.left);
+  } else {
+    ++counters_.samples;
+    begin = fetch(ray, low, begin);
+  }
+  computing_ = begin;
+  started_[turns_++ % kRemembered] = begin;
+  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
+  ray.left -= steps;
+  leave(number, queue, begin + compute_);
+}
+
+void TurnProcessor::work(Cycle until) {
+  Cycle now = next();
+  while (now <= until) {
+    while (!returned_.empty() && returned_.front().ready <= now) write(returned_.pop());
+    if (others_ <= now) take_others(now);
+    take_in(now - sorted_);
+    sorted_ = now;
+    if (!choose()) {
+      now = waiting_ > 0 ? now + 1 : next();
+      continue;
+    }
+    now_ = now;
+    --waiting_;
+    LongQueue<std::uint32_t>& queue = queues_[active_];
+    const std::uint32_t ray = queue.pop();
+    if (!queue.empty()) __builtin_prefetch(&(*with_.rays)[queue.front()]);
+    turn(active_, ray);
+    now = now_ + 1;
+  }
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,184 @@
+// One ray integration processor as the approximate level knows it: in turns instead of cycles.
+//
+// A turn is a ray's way from its queue through the pipeline and back. The processor works its turns off one after the
+// other, in the order in which its queues give them, and finds for each when it enters the pipeline, when its packets are
+// there, and when its ray is back: the rules of processor.h and sorter.h, without anything that ticks. Values are no matter
+// here: how far a ray goes is known already.
+//
+// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; rays from elsewhere
+// are written whenever they come; nothing holds up a ray that leaves but a link's rate.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "cache/volume_cache.h"
+#include "frame.h"
+#include "gicube/v1/board_config.pb.h"
+#include "march.h"
+#include "partition.h"
+#include "rdram/channel.h"
+#include "rdram/layout.h"
+#include "sim/clock.h"
+#include "sorter/exact_maximum.h"
+
+namespace gicube::emu {
+
+// First in first out, as long as it has to be.
+template <typename Item>
+class LongQueue {
+ public:
+  bool empty() const { return head_ == tail_; }
+  std::size_t size() const { return tail_ - head_; }
+  const Item& front() const { return ring_[head_ & mask_]; }
+  Item pop() { return ring_[head_++ & mask_]; }
+  void push(const Item& item) {
+    if (size() == ring_.size()) grow();
+    ring_[tail_++ & mask_] = item;
+  }
+
+ private:
+  void grow() {
+    std::vector<Item> larger(2 * ring_.size());
+    for (std::size_t i = 0; i < ring_.size(); ++i) larger[i] = ring_[(head_ + i) & mask_];
+    head_ = 0;
+    tail_ = ring_.size();
+    mask_ = larger.size() - 1;
+    ring_.swap(larger);
+  }
+
+  std::vector<Item> ring_ = std::vector<Item>(16);
+  std::size_t mask_ = 15;
+  std::size_t head_ = 0, tail_ = 0;
+};
+
+// A ray under way.
+struct alignas(32) TurnRay {
+  Point position{};
+  Point step{};
+  std::int32_t left = 0;  // steps to its end
+  std::uint32_t block = 0;
+};
+
+// One RDRAM channel, of one processor or two.
+struct TurnMemory {
+  TurnMemory(const v1::BoardConfig& config, std::uint32_t blocks)
+      : layout(blocks, config.asic().block_voxels(), config.rdram().device_mbit()),
+        channel(config.rdram(), layout.devices()) {}
+
+  rdram::Layout layout;
+  rdram::Channel channel;
+  Cycle asked = 0;  // in which it took the last packet on
+};
+
+// A ray on its way to a queue, or to the DSP.
+struct Coming {
+  Cycle ready = 0;
+  std::uint32_t ray = 0;
+  std::uint32_t queue = 0;
+  bool keeps_slot = false;
+  bool overflowed = false;
+};
+
+struct TurnCounters {
+  std::uint64_t samples = 0;
+  std::uint64_t leaps = 0;
+  std::uint64_t written = 0;
+  std::uint64_t overflows = 0;
+  std::uint64_t activations = 0;
+  std::uint64_t rays_sent = 0;  // over links
+  std::uint64_t hops = 0;
+  std::uint64_t held = 0;  // cycles in which a ray was in the queues or the pipeline
+};
+
+class TurnProcessor {
+ public:
+  // What it shares with others. All must outlive it.
+  struct Surroundings {
+    const v1::BoardConfig* config;
+    const Partition* partition;
+    std::array<int, 3> blocks;  // of the volume
+    std::vector<TurnRay>* rays;
+    std::vector<std::unique_ptr<TurnProcessor>>* processors;
+    TurnMemory* memory;
+    std::uint32_t place;    // among the memory's processors
+    LongQueue<Coming>* up;  // to the DSP
+  };
+
+  TurnProcessor(std::uint8_t number, const Surroundings& surroundings);
+
+  // All turns until the next call are of this frame, and none is before cycle `now`.
+  void begin(Cycle now, const Frame& frame);
+  void invalidate_cache() { cache_.invalidate(); }
+
+  // The cycle of its next turn; kNoCycle if no ray waits or comes.
+  Cycle next() const;
+  // Works its turns off up to cycle `until`.
+  void work(Cycle until);
+  // A ray from the DSP, or over a link from the left or right.
+  enum class From : std::uint8_t { kBus, kLeft, kRight };
+  void send(From from, const Coming& ray) {
+    from_[static_cast<std::size_t>(from)].push(ray);
+    others_ = std::min(others_, ray.ready);
+  }
+
+  const TurnCounters& counters() const { return counters_; }
+  const CacheCounters& cache() const { return cache_.counters(); }
+  Cycle now() const { return now_; }
+
+ private:
+  void take_others(Cycle now);
+  bool has_slot(std::uint32_t queue, Cycle now);
+  void write(const Coming& ray);
+  void take_in(Cycle cycles);
+  bool choose();
+  void turn(std::uint32_t queue, std::uint32_t ray);
+  Cycle fetch(const TurnRay& ray, const Point& low, Cycle first);
+  void leave(std::uint32_t ray, std::uint32_t queue, Cycle out);
+  void cross(const Home& home, const Coming& ray, Cycle out);
+  void hold(int rays, Cycle when);
+
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  const std::uint8_t number_;
+  Surroundings with_;
+  std::uint32_t prefetch_, compute_, capacity_, ratio_;
+  std::uint32_t room_;  // packets that may be on their way when a sample enters
+  Cycle link_cycles_;   // of a ray
+  Cycle rac_latency_;
+  std::uint32_t memories_blocks_;  // step from a block of its own to the next in the memory
+  bool ideal_memory_;
+  const Frame* frame_ = nullptr;
+  BlockGrid grid_;
+
+  std::vector<LongQueue<std::uint32_t>> queues_;
+  std::vector<std::uint32_t> slots_;
+  ExactMaximum most_;                  // by the importance that the sorter knows of
+  LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
+  std::vector<std::uint8_t> listed_;   // there
+  std::uint32_t active_ = kNone;
+  Cycle sorted_ = 0;  // up to which the sorter has taken in
+  std::uint64_t waiting_ = 0;
+  LongQueue<Coming> returned_;
+  std::array<LongQueue<Coming>, 3> from_;
+  Cycle others_ = kNoCycle;                              // when the first of them comes
+  LongQueue<std::pair<Cycle, std::uint32_t>> released_;  // when, and of which queue, a slot is given up
+  VolumeCache cache_;
+
+  Cycle now_ = 0;                                   // in which the last turn entered the pipeline
+  Cycle computing_ = 0;                             // in which its sample went on to be resampled
+  static constexpr std::size_t kRemembered = 1024;  // more than stages or packets there can be
+  std::array<Cycle, kRemembered> started_{}, taken_{};
+  std::uint64_t turns_ = 0, packets_ = 0;
+  std::array<Cycle, 2> link_free_{};  // to the right, to the left
+  std::uint64_t holds_ = 0;           // rays
+  Cycle held_since_ = 0;
+  TurnCounters counters_;
+};
+
+}  // namespace gicube::emu
