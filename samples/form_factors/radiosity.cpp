@@ -55,7 +55,7 @@ RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emi
   check(emissions);
   const Medium medium = make_medium(setup, settings.solid_opacity);
   const Forest forest = make_forest(make_leaves(medium, setup, emissions), medium.edges, settings.leaf_voxels);
-  RadiositySolver solver(forest, settings.balance);
+  RadiositySolver solver(forest);
   if (!(solver.emitted()[0] + solver.emitted()[1] + solver.emitted()[2] > 0)) {
     throw InputError("emissions", "some power from an open face or medium", "none");
   }
@@ -73,9 +73,11 @@ RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emi
     const bool refined = links.refine(solver, settings.error);
     if (!refined && pass > 0) break;
     result.links = links.links();
-    solver.solve(result.links, settings.solver, settings.convergence, settings.most_iterations, statistics.iterations);
+    // Sums of early links may be so much too large that light would grow.
+    solver.solve(result.links, settings, true, statistics.iterations);
     if (progress) progress("passes", static_cast<double>(pass + 1) / kMostPasses);
   }
+  if (!settings.balance) solver.solve(result.links, settings, false, statistics.iterations);
   solver.results(result);
 
   const Counters window = board.counters() - before;

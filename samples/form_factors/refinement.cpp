@@ -1,6 +1,7 @@
 #include "form_factors/refinement.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 
@@ -25,7 +26,8 @@ double misplaced(const RadiositySolver& solver, const Link& link, double of) {
   return of * most;
 }
 
-constexpr double kNoise = 0.25;  // chosen: part of the error that may come from too few rays: that of 16 of them
+constexpr double kNearRays = 64;  // chosen
+constexpr double kNoise = 0.25;   // chosen: part of the error that may come from too few rays: that of 16 of them
 
 }  // namespace
 
@@ -79,7 +81,11 @@ void LinkSet::guess(std::vector<SampledLink>& links) {
     const std::size_t end = std::min(begin + kAtOnce, links.size());
     std::vector<SampledLink*> part;
     for (std::size_t i = begin; i < end; ++i) part.push_back(&links[i]);
-    sampler_.add_rays(part, settings_.rays);
+    sampler_.estimate(part, settings_.rays);
+    for (SampledLink* sampled : part) {
+      sampled->first_error = sampled->link.standard_error;
+      sampled->first_spread = sampled->link.spread;
+    }
     if (progress_) progress_("links", static_cast<double>(end) / static_cast<double>(links.size()));
   }
 }
@@ -89,7 +95,7 @@ bool LinkSet::refine(const RadiositySolver& solver, double error) {
   const auto sort_out = [&](std::vector<SampledLink>& links) {
     next.clear();
     for (const SampledLink& sampled : links) {
-      if (divisible(sampled.link) && misplaced(solver, sampled.link, sampled.link.spread) > error) {
+      if (divisible(sampled.link) && misplaced(solver, sampled.link, sampled.first_spread) > error) {
         divide(sampled, next);
         ++statistics_.refinements;
       } else {
@@ -105,23 +111,38 @@ bool LinkSet::refine(const RadiositySolver& solver, double error) {
     sort_out(fresh);
   }
   links_.swap(kept);
-  return sample_more(solver, error) || any;
+  return measure(solver, error) || any;
 }
 
-// Twice as many rays, for links that can't be divided, until their noise is small.
-bool LinkSet::sample_more(const RadiositySolver& solver, double error) {
-  bool any = false;
-  while (true) {
-    std::map<std::uint32_t, std::vector<SampledLink*>> noisy;
-    for (SampledLink& sampled : links_) {
-      const Link& link = sampled.link;
-      if (divisible(link) || 2 * link.rays > static_cast<std::uint32_t>(settings_.most_rays)) continue;
-      if (misplaced(solver, link, link.standard_error) > kNoise * error) noisy[link.rays].push_back(&sampled);
-    }
-    if (noisy.empty()) return any;
-    any = true;
-    for (auto& [rays, links] : noisy) sampler_.add_rays(links, static_cast<int>(rays));
+// Rays that an estimate should have, 0 for none but its first guess.
+std::uint32_t LinkSet::rays_for(const SampledLink& sampled, const RadiositySolver& solver, double error) const {
+  const Link& link = sampled.link;
+  if (link.rays == 0) return 0;  // exact
+  if (divisible(link)) return static_cast<std::uint32_t>(settings_.rays);
+  const double off = misplaced(solver, link, sampled.first_error) / (kNoise * error);
+  double rays = off > 1 ? settings_.rays * off * off : 0;
+  // Something is in the way of two that touch, and few rays see too little of where they are nearest.
+  if (sampler_.place_of(forest_.clusters[link.a], forest_.clusters[link.b]).near()) rays = std::max(rays, kNearRays);
+  const double most = std::max(settings_.most_rays, settings_.rays);
+  return rays > 0 ? std::bit_floor(static_cast<std::uint32_t>(std::clamp(2 * rays, double(settings_.rays), most))) : 0;
+}
+
+// With fresh rays: if the guess that decided to keep a link were its measure too, those that found too little would be kept,
+// those that found too much divided, and the sum would be too low.
+bool LinkSet::measure(const RadiositySolver& solver, double error) {
+  std::map<std::uint32_t, std::vector<SampledLink*>> wanted;
+  for (SampledLink& sampled : links_) {
+    const std::uint32_t rays = rays_for(sampled, solver, error);
+    if (rays > (sampled.measured ? sampled.link.rays : 0)) wanted[rays].push_back(&sampled);
   }
+  for (const auto& [rays, links] : wanted) {
+    sampler_.estimate(links, static_cast<int>(rays));
+    for (SampledLink* sampled : links) {
+      sampled->link.spread = std::max(sampled->link.spread, sampled->first_spread);
+      sampled->measured = true;
+    }
+  }
+  return !wanted.empty();
 }
 
 std::vector<Link> LinkSet::links() const {

@@ -14,8 +14,8 @@ class LinkSet {
   LinkSet(const Forest& forest, LinkSampler& sampler, const RadiositySettings& settings,
           RadiosityStatistics& statistics, const RadiosityProgress& progress);
 
-  // Divides the links that may misplace more than `error` of the emitted power with the solver's radiosities, and sends
-  // more rays where nothing is left to be divided. False if there was nothing to do.
+  // Divides the links that may misplace more than `error` of the emitted power with the solver's radiosities, and measures
+  // those that are left: more exactly where nothing is left to be divided. False if there was nothing to do.
   bool refine(const RadiositySolver& solver, double error);
 
   std::vector<Link> links() const;
@@ -25,7 +25,8 @@ class LinkSet {
   void divide(const SampledLink& sampled, std::vector<SampledLink>& to) const;
   void guess(std::vector<SampledLink>& links);
   bool divisible(const Link& link) const;
-  bool sample_more(const RadiositySolver& solver, double error);
+  bool measure(const RadiositySolver& solver, double error);
+  std::uint32_t rays_for(const SampledLink& sampled, const RadiositySolver& solver, double error) const;
 
   const Forest& forest_;
   LinkSampler& sampler_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace gicube::samples {
@@ -19,9 +20,6 @@ std::uint64_t mix(std::uint64_t x) {  // SplitMix64 (Steele, Lea, Flood 2014)
 
 // Of a link, and of the i-th draw of its members.
 std::uint64_t hash_of(const Link& link, std::uint64_t i) { return mix(mix(link.a | std::uint64_t{link.b} << 32) + i); }
-
-// Adds a mean over `more` rays to one over `rays`.
-void join(double& mean, double rays, double other, double more) { mean += (other - mean) * more / (rays + more); }
 
 }  // namespace
 
@@ -45,46 +43,37 @@ std::vector<PairFactor> LinkSampler::ask(std::span<const ElementPair> pairs, con
   return factors;
 }
 
-void LinkSampler::add_rays(std::span<SampledLink*> links, int rays) {
-  const auto known = std::stable_partition(links.begin(), links.end(), [&](SampledLink* sampled) {
-    return sampled->link.rays > 0 || !conclude_without_rays(*sampled);
-  });
-  links = {links.begin(), known};
-  const auto full = [&](const SampledLink* sampled) {
-    return forest_.clusters[sampled->link.a].full && forest_.clusters[sampled->link.b].full;
-  };
-  const auto middle = std::stable_partition(links.begin(), links.end(), full);
-  const auto in_parts = [](std::span<SampledLink* const> of, const auto& work) {
-    for (std::size_t at = 0; at < of.size(); at += kLinksAtOnce) {
-      work(of.subspan(at, std::min(kLinksAtOnce, of.size() - at)));
+void LinkSampler::estimate(Links links, int rays) {
+  // One request has one first sample.
+  std::map<std::uint32_t, std::array<std::vector<SampledLink*>, 2>> parts;
+  for (SampledLink* sampled : links) {
+    if (conclude_without_rays(*sampled)) continue;
+    const bool full = forest_.clusters[sampled->link.a].full && forest_.clusters[sampled->link.b].full;
+    parts[sampled->next][full ? 0 : 1].push_back(sampled);
+  }
+  for (const auto& [first, part] : parts) {
+    for (std::size_t kind = 0; kind < 2; ++kind) {
+      const Links all = part[kind];
+      for (std::size_t at = 0; at < all.size(); at += kLinksAtOnce) {
+        const Links some = all.subspan(at, std::min(kLinksAtOnce, all.size() - at));
+        kind == 0 ? full_pairs(some, rays) : member_pairs(some, rays);
+      }
     }
-  };
-  in_parts({links.begin(), middle}, [&](std::span<SampledLink* const> part) { full_pairs(part, rays); });
-  in_parts({middle, links.end()}, [&](std::span<SampledLink* const> part) { member_pairs(part, rays); });
+  }
 }
 
-void LinkSampler::full_pairs(std::span<SampledLink* const> links, int rays) {
+void LinkSampler::full_pairs(Links links, int rays) {
   const auto leaves = static_cast<std::uint32_t>(forest_.leaves.size());
   std::vector<ElementPair> pairs;
   for (const SampledLink* sampled : links) {
     const Link& link = sampled->link;
     pairs.push_back({leaves + link.a, leaves + link.b, static_cast<std::uint32_t>(hash_of(link, 0))});
   }
-  if (pairs.empty()) return;
   const auto factors = ask(pairs, {.rays = static_cast<std::uint32_t>(rays),
-                                   .first = links.front()->link.rays,
+                                   .first = links.front()->next,
                                    .seed = settings_.seed,
                                    .made = settings_.made});
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    SampledLink& sampled = *links[i];
-    const double before = sampled.link.rays, more = rays, all = before + more;
-    join(sampled.transported, before, factors[i].transported, more);
-    join(sampled.geometric, before, factors[i].geometric, more);
-    const double error = factors[i].standard_error;
-    sampled.variance = (before * before * sampled.variance + more * more * error * error) / (all * all);
-    sampled.link.rays += static_cast<std::uint32_t>(rays);
-    conclude(sampled);
-  }
+  for (std::size_t i = 0; i < links.size(); ++i) conclude(*links[i], factors[i], rays);
 }
 
 // The leaf at a share, 0..1, of the cluster's measure.
@@ -95,7 +84,7 @@ std::uint32_t LinkSampler::member(const Cluster& cluster, double share) const {
   return static_cast<std::uint32_t>(after - begin) - 1;
 }
 
-void LinkSampler::member_pairs(std::span<SampledLink* const> links, int rays) {
+void LinkSampler::member_pairs(Links links, int rays) {
   // Fractions of the powers of 1 / 1.3247..., the generalised golden ratio of two dimensions, in 64-bit fixed point.
   constexpr std::array<std::uint64_t, 2> kSteps{0xC13FA9A902A6328F, 0x91E10DA5C79E7B1D};
   constexpr double kShare = 0x1p-64;
@@ -103,7 +92,7 @@ void LinkSampler::member_pairs(std::span<SampledLink* const> links, int rays) {
   std::vector<ElementPair> pairs;
   for (const SampledLink* sampled : links) {
     const Link& link = sampled->link;
-    const std::uint64_t turn = mix(settings_.seed), first = link.rays / kRaysPerMember;
+    const std::uint64_t turn = mix(settings_.seed), first = sampled->next / kRaysPerMember;
     const std::uint64_t turn_a = hash_of(link, turn), turn_b = hash_of(link, turn + 1);
     for (std::uint64_t i = first; i < first + draws; ++i) {
       const double share_a = static_cast<double>(turn_a + (i + 1) * kSteps[0]) * kShare;
@@ -112,26 +101,20 @@ void LinkSampler::member_pairs(std::span<SampledLink* const> links, int rays) {
                        static_cast<std::uint32_t>(hash_of(link, i + 2))});
     }
   }
-  if (pairs.empty()) return;
   const auto factors = ask(pairs, {.rays = kRaysPerMember, .seed = settings_.seed, .made = settings_.made});
   for (std::size_t i = 0; i < links.size(); ++i) {
-    SampledLink& sampled = *links[i];
-    double transported = 0, geometric = 0, squares = 0;
-    for (std::size_t k = i * draws; k < (i + 1) * draws; ++k) {
-      transported += factors[k].transported / static_cast<double>(draws);
-      geometric += factors[k].geometric / static_cast<double>(draws);
+    const std::span of_link = std::span(factors).subspan(i * draws, draws);
+    PairFactor mean;
+    for (const PairFactor& factor : of_link) {
+      mean.transported += factor.transported / static_cast<double>(draws);
+      mean.geometric += factor.geometric / static_cast<double>(draws);
     }
-    for (std::size_t k = i * draws; k < (i + 1) * draws; ++k) {
-      const double off = factors[k].transported - transported;
-      squares += off * off;
+    double squares = 0;
+    for (const PairFactor& factor : of_link) {
+      squares += (factor.transported - mean.transported) * (factor.transported - mean.transported);
     }
-    const double variance = squares / (static_cast<double>(draws) * static_cast<double>(draws - 1));
-    const double before = sampled.link.rays, more = rays, all = before + more;
-    join(sampled.transported, before, transported, more);
-    join(sampled.geometric, before, geometric, more);
-    sampled.variance = (before * before * sampled.variance + more * more * variance) / (all * all);
-    sampled.link.rays += static_cast<std::uint32_t>(rays);
-    conclude(sampled);
+    mean.standard_error = std::sqrt(squares / (static_cast<double>(draws) * static_cast<double>(draws - 1)));
+    conclude(*links[i], mean, rays);
   }
 }
 
@@ -159,7 +142,9 @@ std::optional<double> LinkSampler::near_factor(const Cluster& a, const Cluster& 
     high[axis] = std::max(a.high[axis], b.high[axis]);
   }
   const Contents::Of between = contents_.box(low, high);
-  if (between.solid || between.kappa_spread * (place.gap + 2 * place.size) > kUneven) return std::nullopt;
+  const bool leaves = a.child == kNone && b.child == kNone;  // as even as their elements are taken to be
+  if (between.solid) return std::nullopt;
+  if (!leaves && between.kappa_spread * (place.gap + 2 * place.size) > kUneven) return std::nullopt;
   return box_factors_.of(a, b, between.mean_kappa);
 }
 
@@ -174,33 +159,34 @@ bool LinkSampler::conclude_without_rays(SampledLink& sampled) {
 }
 
 // From means to the exchange area.
-void LinkSampler::conclude(SampledLink& sampled) {
+void LinkSampler::conclude(SampledLink& sampled, const PairFactor& mean, int rays) {
   Link& link = sampled.link;
+  sampled.next += static_cast<std::uint32_t>(rays);
+  link.rays = static_cast<std::uint32_t>(rays);
   const Cluster& a = forest_.clusters[link.a];
   const Cluster& b = forest_.clusters[link.b];
-  const double scale = forest_.exchange_measure(a) * forest_.exchange_measure(b), rays = link.rays;
-  const double error = std::sqrt(sampled.variance);
-  link.exchange = scale * sampled.transported;
-  link.standard_error = scale * error;
-  link.spread = scale * error * std::sqrt(rays);
-  if (a.full && b.full && sampled.geometric > 0) {
+  const double scale = forest_.exchange_measure(a) * forest_.exchange_measure(b);
+  link.exchange = scale * mean.transported;
+  link.standard_error = scale * mean.standard_error;
+  link.spread = link.standard_error * std::sqrt(rays);
+  if (a.full && b.full && mean.geometric > 0) {
     // The rays' error is that of the share which arrives, and can't be more than if each came whole or not at all.
     const double geometric = box_factors_.of(a, b, 0);
-    const double share = std::min(sampled.transported / sampled.geometric, 1.0);
+    const double share = std::min(mean.transported / mean.geometric, 1.0);
     const double most = std::sqrt(share * (1 - share) / rays);
     link.exchange = scale * geometric * share;
-    link.standard_error = scale * geometric * std::min(error / sampled.geometric, most);
+    link.standard_error = scale * geometric * std::min(mean.standard_error / mean.geometric, most);
     if (const auto factor = near_factor(a, b)) {
       link.exchange = scale * *factor;
       link.standard_error = 0;
     }
   }
-  // What none of the rays has found the next one may find: of near clusters a place where they meet.
+  link.exchange = std::min({link.exchange, a.weight, b.weight});  // as it is, whatever few rays say
+  // What none of the rays has found the next one may find. Where clusters meet it may be most of all.
   const Place place = place_of(a, b);
-  double unseen = sampled.transported > 0 ? sampled.transported : sampled.geometric;
-  if (place.near())
-    unseen = std::max(unseen, 1 / (std::numbers::pi * (place.gap * place.gap + place.size * place.size / 4)));
-  link.spread = std::max(link.spread, scale * unseen / (rays + 1));
+  const double unseen = (mean.transported > 0 ? mean.transported : mean.geometric) / (rays + 1);
+  const double meeting = 1 / (std::numbers::pi * (place.gap * place.gap + place.size * place.size));
+  link.spread = std::max(link.spread, scale * (place.touch() ? std::max(unseen, meeting) : unseen));
 }
 
 }  // namespace gicube::samples

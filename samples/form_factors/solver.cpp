@@ -21,9 +21,8 @@ double uncertain_part(const Link& link, const Forest& forest) {
   return std::min((leaves ? link.standard_error : link.spread) / link.exchange, 1.0);
 }
 
-RadiositySolver::RadiositySolver(const Forest& forest, bool balance)
+RadiositySolver::RadiositySolver(const Forest& forest)
     : forest_(forest),
-      balance_(balance),
       leaf_in_(forest.leaves.size()),
       factors_(forest.leaves.size(), 1),
       raw_sums_(forest.leaves.size(), 1),
@@ -208,16 +207,17 @@ double RadiositySolver::residual() const {
   return sum / total(emitted_);
 }
 
-void RadiositySolver::solve(std::span<const Link> links, Solver solver, double convergence, int most_iterations,
+void RadiositySolver::solve(std::span<const Link> links, const RadiositySettings& settings, bool balanced,
                             std::vector<Iteration>& iterations) {
+  balance_ = balanced;
   index(links);
   balance(links);
   push_pull();
   gather(links);  // all links may be new
   for (int i = 0;; ++i) {
     iterations.push_back({static_cast<std::uint32_t>(links.size()), residual()});
-    if (iterations.back().residual <= convergence || i >= most_iterations) return;
-    solver == Solver::kGathering ? gather(links) : shoot(links);
+    if (iterations.back().residual <= settings.convergence || i >= settings.most_iterations) return;
+    settings.solver == Solver::kGathering ? gather(links) : shoot(links);
   }
 }
 

@@ -11,13 +11,13 @@ namespace gicube::samples {
 
 class RadiositySolver {
  public:
-  // `balance`: what is uncertain of the exchange areas (uncertain_part()) is scaled until each leaf's sum closes, by a factor
-  // of each leaf for what it sends and takes, so that they stay reciprocal. What is certain stays as it was measured.
-  RadiositySolver(const Forest& forest, bool balance);
+  explicit RadiositySolver(const Forest& forest);
 
   // Goes on from what it has, with these links, until the share of the emitted power that is under way is at most
   // `convergence`. Adds to `iterations`.
-  void solve(std::span<const Link> links, Solver solver, double convergence, int most_iterations,
+  // With `balance` what is uncertain of the exchange areas (uncertain_part()) is scaled until each leaf's sum closes, by a factor
+  // of each leaf for what it sends and takes, so that they stay reciprocal. What is certain stays as it was measured.
+  void solve(std::span<const Link> links, const RadiositySettings& settings, bool balance,
              std::vector<Iteration>& iterations);
 
   // Radiosity of a cluster: the mean over its leaves, by weight.
@@ -46,7 +46,7 @@ class RadiositySolver {
   double residual() const;
 
   const Forest& forest_;
-  bool balance_;
+  bool balance_ = false;
   Power emitted_{};
   std::vector<Power> leaf_in_, leaf_out_;
   std::vector<double> factors_;   // of leaves, from balancing

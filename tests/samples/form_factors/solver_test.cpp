@@ -26,9 +26,9 @@ TEST(RadiositySolver, TwoPlanesReflectEachOthersLight) {
   const Forest forest = make_forest({leaf(4, 0, 1, 0.5), leaf(5, 0, 0, 0.8)}, {1, 1, 1}, 1);
   const std::vector<Link> links{{.a = 0, .b = 1, .exchange = 1}};
   for (const Solver way : {Solver::kGathering, Solver::kShooting}) {
-    RadiositySolver solver(forest, false);
+    RadiositySolver solver(forest);
     std::vector<Iteration> iterations;
-    solver.solve(links, way, 1e-9, 1000, iterations);
+    solver.solve(links, {.solver = way, .convergence = 1e-9}, false, iterations);
     RadiosityResult result;
     result.links = links;
     solver.results(result);
@@ -51,10 +51,10 @@ class TwoLevels : public testing::Test {
   std::vector<Link> links{{.a = 0, .b = 1, .exchange = 1}, {.a = 2, .b = 4, .exchange = 0.25}};
 
   RadiosityResult solve(Solver way, bool balance) {
-    RadiositySolver solver(forest, balance);
+    RadiositySolver solver(forest);
     RadiosityResult result;
     result.links = links;
-    solver.solve(links, way, 1e-10, 10'000, result.statistics.iterations);
+    solver.solve(links, {.solver = way, .convergence = 1e-10}, balance, result.statistics.iterations);
     solver.results(result);
     return result;
   }
@@ -94,10 +94,10 @@ TEST_F(TwoLevels, WhatIsCertainStaysAsItWas) {
 
 TEST(RadiositySolver, TheVolumesEndsTakeWhatEscapes) {
   const Forest forest = make_forest({leaf(4, 0, 2, 0.5), leaf(5, 0, 0, 0, kOutside)}, {1, 1, 1}, 1);
-  RadiositySolver solver(forest, false);
+  RadiositySolver solver(forest);
   RadiosityResult result;
   result.links = {{.a = 0, .b = 1, .exchange = 1, .standard_error = 0.1}};
-  solver.solve(result.links, Solver::kShooting, 1e-9, 100, result.statistics.iterations);
+  solver.solve(result.links, {.solver = Solver::kShooting, .convergence = 1e-9}, false, result.statistics.iterations);
   solver.results(result);
   EXPECT_DOUBLE_EQ(result.statistics.energy.escaped[0], 2);
   EXPECT_DOUBLE_EQ(result.statistics.energy.absorbed_by_faces[0], 0);
