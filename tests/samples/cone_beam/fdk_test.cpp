@@ -109,7 +109,8 @@ TEST(Fdk, ARotatedPhantomIsRotatedTheRightWay) {
   double mass = 0;
   for (std::size_t i = 0; i < made.values.size(); ++i) {
     if (made.values[i] < 0.5F) continue;
-    const Vec3 voxel{static_cast<double>(i % 32), static_cast<double>(i / 32 % 32), static_cast<double>(i / 1024)};
+    const std::size_t row = i / 32, slice = row / 32;
+    const Vec3 voxel{static_cast<double>(i % 32), static_cast<double>(row % 32), static_cast<double>(slice)};
     centre = centre + to_space(geometry.volume, voxel);
     ++mass;
   }

@@ -56,8 +56,9 @@ TEST(Phantom, ProjectionsAndVoxelsLieWhereTheGeometrySays) {
     for (std::size_t i = 0; i < views.view_size(); ++i) {
       if (views.view(view)[i] > views.view(view)[best]) best = i;
     }
+    const std::size_t row = best / 40;
     return std::pair(u_of(geometry.detector, static_cast<double>(best % 40)),
-                     v_of(geometry.detector, static_cast<double>(best / 40)));
+                     v_of(geometry.detector, static_cast<double>(row)));
   };
   EXPECT_NEAR(brightest(0).first, 0, 5);
   EXPECT_NEAR(brightest(0).second, 10 * 800 / 380.0, 5);

@@ -98,8 +98,9 @@ std::vector<double> reconstruct(const ConeGeometry& geometry, const Projections&
     for (std::size_t i = 0; i < views; ++i) {
       const double c = std::cos(geometry.angles[i]), s = std::sin(geometry.angles[i]);
       for (std::size_t voxel = 0; voxel < slice; ++voxel) {
-        const auto x = static_cast<double>(voxel % static_cast<std::size_t>(grid.dims[0]));
-        const auto y = static_cast<double>(voxel / static_cast<std::size_t>(grid.dims[0]));
+        const auto width = static_cast<std::size_t>(grid.dims[0]);
+        const std::size_t line = voxel / width;
+        const auto x = static_cast<double>(voxel % width), y = static_cast<double>(line);
         const Vec3 at = samples::to_space(grid, {x, y, static_cast<double>(z)});
         const double depth = geometry.source_to_axis - (at.x * c + at.y * s);
         const double magnified = geometry.source_to_detector / depth, near = geometry.source_to_axis / depth;
