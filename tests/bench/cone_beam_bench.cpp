@@ -5,8 +5,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <string>
 #include <tuple>
 
+#include "cone_beam/backprojector.h"
 #include "cone_beam/fdk.h"
 #include "cone_beam/phantom.h"
 #include "reference/fdk.h"
@@ -77,6 +79,38 @@ BENCHMARK(fdk)
     ->Iterations(1)
     ->UseRealTime()
     ->Unit(benchmark::kSecond);
+
+// One view into 128^3 at the cycle level: what its time goes into, as parts of all processors' cycles.
+void fdk_view_at_cycle_level(benchmark::State& state) {
+  const ConeGeometry geometry = scan(256, 128, 180);
+  const Projections projections = project(shepp_logan(85), geometry);
+  const RampFilter filter = ramp_filter(geometry, Window::kRamLak, 1);
+  const std::vector<double> view = filtered_view(projections, geometry, 0, filter, 1);
+  double most = 0;
+  for (const double value : view) most = std::max(most, std::abs(value));
+  Counters counters;
+  for (auto _ : state) {
+    Board board = Board::open("emu:?fidelity=cycle");
+    const std::vector<std::byte> nothing(std::size_t{128} * 128 * 128);
+    board.load_volume({.samples = nothing, .dims = geometry.volume.dims, .spacing = geometry.volume.spacing});
+    Backprojector backprojector(board, geometry, 1, 1, most, geometry.angles.size());
+    const Counters before = board.counters();
+    backprojector.add(geometry.angles[0], view);
+    benchmark::DoNotOptimize(backprojector.finish());
+    counters = board.counters() - before;
+  }
+  const auto value = [&counters](const std::string& name) { return static_cast<double>(counters.value(name)); };
+  const double cycles = value("asic.cycles");
+  state.counters["asic_ms"] = cycles / 1e5;
+  state.counters["deposits"] = value("pipeline.deposits");
+  for (const char* cause : {"busy", "splat", "latency", "sorter", "dsp", "queue_empty", "ray_bus"}) {
+    state.counters[cause] = value(std::string("processor.cycles.") + cause) / (4 * cycles);
+  }
+  state.counters["carriers"] = value("processor.splat.carriers");
+  state.counters["rays_bus_ms"] = value("bus.rays.time_ps") * 1e-9;
+  state.counters["read_ms"] = value("bus.volume.time_ps") * 1e-9;
+}
+BENCHMARK(fdk_view_at_cycle_level)->Iterations(1)->UseRealTime()->Unit(benchmark::kSecond);
 
 }  // namespace
 }  // namespace gicube::samples
