@@ -15,7 +15,6 @@ namespace gicube::samples {
 namespace {
 
 using reference::kAir;
-using reference::kLamp;
 using reference::kObstacle;
 using reference::kWall;
 using reference::Room;
