@@ -56,7 +56,8 @@ TEST(Field, ABallsLightIsThatOfItsSurfaceAndNotThatOfItsStairs) {
   SceneSetup with_normals = empty_setup();
   with_normals.gradients.resize(3 * kSize * kSize * kSize);
   for (int i = 0; i < kSize * kSize * kSize; ++i) {
-    const Vec3 inward = normalise({kMiddle - i % kSize, kMiddle - i / kSize % kSize, kMiddle - i / (kSize * kSize)});
+    const int x = i % kSize, y = i / kSize % kSize, z = i / (kSize * kSize);
+    const Vec3 inward = normalise({kMiddle - x, kMiddle - y, kMiddle - z});
     const auto place = 3 * static_cast<std::size_t>(i);
     with_normals.gradients[place] = static_cast<float>(inward.x);
     with_normals.gradients[place + 1] = static_cast<float>(inward.y);
