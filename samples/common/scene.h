@@ -75,7 +75,7 @@ struct SceneSetup {
   Materials materials;
   std::vector<Material> optics;            // by tag
   std::vector<Colour> scattering_colours;  // by tag
-  std::vector<Colour> emissions;           // by tag: power of a unit of area, or of a fog's volume, in the scene's units
+  std::vector<Colour> emissions;  // by tag: power of a unit of area, or of a fog's volume, in the scene's units
   Shading shading;
   std::vector<Light> lights;
   std::vector<Colour> light_colours;
