@@ -167,7 +167,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
   if (frame.sums != nullptr) {
     const std::uint64_t moved = most_moved(rays, frame);
     if (moved > kMostMoved) return refuse(expected("rays", "that can move no sum by more than 2^34", moved));
-    if (config_.fidelity() == v1::cycle) aperture_.sums().moved_anywhere(moved);
+    if (in_cycles(frame)) aperture_.sums().moved_anywhere(moved);
   }
   aperture_.decode(threads_);
   CommandResult result;
