@@ -28,6 +28,7 @@ Json energy_json(const EnergyBalance& energy, double unit) {
   json["escaped"] = scaled(energy.escaped, unit);
   json["under_way"] = scaled(energy.under_way, unit);
   json["closure"] = scaled(energy.closure, unit);
+  json["measured_closure"] = scaled(energy.measured_closure, unit);
   json["balance_error"] = balance_error(energy);
   return json;
 }

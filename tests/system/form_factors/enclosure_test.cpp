@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 #include <numbers>
 
 #include "common/input_error.h"
@@ -167,6 +168,16 @@ TEST(Hierarchy, HasAFractionOfTheLinks) {
   EXPECT_LT(12 * points[0].statistics.links, points[2].statistics.links);
   EXPECT_LT(6 * points[1].statistics.links, points[2].statistics.links);
   EXPECT_THAT(csv_of(points), HasSubstr("hierarchy,error,difference"));
+}
+
+// Where the light is even enough for a hierarchy to pay: at one percent, at least ten times fewer links.
+TEST(Hierarchy, HasATenthOfTheLinksAtOnePercent) {
+  Board board = reference::open_board(kUri);
+  const auto points = study_hierarchy(board, reference::setup_of(furnished(12, 0.05)), kCeilingLamp, {}, {3e-6});
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_LT(points[0].difference, 0.01);
+  EXPECT_LT(10 * points[0].statistics.links, points[1].statistics.links);
+  std::cout << csv_of(points);
 }
 
 TEST(Radiosity, IsTheSameBitsWhoeverMakesTheRays) {
