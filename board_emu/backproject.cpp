@@ -3,26 +3,28 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <memory>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "march.h"
 #include "meet.h"
 #include "memory/sum_memory.h"
-#include "pipeline/spread.h"
+#include "splat_pieces.h"
 
 namespace gicube::emu {
 
 namespace {
 
-// A ray's samples in one block.
-struct Piece {
-  std::uint32_t block = 0;
-  std::uint32_t count = 0;
-  Point first{};  // from the block's corner
-  Point step{};
-  std::int32_t amount = 0;
-  std::uint32_t moves = 0;  // a word by at most
+// What one thread cuts.
+struct Cut {
+  explicit Cut(std::size_t blocks) : counts(blocks), moves(blocks) {}
+
+  std::vector<Piece> pieces;
+  std::vector<std::uint32_t> counts;  // of each block's pieces; then where they go among all
+  std::vector<std::uint64_t> moves;   // each block's words by at most
+  RayCounters counters;
 };
 
 // How many samples of the ray lie in the volume, of those that it has left.
@@ -37,56 +39,26 @@ std::int32_t samples_inside(const Traveller& ray, const Frame& frame) {
   return count;
 }
 
-void cut(const wire::Ray& packet, const Frame& frame, std::vector<Piece>& pieces, RayCounters& counters) {
-  const BlockGrid grid(*frame.volume);
+void cut(const wire::Ray& packet, const Frame& frame, const BlockGrid& grid, Cut& out) {
   Traveller ray = set_out(packet, frame);
   std::int32_t left = samples_inside(ray, frame);
-  ++counters.rays;
-  counters.samples += static_cast<std::uint64_t>(left);
+  ++out.counters.rays;
+  out.counters.samples += static_cast<std::uint64_t>(left);
   const std::int32_t amount = amount_of(ray);
   const auto size = static_cast<std::uint32_t>(std::abs(amount));
-  const auto moves =
-      static_cast<std::uint32_t>(wire::most_moved(size, static_cast<std::uint32_t>(packet.colour_word()), frame.step));
-  counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{amount} * left);
+  const std::uint64_t moves = wire::most_moved(size, static_cast<std::uint32_t>(packet.colour_word()), frame.step);
+  out.counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{amount} * left);
   while (left > 0) {
     const Point low = grid.low(ray.position);
     const std::int32_t count = std::min(left, leap_steps(ray.position, ray.step, low, grid.size()));
-    Piece piece{static_cast<std::uint32_t>(grid.block(ray.position)),
-                static_cast<std::uint32_t>(count),
-                {},
-                ray.step,
-                amount,
-                moves};
+    Piece piece{
+        static_cast<std::uint32_t>(grid.block(ray.position)), static_cast<std::uint32_t>(count), {}, ray.step, amount};
     for (std::size_t axis = 0; axis < 3; ++axis) piece.first[axis] = ray.position[axis] - low[axis];
-    pieces.push_back(piece);
+    ++out.counts[piece.block];
+    out.moves[piece.block] += moves;
+    out.pieces.push_back(piece);
     advance(ray, count);
     left -= count;
-  }
-}
-
-// spread() and eight additions, for each sample of the piece. `row`, `slice`: words from a voxel to the next in y and z.
-void splat(const Piece& piece, std::int64_t* words, std::size_t row, std::size_t slice) {
-  constexpr int kBits = wire::kPositionFractionBits;
-  constexpr std::uint32_t kMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
-  std::uint32_t x = static_cast<std::uint32_t>(piece.first[0]), y = static_cast<std::uint32_t>(piece.first[1]),
-                z = static_cast<std::uint32_t>(piece.first[2]);
-  const auto along_x = [](std::int64_t* at, std::int32_t amount, std::uint32_t fraction) {
-    const std::int32_t upper = upper_part(amount, fraction);
-    at[0] += amount - upper;
-    at[1] += upper;
-  };
-  for (std::uint32_t i = 0; i < piece.count; ++i) {
-    std::int64_t* const at = words + (x >> kBits) + row * (y >> kBits) + slice * (z >> kBits);
-    const std::uint32_t fx = x & kMask, fy = y & kMask;
-    const std::int32_t far = upper_part(piece.amount, z & kMask), near = piece.amount - far;
-    const std::int32_t near_up = upper_part(near, fy), far_up = upper_part(far, fy);
-    along_x(at, near - near_up, fx);
-    along_x(at + row, near_up, fx);
-    along_x(at + slice, far - far_up, fx);
-    along_x(at + slice + row, far_up, fx);
-    x += static_cast<std::uint32_t>(piece.step[0]);
-    y += static_cast<std::uint32_t>(piece.step[1]);
-    z += static_cast<std::uint32_t>(piece.step[2]);
   }
 }
 
@@ -98,50 +70,69 @@ void on_threads(unsigned threads, const Job& job) {
   job(0u);
 }
 
+// The pieces of one block, among all that are sorted by block.
+struct Busy {
+  std::uint32_t block = 0;
+  std::span<const Piece> pieces;
+  std::uint64_t moves = 0;
+};
+
+class SortedPieces {
+ public:
+  explicit SortedPieces(std::vector<Cut>& cuts) {
+    std::size_t all = 0;
+    for (const Cut& cut : cuts) all += cut.pieces.size();
+    pieces_ = std::make_unique_for_overwrite<Piece[]>(all);
+    std::uint32_t at = 0;
+    for (std::uint32_t block = 0; block < cuts[0].counts.size(); ++block) {
+      const std::uint32_t first = at;
+      std::uint64_t moves = 0;
+      for (Cut& cut : cuts) {
+        at += std::exchange(cut.counts[block], at);
+        moves += cut.moves[block];
+      }
+      if (at != first) busy_.push_back({block, {pieces_.get() + first, at - first}, moves});
+    }
+    on_threads(static_cast<unsigned>(cuts.size()), [&](unsigned t) {
+      for (const Piece& piece : cuts[t].pieces) pieces_[cuts[t].counts[piece.block]++] = piece;
+    });
+  }
+
+  const std::vector<Busy>& busy() const { return busy_; }
+
+ private:
+  std::unique_ptr<Piece[]> pieces_;
+  std::vector<Busy> busy_;
+};
+
 }  // namespace
 
 RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads) {
   constexpr std::size_t kLeastRays = 16;  // chosen: a thread costs as much as some dozen rays
   threads = static_cast<unsigned>(std::clamp<std::size_t>(rays.size() / kLeastRays, 1, std::max(threads, 1u)));
-  std::vector<std::vector<Piece>> pieces(threads);
-  std::vector<RayCounters> counters(threads);
+  const BlockGrid grid(*frame.volume);
+  std::vector<Cut> cuts(threads, Cut(frame.volume->block_count()));
   on_threads(threads, [&](unsigned t) {
-    RayCounters mine;
     const std::size_t first = rays.size() * t / threads, last = rays.size() * (t + 1) / threads;
-    for (std::size_t i = first; i < last; ++i) cut(rays[i], frame, pieces[t], mine);
-    counters[t] = mine;
+    for (std::size_t i = first; i < last; ++i) cut(rays[i], frame, grid, cuts[t]);
   });
 
-  // Sorted by block: block b's pieces begin at starts[b].
-  std::vector<std::uint32_t> starts(frame.volume->block_count() + 1);
-  for (const auto& list : pieces) {
-    for (const Piece& piece : list) {
-      ++starts[piece.block + 1];
-      frame.sums->moved(piece.block, piece.moves);
-    }
-  }
-  std::vector<std::uint32_t> busy;
-  for (std::uint32_t block = 0; block + 1 < starts.size(); ++block) {
-    if (starts[block + 1] != 0) busy.push_back(block);
-    starts[block + 1] += starts[block];
-  }
-  std::vector<const Piece*> sorted(starts.back());
-  std::vector<std::uint32_t> next(starts.begin(), starts.end() - 1);
-  for (const auto& list : pieces) {
-    for (const Piece& piece : list) sorted[next[piece.block]++] = &piece;
-  }
-
+  const SortedPieces sorted(cuts);
   const std::size_t row = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  std::atomic<std::size_t> taken{0};
+  std::atomic<std::size_t> next{0};
   on_threads(threads, [&](unsigned) {
-    for (std::size_t i = taken++; i < busy.size(); i = taken++) {
-      const std::uint32_t block = busy[i];
-      std::int64_t* const words = frame.sums->storage(block);
-      for (std::uint32_t p = starts[block]; p < starts[block + 1]; ++p) splat(*sorted[p], words, row, row * row);
+    for (std::size_t i = next++; i < sorted.busy().size(); i = next++) {
+      const Busy& of = sorted.busy()[i];
+      frame.sums->moved(of.block, of.moves);
+      if (std::int64_t* const pairs = frame.sums->pairs(of.block, of.moves); pairs != nullptr) {
+        splat(of.pieces, pairs, row, row * row);
+      } else {
+        splat_to_words(of.pieces, frame.sums->storage(of.block), row, row * row);
+      }
     }
   });
   RayCounters sum;
-  for (const RayCounters& each : counters) sum += each;
+  for (const Cut& cut : cuts) sum += cut.counters;
   sum.visible_samples = sum.deposits = sum.samples;
   return sum;
 }

@@ -7,6 +7,13 @@
 
 namespace gicube::emu {
 
+namespace {
+
+std::int64_t lower(std::int64_t pair) { return static_cast<std::int32_t>(static_cast<std::uint64_t>(pair)); }
+std::int64_t upper(std::int64_t pair) { return (pair - lower(pair)) >> 32; }
+
+}  // namespace
+
 void SumMemory::resize(const std::array<int, 3>& size) {
   size_ = size;
   std::size_t count = 1;
@@ -14,14 +21,20 @@ void SumMemory::resize(const std::array<int, 3>& size) {
     blocks_[axis] = (size[axis] + n_ - 1) / n_;
     count *= static_cast<std::size_t>(blocks_[axis]);
   }
-  blocks_words_.clear();
-  blocks_words_.resize(count);
+  for (std::vector<Words>* all : {&blocks_words_, &blocks_pairs_}) {
+    all->clear();
+    all->resize(count);
+  }
   bounds_.assign(count, 0);
+  pairs_bounds_.assign(count, 0);
 }
 
 std::size_t SumMemory::stored_blocks() const {
-  return static_cast<std::size_t>(
-      std::count_if(blocks_words_.begin(), blocks_words_.end(), [](const auto& words) { return words != nullptr; }));
+  std::size_t count = 0;
+  for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
+    if (blocks_words_[block] != nullptr || blocks_pairs_[block] != nullptr) ++count;
+  }
+  return count;
 }
 
 std::array<int, 3> SumMemory::place(std::size_t block) const {
@@ -33,6 +46,28 @@ std::int64_t* SumMemory::storage(std::size_t block) {
   auto& words = blocks_words_[block];
   if (words == nullptr) words = std::make_unique<std::int64_t[]>(edge_ * edge_ * edge_);
   return words.get();
+}
+
+std::int64_t* SumMemory::pairs(std::size_t block, std::uint64_t by) {
+  constexpr std::uint64_t kMost = (std::uint64_t{1} << 31) - 1;
+  if (by > kMost) return nullptr;
+  if (pairs_bounds_[block] + by > kMost) join_pairs(block);
+  pairs_bounds_[block] += by;
+  Words& pairs = blocks_pairs_[block];
+  if (pairs == nullptr) pairs = std::make_unique<std::int64_t[]>(edge_ * edge_ * edge_);
+  return pairs.get();
+}
+
+void SumMemory::join_pairs(std::size_t block) {
+  pairs_bounds_[block] = 0;
+  std::int64_t* const pairs = blocks_pairs_[block].get();
+  if (pairs == nullptr) return;
+  std::int64_t* const words = storage(block);
+  for (std::size_t i = 0; i + 1 < edge_ * edge_ * edge_; ++i) {  // a row's last has no pair
+    words[i] += lower(pairs[i]);
+    words[i + 1] += upper(pairs[i]);
+    pairs[i] = 0;
+  }
 }
 
 SharingBlocks SumMemory::blocks_of(const Deposit& deposit) const {
@@ -72,6 +107,7 @@ std::int64_t SumMemory::add(const Deposit& deposit, std::uint32_t block) {
 // Brings the parts that lie beyond the blocks' far faces to the words that they belong to.
 void SumMemory::gather_parts() {
   for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
+    join_pairs(block);
     if (blocks_words_[block] == nullptr) continue;
     std::int64_t* const words = blocks_words_[block].get();
     const std::array<int, 3> at = place(block);
@@ -129,6 +165,16 @@ Overflow SumMemory::settle() {
   return out;
 }
 
+std::int64_t SumMemory::part(std::size_t block, std::size_t index, bool first) const {
+  std::int64_t sum = 0;
+  if (const auto& words = blocks_words_[block]; words != nullptr) sum += words[index];
+  if (const auto& pairs = blocks_pairs_[block]; pairs != nullptr) {
+    sum += lower(pairs[index]);
+    if (!first) sum += upper(pairs[index - 1]);
+  }
+  return sum;
+}
+
 // A word on a near face has parts in up to seven neighbours.
 std::int64_t SumMemory::value(std::size_t block, int x, int y, int z) const {
   const std::array<int, 3> at = place(block), local{x, y, z};
@@ -143,8 +189,7 @@ std::int64_t SumMemory::value(std::size_t block, int x, int y, int z) const {
       in[axis] = n_;
     }
     if (!there) continue;
-    const auto& words = blocks_words_[block_at(from[0], from[1], from[2])];
-    if (words != nullptr) sum += words[index(in[0], in[1], in[2])];
+    sum += part(block_at(from[0], from[1], from[2]), index(in[0], in[1], in[2]), in[0] == 0);
   }
   return sum;
 }
@@ -157,12 +202,7 @@ void SumMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
     const auto word = static_cast<int>((first + i) % of_block);
     const int x = word % n_, y = word / n_ % n_, z = word / (n_ * n_);
     const bool near_face = x == 0 || y == 0 || z == 0;
-    std::int64_t sum = 0;
-    if (near_face) {
-      sum = value(block, x, y, z);
-    } else if (blocks_words_[block] != nullptr) {
-      sum = blocks_words_[block][index(x, y, z)];
-    }
+    const std::int64_t sum = near_face ? value(block, x, y, z) : part(block, index(x, y, z), false);
     wire::store36(out, i, static_cast<std::uint64_t>(sum) & ((std::uint64_t{1} << wire::kVoxelBits) - 1));
   }
 }

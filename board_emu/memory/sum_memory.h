@@ -4,6 +4,9 @@
 // gives each block (n+1)^3 words all the same: what a block's samples leave in the voxels beyond its far faces stays there
 // as a part of the neighbour's word, so that blocks can be worked on side by side without locks. Sums of integers don't
 // depend on their order, and a word's value is that of its parts together. A block that no ray has reached takes no memory.
+//
+// What threads add comes as pairs: the shares of two neighbours along x, of 32 bits each, in one 64-bit integer
+// lower + 2^32 upper, so that a splat is four additions instead of eight. They join the words before one of them can be full.
 #pragma once
 
 #include <array>
@@ -37,10 +40,13 @@ class SumMemory {
   // Adds the shares, read as signed, whose words belong to `block`, and returns their sum.
   std::int64_t add(const Deposit& deposit, std::uint32_t block);
 
-  // A block's (n+1)^3 words, x fastest, for one thread to add to; makes them if there are none.
+  // A block's (n+1)^3 words, x fastest; makes them if there are none.
   std::int64_t* storage(std::size_t block);
+  // The pairs of the block's words x and x + 1 at x, for one thread to add to, if that moves no word by more than `by`; null
+  // if it can be more than pairs hold.
+  std::int64_t* pairs(std::size_t block, std::uint64_t by);
 
-  // The words of a block's storage() can have moved by so much more.
+  // The words of a block's storage() and pairs() can have moved by so much more.
   void moved(std::size_t block, std::uint64_t by) { bounds_[block] += by; }
   void moved_anywhere(std::uint64_t by) {
     for (std::uint64_t& bound : bounds_) bound += by;
@@ -65,7 +71,10 @@ class SumMemory {
   std::size_t index(int x, int y, int z) const {
     return static_cast<std::size_t>(x) + edge_ * (static_cast<std::size_t>(y) + edge_ * static_cast<std::size_t>(z));
   }
+  // Of the block's own words and pairs.
+  std::int64_t part(std::size_t block, std::size_t index, bool first) const;
   std::int64_t value(std::size_t block, int x, int y, int z) const;
+  void join_pairs(std::size_t block);
   void gather_parts();
   bool can_overflow() const;
 
@@ -73,8 +82,11 @@ class SumMemory {
   std::size_t edge_;  // n + 1
   std::array<int, 3> size_{};
   std::array<int, 3> blocks_{};
-  std::vector<std::unique_ptr<std::int64_t[]>> blocks_words_;
-  std::vector<std::uint64_t> bounds_;  // no word of the block's storage is larger
+  using Words = std::unique_ptr<std::int64_t[]>;
+  std::vector<Words> blocks_words_;
+  std::vector<Words> blocks_pairs_;
+  std::vector<std::uint64_t> bounds_;        // no word of the block's storage with its pairs is larger
+  std::vector<std::uint64_t> pairs_bounds_;  // no half of a pair is
 };
 
 }  // namespace gicube::emu

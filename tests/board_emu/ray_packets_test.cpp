@@ -3,11 +3,11 @@
 #include "ray_packets.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <cmath>
 
 #include "functional.h"
+#include "instruction_sets.h"
 #include "random_machine.h"
 
 namespace gicube::emu {
@@ -40,19 +40,6 @@ void expect_equal(const Rays& got, const Rays& expected) {
   EXPECT_EQ(got.counters.visible_samples, expected.counters.visible_samples);
   EXPECT_EQ(got.counters.leaps, expected.counters.leaps);
   EXPECT_EQ(got.counters.terminated, expected.counters.terminated);
-}
-
-// On each instruction set for which the march was compiled and that the host has.
-template <typename Check>
-void on_every_target(const Check& check) {
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    SCOPED_TRACE(hwy::TargetName(target));
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    check();
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 void draw_field(Scene& scene, Dice& dice) {

@@ -87,6 +87,45 @@ TEST(SumMemory, WordsWhosePartsTogetherAreTooLargeAreFound) {
   EXPECT_EQ(sum_at(sums, 8, 1, 0), wire::kMostSum);
 }
 
+TEST(SumMemory, PairsAreReadTogetherWithTheWords) {
+  SumMemory sums(8);
+  sums.resize({16, 8, 8});
+  constexpr std::size_t kPlace = 9 * (3 + 9 * 4);
+  sums.storage(0)[3 + kPlace] = 100;
+  std::int64_t* const pairs = sums.pairs(0, 10);
+  ASSERT_NE(pairs, nullptr);
+  pairs[2 + kPlace] += -7 + 5 * (std::int64_t{1} << 32);  // voxels 2 and 3
+  pairs[7 + kPlace] += 1 - 3 * (std::int64_t{1} << 32);   // 7, and 8 that is the next block's first
+  constexpr std::size_t kRow = 8 * (3 + 8 * 4);
+  EXPECT_EQ(sum_at(sums, 8, 0, 2 + kRow), -7);
+  EXPECT_EQ(sum_at(sums, 8, 0, 3 + kRow), 105);
+  EXPECT_EQ(sum_at(sums, 8, 0, 7 + kRow), 1);
+  EXPECT_EQ(sum_at(sums, 8, 1, 0 + kRow), -3);
+}
+
+TEST(SumMemory, PairsJoinTheWordsBeforeTheyAreFull) {
+  SumMemory sums(8);
+  sums.resize({8, 8, 8});
+  constexpr std::int64_t kMost = (std::int64_t{1} << 31) - 1, kBoth = 1 - (std::int64_t{1} << 32);
+  for (int i = 0; i < 5; ++i) {
+    std::int64_t* const pairs = sums.pairs(0, kMost);
+    ASSERT_NE(pairs, nullptr);
+    EXPECT_EQ(pairs[0], 0) << i;
+    pairs[0] += kMost * kBoth;
+    sums.moved(0, kMost);
+  }
+  EXPECT_EQ(sum_at(sums, 8, 0, 0), 5 * kMost);
+  EXPECT_EQ(sum_at(sums, 8, 0, 1), -5 * kMost);
+  EXPECT_EQ(sums.pairs(0, kMost + 1), nullptr);
+  for (int i = 0; i < 4; ++i) {
+    sums.pairs(0, kMost)[0] += kMost * kBoth;
+    sums.moved(0, kMost);
+  }
+  EXPECT_EQ(sums.settle().words, 2u);
+  EXPECT_EQ(sum_at(sums, 8, 0, 0), wire::kMostSum);
+  EXPECT_EQ(sum_at(sums, 8, 0, 1), -wire::kMostSum);
+}
+
 class Sums : public testing::TestWithParam<v1::FidelityLevel> {
  protected:
   Sums() : board_(config()) {
