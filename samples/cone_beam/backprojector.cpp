@@ -30,19 +30,35 @@ HostRay clipped_ray(const Grid& grid, Vec3 source, Vec3 pixel) {
           .length = (last - first) * length(way)};
 }
 
-Backprojector::Backprojector(Board& board, const ConeGeometry& geometry, int fine, double step, double most,
-                             std::size_t views)
-    : board_(board), geometry_(geometry), fine_(fine), step_(step) {
-  // A voxel that gets the most from all rays of all views near it has half of what a sum holds; and a step's most is 2^20
-  // units, so that thousands of rays fit one command [chosen].
-  constexpr double kMostUnits = 1 << 20, kMostSum = 8.0 * (1 << 30);
+double most_of_a_voxel(const ConeGeometry& geometry, int fine) {
   const Vec3 edge = geometry.volume.spacing, corner = to_space(geometry.volume, {0, 0, 0});
   const Detector& detector = geometry.detector;
   const double longest = std::max({edge.x, edge.y, edge.z});
   const double nearest = (geometry.source_to_axis - std::hypot(corner.x, corner.y)) / geometry.source_to_detector;
   const double pixel = detector.pitch_u * detector.pitch_v * nearest * nearest / (fine * fine);
-  const double rays_of_a_voxel = std::max(1.0, longest * longest / pixel) * static_cast<double>(views);
-  board_.clear_sums(std::max(most, 1e-30) * longest * std::max(step / kMostUnits, rays_of_a_voxel / kMostSum));
+  return longest * std::max(1.0, longest * longest / pixel);
+}
+
+void make_up_for_faces(std::vector<float>& sums, const Dims& dims) {
+  const auto half = [](int i, int dim) { return i == 0 || i == dim - 1 ? 2.0F : 1.0F; };
+  float* sum = sums.data();
+  for (int z = 0; z < dims[2]; ++z) {
+    for (int y = 0; y < dims[1]; ++y) {
+      for (int x = 0; x < dims[0]; ++x) *sum++ *= half(x, dims[0]) * half(y, dims[1]) * half(z, dims[2]);
+    }
+  }
+}
+
+Backprojector::Backprojector(Board& board, const ConeGeometry& geometry, int fine, double step, double most,
+                             std::size_t views)
+    : board_(board), geometry_(geometry), fine_(fine), step_(step) {
+  // A voxel that gets the most from all rays of all views near it has half of what a sum holds; and a step's most is 2^17 - 1
+  // units, so that thousands of rays fit one command [chosen].
+  constexpr double kMostUnits = (1 << 17) - 1, kMostSum = 8.0 * (1 << 30);
+  const Vec3 edge = geometry.volume.spacing;
+  const double of_a_step = std::max({edge.x, edge.y, edge.z}) * step / kMostUnits;
+  const double of_all = most_of_a_voxel(geometry, fine) * static_cast<double>(views) / kMostSum;
+  board_.clear_sums(std::max(most, 1e-30) * std::max(of_a_step, of_all));
 }
 
 void Backprojector::add(double angle, std::span<const double> densities) {
@@ -77,13 +93,7 @@ std::vector<float> Backprojector::finish() {
   while (!under_way_.empty()) receive();
   const Dims dims = geometry_.volume.dims;
   std::vector<float> sums = board_.read_sums({{0, 0, 0}, dims});
-  const auto half = [](int i, int dim) { return i == 0 || i == dim - 1 ? 2.0F : 1.0F; };
-  float* sum = sums.data();
-  for (int z = 0; z < dims[2]; ++z) {
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x) *sum++ *= half(x, dims[0]) * half(y, dims[1]) * half(z, dims[2]);
-    }
-  }
+  make_up_for_faces(sums, dims);
   return sums;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "cone_beam/backprojector.h"
+#include "cone_beam/irradiance.h"
 #include "cone_beam/threads.h"
 
 namespace gicube::samples {
@@ -22,13 +23,14 @@ void check(const FdkSettings& settings, const ConeGeometry& geometry, const Proj
   if (!(settings.sharpen >= 0 && settings.sharpen <= 0.25)) {
     throw BadArgument("sharpen", "0..1/4", fmt::format("{}", settings.sharpen));
   }
-  const std::size_t pixels = projections.view_size() * geometry.angles.size();
-  if (projections.columns != geometry.detector.columns || projections.rows != geometry.detector.rows ||
-      projections.values.size() != pixels) {
-    throw BadArgument(
-        "projections", "a view of the detector's size for each angle",
-        fmt::format("{} x {}, {} values", projections.columns, projections.rows, projections.values.size()));
+  if (settings.read_every < 1) throw BadArgument("read_every", "at least 1", std::to_string(settings.read_every));
+  if (settings.bits != 0 && (settings.bits < 4 || settings.bits > 32)) {
+    throw BadArgument("bits", "0 or 4..32", std::to_string(settings.bits));
   }
+  if (!(std::isfinite(settings.headroom) && settings.headroom > 0)) {
+    throw BadArgument("headroom", "a finite number above 0", fmt::format("{}", settings.headroom));
+  }
+  check(projections, geometry);
 }
 
 // At fine x fine places a row of `coarse` rows of `columns`, by cubics through four rows; beyond the detector as at its edge.
@@ -48,6 +50,28 @@ std::vector<double> finer_rows(const std::vector<double>& coarse, std::size_t co
         to[i] += weights[static_cast<std::size_t>(k)] * coarse[from * columns + i];
     }
   }
+  return out;
+}
+
+Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
+                                     const FilteredView& filtered, const Progress& progress) {
+  const std::size_t views = geometry.angles.size();
+  // Filtered twice, since all views together would take more memory than the volume.
+  std::vector<double> most_of(views);
+  in_parallel(views, [&](std::size_t view) {
+    for (const double value : filtered(view)) most_of[view] = std::max(most_of[view], std::abs(value));
+  });
+  const double most = *std::max_element(most_of.begin(), most_of.end());
+  Backprojector backprojector(board, geometry, settings.rays, settings.step, most, views);
+  for (std::size_t view = 0; view < views; ++view) {
+    if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));
+    backprojector.add(geometry.angles[view], filtered(view));
+  }
+  Reconstruction out;
+  out.values = backprojector.finish();
+  out.rays = backprojector.rays();
+  out.deposits = backprojector.deposits();
+  out.overflowed = backprojector.overflowed();
   return out;
 }
 
@@ -127,25 +151,16 @@ Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const
 
   const RampFilter filter = ramp_filter(geometry, settings.window, settings.rays);
   const std::size_t views = geometry.angles.size();
-  // Filtered twice, since all views together would take more memory than the volume.
-  const auto filtered = [&](std::size_t view) {
+  const FilteredView filtered = [&](std::size_t view) {
     return filtered_view(projections, geometry, view, filter, settings.rays);
   };
-  std::vector<double> most_of(views);
-  in_parallel(views, [&](std::size_t view) {
-    for (const double value : filtered(view)) most_of[view] = std::max(most_of[view], std::abs(value));
-  });
-  const double most = *std::max_element(most_of.begin(), most_of.end());
-  Backprojector backprojector(board, geometry, settings.rays, settings.step, most, views);
-  for (std::size_t view = 0; view < views; ++view) {
-    if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));
-    backprojector.add(geometry.angles[view], filtered(view));
+  Reconstruction out;
+  if (settings.accumulator == Accumulator::kIrradiance) {
+    out = backproject_into_irradiance(board, geometry, settings, filtered, progress);
+  } else {
+    out = backproject_into_sums(board, geometry, settings, filtered, progress);
   }
-  Reconstruction out{backprojector.finish()};
   sharpen(out.values, dims, settings.sharpen);
-  out.rays = backprojector.rays();
-  out.deposits = backprojector.deposits();
-  out.overflowed = backprojector.overflowed();
   out.board_time = board.now() - begin;
   if (progress) progress(static_cast<std::uint32_t>(views), static_cast<std::uint32_t>(views));
   return out;

@@ -7,9 +7,18 @@
 
 #include "cone_beam/filter.h"
 #include "cone_beam/geometry.h"
+#include "cone_beam/reconstruction.h"
 #include "gicube/board.h"
 
 namespace gicube::samples {
+
+// The words that rays leave their values in.
+enum class Accumulator {
+  kSums,  // signed, 36 bits: the volume's own words
+  // Irradiance words, 11 bits without a sign (32 of a board with the wide datapath): positive values in one pass, negative ones in
+  // another, each scaled to the words, read back and added up on the host before they are full.
+  kIrradiance,
+};
 
 struct FdkSettings {
   Window window = Window::kRamLak;
@@ -18,14 +27,13 @@ struct FdkSettings {
   // 0..1/4: what each voxel takes from either neighbour on an axis, against the blur of splatting. 1/12 gives back what that
   // adds to the width of a structure, a little more suits edges (docs/CONE_BEAM.md); much more sharpens ripples too.
   double sharpen = 0.1;
-};
-
-struct Reconstruction {
-  std::vector<float> values;  // of geometry.volume, x fastest
-  std::uint64_t rays = 0;
-  std::uint64_t deposits = 0;
-  std::uint64_t overflowed = 0;  // sums that were full: the values are wrong there
-  Picoseconds board_time = 0;    // simulated, from the first ray to the last value read
+  Accumulator accumulator = Accumulator::kSums;
+  int read_every = 8;  // kIrradiance: views, at least 1, after which the words are read back and cleared
+  // kIrradiance, 4..32: bits of the words that are used; 0: all that there are.
+  int bits = 0;
+  // kIrradiance, > 0: what full words stand for, over a bound of what a voxel can get. Less makes rounding finer, and clips,
+  // which Reconstruction::clipped tells.
+  double headroom = 1;
 };
 
 // One view's projections, cosine-weighted, of short scans shared out, and filtered: what the rays of fine x fine a pixel leave

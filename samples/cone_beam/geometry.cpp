@@ -52,6 +52,17 @@ void check(const ConeGeometry& geometry) {
   }
 }
 
+void check(const Projections& projections, const ConeGeometry& geometry) {
+  const std::size_t pixels = projections.view_size() * geometry.angles.size();
+  if (projections.columns == geometry.detector.columns && projections.rows == geometry.detector.rows &&
+      projections.values.size() == pixels) {
+    return;
+  }
+  throw BadArgument(
+      "projections", "a view of the detector's size for each angle",
+      fmt::format("{} x {}, {} values", projections.columns, projections.rows, projections.values.size()));
+}
+
 std::vector<double> even_angles(int views, double first, double arc) {
   std::vector<double> angles;
   const bool whole = arc > 2 * std::numbers::pi * (1 - 1e-9);

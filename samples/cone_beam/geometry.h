@@ -77,4 +77,7 @@ struct Projections {
   float* view(std::size_t i) { return values.data() + i * view_size(); }
 };
 
+// Throws BadArgument unless there is a view of the detector's size for each angle.
+void check(const Projections& projections, const ConeGeometry& geometry);
+
 }  // namespace gicube::samples

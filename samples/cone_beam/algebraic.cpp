@@ -1,0 +1,246 @@
+#include "cone_beam/algebraic.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <random>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "cone_beam/backprojector.h"
+#include "cone_beam/projector.h"
+#include "cone_beam/threads.h"
+#include "cone_beam/view_rays.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr double kWorseThanNothing = 2;  // chosen: residuals of nothing are 1
+constexpr double kGrown = 1.05;          // chosen: over the least, which noise doesn't reach
+constexpr int kPatience = 3;             // chosen: iterations
+
+void expect(bool holds, const char* name, const char* expected, double got) {
+  if (!holds) throw BadArgument(name, expected, fmt::format("{}", got));
+}
+
+void check(const AlgebraicSettings& settings, const ConeGeometry& geometry, const Projections& projections) {
+  check(geometry);
+  expect(settings.iterations >= 1, "iterations", "at least 1", settings.iterations);
+  if (settings.method == Method::kOsSart) {
+    const auto views = static_cast<int>(geometry.angles.size());
+    expect(settings.subsets >= 2 && settings.subsets <= views, "subsets", "2..the number of views", settings.subsets);
+  }
+  expect(std::isfinite(settings.relaxation) && settings.relaxation > 0, "relaxation", "a finite number above 0",
+         settings.relaxation);
+  expect(settings.stop >= 0 && settings.stop < 1, "stop", "0..1", settings.stop);
+  expect(std::isfinite(settings.noise) && settings.noise >= 0, "noise", "0 or a number above it", settings.noise);
+  expect(settings.step >= 1.0 / 64 && settings.step <= 16, "step", "1/64..16 voxels", settings.step);
+  check(projections, geometry);
+}
+
+// How much of what was measured a volume's projections miss.
+struct Missing {
+  double squares = 0, measured = 0;
+
+  void add(const Missing& other) { squares += other.squares, measured += other.measured; }
+  double relative() const { return measured == 0 ? 0 : std::sqrt(squares / measured); }
+};
+
+class Loop {
+ public:
+  Loop(Board& board, const ConeGeometry& geometry, const Projections& projections, const AlgebraicSettings& settings)
+      : board_(board),
+        geometry_(geometry),
+        projections_(projections),
+        settings_(settings),
+        subsets_(view_subsets(geometry.angles.size(), settings)),
+        weights_(subsets_.size()) {
+    const Dims dims = geometry.volume.dims;
+    const std::size_t voxels =
+        static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+    out_.values.resize(voxels);
+    constexpr std::size_t kMostBytes = std::size_t{1} << 30;  // chosen: else they are splatted again in each iteration
+    keeps_weights_ = subsets_.size() * voxels * sizeof(float) <= kMostBytes;
+  }
+
+  Reconstruction run(const Progress& progress) {
+    const Picoseconds begin = board_.now();
+    std::vector<float> best = out_.values;
+    double least = 1;  // of nothing
+    int since = 0;
+    bool grew = false;
+    const auto all = static_cast<std::uint32_t>(settings_.iterations) * static_cast<std::uint32_t>(subsets_.size());
+    for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
+      const double residual = iterate(iteration, [&](std::uint32_t done) {
+        if (progress) progress(done, all);
+      });
+      out_.residuals.push_back(residual);
+      if (out_.diverged) break;
+      const bool is_least = residual < least;
+      const double lowered = is_least ? 1 - residual / least : 0;
+      grew = !is_least && (grew || residual > kGrown * least);
+      since = is_least ? 0 : since + 1;
+      if (is_least) {
+        least = residual;
+        best = out_.values;
+        out_.iterations = iteration + 1;
+      }
+      out_.diverged = since >= kPatience && grew;
+      if (out_.diverged || residual <= settings_.noise || lowered < settings_.stop) break;
+    }
+    out_.values = std::move(best);
+    out_.board_time = board_.now() - begin;
+    if (progress) progress(all, all);
+    return std::move(out_);
+  }
+
+ private:
+  // All subsets once. Stops at one whose residual says that the values are worse than nothing.
+  template <typename Told>
+  double iterate(int iteration, const Told& told) {
+    Missing missing;
+    std::uint32_t done = static_cast<std::uint32_t>(iteration) * static_cast<std::uint32_t>(subsets_.size());
+    for (const std::size_t subset : subset_order(subsets_.size(), settings_, iteration)) {
+      told(done++);
+      const Missing here = correct(subset);
+      missing.add(here);
+      if (here.relative() < kWorseThanNothing) continue;  // false of what is not a number, too
+      out_.diverged = true;
+      break;
+    }
+    return missing.relative();
+  }
+
+  Missing correct(std::size_t subset) {
+    const std::vector<std::size_t>& views = subsets_[subset];
+    load_values(board_, geometry_.volume, out_.values);
+    Projector projector(board_, geometry_, settings_.step);
+    std::vector<std::vector<double>> densities(views.size());
+    Missing missing;
+    projector.begin(geometry_.angles[views[0]]);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (i + 1 < views.size()) projector.begin(geometry_.angles[views[i + 1]]);
+      densities[i] = missing_of(views[i], projector.next(), missing);
+    }
+    out_.rays += projector.rays();
+    if (missing.relative() < kWorseThanNothing) move(subset, backproject(views, densities));
+    return missing;
+  }
+
+  // What each ray should have had more, by its length; rays that cut a corner off are left out of it all, since they say
+  // next to nothing, and loudly.
+  std::vector<double> missing_of(std::size_t view, const std::vector<float>& projected, Missing& missing) const {
+    const std::vector<double> lengths = lengths_of(view);
+    const float* measured = projections_.view(view);
+    std::vector<double> densities(lengths.size());
+    for (std::size_t pixel = 0; pixel < lengths.size(); ++pixel) {
+      if (lengths[pixel] == 0) continue;
+      const double wanted = static_cast<double>(measured[pixel]);
+      const double off = wanted - static_cast<double>(projected[pixel]);
+      missing.add({off * off, wanted * wanted});
+      densities[pixel] = off / lengths[pixel];
+    }
+    return densities;
+  }
+
+  std::vector<double> lengths_of(std::size_t view) const {
+    const std::vector<HostRay> rays = view_rays(geometry_, geometry_.angles[view]);
+    std::vector<double> lengths;
+    for (const HostRay& ray : rays) lengths.push_back(ray.length < 1 ? 0 : length_in_space(geometry_.volume, ray));
+    return lengths;
+  }
+
+  std::vector<float> backproject(const std::vector<std::size_t>& views,
+                                 std::span<const std::vector<double>> densities) {
+    double most = 0;
+    for (const auto& view : densities) {
+      for (const double density : view) most = std::max(most, std::abs(density));
+    }
+    Backprojector backprojector(board_, geometry_, 1, settings_.step, most, views.size());
+    for (std::size_t i = 0; i < views.size(); ++i) backprojector.add(geometry_.angles[views[i]], densities[i]);
+    std::vector<float> sums = backprojector.finish();
+    out_.rays += backprojector.rays();
+    out_.deposits += backprojector.deposits();
+    out_.overflowed += backprojector.overflowed();
+    return sums;
+  }
+
+  // What a density of one on all rays leaves.
+  std::vector<float> splatted_weights(const std::vector<std::size_t>& views) {
+    std::vector<std::vector<double>> ones;
+    for (const std::size_t view : views) {
+      ones.push_back(lengths_of(view));
+      for (double& value : ones.back()) value = value > 0 ? 1 : 0;
+    }
+    return backproject(views, ones);
+  }
+
+  void move(std::size_t subset, const std::vector<float>& corrections) {
+    std::vector<float> weights = std::move(weights_[subset]);
+    if (weights.empty()) weights = splatted_weights(subsets_[subset]);
+    constexpr float kLeast = 1e-3F;  // chosen, of the greatest weight: below it rays say nothing of a voxel
+    const float least = kLeast * *std::max_element(weights.begin(), weights.end());
+    const auto relaxation = static_cast<float>(settings_.relaxation);
+    constexpr std::size_t kPart = 1 << 16;
+    in_parallel((weights.size() + kPart - 1) / kPart, [&](std::size_t part) {
+      for (std::size_t i = part * kPart; i < std::min(weights.size(), (part + 1) * kPart); ++i) {
+        if (weights[i] <= least) continue;
+        float& value = out_.values[i];
+        value += relaxation * corrections[i] / weights[i];
+        if (settings_.non_negative) value = std::max(value, 0.0F);
+      }
+    });
+    if (keeps_weights_) weights_[subset] = std::move(weights);
+  }
+
+  Board& board_;
+  const ConeGeometry& geometry_;
+  const Projections& projections_;
+  const AlgebraicSettings& settings_;
+  std::vector<std::vector<std::size_t>> subsets_;
+  std::vector<std::vector<float>> weights_;  // of subsets, once they are known
+  bool keeps_weights_ = false;
+  Reconstruction out_;
+};
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> view_subsets(std::size_t views, const AlgebraicSettings& settings) {
+  const std::size_t count = settings.method == Method::kSart     ? views
+                            : settings.method == Method::kOsSart ? static_cast<std::size_t>(settings.subsets)
+                                                                 : 1;
+  std::vector<std::vector<std::size_t>> subsets(count);
+  for (std::size_t view = 0; view < views; ++view) subsets[view % count].push_back(view);
+  return subsets;
+}
+
+std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettings& settings, int iteration) {
+  std::vector<std::size_t> order(subsets);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (settings.order == ViewOrder::kRandom) {
+    std::mt19937_64 engine(settings.seed + 0x9E3779B97F4A7C15U * static_cast<std::uint64_t>(iteration + 1));
+    for (std::size_t i = subsets; i > 1; --i) std::swap(order[i - 1], order[engine() % i]);
+  } else if (settings.order == ViewOrder::kGolden) {
+    // The ranks of the fractions of multiples of the golden ratio: each is 0.62 of the way round from the one before.
+    std::vector<double> places;
+    double whole = 0;
+    for (std::size_t i = 0; i < subsets; ++i)
+      places.push_back(std::modf(static_cast<double>(i) * 0.6180339887498949, &whole));
+    std::vector<std::size_t> sorted = order;
+    std::sort(sorted.begin(), sorted.end(), [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
+    for (std::size_t rank = 0; rank < subsets; ++rank) order[sorted[rank]] = rank;
+  }
+  return order;
+}
+
+Reconstruction reconstruct_algebraic(Board& board, const ConeGeometry& geometry, const Projections& projections,
+                                     const AlgebraicSettings& settings, const Progress& progress) {
+  check(settings, geometry, projections);
+  return Loop(board, geometry, projections, settings).run(progress);
+}
+
+}  // namespace gicube::samples
