@@ -1,6 +1,7 @@
 // Volumetric global illumination: lights, and the pass that distributes their energy into the volume [P §2.2].
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <variant>
@@ -66,5 +67,12 @@ struct LightingReport {
   double unit = 0;
   std::vector<std::string> warnings;  // a light in a solid, much energy clipped, low albedo where scattering matters
 };
+
+// Error bar of a kHigh pass: the standard error of `irradiance`, a voxel's or the sum over many, in the lights' unit. Photons
+// are absorbed whole, each with the pass's mean energy: so it falls with the root of rays_per_face_voxel. Of a single voxel it
+// is an upper bound, since a photon's energy is split between eight.
+inline double standard_error(const LightingReport& report, double irradiance) {
+  return report.rays == 0 ? 0 : std::sqrt(irradiance * report.emitted / static_cast<double>(report.rays));
+}
 
 }  // namespace gicube

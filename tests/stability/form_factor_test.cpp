@@ -1,0 +1,104 @@
+// Form factors of pairs that touch, overlap, hide each other or have no extent.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "common/input_error.h"
+#include "form_factors/box_factor.h"
+#include "form_factors/exchange.h"
+#include "stability.h"
+
+namespace gicube::stability {
+namespace {
+
+using samples::exchange_between;
+using samples::InputError;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+constexpr int kSize = 40;
+constexpr double kSide = 20;                                                                // voxels
+const Element kFloor{ElementKind::kPatch, {5, 5, 5}, {kSide, 0, 0}, {0, kSide, 0}, {}};     // looks up
+const Element kCeiling{ElementKind::kPatch, {5, 5, 25}, {0, kSide, 0}, {kSide, 0, 0}, {}};  // looks down
+const Element kWall{ElementKind::kPatch, {5, 5, 5}, {0, kSide, 0}, {0, 0, kSide}, {}};      // looks along +x
+
+Element cube(double x) { return {ElementKind::kBox, {10 + x, 10, 10}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}; }
+
+class StabilityOfFormFactors : public testing::Test {
+ protected:
+  void SetUp() override { load_fog(board_, {kSize, kSize, kSize}, 0); }
+  PairFactor factor(const Element& a, const Element& b, std::uint32_t rays) {
+    return board_.pair_factors(std::array{a, b}, std::array{ElementPair{0, 1, 7}}, {.rays = rays})[0];
+  }
+  samples::Exchange exchange(const Element& a, const Element& b) {
+    return exchange_between(board_, std::span(&a, 1), std::span(&b, 1), {.error = 0.002});
+  }
+
+  Board board_ = open_board(small_board());
+};
+
+// The plain mean comes from below, for 1/r^2 has no bound at the common edge; halving the parts that are near does not.
+TEST_F(StabilityOfFormFactors, SquaresThatTouchAreBoundedAndRightByParts) {
+  constexpr double kExpected = 0.200044;  // perpendicular, common edge
+  const double plain = factor(kFloor, kWall, 4096).transported * kSide * kSide;
+  EXPECT_LT(plain, 0.99 * kExpected);
+  EXPECT_GT(plain, 0.9 * kExpected);
+  const samples::Exchange parts = exchange(kFloor, kWall);
+  const double value = parts.value / (kSide * kSide), error = parts.standard_error / (kSide * kSide);
+  EXPECT_NEAR(value, kExpected, 0.005 * kExpected);
+  EXPECT_NEAR(value, kExpected, 4 * error);
+  record("touching_squares_error_of_4096_rays", plain / kExpected - 1);
+  record("touching_squares_error_by_parts", value / kExpected - 1);
+}
+
+TEST_F(StabilityOfFormFactors, VoxelsThatTouchOrOverlapHaveABoundedMean) {
+  const auto box = [](double x) { return samples::AxisBox{{x, 0, 0}, {x + 1, 1, 1}, samples::kMedium}; };
+  for (const double apart : {0.0, 0.5, 1.0}) {  // the same voxel; half of it; next to it
+    const samples::Exchange found = exchange(cube(0), cube(apart));
+    const double expected = samples::WayFactor(box(0), box(apart)).at(0);
+    EXPECT_NEAR(found.value, expected, 0.005 * expected) << apart;
+    EXPECT_NEAR(found.value, expected, 4 * found.standard_error) << apart;
+    EXPECT_TRUE(std::isfinite(factor(cube(0), cube(apart), 64).transported));
+    // Centre to centre would be 1 where they touch, and infinite where they are the same.
+    if (apart == 1) record("mean_of_1_over_r2_of_voxels_that_touch", found.value * std::numbers::pi);
+    if (apart == 0) record("mean_of_1_over_r2_within_a_voxel", found.value * std::numbers::pi);
+  }
+  EXPECT_NEAR(exchange(cube(0), cube(1)).value * std::numbers::pi, 1.196, 0.005 * 1.196);
+}
+
+TEST_F(StabilityOfFormFactors, APairThatIsHiddenOrTurnedAwayHasNone) {
+  EXPECT_GT(factor(kFloor, kCeiling, 1024).transported, 0);
+  std::vector<std::byte> wall(std::size_t{kSize} * kSize * kSize, std::byte{0});
+  for (std::size_t i = 0; i < wall.size(); ++i) {
+    const std::size_t z = i / kSize / kSize;
+    if (z == 14 || z == 15 || z == 16) wall[i] = std::byte{200};
+  }
+  board_.load_volume({.samples = wall, .dims = {kSize, kSize, kSize}});
+  board_.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{100, 0}, {100, 1}}});
+  const PairFactor hidden = factor(kFloor, kCeiling, 1024);
+  EXPECT_EQ(hidden.transported, 0);
+  EXPECT_GT(hidden.geometric, 0);
+  EXPECT_FALSE(hidden.clear);
+  const Element away{ElementKind::kPatch, {5, 5, 25}, {kSide, 0, 0}, {0, kSide, 0}, {}};
+  EXPECT_EQ(factor(kFloor, away, 64).geometric, 0);
+  EXPECT_EQ(factor(kFloor, kFloor, 64).geometric, 0);  // a flat patch does not see itself
+}
+
+TEST_F(StabilityOfFormFactors, AnElementWithoutExtentGivesNothingAndIsRefusedByName) {
+  const Element line{ElementKind::kPatch, {5, 5, 15}, {4, 0, 0}, {8, 0, 0}, {}};
+  const Element flat{ElementKind::kBox, {5, 5, 15}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  const Element point{ElementKind::kBox, {9, 9, 9}, {}, {}, {}};
+  EXPECT_EQ(factor(kFloor, line, 64).transported, 0);
+  EXPECT_EQ(factor(point, point, 64).transported, 0);  // not infinite
+  EXPECT_THAT([&] { exchange(kFloor, line); },
+              ThrowsMessage<InputError>(HasSubstr("b[0]: expected a patch of some area")));
+  EXPECT_THAT([&] { exchange(flat, kFloor); },
+              ThrowsMessage<InputError>(HasSubstr("a[0]: expected a box of some volume")));
+}
+
+}  // namespace
+}  // namespace gicube::stability
