@@ -20,7 +20,7 @@ namespace gicube::samples {
 namespace {
 
 constexpr double kWorseThanNothing = 2;  // chosen: residuals of nothing are 1
-constexpr double kGrown = 1.05;          // chosen: over the least, which noise doesn't reach
+constexpr double kGrown = 1.02;          // chosen: which rounding and cut off negative values don't reach
 constexpr int kPatience = 3;             // chosen: iterations
 
 void expect(bool holds, const char* name, const char* expected, double got) {
@@ -79,6 +79,7 @@ class Loop {
         if (progress) progress(done, all);
       });
       out_.residuals.push_back(residual);
+      if (subsets_.size() == 1 && iteration > 0) judge(residual, out_.residuals[out_.residuals.size() - 2]);
       if (out_.diverged) break;
       const bool is_least = residual < least;
       const double lowered = is_least ? 1 - residual / least : 0;
@@ -90,7 +91,8 @@ class Loop {
         out_.iterations = iteration + 1;
       }
       out_.diverged = since >= kPatience && grew;
-      if (out_.diverged || residual <= settings_.noise || lowered < settings_.stop) break;
+      const bool first = out_.residuals.size() == 1;  // of SIRT's first, nothing's
+      if (out_.diverged || residual <= settings_.noise || (!first && lowered < settings_.stop)) break;
     }
     out_.values = std::move(best);
     out_.board_time = board_.now() - begin;
@@ -99,27 +101,39 @@ class Loop {
   }
 
  private:
-  // All subsets once. Stops at one whose residual says that the values are worse than nothing.
+  using Densities = std::vector<std::vector<double>>;  // of views
+
+  // A correction that is not too large makes the projections of its own views better.
+  void judge(double after, double before) {
+    if (!(after <= kGrown * before)) out_.diverged = true;  // also of what is not a number
+  }
+
+  // All subsets once. Stops where a residual says that the values are worse than nothing. The first subset is projected again
+  // after its correction: non-negative values may circle for ever without growing.
   template <typename Told>
   double iterate(int iteration, const Told& told) {
     Missing missing;
     std::uint32_t done = static_cast<std::uint32_t>(iteration) * static_cast<std::uint32_t>(subsets_.size());
+    bool first = subsets_.size() > 1;
     for (const std::size_t subset : subset_order(subsets_.size(), settings_, iteration)) {
       told(done++);
-      const Missing here = correct(subset);
+      Densities densities;
+      const Missing here = project(subsets_[subset], densities);
       missing.add(here);
-      if (here.relative() < kWorseThanNothing) continue;  // false of what is not a number, too
-      out_.diverged = true;
-      break;
+      judge(here.relative(), kWorseThanNothing);
+      if (out_.diverged) break;
+      move(subset, backproject(subsets_[subset], densities));
+      if (std::exchange(first, false)) judge(project(subsets_[subset], densities).relative(), here.relative());
+      if (out_.diverged) break;
     }
     return missing.relative();
   }
 
-  Missing correct(std::size_t subset) {
-    const std::vector<std::size_t>& views = subsets_[subset];
+  // What the views of a subset miss, and what it is a unit of length.
+  Missing project(const std::vector<std::size_t>& views, Densities& densities) {
     load_values(board_, geometry_.volume, out_.values);
     Projector projector(board_, geometry_, settings_.step);
-    std::vector<std::vector<double>> densities(views.size());
+    densities.resize(views.size());
     Missing missing;
     projector.begin(geometry_.angles[views[0]]);
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -127,7 +141,6 @@ class Loop {
       densities[i] = missing_of(views[i], projector.next(), missing);
     }
     out_.rays += projector.rays();
-    if (missing.relative() < kWorseThanNothing) move(subset, backproject(views, densities));
     return missing;
   }
 
@@ -154,8 +167,7 @@ class Loop {
     return lengths;
   }
 
-  std::vector<float> backproject(const std::vector<std::size_t>& views,
-                                 std::span<const std::vector<double>> densities) {
+  std::vector<float> backproject(const std::vector<std::size_t>& views, const Densities& densities) {
     double most = 0;
     for (const auto& view : densities) {
       for (const double density : view) most = std::max(most, std::abs(density));
@@ -171,7 +183,7 @@ class Loop {
 
   // What a density of one on all rays leaves.
   std::vector<float> splatted_weights(const std::vector<std::size_t>& views) {
-    std::vector<std::vector<double>> ones;
+    Densities ones;
     for (const std::size_t view : views) {
       ones.push_back(lengths_of(view));
       for (double& value : ones.back()) value = value > 0 ? 1 : 0;

@@ -42,8 +42,10 @@ struct AlgebraicSettings {
 std::vector<std::vector<std::size_t>> view_subsets(std::size_t views, const AlgebraicSettings& settings);
 std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettings& settings, int iteration);
 
-// Begins with nothing. A residual twice that of nothing, or three iterations in a row without a new least one of which one is 5%
-// above it, is divergence: it ends, and says so. What comes back is the volume after the iteration of the least residual.
+// Begins with nothing. Divergence is a correction after which its own views' residual is 2% larger than before (looked at once an
+// iteration), a residual twice that of nothing, or three iterations in a row without a new least residual, one of them 2% above
+// it: it ends, and says so. What comes back is the volume after the iteration of the least residual; nothing if it diverged in the
+// first.
 // Throws BadArgument (geometry, projections, settings), what the board throws.
 Reconstruction reconstruct_algebraic(Board& board, const ConeGeometry& geometry, const Projections& projections,
                                      const AlgebraicSettings& settings = {}, const Progress& progress = {});

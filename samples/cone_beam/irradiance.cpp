@@ -25,14 +25,20 @@ class Passes {
 
   // What these views, from `first` on, leave of one sign.
   void run(std::size_t first, const std::vector<std::vector<double>>& views, double sign) {
-    double most = 0;
+    double most = 0, of_all = 0;
     for (const auto& view : views) {
       double here = 0;
       for (const double value : view) here = std::max(here, sign * value);
-      most += here;
+      most = std::max(most, here);
+      of_all += here;
     }
     if (most == 0) return;
-    board_.clear_irradiance(settings_.headroom * most * most_of_a_voxel(geometry_, settings_.rays) / full_);
+    // Full words, and what a step may leave at once, which has 11 bits on any board.
+    constexpr double kMostUnits = 2047;
+    const Vec3 edge = geometry_.volume.spacing;
+    const double of_a_step = most * std::max({edge.x, edge.y, edge.z}) * settings_.step / kMostUnits;
+    const double of_words = settings_.headroom * of_all * most_of_a_voxel(geometry_, settings_.rays) / full_;
+    board_.clear_irradiance(std::max(of_a_step, of_words));
     std::vector<Ticket> tickets;
     for (std::size_t i = 0; i < views.size(); ++i) tickets.push_back(send(geometry_.angles[first + i], views[i], sign));
     for (const Ticket ticket : tickets) {

@@ -7,6 +7,7 @@
 
 #include "cone_beam/backprojector.h"
 #include "cone_beam/phantom.h"
+#include "open_board.h"
 #include "reference/fdk.h"
 #include "small_scan.h"
 
@@ -17,11 +18,6 @@ using reference::difference;
 using std::numbers::pi;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-Board open_board(const std::string& options = "") {
-  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
-  return Board::open("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64" + options);
-}
 
 // Of what the board makes of a scan, and of what the reference does, against the phantom.
 struct Errors {
