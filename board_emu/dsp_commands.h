@@ -78,9 +78,11 @@ class DspCommands {
   CommandResult cancelled();
   // Whether this frame's rays take the machine's cycles, or at the approximate level their turns. Neither: no time.
   bool in_cycles(const Frame& frame) const {
-    return config_.fidelity() == v1::cycle || (config_.fidelity() == v1::approximate && !frame.plain);
+    return config_.fidelity() == v1::cycle || (config_.fidelity() == v1::approximate && !in_turns(frame));
   }
-  bool in_turns(const Frame& frame) const { return config_.fidelity() == v1::approximate && frame.plain; }
+  bool in_turns(const Frame& frame) const {
+    return config_.fidelity() == v1::approximate && frame.plain && config_.rdram().processors_per_rdram() == 1;
+  }
   TurnMachine& turn_machine();
   CommandResult timed(const Ran& ran) const;
   // `sums`: its caches are to hold the sums' words.

@@ -19,14 +19,10 @@ TurnMachine::TurnMachine(const v1::BoardConfig& config, const std::array<int, 3>
       blocks_(blocks),
       partition_(config.asic().partition(), config.asic().processors(), blocks),
       ratio_(static_cast<double>(config.asic().core_khz()) / config.dsp().clock_khz()) {
-  const std::uint32_t sharing = config_.rdram().processors_per_rdram();
+  const auto most = static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.most_blocks()));
   for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
-    if (i % sharing == 0) {
-      const std::size_t most = std::max<std::size_t>(1, partition_.most_blocks() * sharing);
-      memories_.push_back(std::make_unique<TurnMemory>(config_, static_cast<std::uint32_t>(most)));
-    }
-    const TurnProcessor::Surroundings with{
-        &config_, &partition_, blocks_, &rays_, &processors_, memories_.back().get(), i % sharing, &up_};
+    memories_.push_back(std::make_unique<TurnMemory>(config_, most));
+    const TurnProcessor::Surroundings with{&config_, &partition_, blocks_, &processors_, memories_.back().get(), &up_};
     processors_.push_back(std::make_unique<TurnProcessor>(static_cast<std::uint8_t>(i), with));
   }
 }
@@ -41,21 +37,10 @@ void TurnMachine::dsp_works(std::uint64_t cycles) {
   dsp_.busy += cycles;
 }
 
-std::uint32_t TurnMachine::keep(const TurnRay& ray) {
-  if (free_.empty()) {
-    rays_.push_back(ray);
-    return static_cast<std::uint32_t>(rays_.size() - 1);
-  }
-  const std::uint32_t number = free_.back();
-  free_.pop_back();
-  rays_[number] = ray;
-  return number;
-}
-
-void TurnMachine::send(std::uint32_t ray) {
-  const Home& home = partition_.home(rays_[ray].block);
+void TurnMachine::send(const TurnRay& ray) {
+  const Home& home = partition_.home(ray.block);
   const auto ready = static_cast<Cycle>(std::ceil(dsp_.now)) + kToProcessor;
-  processors_[home.processor]->send(TurnProcessor::From::kBus, {ready, ray, home.number, false, false});
+  processors_[home.processor]->send(TurnProcessor::From::kBus, {ray, ready, home.number, false, false});
   ++dsp_.sent;
 }
 
@@ -78,7 +63,7 @@ void TurnMachine::make_rays(TurnWork& work) {
     TurnRay& ray = next_made(work);
     if (ray.left <= 0) continue;
     ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
-    send(keep(ray));
+    send(ray);
   }
 }
 
@@ -94,7 +79,6 @@ bool TurnMachine::dsp_acts(TurnWork& work) {
     } else {
       dsp_works(work.take_cycles());
       ++dsp_.taken;
-      free_.push_back(back.ray);
     }
   } else if (dsp_.made < count_) {
     make_rays(work);

@@ -52,22 +52,19 @@ class TurnMachine {
   struct Dsp {
     double now = 0;
     std::uint64_t made = 0, sent = 0, taken = 0, overflows = 0, busy = 0;
-    std::deque<std::uint32_t> kept;  // overflowed rays
+    std::deque<TurnRay> kept;  // overflowed rays
   };
 
   void dsp_works(std::uint64_t cycles);
   void make_rays(TurnWork& work);
-  void send(std::uint32_t ray);
+  void send(const TurnRay& ray);
   bool dsp_acts(TurnWork& work);
-  std::uint32_t keep(const TurnRay& ray);
   TurnRay& next_made(TurnWork& work);
 
   v1::BoardConfig config_;
   std::array<int, 3> blocks_;
   Partition partition_;
   double ratio_;  // core cycles a DSP cycle
-  std::vector<TurnRay> rays_;
-  std::vector<std::uint32_t> free_;
   LongQueue<Coming> up_;
   std::vector<std::unique_ptr<TurnMemory>> memories_;
   std::vector<std::unique_ptr<TurnProcessor>> processors_;

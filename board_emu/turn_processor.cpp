@@ -1,6 +1,7 @@
 #include "turn_processor.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace gicube::emu {
 
@@ -21,10 +22,10 @@ TurnProcessor::TurnProcessor(std::uint8_t number, const Surroundings& surroundin
       compute_(with_.config->pipeline().compute_stages()),
       capacity_(with_.config->ideal().queues() != 0 ? kNone : with_.config->asic().queue_rays()),
       ratio_(with_.config->rdram().clocks_per_core_cycle()),
+      ratio_bits_(std::has_single_bit(ratio_) ? std::countr_zero(ratio_) : -1),
       room_(with_.config->cache().miss_packets() - kMostPackets),
       link_cycles_((kRayBits + with_.config->link().bits() - 1) / with_.config->link().bits()),
       rac_latency_(with_.config->rdram().rac_latency()),
-      memories_blocks_(with_.config->rdram().processors_per_rdram()),
       ideal_memory_(with_.config->ideal().memory() != 0),
       queues_(std::max<std::size_t>(1, with_.partition->blocks_of(number))),
       slots_(queues_.size()),
@@ -64,7 +65,7 @@ inline void TurnProcessor::write(const Coming& ray) {
   if (!ray.keeps_slot) {
     if (!has_slot(ray.queue, ray.ready)) {
       ++counters_.overflows;
-      with_.up->push({ray.ready + kToDsp, ray.ray, 0, false, true});
+      with_.up->push({ray.ray, ray.ready + kToDsp, 0, false, true});
       return;
     }
     ++slots_[ray.queue];
@@ -91,8 +92,10 @@ void TurnProcessor::take_others(Cycle now) {
   }
 }
 
-// The sorter's insertions in so many cycles.
-inline void TurnProcessor::take_in(Cycle cycles) {
+// The sorter's insertions up to now. It made them on the way, but nobody asks before a queue is chosen.
+inline void TurnProcessor::take_in(Cycle now) {
+  Cycle cycles = now - sorted_;
+  sorted_ = now;
   while (cycles > 0 && !modified_.empty()) {
     const std::uint32_t queue = modified_.pop();
     listed_[queue] = 0;
@@ -103,12 +106,13 @@ inline void TurnProcessor::take_in(Cycle cycles) {
 }
 
 // The active queue gives way when it is empty. False if no ray waits.
-inline bool TurnProcessor::choose() {
-  if (active_ != kNone && queues_[active_].empty()) {
+inline bool TurnProcessor::choose(Cycle now) {
+  if (active_ != kNone) {
+    if (!queues_[active_].empty()) return true;
     most_.set(active_, 0);
-    active_ = kNone;
   }
-  if (active_ != kNone) return true;
+  take_in(now);
+  active_ = kNone;
   if (waiting_ == 0 || most_.importance() == 0) return false;
   active_ = most_.queue();
   ++counters_.activations;
@@ -143,9 +147,9 @@ inline Cycle TurnProcessor::fetch(const TurnRay& ray, const Point& low, Cycle fi
   TurnMemory& memory = *with_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
-    const rdram::Location at = memory.layout.locate(number * memories_blocks_ + with_.place, misses.tiles[i]);
-    const rdram::Access access = memory.channel.read(at, memory.asked * ratio_);
-    const Cycle arrival = (access.data_end + rac_latency_ + ratio_ - 1) / ratio_;
+    const rdram::Location at = memory.layout.locate(number, misses.tiles[i]);
+    const Cycle there = memory.channel.read(at, memory.asked * ratio_) + rac_latency_ + ratio_ - 1;
+    const Cycle arrival = ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
     first = std::max(i == 0 ? first : first + 1, arrival);
     taken_[packets_++ % kRemembered] = first;
   }
@@ -153,17 +157,17 @@ inline Cycle TurnProcessor::fetch(const TurnRay& ray, const Point& low, Cycle fi
 }
 
 // Out of the pipeline, in cycle `out`.
-inline void TurnProcessor::leave(std::uint32_t number, std::uint32_t queue, Cycle out) {
-  TurnRay& ray = (*with_.rays)[number];
+inline void TurnProcessor::leave(const TurnRay& ray, std::uint32_t queue, Cycle out) {
   if (ray.left <= 0) {
-    with_.up->push({out + kToDsp, number, 0, false, false});
+    with_.up->push({ray, out + kToDsp, 0, false, false});
     released_.push({out + 1, queue});
     hold(-1, out);
     return;
   }
-  ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
-  const Home& home = with_.partition->home(ray.block);
-  Coming coming{out + kToQueue, number, home.number, false, false};
+  Coming coming{ray, out + kToQueue, 0, false, false};
+  coming.ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
+  const Home& home = with_.partition->home(coming.ray.block);
+  coming.queue = home.number;
   if (home.processor == number_) {
     coming.keeps_slot = home.number == queue;
     returned_.push(coming);
@@ -175,8 +179,7 @@ inline void TurnProcessor::leave(std::uint32_t number, std::uint32_t queue, Cycl
 }
 
 // One turn of `ray`, which has left `queue`; sets now_ to the cycle in which it enters the pipeline.
-inline void TurnProcessor::turn(std::uint32_t queue, std::uint32_t number) {
-  TurnRay& ray = (*with_.rays)[number];
+inline void TurnProcessor::turn(std::uint32_t queue, TurnRay ray) {
   // The prefetch line is as long as it is, and has room for the packets of a sample.
   if (turns_ >= prefetch_) now_ = std::max(now_, started_[(turns_ - prefetch_) % kRemembered] + 1);
   if (packets_ > room_) now_ = std::max(now_, taken_[(packets_ - room_ - 1) % kRemembered] + 1);
@@ -195,7 +198,7 @@ inline void TurnProcessor::turn(std::uint32_t queue, std::uint32_t number) {
   started_[turns_++ % kRemembered] = begin;
   for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
   ray.left -= steps;
-  leave(number, queue, begin + compute_);
+  leave(ray, queue, begin + compute_);
 }
 
 void TurnProcessor::work(Cycle until) {
@@ -203,18 +206,13 @@ void TurnProcessor::work(Cycle until) {
   while (now <= until) {
     while (!returned_.empty() && returned_.front().ready <= now) write(returned_.pop());
     if (others_ <= now) take_others(now);
-    take_in(now - sorted_);
-    sorted_ = now;
-    if (!choose()) {
+    if (!choose(now)) {
       now = waiting_ > 0 ? now + 1 : next();
       continue;
     }
     now_ = now;
     --waiting_;
-    LongQueue<std::uint32_t>& queue = queues_[active_];
-    const std::uint32_t ray = queue.pop();
-    if (!queue.empty()) __builtin_prefetch(&(*with_.rays)[queue.front()]);
-    turn(active_, ray);
+    turn(active_, queues_[active_].pop());
     now = now_ + 1;
   }
 }

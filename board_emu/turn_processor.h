@@ -6,7 +6,8 @@
 // here: how far a ray goes is known already.
 //
 // What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; rays from elsewhere
-// are written whenever they come; nothing holds up a ray that leaves but a link's rate.
+// are written whenever they come; nothing holds up a ray that leaves but a link's rate. Processors that share a channel are not
+// modelled: their packets alternate on it, and how often they close each other's rows hangs on the cycle.
 #pragma once
 
 #include <algorithm>
@@ -22,10 +23,10 @@
 #include "gicube/v1/board_config.pb.h"
 #include "march.h"
 #include "partition.h"
-#include "rdram/channel.h"
 #include "rdram/layout.h"
 #include "sim/clock.h"
 #include "sorter/exact_maximum.h"
+#include "turn_channel.h"
 
 namespace gicube::emu {
 
@@ -58,28 +59,28 @@ class LongQueue {
 };
 
 // A ray under way.
-struct alignas(32) TurnRay {
+struct TurnRay {
   Point position{};
   Point step{};
   std::int32_t left = 0;  // steps to its end
   std::uint32_t block = 0;
 };
 
-// One RDRAM channel, of one processor or two.
+// A processor's RDRAM channel.
 struct TurnMemory {
   TurnMemory(const v1::BoardConfig& config, std::uint32_t blocks)
       : layout(blocks, config.asic().block_voxels(), config.rdram().device_mbit()),
         channel(config.rdram(), layout.devices()) {}
 
   rdram::Layout layout;
-  rdram::Channel channel;
+  TurnChannel channel;
   Cycle asked = 0;  // in which it took the last packet on
 };
 
 // A ray on its way to a queue, or to the DSP.
 struct Coming {
+  TurnRay ray;
   Cycle ready = 0;
-  std::uint32_t ray = 0;
   std::uint32_t queue = 0;
   bool keeps_slot = false;
   bool overflowed = false;
@@ -103,10 +104,8 @@ class TurnProcessor {
     const v1::BoardConfig* config;
     const Partition* partition;
     std::array<int, 3> blocks;  // of the volume
-    std::vector<TurnRay>* rays;
     std::vector<std::unique_ptr<TurnProcessor>>* processors;
     TurnMemory* memory;
-    std::uint32_t place;    // among the memory's processors
     LongQueue<Coming>* up;  // to the DSP
   };
 
@@ -135,11 +134,11 @@ class TurnProcessor {
   void take_others(Cycle now);
   bool has_slot(std::uint32_t queue, Cycle now);
   void write(const Coming& ray);
-  void take_in(Cycle cycles);
-  bool choose();
-  void turn(std::uint32_t queue, std::uint32_t ray);
+  void take_in(Cycle now);
+  bool choose(Cycle now);
+  void turn(std::uint32_t queue, TurnRay ray);
   Cycle fetch(const TurnRay& ray, const Point& low, Cycle first);
-  void leave(std::uint32_t ray, std::uint32_t queue, Cycle out);
+  void leave(const TurnRay& ray, std::uint32_t queue, Cycle out);
   void cross(const Home& home, const Coming& ray, Cycle out);
   void hold(int rays, Cycle when);
 
@@ -148,15 +147,15 @@ class TurnProcessor {
   const std::uint8_t number_;
   Surroundings with_;
   std::uint32_t prefetch_, compute_, capacity_, ratio_;
+  int ratio_bits_;      // if it is a power of two
   std::uint32_t room_;  // packets that may be on their way when a sample enters
   Cycle link_cycles_;   // of a ray
   Cycle rac_latency_;
-  std::uint32_t memories_blocks_;  // step from a block of its own to the next in the memory
   bool ideal_memory_;
   const Frame* frame_ = nullptr;
   BlockGrid grid_;
 
-  std::vector<LongQueue<std::uint32_t>> queues_;
+  std::vector<LongQueue<TurnRay>> queues_;
   std::vector<std::uint32_t> slots_;
   ExactMaximum most_;                  // by the importance that the sorter knows of
   LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle

@@ -131,18 +131,33 @@ INSTANTIATE_TEST_SUITE_P(
                          .machine = {"asic.partition=skewed_block", "asic.processors=8", "dsp.clock_khz=1000000"}},
                     Case{.name = "short_queues", .machine = {"asic.queue_rays=16", "dsp.clock_khz=1000000"}},
                     Case{.name = "one_processor", .machine = {"asic.processors=1"}},
-                    Case{.name = "shared_memory",
-                         .machine = {"rdram.processors_per_rdram=2", "dsp.clock_khz=1000000"},
-                         .most_error = 0.12},
                     Case{.name = "runs_of_rays", .machine = {"dsp.run_rays=16"}},
                     Case{.name = "jittered", .machine = {}, .jitter = true}),
     [](const auto& test) { return test.param.name; });
 
+// Their packets alternate on the channel, which turns know nothing of.
+TEST(ApproximateBoard, TakesTheCycleLevelsTimeWhereProcessorsShareAnRdram) {
+  const auto time = [](const char* fidelity, const char* sharing) {
+    BareBoard board(config_with({fidelity, sharing, "asic.block_voxels=16", "asic.max_volume_voxels=128"}));
+    board.load_volume({32, 32, 32}, [](int x, int y, int) {
+      return wire::Voxel{static_cast<std::uint16_t>(100 * x + y), 0, 0, 0};
+    });
+    board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{4000, 3000, 2000}, 800}; });
+    const std::uint64_t begin = board.now_ps;
+    board.render(corner_view({32, 32, 32}, 32));
+    return board.now_ps - begin;
+  };
+  constexpr const char *kApproximate = "fidelity=approximate", *kCycle = "fidelity=cycle";
+  EXPECT_EQ(time(kApproximate, "rdram.processors_per_rdram=2"), time(kCycle, "rdram.processors_per_rdram=2"));
+  EXPECT_NE(time(kApproximate, "rdram.processors_per_rdram=1"), time(kCycle, "rdram.processors_per_rdram=1"));
+}
+
 TEST(TurnMachine, GoesOnFromFrameToFrameWithWarmCaches) {
-  Scene scene({kEdge, kEdge, kEdge}, kBlock);
-  set_up(scene, {});
+  constexpr int kOneBlock = 15;  // which stays in its processor's cache
+  Scene scene({kOneBlock, kOneBlock, kOneBlock}, kBlock);
+  set_up(scene, {.cube = true});
   const v1::BoardConfig config = config_with({"asic.block_voxels=16", "asic.max_volume_voxels=128"});
-  const wire::RenderCommand view = corner_view({kEdge, kEdge, kEdge}, 48);
+  const wire::RenderCommand view = corner_view({kOneBlock, kOneBlock, kOneBlock}, 48);
   struct Frame {
     Cycle cycles = 0;
     std::uint64_t reads = 0, all_cycles = 0;
@@ -161,9 +176,10 @@ TEST(TurnMachine, GoesOnFromFrameToFrameWithWarmCaches) {
   const Frame first = run(one, 1), second = run(one, 1);
   EXPECT_EQ(run(other, 3).cycles, first.cycles);
   EXPECT_EQ(second.all_cycles, first.cycles + second.cycles);
-  EXPECT_LT(second.reads, first.reads);
+  EXPECT_GT(first.reads, 0u);
+  EXPECT_EQ(second.reads, 0u);
   one.invalidate_caches();
-  EXPECT_GT(run(one, 1).reads, second.reads);
+  EXPECT_EQ(run(one, 1).reads, first.reads);
 }
 
 TEST(TurnMachine, EndsWhenItIsCancelled) {
