@@ -155,7 +155,7 @@ TEST(ApproximateBoard, TakesTheCycleLevelsTimeWhereProcessorsShareAnRdram) {
 TEST(TurnMachine, GoesOnFromFrameToFrameWithWarmCaches) {
   constexpr int kOneBlock = 15;  // which stays in its processor's cache
   Scene scene({kOneBlock, kOneBlock, kOneBlock}, kBlock);
-  set_up(scene, {.cube = true});
+  set_up(scene, {.name = "cube", .machine = {}, .cube = true});
   const v1::BoardConfig config = config_with({"asic.block_voxels=16", "asic.max_volume_voxels=128"});
   const wire::RenderCommand view = corner_view({kOneBlock, kOneBlock, kOneBlock}, 48);
   struct Frame {
