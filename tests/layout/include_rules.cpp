@@ -109,6 +109,8 @@ const std::vector<Rule>& rules() {
       // Outside applications, which know the installed headers only; C too.
       {"examples",           {"examples", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
       {"samples/cone_beam",  {"samples/cone_beam", "driver/include"}, {"fmt", "fftw3.h"}},
+      {"samples/cone_beam/charts", {"samples/cone_beam/charts", "samples/cone_beam/*", "samples/common", "driver/include"},
+                             {"fmt"}},
       {"samples/form_factors", {"samples/form_factors", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
       {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},

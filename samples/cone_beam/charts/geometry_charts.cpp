@@ -1,0 +1,121 @@
+// What the scan itself does to the result: cone angle, truncation, few views.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "cone_beam/charts/failures.h"
+#include "cone_beam/charts/scans.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kHalfHeight = 40;  // of what is seen under the cone angle
+
+// The object stays, the source comes nearer; the detector, whose pixels are as large at the axis, sees all of it.
+Case cone(double degrees, const Phantom& phantom = chart_discs()) {
+  Case what{phantom, chart_scan(64, 96, 120), FdkSettings{}, {34, 40}};
+  ConeGeometry& geometry = what.geometry;
+  geometry.source_to_axis = kHalfHeight / std::tan(degrees / 2 * kDegree);
+  geometry.source_to_detector = 2 * geometry.source_to_axis;
+  geometry.detector = {96, 112, 2.5, 2.5};
+  return what;
+}
+
+// Of values within `radius` of the axis, the mean in each slice.
+std::vector<double> slice_means(const Grid& grid, const std::vector<float>& values, double radius) {
+  const auto slices = static_cast<std::size_t>(grid.dims[2]);
+  std::vector<double> sums(slices), counts(slices);
+  std::size_t i = 0;
+  for (std::size_t z = 0; z < slices; ++z) {
+    for (int y = 0; y < grid.dims[1]; ++y) {
+      for (int x = 0; x < grid.dims[0]; ++x, ++i) {
+        const Vec3 at = to_space(grid, {static_cast<double>(x), static_cast<double>(y), 0});
+        if (std::hypot(at.x, at.y) > radius) continue;
+        sums[z] += static_cast<double>(values[i]);
+        ++counts[z];
+      }
+    }
+    sums[z] /= counts[z];
+  }
+  return sums;
+}
+
+// z, and the means of truth and result within 8 and 34 mm of the axis.
+std::string axial_rows(const Case& what, Runner& runner) {
+  const Grid& grid = what.geometry.volume;
+  const std::vector<float> values = runner.run(what).made.values, truth = voxels(what.phantom, grid);
+  const auto inner = slice_means(grid, values, 8), outer = slice_means(grid, values, 34),
+             real = slice_means(grid, truth, 34);
+  std::string rows;
+  for (std::size_t z = 0; z < real.size(); ++z) {
+    const double place = to_space(grid, {0, 0, static_cast<double>(z)}).z;
+    rows += fmt::format("{:.3f},{:.4f},{:.5f},{:.5f}\n", place, real[z], inner[z], outer[z]);
+  }
+  return rows;
+}
+
+// A detector that sees the part `seen` of the head's width at the axis; what is compared lies within.
+Case truncated(double seen, const std::variant<FdkSettings, AlgebraicSettings>& method) {
+  constexpr double kWidth = 2 * 42 * 0.92;  // of the head, at its widest
+  Case what{chart_head(), chart_scan(64, 96, 120), method, {seen * kWidth / 2 * 0.9, 20}};
+  Detector& detector = what.geometry.detector;
+  detector.columns = static_cast<int>(std::lround(seen * kWidth * 2 / detector.pitch_u));
+  return what;
+}
+
+}  // namespace
+
+Chart cone_angle_chart() {
+  Chart chart{"cone_angle", kCaseColumns, {{"discs by FDK", {}}, {"discs by SART", {}}, {"head by FDK", {}}}};
+  for (const double degrees : {5, 10, 15, 20, 25, 30, 35, 40}) {
+    chart.series[0].points.push_back(case_point(chart.name, "fdk", degrees, cone(degrees)));
+    chart.series[2].points.push_back(case_point(chart.name, "head", degrees, cone(degrees, chart_head())));
+  }
+  for (const double degrees : {5, 20, 40}) {
+    Case what = cone(degrees);
+    what.method = AlgebraicSettings{.iterations = 4, .relaxation = 0.3};
+    chart.series[1].points.push_back(case_point(chart.name, "sart", degrees, what));
+  }
+  return chart;
+}
+
+Chart axial_profile_chart() {
+  Chart chart{"axial_profile", "z,truth,within_8,within_34", {}};
+  for (const double degrees : {5, 10, 20, 30, 40}) {
+    const Case what = cone(degrees);
+    chart.series.push_back({fmt::format("{} degrees", degrees),
+                            {{fmt::format("axial_profile/fdk/{}", degrees),
+                              [what](Runner& runner) { return axial_rows(what, runner); }}}});
+  }
+  return chart;
+}
+
+Chart truncation_chart() {
+  Chart chart{"truncation", kCaseColumns, {{"FDK", {}}, {"SART", {}}}};
+  for (const double seen : {1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5}) {
+    chart.series[0].points.push_back(case_point(chart.name, "fdk", seen, truncated(seen, FdkSettings{})));
+  }
+  for (const double seen : {1.2, 0.9, 0.7, 0.5}) {
+    const AlgebraicSettings sart{.iterations = 4, .relaxation = 0.3};
+    chart.series[1].points.push_back(case_point(chart.name, "sart", seen, truncated(seen, sart)));
+  }
+  return chart;
+}
+
+Chart views_chart() {
+  Chart chart{"views", kCaseColumns, {{"FDK", {}}, {"SART", {}}}};
+  for (const int views : {20, 40, 60, 90, 120, 180, 360, 720}) {
+    const Case what{chart_head(), chart_scan(64, 96, views), FdkSettings{}, {40, 20}};
+    chart.series[0].points.push_back(case_point(chart.name, "fdk", views, what));
+  }
+  for (const int views : {20, 40, 60, 90, 180}) {
+    const AlgebraicSettings sart{.iterations = 4, .relaxation = 0.3};
+    const Case what{chart_head(), chart_scan(64, 96, views), sart, {40, 20}};
+    chart.series[1].points.push_back(case_point(chart.name, "sart", views, what));
+  }
+  return chart;
+}
+
+}  // namespace gicube::samples
