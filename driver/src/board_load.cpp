@@ -33,6 +33,7 @@ void Board::load_volume(const VolumeView& view, const Progress& progress) {
   loaded.range = resolve_range(view);
   loaded.relative_spacing = relative_spacing(view.spacing);
   loaded.least_spacing = std::min({view.spacing.x, view.spacing.y, view.spacing.z});
+  loaded.gradients = view.find_gradients || !view.gradients.empty();
   const auto densities = to_densities(view, loaded.range);
   const auto codes = gradient_codes(view, loaded.range, state_->tables.codebook(), state_->threads);
   const VoxelBlocks blocks(view.dims, state_->info.block_voxels, densities, codes, view.tags);

@@ -210,8 +210,10 @@ void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
           .type = SampleType::kUint12,
           .dims = needed.size,
           .spacing = volume.relative_spacing};
-  const auto codes = gradient_codes(view, {0, wire::kDensityMax}, state_->tables.codebook(), state_->threads);
-  for_each_index(changed, needed, [&](std::size_t, std::size_t at) { voxels.codes[at] = codes[at]; });
+  if (volume.gradients) {
+    const auto codes = gradient_codes(view, {0, wire::kDensityMax}, state_->tables.codebook(), state_->threads);
+    for_each_index(changed, needed, [&](std::size_t, std::size_t at) { voxels.codes[at] = codes[at]; });
+  }
 
   const VoxelBlocks blocks(needed.size, n, voxels.densities, voxels.codes, voxels.tags);
   std::vector<std::uint8_t> bytes;

@@ -27,6 +27,7 @@ struct LoadedVolume {
   ValueRange range;
   Vec3 relative_spacing;
   double least_spacing = 1;  // of VolumeView::spacing, which relative_spacing is relative to
+  bool gradients = true;     // false: the application wanted none (VolumeView::find_gradients)
   std::vector<BlockStatistics> statistics;
   std::vector<std::uint8_t> flags;  // in force, one a block
 };

@@ -131,8 +131,8 @@ class GICUBE_API Board {
   // transfer. Throws Rejected (no volume), BadArgument (box).
   std::vector<float> read_volume(const VoxelBox& box);
   // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Gradients of the
-  // box and of its neighbours are found again from the voxels that the board holds, tags stay; the empty flags are found
-  // again. The simulated host waits for the transfers, of whole blocks both ways.
+  // box and of its neighbours are found again from the voxels that the board holds (unless load_volume() was to find none),
+  // tags stay; the empty flags are found again. The simulated host waits for the transfers, of whole blocks both ways.
   // Throws Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
   void write_volume(const VoxelBox& box, std::span<const float> values);
   // Has the board read its whole volume back and compares each block with what was written there. Returns the blocks that

@@ -54,6 +54,9 @@ struct VolumeView {
   std::span<const float> gradients{};
   // Empty: tag 0 everywhere. Else one material tag, 0..3, a voxel.
   std::span<const std::uint8_t> tags{};
+  // False, without `gradients`: no voxel gets a gradient, and nothing of the volume is shaded. For pictures with no
+  // View::shade, where a third of load_volume()'s time would go into gradients.
+  bool find_gradients = true;
 };
 
 }  // namespace gicube

@@ -131,6 +131,7 @@ void for_each_slab(int planes, unsigned threads, const Work& work) {
 
 std::vector<std::uint16_t> gradient_codes(const VolumeView& view, ValueRange range, const GradientCodebook& codebook,
                                           unsigned threads) {
+  if (view.gradients.empty() && !view.find_gradients) return {};
   std::vector<std::uint16_t> codes(voxel_count(view.dims));
   if (!view.gradients.empty()) {
     for_each_slab(view.dims[2], threads,

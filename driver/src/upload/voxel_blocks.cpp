@@ -22,7 +22,7 @@ VoxelBlocks::VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densit
     : dims_(dims), n_(n), densities_(densities), codes_(codes), tags_(tags) {
   if (n < 2 || n % 2 != 0) throw BadArgument("block_voxels", "an even number of at least 2", fmt::format("{}", n));
   check_count("densities", voxel_count(dims), densities.size());
-  check_count("codes", voxel_count(dims), codes.size());
+  if (!codes.empty()) check_count("codes", voxel_count(dims), codes.size());
   if (!tags.empty()) check_count("tags", voxel_count(dims), tags.size());
   for (std::size_t axis = 0; axis < 3; ++axis) blocks_[axis] = (dims[axis] + n - 1) / n;
   statistics_.resize(voxel_count(blocks_));
@@ -71,6 +71,7 @@ BlockStatistics VoxelBlocks::find_statistics(const Region& region) const {
 
 // A Sobel gradient reaches one voxel further than the values that it comes from.
 bool VoxelBlocks::has_gradient(const Region& region) const {
+  if (codes_.empty()) return false;
   for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
     for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
       const auto codes = codes_.subspan(row(y, z) + region.begin[0], region.end[0] - region.begin[0]);
@@ -83,7 +84,8 @@ bool VoxelBlocks::has_gradient(const Region& region) const {
 
 std::uint64_t VoxelBlocks::word(std::size_t voxel) const {
   const std::uint8_t tag = tags_.empty() ? std::uint8_t{0} : tags_[voxel];
-  return wire::to_word(wire::Voxel{densities_[voxel], codes_[voxel], tag, 0});
+  const std::uint16_t code = codes_.empty() ? std::uint16_t{wire::kNoGradient} : codes_[voxel];
+  return wire::to_word(wire::Voxel{densities_[voxel], code, tag, 0});
 }
 
 void VoxelBlocks::pack(std::size_t block, std::vector<std::uint8_t>& out) const {

@@ -24,7 +24,8 @@ struct BlockStatistics {
 // Blocks are numbered b = bx + nx (by + ny bz), as in memory_map.h.
 class VoxelBlocks {
  public:
-  // One density (0..4095), gradient code and tag a voxel, x fastest; no tags at all mean tag 0. Keeps only the spans:
+  // One density (0..4095), gradient code and tag a voxel, x fastest; no tags at all mean tag 0, and no codes
+  // no gradient. Keeps only the spans:
   // what they show must live until the last pack(); the statistics are this object's own.
   // `n`: the board's block edge, voxels. Throws BadArgument if it is odd (a block would not begin on a whole byte).
   VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densities, std::span<const std::uint16_t> codes,

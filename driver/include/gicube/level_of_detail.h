@@ -1,0 +1,79 @@
+// Volumes that stand in another one's place because a picture needs no more: a part of it, coarser, or both; and how far
+// they are from it. Sources: [P §5.3], pixel-to-voxel ratios below one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gicube/export.h"
+#include "gicube/transfer_function.h"
+#include "gicube/vector.h"
+#include "gicube/view.h"
+#include "gicube/volume.h"
+
+namespace gicube {
+
+// Where a derived volume lies in the original: its voxel p is at low + edge p there.
+struct GICUBE_API Placement {
+  Vec3 low{};
+  double edge = 1;  // of one of its voxels, in the original's
+
+  // The same camera, cut planes and image for the derived volume. View::step stays a number of its voxels.
+  View view(View original) const;
+  // The same look for the derived volume, whose values lie in `range`: opacities are those of a voxel length, and that is
+  // `edge` times as long. Between the board's 4096 densities straight lines.
+  TransferFunction look(const TransferFunction& original, ValueRange range) const;
+};
+
+// Owns what its view() points to.
+struct GICUBE_API DerivedVolume {
+  std::vector<std::byte> samples;
+  SampleType type = SampleType::kFloat32;
+  Dims dims{};
+  Vec3 spacing{1, 1, 1};
+  ValueRange range;
+  std::vector<float> gradients;
+  std::vector<std::uint8_t> tags;
+  Placement placement;
+
+  VolumeView view() const;
+};
+
+// Some voxels of it, with the same values, range and type. Throws BadArgument (box).
+GICUBE_API DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box);
+
+// One voxel for 2^level of them on each axis, at their centre: values are their mean, tags what most of them have (the first
+// of equals), given gradients their sum. Beyond the faces values go on as they are on them. Without given gradients the
+// driver finds them anew, from the means. Values are float32 in the original's range. Level 1..6; throws BadArgument (level;
+// fewer than two voxels on an axis are left).
+//
+// The mean is the filter whose voxels are as far as half a coarse edge from what they stand for, and no further: wider
+// ones have less Moiré and more blur, and what rays see of a surface is mostly its blur.
+GICUBE_API DerivedVolume coarser(const VolumeView& volume, int level);
+
+// How far a coarser volume is from its original.
+struct LevelError {
+  double largest_density = 0;  // at any point between voxels, in density units (4095 = the value range): a bound
+  double rms_density = 0;      // over the points at which either can turn: voxels, and the middles between them
+  // By how much a sample's opacity of one original voxel length can be wrong, 0..1, for values that differ by
+  // largest_density, the worst tag: a bound, reached where something is thinner than a coarse voxel.
+  double largest_opacity = 0;
+};
+
+// `coarse`: what coarser() made of `volume`. `functions`: by tag, in the volume's values.
+GICUBE_API LevelError level_error(const VolumeView& volume, const DerivedVolume& coarse,
+                                  std::span<const TransferFunction> functions);
+
+// How many voxel edges (the smallest) one pixel is wide where the box is nearest to the eye; less than one: each voxel has
+// several pixels. 0 if some of the box is beside or behind the eye.
+GICUBE_API double voxels_a_pixel(const View& view, const VoxelBox& box, Vec3 spacing);
+// The coarsest level whose voxels are not larger than that: the level of detail that a picture can show [P §5.3].
+GICUBE_API int level_for(double voxels_a_pixel);
+
+// The smallest box of whole 4^3 blocks in which any sample can have an opacity, and one voxel more on each side for the
+// gradients; nothing outside shows in a picture. The whole volume if nothing is visible at all.
+GICUBE_API VoxelBox visible_box(const VolumeView& volume, std::span<const TransferFunction> functions);
+
+}  // namespace gicube

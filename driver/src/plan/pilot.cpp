@@ -1,0 +1,92 @@
+#include "plan/pilot.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace gicube {
+namespace {
+
+// chosen: three standard errors; were the mean's errors normal, it would be above the truth once in 740 times.
+constexpr double kStandardErrors = 3;
+// What none of n pixels shows is in fewer than 3 / n of them, with 95% (the rule of three).
+constexpr double kRuleOfThree = 3;
+// chosen: of the bound; pixels at even distances may fall in step with a pattern, which no variance shows.
+constexpr double kMargin = 1.1;
+constexpr double kLastBit = 1.0 / 255;  // of the framebuffer's colours
+
+std::array<double, 4> channels(const Pixel& pixel) {
+  return {pixel.red / 255.0, pixel.green / 255.0, pixel.blue / 255.0, pixel.alpha / 4095.0};
+}
+
+struct Squares {
+  double error = 0, picture = 0;
+};
+
+Squares squares_of(const Pixel& pixel, const Pixel& best) {
+  const auto a = channels(pixel), b = channels(best);
+  Squares out;
+  for (std::size_t c = 0; c < a.size(); ++c) {
+    out.error += (a[c] - b[c]) * (a[c] - b[c]);
+    out.picture += b[c] * b[c];
+  }
+  return out;
+}
+
+}  // namespace
+
+View pilot_view(View view, int edge) {
+  const double pixels = double(view.width) * view.height;
+  const double scale = std::min(1.0, edge / std::sqrt(pixels));
+  view.width = std::clamp(static_cast<int>(std::lround(view.width * scale)), 1, view.width);
+  view.height = std::clamp(static_cast<int>(std::lround(view.height * scale)), 1, view.height);
+  view.samples_per_axis = 1;
+  return view;
+}
+
+Pilot take_pilot(Board& board, const View& view) {
+  const Counters before = board.counters();
+  const Picoseconds begin = board.now();
+  Pilot pilot;
+  pilot.image = board.render(view);
+  pilot.time = board.now() - begin;
+  pilot.samples = static_cast<double>((board.counters() - before).value("pipeline.samples"));
+  return pilot;
+}
+
+PilotError pilot_error(const Image& pilot, const Image& best) {
+  const std::size_t count = best.pixels.size();
+  const auto n = static_cast<double>(count);
+  Squares sum;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Squares of = squares_of(pilot.pixels[i], best.pixels[i]);
+    sum.error += of.error;
+    sum.picture += of.picture;
+  }
+  if (sum.picture <= 0) return {0, std::numeric_limits<double>::infinity()};
+  const double ratio = sum.error / sum.picture;
+  // The ratio's variance is that of what each pixel adds to it beyond its share (a ratio estimator's linearised variance).
+  double variance = 0, worst = kLastBit * kLastBit * 4;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Squares of = squares_of(pilot.pixels[i], best.pixels[i]);
+    worst = std::max(worst, of.error);
+    variance += std::pow(of.error - ratio * of.picture, 2) / std::max(1.0, n - 1);
+  }
+  // Rare pixels, where rays graze an edge, have most of the error, and a sample's variance knows those only that it has met.
+  const double unseen = kRuleOfThree * worst;
+  const double most = ratio + (kStandardErrors * std::sqrt(variance * n) + unseen) / sum.picture;
+  return {std::sqrt(ratio), kMargin * std::sqrt(most)};
+}
+
+double extrapolated_time(const TimePoint& tiny, const TimePoint& small, const TimePoint& large, double rays) {
+  const double a = std::min(tiny.time, small.time);
+  const double each_small = (small.time - a) / small.rays;  // C + B / sqrt(r)
+  if (large.rays <= small.rays) return a + rays * each_small;
+  const double each_large = std::max(0.0, large.time - a) / large.rays;
+  const double b = std::max(0.0, (each_small - each_large) / (1 / std::sqrt(small.rays) - 1 / std::sqrt(large.rays)));
+  const double c = std::max(0.0, each_large - b / std::sqrt(large.rays));
+  return a + b * std::sqrt(rays) + c * rays;
+}
+
+}  // namespace gicube

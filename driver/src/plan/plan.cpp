@@ -1,0 +1,276 @@
+// The plan step: pilots of a grid of settings, and the choice among them.
+#include "gicube/plan.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "plan/levels.h"
+#include "plan/pilot.h"
+#include "upload/argument.h"
+#include "upload/camera.h"
+
+namespace gicube {
+namespace {
+
+constexpr double kFinestStep = 1.0 / 16;  // voxels; what is saved is told against it
+// chosen: with shorter steps the drift of 14-bit positions, which grows with their number, costs more than they gain
+// (docs/PLAN.md has the measurement).
+constexpr double kBestStep = 1.0 / 4;
+constexpr double kSteps[] = {kBestStep, 1.0 / 2, 1, 2};           // chosen: each costs half of the one before
+constexpr double kThresholds[] = {0.9, 0.95, 0.98, 0.99, 0.998};  // chosen; and 1
+// chosen: of predicted times, which came out at most 24% too short (docs/PLAN.md), for a budget.
+constexpr double kTimeMargin = 1.25;
+// chosen: an error from which on a level of detail beyond that of the pixels is worth being looked at.
+constexpr double kCoarse = 0.02;
+
+void check_request(const PlanRequest& request) {
+  check(request.view);
+  expect_within("max_error", request.max_error, 0, 1);
+  if (request.max_error > 0 && request.time_budget > 0) {
+    throw BadArgument("time_budget", "one of max_error and time_budget", "both");
+  }
+  expect_within("pilot_pixels", request.pilot_pixels, 16, 512);
+  if (!request.volume.samples.empty() && request.looks.empty()) {
+    throw BadArgument("looks", "a transfer function for each tag of the volume", "none");
+  }
+}
+
+PlanPoint settings(int level, double step, double threshold) {
+  PlanPoint point;
+  point.level = level;
+  point.step = step;
+  point.opacity_threshold = threshold;
+  return point;
+}
+
+class Planner {
+ public:
+  Planner(Board& board, const PlanRequest& request, const Progress& progress)
+      : board_(board),
+        request_(request),
+        progress_(progress),
+        keeps_time_(board.info().fidelity != Fidelity::kFunctional),
+        levels_(board, request.volume, request.looks, request.view.shade) {}
+
+  Plan make() {
+    const auto start = std::chrono::steady_clock::now();
+    if (request_.time_budget > 0 && !keeps_time_) {
+      throw BadArgument("time_budget", "a board at fidelity level approximate or cycle, which keep time", "functional");
+    }
+    describe();
+    take_best();
+    plan_.chosen = plan_.best;
+    if (request_.max_error > 0 || request_.time_budget > 0) {
+      for (int level = 0; level <= deepest_; ++level) try_level(level);
+      request_.max_error > 0 ? choose_cheapest() : choose_within_time();
+    }
+    go_to(plan_.chosen.level);
+    if (keeps_time_) plan_.chosen.time = whole_time(plan_.chosen);
+    plan_.placement = levels_.placement(plan_.chosen.level);
+    plan_.dims = levels_.dims(plan_.chosen.level);
+    plan_.level_errors = levels_.errors();
+    plan_.fidelity = request_.time_budget > 0 ? Fidelity::kApproximate : Fidelity::kFunctional;
+    plan_.pilot_host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    plan_.request = request_;
+    plan_.request.volume = {};
+    plan_.request.looks = {};
+    if (progress_) progress_(most_pilots_, most_pilots_);
+    return std::move(plan_);
+  }
+
+ private:
+  void describe() {
+    plan_.gradients = request_.view.shade;
+    if (levels_.own()) {
+      plan_.box = levels_.box();
+      plan_.original_dims = request_.volume.dims;
+      plan_.voxels_a_pixel = voxels_a_pixel(request_.view, levels_.seen(), request_.volume.spacing);
+      plan_.level_for_pixels = level_for(plan_.voxels_a_pixel);
+      const bool deeper = request_.time_budget > 0 || request_.max_error >= kCoarse;
+      deepest_ = std::min(plan_.level_for_pixels + (deeper ? 1 : 0), levels_.most());
+    }
+    most_pilots_ = static_cast<std::uint32_t>(static_cast<std::size_t>(deepest_ + 1) * std::size(kSteps) *
+                                              (std::size(kThresholds) + 1));
+  }
+
+  // The first pilot after a load sends the tables of this camera, which then cost no other one anything.
+  void go_to(int level) {
+    if (levels_.go_to(level) || plan_.pilots == 0) static_cast<void>(take(settings(level, 2, 0.5), 4, level));
+  }
+
+  Pilot take(const PlanPoint& point, int edge, int where) {
+    View view = levels_.placement(where).view(pilot_view(request_.view, edge));
+    view.step = point.step;
+    view.opacity_threshold = point.opacity_threshold;
+    Pilot pilot = take_pilot(board_, view);
+    ++plan_.pilots;
+    plan_.pilot_samples += pilot.samples;
+    if (progress_) progress_(std::min(plan_.pilots, most_pilots_ - 1), most_pilots_);
+    return pilot;
+  }
+
+  double rays() const {
+    const View& view = request_.view;
+    return double(view.width) * view.height * view.samples_per_axis * view.samples_per_axis;
+  }
+  int first_edge() const { return request_.pilot_pixels; }
+  int second_edge() const { return 2 * request_.pilot_pixels; }
+  bool has_room() const {
+    return double(second_edge()) * second_edge() <= double(request_.view.width) * request_.view.height;
+  }
+
+  // Samples and time of the whole picture, as its rays are more.
+  void extrapolate(const Pilot& pilot, PlanPoint& point) const {
+    const double more = rays() / static_cast<double>(pilot.image.pixels.size());
+    point.samples = more * pilot.samples;
+    point.time = keeps_time_ ? static_cast<Picoseconds>(more * static_cast<double>(pilot.time)) : 0;
+    point.pilot_width = pilot.image.width;
+    point.pilot_height = pilot.image.height;
+  }
+
+  static void compare(PlanPoint& point, const Image& image, const Image& best) {
+    const PilotError error = pilot_error(image, best);
+    point.error = error.estimate;
+    point.error_bound = error.bound;
+  }
+
+  // What all others are held against, of the whole volume.
+  void take_best() {
+    go_to(Levels::kWhole);
+    const auto picture = [this](PlanPoint& point, int edge) {
+      Pilot pilot = take(point, edge, Levels::kWhole);
+      if (edge == first_edge()) extrapolate(pilot, point);
+      return std::move(pilot.image);
+    };
+    plan_.best = settings(0, kBestStep, 1);
+    plan_.finest = settings(0, kFinestStep, 1);
+    best_ = picture(plan_.best, first_edge());
+    if (has_room()) larger_best_ = picture(plan_.best, second_edge());
+    compare(plan_.finest, picture(plan_.finest, first_edge()), best_);
+    if (keeps_time_) plan_.finest.time = rough_time(plan_.finest, Levels::kWhole);
+  }
+
+  PlanPoint tried(const PlanPoint& of, int edge) {
+    PlanPoint point = of;
+    const Pilot pilot = take(point, edge, point.level);
+    extrapolate(pilot, point);
+    compare(point, pilot.image, edge == first_edge() ? best_ : larger_best_);
+    plan_.points.push_back(point);
+    return point;
+  }
+
+  void try_level(int level) {
+    go_to(level);
+    for (const double step : kSteps) {
+      const PlanPoint whole = tried(settings(level, step, 1), first_edge());
+      // Ending rays earlier, or taking still longer steps, makes no picture better.
+      if (request_.max_error > 0 && whole.error > request_.max_error) break;
+      for (const double threshold : kThresholds) {
+        const PlanPoint point = tried(settings(level, step, threshold), first_edge());
+        if (request_.max_error > 0 && point.error_bound <= request_.max_error) break;
+      }
+    }
+  }
+
+  double cost(const PlanPoint& point) const { return keeps_time_ ? static_cast<double>(point.time) : point.samples; }
+
+  // Small pilots say what may do, and larger ones decide, cheapest first: of many settings whose pilots are compared some look
+  // better than they are, and the cheapest would be one of them.
+  void choose_cheapest() {
+    std::vector<PlanPoint> candidates;
+    for (const PlanPoint& point : plan_.points) {
+      const double error = has_room() ? point.error : point.error_bound;
+      if (error <= request_.max_error && cost(point) < cost(plan_.best)) candidates.push_back(point);
+    }
+    std::sort(candidates.begin(), candidates.end(),
+              [this](const PlanPoint& a, const PlanPoint& b) { return cost(a) < cost(b); });
+    for (const PlanPoint& candidate : candidates) {
+      const PlanPoint point = has_room() ? closer(candidate) : candidate;
+      if (point.error_bound > request_.max_error) continue;
+      plan_.chosen = point;
+      return;
+    }
+  }
+
+  PlanPoint closer(const PlanPoint& point) {
+    go_to(point.level);
+    return tried(point, second_edge());
+  }
+
+  TimePoint timed(const PlanPoint& point, double edge, int where) {
+    const Pilot pilot = take(point, static_cast<int>(edge), where);
+    return {static_cast<double>(pilot.image.pixels.size()), static_cast<double>(pilot.time)};
+  }
+
+  // Of the whole picture: from pilots whose edges are these shares of its own, or those of the others if they are larger.
+  Picoseconds whole_time(const PlanPoint& point, int where, double share_1, double share_2) {
+    go_to(where);
+    const double whole = std::sqrt(double(request_.view.width) * request_.view.height);
+    const double edge_1 = std::max<double>(first_edge(), share_1 * whole);
+    const double edge_2 = std::max<double>(second_edge(), share_2 * whole);
+    constexpr int kTiny = 4;  // pixels: what a picture takes before its first ray
+    const TimePoint none = timed(point, kTiny, where), small = timed(point, edge_1, where);
+    const TimePoint large = has_room() ? timed(point, edge_2, where) : TimePoint{};
+    return static_cast<Picoseconds>(extrapolated_time(none, small, large, rays()));
+  }
+  Picoseconds rough_time(const PlanPoint& point, int where) { return whole_time(point, where, 0, 0); }
+  Picoseconds whole_time(const PlanPoint& point) { return whole_time(point, point.level, 1.0 / 4, 1.0 / 2); }
+
+  void choose_within_time() {
+    const auto budget = static_cast<double>(request_.time_budget) / kTimeMargin;
+    constexpr double kAtBest = 0.3;  // chosen: of a pilot's time a ray, what rays that lie closer together may need
+    std::vector<PlanPoint> points = plan_.points;
+    std::stable_sort(points.begin(), points.end(),
+                     [](const PlanPoint& a, const PlanPoint& b) { return a.error_bound < b.error_bound; });
+    for (PlanPoint& point : points) {
+      if (kAtBest * static_cast<double>(point.time) > budget) continue;
+      if (static_cast<double>(rough_time(point, point.level)) > budget) continue;
+      point.time = whole_time(point);
+      if (static_cast<double>(point.time) > budget) continue;
+      plan_.chosen = has_room() ? closer(point) : point;
+      return;
+    }
+    plan_.kept = false;
+    plan_.chosen = *std::min_element(points.begin(), points.end(),
+                                     [](const PlanPoint& a, const PlanPoint& b) { return a.time < b.time; });
+  }
+
+  Board& board_;
+  const PlanRequest& request_;
+  const Progress& progress_;
+  const bool keeps_time_;
+  Levels levels_;
+  int deepest_ = 0;
+  std::uint32_t most_pilots_ = 0;
+  Image best_, larger_best_;
+  Plan plan_;
+};
+
+}  // namespace
+
+View Plan::view(const View& original) const {
+  View view = placement.view(original);
+  view.step = chosen.step;
+  view.opacity_threshold = chosen.opacity_threshold;
+  return view;
+}
+
+Plan make_plan(Board& board, const PlanRequest& request, const Progress& progress) {
+  check_request(request);
+  return Planner(board, request, progress).make();
+}
+
+void load_planned(Board& board, const Plan& plan, const VolumeView& volume, std::span<const TransferFunction> looks) {
+  std::optional<DerivedVolume> part, coarse;
+  if (plan.box.size != volume.dims) part = cropped(volume, plan.box);
+  VolumeView view = without_unused(part ? part->view() : volume, plan.gradients);
+  if (plan.chosen.level > 0) {
+    coarse = coarser(view, plan.chosen.level);
+    view = without_unused(coarse->view(), plan.gradients);
+  }
+  load_with_looks(board, view, plan.placement, looks);
+}
+
+}  // namespace gicube

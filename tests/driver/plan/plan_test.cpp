@@ -1,0 +1,221 @@
+#include "gicube/plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "../board/test_board.h"
+#include "plan/pilot.h"
+
+namespace gicube {
+namespace {
+
+using reference::open_board;
+
+// A ball of soft shells in noise that nothing shows, in a corner of its volume.
+struct Shells {
+  static constexpr int kSize = 64;
+  std::vector<std::byte> samples;
+  std::vector<TransferFunction> looks{
+      {{{0, {0.9, 0.5, 0.2}}, {255, {0.3, 0.6, 1}}}, {{90, 0}, {130, 0.2}, {255, 0.5}}}};
+
+  Shells() {
+    for (int z = 0; z < kSize; ++z) {
+      for (int y = 0; y < kSize; ++y) {
+        for (int x = 0; x < kSize; ++x) {
+          const double r = std::hypot(x - 22.0, y - 24.0, z - 21.0);
+          const double value = r > 17 ? 20 + (x * 7 + y * 13 + z * 29) % 40 : 128 + 120 * std::cos(0.7 * r);
+          samples.push_back(static_cast<std::byte>(static_cast<int>(value)));
+        }
+      }
+    }
+  }
+  VolumeView volume() const { return {.samples = samples, .type = SampleType::kUint8, .dims = {kSize, kSize, kSize}}; }
+  static View view(int size) {
+    View view;
+    view.eye = {-40, -90, 70};
+    view.look_at = {22, 24, 21};
+    view.up = {0, 0, 1};
+    view.fov_degrees = 20;
+    view.width = view.height = size;
+    return view;
+  }
+  PlanRequest request(int size) const {
+    PlanRequest request;
+    request.volume = volume();
+    request.looks = looks;
+    request.view = view(size);
+    return request;
+  }
+};
+
+std::uint64_t samples_of(Board& board, const View& view) {
+  const Counters before = board.counters();
+  board.render_to_framebuffer(view);
+  return (board.counters() - before).value("pipeline.samples");
+}
+
+TEST(Plan, LeavesThePlannedVolumeOnTheBoardAndNothingThatIsNotSeen) {
+  const Shells shells;
+  Board board = open_board();
+  PlanRequest request = shells.request(128);
+  request.max_error = 0.02;
+  const Plan plan = make_plan(board, request);
+  EXPECT_LE(plan.chosen.error_bound, 0.02);
+  EXPECT_LT(plan.box.size[0], 48);  // of 64
+  EXPECT_EQ(plan.dims, plan.box.size);
+  EXPECT_THROW(board.read_volume({{0, 0, 0}, {64, 64, 64}}), BadArgument);
+  const double finest = static_cast<double>(plan.finest.samples);
+  const auto chosen = static_cast<double>(samples_of(board, plan.view(request.view)));
+  EXPECT_LT(3 * chosen, finest);
+  EXPECT_NEAR(plan.chosen.samples, chosen, 0.1 * chosen);
+}
+
+TEST(Plan, TakesMoreSamplesForLessErrorAndFewerForMore) {
+  const Shells shells;
+  Board board = open_board();
+  double last = 0;
+  for (const double error : {0.1, 0.03, 0.005}) {
+    PlanRequest request = shells.request(128);
+    request.max_error = error;
+    const Plan plan = make_plan(board, request);
+    EXPECT_LE(plan.chosen.error_bound, error);
+    EXPECT_GT(plan.chosen.samples, last);
+    last = plan.chosen.samples;
+  }
+}
+
+TEST(Plan, TakesACoarserVolumeWherePixelsAreLargerThanVoxelsAndNothingIsThin) {
+  Shells shells;
+  Board board = open_board();
+  PlanRequest request = shells.request(24);
+  request.view.fov_degrees = 60;  // a ball of five pixels
+  request.max_error = 0.2;
+  const Plan thin = make_plan(board, request);
+  EXPECT_GT(thin.level_for_pixels, 0);
+  EXPECT_EQ(thin.chosen.level, 0);
+  EXPECT_GT(thin.level_errors.at(0).largest_density, 2000);
+
+  for (std::size_t i = 0; i < shells.samples.size(); ++i) {
+    const auto x = static_cast<double>(i % 64), y = static_cast<double>(i / 64 % 64), z = static_cast<double>(i / 4096);
+    const double r = std::hypot(x - 22, y - 24, z - 21) / 20;
+    shells.samples[i] = static_cast<std::byte>(static_cast<int>(200 * std::exp(-r * r)));
+  }
+  const Plan smooth = make_plan(board, request);
+  EXPECT_GT(smooth.chosen.level, 0);
+  EXPECT_LT(smooth.level_errors.at(0).largest_density, 200);
+  EXPECT_LE(smooth.chosen.error_bound, 0.2);
+}
+
+TEST(Plan, KeepsATimeBudgetOrSaysThatNothingDoes) {
+  const Shells shells;
+  Board board = open_board("emu:?fidelity=approximate");
+  PlanRequest request = shells.request(128);
+  request.time_budget = 8'000'000'000;  // 8 ms; the finest setting takes 18
+  const Plan plan = make_plan(board, request);
+  EXPECT_TRUE(plan.kept);
+  EXPECT_GT(plan.finest.time, request.time_budget);
+  const Picoseconds begin = board.now();
+  board.render(plan.view(request.view));
+  EXPECT_LE(board.now() - begin, request.time_budget);
+
+  request.time_budget = 1'000'000;  // one microsecond
+  const Plan hopeless = make_plan(board, request);
+  EXPECT_FALSE(hopeless.kept);
+  EXPECT_THAT(hopeless.explain().front(), testing::HasSubstr("NOT REACHED"));
+}
+
+TEST(Plan, ABudgetNeedsABoardThatKeepsTime) {
+  const Shells shells;
+  Board board = open_board("emu:?fidelity=functional");
+  PlanRequest request = shells.request(32);
+  request.time_budget = 1'000'000'000;
+  EXPECT_THROW(make_plan(board, request), BadArgument);
+  request.max_error = 0.01;  // both
+  EXPECT_THROW(make_plan(board, request), BadArgument);
+}
+
+TEST(Plan, MakesNoGradientsForAPictureWithoutShading) {
+  const Shells shells;
+  Board board = open_board();
+  PlanRequest request = shells.request(64);
+  request.view.shade = false;
+  request.max_error = 0.05;
+  const Plan plan = make_plan(board, request);
+  EXPECT_FALSE(plan.gradients);
+  const Image flat = board.render(plan.view(request.view));
+  View shaded = plan.view(request.view);
+  shaded.shade = true;
+  EXPECT_EQ(board.render(shaded), flat);  // there is no gradient to shade by
+  EXPECT_THAT(plan.explain(), testing::Contains(testing::HasSubstr("gradients")));
+}
+
+TEST(Plan, BringsAnotherBoardToTheSamePicture) {
+  const Shells shells;
+  Board board = open_board(), other = open_board();
+  PlanRequest request = shells.request(64);
+  request.max_error = 0.1;
+  const Plan plan = make_plan(board, request);
+  load_planned(other, plan, request.volume, request.looks);
+  EXPECT_EQ(other.render(plan.view(request.view)), board.render(plan.view(request.view)));
+}
+
+TEST(Plan, OfWhatTheBoardHoldsChangesNoVolume) {
+  const Shells shells;
+  Board board = open_board();
+  board.load_volume(shells.volume());
+  board.set_transfer_function(shells.looks[0]);
+  const auto before = board.read_volume({{0, 0, 0}, {64, 64, 4}});
+  PlanRequest request;
+  request.view = Shells::view(96);
+  request.max_error = 0.02;
+  const Plan plan = make_plan(board, request);
+  EXPECT_EQ(board.read_volume({{0, 0, 0}, {64, 64, 4}}), before);
+  EXPECT_EQ(plan.placement.edge, 1);
+  EXPECT_EQ(plan.chosen.level, 0);
+  EXPECT_GT(plan.finest.samples, 3 * plan.chosen.samples);
+}
+
+TEST(Plan, APictureOfNothingKeepsTheBestSetting) {
+  const Shells shells;
+  Board board = open_board();
+  PlanRequest request = shells.request(64);
+  request.view.look_at = {22, -400, 21};  // away from it
+  request.max_error = 0.05;
+  const Plan plan = make_plan(board, request);
+  EXPECT_EQ(plan.chosen.step, plan.best.step);
+  EXPECT_EQ(plan.chosen.opacity_threshold, 1);
+}
+
+Image flat(int size, Pixel pixel) {
+  return {size, size, std::vector<Pixel>(static_cast<std::size_t>(size) * static_cast<std::size_t>(size), pixel)};
+}
+
+TEST(PilotError, IsRelativeAndItsBoundGrowsWithItsSpread) {
+  const Image best = flat(16, {100, 100, 100, 2000});
+  Image even = best, single = best;
+  for (Pixel& pixel : even.pixels) pixel.red = 110;
+  single.pixels[7].red = 100 + 10 * 15;  // nearly the same sum of squares, in one pixel
+  const PilotError everywhere = pilot_error(even, best), in_one = pilot_error(single, best);
+  const double whole = std::sqrt(3 * std::pow(100 / 255.0, 2) + std::pow(2000 / 4095.0, 2));
+  EXPECT_NEAR(everywhere.estimate, 10 / 255.0 / whole, 1e-12);
+  EXPECT_NEAR(in_one.estimate, everywhere.estimate * 15 / 16, 1e-12);
+  EXPECT_LT(everywhere.bound, 1.2 * everywhere.estimate);
+  EXPECT_GT(in_one.bound, 2 * in_one.estimate);
+}
+
+TEST(PilotError, OfABlankBestPictureIsNotKnown) {
+  EXPECT_TRUE(std::isinf(pilot_error(flat(8, {}), flat(8, {})).bound));
+}
+
+TEST(ExtrapolatedTime, FollowsCommandBordersAndRays) {
+  const auto time = [](double rays) { return 5 + 2 * std::sqrt(rays) + 0.5 * rays; };
+  const auto at = [&](double rays) { return TimePoint{rays, time(rays)}; };
+  EXPECT_NEAR(extrapolated_time({0, 5}, at(100), at(400), 10000), time(10000), 1e-9);
+  EXPECT_NEAR(extrapolated_time({0, 5}, at(100), {}, 200), 5 + 2 * (time(100) - 5), 1e-9);
+}
+
+}  // namespace
+}  // namespace gicube

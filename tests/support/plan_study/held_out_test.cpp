@@ -1,0 +1,51 @@
+// --max-error 1% on scenes that make_plan() was not written with: the measured error stays under the bound, and the cost
+// falls at least three times.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "plan_study/study.h"
+
+namespace gicube::plan_study {
+namespace {
+
+constexpr int kSize = 192;  // pixels: a whole picture at the finest setting is what takes long here
+
+class HeldOut : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override { setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1); }
+
+  static StudyScene scene(const std::string& name) {
+    for (const StudyScene& study : study_scenes(GICUBE_SOURCE_DIR "/../shared/data", GICUBE_SOURCE_DIR)) {
+      if (study.name == name) return study;
+    }
+    throw std::runtime_error("no scene of that name: " + name);
+  }
+};
+
+TEST_P(HeldOut, TheMeasuredErrorStaysUnderTheBoundAndTheCostFallsThreeTimes) {
+  const StudyScene study = scene(GetParam());
+  ASSERT_TRUE(study.held_out);
+  if (!study.available()) GTEST_SKIP() << "needs " << study.scene.volume.file.string();
+  const Outcome outcome = carry_out(study, kSize, {.max_error = 0.01}, "emu:?fidelity=functional");
+  EXPECT_LE(outcome.plan.chosen.error_bound, 0.01);
+  EXPECT_LE(outcome.error, outcome.plan.chosen.error_bound);
+  EXPECT_GT(outcome.error, 0);  // else nothing was compared
+  EXPECT_LE(3 * outcome.chosen.samples, outcome.finest.samples);
+  // What the plan says of the cost is what it was.
+  EXPECT_NEAR(outcome.plan.chosen.samples, outcome.chosen.samples, 0.1 * outcome.chosen.samples);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, HeldOut,
+                         testing::Values("mouse", "T1", "FLAIR, not shaded", "head, bone", "head, skin",
+                                         "ball, cut, from near", "ball, far away", "subsurface"),
+                         [](const auto& name) {
+                           std::string text;
+                           for (const char* c = name.param; *c != 0; ++c) {
+                             if (std::isalnum(static_cast<unsigned char>(*c)) != 0) text += *c;
+                           }
+                           return text;
+                         });
+
+}  // namespace
+}  // namespace gicube::plan_study

@@ -1,0 +1,40 @@
+// A plan held against the pictures that it is about.
+#pragma once
+
+#include <string>
+
+#include "gicube/plan.h"
+#include "plan_study/scenes.h"
+
+namespace gicube::plan_study {
+
+struct Target {
+  double max_error = 0;
+  Picoseconds time_budget = 0;
+};
+
+struct Cost {
+  double samples = 0;
+  Picoseconds time = 0;
+  double host_seconds = 0;
+};
+
+struct Outcome {
+  Plan plan;
+  double error = 0;  // of the plan's whole picture against the best setting's
+  Cost chosen, best, finest;
+  // The same against the double-precision march at a sixteenth of a voxel, if asked for.
+  double exact_error = 0, exact_error_of_best = 0, exact_error_of_finest = 0;
+};
+
+// Relative root mean square difference of red, green, blue and alpha (gicube/plan.h).
+double relative_error(const Image& image, const Image& best);
+
+// `uri` with room for the scene.
+std::string uri_for(const StudyScene& study, const std::string& uri);
+
+// Plans the scene's picture of `size` x `size` pixels on a board of its own, renders it by the plan, by the best and by the
+// finest setting with the whole volume, and exactly, if asked for (not of lit scenes).
+Outcome carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri, bool exact = false);
+
+}  // namespace gicube::plan_study
