@@ -113,6 +113,8 @@ const std::vector<Rule>& rules() {
                              {"fmt"}},
       {"samples/form_factors", {"samples/form_factors", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
+      // Runs gicube-render as a program of its own.
+      {"samples/sweep",      {"samples/sweep", "samples/common", "driver/include"}, {kAnything}},
       {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
   };

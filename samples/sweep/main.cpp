@@ -1,0 +1,58 @@
+// gicube-sweep: gicube-render over a grid of parameters, cost against error.
+#include <fmt/format.h>
+
+#include <exception>
+#include <filesystem>
+#include <iostream>
+
+#include "common/board_options.h"
+#include "common/progress.h"
+#include "sweep/sweep.h"
+
+namespace {
+
+using namespace gicube::samples;
+using namespace gicube::samples::sweep;
+
+constexpr int kFailed = 1, kWrongUsage = 2;  // exit codes
+
+// It stands beside this program.
+std::filesystem::path render_program() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "gicube-render";
+}
+
+void print_front(const Table& table) {
+  fmt::print("{:>12}  {:>12}  of {} runs, no other is cheaper and better:\n", table.cost, "error", table.rows.size());
+  for (const Row& row : table.rows) {
+    if (row.on_front) fmt::print("{:12.6g}  {:12.6g}  {}\n", row.cost, row.error, row.command);
+  }
+}
+
+int run(int argc, char** argv) {
+  const auto options = parse_sweep_options(argc, argv, std::cout);
+  if (!options) return 0;
+  Table table;
+  {
+    ProgressLine progress(!options->quiet);
+    table = sweep::sweep(*options, render_program(), [&](std::size_t done, std::size_t all) {
+      progress.show(fmt::format("{} of {} runs", done, all));
+    });
+  }
+  write_files(*options, table);
+  if (!options->quiet) print_front(table);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const UsageError& error) {
+    fmt::print(stderr, "gicube-sweep: {}\nTry gicube-sweep --help.\n", error.what());
+    return kWrongUsage;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "gicube-sweep: {}\n", error.what());
+    return kFailed;
+  }
+}

@@ -1,0 +1,76 @@
+#include "sweep/parameter.h"
+
+#include <algorithm>
+
+#include "common/input_error.h"
+
+namespace gicube::samples::sweep {
+
+Setting parse_setting(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size() || text.front() == '-')
+    throw InputError("parameter", "NAME=VALUE, the name without dashes", in_quotes(text));
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+Parameter parse_parameter(const std::string& text) {
+  const Setting setting = parse_setting(text);
+  const char separator = setting.value.find(';') == std::string::npos ? ',' : ';';
+  Parameter parameter{setting.name, {}};
+  for (std::size_t at = 0; at <= setting.value.size();) {
+    const std::size_t end = std::min(setting.value.find(separator, at), setting.value.size());
+    const std::string value = setting.value.substr(at, end - at);
+    if (value.empty()) throw InputError(setting.name, "values between separators", in_quotes(text));
+    if (std::find(parameter.values.begin(), parameter.values.end(), value) != parameter.values.end())
+      throw InputError(setting.name, "each value once", in_quotes(value) + " twice");
+    parameter.values.push_back(value);
+    at = end + 1;
+  }
+  return parameter;
+}
+
+std::vector<Point> grid(const std::vector<Parameter>& parameters) {
+  std::vector<Point> points(1);
+  for (const Parameter& parameter : parameters) {
+    std::vector<Point> more;
+    for (const Point& point : points) {
+      for (const std::string& value : parameter.values) {
+        more.push_back(point);
+        more.back().push_back({parameter.name, value});
+      }
+    }
+    points = std::move(more);
+  }
+  return points;
+}
+
+Point changed(Point point, const std::vector<Setting>& changes) {
+  for (const Setting& change : changes) {
+    const auto same = [&](const Setting& setting) { return setting.name == change.name; };
+    const auto place = std::find_if(point.begin(), point.end(), same);
+    if (place == point.end()) {
+      point.push_back(change);
+    } else {
+      place->value = change.value;
+    }
+  }
+  return point;
+}
+
+std::vector<std::string> arguments(const Point& point) {
+  std::vector<std::string> all;
+  for (const Setting& setting : point) {
+    if (setting.name == "input") {
+      all.insert(all.begin(), setting.value);
+    } else if (setting.name.find('.') != std::string::npos) {
+      all.insert(all.end(), {"--set", setting.name + "=" + setting.value});
+    } else if (setting.value == "on") {
+      all.push_back("--" + setting.name);
+    } else if (setting.value != "off") {
+      all.insert(all.end(), {"--" + setting.name, setting.value});
+    }
+  }
+  return all;
+}
+
+}  // namespace gicube::samples::sweep

@@ -1,0 +1,136 @@
+#include "sweep/run.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <fstream>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "common/file_error.h"
+#include "common/input_error.h"
+#include "sweep/process.h"
+
+namespace gicube::samples::sweep {
+namespace {
+
+// FNV-1a.
+std::uint64_t hash(const std::string& text) {
+  std::uint64_t sum = 0xcbf29ce484222325;
+  for (const char c : text) sum = (sum ^ static_cast<std::uint8_t>(c)) * 0x100000001b3;
+  return sum;
+}
+
+std::string quoted(const std::string& argument) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_=.,:/+@%";
+  if (!argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos) return argument;
+  std::string out = "'";
+  for (const char c : argument) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+}  // namespace
+
+std::string Run::key() const {
+  std::string all;
+  for (const std::string& argument : arguments) all += argument + '\n';
+  std::error_code none;
+  if (!arguments.empty() && std::filesystem::is_regular_file(arguments.front(), none)) {
+    const auto written = std::filesystem::last_write_time(arguments.front(), none).time_since_epoch().count();
+    all += fmt::format("{} {}", std::filesystem::file_size(arguments.front(), none), written);
+  }
+  return fmt::format("{:016x}", hash(all));
+}
+
+std::string Run::command() const {
+  std::string text = "gicube-render";
+  for (const std::string& argument : arguments) text.append(1, ' ').append(quoted(argument));
+  return text + " -o picture.exr --stats run.json";
+}
+
+RunFolder::RunFolder(std::filesystem::path folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error) throw FileError(folder_, "folder", "one that can be made", error.message());
+}
+
+bool RunFolder::has(const Run& run) const { return std::filesystem::exists(statistics(run)); }
+
+void RunFolder::carry_out(const Run& run, const std::filesystem::path& program) const {
+  const std::filesystem::path picture_part = folder_ / (run.key() + ".part.exr"),
+                              statistics_part = folder_ / (run.key() + ".part.json");
+  std::vector<std::string> arguments = run.arguments;
+  arguments.insert(arguments.end(), {"-o", picture_part.string(), "--stats", statistics_part.string(), "--quiet"});
+  try {
+    run_program(program, arguments, log(run));
+  } catch (const RunFailed& failure) {
+    throw RunFailed(run.command() + "\n  " + failure.what());
+  }
+  std::filesystem::rename(picture_part, picture(run));
+  std::filesystem::rename(statistics_part, statistics(run));  // last: it says that the run is done
+}
+
+nlohmann::json RunFolder::read(const Run& run) const {
+  std::ifstream stream(statistics(run));
+  nlohmann::json json = nlohmann::json::parse(stream, nullptr, false);
+  if (!json.is_object()) throw FileError(statistics(run), "statistics", "a JSON object", "something else");
+  return json;
+}
+
+void carry_out_all(const RunFolder& folder, const std::vector<Run>& runs, const std::filesystem::path& program,
+                   int jobs, const std::function<void(std::size_t done)>& progress) {
+  std::mutex mutex;
+  std::size_t done = 0;
+  std::exception_ptr failure;
+  std::vector<const Run*> left;
+  for (const Run& run : runs) {
+    if (folder.has(run)) {
+      ++done;
+    } else {
+      left.push_back(&run);
+    }
+  }
+  progress(done);
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < left.size(); i = next++) {
+      try {
+        folder.carry_out(*left[i], program);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!failure) failure = std::current_exception();
+      }
+      const std::lock_guard lock(mutex);
+      if (failure) return;
+      progress(++done);
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 1; i < jobs; ++i) workers.emplace_back(work);
+  work();
+  for (std::thread& worker : workers) worker.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+double figure_or_nan(const nlohmann::json& statistics, const std::string& name) {
+  try {
+    const nlohmann::json& value =
+        name.starts_with('/') ? statistics.at(nlohmann::json::json_pointer(name)) : statistics.at(name);
+    if (value.is_number()) return value.get<double>();
+  } catch (const nlohmann::json::exception&) {
+    // Not there, or no pointer.
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+double figure(const nlohmann::json& statistics, const std::string& name) {
+  const double value = figure_or_nan(statistics, name);
+  if (std::isnan(value)) throw InputError(name, "a number in the run's statistics", "none of that name");
+  return value;
+}
+
+}  // namespace gicube::samples::sweep

@@ -1,0 +1,120 @@
+#include "sweep/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "common/file_error.h"
+#include "common/whole_file.h"
+
+namespace gicube::samples::sweep {
+namespace {
+
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+// Names of all settings, in the order in which they first come.
+std::vector<std::string> setting_names(const Table& table) {
+  std::vector<std::string> names;
+  for (const Row& row : table.rows) {
+    for (const Setting& setting : row.point) {
+      if (std::find(names.begin(), names.end(), setting.name) == names.end()) names.push_back(setting.name);
+    }
+  }
+  return names;
+}
+
+std::string value_of(const Point& point, const std::string& name) {
+  for (const Setting& setting : point) {
+    if (setting.name == name) return setting.value;
+  }
+  return {};
+}
+
+nlohmann::ordered_json to_json(const Table& table, const Row& row) {
+  nlohmann::ordered_json out;
+  for (const Setting& setting : row.point) out["settings"][setting.name] = setting.value;
+  out[table.cost] = row.cost;
+  out["error " + table.error] = row.is_reference ? nlohmann::ordered_json() : nlohmann::ordered_json(row.error);
+  for (std::size_t i = 0; i < table.also.size(); ++i) out[table.also[i]] = row.also[i];  // null if there is none
+  out["reference"] = row.is_reference;
+  out["front"] = row.on_front;
+  out["command"] = row.command;
+  return out;
+}
+
+}  // namespace
+
+void mark_front(std::vector<Row>& rows) {
+  for (Row& row : rows) {
+    row.on_front = !row.is_reference && std::none_of(rows.begin(), rows.end(), [&](const Row& other) {
+      return !other.is_reference && other.cost <= row.cost && other.error <= row.error &&
+             (other.cost < row.cost || other.error < row.error);
+    });
+  }
+}
+
+std::string csv(const Table& table) {
+  const std::vector<std::string> names = setting_names(table);
+  std::string text = fmt::format("{},{},front,reference", cell(table.cost), cell("error " + table.error));
+  for (const std::string& name : table.also) text.append(1, ',').append(cell(name));
+  for (const std::string& name : names) text.append(1, ',').append(cell(name));
+  text += ",command\n";
+  for (const Row& row : table.rows) {
+    text += fmt::format("{:.6g},{},{:d},{:d}", row.cost, row.is_reference ? "" : fmt::format("{:.6g}", row.error),
+                        row.on_front, row.is_reference);
+    for (const double figure : row.also) text += std::isnan(figure) ? "," : fmt::format(",{:.6g}", figure);
+    for (const std::string& name : names) text.append(1, ',').append(cell(value_of(row.point, name)));
+    text += fmt::format(",{}\n", cell(row.command));
+  }
+  return text;
+}
+
+std::string json(const Table& table) {
+  nlohmann::ordered_json out;
+  out["cost"] = table.cost;
+  out["error"] = table.error;
+  out["points"] = out["front"] = nlohmann::ordered_json::array();
+  for (const Row& row : table.rows) {
+    out["points"].push_back(to_json(table, row));
+    if (row.on_front) out["front"].push_back(to_json(table, row));
+  }
+  return out.dump(2) + "\n";
+}
+
+std::string chart(const Table& table, const std::string& name, const std::string& title) {
+  return fmt::format(R"(# Drawn by gicube-sweep: all points, and the Pareto front as a line.
+set datafile separator ','
+set title "{0}"
+set xlabel "{1}"
+set ylabel "error: {2}"
+set logscale xy
+set grid
+set key top right
+do for [format in "svg png"] {{
+  if (format eq "svg") {{ set terminal svg size 800,520 background 'white' }} else {{ set terminal pngcairo size 800,520 }}
+  set output '{3}.' . format
+  plot '{3}.csv' skip 1 using 1:($2 > 0 ? $2 : NaN) with points pt 7 ps 0.6 lc rgb "gray50" title "runs", \
+    "< awk -F, 'NR > 1 && $3 == 1 && $2 > 0' {3}.csv | sort -t, -g -k1,1" using 1:2 with linespoints pt 7 lw 2 \
+    lc rgb "#c04000" title "Pareto front"
+}}
+)",
+                     title, table.cost, table.error, name);
+}
+
+void write(const std::string& text, const std::filesystem::path& file) {
+  const WholeFile whole(file);
+  std::ofstream stream(whole.path());
+  if (!(stream << text).flush()) throw FileError(file, "file", "one that can be written", "an error");
+  stream.close();
+  whole.rename();
+}
+
+}  // namespace gicube::samples::sweep

@@ -1,0 +1,42 @@
+// What a sweep found: one row a point, which of them are on the Pareto front, and the files for others.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sweep/parameter.h"
+
+namespace gicube::samples::sweep {
+
+struct Row {
+  Point point;
+  double cost = 0;
+  double error = 0;
+  std::vector<double> also;  // further figures; NaN: the run does not have it
+  bool is_reference = false;
+  bool on_front = false;
+  std::string command;
+};
+
+struct Table {
+  std::string cost, error;        // names of the axes
+  std::vector<std::string> also;  // names of further figures
+  std::vector<Row> rows;
+};
+
+// Marks the rows that no other is cheaper than without being worse, nor better than without being dearer. References have no
+// error of their own, and stay out.
+void mark_front(std::vector<Row>& rows);
+
+// One line a row, a column a setting; the command last.
+std::string csv(const Table& table);
+// The same, and the front by itself.
+std::string json(const Table& table);
+// A gnuplot script that draws NAME.csv beside it as NAME.svg and NAME.png.
+std::string chart(const Table& table, const std::string& name, const std::string& title);
+
+// Throws FileError.
+void write(const std::string& text, const std::filesystem::path& file);
+
+}  // namespace gicube::samples::sweep

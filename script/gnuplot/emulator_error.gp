@@ -1,0 +1,23 @@
+# emulator.csv: what a level costs the host, and how far its frame time is from that of the cycle level.
+set datafile separator ','
+set title "The emulator: error of the frame time by the host's time"
+set xlabel "host seconds a frame"
+set ylabel "error of the frame time against the cycle level"
+set logscale xy
+set format y "%g"
+set grid
+set key outside below maxcols 3
+column_of(name) = int(system(sprintf("head -1 emulator.csv | tr ',' '\\n' | grep -nx '%s' | cut -d: -f1", name)))
+fidelity = column_of("fidelity")
+processors = column_of("asic.processors")
+floor = 1e-4
+set yrange [floor / 2:*]
+do for [format in "svg png"] {
+  if (format eq "svg") { set terminal svg size 900,560 background 'white' } else { set terminal pngcairo size 900,560 }
+  set output 'emulator_error.' . format
+  plot for [level in "functional approximate cycle"] for [p in "1 4 16"] 'emulator.csv' skip 1 \
+    using (strcol(fidelity) eq level && strcol(processors) eq p ? $1 : NaN):(level eq "cycle" ? floor : $2 < floor ? floor : $2) \
+    with points pt (p eq "1" ? 7 : p eq "4" ? 5 : 9) \
+    lc rgb (level eq "cycle" ? "#404040" : level eq "functional" ? "#0060ad" : "#c04000") \
+    title sprintf("%s, p = %s%s", level, p, level eq "cycle" ? " (0, drawn at 1e-4)" : "")
+}
