@@ -31,8 +31,8 @@ struct PlanRequest {
   double max_error = 0;  // relative, as above; > 0: the cheapest setting whose error_bound is no larger
   Picoseconds time_budget =
       0;  // > 0: of one picture; the most accurate setting that keeps it by prediction and a quarter more
-  int pilot_pixels =
-      48;  // an edge of a square pilot, 16..512; pilots with twice as many follow where these can't tell and the picture has so many
+  int pilot_pixels = 48;  // an edge of a square pilot, 16..512; larger ones, of twice that or a third of the
+                          // picture's own edge, decide where the picture has room for them
 };
 
 // One setting, and what its pilot showed.
@@ -49,9 +49,9 @@ struct PlanPoint {
 };
 
 struct GICUBE_API Plan {
-  // The error is not known before the picture is made. The bound is the pilot's mean square error with three of its standard
+  // The error is not known before the picture is made. The bound is the pilot's mean square error with four of its standard
   // errors added, and three times what the worst pixel adds to it (what none of n pixels shows is in fewer than 3/n of all,
-  // with 95%), and a tenth more of its root. chosen: held against scenes that it was not made with (docs/PLAN.md).
+  // with 95%), and a quarter more of its root. chosen: held against scenes that it was not made with (docs/PLAN.md).
   PlanPoint chosen;
   PlanPoint best;                 // what errors are told against: level 0, a quarter of a voxel, rays to their end
   PlanPoint finest;               // what costs are told against: level 0, a sixteenth of a voxel, rays to their end

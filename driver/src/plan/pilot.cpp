@@ -8,12 +8,12 @@
 namespace gicube {
 namespace {
 
-// chosen: three standard errors; were the mean's errors normal, it would be above the truth once in 740 times.
-constexpr double kStandardErrors = 3;
+// chosen: four standard errors and a quarter of the whole. Most of the error is in the few pixels whose rays graze a surface;
+// a sample that has not met the worst of them has too small a mean and too small a variance.
+constexpr double kStandardErrors = 4;
+constexpr double kMargin = 1.25;
 // What none of n pixels shows is in fewer than 3 / n of them, with 95% (the rule of three).
 constexpr double kRuleOfThree = 3;
-// chosen: of the bound; pixels at even distances may fall in step with a pattern, which no variance shows.
-constexpr double kMargin = 1.1;
 constexpr double kLastBit = 1.0 / 255;  // of the framebuffer's colours
 
 std::array<double, 4> channels(const Pixel& pixel) {
@@ -73,7 +73,6 @@ PilotError pilot_error(const Image& pilot, const Image& best) {
     worst = std::max(worst, of.error);
     variance += std::pow(of.error - ratio * of.picture, 2) / std::max(1.0, n - 1);
   }
-  // Rare pixels, where rays graze an edge, have most of the error, and a sample's variance knows those only that it has met.
   const double unseen = kRuleOfThree * worst;
   const double most = ratio + (kStandardErrors * std::sqrt(variance * n) + unseen) / sum.picture;
   return {std::sqrt(ratio), kMargin * std::sqrt(most)};

@@ -66,10 +66,11 @@ class Planner {
       for (int level = 0; level <= deepest_; ++level) try_level(level);
       request_.max_error > 0 ? choose_cheapest() : choose_within_time();
     }
-    go_to(plan_.chosen.level);
-    if (keeps_time_) plan_.chosen.time = whole_time(plan_.chosen);
-    plan_.placement = levels_.placement(plan_.chosen.level);
-    plan_.dims = levels_.dims(plan_.chosen.level);
+    go_to(where_);
+    if (keeps_time_) plan_.chosen.time = whole_time(plan_.chosen, where_);
+    plan_.placement = levels_.placement(where_);
+    plan_.dims = levels_.dims(where_);
+    if (where_ == Levels::kWhole) plan_.box = {{}, plan_.dims};
     plan_.level_errors = levels_.errors();
     plan_.fidelity = request_.time_budget > 0 ? Fidelity::kApproximate : Fidelity::kFunctional;
     plan_.pilot_host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -116,10 +117,12 @@ class Planner {
     return double(view.width) * view.height * view.samples_per_axis * view.samples_per_axis;
   }
   int first_edge() const { return request_.pilot_pixels; }
-  int second_edge() const { return 2 * request_.pilot_pixels; }
-  bool has_room() const {
-    return double(second_edge()) * second_edge() <= double(request_.view.width) * request_.view.height;
+  int second_edge() const {
+    constexpr double kShare = 1.0 / 3;  // chosen: of the picture's edge; a ninth of its pixels
+    return std::max(2 * request_.pilot_pixels, static_cast<int>(kShare * picture_edge()));
   }
+  double picture_edge() const { return std::sqrt(double(request_.view.width) * request_.view.height); }
+  bool has_room() const { return second_edge() <= picture_edge(); }
 
   // Samples and time of the whole picture, as its rays are more.
   void extrapolate(const Pilot& pilot, PlanPoint& point) const {
@@ -189,14 +192,22 @@ class Planner {
     for (const PlanPoint& candidate : candidates) {
       const PlanPoint point = has_room() ? closer(candidate) : candidate;
       if (point.error_bound > request_.max_error) continue;
-      plan_.chosen = point;
+      choose(point);
       return;
     }
   }
 
+  void choose(const PlanPoint& point) {
+    plan_.chosen = point;
+    where_ = point.level;
+  }
+
+  // Keeps a time that was found already.
   PlanPoint closer(const PlanPoint& point) {
     go_to(point.level);
-    return tried(point, second_edge());
+    PlanPoint found = tried(point, second_edge());
+    if (request_.time_budget > 0) found.time = point.time;
+    return found;
   }
 
   TimePoint timed(const PlanPoint& point, double edge, int where) {
@@ -207,16 +218,15 @@ class Planner {
   // Of the whole picture: from pilots whose edges are these shares of its own, or those of the others if they are larger.
   Picoseconds whole_time(const PlanPoint& point, int where, double share_1, double share_2) {
     go_to(where);
-    const double whole = std::sqrt(double(request_.view.width) * request_.view.height);
-    const double edge_1 = std::max<double>(first_edge(), share_1 * whole);
-    const double edge_2 = std::max<double>(second_edge(), share_2 * whole);
+    const double edge_1 = std::max<double>(first_edge(), share_1 * picture_edge());
+    const double edge_2 = std::max<double>(2 * first_edge(), share_2 * picture_edge());
     constexpr int kTiny = 4;  // pixels: what a picture takes before its first ray
     const TimePoint none = timed(point, kTiny, where), small = timed(point, edge_1, where);
     const TimePoint large = has_room() ? timed(point, edge_2, where) : TimePoint{};
     return static_cast<Picoseconds>(extrapolated_time(none, small, large, rays()));
   }
   Picoseconds rough_time(const PlanPoint& point, int where) { return whole_time(point, where, 0, 0); }
-  Picoseconds whole_time(const PlanPoint& point) { return whole_time(point, point.level, 1.0 / 4, 1.0 / 2); }
+  Picoseconds whole_time(const PlanPoint& point, int where) { return whole_time(point, where, 1.0 / 4, 1.0 / 2); }
 
   void choose_within_time() {
     const auto budget = static_cast<double>(request_.time_budget) / kTimeMargin;
@@ -227,14 +237,14 @@ class Planner {
     for (PlanPoint& point : points) {
       if (kAtBest * static_cast<double>(point.time) > budget) continue;
       if (static_cast<double>(rough_time(point, point.level)) > budget) continue;
-      point.time = whole_time(point);
+      point.time = whole_time(point, point.level);
       if (static_cast<double>(point.time) > budget) continue;
-      plan_.chosen = has_room() ? closer(point) : point;
+      choose(has_room() ? closer(point) : point);
       return;
     }
     plan_.kept = false;
-    plan_.chosen = *std::min_element(points.begin(), points.end(),
-                                     [](const PlanPoint& a, const PlanPoint& b) { return a.time < b.time; });
+    choose(*std::min_element(points.begin(), points.end(),
+                             [](const PlanPoint& a, const PlanPoint& b) { return a.time < b.time; }));
   }
 
   Board& board_;
@@ -243,6 +253,7 @@ class Planner {
   const bool keeps_time_;
   Levels levels_;
   int deepest_ = 0;
+  int where_ = Levels::kWhole;  // the volume of what is chosen
   std::uint32_t most_pilots_ = 0;
   Image best_, larger_best_;
   Plan plan_;

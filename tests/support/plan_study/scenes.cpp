@@ -25,6 +25,51 @@ StudyScene world(const std::string& name, const std::filesystem::path& file, int
   return study;
 }
 
+using Scenes = std::vector<StudyScene>;
+
+void look(StudyScene& study, Vec3 eye, Vec3 at, double fov_degrees) {
+  study.scene.camera.eye = eye;
+  study.scene.camera.look_at = at;
+  study.scene.camera.fov_degrees = fov_degrees;
+}
+
+Scenes first_batch(const std::filesystem::path& data, const std::filesystem::path& sources) {
+  Scenes scenes{scan("mouse", data / "mouse_head_microct/C57BL6_J_.nii.gz", "micro-ct-bone"),
+                scan("T1", data / "stroke_brain_mri/T1.nii.gz", "mri-brain"),
+                scan("FLAIR, not shaded", data / "stroke_brain_mri/FLAIR.nii.gz", "mri-brain"),
+                scan("head, bone", data / "visible_human_female_head_ct", "ct-bone"),
+                scan("head, skin", data / "visible_human_female_head_ct", "ct-skin"),
+                buckyball("ball, cut, from near", 128),
+                buckyball("ball, far away", 256),
+                world("subsurface", sources / "samples/scenes/subsurface.scene", 64)};
+  scenes[2].scene.view.shade = false;
+  scenes[3].max_volume_voxels = scenes[4].max_volume_voxels = 512;  // its slices are 512 x 512
+  look(scenes[5], {20, -90, 110}, {64, 64, 64}, 35);
+  scenes[5].scene.view.cut_planes = {{{0, 1, 0.2}, 60}};
+  look(scenes[6], {-700, -2400, 1100}, {128, 128, 128}, 22);
+  return scenes;
+}
+
+Scenes second_batch(const std::filesystem::path& data, const std::filesystem::path& sources) {
+  Scenes scenes{scan("T2", data / "stroke_brain_mri/T2.nii.gz", "mri-brain"),
+                scan("head from behind", data / "visible_human_female_head_ct", "ct-skin"),
+                scan("mouse, ramp", data / "mouse_head_microct/C57BL6_J_.nii.gz", "ramp"),
+                scan("engine, cut", data / "engine_ct/engine.nii.gz", "ct-engine"),
+                buckyball("small ball, magnified", 64),
+                world("fog box", sources / "samples/scenes/fog_box.scene", 64),
+                world("golden ring", sources / "samples/scenes/golden_ring.scene", 64)};
+  scenes[1].max_volume_voxels = 512;
+  look(scenes[1], {600, 900, 400}, {256, 256, 117}, 40);
+  scenes[1].scene.camera.up = Vec3{0, 0, 1};
+  look(scenes[2], {85, 60, 500}, {85, 85, 73}, 30);
+  scenes[2].scene.camera.up = Vec3{0, 1, 0};
+  look(scenes[3], {300, 340, 260}, {128, 128, 64}, 38);
+  scenes[3].scene.camera.up = Vec3{0, 0, 1};
+  scenes[3].scene.view.cut_planes = {{{-1, 0, 0}, -150}};
+  look(scenes[4], {10, -70, 60}, {32, 32, 32}, 24);
+  return scenes;
+}
+
 }  // namespace
 
 bool StudyScene::available() const {
@@ -32,30 +77,16 @@ bool StudyScene::available() const {
 }
 
 std::vector<StudyScene> study_scenes(const std::filesystem::path& data, const std::filesystem::path& sources) {
-  std::vector<StudyScene> scenes{buckyball("buckyball", 256),
-                                 scan("engine", data / "engine_ct/engine.nii.gz", "ct-engine")};
-  for (StudyScene& study : scenes) study.held_out = false;
-
-  scenes.push_back(scan("mouse", data / "mouse_head_microct/C57BL6_J_.nii.gz", "micro-ct-bone"));
-  scenes.push_back(scan("T1", data / "stroke_brain_mri/T1.nii.gz", "mri-brain"));
-  scenes.push_back(scan("FLAIR, not shaded", data / "stroke_brain_mri/FLAIR.nii.gz", "mri-brain"));
-  scenes.back().scene.view.shade = false;
-  for (const char* preset : {"ct-bone", "ct-skin"}) {
-    const std::string part = std::string(preset).substr(3);
-    scenes.push_back(scan("head, " + part, data / "visible_human_female_head_ct", preset));
-    scenes.back().max_volume_voxels = 512;  // its slices are 512 x 512
+  Scenes all{buckyball("buckyball", 256), scan("engine", data / "engine_ct/engine.nii.gz", "ct-engine")};
+  int batch = 0;
+  for (Scenes scenes : {first_batch(data, sources), second_batch(data, sources)}) {
+    ++batch;
+    for (StudyScene& study : scenes) {
+      study.batch = batch;
+      all.push_back(std::move(study));
+    }
   }
-  scenes.push_back(buckyball("ball, cut, from near", 128));
-  scenes.back().scene.camera.eye = Vec3{20, -90, 110};
-  scenes.back().scene.camera.look_at = Vec3{64, 64, 64};
-  scenes.back().scene.camera.fov_degrees = 35;
-  scenes.back().scene.view.cut_planes = {{{0, 1, 0.2}, 60}};
-  scenes.push_back(buckyball("ball, far away", 256));
-  scenes.back().scene.camera.eye = Vec3{-700, -2400, 1100};
-  scenes.back().scene.camera.look_at = Vec3{128, 128, 128};
-  scenes.back().scene.camera.fov_degrees = 22;
-  scenes.push_back(world("subsurface", sources / "samples/scenes/subsurface.scene", 64));
-  return scenes;
+  return all;
 }
 
 }  // namespace gicube::plan_study
