@@ -37,32 +37,44 @@ std::vector<std::size_t> voxels_in(const FieldOfView& field, const Grid& grid) {
   return inside;
 }
 
+constexpr int kReach = 5;
+constexpr double kSigma = 1.5;
+
+// One line's means at each of its places, of `lanes` lines side by side that lie `stride` apart along the line.
+void smooth_lines(double* first, int length, std::size_t stride, std::size_t lanes, const std::vector<double>& weights,
+                  std::vector<double>& copy) {
+  copy.resize(static_cast<std::size_t>(length) * lanes);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(length); ++i) {
+    std::copy_n(first + i * stride, lanes, copy.data() + i * lanes);
+  }
+  for (int i = 0; i < length; ++i) {
+    double* const out = first + static_cast<std::size_t>(i) * stride;
+    std::fill_n(out, lanes, 0.0);
+    double all = 0;
+    const int begin = std::max(0, i - kReach), end = std::min(length - 1, i + kReach);
+    for (int j = begin; j <= end; ++j) all += weights[static_cast<std::size_t>(std::abs(j - i))];
+    for (int j = begin; j <= end; ++j) {
+      const double weight = weights[static_cast<std::size_t>(std::abs(j - i))] / all;
+      const double* const in = copy.data() + static_cast<std::size_t>(j) * lanes;
+      for (std::size_t lane = 0; lane < lanes; ++lane) out[lane] += weight * in[lane];
+    }
+  }
+}
+
 // Means over Gaussian windows, axis by axis; of a window that reaches beyond the volume over the part inside.
 void smooth(Field& field, const Dims& dims) {
-  constexpr int kReach = 5;
-  constexpr double kSigma = 1.5;
-  std::array<double, kReach + 1> weights{};
-  for (int i = 0; i <= kReach; ++i) weights[static_cast<std::size_t>(i)] = std::exp(-i * i / (2 * kSigma * kSigma));
+  std::vector<double> weights;
+  for (int i = 0; i <= kReach; ++i) weights.push_back(std::exp(-i * i / (2 * kSigma * kSigma)));
   std::size_t stride = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int length = dims[axis];
-    const std::size_t run = stride * static_cast<std::size_t>(length);
-    in_parallel(field.size() / run, [&, stride](std::size_t piece) {
-      std::vector<double> line(static_cast<std::size_t>(length));
-      for (std::size_t lane = 0; lane < stride; ++lane) {
-        double* const first = field.data() + piece * run + lane;
-        for (int i = 0; i < length; ++i)
-          line[static_cast<std::size_t>(i)] = first[static_cast<std::size_t>(i) * stride];
-        for (int i = 0; i < length; ++i) {
-          double sum = 0, all = 0;
-          for (int j = std::max(0, i - kReach); j <= std::min(length - 1, i + kReach); ++j) {
-            const double weight = weights[static_cast<std::size_t>(std::abs(j - i))];
-            sum += weight * line[static_cast<std::size_t>(j)];
-            all += weight;
-          }
-          first[static_cast<std::size_t>(i) * stride] = sum / all;
-        }
-      }
+    const std::size_t run = stride * static_cast<std::size_t>(dims[axis]);
+    constexpr std::size_t kLanes = 64;  // chosen: a line's piece stays in the cache
+    const std::size_t chunks = (stride + kLanes - 1) / kLanes;
+    in_parallel(field.size() / run * chunks, [&, stride, axis](std::size_t part) {
+      thread_local std::vector<double> copy;
+      const std::size_t lane = part % chunks * kLanes;
+      smooth_lines(field.data() + part / chunks * run + lane, dims[axis], stride, std::min(kLanes, stride - lane),
+                   weights, copy);
     });
     stride = run;
   }

@@ -9,6 +9,7 @@
 
 #include "cone_beam/backprojector.h"
 #include "cone_beam/irradiance.h"
+#include "cone_beam/normalise.h"
 #include "cone_beam/threads.h"
 
 namespace gicube::samples {
@@ -160,6 +161,7 @@ Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const
   } else {
     out = backproject_into_sums(board, geometry, settings, filtered, progress);
   }
+  if (settings.normalise) normalise(out, board, geometry, settings);
   sharpen(out.values, dims, settings.sharpen);
   out.board_time = board.now() - begin;
   if (progress) progress(static_cast<std::uint32_t>(views), static_cast<std::uint32_t>(views));

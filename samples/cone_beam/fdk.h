@@ -27,6 +27,8 @@ struct FdkSettings {
   // 0..1/4: what each voxel takes from either neighbour on an axis, against the blur of splatting. 1/12 gives back what that
   // adds to the width of a structure, a little more suits edges (docs/CONE_BEAM.md); much more sharpens ripples too.
   double sharpen = 0.1;
+  // Whether the ripples of rays that lie unevenly against voxels are divided out: every ray is sent twice (normalise.h).
+  bool normalise = false;
   Accumulator accumulator = Accumulator::kSums;
   int read_every = 8;  // kIrradiance: views, at least 1, after which the words are read back and cleared
   // kIrradiance, 4..32: bits of the words that are used; 0: all that there are.

@@ -40,7 +40,7 @@ std::string key_of(const Case& what) {
   std::string key = fmt::format("{} {} {} {} {} {} {} {} {}", g.source_to_axis, g.source_to_detector, d.columns, d.rows,
                                 d.pitch_u, d.pitch_v, g.volume.dims[0], g.volume.dims[2], g.volume.spacing.x);
   if (const auto* fdk = std::get_if<FdkSettings>(&what.method)) {
-    key += fmt::format(" fdk {} {} {}", fdk->rays, fdk->step, static_cast<int>(fdk->accumulator));
+    key += fmt::format(" fdk {} {} {} {}", fdk->rays, fdk->step, static_cast<int>(fdk->accumulator), fdk->normalise);
   } else {
     key += fmt::format(" algebraic {}", std::get<AlgebraicSettings>(what.method).step);
   }

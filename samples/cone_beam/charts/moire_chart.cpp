@@ -3,6 +3,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <tuple>
+#include <utility>
 
 #include "cone_beam/backprojector.h"
 #include "cone_beam/charts/failures.h"
@@ -72,7 +75,9 @@ std::string ripple(Runner& runner, double spacing, int views, int fine, bool nor
         }
         const auto i = static_cast<std::size_t>((z * 64 + y) * 64 + x);
         const double left = static_cast<double>(sums[i]);
-        const double off = (normalised ? left / static_cast<double>(ones[i]) / (wanted / plain) : left / wanted) - 1;
+        const double even = static_cast<double>(ones[i]);  // 0: no ray comes near, and nothing can be said
+        const double part = !normalised ? left / wanted : even == 0 ? 0 : left / even / (wanted / plain);
+        const double off = part - 1;
         squares += off * off;
         ++count;
       }
@@ -108,11 +113,13 @@ Chart moire_chart() {
 
 Chart ray_spacing_chart() {
   Chart chart{"ray_spacing", kCaseColumns, {}};
-  for (const int fine : {1, 2}) {
-    Series series{fine == 1 ? "one ray a pixel" : "2 x 2 rays a pixel", {}};
+  for (const auto& [name, title, settings] : {std::tuple{"one", "one ray a pixel", FdkSettings{}},
+                                              {"normalised", "the same normalised", FdkSettings{.normalise = true}},
+                                              {"four", "2 x 2 rays a pixel", FdkSettings{.rays = 2}}}) {
+    Series series{title, {}};
     for (const double spacing : {0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0}) {
-      const Case what{chart_head(), spaced(spacing, 120), FdkSettings{.rays = fine}, {40, 20}};
-      series.points.push_back(case_point(chart.name, fine == 1 ? "one" : "four", spacing, what));
+      series.points.push_back(
+          case_point(chart.name, name, spacing, {chart_head(), spaced(spacing, 120), settings, {40, 20}}));
     }
     chart.series.push_back(std::move(series));
   }
