@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace gicube::emu {
 
@@ -10,6 +11,7 @@ namespace {
 
 constexpr Cycle kSlack = 64;            // chosen: cycles by which a part may run ahead of the next
 constexpr Cycle kToProcessor = 3;       // from the DSP over the ray bus into a sorter
+constexpr std::size_t kOnTheWay = 4;    // rays between the DSP and one sorter before they hold the bus up
 constexpr std::size_t kChunk = 65'536;  // chosen: rays whose values are worked out at a time
 
 }  // namespace
@@ -40,8 +42,22 @@ void TurnMachine::dsp_works(std::uint64_t cycles) {
 void TurnMachine::send(const TurnRay& ray) {
   const Home& home = partition_.home(ray.block);
   const auto ready = static_cast<Cycle>(std::ceil(dsp_.now)) + kToProcessor;
-  processors_[home.processor]->send(TurnProcessor::From::kBus, {ray, ready, home.number, false, false});
+  bus_.push({home.processor, {ray, ready, home.number, false, false}});
   ++dsp_.sent;
+  run_bus();
+}
+
+// Hands rays on in their order.
+void TurnMachine::run_bus() {
+  while (!bus_.empty()) {
+    TurnProcessor& to = *processors_[bus_.front().processor];
+    if (to.holds_bus() && to.from_bus() >= kOnTheWay) {
+      held_ = true;
+      return;
+    }
+    if (std::exchange(held_, false)) bus_free_ = std::max(bus_free_, to.taken_from_bus());
+    to.send(TurnProcessor::From::kBus, bus_.pop().ray);
+  }
 }
 
 TurnRay& TurnMachine::next_made(TurnWork& work) {
@@ -80,9 +96,13 @@ bool TurnMachine::dsp_acts(TurnWork& work) {
       dsp_works(work.take_cycles());
       ++dsp_.taken;
     }
+  } else if (!bus_.empty()) {
+    return false;
   } else if (dsp_.made < count_) {
+    dsp_.now = std::max(dsp_.now, static_cast<double>(bus_free_));
     make_rays(work);
   } else if (!dsp_.kept.empty()) {
+    dsp_.now = std::max(dsp_.now, static_cast<double>(bus_free_));
     dsp_works(overflow - overflow / 2);
     send(dsp_.kept.front());
     dsp_.kept.pop_front();
@@ -125,7 +145,8 @@ Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress) {
     const bool dsp_has_work = dsp_.made < count_ || !dsp_.kept.empty();
     Cycle until = second == kNoCycle ? least + 16 * kSlack : second + kSlack;
     if (dsp_has_work) until = std::min(until, std::max(least, static_cast<Cycle>(dsp_.now)) + kSlack);
-    behind->work(std::max(until, least));
+    behind->work(std::max(until, least), !bus_.empty() && processors_[bus_.front().processor].get() == behind);
+    run_bus();
     progress.done = static_cast<std::uint32_t>(dsp_.taken - taken);
     if (progress.cancel) return {now_ - begin, dsp_.busy - busy, true};
   }

@@ -58,6 +58,7 @@ class TurnMachine {
   void dsp_works(std::uint64_t cycles);
   void make_rays(TurnWork& work);
   void send(const TurnRay& ray);
+  void run_bus();
   bool dsp_acts(TurnWork& work);
   TurnRay& next_made(TurnWork& work);
 
@@ -72,6 +73,13 @@ class TurnMachine {
   std::uint64_t count_ = 0;     // of the work in hand
   std::vector<TurnRay> chunk_;  // of it, made
   std::uint64_t chunk_begin_ = 0;
+  struct OnBus {
+    std::uint8_t processor = 0;
+    Coming ray;
+  };
+  LongQueue<OnBus> bus_;  // rays behind one that a processor can't take yet
+  bool held_ = false;     // there is
+  Cycle bus_free_ = 0;    // when the last that was left
   BlockGrid grid_;
   Cycle now_ = 0;
 };

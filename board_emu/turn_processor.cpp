@@ -78,16 +78,37 @@ inline void TurnProcessor::write(const Coming& ray) {
   modified_.push(ray.queue);
 }
 
-// What has come from elsewhere by now.
-void TurnProcessor::take_others(Cycle now) {
-  others_ = kNoCycle;
-  for (auto& from : from_) {
+// What has come from elsewhere by now, as far as there is room beside `returned` rays in so many `cycles`: two are written a
+// cycle, but not to one queue [P §3.2]. A ray that must wait holds up what is behind it.
+void TurnProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written) {
+  Cycle room = 2 * cycles - returned, beside = cycles - returned;  // of all, and of those for the same queue
+  for (std::size_t tried = 0; tried < from_.size(); ++tried) {
+    LongQueue<Coming>& from = from_[turn_];
     while (!from.empty() && from.front().ready <= now) {
+      const bool same = from.front().queue == written && has_slot(written, now);
+      if (room == 0 || (same && beside == 0)) {
+        holds_bus_ = holds_bus_ || turn_ == static_cast<std::uint32_t>(From::kBus);
+        others_ = now + 1;
+        return;
+      }
+      if (written == kNone || same) {
+        written = from.front().queue;
+        --beside;
+      }
+      --room;
       const std::uint64_t before = waiting_;
       const Coming ray = from.pop();
       write(ray);
       if (waiting_ > before) hold(1, ray.ready);
+      if (turn_ == static_cast<std::uint32_t>(From::kBus)) {
+        taken_from_bus_ = now;
+        holds_bus_ = false;
+      }
     }
+    turn_ = (turn_ + 1) % 3;
+  }
+  others_ = kNoCycle;
+  for (const auto& from : from_) {
     if (!from.empty()) others_ = std::min(others_, from.front().ready);
   }
 }
@@ -201,19 +222,27 @@ inline void TurnProcessor::turn(std::uint32_t queue, TurnRay ray) {
   leave(ray, queue, begin + compute_);
 }
 
-void TurnProcessor::work(Cycle until) {
-  Cycle now = next();
+void TurnProcessor::work(Cycle until, bool bus_waits) {
+  const std::size_t on_the_bus = from_bus();
+  Cycle now = next(), before = now - 1;
   while (now <= until) {
-    while (!returned_.empty() && returned_.front().ready <= now) write(returned_.pop());
-    if (others_ <= now) take_others(now);
-    if (!choose(now)) {
-      now = waiting_ > 0 ? now + 1 : next();
-      continue;
+    std::uint32_t written = kNone;
+    Cycle returned = 0;
+    for (; !returned_.empty() && returned_.front().ready <= now; ++returned) {
+      written = returned_.front().queue;
+      write(returned_.pop());
     }
-    now_ = now;
-    --waiting_;
-    turn(active_, queues_[active_].pop());
-    now = now_ + 1;
+    if (others_ <= now) take_others(now, std::max(now - before, returned), returned, written);
+    before = now;
+    if (choose(now)) {
+      now_ = now;
+      --waiting_;
+      turn(active_, queues_[active_].pop());
+      now = now_ + 1;
+    } else {
+      now = waiting_ > 0 ? now + 1 : next();
+    }
+    if (bus_waits && from_bus() < on_the_bus) return;
   }
 }
 

@@ -5,8 +5,8 @@
 // there, and when its ray is back: the rules of processor.h and sorter.h, without anything that ticks. Values are no matter
 // here: how far a ray goes is known already.
 //
-// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; rays from elsewhere
-// are written whenever they come; nothing holds up a ray that leaves but a link's rate. Processors that share a channel are not
+// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; nothing holds up a ray
+// that leaves but a link's rate. Processors that share a channel are not
 // modelled: their packets alternate on it, and how often they close each other's rows hangs on the cycle.
 #pragma once
 
@@ -117,8 +117,8 @@ class TurnProcessor {
 
   // The cycle of its next turn; kNoCycle if no ray waits or comes.
   Cycle next() const;
-  // Works its turns off up to cycle `until`.
-  void work(Cycle until);
+  // Works its turns off up to cycle `until`; with `bus_waits` no further than to the next ray that it takes off the bus.
+  void work(Cycle until, bool bus_waits);
   // A ray from the DSP, or over a link from the left or right.
   enum class From : std::uint8_t { kBus, kLeft, kRight };
   void send(From from, const Coming& ray) {
@@ -126,12 +126,17 @@ class TurnProcessor {
     others_ = std::min(others_, ray.ready);
   }
 
+  // Rays on the bus' way into the sorter, and the cycle in which the sorter took the last.
+  std::size_t from_bus() const { return from_[static_cast<std::size_t>(From::kBus)].size(); }
+  bool holds_bus() const { return holds_bus_; }
+  Cycle taken_from_bus() const { return taken_from_bus_; }
+
   const TurnCounters& counters() const { return counters_; }
   const CacheCounters& cache() const { return cache_.counters(); }
   Cycle now() const { return now_; }
 
  private:
-  void take_others(Cycle now);
+  void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
   void write(const Coming& ray);
   void take_in(Cycle now);
@@ -165,7 +170,10 @@ class TurnProcessor {
   std::uint64_t waiting_ = 0;
   LongQueue<Coming> returned_;
   std::array<LongQueue<Coming>, 3> from_;
-  Cycle others_ = kNoCycle;                              // when the first of them comes
+  std::uint32_t turn_ = 0;   // whose turn it is of them
+  Cycle others_ = kNoCycle;  // when the first of them comes
+  Cycle taken_from_bus_ = 0;
+  bool holds_bus_ = false;
   LongQueue<std::pair<Cycle, std::uint32_t>> released_;  // when, and of which queue, a slot is given up
   VolumeCache cache_;
 
