@@ -5,7 +5,8 @@ do for [format in "svg png"] {
   eval 'set terminal ' . terminal_of(format)
   set output sprintf('cone_beam_accumulator.%s', format)
   set multiplot layout 1, 2 title "Head from 120 views: error by words of the accumulator, and by how often they are read"
-  set logscale xy
+  set logscale x
+  set yrange [0.28:0.7]
   set ylabel "relative L2 error in the field of view"
   set xlabel "x"
   eval by_x

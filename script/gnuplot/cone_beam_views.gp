@@ -7,7 +7,7 @@ do for [format in "svg png"] {
   set multiplot layout 1, 2 title "Head: error by number of views"
   set ylabel "relative L2 error in the field of view"
   set xlabel "views of a turn"
-  set logscale xy
+  set logscale x
   eval by_x
   unset logscale
   set logscale x

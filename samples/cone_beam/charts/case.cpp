@@ -16,7 +16,7 @@ Projections projections_of(const Case& what) {
   return out;
 }
 
-Reconstruction reconstruct(Board& board, const Case& what, const Projections& projections) {
+Reconstruction made_of(Board& board, const Case& what, const Projections& projections) {
   if (const auto* fdk = std::get_if<FdkSettings>(&what.method)) {
     return reconstruct_fdk(board, what.geometry, projections, *fdk);
   }
@@ -62,7 +62,7 @@ double Runner::rays_over_bus_ms(const Case& what) {
   const auto time = [&](const Case& part, const char* fidelity) {
     const Projections projections = projections_of(part);
     Board board = open(fidelity, part.settings);
-    return to_ms(reconstruct(board, part, projections).board_time);
+    return to_ms(made_of(board, part, projections).board_time);
   };
   const bool filtered = std::holds_alternative<FdkSettings>(what.method);
   const Case less = a_part_of(what, 2, 1), more = a_part_of(what, filtered ? 4 : 2, 2);
@@ -73,13 +73,18 @@ double Runner::rays_over_bus_ms(const Case& what) {
   return known->second = std::max(0.0, over);
 }
 
+Reconstruction Runner::reconstruct(const Case& what) {
+  Board board = open("functional", what.settings);
+  return made_of(board, what, projections_of(what));
+}
+
 Outcome Runner::run(const Case& what) {
   Outcome out;
   const Projections projections = projections_of(what);
   {
     Board board = open("functional", what.settings);
     const Counters before = board.counters();
-    out.made = reconstruct(board, what, projections);
+    out.made = made_of(board, what, projections);
     const Counters counters = board.counters() - before;
     out.bus_ms = to_ms(counters.value("bus.down.busy_ps") + counters.value("bus.up.busy_ps"));
   }

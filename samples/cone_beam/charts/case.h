@@ -38,6 +38,7 @@ class Runner {
   explicit Runner(BoardOptions board) : board_(std::move(board)) {}
 
   Outcome run(const Case& what);
+  Reconstruction reconstruct(const Case& what);  // alone, without what it costs
   // An emulated board as a point needs it, with room for its volume.
   Board open(const std::string& fidelity, const std::vector<std::string>& settings) const;
 

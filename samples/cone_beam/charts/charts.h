@@ -32,7 +32,7 @@ struct Chart {
 };
 
 // Where the method fails, and what it costs: cone_angle, axial_profile, truncation, views, moire, ray_spacing, accumulator, sart,
-// relaxation.
+// relaxation, profile.
 std::vector<Chart> cone_beam_charts();
 
 struct ChartOptions {

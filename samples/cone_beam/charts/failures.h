@@ -13,6 +13,7 @@ Chart ray_spacing_chart();    // pixels larger and smaller than voxels
 Chart moire_chart();          // the ripple that rays leave where all should be even
 Chart accumulator_chart();    // bits of the words, and views between reading them back
 Chart sart_chart();           // iterations, with and without noise, beside FDK
+Chart profile_chart();        // sphere and head, at the sizes that the method is judged by
 Chart relaxation_chart();     // up to where SART diverges
 
 }  // namespace gicube::samples

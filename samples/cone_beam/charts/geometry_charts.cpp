@@ -45,7 +45,7 @@ std::vector<double> slice_means(const Grid& grid, const std::vector<float>& valu
 // z, and the means of truth and result within 8 and 34 mm of the axis.
 std::string axial_rows(const Case& what, Runner& runner) {
   const Grid& grid = what.geometry.volume;
-  const std::vector<float> values = runner.run(what).made.values, truth = voxels(what.phantom, grid);
+  const std::vector<float> values = runner.reconstruct(what).values, truth = voxels(what.phantom, grid);
   const auto inner = slice_means(grid, values, 8), outer = slice_means(grid, values, 34),
              real = slice_means(grid, truth, 34);
   std::string rows;
@@ -56,10 +56,10 @@ std::string axial_rows(const Case& what, Runner& runner) {
   return rows;
 }
 
-// A detector that sees the part `seen` of the head's width at the axis; what is compared lies within.
+// A detector that sees the part `seen` of the head's width at the axis; compared is what half of it sees.
 Case truncated(double seen, const std::variant<FdkSettings, AlgebraicSettings>& method) {
   constexpr double kWidth = 2 * 42 * 0.92;  // of the head, at its widest
-  Case what{chart_head(), chart_scan(64, 96, 120), method, {seen * kWidth / 2 * 0.9, 20}};
+  Case what{chart_head(), chart_scan(64, 96, 120), method, {0.5 * kWidth / 2 * 0.9, 20}};
   Detector& detector = what.geometry.detector;
   detector.columns = static_cast<int>(std::lround(seen * kWidth * 2 / detector.pitch_u));
   return what;

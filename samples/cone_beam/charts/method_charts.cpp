@@ -91,8 +91,8 @@ Chart relaxation_chart() {
 }
 
 std::vector<Chart> cone_beam_charts() {
-  return {cone_angle_chart(),  axial_profile_chart(), truncation_chart(), views_chart(),     moire_chart(),
-          ray_spacing_chart(), accumulator_chart(),   sart_chart(),       relaxation_chart()};
+  return {cone_angle_chart(),  axial_profile_chart(), truncation_chart(), views_chart(),      moire_chart(),
+          ray_spacing_chart(), accumulator_chart(),   sart_chart(),       relaxation_chart(), profile_chart()};
 }
 
 }  // namespace gicube::samples
