@@ -5,10 +5,13 @@ set ylabel "ripple: RMS of what was left / wanted - 1"
 set xlabel "distance of rays over voxel, at the axis"
 set logscale y
 set format y "10^{%T}"
+set yrange [5e-5:2]
+set xrange [0.35:3.05]
+set samples 1000
 do for [format in "svg png"] {
   eval 'set terminal ' . terminal_of(format)
   set output sprintf('cone_beam_moire.%s', format)
   set title "Moire of splatted rays"
   plot for [i = 0:blocks(file) - 1] file index i using 3:4 with linespoints lw 2 lc i + 1 pt 7 title name(file, i), \
-    file index 0 using 3:5 with lines dt 2 lc rgb "gray" title "sinc^2 of the rays' wave"
+    (sin(pi / x) / (pi / x)) ** 2 with lines dt 2 lc rgb "gray" title "sinc^2 of the rays' wave"
 }
