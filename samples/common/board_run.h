@@ -21,9 +21,9 @@ void check_fits(const Dims& dims, const BoardInfo& info, const std::string& sour
 void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress = {});
 
 // Wall and simulated time of a part of the work, and what the board counted in it.
-class Window {
+class RunWindow {
  public:
-  explicit Window(Board& board)
+  explicit RunWindow(Board& board)
       : board_(board), counters_(board.counters()), begin_(board.now()), start_(std::chrono::steady_clock::now()) {}
 
   Picoseconds simulated() const { return board_.now() - begin_; }

@@ -1,6 +1,7 @@
-// One line on a terminal that says how far a long call is; nothing where there is no terminal.
+// One line on a terminal that says how far a long call is and how long it will take yet; nothing where there is no terminal.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <string>
@@ -8,6 +9,10 @@
 #include "gicube/board.h"
 
 namespace gicube::samples {
+
+// ", 12 s left", ", 3 min 20 s left", ", 2 h 5 min left" as the part done so far promises; empty in the first two seconds [C] and
+// at the end, when nothing can be said yet and nothing is left.
+std::string time_left(double elapsed_seconds, std::uint32_t done, std::uint32_t all);
 
 class ProgressLine {
  public:
@@ -26,6 +31,7 @@ class ProgressLine {
   bool shown_;
   bool dirty_ = false;
   int percent_ = -1;
+  std::chrono::steady_clock::time_point shown_at_{};
 };
 
 }  // namespace gicube::samples

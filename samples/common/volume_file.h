@@ -60,4 +60,7 @@ struct RawLayout {
 // Not to be called from two threads at once: teem keeps its error texts in one place.
 Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
 
+// The samples as numbers.
+std::vector<float> values_of(const Volume& volume);
+
 }  // namespace gicube::samples

@@ -84,7 +84,7 @@ void solve(const SolveOptions& options, ProgressLine& progress) {
   Board board = open_board(options.board);
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
 
-  Window window(board);
+  RunWindow window(board);
   const RadiosityResult result =
       solve_radiosity(board, setup, emissions_of(scene, setup), options.settings, shown_by(progress));
   const Counters counters = window.counters();

@@ -81,7 +81,7 @@ RandomPairs random_pairs(const Dims& dims, std::uint32_t count, std::uint64_t se
 }
 
 Visibility look(Board& board, const RandomPairs& pairs, const PairRequest& request, const Progress& progress) {
-  Window window(board);
+  RunWindow window(board);
   const std::vector<PairFactor> factors = board.pair_factors(pairs.elements, pairs.pairs, request, progress);
   Visibility out;
   out.duration = window.simulated();

@@ -118,7 +118,7 @@ class Renderer {
   bool light(const LightPass& pass, const Scene& scene, std::size_t passes) {
     if (passes == 1 && last_ && same_illumination(*last_, scene)) return false;
     set_optics(pass);
-    Window window(board_);
+    RunWindow window(board_);
     const std::string channel = passes > 1 ? fmt::format(" ({})", name_of(pass)) : "";
     lighting_ = {};
     lighting_.report = board_.illuminate(pass.lights, scene.lighting.settings, progress_.parts("lighting" + channel));
@@ -134,7 +134,7 @@ class Renderer {
   void picture(const LightPass& pass, const std::string& what, Frame& frame) {
     View view = setup_.view;
     view.exposure = setup_.lighting.exposure;
-    Window window(board_);
+    RunWindow window(board_);
     board_.set_shading(setup_.shading);
     set_optics(pass);
     frame.background = background_of(options_, setup_.background);

@@ -1,29 +1,19 @@
 // gicube-render: pictures of a volume or a scene from a GI-Cube board.
 #include <fmt/format.h>
 
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
 #include <vector>
 
 #include "common/image_file.h"
-#include "common/input_error.h"
+#include "common/program.h"
 #include "render/frame.h"
 
 namespace {
 
 using namespace gicube::samples;
 using gicube::LightingReport;
-
-constexpr int kFailed = 1, kWrongUsage = 2;  // exit codes
-
-// Found before the work, not behind it.
-void check_folder(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) throw InputError(file.string(), "a folder that is there", "none");
-}
 
 // What the pass of lighting rays did with the light.
 void print_lighting(const LightingStatistics& lighting) {
@@ -57,7 +47,7 @@ int run(int argc, char** argv) {
   const auto options = parse_options(argc, argv, std::cout);
   if (!options) return 0;
   check_folder(options->output);
-  if (!options->board.stats.empty()) check_folder(options->board.stats);
+  check_folder(options->board.stats);
   std::vector<FrameStatistics> statistics;
   {
     ProgressLine progress(!options->board.quiet);
@@ -78,22 +68,8 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-int report(const std::exception& error, int code) {
-  std::cerr << "gicube-render: " << error.what() << '\n';
-  return code;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const UsageError& error) {
-    return report(error, kWrongUsage);
-  } catch (const std::bad_alloc&) {
-    std::cerr << "gicube-render: out of memory\n";
-    return kFailed;
-  } catch (const std::exception& error) {
-    return report(error, kFailed);
-  }
+  return run_program("gicube-render", [&] { return run(argc, argv); });
 }

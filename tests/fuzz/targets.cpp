@@ -4,9 +4,22 @@ namespace gicube::fuzz {
 
 const std::vector<Target>& targets() {
   static const std::vector<Target> list{
-      {"board", board},   {"bus", bus},   {"c_api", c_api}, {"capture", capture},
-      {"config", config}, {"link", link}, {"mesh", mesh},   {"meta_image", meta_image},
-      {"nifti", nifti},   {"nrrd", nrrd}, {"scene", scene}, {"transfer_function", transfer_function},
+      {"board", board},
+      {"bus", bus},
+      {"c_api", c_api},
+      {"capture", capture},
+      {"cone_scan", cone_scan},
+      {"config", config},
+      {"ctsimu", ctsimu},
+      {"link", link},
+      {"mesh", mesh},
+      {"meta_image", meta_image},
+      {"nifti", nifti},
+      {"nrrd", nrrd},
+      {"pfm", pfm},
+      {"projection_matrix", projection_matrix},
+      {"scene", scene},
+      {"transfer_function", transfer_function},
       {"uri", uri},
   };
   return list;

@@ -17,11 +17,15 @@ using Bytes = std::span<const std::uint8_t>;
 
 // Files.
 void capture(Bytes input);
+void cone_scan(Bytes input);
 void config(Bytes input);
+void ctsimu(Bytes input);
 void mesh(Bytes input);
 void meta_image(Bytes input);
 void nifti(Bytes input);
 void nrrd(Bytes input);
+void pfm(Bytes input);
+void projection_matrix(Bytes input);
 void scene(Bytes input);
 void transfer_function(Bytes input);
 void uri(Bytes input);

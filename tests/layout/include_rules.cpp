@@ -108,9 +108,14 @@ const std::vector<Rule>& rules() {
       {"samples/results",    {"samples/results", "samples/common", "driver/include"}, {kAnything}},
       // Outside applications, which know the installed headers only; C too.
       {"examples",           {"examples", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
-      {"samples/cone_beam",  {"samples/cone_beam", "driver/include"}, {"fmt", "fftw3.h"}},
+      // The methods know neither files nor the program.
+      {"samples/cone_beam",  {"samples/cone_beam/*", "driver/include"}, {"fmt", "fftw3.h"}},
       {"samples/cone_beam/charts", {"samples/cone_beam/charts", "samples/cone_beam/*", "samples/common", "driver/include"},
                              {"fmt"}},
+      {"samples/cone_beam/scan", {"samples/cone_beam/scan", "samples/cone_beam/*", "samples/common", "driver/include",
+                              "proto/gicube/v1/cone_scan.pb.h"},
+                             {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}},
+      {"samples/cone_beam/program", {"samples/cone_beam", "samples/common", "driver/include"}, {kAnything}},
       {"samples/form_factors", {"samples/form_factors", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
       // Runs gicube-render as a program of its own.

@@ -100,23 +100,33 @@ void check_size(const std::filesystem::path& file, const OIIO::ImageSpec& spec) 
   }
 }
 
-Slice read_slice(const std::filesystem::path& file) {
+std::unique_ptr<OIIO::ImageInput> open(const std::filesystem::path& file) {
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;  // the colours as stored, not premultiplied
-  const auto input = OIIO::ImageInput::open(file.string(), &config);
+  auto input = OIIO::ImageInput::open(file.string(), &config);
   if (!input) throw FileError(file, "image", "an image that OpenImageIO can read", OIIO::geterror());
-  const OIIO::ImageSpec spec = input->spec();
+  return input;
+}
+
+Slice read_page(const std::filesystem::path& file, OIIO::ImageInput& input, int page) {
+  const OIIO::ImageSpec spec = input.spec();
   check_size(file, spec);
   Slice slice{spec.width, spec.height, type_of(file, spec.format), {}};
   const auto channels = static_cast<std::size_t>(spec.nchannels);
   const std::size_t sample_bytes = bytes_per_sample(slice.type);
   const std::size_t pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
   slice.samples.resize(pixels * channels * sample_bytes);
-  if (!input->read_image(0, 0, 0, spec.nchannels, read_as(slice.type), slice.samples.data())) {
-    throw FileError(file, "image", "a whole image", input->geterror());
+  if (!input.read_image(page, 0, 0, spec.nchannels, read_as(slice.type), slice.samples.data())) {
+    throw FileError(file, "image", "a whole image", input.geterror());
   }
-  if (input->seek_subimage(1, 0)) throw FileError(file, "image", "one image a file", "several");
   slice.samples = grey(file, std::move(slice.samples), channels, sample_bytes);
+  return slice;
+}
+
+Slice read_slice(const std::filesystem::path& file) {
+  const auto input = open(file);
+  Slice slice = read_page(file, *input, 0);
+  if (input->seek_subimage(1, 0)) throw FileError(file, "image", "one image a file", "several");
   return slice;
 }
 
@@ -148,22 +158,56 @@ bool natural_less(std::string_view a, std::string_view b) {
   return whole_a < whole_b;  // "1" and "01"
 }
 
+namespace {
+
+// Slices on their way into a volume.
+class Pile {
+ public:
+  Pile(const std::filesystem::path& source, Slice first)
+      : first_(std::move(first)), samples_(std::move(first_.samples)) {
+    layout_.file = source;
+    layout_.dims = {first_.width, first_.height, 1};
+    layout_.type = stored_type(first_.type);
+    layout_.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
+  }
+
+  void expect(int slices) const {
+    StoredLayout all = layout_;
+    all.dims[2] = slices;
+    checked_bytes(all);
+  }
+  void add(const std::filesystem::path& file, const Slice& slice) {
+    check_same(file, slice, first_);
+    ++layout_.dims[2];
+    samples_.insert(samples_.end(), slice.samples.begin(), slice.samples.end());
+  }
+  Volume volume() && { return to_volume(std::move(samples_), layout_); }
+
+ private:
+  Slice first_;
+  StoredLayout layout_;
+  std::vector<std::byte> samples_;
+};
+
+}  // namespace
+
 Volume read_slices(const std::filesystem::path& folder) {
   const auto files = slice_files(folder);
-  Slice first = read_slice(files.front());
-  StoredLayout layout;
-  layout.file = folder;
-  layout.dims = {first.width, first.height, static_cast<int>(files.size())};
-  layout.type = stored_type(first.type);
-  layout.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
-  checked_bytes(layout);
-  std::vector<std::byte> samples = std::move(first.samples);
-  for (std::size_t z = 1; z < files.size(); ++z) {
-    const Slice slice = read_slice(files[z]);
-    check_same(files[z], slice, first);
-    samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
+  Pile pile(folder, read_slice(files.front()));
+  pile.expect(static_cast<int>(files.size()));
+  for (std::size_t z = 1; z < files.size(); ++z) pile.add(files[z], read_slice(files[z]));
+  return std::move(pile).volume();
+}
+
+Volume read_pages(const std::filesystem::path& file) {
+  const auto input = open(file);
+  Pile pile(file, read_page(file, *input, 0));
+  for (int page = 1; input->seek_subimage(page, 0); ++page) {
+    if (page == kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
+    pile.expect(page + 1);
+    pile.add(file, read_page(file, *input, page));
   }
-  return to_volume(std::move(samples), layout);
+  return std::move(pile).volume();
 }
 
 }  // namespace gicube::samples

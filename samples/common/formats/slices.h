@@ -1,4 +1,4 @@
-// A folder of image slices, read by OpenImageIO.
+// Image slices, a folder of them or the pages of one file, read by OpenImageIO.
 #pragma once
 
 #include <filesystem>
@@ -16,5 +16,8 @@ bool natural_less(std::string_view a, std::string_view b);
 // bits or float32, the same in all slices, and so are width and height; spacing is 1. Alpha is ignored; colour must be
 // grey (red = green = blue). Throws FileError naming the slice.
 Volume read_slices(const std::filesystem::path& folder);
+
+// One such file, its pages as slices (TIFF; others have one).
+Volume read_pages(const std::filesystem::path& file);
 
 }  // namespace gicube::samples

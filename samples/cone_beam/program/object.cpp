@@ -1,0 +1,35 @@
+#include "cone_beam/program/object.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/input_error.h"
+#include "common/volume_file.h"
+
+namespace gicube::samples {
+
+bool is_phantom(const ObjectOptions& object) { return object.name.starts_with("builtin:"); }
+
+Phantom phantom_of(const ObjectOptions& object) {
+  if (object.name == "builtin:shepp-logan") return shepp_logan(object.radius);
+  if (object.name == "builtin:shepp-logan-high-contrast") return high_contrast_shepp_logan(object.radius);
+  if (object.name == "builtin:sphere") return uniform_sphere(object.radius, object.value);
+  throw InputError("phantom", "builtin:shepp-logan, builtin:shepp-logan-high-contrast or builtin:sphere",
+                   in_quotes(object.name));
+}
+
+GridValues read_values(const std::filesystem::path& file) {
+  const Volume volume = read_volume(file);
+  GridValues out{{volume.dims, volume.spacing}, values_of(volume)};
+  const auto bad = std::ranges::find_if(out.values, [](float value) { return !std::isfinite(value); });
+  if (bad != out.values.end()) {
+    throw FileError(file, fmt::format("voxel {}", bad - out.values.begin()), "a finite value", fmt::format("{}", *bad));
+  }
+  return out;
+}
+
+Vec3 origin_of(const Grid& grid, Vec3 centre) { return centre + to_space(grid, {0, 0, 0}); }
+
+}  // namespace gicube::samples

@@ -1,0 +1,374 @@
+#include "cone_beam/program/options.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <numbers>
+#include <ostream>
+
+#include "common/formats/header_lines.h"
+#include "common/input_error.h"
+#include "common/option_group.h"
+#include "common/volume_output.h"
+#include "cone_beam/scan/scan.h"
+#include "cone_beam/scan/scan_file.h"
+
+namespace gicube::samples {
+namespace {
+
+const char* const kFooter =
+    "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, formats, limits, figures: docs/CONE_BEAM.md.";
+const char* const kPhantoms = "builtin:shepp-logan, builtin:shepp-logan-high-contrast, builtin:sphere";
+
+// One of several names.
+template <typename Value>
+void choice(CLI::App& app, const char* group, const std::string& option, Value& target,
+            const std::map<std::string, Value>& names, const std::string& help) {
+  std::vector<std::string> list;
+  for (const auto& [name, value] : names) list.push_back(name);
+  app.add_option_function<std::string>(
+         option, [&target, names](const std::string& name) { target = names.at(name); }, help)
+      ->check(CLI::IsMember(list))
+      ->group(group);
+}
+
+void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, const std::string& what) {
+  app.add_option(name, object.name, what + ": " + kPhantoms + ", or a volume file (.nrrd .mhd .mha .nii)")->required();
+  app.add_option("--radius", object.radius, "of a phantom, in the scan's unit")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--value", object.value, "of the sphere")->capture_default_str();
+}
+
+void add_volume(CLI::App& app, ScanOptions& scan) {
+  OptionGroup group(app, "Volume");
+  group.parsed("--size", "X,Y,Z", "voxels (the scan's; else what the detector sees)",
+               [&scan](const std::string& name, const std::string& text) {
+                 const std::vector<int> sizes = parse_sizes(name, text, 3, ',');
+                 scan.size = Dims{sizes[0], sizes[1], sizes[2]};
+               });
+  group.parsed("--spacing", "EDGE|X,Y,Z", "edges of a voxel (the scan's; else a pixel's seen at the axis)",
+               [&scan](const std::string& name, const std::string& text) {
+                 const bool three = text.find(',') != std::string::npos;
+                 const std::vector<double> edges = parse_numbers(name, text, three ? 3 : 1);
+                 for (const double edge : edges) {
+                   if (!(edge > 0))
+                     throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
+                 }
+                 scan.spacing = three ? Vec3{edges[0], edges[1], edges[2]} : Vec3{edges[0], edges[0], edges[0]};
+               });
+}
+
+void add_input(CLI::App& app, ScanOptions& scan) {
+  app.add_option("SCAN", scan.input,
+                 "a scan file (protobuf text), a .json of CTSimU, or a folder of plastimatch's projection matrices")
+      ->required();
+  app.add_option("--projections", scan.projections,
+                 "files of views in place of the scan's: .nrrd .mhd .mha .nii .pfm .tif, a folder of images, or raw")
+      ->type_name("FILE...")
+      ->group("Scan");
+  OptionGroup(app, "Scan")
+      .parsed("--type", "NAME", "of raw --projections: uint8 uint16 int16 float32, little-endian",
+              [&scan](const std::string& name, const std::string& text) {
+                scan.type = raw_type(text);
+                if (scan.type) return;
+                throw CLI::ValidationError(name, "expected uint8, uint16, int16 or float32, got " + in_quotes(text));
+              });
+}
+
+void add_own_scan(CLI::App& app, ScanOptions& scan) {
+  const char* name = "Scan";
+  app.add_option("--scan", scan.input,
+                 "whose geometry is taken: as SCAN of reconstruct; without it these options describe one")
+      ->type_name("SCAN")
+      ->group(name);
+  OptionGroup group(app, name);
+  group.parsed("--detector", "WxH", "pixels (256x256)", [&scan](const std::string& option, const std::string& text) {
+    const std::vector<int> sizes = parse_sizes(option, text, 2, 'x');
+    scan.detector_size = {sizes[0], sizes[1]};
+  });
+  const auto positive = [&](const char* option, double& target, const char* help) {
+    app.add_option(option, target, help)->check(CLI::PositiveNumber)->capture_default_str()->group(name);
+  };
+  positive("--pitch", scan.pitch, "of the pixels");
+  positive("--source-to-axis", scan.source_to_axis, "distance");
+  positive("--source-to-detector", scan.source_to_detector, "distance");
+  app.add_option("--views", scan.views, "evenly over the arc")
+      ->check(CLI::Range(2, 100'000))
+      ->capture_default_str()
+      ->group(name);
+  app.add_option("--arc", scan.arc, "degrees")->check(CLI::Range(1.0, 360.0))->capture_default_str()->group(name);
+}
+
+void add_fdk(CLI::App& app, ReconstructOptions& options) {
+  const char* group = "FDK";
+  FdkSettings& fdk = options.filtered;
+  choice<Window>(app, group, "--window", fdk.window,
+                 {{"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}},
+                 "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
+  fdk.rays = 0;
+  app.add_option("--rays", fdk.rays,
+                 "a pixel's, along each detector axis; 0: so many that they lie no more than 1.25 voxels apart")
+      ->check(CLI::Range(0, 4))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--sharpen", fdk.sharpen, "against the blur of splatting: what a voxel takes from each neighbour")
+      ->check(CLI::Range(0.0, 0.25))
+      ->capture_default_str()
+      ->group(group);
+  choice<Accumulator>(app, group, "--accumulator", fdk.accumulator,
+                      {{"sums", Accumulator::kSums}, {"irradiance", Accumulator::kIrradiance}},
+                      "words on the board: sums (signed, 36 bits) or irradiance (the paper's, in two passes) (sums)");
+  app.add_option("--read-every", fdk.read_every, "views, with --accumulator irradiance")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--bits", fdk.bits, "of irradiance words that are used; 0: all")
+      ->check(CLI::Range(0, 32))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--headroom", fdk.headroom,
+                 "what full irradiance words stand for, over a bound of what a voxel can get; less is finer, and clips")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->group(group);
+}
+
+void add_algebraic(CLI::App& app, AlgebraicSettings& settings) {
+  const char* group = "SART, OS-SART, SIRT";
+  app.add_option("--iterations", settings.iterations, "at most, each through all views")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--subsets", settings.subsets, "of views, each corrected for at once; os-sart")
+      ->check(CLI::Range(2, 100'000))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--relaxation", settings.relaxation, "of a correction; from 2 on it diverges")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->group(group);
+  choice<ViewOrder>(
+      app, group, "--order", settings.order,
+      {{"sequential", ViewOrder::kSequential}, {"random", ViewOrder::kRandom}, {"golden", ViewOrder::kGolden}},
+      "of the views or subsets: sequential, random or golden (golden)");
+  app.add_flag_callback(
+         "--allow-negative", [&settings] { settings.non_negative = false; }, "keep values below 0")
+      ->group(group);
+  app.add_option("--stop", settings.stop,
+                 "when an iteration lowers the residual by less than this part of it; 0: never")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--noise-level", settings.noise, "stop at a residual of this, the projections' own noise; 0: never")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(group);
+}
+
+// The method and the step, which both kinds have.
+struct Common {
+  std::string method = "fdk";
+  double step = 1;
+};
+
+void add_method(CLI::App& app, Common& common) {
+  app.add_option("--method", common.method, "fdk, sart, os-sart or sirt")
+      ->check(CLI::IsMember({"fdk", "sart", "os-sart", "sirt"}))
+      ->capture_default_str()
+      ->group("Method");
+  app.add_option("--step", common.step, "of the rays, voxels")
+      ->check(CLI::Range(1.0 / 64, 16.0))
+      ->capture_default_str()
+      ->group("Method");
+}
+
+void set_method(const Common& common, ReconstructOptions& options) {
+  options.fdk = common.method == "fdk";
+  options.filtered.step = options.algebraic.step = common.step;
+  options.algebraic.method = common.method == "sirt"      ? Method::kSirt
+                             : common.method == "os-sart" ? Method::kOsSart
+                                                          : Method::kSart;
+  options.algebraic.seed = options.board.seed;
+}
+
+void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what) {
+  OptionGroup group(app, "Output");
+  app.add_option("--slices", slices.name, "pictures of " + what + ": NAME_x.png, NAME_y.png, NAME_z.png")
+      ->type_name("NAME")
+      ->group("Output");
+  group.parsed("--grey", "LOW,HIGH", "values that are black and white (nearly the least and the greatest)",
+               [&slices](const std::string& name, const std::string& text) {
+                 const std::vector<double> range = parse_numbers(name, text, 2);
+                 if (range[0] >= range[1]) {
+                   throw CLI::ValidationError(name, "expected LOW below HIGH, got " + in_quotes(text));
+                 }
+                 slices.grey = {range[0], range[1]};
+               });
+  group
+      .parsed("--slice", "AXIS=INDEX", "a plane in place of the three in the middle, as z=75; repeatable",
+              [&slices](const std::string& name, const std::string& text) {
+                const bool named = text.size() > 2 && text[0] >= 'x' && text[0] <= 'z' && text[1] == '=' &&
+                                   text.find_first_not_of("0123456789", 2) == std::string::npos && text.size() < 8;
+                if (!named)
+                  throw CLI::ValidationError(name, "expected x, y or z = a whole number, got " + in_quotes(text));
+                slices.planes.emplace_back(text[0] - 'x', std::stoi(text.substr(2)));
+              })
+      ->take_all();
+}
+
+void check_volume_name(const char* option, const std::filesystem::path& path) {
+  if (path.empty() || is_volume_output(path)) return;
+  throw UsageError(fmt::format("{}: expected a name that ends in .nrrd, .mhd, .mha, .nii or .nii.gz, got {}", option,
+                               in_quotes(path.string())));
+}
+
+void check_stack_name(const std::filesystem::path& path) {
+  const std::string extension = lower_case(path.extension().string());
+  for (const char* known : {".nrrd", ".mhd", ".mha", ".raw", ".pfm", ".tif", ".tiff"}) {
+    if (extension == known) return;
+  }
+  throw UsageError("--output: expected a name that ends in .nrrd, .mhd, .mha, .raw, .pfm or .tif, got " +
+                   in_quotes(path.string()));
+}
+
+void add_projecting(CLI::App& app, ProjectOptions& options) {
+  add_object(app, options.object, "OBJECT", "what is projected");
+  add_own_scan(app, options.scan);
+  add_volume(app, options.scan);
+  const char* group = "Projections";
+  app.add_flag("--by-board", options.by_board, "of a phantom's voxels by the board, not by its closed form")
+      ->group(group);
+  app.add_option("--step", options.step, "of the board's rays, voxels")
+      ->check(CLI::Range(1.0 / 64, 16.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--photons", options.photons,
+                 "a pixel would count without an object: Poisson noise by --seed; 0: none")
+      ->check(CLI::Range(0.0, 1e15))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option(
+         "-o,--output", options.output,
+         "the views: .nrrd .mhd .mha .raw, or a file each: .tif .pfm (with plastimatch's matrices). Beside them "
+         "NAME.textproto, the SCAN for reconstruct")
+      ->type_name("FILE")
+      ->required()
+      ->group("Output");
+  app.add_option("--voxels", options.voxels, "also write a phantom's voxels: .nrrd .mhd .mha .nii")
+      ->type_name("FILE")
+      ->group("Output");
+  add_board_options(app, options.board);
+}
+
+void add_reconstructing(CLI::App& app, ReconstructOptions& options, Common& common) {
+  add_input(app, options.scan);
+  add_volume(app, options.scan);
+  add_method(app, common);
+  add_fdk(app, options);
+  add_algebraic(app, options.algebraic);
+  app.add_option("-o,--output", options.output, "the volume: .nrrd .mhd .mha .nii .nii.gz, with spacing and origin")
+      ->type_name("FILE")
+      ->required()
+      ->group("Output");
+  add_slices(app, options.slices, "it");
+  add_board_options(app, options.board);
+}
+
+void add_comparing(CLI::App& app, CompareOptions& options) {
+  app.add_option("VOLUME", options.volume, "a volume file")->required();
+  add_object(app, options.truth, "TRUTH", "what it should be");
+  const char* group = "Field of view";
+  app.add_option("--field-radius", options.field.radius, "voxels further from the axis are left out")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  app.add_option("--field-height", options.field.half_height, "and those further from the middle plane")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  app.add_option("--difference", options.difference, "the values less what they should be, as a volume")
+      ->type_name("FILE")
+      ->group("Output");
+  app.add_option("--profiles", options.profiles, "values and truth along the three lines through the middle, CSV")
+      ->type_name("FILE")
+      ->group("Output");
+  app.add_option("--stats", options.stats, "the figures as JSON")->type_name("FILE")->group("Output");
+  add_slices(app, options.slices, "the difference");
+}
+
+void add_importing(CLI::App& app, ImportOptions& options) {
+  add_input(app, options.scan);
+  add_volume(app, options.scan);
+  app.add_option("-o,--output", options.output, "a scan file (printed)")->type_name("FILE")->group("Output");
+}
+
+}  // namespace
+
+std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* const* argv, std::ostream& out) {
+  ProjectOptions project;
+  ReconstructOptions reconstruct;
+  CompareOptions compare;
+  ImportOptions import;
+  Common common;
+  CLI::App app("Cone-beam tomography by a GI-Cube board.", "gicube-cone-beam");
+  app.footer(kFooter);
+  app.set_version_flag("--version", std::string(GICUBE_VERSION));
+  app.require_subcommand(1);
+  CLI::App* const projecting = app.add_subcommand("project", "projections of a phantom or a volume");
+  CLI::App* const reconstructing = app.add_subcommand("reconstruct", "a volume from the projections of a scan");
+  CLI::App* const comparing = app.add_subcommand("compare", "a volume with what it should be");
+  CLI::App* const importing = app.add_subcommand("import", "a scan as a scan file, to be looked at and edited");
+  add_projecting(*projecting, project);
+  add_reconstructing(*reconstructing, reconstruct, common);
+  add_comparing(*comparing, compare);
+  add_importing(*importing, import);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    out << app.help();
+    return std::nullopt;
+  } catch (const CLI::CallForVersion& version) {
+    out << "gicube-cone-beam " << version.what() << '\n';
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(error.what());
+  }
+  if (projecting->parsed()) {
+    check_stack_name(project.output);
+    check_volume_name("--voxels", project.voxels);
+    return project;
+  }
+  if (reconstructing->parsed()) {
+    set_method(common, reconstruct);
+    check_volume_name("--output", reconstruct.output);
+    return reconstruct;
+  }
+  if (importing->parsed()) return import;
+  check_volume_name("--difference", compare.difference);
+  return compare;
+}
+
+ScanDescription description_of(const ScanOptions& options) {
+  StackFiles projections{options.projections, {}};
+  if (options.type) {
+    if (options.projections.empty()) throw UsageError("--type: only with --projections");
+    projections.raw = RawLayout{};
+    projections.raw->type = *options.type;
+  }
+  ScanDescription out;
+  if (!options.input.empty()) {
+    out = read_description(options.input, projections);
+  } else {
+    ConeGeometry& geometry = out.geometry;
+    geometry.source_to_axis = options.source_to_axis;
+    geometry.source_to_detector = options.source_to_detector;
+    geometry.detector = {options.detector_size[0], options.detector_size[1], options.pitch, options.pitch};
+    const double radians = std::numbers::pi / 180;
+    geometry.angles = even_angles(options.views, 0, options.arc * radians);
+  }
+  if (options.size) out.geometry.volume.dims = *options.size;
+  if (options.spacing) out.geometry.volume.spacing = *options.spacing;
+  complete_volume(out);
+  return out;
+}
+
+}  // namespace gicube::samples

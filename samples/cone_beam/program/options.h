@@ -1,0 +1,86 @@
+// The command line of gicube-cone-beam.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/board_options.h"
+#include "cone_beam/algebraic.h"
+#include "cone_beam/comparison.h"
+#include "cone_beam/fdk.h"
+#include "cone_beam/scan/description.h"
+
+namespace gicube::samples {
+
+// Something whose values are known: a built-in phantom, or a volume file.
+struct ObjectOptions {
+  std::string name;
+  double radius = 90;  // of a phantom, in the scan's unit
+  double value = 1;    // of the sphere
+};
+
+// A scan file or, without one, a scan that these numbers describe.
+struct ScanOptions {
+  std::filesystem::path input;
+  std::vector<std::filesystem::path> projections;  // in place of the input's
+  std::optional<SampleType> type;                  // of them, where they are raw
+  std::array<int, 2> detector_size{256, 256};
+  double pitch = 1.56, source_to_axis = 500, source_to_detector = 1000;
+  int views = 180;
+  double arc = 360;  // degrees
+  std::optional<Dims> size;
+  std::optional<Vec3> spacing;
+};
+
+struct SliceOptions {
+  std::string name;  // NAME_x.png, NAME_y.png, NAME_z.png; empty: none
+  std::optional<std::array<double, 2>> grey;
+  std::vector<std::pair<int, int>> planes;  // axis and index; empty: the three in the middle
+};
+
+struct ProjectOptions {
+  ObjectOptions object;
+  ScanOptions scan;
+  bool by_board = false;  // a phantom's voxels instead of its closed form
+  double step = 0.5;      // of the board's rays, voxels
+  double photons = 0;     // a pixel, of Poisson noise; 0: none
+  std::filesystem::path output, voxels;
+  BoardOptions board;
+};
+
+struct ReconstructOptions {
+  ScanOptions scan;
+  bool fdk = true;
+  FdkSettings filtered;  // its rays 0: to be chosen
+  AlgebraicSettings algebraic;
+  std::filesystem::path output;
+  SliceOptions slices;
+  BoardOptions board;
+};
+
+struct CompareOptions {
+  std::filesystem::path volume;
+  ObjectOptions truth;
+  FieldOfView field;
+  std::filesystem::path difference, profiles, stats;
+  SliceOptions slices;  // of the difference
+};
+
+struct ImportOptions {
+  ScanOptions scan;
+  std::filesystem::path output;  // empty: printed
+};
+
+using ConeBeamOptions = std::variant<ProjectOptions, ReconstructOptions, CompareOptions, ImportOptions>;
+
+// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
+std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* const* argv, std::ostream& out);
+
+// The scan that the options describe, its volume complete. Throws UsageError, FileError, InputError.
+ScanDescription description_of(const ScanOptions& options);
+
+}  // namespace gicube::samples

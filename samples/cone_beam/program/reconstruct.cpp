@@ -1,0 +1,110 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "common/board_run.h"
+#include "common/program.h"
+#include "common/progress.h"
+#include "common/run_json.h"
+#include "common/volume_output.h"
+#include "cone_beam/algebraic.h"
+#include "cone_beam/program/commands.h"
+#include "cone_beam/program/object.h"
+#include "cone_beam/program/slices.h"
+#include "cone_beam/program/statistics.h"
+#include "cone_beam/scan/scan.h"
+
+namespace gicube::samples {
+namespace {
+
+void warn(const std::string& text) { fmt::print(stderr, "gicube-cone-beam: warning: {}\n", text); }
+
+// Rays must not leave voxels out between them: 1.25 voxels apart at the axis costs no error that shows beside the edges' [C].
+double rays_needed(const ConeGeometry& geometry) {
+  const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
+  const double pixel = std::max(geometry.detector.pitch_u, geometry.detector.pitch_v) * at_axis;
+  const Vec3 edge = geometry.volume.spacing;
+  return pixel / (1.25 * std::min({edge.x, edge.y, edge.z}));
+}
+
+std::vector<std::string> warnings_of(const Scan& scan, const Reconstruction& result,
+                                     const AlgebraicSettings& settings) {
+  std::vector<std::string> out = scan.warnings;
+  if (result.overflowed > 0) {
+    out.push_back(fmt::format("sums: {} times a voxel's sum was full; values are wrong there", result.overflowed));
+  }
+  if (result.clipped > 0) {
+    out.push_back(
+        fmt::format("irradiance words: full ones lost {:.3g} of what was left in all; values are wrong by it "
+                    "(a larger --headroom, a smaller --read-every)",
+                    result.clipped));
+  }
+  if (result.diverged) {
+    out.push_back(
+        fmt::format("--relaxation {}: diverged, the residual grew to {:.4g} after {:.4g}; the volume is that of "
+                    "the least residual",
+                    settings.relaxation, result.residuals.back(), *std::ranges::min_element(result.residuals)));
+  }
+  return out;
+}
+
+void print_summary(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result,
+                   const Cost& cost) {
+  const Dims& dims = scan.geometry.volume.dims;
+  fmt::print("{}: {} x {} x {} voxels from {} views by {}, {:.1f} ms simulated, {:.1f} s\n", options.output.string(),
+             dims[0], dims[1], dims[2], scan.geometry.angles.size(), name_of(options), to_ms(cost.simulated),
+             cost.host_seconds);
+  if (scan.repeated > 0) {
+    fmt::print("{} views were read; {} of them repeat an angle, and are averaged with it\n", scan.views_read,
+               scan.repeated);
+  }
+  if (!options.fdk && !result.residuals.empty()) {
+    fmt::print("{} iterations, residual {:.4g}\n", result.iterations, *std::ranges::min_element(result.residuals));
+  }
+}
+
+}  // namespace
+
+void reconstruct(const ReconstructOptions& wanted) {
+  ReconstructOptions options = wanted;
+  for (const auto& file : {options.output, options.board.stats, std::filesystem::path(options.slices.name)}) {
+    check_folder(file);
+  }
+  ProgressLine progress(!options.board.quiet);
+  progress.show("reading");
+  Scan scan = load_scan(description_of(options.scan));
+  if (const double rays = rays_needed(scan.geometry); options.fdk && options.filtered.rays == 0) {
+    options.filtered.rays = static_cast<int>(std::clamp(std::ceil(rays), 1.0, 4.0));
+    if (rays > 4) {
+      scan.warnings.push_back(fmt::format(
+          "volume: voxels are {:.1f} times as small as pixels seen at the axis; rays leave some out between them",
+          1.25 * rays));
+    }
+  }
+  progress.show("starting the board");
+  Board board = open_board(options.board);
+  const Grid& grid = scan.geometry.volume;
+  check_fits(grid.dims, board.info(), "--size");
+  RunWindow window(board);
+  const Progress parts = progress.parts("reconstructing");
+  const Reconstruction result =
+      options.fdk ? reconstruct_fdk(board, scan.geometry, scan.projections, options.filtered, parts)
+                  : reconstruct_algebraic(board, scan.geometry, scan.projections, options.algebraic, parts);
+  const Cost cost{board.info(), window.counters(), window.simulated(), window.host_seconds()};
+  progress.show("writing");
+  write_volume({grid.dims, grid.spacing, origin_of(grid, scan.centre), result.values}, options.output);
+  write_slices(options.slices, grid, result.values);
+  const auto warnings = warnings_of(scan, result, options.algebraic);
+  if (!options.board.stats.empty()) {
+    auto json = to_json(options, scan, result, cost);
+    json["warnings"] = warnings;
+    write_json(json, options.board.stats);
+  }
+  progress.clear();
+  if (!options.board.quiet) print_summary(options, scan, result, cost);
+  for (const std::string& text : warnings) warn(text);
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,208 @@
+#include "cone_beam/scan/ctsimu.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "common/formats/header_lines.h"
+#include "cone_beam/scan/json_part.h"
+#include "cone_beam/scan/view_frame.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kMostViews = 1 << 16;  // chosen
+constexpr double kMostBytes = 1e15;  // chosen: of a header
+
+// x, y, z of lengths.
+Vec3 place(const JsonPart& part) { return {part.at("x").length(), part.at("y").length(), part.at("z").length()}; }
+
+Vec3 direction(const JsonPart& part) {
+  const auto number = [&](const char* key) {
+    const JsonPart axis = part.at(key);
+    return axis.has("value") ? axis.at("value").number() : axis.number();
+  };
+  const Vec3 v{number("x"), number("y"), number("z")};
+  if (!(length(v) > 0)) part.fault("a direction");
+  return (1 / length(v)) * v;
+}
+
+// A part of the machine and the way that it looks. u and w as the file has them, v = w x u.
+struct Stand {
+  Vec3 centre, u, v, w;
+};
+
+Stand stand_of(const JsonPart& part) {
+  if (part.has("deviations") && part.at("deviations").size() > 0) {
+    part.at("deviations").fault("none: machines that deviate from their geometry are not supported");
+  }
+  const Stand stand{place(part.at("center")), direction(part.at("vector_u")), {}, direction(part.at("vector_w"))};
+  if (std::abs(dot(stand.u, stand.w)) > 1e-6) part.at("vector_u").fault("a direction square to vector_w");
+  return {stand.centre, stand.u, cross(stand.w, stand.u), stand.w};
+}
+
+// The view before the stage turns, in the stage's own axes.
+ViewFrame first_frame(const Stand& source, const Stand& stage, const Stand& detector, double pitch_u, double pitch_v,
+                      int columns, int rows) {
+  const auto turned = [&stage](Vec3 v) { return Vec3{dot(v, stage.u), dot(v, stage.v), dot(v, stage.w)}; };
+  ViewFrame frame;
+  frame.source = turned(source.centre - stage.centre);
+  const Vec3 middle = turned(detector.centre - stage.centre), u = turned(detector.u), v = turned(detector.v);
+  const Vec3 normal = turned(detector.w), way = middle - frame.source;
+  frame.distance = std::abs(dot(way, normal));
+  frame.towards = (dot(way, normal) < 0 ? -1.0 : 1.0) * normal;
+  frame.along_u = pitch_u * u;
+  frame.along_v = pitch_v * v;
+  frame.middle_column = (columns - 1) / 2.0 - dot(way, u) / pitch_u;
+  frame.middle_row = (rows - 1) / 2.0 - dot(way, v) / pitch_v;
+  return frame;
+}
+
+// Degrees that the stage turns to, in the order of the views; radians.
+std::vector<double> stage_angles(const JsonPart& acquisition) {
+  const double start = acquisition.at("start_angle").angle(), stop = acquisition.at("stop_angle").angle();
+  const int count = acquisition.at("number_of_projections").whole(2, kMostViews);
+  const bool last = acquisition.at("include_final_angle").boolean();
+  const JsonPart direction = acquisition.at("direction");
+  const std::string text = direction.text();
+  if (text != "CCW" && text != "CW") direction.fault("\"CCW\" or \"CW\"");
+  std::vector<double> angles;
+  for (int i = 0; i < count; ++i) {
+    const double angle = start + (stop - start) * i / (last ? count - 1 : count);
+    angles.push_back(text == "CW" ? -angle : angle);
+  }
+  return angles;
+}
+
+ScanDescription read_scenario(const JsonPart& json) {
+  const JsonPart geometry = json.at("geometry"), detector = json.at("detector");
+  if (geometry.at("source").has("type") && geometry.at("source").at("type").text() != "cone") {
+    geometry.at("source").at("type").fault("\"cone\"");
+  }
+  const Stand source = stand_of(geometry.at("source")), stage = stand_of(geometry.at("stage"));
+  const int columns = detector.at("columns").pixels(), rows = detector.at("rows").pixels();
+  const JsonPart pitch = detector.at("pixel_pitch");
+  const ViewFrame frame = first_frame(source, stage, stand_of(geometry.at("detector")), pitch.at("u").length(),
+                                      pitch.at("v").length(), columns, rows);
+  // Where the ray that meets the detector squarely passes the axis of rotation, which is z here.
+  const double to_axis = -(frame.source.x * frame.towards.x + frame.source.y * frame.towards.y);
+  const FrameNames names{json.file(), "geometry.detector.vector_w", "geometry.detector.vector_u",
+                         "geometry.detector.vector_w x vector_u"};
+  const FacingView facing = facing_view(frame, to_axis, columns, rows, names);
+  const double beside = std::hypot(facing.centre.x, facing.centre.y);
+  if (beside > 0.05 * facing.detector.pitch_u * to_axis / frame.distance) {
+    geometry.at("stage").at("center").fault("an axis of rotation on the ray that meets the detector squarely",
+                                            fmt::format("one {:.6g} mm beside it", beside));
+  }
+  ScanDescription out;
+  describe({facing}, {json.file()}, out);
+  // The stage turns one way, so that from it the source goes the other.
+  out.geometry.angles.clear();
+  for (const double angle : stage_angles(json.at("acquisition"))) out.geometry.angles.push_back(facing.angle - angle);
+  out.file = json.file();
+  return out;
+}
+
+RawLayout layout_of(const JsonPart& projections, int columns, int rows) {
+  const JsonPart type = projections.at("datatype");
+  RawLayout layout;
+  layout.dims = {columns, rows, 0};
+  const std::string name = type.text();
+  if (name == "uint8") {
+    layout.type = SampleType::kUint8;
+  } else if (name == "uint16") {
+    layout.type = SampleType::kUint16;
+  } else if (name == "int16") {
+    layout.type = SampleType::kInt16;
+  } else if (name == "float32") {
+    layout.type = SampleType::kFloat32;
+  } else {
+    type.fault("uint8, uint16, int16 or float32");
+  }
+  if (projections.has("byteorder")) {
+    const JsonPart order = projections.at("byteorder");
+    if (order.text() != "little" && order.text() != "big") order.fault("\"little\" or \"big\"");
+    layout.big_endian = order.text() == "big";
+  }
+  if (!projections.has("headersize")) return layout;
+  const JsonPart header = projections.at("headersize");
+  if (header.has("image") && header.at("image").number() != 0) header.at("image").fault("0");
+  if (header.has("file")) {
+    const double bytes = header.at("file").number();
+    if (!(bytes >= 0 && bytes < kMostBytes)) header.at("file").fault("a number of bytes");
+    layout.skip_bytes = static_cast<std::uint64_t>(bytes);
+  }
+  return layout;
+}
+
+// A name with a %04d stands for a series of `count` files, 0 first.
+StackFiles files_of(const JsonPart& name, int count, const RawLayout& layout) {
+  StackFiles out;
+  out.raw = layout;
+  const std::string text = name.text();
+  const std::size_t percent = text.find('%');
+  if (percent == std::string::npos) {
+    out.files = {beside(name.file(), text)};
+    return out;
+  }
+  const std::size_t end = text.find('d', percent);
+  const std::string digits = end == std::string::npos ? "x" : text.substr(percent + 1, end - percent - 1);
+  const bool plain = digits.size() <= 2 && digits.find_first_not_of("0123456789") == std::string::npos;
+  if (!plain || text.find('%', percent + 1) != std::string::npos) name.fault("one %d or %04d");
+  const int width = digits.empty() ? 0 : std::stoi(digits);
+  for (int i = 0; i < count; ++i) {
+    out.files.push_back(
+        beside(name.file(), text.substr(0, percent) + fmt::format("{:0{}}", i, width) + text.substr(end + 1)));
+  }
+  return out;
+}
+
+// Averaged frames that the projections are not corrected by yet.
+StackFiles correction_of(const JsonPart& projections, const char* key, const RawLayout& layout) {
+  if (!projections.has(key)) return {};
+  const JsonPart field = projections.at(key);
+  const bool corrected = field.has("projections_corrected") && field.at("projections_corrected").boolean();
+  if (corrected || !field.has("filename") || !field.has("number")) return {};
+  const int count = field.at("number").whole(0, kMostViews);
+  return count == 0 ? StackFiles{} : files_of(field.at("filename"), count, layout);
+}
+
+ScanDescription read_metadata(const JsonPart& json) {
+  const JsonPart output = json.at("output"), projections = output.at("projections");
+  const JsonPart scenario = json.at("acquisition_geometry").at("path_to_CTSimU_JSON");
+  ScanDescription out = read_scenario(JsonPart(beside(json.file(), scenario.text())));
+  out.file = json.file();
+  const JsonPart size = projections.at("dimensions");
+  const Detector& detector = out.geometry.detector;
+  const int columns = size.at("x").pixels(), rows = size.at("y").pixels();
+  if (columns != detector.columns || rows != detector.rows) {
+    size.fault(fmt::format("{} x {}, as the scenario's detector has", detector.columns, detector.rows),
+               fmt::format("{} x {}", columns, rows));
+  }
+  const RawLayout layout = layout_of(projections, columns, rows);
+  out.projections = files_of(projections.at("filename"), projections.at("number").whole(1, kMostViews), layout);
+  out.intensities = true;
+  out.flats = correction_of(projections, "flat_field", layout);
+  out.darks = correction_of(projections, "dark_field", layout);
+  if (projections.has("max_intensity")) out.full = projections.at("max_intensity").number();
+  if (!output.has("tomogram")) return out;
+  const JsonPart tomogram = output.at("tomogram");
+  if (!tomogram.has("dimensions") || !tomogram.has("voxelsize")) return out;
+  const JsonPart voxels = tomogram.at("dimensions");
+  out.geometry.volume.dims = {voxels.at("x").pixels(), voxels.at("y").pixels(), voxels.at("z").pixels()};
+  out.geometry.volume.spacing = place(tomogram.at("voxelsize"));
+  return out;
+}
+
+}  // namespace
+
+ScanDescription read_ctsimu(const std::filesystem::path& file) {
+  const JsonPart json(file);
+  const std::string type = json.at("file").at("file_type").text();
+  if (type == "CTSimU Scenario") return read_scenario(json);
+  if (type == "CTSimU Metadata") return read_metadata(json);
+  json.at("file").at("file_type").fault("\"CTSimU Scenario\" or \"CTSimU Metadata\"");
+}
+
+}  // namespace gicube::samples

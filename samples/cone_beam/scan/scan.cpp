@@ -1,0 +1,172 @@
+#include "cone_beam/scan/scan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "common/formats/header_lines.h"
+#include "common/input_error.h"
+#include "cone_beam/filter.h"
+#include "cone_beam/scan/ctsimu.h"
+#include "cone_beam/scan/projection_matrices.h"
+#include "cone_beam/scan/scan_file.h"
+#include "cone_beam/scan/stack.h"
+#include "cone_beam/scan/views.h"
+
+namespace gicube::samples {
+namespace {
+
+// One view between the file's order of pixels and the geometry's; its own inverse.
+template <typename Take>
+void for_each_pixel(const ScanDescription& description, std::size_t columns, std::size_t rows, const Take& take) {
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t to_row = description.rows_reversed ? rows - 1 - row : row;
+    for (std::size_t column = 0; column < columns; ++column) {
+      const std::size_t to_column = description.columns_reversed ? columns - 1 - column : column;
+      take(row * columns + column, to_row * columns + to_column);
+    }
+  }
+}
+
+void check_size(const ScanDescription& description, const Stack& stack) {
+  const Detector& detector = description.geometry.detector;
+  if (stack.columns != detector.columns || stack.rows != detector.rows) {
+    throw FileError(description.projections.files.front(), "size",
+                    fmt::format("{} x {} pixels, as the detector has", detector.columns, detector.rows),
+                    fmt::format("{} x {}", stack.columns, stack.rows));
+  }
+  if (stack.views() != description.geometry.angles.size()) {
+    throw FileError(description.projections.files.front(), "views",
+                    fmt::format("{}, one an angle", description.geometry.angles.size()), std::to_string(stack.views()));
+  }
+}
+
+// Views of the same angle averaged.
+Projections sorted(const Stack& stack, const ScanDescription& description, const SortedViews& order) {
+  Projections out{stack.columns, stack.rows, {}};
+  const std::size_t size = stack.view_size();
+  out.values.resize(size * order.angles.size());
+  for (std::size_t view = 0; view < order.angles.size(); ++view) {
+    float* const to = out.view(view);
+    const auto share = 1 / static_cast<float>(order.places[view].size());
+    for (const std::size_t place : order.places[view]) {
+      const float* const from = stack.values.data() + place * size;
+      for_each_pixel(description, static_cast<std::size_t>(stack.columns), static_cast<std::size_t>(stack.rows),
+                     [&](std::size_t stored, std::size_t pixel) { to[pixel] += share * from[stored]; });
+    }
+  }
+  return out;
+}
+
+// Turns of the source, in degrees, that measure every ray at least once.
+void warn_of_arc(const ConeGeometry& geometry, std::vector<std::string>& warnings) {
+  if (!is_short_scan(geometry)) return;
+  const Detector& detector = geometry.detector;
+  const double edge = std::max(std::abs(u_of(detector, -0.5)), std::abs(u_of(detector, detector.columns - 0.5)));
+  const double degrees = 180 / std::numbers::pi;
+  const double least = 180 + 2 * degrees * std::atan(edge / geometry.source_to_detector);
+  const auto count = static_cast<double>(geometry.angles.size());
+  const double arc = degrees * (geometry.angles.back() - geometry.angles.front()) * count / (count - 1);
+  if (arc >= least - 0.01) return;
+  warnings.push_back(
+      fmt::format("angles: the views stand for {:.1f} degrees, where {:.1f} would measure every ray through the "
+                  "detector's field; expect streaks and shadows",
+                  arc, least));
+}
+
+// Whether something is seen at the detector's left or right edge: the mean there against the greatest mean of a column.
+void warn_of_truncation(const Projections& projections, std::size_t views, std::vector<std::string>& warnings) {
+  const auto columns = static_cast<std::size_t>(projections.columns);
+  std::vector<double> sums(columns);
+  for (std::size_t i = 0; i < views * projections.view_size(); ++i) {
+    sums[i % columns] += static_cast<double>(projections.values[i]);
+  }
+  const double edge = std::max(sums.front(), sums.back()), most = *std::ranges::max_element(sums);
+  constexpr double kSeen = 0.05;  // chosen: above noise and flat fields' errors
+  if (!(most > 0) || edge < kSeen * most) return;
+  warnings.push_back(
+      fmt::format("projections: the object reaches beyond the detector (its edge shows {:.0f}% of the greatest mean "
+                  "of a column); values are too high, most of all near the rim of what is seen",
+                  100 * edge / most));
+}
+
+void warn_of_pixels(const FlatFieldReport& report, std::vector<std::string>& warnings) {
+  if (report.absorbed > 0) {
+    warnings.push_back(
+        fmt::format("projections: {} values without any light left were taken as half a count; "
+                    "the object is denser there than can be told",
+                    report.absorbed));
+  }
+  if (report.dead > 0) {
+    warnings.push_back(fmt::format("flat: {} dead pixels have the mean of those beside them", report.dead));
+  }
+}
+
+}  // namespace
+
+ScanDescription read_description(const std::filesystem::path& path, const StackFiles& projections) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return read_matrix_folder(path, projections);
+  const bool json = lower_case(path.extension().string()) == ".json";
+  ScanDescription out = json ? read_ctsimu(path) : read_scan_file(path);
+  if (!projections.empty()) {
+    out.projections = projections;
+    const Detector& detector = out.geometry.detector;
+    if (out.projections.raw) out.projections.raw->dims = {detector.columns, detector.rows, 0};
+  }
+  return out;
+}
+
+void complete_volume(ScanDescription& description) {
+  Grid& grid = description.geometry.volume;
+  const Detector& detector = description.geometry.detector;
+  const double at_axis = description.geometry.source_to_axis / description.geometry.source_to_detector;
+  const double u = detector.pitch_u * at_axis, v = detector.pitch_v * at_axis;
+  if (!(grid.spacing.x > 0)) grid.spacing = {u, u, v};
+  if (grid.dims[0] > 0) return;
+  const auto voxels = [](double extent, double edge) {
+    return std::max(2, static_cast<int>(std::lround(extent / edge)));
+  };
+  grid.dims = {voxels(detector.columns * u, grid.spacing.x), voxels(detector.columns * u, grid.spacing.y),
+               voxels(detector.rows * v, grid.spacing.z)};
+}
+
+Scan load_scan(const ScanDescription& description) {
+  if (description.projections.empty()) {
+    throw InputError(description.file.string(), "projections", "none; name them in the file or by --projections");
+  }
+  Stack stack = read_stack(description.projections);
+  check_size(description, stack);
+  Scan out;
+  if (description.intensities) {
+    out.flat_field =
+        correct_flat_field(stack, read_stack(description.flats), read_stack(description.darks), description.full);
+  }
+  const SortedViews order = sorted_views(description.geometry.angles);
+  out.geometry = description.geometry;
+  out.geometry.angles = order.angles;
+  out.centre = description.centre;
+  out.projections = sorted(stack, description, order);
+  out.views_read = stack.views();
+  out.repeated = order.repeated();
+  check(out.geometry);
+  warn_of_arc(out.geometry, out.warnings);
+  warn_of_truncation(out.projections, order.angles.size(), out.warnings);
+  warn_of_pixels(out.flat_field, out.warnings);
+  return out;
+}
+
+std::vector<float> as_stored(const Projections& projections, const ScanDescription& description) {
+  std::vector<float> out(projections.values.size());
+  const std::size_t size = projections.view_size();
+  for (std::size_t first = 0; first < out.size(); first += size) {
+    for_each_pixel(
+        description, static_cast<std::size_t>(projections.columns), static_cast<std::size_t>(projections.rows),
+        [&](std::size_t stored, std::size_t pixel) { out[first + stored] = projections.values[first + pixel]; });
+  }
+  return out;
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,192 @@
+#include "cone_beam/scan/scan_file.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/text_format.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "common/graph/faults.h"
+#include "gicube/v1/cone_scan.pb.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr std::uintmax_t kMostBytes = 16 << 20;  // chosen: a million angles
+constexpr int kMaxNesting = 20;                  // chosen: of braces; bounds the parser's stack
+constexpr double kMostPixels = 65536;            // chosen: of a detector's edge
+constexpr int kMostViews = 1 << 20;              // chosen
+constexpr double kRadians = std::numbers::pi / 180;
+
+// Turns the parsed message into a description; a fault leaves that part of it at its default.
+class Translator {
+ public:
+  Translator(Faults& faults, std::filesystem::path folder) : faults_(faults), folder_(std::move(folder)) {}
+
+  ScanDescription translate(const v1::ConeScan& source) {
+    ScanDescription out;
+    ConeGeometry& geometry = out.geometry;
+    geometry.source_to_axis = positive("source_to_axis", source.has_source_to_axis(), source.source_to_axis());
+    geometry.source_to_detector =
+        positive("source_to_detector", source.has_source_to_detector(), source.source_to_detector());
+    geometry.detector = detector(source.detector());
+    out.columns_reversed = source.detector().columns_reversed();
+    out.rows_reversed = source.detector().rows_reversed();
+    geometry.angles = angles(source);
+    volume(source.volume(), out);
+    out.projections = stack("projections", source.projections(), geometry.detector);
+    out.flats = stack("flat", source.flat(), geometry.detector);
+    out.darks = stack("dark", source.dark(), geometry.detector);
+    out.intensities = source.intensities();
+    if (source.has_full_intensity()) out.full = positive("full_intensity", true, source.full_intensity());
+    const bool corrects = !out.flats.empty() || !out.darks.empty() || source.has_full_intensity();
+    faults_.check(out.intensities || !corrects, "intensities", "true where there are flats, darks or a full_intensity",
+                  "false");
+    faults_.check(!out.intensities || !out.flats.empty() || source.has_full_intensity(), "flat",
+                  "files, or a full_intensity, where intensities is true", "none");
+    return out;
+  }
+
+ private:
+  double positive(const std::string& field, bool set, double value) {
+    faults_.check(set && std::isfinite(value) && value > 0, field, "a number above 0", set ? shown(value) : "none");
+    return value;
+  }
+  double finite(const std::string& field, double value) {
+    faults_.check(std::isfinite(value), field, "a finite number", shown(value));
+    return value;
+  }
+  int pixels(const std::string& field, bool set, std::uint32_t value, double least) {
+    faults_.check(set && value >= least && value <= kMostPixels, field,
+                  fmt::format("a whole number from {} to {}", least, kMostPixels),
+                  set ? std::to_string(value) : "none");
+    return static_cast<int>(std::min(value, static_cast<std::uint32_t>(kMostPixels)));
+  }
+
+  Detector detector(const v1::ConeDetector& source) {
+    Detector out;
+    out.columns = pixels("detector.columns", source.has_columns(), source.columns(), 2);
+    out.rows = pixels("detector.rows", source.has_rows(), source.rows(), 1);
+    out.pitch_u = positive("detector.pitch_u", source.has_pitch_u(), source.pitch_u());
+    out.pitch_v = source.has_pitch_v() ? positive("detector.pitch_v", true, source.pitch_v()) : out.pitch_u;
+    out.offset_u = finite("detector.offset_u", source.offset_u());
+    out.offset_v = finite("detector.offset_v", source.offset_v());
+    return out;
+  }
+
+  std::vector<double> angles(const v1::ConeScan& source) {
+    std::vector<double> out;
+    const bool listed = source.angle_size() > 0;
+    if (source.has_even_angles() == listed) {
+      faults_.fault("angle", "a list of angles, or even_angles", listed ? "both" : "none");
+    }
+    for (int i = 0; i < source.angle_size(); ++i) {
+      out.push_back(kRadians * finite(fmt::format("angle[{}]", i), source.angle(i)));
+    }
+    if (listed || !source.has_even_angles()) return out;
+    const v1::EvenAngles& even = source.even_angles();
+    const auto count = even.count();
+    if (!even.has_count() || count < 2 || count > kMostViews) {
+      faults_.fault("even_angles.count", fmt::format("a whole number from 2 to {}", kMostViews), std::to_string(count));
+      return out;
+    }
+    const double first = finite("even_angles.first", even.first()), arc = finite("even_angles.arc", even.arc());
+    const bool at_end = even.has_last_at_end() ? even.last_at_end() : std::abs(std::abs(arc) - 360) > 1e-9;
+    faults_.check(arc != 0, "even_angles.arc", "a number but 0", "0");
+    for (std::uint32_t i = 0; i < count; ++i)
+      out.push_back(kRadians * (first + arc * i / (at_end ? count - 1 : count)));
+    return out;
+  }
+
+  void volume(const v1::ConeVolume& source, ScanDescription& out) {
+    const auto count = [&](const std::string& field, int given, bool one) {
+      const bool good = given == 0 || given == 3 || (one && given == 1);
+      faults_.check(good, field, one ? "one number or three" : "three numbers", std::to_string(given));
+      return good && given > 0;
+    };
+    if (count("volume.size", source.size_size(), false)) {
+      for (int i = 0; i < 3; ++i) {
+        out.geometry.volume.dims[static_cast<std::size_t>(i)] =
+            pixels(fmt::format("volume.size[{}]", i), true, source.size(i), 2);
+      }
+    }
+    const int edges = source.spacing_size();
+    out.geometry.volume.spacing = {0, 0, 0};
+    if (count("volume.spacing", edges, true)) {
+      const auto edge = [&](int i) {
+        return positive(fmt::format("volume.spacing[{}]", i), true, source.spacing(edges == 1 ? 0 : i));
+      };
+      out.geometry.volume.spacing = {edge(0), edge(1), edge(2)};
+    }
+    if (count("volume.centre", source.centre_size(), false)) {
+      out.centre = {finite("volume.centre[0]", source.centre(0)), finite("volume.centre[1]", source.centre(1)),
+                    finite("volume.centre[2]", source.centre(2))};
+    }
+  }
+
+  StackFiles stack(const std::string& field, const v1::StackOfViews& source, const Detector& detector) {
+    StackFiles out;
+    for (const std::string& file : source.file()) {
+      faults_.check(!file.empty(), field + ".file", "a file's name", "an empty one");
+      out.files.push_back(folder_ / file);
+    }
+    if (!source.has_type()) {
+      faults_.check(!source.big_endian() && source.skip_bytes() == 0, field + ".type",
+                    "a type of raw samples with big_endian and skip_bytes", "none");
+      return out;
+    }
+    RawLayout raw;
+    raw.dims = {detector.columns, detector.rows, 0};
+    const auto type = raw_type(source.type());
+    faults_.check(type.has_value(), field + ".type", "uint8, uint16, int16 or float32", '"' + source.type() + '"');
+    raw.type = type.value_or(SampleType::kFloat32);
+    raw.big_endian = source.big_endian();
+    raw.skip_bytes = source.skip_bytes();
+    out.raw = raw;
+    return out;
+  }
+
+  Faults& faults_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace
+
+std::optional<SampleType> raw_type(const std::string& name) {
+  if (name == "uint8") return SampleType::kUint8;
+  if (name == "uint16") return SampleType::kUint16;
+  if (name == "int16") return SampleType::kInt16;
+  if (name == "float32") return SampleType::kFloat32;
+  return std::nullopt;
+}
+
+ScanDescription parse_scan(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
+  Faults faults(name);
+  google::protobuf::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&faults);
+  parser.SetRecursionLimit(kMaxNesting);
+  parser.AllowUnknownField(true);  // reported by AddWarning, and the parser goes on to the next fault
+  v1::ConeScan message;
+  if (!parser.ParseFromString(text, &message)) faults.throw_if_any();
+  ScanDescription out = Translator(faults, folder).translate(message);
+  faults.throw_if_any();
+  out.file = name;
+  return out;
+}
+
+ScanDescription read_scan_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path.string(), "a scan file", "no such file");
+  if (const auto bytes = std::filesystem::file_size(path, error); bytes > kMostBytes) {
+    throw InputError(path.string(), "a scan file of at most 16 MiB", std::to_string(bytes) + " bytes");
+  }
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw InputError(path.string(), "a scan file", "one that can't be read");
+  return parse_scan(text.str(), path.string(), path.parent_path());
+}
+
+}  // namespace gicube::samples

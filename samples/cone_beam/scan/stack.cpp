@@ -1,0 +1,144 @@
+#include "cone_beam/scan/stack.h"
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <span>
+
+#include "common/formats/data_stream.h"
+#include "common/formats/header_lines.h"
+#include "common/formats/slices.h"
+#include "common/volume_output.h"
+#include "common/whole_file.h"
+#include "cone_beam/scan/pfm.h"
+
+namespace gicube::samples {
+namespace {
+
+Stack stack_of(const Volume& volume) {
+  return {volume.dims[0], volume.dims[1], values_of(volume), volume.type != SampleType::kFloat32};
+}
+
+// As many views as the file's bytes hold; of a compressed one, whose size says nothing, one.
+Stack read_raw(const std::filesystem::path& file, RawLayout layout) {
+  const auto pixels = static_cast<std::uint64_t>(layout.dims[0]) * static_cast<std::uint64_t>(layout.dims[1]);
+  const std::uint64_t view = pixels * bytes_per_sample(layout.type);
+  const std::uint64_t bytes = file_bytes(file), data = bytes - std::min(bytes, layout.skip_bytes);
+  const bool packed = lower_case(file.extension().string()) == ".gz";
+  if (layout.dims[2] == 0 && packed) {
+    throw FileError(file, "views", "the number of views of a compressed raw file", "none");
+  }
+  if (layout.dims[2] == 0) {
+    if (view == 0 || data == 0 || data % view != 0 || data / view > kMaxFileDim) {
+      throw FileError(file, "size",
+                      fmt::format("{} bytes and 1 to {} views of {} x {} pixels ({} bytes each)", layout.skip_bytes,
+                                  kMaxFileDim, layout.dims[0], layout.dims[1], view),
+                      fmt::format("{} bytes", bytes));
+    }
+    layout.dims[2] = static_cast<int>(data / view);
+  }
+  return stack_of(read_volume(file, layout));
+}
+
+Stack read_one(const std::filesystem::path& file, const std::optional<RawLayout>& raw) {
+  const std::string extension = lower_case(file.extension().string());
+  if (extension == ".pfm") {
+    FloatMap map = read_pfm(file);
+    return {map.width, map.height, std::move(map.values), false};
+  }
+  constexpr std::array kImages{".tif", ".tiff", ".png", ".bmp", ".pgm", ".exr"};
+  if (std::ranges::find(kImages, extension) != kImages.end()) return stack_of(read_pages(file));
+  std::error_code error;
+  const bool headed = std::filesystem::is_directory(file, error) || extension == ".nrrd" || extension == ".nhdr" ||
+                      extension == ".mhd" || extension == ".mha" || extension == ".nii" ||
+                      file.filename().string().ends_with(".nii.gz");
+  if (raw && !headed) return read_raw(file, *raw);
+  return stack_of(read_volume(file));
+}
+
+void check_finite(const std::filesystem::path& file, const Stack& stack) {
+  const auto bad = std::ranges::find_if(stack.values, [](float value) { return !std::isfinite(value); });
+  if (bad == stack.values.end()) return;
+  const auto at = static_cast<std::size_t>(bad - stack.values.begin());
+  throw FileError(file, fmt::format("view {}, pixel {}", at / stack.view_size(), at % stack.view_size()),
+                  "a finite value", fmt::format("{}", *bad));
+}
+
+// NAME_0007.EXT for the seventh of NAME.EXT.
+std::filesystem::path numbered(const std::filesystem::path& path, std::size_t number) {
+  return std::filesystem::path(path).replace_filename(
+      fmt::format("{}_{:04}{}", path.stem().string(), number, path.extension().string()));
+}
+
+void write_tiff(std::span<const float> values, int width, int height, const std::filesystem::path& path) {
+  const WholeFile file(path);
+  const auto output = OIIO::ImageOutput::create("tiff");
+  if (!output) throw FileError(path, "format", "one that OpenImageIO can write", OIIO::geterror());
+  OIIO::ImageSpec spec(width, height, 1, OIIO::TypeDesc::FLOAT);
+  spec["compression"] = "none";  // which every reader of stacks knows
+  const bool written = output->open(file.path().string(), spec) &&
+                       output->write_image(OIIO::TypeDesc::FLOAT, values.data()) && output->close();
+  if (!written) throw FileError(path, "file", "a place to write to", output->geterror());
+  file.rename();
+}
+
+void write_raw(std::span<const float> values, const std::filesystem::path& path) {
+  const WholeFile file(path);
+  std::ofstream stream(file.path(), std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
+  stream.close();
+  if (!stream) throw FileError(path, "file", "a place to write to", "an error");
+  file.rename();
+}
+
+}  // namespace
+
+Stack read_stack(const StackFiles& files) {
+  Stack out;
+  for (const std::filesystem::path& file : files.files) {
+    Stack stack = read_one(file, files.raw);
+    check_finite(file, stack);
+    if (out.values.empty()) {
+      out = std::move(stack);
+      continue;
+    }
+    if (stack.columns != out.columns || stack.rows != out.rows) {
+      throw FileError(file, "size", fmt::format("{} x {} as in the first file", out.columns, out.rows),
+                      fmt::format("{} x {}", stack.columns, stack.rows));
+    }
+    out.values.insert(out.values.end(), stack.values.begin(), stack.values.end());
+    out.counts = out.counts && stack.counts;
+  }
+  return out;
+}
+
+std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path) {
+  const std::string extension = lower_case(path.extension().string());
+  const bool tiff = extension == ".tif" || extension == ".tiff";
+  if (!tiff && extension != ".pfm") {
+    const int views = static_cast<int>(stack.views());
+    if (extension == ".raw") {
+      write_raw(stack.values, path);
+    } else {
+      write_volume({{stack.columns, stack.rows, views}, {1, 1, 1}, {}, stack.values}, path);
+    }
+    return {path};
+  }
+  std::vector<std::filesystem::path> files;
+  for (std::size_t view = 0; view < stack.views(); ++view) {
+    files.push_back(numbered(path, view));
+    const auto values = std::span(stack.values).subspan(view * stack.view_size(), stack.view_size());
+    if (tiff) {
+      write_tiff(values, stack.columns, stack.rows, files.back());
+    } else {
+      write_pfm(values, stack.columns, stack.rows, files.back());
+    }
+  }
+  return files;
+}
+
+}  // namespace gicube::samples

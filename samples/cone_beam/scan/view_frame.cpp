@@ -1,0 +1,99 @@
+#include "cone_beam/scan/view_frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gicube::samples {
+namespace {
+
+constexpr double kParallel = 1e-4;  // chosen: radians
+constexpr double kPixels = 0.05;    // chosen: that views may differ by
+
+std::string shown(Vec3 v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); }
+
+void expect(bool good, const FrameNames& names, const std::string& field, const char* expected,
+            const std::string& got) {
+  if (!good) throw FileError(names.file, field, expected, got);
+}
+
+}  // namespace
+
+FacingView facing_view(const ViewFrame& frame, double source_to_axis, int columns, int rows, const FrameNames& names) {
+  FacingView out;
+  const Vec3 towards = frame.towards;
+  const double pitch_u = length(frame.along_u), pitch_v = length(frame.along_v);
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
+  expect(positive(pitch_u), names, names.u, "a direction", shown(frame.along_u));
+  expect(positive(pitch_v), names, names.v, "a direction", shown(frame.along_v));
+  expect(positive(frame.distance), names, "source to detector", "a number above 0", fmt::format("{}", frame.distance));
+  expect(positive(source_to_axis), names, "source to axis", "a number above 0", fmt::format("{}", source_to_axis));
+  const Vec3 u = (1 / pitch_u) * frame.along_u, v = (1 / pitch_v) * frame.along_v;
+  expect(std::abs(towards.z) < kParallel, names, names.normal,
+         "one square to the axis of rotation, z: tilted detectors are not supported", shown(towards));
+  expect(std::abs(dot(u, towards)) < kParallel && std::abs(u.z) < kParallel, names, names.u,
+         "rows of pixels square to the axis of rotation, z: tilted detectors are not supported", shown(u));
+  expect(std::abs(std::abs(v.z) - 1) < kParallel, names, names.v,
+         "columns of pixels along the axis of rotation, z: tilted detectors are not supported", shown(v));
+  out.angle = std::atan2(-towards.y, -towards.x);
+  out.source_to_axis = source_to_axis;
+  out.source_to_detector = frame.distance;
+  out.columns_reversed = dot(u, {towards.y, -towards.x, 0}) < 0;
+  out.rows_reversed = v.z < 0;
+  const auto offset = [](double middle, int count, double pitch, bool reversed) {
+    return ((count - 1) / 2.0 - middle) * pitch * (reversed ? -1 : 1);
+  };
+  out.detector = {columns,
+                  rows,
+                  pitch_u,
+                  pitch_v,
+                  offset(frame.middle_column, columns, pitch_u, out.columns_reversed),
+                  offset(frame.middle_row, rows, pitch_v, out.rows_reversed)};
+  out.centre = frame.source + source_to_axis * towards;
+  const bool known = std::isfinite(out.detector.offset_u + out.detector.offset_v) && std::isfinite(length(out.centre));
+  expect(known, names, names.normal, "finite places", "numbers too large for them");
+  return out;
+}
+
+void describe(const std::vector<FacingView>& views, const std::vector<std::filesystem::path>& files,
+              ScanDescription& description) {
+  const FacingView& first = views.front();
+  const double edge = std::max(first.detector.columns, first.detector.rows) / 2.0;
+  const double pixel = first.detector.pitch_u;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const FacingView& view = views[i];
+    // Differences in pixels, of sizes at the detector's edge.
+    const auto same = [&](const char* field, double value, double other, double in_pixels) {
+      if (std::abs(in_pixels) < kPixels) return;
+      throw FileError(files[i], field, fmt::format("{:.9g} as in the first view", other), fmt::format("{:.9g}", value));
+    };
+    const auto share = [&](const char* field, double value, double other) {
+      same(field, value, other, (value / other - 1) * edge);
+    };
+    share("source to axis", view.source_to_axis, first.source_to_axis);
+    share("source to detector", view.source_to_detector, first.source_to_detector);
+    share("pitch of columns", view.detector.pitch_u, first.detector.pitch_u);
+    share("pitch of rows", view.detector.pitch_v, first.detector.pitch_v);
+    const auto shifted = [&](const char* field, double value, double other) {
+      same(field, value, other, (value - other) / pixel);
+    };
+    shifted("offset of columns", view.detector.offset_u, first.detector.offset_u);
+    shifted("offset of rows", view.detector.offset_v, first.detector.offset_v);
+    shifted("x of the axis", view.centre.x, first.centre.x);
+    shifted("y of the axis", view.centre.y, first.centre.y);
+    shifted("z of the source", view.centre.z, first.centre.z);
+    if (view.columns_reversed != first.columns_reversed || view.rows_reversed != first.rows_reversed) {
+      throw FileError(files[i], "pixels", "columns and rows that run as in the first view", "others");
+    }
+    description.geometry.angles.push_back(view.angle);
+  }
+  description.geometry.source_to_axis = first.source_to_axis;
+  description.geometry.source_to_detector = first.source_to_detector;
+  description.geometry.detector = first.detector;
+  description.centre = first.centre;
+  description.columns_reversed = first.columns_reversed;
+  description.rows_reversed = first.rows_reversed;
+}
+
+}  // namespace gicube::samples

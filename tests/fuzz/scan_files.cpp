@@ -1,0 +1,72 @@
+// Readers of cone-beam scans: a file becomes a description whose numbers are finite, or an error that names the file.
+#include <cmath>
+
+#include "common/file_error.h"
+#include "common/input_error.h"
+#include "cone_beam/scan/ctsimu.h"
+#include "cone_beam/scan/pfm.h"
+#include "cone_beam/scan/projection_matrices.h"
+#include "cone_beam/scan/scan_file.h"
+#include "cone_beam/scan/views.h"
+#include "memory_file.h"
+
+namespace gicube::fuzz {
+namespace {
+
+void expect_description(const samples::ScanDescription& scan) {
+  expect(scan.geometry.source_to_axis > 0 && scan.geometry.source_to_detector > 0, "distances are positive");
+  expect(scan.geometry.detector.columns >= 1 && scan.geometry.detector.rows >= 1, "a detector has pixels");
+  for (const double angle : scan.geometry.angles) expect(std::isfinite(angle), "angles are finite");
+  const samples::SortedViews views = samples::sorted_views(scan.geometry.angles);
+  std::size_t places = 0;
+  for (std::size_t i = 0; i < views.angles.size(); ++i) {
+    expect(i == 0 || views.angles[i] > views.angles[i - 1], "sorted angles ascend");
+    places += views.places[i].size();
+  }
+  expect(places == scan.geometry.angles.size(), "each view has its angle");
+}
+
+}  // namespace
+
+void cone_scan(Bytes input) {
+  try {
+    expect_description(samples::parse_scan(std::string(text_of(input)), "input", "no/such/folder"));
+  } catch (const samples::InputError& error) {
+    expect(std::string_view(error.what()).find("input") == 0, "a fault names its file first");
+  }
+}
+
+void ctsimu(Bytes input) {
+  const MemoryFile file(input);
+  try {
+    expect_description(samples::read_ctsimu(file.path()));
+  } catch (const samples::FileError&) {
+  }
+}
+
+void projection_matrix(Bytes input) {
+  const MemoryFile file(input);
+  try {
+    const samples::ProjectionMatrix matrix = samples::read_projection_matrix(file.path());
+    const samples::ViewFrame frame = samples::frame_of(matrix, file.path());
+    const samples::FrameNames names{file.path(), "normal", "u", "v"};
+    const samples::FacingView view = samples::facing_view(frame, matrix.source_to_axis, 64, 64, names);
+    expect(std::isfinite(view.angle), "a view has an angle");
+    expect(std::isfinite(view.detector.offset_u) && std::isfinite(view.detector.offset_v), "offsets are finite");
+    expect(std::isfinite(length(view.centre)), "the axis is somewhere");
+  } catch (const samples::FileError&) {
+  }
+}
+
+void pfm(Bytes input) {
+  const MemoryFile file(input);
+  try {
+    const samples::FloatMap map = samples::read_pfm(file.path());
+    expect(map.width >= 1 && map.height >= 1, "a map has pixels");
+    expect(map.values.size() == static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height),
+           "there are as many values as pixels");
+  } catch (const samples::FileError&) {
+  }
+}
+
+}  // namespace gicube::fuzz

@@ -1,0 +1,223 @@
+// The program itself, with a private emulated board.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/volume_file.h"
+#include "temporary_directory.h"
+
+namespace gicube::samples {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr const char* kSmallScan =
+    " --detector 48x40 --pitch 5 --views 24 --radius 50 --size 32,32,32 --spacing 4 --value 0.02 ";
+
+class ConeBeamProgram : public testing::Test {
+ protected:
+  struct Outcome {
+    int code = -1;
+    std::string out, err;
+  };
+
+  std::string path(const std::string& name) const { return folder_.file(name); }
+  static std::string text_of(const std::string& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
+  Outcome run(const std::string& arguments) const {
+    const std::string command = GICUBE_BIN_DIR "/gicube-cone-beam " + arguments + " >" + path("stdout") + " 2>" +
+                                path("stderr") + " </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(path("stdout")), text_of(path("stderr"))};
+  }
+  void expect_done(const std::string& arguments) const {
+    const Outcome result = run(arguments);
+    ASSERT_EQ(result.code, 0) << arguments << "\n" << result.err;
+    EXPECT_THAT(result.err, IsEmpty()) << arguments;
+  }
+  std::vector<float> values_in(const std::string& name) const { return values_of(read_volume(path(name))); }
+
+  const reference::TemporaryDirectory folder_;
+};
+
+double greatest_difference(const std::vector<float>& a, const std::vector<float>& b) {
+  double most = a.size() == b.size() ? 0 : 1e9;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    most = std::max(most, std::abs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
+  }
+  return most;
+}
+
+TEST_F(ConeBeamProgram, ReconstructsWhatItProjected) {
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd") + " --voxels " +
+              path("t.nrrd"));
+  const Outcome result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") + " --slices " + path("s") +
+                             " --stats " + path("v.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("32 x 32 x 32 voxels from 24 views by fdk"));
+  const Volume volume = read_volume(path("v.nrrd"));
+  EXPECT_EQ(volume.dims, (Dims{32, 32, 32}));
+  EXPECT_EQ(volume.spacing.z, 4);
+  EXPECT_THAT(text_of(path("v.nrrd")), HasSubstr("space origin: (-62,-62,-62)"));
+  EXPECT_NEAR(values_of(volume)[16 * 32 * 32 + 16 * 32 + 16], 0.02, 0.002);
+  for (const char* picture : {"s_x.png", "s_y.png", "s_z.png"}) EXPECT_TRUE(std::filesystem::exists(path(picture)));
+  const auto json = nlohmann::json::parse(text_of(path("v.json")));
+  EXPECT_EQ(json.at("method"), "fdk");
+  EXPECT_EQ(json.at("scan").at("views"), 24);
+  EXPECT_EQ(json.at("overflowed"), 0);
+  EXPECT_GT(json.at("deposits").get<double>(), 1e5);
+  EXPECT_GT(json.at("board_ms").get<double>(), 0);
+  EXPECT_GT(json.at("bus_down_bytes").get<double>(), 0);
+  EXPECT_EQ(json.at("settings").at("window"), "ram-lak");
+
+  expect_done("compare " + path("v.nrrd") + " " + path("t.nrrd") + " --stats " + path("c.json") + " --profiles " +
+              path("c.csv") + " --difference " + path("d.mha") + " --slices " + path("d") + " --field-height 30");
+  const auto found = nlohmann::json::parse(text_of(path("c.json")));
+  EXPECT_LT(found.at("relative_l2").get<double>(), 0.4);
+  EXPECT_LT(std::abs(found.at("bias").get<double>()), 0.001);
+  EXPECT_GT(found.at("ssim").get<double>(), 0.3);
+  EXPECT_THAT(text_of(path("c.csv")), HasSubstr("axis,position,value,truth\nx,-62,"));
+  const auto truth = values_in("t.nrrd"), difference = values_in("d.mha");
+  EXPECT_FLOAT_EQ(difference[500], values_of(volume)[500] - truth[500]);
+  // The closed form says the same as its voxels.
+  expect_done("compare " + path("t.nrrd") + " builtin:sphere --radius 50 --value 0.02 --stats " + path("e.json"));
+  EXPECT_EQ(nlohmann::json::parse(text_of(path("e.json"))).at("rmse"), 0);
+}
+
+TEST_F(ConeBeamProgram, SeesTheSameVolumeWhateverTheFormat) {
+  const std::string object = "project builtin:shepp-logan-high-contrast" + std::string(kSmallScan) + "-o ";
+  std::filesystem::create_directory(path("pfm"));
+  for (const char* name : {"a.nrrd", "b.mhd", "c.mha", "d.raw", "e.tif", "pfm/f.pfm"}) expect_done(object + path(name));
+  expect_done("reconstruct " + path("a.textproto") + " -o " + path("a_v.nrrd"));
+  const std::vector<float> wanted = values_in("a_v.nrrd");
+  EXPECT_GT(*std::ranges::max_element(wanted), 0.5F);
+  for (const char* name : {"b", "c", "d", "e", "pfm/f"}) {
+    const std::string ending = name == std::string("b")   ? "_v.mhd"
+                               : name == std::string("c") ? "_v.mha"
+                               : name == std::string("d") ? "_v.nii"
+                                                          : "_v.nii.gz";
+    expect_done("reconstruct " + path(std::string(name) + ".textproto") + " -o " + path(name + ending));
+    EXPECT_EQ(values_in(name + ending), wanted) << name;
+  }
+  // And with the projection matrices beside the images in place of the scan file: digits of the text apart.
+  expect_done("reconstruct " + path("pfm") + " -o " + path("g.nrrd") + " --size 32,32,32 --spacing 4");
+  EXPECT_LT(greatest_difference(values_in("g.nrrd"), wanted), 1e-4);
+  expect_done("reconstruct " + path("pfm") + " --projections " + path("a.nrrd") + " -o " + path("h.nrrd") +
+              " --size 32,32,32 --spacing 4");
+  EXPECT_GT(greatest_difference(values_in("h.nrrd"), wanted), 0.05);  // that stack's rows run the other way
+}
+
+TEST_F(ConeBeamProgram, SendsSoManyRaysThatNoVoxelIsLeftOut) {
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
+  const auto rays = [&](const std::string& volume) {
+    const Outcome result =
+        run("reconstruct " + path("p.textproto") + volume + " -o " + path("v.nrrd") + " --stats " + path("v.json"));
+    EXPECT_EQ(result.code, 0) << result.err;
+    const bool few = volume.find("0.4") != std::string::npos;
+    EXPECT_THAT(result.err, few ? testing::Matcher<std::string>(HasSubstr("volume: voxels are 6.2 times as small"))
+                                : testing::Matcher<std::string>(IsEmpty()));
+    return nlohmann::json::parse(text_of(path("v.json"))).at("settings").at("rays").get<int>();
+  };
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 4"), 1);
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5"), 2);  // pixels are 2.5 at the axis
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 0.4"), 4);
+  EXPECT_EQ(rays(" --size 24,24,24 --spacing 1.5 --rays 1"), 1);
+}
+
+TEST_F(ConeBeamProgram, ImportsAScanAsAScanFile) {
+  std::filesystem::create_directory(path("pfm"));
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("pfm/f.pfm"));
+  expect_done("import " + path("pfm") + " -o " + path("pfm/g.textproto"));
+  EXPECT_THAT(text_of(path("pfm/g.textproto")), HasSubstr("rows_reversed: true"));
+  EXPECT_THAT(text_of(path("pfm/g.textproto")), HasSubstr("file: \"f_0000.pfm\""));
+  expect_done("reconstruct " + path("pfm") + " -o " + path("a.nrrd"));
+  expect_done("reconstruct " + path("pfm/g.textproto") + " -o " + path("b.nrrd"));
+  EXPECT_LT(greatest_difference(values_in("a.nrrd"), values_in("b.nrrd")), 1e-7);
+}
+
+TEST_F(ConeBeamProgram, ProjectsAVolumeByTheBoardAsTheClosedFormDoes) {
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("a.nrrd") + " --voxels " +
+              path("t.mha"));
+  expect_done("project " + path("t.mha") + std::string(kSmallScan) + "-o " + path("b.nrrd") + " --stats " +
+              path("b.json"));
+  const std::vector<float> closed = values_in("a.nrrd"), board = values_in("b.nrrd");
+  ASSERT_EQ(closed.size(), board.size());
+  double error = 0, sum = 0;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    error += std::pow(static_cast<double>(closed[i] - board[i]), 2);
+    sum += std::pow(static_cast<double>(closed[i]), 2);
+  }
+  EXPECT_LT(std::sqrt(error / sum), 0.06);
+  EXPECT_GT(nlohmann::json::parse(text_of(path("b.json"))).at("board_ms").get<double>(), 0);
+}
+
+TEST_F(ConeBeamProgram, MakesTheSameNoiseForTheSameSeed) {
+  const std::string noisy = "project builtin:sphere" + std::string(kSmallScan) + "--photons 1000 --seed ";
+  expect_done(noisy + "1 -o " + path("a.nrrd"));
+  expect_done(noisy + "1 -o " + path("b.nrrd"));
+  expect_done(noisy + "2 -o " + path("c.nrrd"));
+  EXPECT_EQ(values_in("a.nrrd"), values_in("b.nrrd"));
+  EXPECT_NE(values_in("a.nrrd"), values_in("c.nrrd"));
+}
+
+TEST_F(ConeBeamProgram, ReconstructsAlgebraicallyAndSaysWhenItDiverges) {
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
+  for (const char* method : {"sart", "os-sart --subsets 6", "sirt"}) {
+    const Outcome result = run("reconstruct " + path("p.textproto") + " --iterations 3 -o " + path("v.nrrd") +
+                               " --stats " + path("v.json") + " --method " + method);
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("3 iterations, residual"));
+    const auto json = nlohmann::json::parse(text_of(path("v.json")));
+    EXPECT_EQ(json.at("residuals").size(), 3u);
+    EXPECT_FALSE(json.at("diverged"));
+  }
+  const Outcome wild = run("reconstruct " + path("p.textproto") + " --method sart --relaxation 6 --allow-negative -o " +
+                           path("w.nrrd") + " --stats " + path("w.json"));
+  ASSERT_EQ(wild.code, 0) << wild.err;
+  EXPECT_THAT(wild.err, HasSubstr("warning: --relaxation 6: diverged"));
+  EXPECT_TRUE(nlohmann::json::parse(text_of(path("w.json"))).at("diverged"));
+}
+
+TEST_F(ConeBeamProgram, FailsWithOneLineThatNamesWhatIsWrong) {
+  const auto expect = [&](const std::string& arguments, int code, const std::string& text) {
+    const Outcome result = run(arguments);
+    EXPECT_EQ(result.code, code) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(text)) << arguments;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  };
+  expect("reconstruct /nowhere/a.textproto -o " + path("a.nrrd"), 1, "/nowhere/a.textproto: expected a scan file");
+  expect("reconstruct /nowhere/a.json -o " + path("a.nrrd"), 1, "/nowhere/a.json");
+  expect("reconstruct a.json -o /nowhere/a.nrrd", 1, "/nowhere/a.nrrd: expected a folder that is there");
+  expect("reconstruct a.json -o a.xyz", 2, "--output: expected a name that ends in .nrrd");
+  expect("project builtin:sphere -o a.xyz", 2, "--output: expected a name that ends in .nrrd");
+  expect("project builtin:ball -o " + path("a.nrrd"), 1, "phantom: expected builtin:shepp-logan");
+  expect("project builtin:sphere --source-to-axis 20 --size 64,64,64 --spacing 4 -o " + path("a.nrrd"), 1,
+         "source_to_axis: expected");
+  expect("reconstruct a.json --method art -o a.nrrd", 2, "--method");
+  expect("reconstruct a.json --slice w=1 -o a.nrrd", 2, "--slice: expected x, y or z");
+  expect("reconstruct a.json --type uint8 -o a.nrrd", 2, "--type: only with --projections");
+  expect("compare /nowhere/a.nrrd builtin:sphere", 1, "/nowhere/a.nrrd");
+  expect("", 2, "subcommand");
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
+  expect("reconstruct " + path("p.textproto") + " --size 4096,64,64 --spacing 0.05 -o " + path("a.nrrd"), 1,
+         "--size: expected at most");
+  expect("reconstruct " + path("p.textproto") + " --board unix:/nowhere/socket -o " + path("a.nrrd"), 1,
+         "/nowhere/socket");
+  expect("reconstruct " + path("p.textproto") + " --slices " + path("s") + " --slice z=99 -o " + path("a.nrrd"), 1,
+         "--slice z: expected 0 to 31, got 99");
+}
+
+}  // namespace
+}  // namespace gicube::samples

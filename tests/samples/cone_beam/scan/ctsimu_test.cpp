@@ -1,0 +1,204 @@
+#include "cone_beam/scan/ctsimu.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "common/file_error.h"
+#include "temporary_directory.h"
+
+namespace gicube::samples {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+constexpr double kPi = std::numbers::pi;
+
+json mm(double value) { return {{"value", value}, {"unit", "mm"}}; }
+json point(double x, double y, double z) { return {{"x", mm(x)}, {"y", mm(y)}, {"z", mm(z)}}; }
+json along(double x, double y, double z) {
+  return {{"x", {{"value", x}}}, {"y", {{"value", y}}}, {"z", {{"value", z}}}};
+}
+json stand(const json& centre, const json& u, const json& w) {
+  return {{"center", centre}, {"vector_u", u}, {"vector_w", w}, {"deviations", json::array()}};
+}
+
+// As the CTSimU toolbox's tetrahedron: the source at the origin, x the beam, rows of pixels that run down.
+json scenario() {
+  json out;
+  out["file"] = {{"file_type", "CTSimU Scenario"}};
+  out["geometry"]["source"] = stand(point(0, 0, 0), along(0, -1, 0), along(1, 0, 0));
+  out["geometry"]["source"]["type"] = "cone";
+  out["geometry"]["stage"] = stand(point(300, 0, 0), along(1, 0, 0), along(0, 0, 1));
+  out["geometry"]["detector"] = stand(point(400, 0, 0), along(0, -1, 0), along(1, 0, 0));
+  out["detector"] = {{"columns", {{"value", 8}, {"unit", "px"}}},
+                     {"rows", {{"value", 6}, {"unit", "px"}}},
+                     {"pixel_pitch", {{"u", mm(1.3)}, {"v", mm(1.1)}}}};
+  out["acquisition"] = {{"start_angle", {{"value", 0}, {"unit", "deg"}}},
+                        {"stop_angle", {{"value", 360}, {"unit", "deg"}}},
+                        {"direction", "CCW"},
+                        {"number_of_projections", 5},
+                        {"include_final_angle", true}};
+  return out;
+}
+
+json metadata() {
+  json out;
+  out["file"] = {{"file_type", "CTSimU Metadata"}};
+  json& projections = out["output"]["projections"];
+  projections = {{"filename", "views.raw"}, {"number", 5}, {"max_intensity", 60000}, {"datatype", "uint16"}};
+  projections["byteorder"] = "big";
+  projections["headersize"] = {{"file", 16}, {"image", 0}};
+  projections["dimensions"] = {{"x", {{"value", 8}, {"unit", "px"}}}, {"y", {{"value", 6}, {"unit", "px"}}}};
+  projections["flat_field"] = {{"number", 3}, {"filename", "flat_%03d.raw"}, {"projections_corrected", false}};
+  projections["dark_field"] = {{"number", 1}, {"filename", "dark.raw"}, {"projections_corrected", true}};
+  json& tomogram = out["output"]["tomogram"];
+  tomogram["dimensions"] = {{"x", {{"value", 8}}}, {"y", {{"value", 9}}}, {"z", {{"value", 10}}}};
+  tomogram["voxelsize"] = point(0.5, 0.5, 0.75);
+  out["acquisition_geometry"] = {{"path_to_CTSimU_JSON", "scenario.json"}};
+  return out;
+}
+
+class Ctsimu : public testing::Test {
+ protected:
+  ScanDescription read(const json& value, const std::string& name = "scenario.json") const {
+    std::ofstream(folder_.file(name)) << value;
+    return read_ctsimu(folder_.file(name));
+  }
+  std::string error_of(const json& value, const std::string& name = "scenario.json") const {
+    try {
+      read(value, name);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  const reference::TemporaryDirectory folder_;
+};
+
+TEST_F(Ctsimu, StandsOnTheStage) {
+  const ScanDescription scan = read(scenario());
+  const ConeGeometry& geometry = scan.geometry;
+  EXPECT_DOUBLE_EQ(geometry.source_to_axis, 300);
+  EXPECT_DOUBLE_EQ(geometry.source_to_detector, 400);
+  EXPECT_EQ(geometry.detector.columns, 8);
+  EXPECT_EQ(geometry.detector.rows, 6);
+  EXPECT_DOUBLE_EQ(geometry.detector.pitch_u, 1.3);
+  EXPECT_DOUBLE_EQ(geometry.detector.pitch_v, 1.1);
+  EXPECT_NEAR(geometry.detector.offset_u, 0, 1e-12);
+  EXPECT_FALSE(scan.columns_reversed);
+  EXPECT_TRUE(scan.rows_reversed);
+  // The source begins at -x of the stage; the stage turns counter-clockwise, so it goes clockwise.
+  const std::vector<double> wanted{kPi, kPi / 2, 0, -kPi / 2, -kPi};
+  ASSERT_EQ(geometry.angles.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_NEAR(std::remainder(geometry.angles[i] - wanted[i], 2 * kPi), 0, 1e-12);
+    EXPECT_NEAR(geometry.angles[i] - geometry.angles[0], wanted[i] - wanted[0], 1e-12);
+  }
+  EXPECT_TRUE(scan.projections.empty());
+}
+
+TEST_F(Ctsimu, TurnsTheOtherWayAndLeavesTheLastAngleOut) {
+  json value = scenario();
+  value["acquisition"]["direction"] = "CW";
+  value["acquisition"]["include_final_angle"] = false;
+  value["acquisition"]["start_angle"] = 0.0;  // a bare number is degrees
+  const ScanDescription scan = read(value);
+  EXPECT_NEAR(scan.geometry.angles[1] - scan.geometry.angles[0], 2 * kPi / 5, 1e-12);
+}
+
+TEST_F(Ctsimu, KnowsAStageThatIsTurnedAndADetectorThatIsShifted) {
+  json value = scenario();
+  value["geometry"]["stage"]["vector_u"] = along(0, 1, 0);  // 90 degrees about z
+  value["geometry"]["detector"]["center"] = {{"x", {{"value", 0.4}, {"unit", "m"}}}, {"y", mm(-2)}, {"z", mm(3)}};
+  const ScanDescription scan = read(value);
+  EXPECT_NEAR(scan.geometry.angles[0], kPi / 2, 1e-12);
+  EXPECT_NEAR(scan.geometry.detector.offset_u, 2, 1e-9);  // columns run along -y
+  EXPECT_NEAR(scan.geometry.detector.offset_v, 3, 1e-9);
+  EXPECT_NEAR(length(scan.centre), 0, 1e-9);
+}
+
+TEST_F(Ctsimu, MetadataNameFilesAndVolume) {
+  read(scenario());
+  const ScanDescription scan = read(metadata(), "metadata.json");
+  ASSERT_EQ(scan.projections.files.size(), 1u);
+  EXPECT_EQ(scan.projections.files[0], folder_.file("views.raw"));
+  ASSERT_TRUE(scan.projections.raw);
+  EXPECT_EQ(scan.projections.raw->dims, (Dims{8, 6, 0}));
+  EXPECT_EQ(scan.projections.raw->type, SampleType::kUint16);
+  EXPECT_TRUE(scan.projections.raw->big_endian);
+  EXPECT_EQ(scan.projections.raw->skip_bytes, 16u);
+  ASSERT_EQ(scan.flats.files.size(), 3u);
+  EXPECT_EQ(scan.flats.files[2], folder_.file("flat_002.raw"));
+  EXPECT_TRUE(scan.darks.empty());  // the projections are corrected by it
+  EXPECT_TRUE(scan.intensities);
+  EXPECT_EQ(scan.full, 60000);
+  EXPECT_EQ(scan.geometry.volume.dims, (Dims{8, 9, 10}));
+  EXPECT_EQ(scan.geometry.volume.spacing, (Vec3{0.5, 0.5, 0.75}));
+}
+
+TEST_F(Ctsimu, IsRefusedWithTheKeyThatIsWrong) {
+  const auto expect = [&](const char* pointer, const json& value, const std::string& text) {
+    json changed = scenario();
+    changed[json::json_pointer(pointer)] = value;
+    EXPECT_THAT(error_of(changed), HasSubstr(text)) << pointer;
+  };
+  expect("/file/file_type", "Something", "file.file_type: expected \"CTSimU Scenario\" or \"CTSimU Metadata\"");
+  expect("/geometry/source/type", "parallel", "geometry.source.type: expected \"cone\", got \"parallel\"");
+  expect("/geometry/stage/deviations", {1}, "geometry.stage.deviations: expected none");
+  expect("/geometry/stage/center/x/unit", "inch", "geometry.stage.center.x.unit: expected one of mm");
+  expect("/geometry/stage/center/x/value", "far",
+         "geometry.stage.center.x.value: expected a finite number, got \"far\"");
+  expect("/geometry/stage/center", point(300, 4, 0), "geometry.stage.center: expected an axis of rotation on the ray");
+  expect("/geometry/stage/vector_w", along(0, 0.1, 1), "geometry.detector.vector_u: expected rows of pixels square");
+  expect("/geometry/stage/vector_w", along(0.1, 0, 1), "geometry.stage.vector_u: expected a direction square");
+  expect("/geometry/detector/vector_w", along(1, 0, 0.1),
+         "geometry.detector.vector_w: expected one square to the axis");
+  expect("/geometry/detector/vector_w", along(0, 0, 0), "geometry.detector.vector_w: expected a direction");
+  expect("/detector/columns/value", 1.5, "detector.columns.value: expected a whole number from 1 to 65536, got 1.5");
+  expect("/detector/pixel_pitch/u/value", 0, "geometry.detector.vector_u: expected a direction");
+  expect("/acquisition/direction", "left", "acquisition.direction: expected \"CCW\" or \"CW\"");
+  expect("/acquisition/number_of_projections", 1, "acquisition.number_of_projections: expected a whole number from 2");
+  expect("/acquisition/include_final_angle", 1, "acquisition.include_final_angle: expected true or false, got 1");
+  json missing = scenario();
+  missing["geometry"].erase("stage");
+  EXPECT_THAT(error_of(missing), HasSubstr("geometry.stage: expected a value, got none"));
+}
+
+TEST_F(Ctsimu, MetadataAreRefusedWithTheKeyThatIsWrong) {
+  read(scenario());
+  const auto expect = [&](const char* pointer, const json& value, const std::string& text) {
+    json changed = metadata();
+    changed[json::json_pointer(pointer)] = value;
+    EXPECT_THAT(error_of(changed, "metadata.json"), HasSubstr(text)) << pointer;
+  };
+  expect("/output/projections/datatype", "complex", "output.projections.datatype: expected uint8");
+  expect("/output/projections/byteorder", "middle", "output.projections.byteorder: expected \"little\" or \"big\"");
+  expect("/output/projections/headersize/image", 4, "output.projections.headersize.image: expected 0, got 4");
+  expect("/output/projections/dimensions/x/value", 9, "output.projections.dimensions: expected 8 x 6");
+  expect("/output/projections/flat_field/filename", "a_%s.raw", "flat_field.filename: expected one %d or %04d");
+  expect("/acquisition_geometry/path_to_CTSimU_JSON", "none.json", "none.json");
+}
+
+TEST_F(Ctsimu, IsJson) {
+  std::ofstream(folder_.file("a.json")) << "{ \"file\": ";
+  try {
+    read_ctsimu(folder_.file("a.json"));
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("a.json: byte 11: expected JSON"));
+  }
+  std::ofstream(folder_.file("b.json")) << std::string(100'000, '[');
+  EXPECT_THAT([&] { read_ctsimu(folder_.file("b.json")); },
+              testing::ThrowsMessage<FileError>(HasSubstr("expected at most 100 levels of nesting")));
+}
+
+}  // namespace
+}  // namespace gicube::samples

@@ -1,0 +1,66 @@
+#include "cone_beam/scan/pfm.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "common/file_error.h"
+#include "temporary_directory.h"
+
+namespace gicube::samples {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class Pfm : public testing::Test {
+ protected:
+  std::string written(const std::string& bytes) const {
+    std::ofstream(folder_.file("a.pfm"), std::ios::binary) << bytes;
+    return folder_.file("a.pfm");
+  }
+  std::string error_of(const std::string& bytes) const {
+    try {
+      read_pfm(written(bytes));
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  const reference::TemporaryDirectory folder_;
+};
+
+TEST_F(Pfm, ComesBackAsItWasWritten) {
+  const std::vector<float> values{0, -1.5F, 3e30F, 4, 5, 6};
+  write_pfm(values, 3, 2, folder_.file("b.pfm"));
+  const FloatMap map = read_pfm(folder_.file("b.pfm"));
+  EXPECT_EQ(map.width, 3);
+  EXPECT_EQ(map.height, 2);
+  EXPECT_EQ(map.values, values);
+}
+
+TEST_F(Pfm, IsBigEndianWithAPositiveScale) {
+  const FloatMap map = read_pfm(written(std::string("Pf 2 1 1.0\n\x3f\x80\x00\x00\xc0\x00\x00\x00", 19)));
+  EXPECT_THAT(map.values, ElementsAre(1, -2));
+}
+
+TEST_F(Pfm, KeepsTheFilesOrderOfRows) {
+  const FloatMap map = read_pfm(written(std::string("Pf\n1 2\n-1\n\x00\x00\x80\x3f\x00\x00\x00\x40", 18)));
+  EXPECT_THAT(map.values, ElementsAre(1, 2));
+}
+
+TEST_F(Pfm, IsRefusedWithTheFieldThatIsWrong) {
+  EXPECT_THAT(error_of("PF\n1 1\n-1\nabcdabcdabcd"), HasSubstr("header: expected \"Pf\""));
+  EXPECT_THAT(error_of("Pf\n1"), HasSubstr("header: expected"));
+  EXPECT_THAT(error_of("Pf\n1 1\n0\nabcd"), HasSubstr("scale: expected a number but 0, got 0"));
+  EXPECT_THAT(error_of("Pf\n0 1\n-1\nabcd"), HasSubstr("size: expected"));
+  EXPECT_THAT(error_of("Pf\n1 1\n-1\nabc"), HasSubstr("expected"));
+  EXPECT_THAT(error_of("Pf\n1 1\n-1\nabcdef"), HasSubstr("expected"));
+  EXPECT_THAT(error_of("Pf\n99999 99999\n-1\nabcd"), HasSubstr("size: expected"));
+}
+
+}  // namespace
+}  // namespace gicube::samples

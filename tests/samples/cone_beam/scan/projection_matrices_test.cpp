@@ -1,0 +1,195 @@
+#include "cone_beam/scan/projection_matrices.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "common/file_error.h"
+#include "cone_beam/scan/stack.h"
+#include "temporary_directory.h"
+
+namespace gicube::samples {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kPi = std::numbers::pi;
+
+// What plastimatch 1.9.4 writes for `drr -N 45 --sad 400 --sid 600 -r "40 60" -z "120 180"`, of its second view.
+constexpr const char* kSecondView = R"(    1.95000000e+01     2.95000000e+01
+    2.35702266e-01     2.35702255e-01     0.00000000e+00     0.00000000e+00
+    0.00000000e+00     0.00000000e+00    -3.33333333e-01     0.00000000e+00
+   -1.17851128e-03     1.17851133e-03     0.00000000e+00     6.66666667e-01
+    4.00000000e+02
+    6.00000000e+02
+   -7.07106766e-01     7.07106797e-01    -0.00000000e+00
+Extrinsic
+    7.07106797e-01     7.07106766e-01    -0.00000000e+00     0.00000000e+00
+)";
+
+class Matrices : public testing::Test {
+ protected:
+  std::filesystem::path written(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_.file(name)) << text;
+    return folder_.file(name);
+  }
+  template <typename Call>
+  static std::string error_of(const Call& call) {
+    try {
+      call();
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+  ConeGeometry geometry() const {
+    ConeGeometry out;
+    out.source_to_axis = 400;
+    out.source_to_detector = 600;
+    out.detector = {6, 4, 2, 3, 5, -1};
+    out.angles = {0.25, 1, 3};
+    return out;
+  }
+  // The geometry as plastimatch's files with images beside them.
+  ScanDescription folder_of(const ConeGeometry& from) const {
+    for (std::size_t i = 0; i < from.angles.size(); ++i) {
+      const std::string name = fmt::format("v{}", i);
+      write_projection_matrix(from, from.angles[i], folder_.file(name + ".txt"));
+      const Stack view{from.detector.columns, from.detector.rows, std::vector<float>(24), false};
+      write_stack(view, folder_.file(name + ".mha"));
+    }
+    return read_matrix_folder(folder_.file(""), {});
+  }
+
+  const reference::TemporaryDirectory folder_;
+};
+
+TEST_F(Matrices, OfPlastimatchAreTurnedIntoPlaces) {
+  const auto file = written("a.txt", kSecondView);
+  const FacingView view = facing_view(frame_of(read_projection_matrix(file), file), 400, 40, 60, {});
+  EXPECT_NEAR(view.angle, -kPi / 4, 1e-6);
+  EXPECT_NEAR(view.source_to_axis, 400, 1e-4);
+  EXPECT_NEAR(view.source_to_detector, 600, 1e-4);
+  EXPECT_NEAR(view.detector.pitch_u, 3, 1e-6);
+  EXPECT_NEAR(view.detector.pitch_v, 3, 1e-6);
+  EXPECT_NEAR(view.detector.offset_u, 0, 1e-5);
+  EXPECT_NEAR(view.detector.offset_v, 0, 1e-6);
+  EXPECT_FALSE(view.columns_reversed);
+  EXPECT_TRUE(view.rows_reversed);
+  EXPECT_NEAR(length(view.centre), 0, 1e-4);
+}
+
+TEST_F(Matrices, SayTheSameWhateverTheirFactorAndTheirNormalsSide) {
+  const auto file = written("a.txt", kSecondView);
+  ProjectionMatrix matrix = read_projection_matrix(file);
+  const ViewFrame first = frame_of(matrix, file);
+  for (double& value : matrix.matrix) value *= -3;
+  matrix.normal = -1.0 * matrix.normal;
+  const ViewFrame second = frame_of(matrix, file);
+  EXPECT_NEAR(length(first.source - second.source), 0, 1e-9);
+  EXPECT_NEAR(length(first.towards - second.towards), 0, 1e-12);
+  EXPECT_NEAR(length(first.along_u - second.along_u), 0, 1e-12);
+  EXPECT_NEAR(length(first.along_v - second.along_v), 0, 1e-12);
+}
+
+TEST_F(Matrices, MayHoldTheDetectorsCentreThemselves) {
+  const auto file = written("a.txt", kSecondView);
+  ProjectionMatrix matrix = read_projection_matrix(file);
+  const ViewFrame first = frame_of(matrix, file);
+  for (std::size_t i = 0; i < 4; ++i) {
+    matrix.matrix[i] += matrix.centre[0] * matrix.matrix[8 + i];
+    matrix.matrix[4 + i] += matrix.centre[1] * matrix.matrix[8 + i];
+  }
+  matrix.centre = {0, 0};
+  const ViewFrame second = frame_of(matrix, file);
+  EXPECT_NEAR(second.middle_column, first.middle_column, 1e-9);
+  EXPECT_NEAR(second.middle_row, first.middle_row, 1e-9);
+  EXPECT_NEAR(length(first.along_u - second.along_u), 0, 1e-9);
+  EXPECT_NEAR(length(first.source - second.source), 0, 1e-9);
+}
+
+TEST_F(Matrices, ComeBackAsTheGeometryThatTheyWereWrittenFrom) {
+  const ScanDescription scan = folder_of(geometry());
+  const ConeGeometry &read = scan.geometry, wanted = geometry();
+  EXPECT_NEAR(read.source_to_axis, wanted.source_to_axis, 1e-4);
+  EXPECT_NEAR(read.source_to_detector, wanted.source_to_detector, 1e-4);
+  EXPECT_EQ(read.detector.columns, 6);
+  EXPECT_EQ(read.detector.rows, 4);
+  EXPECT_NEAR(read.detector.pitch_u, 2, 1e-6);
+  EXPECT_NEAR(read.detector.pitch_v, 3, 1e-6);
+  EXPECT_NEAR(read.detector.offset_u, 5, 1e-6);
+  EXPECT_NEAR(read.detector.offset_v, -1, 1e-6);
+  ASSERT_EQ(read.angles.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(read.angles[i], wanted.angles[i], 1e-7);
+  EXPECT_EQ(scan.projections.files.size(), 3u);
+}
+
+TEST_F(Matrices, MayTurnAboutAnotherAxisThanTheOrigins) {
+  const auto file = written("a.txt", kSecondView);
+  ProjectionMatrix matrix = read_projection_matrix(file);
+  const Vec3 shift{10, -20, 5};
+  for (std::size_t row = 0; row < 3; ++row) {
+    const double* const r = matrix.matrix.data() + 4 * row;
+    matrix.matrix[4 * row + 3] -= r[0] * shift.x + r[1] * shift.y + r[2] * shift.z;
+  }
+  const FacingView view = facing_view(frame_of(matrix, file), 400, 40, 60, {});
+  EXPECT_NEAR(length(view.centre - shift), 0, 1e-4);
+  EXPECT_NEAR(view.angle, -kPi / 4, 1e-6);
+}
+
+TEST_F(Matrices, OfTiltedDetectorsAreRefusedByName) {
+  const auto file = written("a.txt", kSecondView);
+  const FrameNames names{file, "last row", "first row", "second row"};
+  const auto tilted = [&](std::size_t a, std::size_t b, double by) {
+    ProjectionMatrix matrix = read_projection_matrix(file);
+    matrix.matrix[a] += by * matrix.matrix[b];
+    matrix.normal = {matrix.matrix[8], matrix.matrix[9], matrix.matrix[10]};
+    return error_of([&] { facing_view(frame_of(matrix, file), 400, 40, 60, names); });
+  };
+  EXPECT_THAT(tilted(10, 8, 0.01), HasSubstr("a.txt: last row: expected one square to the axis of rotation"));
+  EXPECT_THAT(tilted(2, 0, 0.01), HasSubstr("a.txt: first row: expected rows of pixels square to the axis"));
+  EXPECT_THAT(tilted(4, 0, 0.1), HasSubstr("a.txt: second row: expected columns of pixels along the axis"));
+}
+
+TEST_F(Matrices, MustShareAllButTheAngle) {
+  folder_of(geometry());
+  ConeGeometry other = geometry();
+  other.detector.offset_u = 7;
+  write_projection_matrix(other, 1, folder_.file("v1.txt"));
+  const auto read = [&] { read_matrix_folder(folder_.file(""), {}); };
+  EXPECT_THAT(error_of(read), HasSubstr("v1.txt: offset of columns: expected 5 as in the first view, got 7"));
+  other = geometry();
+  other.source_to_axis = 410;
+  write_projection_matrix(other, 1, folder_.file("v1.txt"));
+  EXPECT_THAT(error_of(read), HasSubstr("v1.txt: source to axis: expected 400 as in the first view, got 410"));
+}
+
+TEST_F(Matrices, AreRefusedWithTheNumberThatIsWrong) {
+  const auto expect = [&](const std::string& text, const std::string& part) {
+    const auto file = written("a.txt", text);
+    EXPECT_THAT(error_of([&] { frame_of(read_projection_matrix(file), file); }), HasSubstr(part));
+  };
+  expect("1 2 3", "a.txt: matrix 2: expected a number, got the end");
+  expect("1 x", "a.txt: centre 2: expected a number, got \"x\"");
+  expect("0 0  1 0 0 0  0 1 0 0  0 0 1 5  400 inf", "source to detector 1: expected a number, got \"inf\"");
+  expect("0 0  1 0 0 0  1 0 0 0  0 0 1 5  400 600  0 0 1", "matrix: expected three independent rows");
+  expect("0 0  1 0 0 0  0 1 0 0  0 0 1 5  400 600  1 0 0", "normal: expected along (0, 0, 1)");
+  expect("0 0  1 0 0 0  0 1 0 0  0 0 1 5  400 600  0 0 1  7", "behind the normal: expected \"Extrinsic\"");
+}
+
+TEST_F(Matrices, NeedAnImageBesideEachUnlessAStackIsNamed) {
+  folder_of(geometry());
+  std::filesystem::remove(folder_.file("v2.mha"));
+  EXPECT_THAT(error_of([&] { read_matrix_folder(folder_.file(""), {}); }), HasSubstr("v2.txt: image: expected one"));
+  const Stack all{6, 4, std::vector<float>(72), false};
+  const StackFiles stack{write_stack(all, folder_.file("all.nrrd")), {}};
+  EXPECT_EQ(read_matrix_folder(folder_.file(""), stack).geometry.angles.size(), 3u);
+}
+
+}  // namespace
+}  // namespace gicube::samples

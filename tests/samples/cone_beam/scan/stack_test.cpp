@@ -1,0 +1,98 @@
+#include "cone_beam/scan/stack.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "common/file_error.h"
+#include "temporary_directory.h"
+
+namespace gicube::samples {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Stack ramp(int columns, int rows, int views) {
+  Stack stack{columns, rows, {}, false};
+  for (int i = 0; i < columns * rows * views; ++i) stack.values.push_back(0.25F * static_cast<float>(i) - 3);
+  return stack;
+}
+
+class StackFormat : public testing::TestWithParam<const char*> {};
+
+TEST_P(StackFormat, ComesBackAsItWasWritten) {
+  const reference::TemporaryDirectory folder;
+  const Stack stack = ramp(5, 4, 3);
+  StackFiles files{write_stack(stack, folder.file(std::string("a") + GetParam())), {}};
+  if (std::string(GetParam()) == ".raw") {
+    files.raw = RawLayout{};
+    files.raw->dims = {5, 4, 0};
+    files.raw->type = SampleType::kFloat32;
+  }
+  const Stack read = read_stack(files);
+  EXPECT_EQ(read.columns, 5);
+  EXPECT_EQ(read.rows, 4);
+  EXPECT_EQ(read.views(), 3u);
+  EXPECT_EQ(read.values, stack.values);
+  EXPECT_FALSE(read.counts);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StackFormat, testing::Values(".raw", ".nrrd", ".mhd", ".mha", ".pfm", ".tif"),
+                         [](const auto& format) { return std::string(format.param).substr(1); });
+
+class StackFile : public testing::Test {
+ protected:
+  std::filesystem::path written(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_.file(name), std::ios::binary) << bytes;
+    return folder_.file(name);
+  }
+  StackFiles raw(const std::string& bytes, SampleType type = SampleType::kUint16) const {
+    StackFiles files{{written("a.raw", bytes)}, RawLayout{}};
+    files.raw->dims = {2, 1, 0};
+    files.raw->type = type;
+    return files;
+  }
+  static std::string error_of(const StackFiles& files) {
+    try {
+      read_stack(files);
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  const reference::TemporaryDirectory folder_;
+};
+
+TEST_F(StackFile, HasAsManyRawViewsAsItsBytesHold) {
+  const Stack stack = read_stack(raw(std::string("\1\0\2\0\3\0\4\0", 8)));
+  EXPECT_EQ(stack.views(), 2u);
+  EXPECT_THAT(stack.values, ElementsAre(1, 2, 3, 4));
+  EXPECT_TRUE(stack.counts);
+}
+
+TEST_F(StackFile, FollowsTheOnesBeforeIt) {
+  StackFiles files = raw(std::string("\1\0\2\0", 4));
+  files.files.push_back(written("b.raw", std::string("\5\0\6\0\7\0\10\0", 8)));
+  EXPECT_THAT(read_stack(files).values, ElementsAre(1, 2, 5, 6, 7, 8));
+}
+
+TEST_F(StackFile, IsRefusedWithWhatIsWrong) {
+  EXPECT_THAT(error_of(raw("abc")), HasSubstr("a.raw: size: expected 0 bytes and 1 to 4096 views of 2 x 1 pixels"));
+  EXPECT_THAT(error_of(raw("")), HasSubstr("got 0 bytes"));
+  EXPECT_THAT(error_of({{folder_.file("none.raw")}, {}}), HasSubstr("none.raw"));
+  const float bad = std::numeric_limits<float>::quiet_NaN();
+  const std::string bytes = std::string(4, '\0') + std::string(reinterpret_cast<const char*>(&bad), 4);
+  EXPECT_THAT(error_of(raw(bytes, SampleType::kFloat32)),
+              HasSubstr("view 0, pixel 1: expected a finite value, got nan"));
+  StackFiles mixed = raw(std::string("\1\0\2\0", 4));
+  mixed.files.push_back(write_stack(ramp(3, 1, 1), folder_.file("c.mha")).front());
+  EXPECT_THAT(error_of(mixed), HasSubstr("c.mha: size: expected 2 x 1 as in the first file, got 3 x 1"));
+}
+
+}  // namespace
+}  // namespace gicube::samples
