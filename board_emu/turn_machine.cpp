@@ -96,18 +96,16 @@ bool TurnMachine::dsp_acts(TurnWork& work) {
       dsp_works(work.take_cycles());
       ++dsp_.taken;
     }
-  } else if (!bus_.empty()) {
-    return false;
-  } else if (dsp_.made < count_) {
-    dsp_.now = std::max(dsp_.now, static_cast<double>(bus_free_));
+    return true;
+  }
+  if (!bus_.empty() || (dsp_.made == count_ && dsp_.kept.empty())) return false;
+  dsp_.now = std::max(dsp_.now, static_cast<double>(bus_free_));
+  if (dsp_.made < count_) {
     make_rays(work);
-  } else if (!dsp_.kept.empty()) {
-    dsp_.now = std::max(dsp_.now, static_cast<double>(bus_free_));
+  } else {
     dsp_works(overflow - overflow / 2);
     send(dsp_.kept.front());
     dsp_.kept.pop_front();
-  } else {
-    return false;
   }
   return true;
 }
