@@ -8,6 +8,7 @@
 #include "common/input_error.h"
 #include "common/light_field.h"
 #include "render/colour_passes.h"
+#include "render/planning.h"
 
 namespace gicube::samples {
 namespace {
@@ -43,7 +44,10 @@ std::optional<Colour> background_of(const RenderOptions& options, const std::opt
 class Renderer {
  public:
   Renderer(const RenderOptions& options, ProgressLine& progress)
-      : options_(options), progress_(progress), input_(input_scene(options)), board_(open_board(options.board)) {
+      : options_(options),
+        progress_(progress),
+        input_(input_scene(options)),
+        board_(open_board(board_for(options.plan, options.board))) {
     if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
   }
 
@@ -103,7 +107,12 @@ class Renderer {
     const Picoseconds begin = board_.now();
     board_.set_shading(setup_.shading);
     const bool own_codebook = !last_ && scene.world && scene.own_codebook && !moves_nodes(scene);
-    load(board_, setup_, own_codebook, progress_.parts("loading the volume"));
+    plan_.reset();
+    if (options_.plan.wanted() && !scene.lighting.on && !setup_.view.scatter) {
+      plan_ = plan_and_load(board_, options_.board, options_.plan, setup_, own_codebook, progress_.parts("planning"));
+    } else {
+      load(board_, setup_, own_codebook, progress_.parts("loading the volume"));
+    }
     setup_.free_voxels();
     return board_.now() - begin;
   }
@@ -131,9 +140,21 @@ class Renderer {
     return true;
   }
 
+  // The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the board.
+  void plan_view(const LightPass& pass, View& view) {
+    if (!options_.plan.wanted()) return;
+    if (!plan_) {
+      board_.set_shading(setup_.shading);
+      set_optics(pass);
+      plan_ = plan_lit(board_, options_.plan, view, progress_.parts("planning"));
+    }
+    view = plan_->view(view);
+  }
+
   void picture(const LightPass& pass, const std::string& what, Frame& frame) {
     View view = setup_.view;
     view.exposure = setup_.lighting.exposure;
+    plan_view(pass, view);
     RunWindow window(board_);
     board_.set_shading(setup_.shading);
     set_optics(pass);
@@ -155,6 +176,7 @@ class Renderer {
     statistics.height = frame.image.height;
     statistics.dims = setup_.volume.dims;
     statistics.seed = options_.board.seed;
+    statistics.plan = plan_;
   }
 
   const RenderOptions& options_;
@@ -164,6 +186,7 @@ class Renderer {
   std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;
   std::optional<Scene> last_;  // whose voxels and light are on the board
+  std::optional<Plan> plan_;   // of these voxels, and what was first seen of them
   LightingStatistics lighting_;
 };
 

@@ -43,12 +43,22 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
       json.at("memory_gb_s").get<double>(), json.at("dsp_utilisation").get<double>() * 100);
 }
 
+// Unless the picture before was made by the same.
+void print_plan(const FrameStatistics& statistics, std::vector<std::string>& last) {
+  if (!statistics.plan) return;
+  const std::vector<std::string> lines = statistics.plan->explain();
+  if (lines == last) return;
+  for (std::size_t i = 0; i < lines.size(); ++i) fmt::print("{}{}\n", i > 0 ? "  " : "", lines[i]);
+  last = lines;
+}
+
 int run(int argc, char** argv) {
   const auto options = parse_options(argc, argv, std::cout);
   if (!options) return 0;
   check_folder(options->output);
   check_folder(options->board.stats);
   std::vector<FrameStatistics> statistics;
+  std::vector<std::string> plan;
   {
     ProgressLine progress(!options->board.quiet);
     render_frames(*options, progress, [&](const Frame& frame) {
@@ -56,6 +66,7 @@ int run(int argc, char** argv) {
       write_image(frame.image, file, frame.background);
       statistics.push_back(frame.statistics);
       progress.clear();
+      if (options->plan.explain) print_plan(frame.statistics, plan);
       if (!options->board.quiet) print_summary(file, frame.statistics);
     });
   }

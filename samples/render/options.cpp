@@ -134,6 +134,18 @@ void check_output(const std::filesystem::path& output) {
   }
 }
 
+// A plan chooses these itself, and knows nothing of a field of light.
+void check_plan_options(const RenderOptions& options) {
+  check_plan(options.plan);
+  if (!options.plan.wanted()) return;
+  if (options.step || options.threshold) {
+    throw UsageError("--step, --threshold: expected none with --max-error and --time-budget, which choose them");
+  }
+  if (!options.lighting.field.empty()) {
+    throw UsageError("--irradiance: expected none with --max-error and --time-budget");
+  }
+}
+
 bool has_layout(const RenderOptions& options) {
   return options.dims || options.type || options.big_endian || options.skip_bytes != 0;
 }
@@ -229,6 +241,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_sampling_options(app, options);
   add_lighting_options(app, options.lighting);
   add_animation_options(app, options.animation);
+  add_plan_options(app, options.plan, "a picture");
   add_board_options(app, options.board);
   try {
     app.parse(argc, argv);
@@ -243,6 +256,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   }
   check_output(options.output);
   check_animation(options.animation);
+  check_plan_options(options);
   return options;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/board_options.h"
+#include "common/plan_options.h"
 #include "common/scene.h"
 #include "render/lighting_options.h"
 
@@ -38,6 +39,7 @@ struct RenderOptions {
   LightingOptions lighting;
   AnimationOptions animation;
   std::filesystem::path output = "gicube-render.png";
+  PlanOptions plan;
   BoardOptions board;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "common/run_json.h"
+#include "render/planning.h"
 
 namespace gicube::samples {
 namespace {
@@ -86,6 +87,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["volume"] = {{"dims", statistics.dims}};
   json["lighting"] = nullptr;
   for (const LightingStatistics& lighting : statistics.lighting) json["lighting"].push_back(lighting_json(lighting));
+  json["plan"] = statistics.plan ? to_json(*statistics.plan) : Json(nullptr);
   json["counters"] = to_json(statistics.counters);
   return json;
 }

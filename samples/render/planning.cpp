@@ -1,0 +1,96 @@
+#include "render/planning.h"
+
+#include <optional>
+
+#include "common/board_run.h"
+#include "common/geometry/codebook.h"
+
+namespace gicube::samples {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<TransferFunction> looks_of(const SceneSetup& setup) {
+  const ValueRange range = value_range_of(setup.volume);
+  std::vector<TransferFunction> looks;
+  for (const TransferFunctionFile& material : setup.materials) looks.push_back(in_values_of(range, material));
+  return looks;
+}
+
+void set_codebook(Board& board, const SceneSetup& setup, bool own_codebook) {
+  if (!own_codebook) return;
+  const std::vector<Vec3> codebook = codebook_of(setup.gradients);
+  if (codebook.size() > 1) board.set_gradient_codebook(codebook);
+}
+
+PlanRequest request_of(const PlanOptions& wanted, const View& view) {
+  PlanRequest request;
+  request.view = view;
+  request.max_error = wanted.max_error;
+  request.time_budget = wanted.time_budget;
+  return request;
+}
+
+Json point_json(const PlanPoint& point) {
+  Json json;
+  json["level"] = point.level;
+  json["step"] = point.step;
+  json["opacity_threshold"] = point.opacity_threshold;
+  json["error"] = point.error;
+  json["error_bound"] = point.error_bound;
+  json["samples"] = point.samples;
+  json["frame_ms"] = point.time > 0 ? Json(to_ms(point.time)) : Json(nullptr);
+  json["pilot"] = {{"width", point.pilot_width}, {"height", point.pilot_height}};
+  return json;
+}
+
+}  // namespace
+
+BoardOptions board_for(const PlanOptions& plan, BoardOptions board) {
+  if (plan.time_budget > 0 && board.fidelity.empty() && board.board.starts_with("emu:") &&
+      board.board.find("fidelity=") == std::string::npos) {
+    board.fidelity = "approximate";
+  }
+  return board;
+}
+
+Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions& wanted, const SceneSetup& setup,
+                   bool own_codebook, const Progress& progress) {
+  const std::vector<TransferFunction> looks = looks_of(setup);
+  PlanRequest request = request_of(wanted, setup.view);
+  request.volume = setup.volume_view();
+  request.looks = looks;
+  set_codebook(board, setup, own_codebook);
+  const bool apart = options.fidelity == "cycle" && options.board.starts_with("emu:");
+  if (!apart) return make_plan(board, request, progress);
+
+  BoardOptions sooner = options;
+  sooner.fidelity = "approximate";
+  Board pilots = open_board(sooner);
+  pilots.set_shading(setup.shading);
+  set_codebook(pilots, setup, own_codebook);
+  Plan plan = make_plan(pilots, request, progress);
+  load_planned(board, plan, request.volume, looks);
+  return plan;
+}
+
+Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const Progress& progress) {
+  return make_plan(board, request_of(wanted, view), progress);
+}
+
+Json to_json(const Plan& plan) {
+  Json json;
+  json["max_error"] = plan.request.max_error > 0 ? Json(plan.request.max_error) : Json(nullptr);
+  json["time_budget_ms"] = plan.request.time_budget > 0 ? Json(to_ms(plan.request.time_budget)) : Json(nullptr);
+  json["kept"] = plan.kept;
+  json["chosen"] = point_json(plan.chosen);
+  json["finest"] = point_json(plan.finest);
+  json["gradients"] = plan.gradients;
+  json["box"] = {{"low", plan.box.low}, {"size", plan.box.size}};
+  json["pilots"] = {
+      {"pictures", plan.pilots}, {"samples", plan.pilot_samples}, {"host_seconds", plan.pilot_host_seconds}};
+  for (const PlanPoint& point : plan.points) json["points"].push_back(point_json(point));
+  return json;
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,87 @@
+// --max-error, --time-budget and --explain.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/plan_options.h"
+#include "render_program.h"
+
+namespace gicube::samples {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr const char* kBall = "builtin:buckyball --volume-size 64 --size 128x128 -o ";
+
+TEST(PlanOptions, ReadsSharesAndDurations) {
+  EXPECT_DOUBLE_EQ(parse_share("--max-error", "1%"), 0.01);
+  EXPECT_DOUBLE_EQ(parse_share("--max-error", "0.25"), 0.25);
+  EXPECT_EQ(parse_duration("--time-budget", "20ms"), 20'000'000'000u);
+  EXPECT_EQ(parse_duration("--time-budget", "1.5s"), 1'500'000'000'000u);
+  for (const char* text : {"", "0", "-1%", "101%", "1 %", "nan", "1percent"}) {
+    EXPECT_THROW(parse_share("--max-error", text), CLI::ValidationError) << text;
+  }
+  for (const char* text : {"", "20", "0ms", "-1s", "inf s", "1h", "1e30s"}) {
+    EXPECT_THROW(parse_duration("--time-budget", text), CLI::ValidationError) << text;
+  }
+}
+
+TEST_F(RenderProgram, PlansForAnErrorAndExplainsItself) {
+  const Outcome result = run(kBall + path("ball.png") + " --max-error 2% --explain --stats " + path("ball.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("plan for an error of at most 2%"), HasSubstr("level of detail 0"),
+                                HasSubstr("sampling: "), HasSubstr("error: "), HasSubstr("cost: ")));
+  const auto json = nlohmann::json::parse(text_of(path("ball.json")));
+  const auto plan = json.at("plan"), chosen = plan.at("chosen"), finest = plan.at("finest");
+  EXPECT_LE(chosen.at("error_bound").get<double>(), 0.02);
+  EXPECT_NEAR(chosen.at("samples").get<double>(), json.at("samples").get<double>(),
+              0.1 * json.at("samples").get<double>());
+  EXPECT_GT(finest.at("samples").get<double>(), 3 * chosen.at("samples").get<double>());
+  EXPECT_GT(plan.at("points").size(), 4u);
+}
+
+TEST_F(RenderProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
+  const Outcome result = run(kBall + path("ball.png") + " --time-budget 6ms --stats " + path("ball.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto json = nlohmann::json::parse(text_of(path("ball.json")));
+  EXPECT_EQ(json.at("fidelity"), "approximate");
+  EXPECT_LE(json.at("frame_ms").get<double>(), 6);
+  EXPECT_TRUE(json.at("plan").at("kept").get<bool>());
+}
+
+// Pilots of a cycle board are taken by an approximate one, and the plan's volume goes onto the first.
+TEST_F(RenderProgram, PlansForACycleBoardWhatItPlansForAFunctionalOne) {
+  for (const char* level : {"cycle", "functional"}) {
+    const Outcome result = run(
+        std::string("builtin:buckyball --volume-size 32 --size 48x48 --no-shade --max-error 20% --quiet -o ") +
+        path(std::string(level) + ".png") + " --fidelity " + level + " --stats " + path(std::string(level) + ".json"));
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  const auto plan_of = [&](const char* level) {
+    return nlohmann::json::parse(text_of(path(std::string(level) + ".json"))).at("plan").at("finest").at("samples");
+  };
+  EXPECT_EQ(plan_of("cycle"), plan_of("functional"));
+}
+
+TEST_F(RenderProgram, PlansALitSceneWithItsLight) {
+  const Outcome result = run(GICUBE_SOURCE_DIR
+                             "/samples/scenes/golden_ring.scene --volume-size 24 --size 64x64 --max-error 10% "
+                             "--explain -o " +
+                             path("ring.png") + " --stats " + path("ring.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto plan = nlohmann::json::parse(text_of(path("ring.json"))).at("plan");
+  EXPECT_GT(plan.at("finest").at("samples").get<double>(), 3 * plan.at("chosen").at("samples").get<double>());
+}
+
+TEST_F(RenderProgram, RefusesPlansThatContradictOtherOptions) {
+  const std::string begin = kBall + path("ball.png");
+  for (const char* wrong : {" --max-error 1% --time-budget 5ms", " --explain", " --max-error 1% --step 1",
+                            " --time-budget 5ms --threshold 0.5", " --max-error 0", " --time-budget 5"}) {
+    EXPECT_EQ(run(begin + wrong).code, 2) << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace gicube::samples
