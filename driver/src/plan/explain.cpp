@@ -46,6 +46,9 @@ const PlanPoint* passed_over(const Plan& plan) {
   const PlanPoint* nearest = nullptr;
   const bool by_error = plan.request.max_error > 0;
   for (const PlanPoint& point : plan.points) {
+    const bool same = point.level == plan.chosen.level && point.step == plan.chosen.step &&
+                      point.opacity_threshold == plan.chosen.opacity_threshold;
+    if (same) continue;  // a pilot of another size
     if (by_error ? point.samples >= plan.chosen.samples : point.error_bound >= plan.chosen.error_bound) continue;
     const bool nearer =
         nearest != nullptr && (by_error ? point.error_bound < nearest->error_bound : point.time < nearest->time);
