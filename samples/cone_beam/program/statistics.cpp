@@ -40,6 +40,7 @@ Json settings_json(const ReconstructOptions& options) {
     json["rays"] = fdk.rays;
     json["step"] = fdk.step;
     json["sharpen"] = fdk.sharpen;
+    json["normalise"] = fdk.normalise;
     json["accumulator"] = fdk.accumulator == Accumulator::kSums ? "sums" : "irradiance";
     if (fdk.accumulator == Accumulator::kIrradiance) {
       json["read_every"] = fdk.read_every;

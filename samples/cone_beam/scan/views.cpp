@@ -55,8 +55,8 @@ SortedViews sorted_views(const std::vector<double>& angles) {
     }
   }
   if (widest > 2 * second) {
-    std::ranges::rotate(out.angles, out.angles.begin() + static_cast<std::ptrdiff_t>(begin));
-    std::ranges::rotate(out.places, out.places.begin() + static_cast<std::ptrdiff_t>(begin));
+    std::rotate(out.angles.begin(), out.angles.begin() + static_cast<std::ptrdiff_t>(begin), out.angles.end());
+    std::rotate(out.places.begin(), out.places.begin() + static_cast<std::ptrdiff_t>(begin), out.places.end());
   }
   for (std::size_t i = 0; i < count; ++i) {
     const bool passed = out.angles[i] < out.angles[0] - kSame && i > 0;

@@ -103,6 +103,25 @@ TEST(Slices, MustBeWholeImagesOfAKnownType) {
   EXPECT_THAT(read_error(folder.path()), HasSubstr("0.tif: sample type"));
 }
 
+TEST(Slices, MayBeThePagesOfOneFile) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "pages.tif";
+  const auto output = OIIO::ImageOutput::create("tiff");
+  const OIIO::ImageSpec spec(2, 3, 1, OIIO::TypeDesc::UINT16);
+  for (std::size_t z = 0; z < 4; ++z) {
+    const auto mode = z == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
+    const auto page = slice<std::uint16_t>(z);
+    ASSERT_TRUE(output->open(file.string(), spec, mode) && output->write_image(spec.format, page.data()));
+  }
+  output->close();
+  const Volume volume = read_pages(file);
+  EXPECT_EQ(volume.dims, kRampDims);
+  EXPECT_EQ(samples_of<std::uint16_t>(volume), ramp<std::uint16_t>());
+  write_image(folder.path() / "one.png", 2, 3, 1, slice<std::uint8_t>(1));
+  EXPECT_EQ(read_pages(folder.path() / "one.png").dims, (Dims{2, 3, 1}));
+  EXPECT_THROW(read_pages(folder.path() / "none.tif"), FileError);
+}
+
 TEST(Slices, NaturalOrderComparesNumbersAsNumbers) {
   EXPECT_TRUE(natural_less("a2.png", "a10.png"));
   EXPECT_FALSE(natural_less("a10.png", "a2.png"));
