@@ -1,9 +1,12 @@
 // gicube-sweep: gicube-render over a grid of parameters, cost against error.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
+#include <vector>
 
 #include "common/board_options.h"
 #include "common/progress.h"
@@ -23,9 +26,11 @@ std::filesystem::path render_program() {
 
 void print_front(const Table& table) {
   fmt::print("{:>12}  {:>12}  of {} runs, no other is cheaper and better:\n", table.cost, "error", table.rows.size());
-  for (const Row& row : table.rows) {
-    if (row.on_front) fmt::print("{:12.6g}  {:12.6g}  {}\n", row.cost, row.error, row.command);
-  }
+  std::vector<Row> front;
+  std::copy_if(table.rows.begin(), table.rows.end(), std::back_inserter(front),
+               [](const Row& row) { return row.on_front; });
+  std::sort(front.begin(), front.end(), [](const Row& a, const Row& b) { return a.cost < b.cost; });
+  for (const Row& row : front) fmt::print("{:12.6g}  {:12.6g}  {}\n", row.cost, row.error, row.command);
 }
 
 int run(int argc, char** argv) {

@@ -92,9 +92,9 @@ std::string json(const Table& table) {
 std::string chart(const Table& table, const std::string& name, const std::string& title) {
   return fmt::format(R"(# Drawn by gicube-sweep: all points, and the Pareto front as a line.
 set datafile separator ','
-set title "{0}"
-set xlabel "{1}"
-set ylabel "error: {2}"
+set title "{0}" noenhanced
+set xlabel "{1}" noenhanced
+set ylabel "error: {2}" noenhanced
 set logscale xy
 set grid
 set key top right
