@@ -10,6 +10,7 @@ do for [format in "svg png"] {
   set ylabel "relative L2 error in the field of view"
   set xlabel "x"
   eval by_x
+  unset ylabel
   set xlabel "simulated ms, board (filled) and bus (hollow)"
   eval by_time
   unset multiplot

@@ -1,6 +1,7 @@
 # Iterations, with noise and without.
 load '../../script/gnuplot/cone_beam.inc'
 file = 'cone_beam_sart.csv'
+set key font ',8' samplen 2 # long names
 do for [format in "svg png"] {
   eval 'set terminal ' . terminal_of(format)
   set output sprintf('cone_beam_sart.%s', format)
@@ -11,6 +12,7 @@ do for [format in "svg png"] {
   eval by_x
   unset logscale
   set logscale x
+  unset ylabel
   set xlabel "simulated ms, board (filled) and bus (hollow)"
   eval by_time
   unset logscale

@@ -11,6 +11,7 @@ do for [format in "svg png"] {
   eval by_x
   unset logscale
   set logscale x
+  unset ylabel
   set xlabel "simulated ms, board (filled) and bus (hollow)"
   eval by_time
   unset logscale
