@@ -108,8 +108,14 @@ class Renderer {
     board_.set_shading(setup_.shading);
     const bool own_codebook = !last_ && scene.world && scene.own_codebook && !moves_nodes(scene);
     plan_.reset();
-    if (options_.plan.wanted() && !scene.lighting.on && !setup_.view.scatter) {
+    part_.reset();
+    const bool unlit = !scene.lighting.on && !setup_.view.scatter && !field_;
+    if (options_.crop && !unlit)
+      throw UsageError("--crop: expected a picture without light of its own, and no scattering");
+    if (options_.plan.wanted() && unlit) {
       plan_ = plan_and_load(board_, options_.board, options_.plan, setup_, own_codebook, progress_.parts("planning"));
+    } else if (options_.crop) {
+      part_ = load_visible_part(board_, setup_, own_codebook, progress_.parts("loading the volume"));
     } else {
       load(board_, setup_, own_codebook, progress_.parts("loading the volume"));
     }
@@ -142,6 +148,7 @@ class Renderer {
 
   // The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the board.
   void plan_view(const LightPass& pass, View& view) {
+    if (part_) view = part_->view(view);
     if (!options_.plan.wanted()) return;
     if (!plan_) {
       board_.set_shading(setup_.shading);
@@ -185,8 +192,9 @@ class Renderer {
   Board board_;
   std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;
-  std::optional<Scene> last_;  // whose voxels and light are on the board
-  std::optional<Plan> plan_;   // of these voxels, and what was first seen of them
+  std::optional<Scene> last_;      // whose voxels and light are on the board
+  std::optional<Placement> part_;  // of the volume, with --crop
+  std::optional<Plan> plan_;       // of these voxels, and what was first seen of them
   LightingStatistics lighting_;
 };
 

@@ -106,6 +106,7 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
   group.value("--threshold", options.threshold, "opacity at which a ray is done (0.98)")->check(CLI::Range(0.0, 1.0));
   group.flag("--jitter", options.jitter, "vary the distance of samples, against banding");
   group.flag("--no-leap", options.no_leap, "sample empty blocks too");
+  group.flag("--crop", options.crop, "load only the part of the volume in which something shows");
   group.flag("--no-shade", options.no_shade, "colours as they are, without light");
   group.direction("--light", options.light, "towards the light (above the viewer's left shoulder)");
   group.value("--ambient", options.ambient, "Phong's coefficients")->check(CLI::Range(0.0, 1.99));
@@ -141,6 +142,8 @@ void check_plan_options(const RenderOptions& options) {
   if (options.step || options.threshold) {
     throw UsageError("--step, --threshold: expected none with --max-error and --time-budget, which choose them");
   }
+  if (options.crop)
+    throw UsageError("--crop: expected none with --max-error and --time-budget, which do it by themselves");
   if (!options.lighting.field.empty()) {
     throw UsageError("--irradiance: expected none with --max-error and --time-budget");
   }

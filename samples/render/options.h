@@ -30,6 +30,7 @@ struct RenderOptions {
   std::optional<int> samples;
   std::optional<PixelFilter> filter;
   std::optional<double> step, threshold;
+  bool crop = false;
   bool no_shade = false, jitter = false, no_leap = false;
   std::vector<CutPlane> cut_planes;
   std::optional<Vec3> light;

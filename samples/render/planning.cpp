@@ -74,6 +74,22 @@ Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions&
   return plan;
 }
 
+Placement load_visible_part(Board& board, SceneSetup& setup, bool own_codebook, const Progress& progress) {
+  const std::vector<TransferFunction> looks = looks_of(setup);
+  set_codebook(board, setup, own_codebook);
+  const VolumeView whole = setup.volume_view();
+  const DerivedVolume part = cropped(whole, visible_box(whole, looks));
+  setup.free_voxels();
+  VolumeView view = part.view();
+  view.find_gradients = setup.view.shade;
+  if (!setup.view.shade) view.gradients = {};
+  board.load_volume(view, progress);
+  for (std::size_t tag = 0; tag < looks.size(); ++tag) {
+    board.set_transfer_function(looks[tag], static_cast<int>(tag));
+  }
+  return part.placement;
+}
+
 Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const Progress& progress) {
   return make_plan(board, request_of(wanted, view), progress);
 }

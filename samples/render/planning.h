@@ -20,6 +20,9 @@ BoardOptions board_for(const PlanOptions& plan, BoardOptions board);
 Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions& wanted, const SceneSetup& setup,
                    bool own_codebook, const Progress& progress);
 
+// Loads only the part of the setup's volume in which anything shows, whose voxels are freed on the way. Returns where it lies.
+Placement load_visible_part(Board& board, SceneSetup& setup, bool own_codebook, const Progress& progress);
+
 // Plans a picture of what the board holds, light included.
 Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const Progress& progress);
 

@@ -75,6 +75,25 @@ TEST_F(RenderProgram, PlansALitSceneWithItsLight) {
   EXPECT_GT(plan.at("finest").at("samples").get<double>(), 3 * plan.at("chosen").at("samples").get<double>());
 }
 
+// Rays begin at the part's faces, so that samples lie elsewhere: nearly the same picture, of fewer samples.
+TEST_F(RenderProgram, LoadsOnlyWhatShowsIfAsked) {
+  const std::string scene = "builtin:buckyball --volume-size 64 --size 64x64 --cut 0,0,1,0 --quiet -o ";
+  ASSERT_EQ(run(scene + path("whole.png") + " --stats " + path("whole.json")).code, 0);
+  const Outcome part = run(scene + path("part.png") + " --crop --stats " + path("part.json"));
+  ASSERT_EQ(part.code, 0) << part.err;
+  const auto number = [&](const char* file, const char* key) {
+    return nlohmann::json::parse(text_of(path(file))).at(key).get<double>();
+  };
+  EXPECT_LE(number("part.json", "samples"), number("whole.json", "samples"));
+  EXPECT_LE(number("part.json", "load_ms"), number("whole.json", "load_ms"));
+  for (const int at : {20, 32, 40}) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(pixel(path("part.png"), at, 32)[c], pixel(path("whole.png"), at, 32)[c], 0.15) << at;
+    }
+  }
+  EXPECT_EQ(run(GICUBE_SOURCE_DIR "/samples/scenes/fog_box.scene --volume-size 16 --crop -o " + path("x.png")).code, 2);
+}
+
 TEST_F(RenderProgram, RefusesPlansThatContradictOtherOptions) {
   const std::string begin = kBall + path("ball.png");
   for (const char* wrong : {" --max-error 1% --time-budget 5ms", " --explain", " --max-error 1% --step 1",
