@@ -31,6 +31,8 @@ JsonPart::JsonPart(const std::filesystem::path& file) : file_(file) {
     json_ = nlohmann::json::parse(stream, check_depth);
   } catch (const nlohmann::json::parse_error& error) {
     throw FileError(file, fmt::format("byte {}", error.byte), "JSON", error.what());
+  } catch (const nlohmann::json::out_of_range& error) {
+    throw FileError(file, "file", "numbers that a double holds", error.what());
   }
 }
 

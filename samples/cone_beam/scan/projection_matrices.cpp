@@ -93,8 +93,8 @@ void write_projection_matrix(const ConeGeometry& geometry, double angle, const s
   const double u = 1 / detector.pitch_u, v = 1 / detector.pitch_v, w = 1 / geometry.source_to_detector;
   std::string text = fmt::format("{:20.12e} {:20.12e}\n", column, row);
   text += rows_text({{-s * u, c * u, 0, 0}, {0, 0, -v, 0}, {-c * w, -s * w, 0, distance * w}});
-  text += fmt::format("{:20.12e}\n{:20.12e}\n{:20.12e} {:20.12e} {:20.12e}\n", distance, geometry.source_to_detector, -c, -s,
-                      0.0);
+  text += fmt::format("{:20.12e}\n{:20.12e}\n{:20.12e} {:20.12e} {:20.12e}\n", distance, geometry.source_to_detector,
+                      -c, -s, 0.0);
   text += "Extrinsic\n" + rows_text({{-s, c, 0, 0}, {0, 0, -1, 0}, {-c, -s, 0, distance}, {0, 0, 0, 1}});
   text += "Intrinsic\n" + rows_text({{u, 0, 0, 0}, {0, v, 0, 0}, {0, 0, w, 0}});
   const WholeFile whole(file);

@@ -195,6 +195,9 @@ TEST_F(Ctsimu, IsJson) {
   } catch (const FileError& error) {
     EXPECT_THAT(error.what(), HasSubstr("a.json: byte 11: expected JSON"));
   }
+  std::ofstream(folder_.file("c.json")) << "[1e999]";
+  EXPECT_THAT([&] { read_ctsimu(folder_.file("c.json")); },
+              testing::ThrowsMessage<FileError>(HasSubstr("expected numbers that a double holds")));
   std::ofstream(folder_.file("b.json")) << std::string(100'000, '[');
   EXPECT_THAT([&] { read_ctsimu(folder_.file("b.json")); },
               testing::ThrowsMessage<FileError>(HasSubstr("expected at most 100 levels of nesting")));
