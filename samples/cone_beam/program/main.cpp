@@ -15,6 +15,10 @@ int run(int argc, char** argv) {
   if (const auto* wanted = std::get_if<ReconstructOptions>(&*options)) reconstruct(*wanted);
   if (const auto* compared = std::get_if<CompareOptions>(&*options)) compare(*compared);
   if (const auto* imported = std::get_if<ImportOptions>(&*options)) import(*imported);
+  if (const auto* drawn = std::get_if<ChartOptions>(&*options)) {
+    ProgressLine progress(!drawn->board.quiet);
+    charts(*drawn, progress);
+  }
   return 0;
 }
 

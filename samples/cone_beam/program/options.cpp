@@ -116,6 +116,8 @@ void add_fdk(CLI::App& app, ReconstructOptions& options) {
       ->check(CLI::Range(0.0, 0.25))
       ->capture_default_str()
       ->group(group);
+  app.add_flag("--normalise", fdk.normalise, "divide ripples of rays that lie far apart out; sends every ray twice")
+      ->group(group);
   choice<Accumulator>(app, group, "--accumulator", fdk.accumulator,
                       {{"sums", Accumulator::kSums}, {"irradiance", Accumulator::kIrradiance}},
                       "words on the board: sums (signed, 36 bits) or irradiance (the paper's, in two passes) (sums)");
@@ -301,6 +303,13 @@ void add_importing(CLI::App& app, ImportOptions& options) {
   app.add_option("-o,--output", options.output, "a scan file (printed)")->type_name("FILE")->group("Output");
 }
 
+void add_charts(CLI::App& app, ChartOptions& options) {
+  app.add_option("DIR", options.folder, "where the tables go: cone_beam_NAME.csv, which script/charts draws");
+  app.add_option("--only", options.only, "this chart; repeatable (all)")->type_name("NAME");
+  app.add_option("--point", options.point, "print this row of a table, and write nothing")->type_name("NAME");
+  add_board_options(app, options.board);
+}
+
 }  // namespace
 
 std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* const* argv, std::ostream& out) {
@@ -308,6 +317,7 @@ std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* con
   ReconstructOptions reconstruct;
   CompareOptions compare;
   ImportOptions import;
+  ChartOptions charts;
   Common common;
   CLI::App app("Cone-beam tomography by a GI-Cube board.", "gicube-cone-beam");
   app.footer(kFooter);
@@ -317,10 +327,12 @@ std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* con
   CLI::App* const reconstructing = app.add_subcommand("reconstruct", "a volume from the projections of a scan");
   CLI::App* const comparing = app.add_subcommand("compare", "a volume with what it should be");
   CLI::App* const importing = app.add_subcommand("import", "a scan as a scan file, to be looked at and edited");
+  CLI::App* const charting = app.add_subcommand("charts", "tables of errors against costs, where the methods fail");
   add_projecting(*projecting, project);
   add_reconstructing(*reconstructing, reconstruct, common);
   add_comparing(*comparing, compare);
   add_importing(*importing, import);
+  add_charts(*charting, charts);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -343,6 +355,10 @@ std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* con
     return reconstruct;
   }
   if (importing->parsed()) return import;
+  if (charting->parsed()) {
+    if (charts.folder.empty() == charts.point.empty()) throw UsageError("charts: expected one of DIR and --point");
+    return charts;
+  }
   check_volume_name("--difference", compare.difference);
   return compare;
 }

@@ -10,6 +10,7 @@
 
 #include "common/board_options.h"
 #include "cone_beam/algebraic.h"
+#include "cone_beam/charts/charts.h"
 #include "cone_beam/comparison.h"
 #include "cone_beam/fdk.h"
 #include "cone_beam/scan/description.h"
@@ -75,7 +76,7 @@ struct ImportOptions {
   std::filesystem::path output;  // empty: printed
 };
 
-using ConeBeamOptions = std::variant<ProjectOptions, ReconstructOptions, CompareOptions, ImportOptions>;
+using ConeBeamOptions = std::variant<ProjectOptions, ReconstructOptions, CompareOptions, ImportOptions, ChartOptions>;
 
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* const* argv, std::ostream& out);
