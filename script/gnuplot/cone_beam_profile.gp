@@ -1,5 +1,6 @@
 # Profiles along x through the middle of the volume.
 load '../../script/gnuplot/cone_beam.inc'
+set datafile commentschars '#' # this chart's points begin with p, too
 file = 'cone_beam_profile.csv'
 set xlabel "x, mm"
 unset key
