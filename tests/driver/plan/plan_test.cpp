@@ -99,7 +99,8 @@ TEST(Plan, TakesACoarserVolumeWherePixelsAreLargerThanVoxelsAndNothingIsThin) {
   EXPECT_GT(thin.level_errors.at(0).largest_density, 2000);
 
   for (std::size_t i = 0; i < shells.samples.size(); ++i) {
-    const auto x = static_cast<double>(i % 64), y = static_cast<double>(i / 64 % 64), z = static_cast<double>(i / 4096);
+    const std::size_t plane = i / 4096, row = i / 64 % 64;
+    const auto x = static_cast<double>(i % 64), y = static_cast<double>(row), z = static_cast<double>(plane);
     const double r = std::hypot(x - 22, y - 24, z - 21) / 20;
     shells.samples[i] = static_cast<std::byte>(static_cast<int>(200 * std::exp(-r * r)));
   }
@@ -202,7 +203,7 @@ TEST(PilotError, IsRelativeAndItsBoundGrowsWithItsSpread) {
   const double whole = std::sqrt(3 * std::pow(100 / 255.0, 2) + std::pow(2000 / 4095.0, 2));
   EXPECT_NEAR(everywhere.estimate, 10 / 255.0 / whole, 1e-12);
   EXPECT_NEAR(in_one.estimate, everywhere.estimate * 15 / 16, 1e-12);
-  EXPECT_LT(everywhere.bound, 1.2 * everywhere.estimate);
+  EXPECT_LT(everywhere.bound, 1.3 * everywhere.estimate);
   EXPECT_GT(in_one.bound, 2 * in_one.estimate);
 }
 

@@ -113,6 +113,14 @@ TEST(Gradients, ASlopeIsMeasuredOverTheSmallestEdge) {
   EXPECT_EQ(gradient_codes(view, {0, 4095}, codebook(), 1)[volume.index(3, 3, 2)], 0);
 }
 
+TEST(Gradients, AreNotFoundIfTheyAreNotWanted) {
+  const auto volume = ramp({1, 0, 0}, {1, 1, 1});
+  VolumeView view = volume.view();
+  EXPECT_FALSE(gradient_codes(view, {0, 4095}, codebook(), 1).empty());
+  view.find_gradients = false;
+  EXPECT_TRUE(gradient_codes(view, {0, 4095}, codebook(), 1).empty());
+}
+
 TEST(Gradients, SuppliedVectorsReplaceTheFilter) {
   const auto volume = ramp({1, 0, 0}, {1, 1, 1});
   std::vector<float> gradients(3 * volume.samples.size());

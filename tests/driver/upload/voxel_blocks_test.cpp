@@ -70,6 +70,18 @@ TEST(VoxelBlocks, EveryVoxelTravelsOnceInItsBlock) {
   }
 }
 
+TEST(VoxelBlocks, NoCodesMeanNoGradient) {
+  Volume volume = random_volume({8, 8, 8}, 3);
+  std::fill(volume.codes.begin(), volume.codes.end(), std::uint16_t{0});
+  const VoxelBlocks with = volume.blocks(8);
+  const VoxelBlocks without(volume.dims, 8, volume.densities, {}, volume.tags);
+  std::vector<std::uint8_t> a, b;
+  with.pack(0, a);
+  without.pack(0, b);
+  EXPECT_EQ(a, b);
+  EXPECT_EQ(with.stored(0), without.stored(0));
+}
+
 TEST(VoxelBlocks, NoTagsMeanTagZero) {
   Volume volume = random_volume({8, 8, 8}, 2);
   std::fill(volume.tags.begin(), volume.tags.end(), std::uint8_t{0});
