@@ -13,8 +13,12 @@ namespace gicube::samples {
 bool is_phantom(const ObjectOptions& object) { return object.name.starts_with("builtin:"); }
 
 Phantom phantom_of(const ObjectOptions& object) {
-  if (object.name == "builtin:shepp-logan") return shepp_logan(object.radius);
-  if (object.name == "builtin:shepp-logan-high-contrast") return high_contrast_shepp_logan(object.radius);
+  const auto times_value = [&object](Phantom phantom) {
+    for (Ellipsoid& ellipsoid : phantom) ellipsoid.value *= object.value;
+    return phantom;
+  };
+  if (object.name == "builtin:shepp-logan") return times_value(shepp_logan(object.radius));
+  if (object.name == "builtin:shepp-logan-high-contrast") return times_value(high_contrast_shepp_logan(object.radius));
   if (object.name == "builtin:sphere") return uniform_sphere(object.radius, object.value);
   throw InputError("phantom", "builtin:shepp-logan, builtin:shepp-logan-high-contrast or builtin:sphere",
                    in_quotes(object.name));

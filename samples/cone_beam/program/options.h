@@ -21,7 +21,7 @@ namespace gicube::samples {
 struct ObjectOptions {
   std::string name;
   double radius = 90;  // of a phantom, in the scan's unit
-  double value = 1;    // of the sphere
+  double value = 1;    // of the sphere, and times a head's values
 };
 
 // A scan file or, without one, a scan that these numbers describe.

@@ -163,6 +163,16 @@ TEST_F(ConeBeamProgram, ProjectsAVolumeByTheBoardAsTheClosedFormDoes) {
   EXPECT_GT(nlohmann::json::parse(text_of(path("b.json"))).at("board_ms").get<double>(), 0);
 }
 
+TEST_F(ConeBeamProgram, MultipliesAHeadsValues) {
+  const std::string scan = " --detector 24x20 --pitch 10 --views 12 --radius 50 ";
+  expect_done("project builtin:shepp-logan" + scan + "-o " + path("one.nrrd"));
+  expect_done("project builtin:shepp-logan" + scan + "--value 0.02 -o " + path("water.nrrd"));
+  std::vector<float> expected = values_in("one.nrrd");
+  ASSERT_GT(*std::max_element(expected.begin(), expected.end()), 1);
+  for (float& value : expected) value *= 0.02F;
+  EXPECT_LT(greatest_difference(values_in("water.nrrd"), expected), 1e-5);
+}
+
 TEST_F(ConeBeamProgram, MakesTheSameNoiseForTheSameSeed) {
   const std::string noisy = "project builtin:sphere" + std::string(kSmallScan) + "--photons 1000 --seed ";
   expect_done(noisy + "1 -o " + path("a.nrrd"));
