@@ -42,14 +42,17 @@ struct Point {
   }
 };
 
+Vec3 voxel_at(std::size_t index) {
+  const auto at = static_cast<int>(index);
+  const int x = at % kSize, y = at / kSize % kSize, z = at / kSize / kSize;
+  return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+}
+
 std::vector<double> closed_form() {
   std::vector<double> shares;
   const Vec3 last{kSize - 1, kSize - 1, kSize - 1};
-  for (int i = 0; i < kSize * kSize * kSize; ++i) {
-    const Vec3 voxel{static_cast<double>(i % kSize), static_cast<double>(i / kSize % kSize),
-                     static_cast<double>(i / kSize / kSize)};
-    shares.push_back(reference::absorbed_by_voxel(kExtinction, kLamp, voxel, {0, 0, 0}, last));
-  }
+  for (std::size_t i = 0; i < std::size_t{kSize} * kSize * kSize; ++i)
+    shares.push_back(reference::absorbed_by_voxel(kExtinction, kLamp, voxel_at(i), {0, 0, 0}, last));
   return shares;
 }
 
@@ -58,10 +61,7 @@ std::vector<double> closed_form() {
 double error_of(const std::vector<float>& irradiance, double emitted, const std::vector<double>& exact) {
   double squares = 0, size = 0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
-    const auto at = static_cast<int>(i);
-    const Vec3 voxel{static_cast<double>(at % kSize), static_cast<double>(at / kSize % kSize),
-                     static_cast<double>(at / kSize / kSize)};
-    if (length(voxel - kLamp) <= 2) continue;
+    if (length(voxel_at(i) - kLamp) <= 2) continue;
     squares += std::pow(double{irradiance[i]} / emitted - exact[i], 2);
     size += exact[i] * exact[i];
   }
