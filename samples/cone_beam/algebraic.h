@@ -25,8 +25,8 @@ struct AlgebraicSettings {
   Method method = Method::kSart;
   int iterations = 10;  // at most, each through all views; at least 1
   int subsets = 10;     // kOsSart: 2..views; every subsets-th view belongs to one
-  double relaxation =
-      0.5;  // > 0: of a correction that would make the projections right if they were alone; from 2 on it diverges
+  // > 0: of a correction that would make the projections right if they were alone. Beyond 2 it diverges, sooner or later.
+  double relaxation = 0.5;
   ViewOrder order = ViewOrder::kGolden;
   bool non_negative = true;  // values below 0 become 0 after each correction
   // Ends once an iteration lowers the least residual by less than this part of it; 0: never.
