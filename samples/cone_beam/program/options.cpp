@@ -108,6 +108,7 @@ void add_fdk(CLI::App& app, ReconstructOptions& options) {
                  {{"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}},
                  "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
   fdk.rays = 0;
+  fdk.normalise = true;
   app.add_option("--rays", fdk.rays,
                  "a pixel's, along each detector axis; 0: so many that they lie no more than 1.25 voxels apart")
       ->check(CLI::Range(0, 4))
@@ -117,7 +118,8 @@ void add_fdk(CLI::App& app, ReconstructOptions& options) {
       ->check(CLI::Range(0.0, 0.25))
       ->capture_default_str()
       ->group(group);
-  app.add_flag("--normalise", fdk.normalise, "divide ripples of rays that lie far apart out; sends every ray twice")
+  app.add_flag("--normalise,!--no-normalise", fdk.normalise,
+               "divide out the ripples of rays that lie unevenly against voxels; sends every ray twice (on)")
       ->group(group);
   choice<Accumulator>(app, group, "--accumulator", fdk.accumulator,
                       {{"sums", Accumulator::kSums}, {"irradiance", Accumulator::kIrradiance}},
@@ -147,7 +149,7 @@ void add_algebraic(CLI::App& app, AlgebraicSettings& settings) {
       ->check(CLI::Range(2, 100'000))
       ->capture_default_str()
       ->group(group);
-  app.add_option("--relaxation", settings.relaxation, "of a correction; from 2 on it diverges")
+  app.add_option("--relaxation", settings.relaxation, "of a correction; beyond 2 it diverges")
       ->check(CLI::PositiveNumber)
       ->capture_default_str()
       ->group(group);
