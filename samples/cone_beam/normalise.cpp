@@ -70,7 +70,9 @@ std::vector<double> wanted_sums(const ConeGeometry& geometry, const std::vector<
 void normalise(Reconstruction& made, Board& board, const ConeGeometry& geometry, const FdkSettings& settings) {
   const std::vector<double> even = ones(geometry, settings.rays), arcs = arc_weights(geometry);
   const double most = *std::max_element(even.begin(), even.end()) * *std::max_element(arcs.begin(), arcs.end());
-  Backprojector backprojector(board, geometry, settings.rays, settings.step, most, arcs.size());
+  // chosen: 2000 units a step are enough for sums of hundreds of shares, and of small ones more rays fit a command.
+  constexpr double kCoarser = 64;
+  Backprojector backprojector(board, geometry, settings.rays, settings.step, kCoarser * most, arcs.size());
   std::vector<double> densities(even.size());
   for (std::size_t view = 0; view < arcs.size(); ++view) {
     std::transform(even.begin(), even.end(), densities.begin(), [&](double value) { return arcs[view] * value; });
