@@ -3,6 +3,7 @@
 
 #include <numbers>
 #include <string>
+#include <variant>
 
 #include "cone_beam/charts/failures.h"
 #include "cone_beam/charts/scans.h"
@@ -19,15 +20,18 @@ Case large(const Phantom& phantom, int voxels, int views) {
   return {phantom, geometry, FdkSettings{}, {85, 45}};
 }
 
-// Along x through the middle: place, phantom, result.
-std::string rows(const Case& what, Runner& runner) {
+// Along x through the middle: place, phantom, result without and with normalising.
+std::string rows(Case what, Runner& runner) {
   const Grid& grid = what.geometry.volume;
-  const std::vector<float> values = runner.reconstruct(what).values, truth = voxels(what.phantom, grid);
   const Dims middle{0, grid.dims[1] / 2, grid.dims[2] / 2};
-  const auto made = profile(grid, values, 0, middle), real = profile(grid, truth, 0, middle);
+  const auto through = [&](const std::vector<float>& values) { return profile(grid, values, 0, middle); };
+  const auto truth = through(voxels(what.phantom, grid)), plain = through(runner.reconstruct(what).values);
+  std::get<FdkSettings>(what.method).normalise = true;
+  const auto normalised = through(runner.reconstruct(what).values);
   std::string text;
-  for (std::size_t x = 0; x < made.size(); ++x) {
-    text += fmt::format("{:.4f},{:.5f},{:.5f}\n", to_space(grid, {static_cast<double>(x), 0, 0}).x, real[x], made[x]);
+  for (std::size_t x = 0; x < truth.size(); ++x) {
+    const double place = to_space(grid, {static_cast<double>(x), 0, 0}).x;
+    text += fmt::format("{:.4f},{:.5f},{:.5f},{:.5f}\n", place, truth[x], plain[x], normalised[x]);
   }
   return text;
 }
@@ -35,7 +39,7 @@ std::string rows(const Case& what, Runner& runner) {
 }  // namespace
 
 Chart profile_chart() {
-  Chart chart{"profile", "x,truth,value", {}};
+  Chart chart{"profile", "x,truth,value,normalised", {}};
   for (const auto& [voxels, views] : {std::pair{128, 180}, {256, 360}}) {
     for (const auto& [name, phantom] : {std::pair{"sphere", uniform_sphere(70, 1)}, {"head", shepp_logan(85)}}) {
       const Case what = large(phantom, voxels, views);
