@@ -75,6 +75,7 @@ class Renderer {
       frames[i].number = static_cast<int>(first + i);
       frames[i].statistics.time = times[first + i];
       frames[i].statistics.load = i == 0 ? load : 0;
+      frames[i].statistics.host = host_usage();
       done(frames[i]);
     }
     last_ = scene;

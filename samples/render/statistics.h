@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/host_usage.h"
 #include "gicube/board.h"
 #include "gicube/plan.h"
 
@@ -38,17 +39,18 @@ struct FrameStatistics {
   double time = 0;                           // seconds, of the scene's engines
   std::vector<LightingStatistics> lighting;  // what lit the picture; several in colour passes
   std::optional<Plan> plan;                  // by which it was made
+  std::optional<RunUsage> host;              // of the whole run until the frame was there
 };
 
 // Simulated milliseconds in which the bus was busy in the window, both directions added.
 double bus_ms(const Counters& counters);
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
-// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting plan counters. Samples and memory
+// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting plan host counters. Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
 // does not model is null. lighting: null without lighting rays, else passes, each with channel, reused, pass_ms, the energy
-// report in units of the lights' power, and its own counters. plan: null without one.
+// report in units of the lights' power, and its own counters. plan: null without one. host: of common/host_usage.h.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 
 // Throws InputError if the file can't be written.

@@ -35,6 +35,20 @@ TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
   EXPECT_EQ(json.at("counters").at("dsp.viewing_rays").at("value"), 64 * 48);
 }
 
+TEST_F(RenderProgram, SaysWhatMemoryTheBoardTakesOnItsComputer) {
+  const auto peak = [&](const char* edge) {
+    const Outcome result = run(std::string("builtin:buckyball --size 8x8 --volume-size ") + edge + " -o " +
+                               path("ball.png") + " --stats " + path("ball.json"));
+    EXPECT_EQ(result.code, 0) << result.err;
+    const auto host = nlohmann::json::parse(text_of(path("ball.json"))).at("host");
+    EXPECT_GT(host.at("program_cpu_s").get<double>(), 0);
+    return host.at("board_peak_mib").get<double>();
+  };
+  const double small = peak("32");
+  EXPECT_GT(small, 5);                 // MiB: a process has that
+  EXPECT_GT(peak("160"), small + 15);  // 160^3 voxels of 36 bits are 17.6 MiB, in whatever layout
+}
+
 TEST_F(RenderProgram, DrawsTheSamePictureAtTheCycleLevelAndSaysWhatTheAsicDid) {
   const std::string scene = "builtin:buckyball --volume-size 48 --size 40x40 --quiet -o ";
   ASSERT_EQ(run(scene + path("functional.png")).code, 0);

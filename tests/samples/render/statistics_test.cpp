@@ -99,6 +99,16 @@ TEST(Statistics, TellWhereTheLightWentAndWhetherAPassWasMadeAnew) {
   EXPECT_EQ(json.at("warnings").at(0), "a light stands in a solid");
 }
 
+TEST(Statistics, SayWhatTheRunCostItsComputer) {
+  EXPECT_TRUE(to_json(example()).at("host").is_null());
+  FrameStatistics statistics = example();
+  statistics.host = RunUsage{.program = {.cpu_seconds = 2, .peak_mib = 30}, .boards = HostUsage{4, 50}};
+  EXPECT_EQ(to_json(statistics).at("host"), nlohmann::json::parse(R"({"program_cpu_s": 2.0, "program_peak_mib": 30.0,
+                                                     "board_cpu_s": 4.0, "board_peak_mib": 50.0})"));
+  statistics.host->boards.reset();
+  EXPECT_TRUE(to_json(statistics).at("host").at("board_peak_mib").is_null());
+}
+
 TEST(Statistics, OfAnAnimationCountThePassesThatWereMade) {
   FrameStatistics first = example(), second = example();
   first.lighting.resize(1);
