@@ -103,8 +103,11 @@ TEST(Statistics, SayWhatTheRunCostItsComputer) {
   EXPECT_TRUE(to_json(example()).at("host").is_null());
   FrameStatistics statistics = example();
   statistics.host = RunUsage{.program = {.cpu_seconds = 2, .peak_mib = 30}, .boards = HostUsage{4, 50}};
-  EXPECT_EQ(to_json(statistics).at("host"), nlohmann::json::parse(R"({"program_cpu_s": 2.0, "program_peak_mib": 30.0,
-                                                     "board_cpu_s": 4.0, "board_peak_mib": 50.0})"));
+  const auto host = to_json(statistics).at("host");
+  EXPECT_EQ(host.at("program_cpu_s"), 2);
+  EXPECT_EQ(host.at("program_peak_mib"), 30);
+  EXPECT_EQ(host.at("board_cpu_s"), 4);
+  EXPECT_EQ(host.at("board_peak_mib"), 50);
   statistics.host->boards.reset();
   EXPECT_TRUE(to_json(statistics).at("host").at("board_peak_mib").is_null());
 }
