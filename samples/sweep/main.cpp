@@ -2,13 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
 #include <vector>
 
-#include "common/board_options.h"
+#include "common/program.h"
 #include "common/progress.h"
 #include "sweep/sweep.h"
 
@@ -16,8 +15,7 @@ namespace {
 
 using namespace gicube::samples;
 using namespace gicube::samples::sweep;
-
-constexpr int kFailed = 1, kWrongUsage = 2;  // exit codes
+using gicube::samples::run_program;
 
 // It stands beside this program.
 std::filesystem::path render_program() {
@@ -51,13 +49,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const UsageError& error) {
-    fmt::print(stderr, "gicube-sweep: {}\nTry gicube-sweep --help.\n", error.what());
-    return kWrongUsage;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "gicube-sweep: {}\n", error.what());
-    return kFailed;
-  }
+  return run_program("gicube-sweep", [&] { return run(argc, argv); });
 }

@@ -30,6 +30,11 @@ BENCHMARK_CAPTURE(demo_frame, functional, "emu:?threads=1")
     ->Arg(512)
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(demo_frame, approximate, "emu:?threads=1&fidelity=approximate")
+    ->Arg(256)
+    ->Arg(512)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(demo_frame, cycle, "emu:?threads=1&fidelity=cycle")
     ->Arg(256)
     ->Arg(512)

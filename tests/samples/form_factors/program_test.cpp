@@ -1,42 +1,24 @@
 // The program itself, with a private emulated board.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "common/light_field.h"
-#include "temporary_directory.h"
+#include "program_test.h"
 
 namespace gicube::samples {
 namespace {
 
 using testing::HasSubstr;
 
-class FormFactorProgram : public testing::Test {
+class FormFactorProgram : public ProgramTest {
  protected:
-  struct Outcome {
-    int code = -1;
-    std::string out, err;
-  };
+  FormFactorProgram() : ProgramTest("gicube-form-factors") {}
 
-  std::string path(const std::string& name) const { return folder_.file(name); }
-  static std::string text_of(const std::string& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
-  Outcome run(const std::string& arguments) const {
-    const std::string command = GICUBE_BIN_DIR "/gicube-form-factors " + arguments + " >" + path("stdout") + " 2>" +
-                                path("stderr") + " </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(path("stdout")), text_of(path("stderr"))};
-  }
   // A closed room with a lamp at its ceiling.
   std::string room() const {
     std::ofstream(path("room.scene")) << R"(
@@ -52,8 +34,6 @@ class FormFactorProgram : public testing::Test {
       cut_plane { normal { y: 1 } offset: -0.6 } camera { eye { y: -6 } } image { width: 24 height: 16 })";
     return path("room.scene");
   }
-
-  const reference::TemporaryDirectory folder_;
 };
 
 TEST_F(FormFactorProgram, SolvesASceneIntoItsFiles) {

@@ -3,48 +3,19 @@
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <array>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "program_test.h"
+
 namespace gicube::samples {
 
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
-class RenderProgram : public testing::Test {
+class RenderProgram : public ProgramTest {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("gicube-") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  static std::string text_of(const std::string& file) {
-    std::ifstream stream(file);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
-  }
-
-  Outcome run(const std::string& arguments) const {
-    const std::string command =
-        GICUBE_BIN_DIR "/gicube-render " + arguments + " >" + path("stdout") + " 2>" + path("stderr") + " </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(path("stdout")), text_of(path("stderr"))};
-  }
+  RenderProgram() : ProgramTest("gicube-render") {}
 
   // How many different colours an image has, its size checked.
   static std::size_t colours(const std::string& file, int width, int height) {
@@ -76,8 +47,6 @@ class RenderProgram : public testing::Test {
     const std::size_t at = (static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)) * channels;
     return {pixels[at], pixels[at + 1], pixels[at + 2]};
   }
-
-  std::filesystem::path folder_;
 };
 
 }  // namespace gicube::samples

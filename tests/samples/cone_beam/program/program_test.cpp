@@ -1,18 +1,15 @@
 // The program itself, with a private emulated board.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "common/volume_file.h"
-#include "temporary_directory.h"
+#include "program_test.h"
 
 namespace gicube::samples {
 namespace {
@@ -23,33 +20,16 @@ using testing::IsEmpty;
 constexpr const char* kSmallScan =
     " --detector 48x40 --pitch 5 --views 24 --radius 50 --size 32,32,32 --spacing 4 --value 0.02 ";
 
-class ConeBeamProgram : public testing::Test {
+class ConeBeamProgram : public ProgramTest {
  protected:
-  struct Outcome {
-    int code = -1;
-    std::string out, err;
-  };
+  ConeBeamProgram() : ProgramTest("gicube-cone-beam") {}
 
-  std::string path(const std::string& name) const { return folder_.file(name); }
-  static std::string text_of(const std::string& file) {
-    std::ostringstream text;
-    text << std::ifstream(file).rdbuf();
-    return text.str();
-  }
-  Outcome run(const std::string& arguments) const {
-    const std::string command = GICUBE_BIN_DIR "/gicube-cone-beam " + arguments + " >" + path("stdout") + " 2>" +
-                                path("stderr") + " </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(path("stdout")), text_of(path("stderr"))};
-  }
   void expect_done(const std::string& arguments) const {
     const Outcome result = run(arguments);
     ASSERT_EQ(result.code, 0) << arguments << "\n" << result.err;
     EXPECT_THAT(result.err, IsEmpty()) << arguments;
   }
   std::vector<float> values_in(const std::string& name) const { return values_of(read_volume(path(name))); }
-
-  const reference::TemporaryDirectory folder_;
 };
 
 double greatest_difference(const std::vector<float>& a, const std::vector<float>& b) {
