@@ -1,5 +1,7 @@
 #include "common/plan_options.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -59,6 +61,10 @@ void check_plan(const PlanOptions& options) {
     throw UsageError("--max-error: expected it or --time-budget, got both");
   }
   if (options.explain && !options.wanted()) throw UsageError("--explain: expected --max-error or --time-budget too");
+}
+
+void print_plan(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) fmt::print("{}{}\n", line.starts_with("plan ") ? "" : "  ", line);
 }
 
 }  // namespace gicube::samples

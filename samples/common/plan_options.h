@@ -2,6 +2,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
 
 #include "gicube/time.h"
 
@@ -20,6 +22,9 @@ void add_plan_options(CLI::App& app, PlanOptions& options, const std::string& wh
 
 // Throws UsageError: both targets at once, or --explain without one.
 void check_plan(const PlanOptions& options);
+
+// What --explain prints: lines of a plan, its headlines at the margin and what they head further in.
+void print_plan(const std::vector<std::string>& lines);
 
 // "1%" or "0.01". "20ms", "1.5s" or "300us". Throw CLI::ValidationError naming `option`.
 double parse_share(const std::string& option, const std::string& text);

@@ -5,7 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
+#include <span>
+#include <type_traits>
+#include <vector>
 
 namespace gicube::samples {
 namespace {
@@ -24,31 +28,76 @@ VisibleBins visible_bins(const TransferFunction& function, const ValueRange& ran
   return bins;
 }
 
-// Calls `visit(x, y, z, value)` for every sample.
+// Calls `visit(y, z, row)` for each row of samples along x, a span of the type's own numbers.
 template <typename Sample, typename Visit>
-void each_sample(const Volume& volume, const Visit& visit) {
+void each_row(const Volume& volume, const Visit& visit) {
+  std::vector<Sample> row(static_cast<std::size_t>(volume.dims[0]));
   const std::byte* next = volume.samples.data();
   for (int z = 0; z < volume.dims[2]; ++z) {
-    for (int y = 0; y < volume.dims[1]; ++y) {
-      for (int x = 0; x < volume.dims[0]; ++x, next += sizeof(Sample)) {
-        Sample sample;
-        std::memcpy(&sample, next, sizeof sample);
-        visit(x, y, z, static_cast<double>(sample));
-      }
+    for (int y = 0; y < volume.dims[1]; ++y, next += row.size() * sizeof(Sample)) {
+      std::memcpy(row.data(), next, row.size() * sizeof(Sample));
+      visit(y, z, std::span<const Sample>(row));
     }
   }
 }
 
-template <typename Visit>
-void each_value(const Volume& volume, const Visit& visit) {
-  switch (volume.type) {
-    case SampleType::kUint8: return each_sample<std::uint8_t>(volume, visit);
+// Calls `use` with a number of that type.
+template <typename Use>
+void with_sample_of(SampleType type, const Use& use) {
+  switch (type) {
+    case SampleType::kUint8: return use(std::uint8_t{});
     case SampleType::kUint12:
-    case SampleType::kUint16: return each_sample<std::uint16_t>(volume, visit);
-    case SampleType::kInt16: return each_sample<std::int16_t>(volume, visit);
-    case SampleType::kFloat32: return each_sample<float>(volume, visit);
+    case SampleType::kUint16: return use(std::uint16_t{});
+    case SampleType::kInt16: return use(std::int16_t{});
+    case SampleType::kFloat32: return use(float{});
   }
 }
+
+// Of numbers that are finite.
+template <typename Sample>
+void widen(std::span<const Sample> row, ValueRange& range) {
+  if constexpr (std::is_integral_v<Sample>) {
+    Sample low = row[0], high = row[0];
+    for (const Sample value : row) low = std::min(low, value), high = std::max(high, value);
+    range = {std::min(range.low, static_cast<double>(low)), std::max(range.high, static_cast<double>(high))};
+  } else {
+    for (const Sample value : row) {
+      if (!std::isfinite(value)) continue;
+      range = {std::min(range.low, double{value}), std::max(range.high, double{value})};
+    }
+  }
+}
+
+// Whether a value is seen: of integers each looked at once.
+template <typename Sample>
+class Seen {
+ public:
+  Seen(const VisibleBins& bins, const ValueRange& range) : bins_(bins), range_(range) {
+    if constexpr (std::is_integral_v<Sample>) {
+      for (int value = kLeast; value <= std::numeric_limits<Sample>::max(); ++value) table_.push_back(of(value));
+    }
+  }
+  bool operator()(Sample value) const {
+    if constexpr (std::is_integral_v<Sample>) {
+      return table_[static_cast<std::size_t>(value - kLeast)];
+    } else {
+      return of(value);
+    }
+  }
+
+ private:
+  static constexpr int kLeast =
+      std::is_integral_v<Sample> ? static_cast<int>(std::numeric_limits<Sample>::lowest()) : 0;
+  bool of(double value) const {
+    const double scale = (kBins - 1) / (range_.high - range_.low);
+    const double bin = std::clamp((value - range_.low) * scale, 0.0, kBins - 1.0);
+    return bin >= 0 && bins_[static_cast<std::size_t>(bin)];
+  }
+
+  const VisibleBins& bins_;
+  const ValueRange& range_;
+  std::vector<char> table_;
+};
 
 }  // namespace
 
@@ -59,10 +108,8 @@ ValueRange value_range_of(const Volume& volume) {
   if (volume.type == SampleType::kUint8) return {0, 255};
   if (volume.type == SampleType::kUint12) return {0, 4095};
   ValueRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  each_value(volume, [&range](int, int, int, double value) {
-    if (!std::isfinite(value)) return;
-    range.low = std::min(range.low, value);
-    range.high = std::max(range.high, value);
+  with_sample_of(volume.type, [&]<typename Sample>(Sample) {
+    each_row<Sample>(volume, [&range](int, int, std::span<const Sample> row) { widen(row, range); });
   });
   return range;
 }
@@ -72,18 +119,25 @@ VoxelBox visible_box(const Volume& volume, const TransferFunctionFile& look) {
   const VoxelBox whole = whole_box(volume.dims);
   if (!(range.low < range.high)) return whole;
   const VisibleBins bins = visible_bins(in_values_of(range, look), range);
-  const double scale = (kBins - 1) / (range.high - range.low);
 
   std::array<int, 3> low = volume.dims, high{-1, -1, -1};
-  each_value(volume, [&](int x, int y, int z, double value) {
-    const double bin = std::clamp((value - range.low) * scale, 0.0, kBins - 1.0);
-    if (!(bin >= 0) || !bins[static_cast<std::size_t>(bin)]) return;
-    const std::array<int, 3> voxel{x, y, z};
+  const auto look_at = [&]<typename Sample>(int y, int z, std::span<const Sample> row, const Seen<Sample>& seen) {
+    const auto first = std::find_if(row.begin(), row.end(), std::cref(seen));
+    if (first == row.end()) return;
+    auto last = row.end() - 1;
+    while (!seen(*last)) --last;
+    const std::array<int, 3> least{static_cast<int>(first - row.begin()), y, z};
+    const std::array<int, 3> most{static_cast<int>(last - row.begin()), y, z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], voxel[axis]);
-      high[axis] = std::max(high[axis], voxel[axis]);
+      low[axis] = std::min(low[axis], least[axis]);
+      high[axis] = std::max(high[axis], most[axis]);
     }
-  });
+  };
+  const auto search = [&]<typename Sample>(Sample) {
+    const Seen<Sample> seen(bins, range);
+    each_row<Sample>(volume, [&](int y, int z, std::span<const Sample> row) { look_at(y, z, row, seen); });
+  };
+  with_sample_of(volume.type, search);
   if (high[0] < 0) return whole;
   const auto lower = [&low](std::size_t axis) { return std::max(low[axis] - 1.0, 0.0); };
   const auto upper = [&](std::size_t axis) { return std::min(high[axis] + 1.0, volume.dims[axis] - 1.0); };

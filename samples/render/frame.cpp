@@ -109,6 +109,7 @@ class Renderer {
     board_.set_shading(setup_.shading);
     const bool own_codebook = !last_ && scene.world && scene.own_codebook && !moves_nodes(scene);
     plan_.reset();
+    light_plans_.clear();
     part_.reset();
     const bool unlit = !scene.lighting.on && !setup_.view.scatter && !field_;
     if (options_.crop && !unlit)
@@ -134,17 +135,31 @@ class Renderer {
   bool light(const LightPass& pass, const Scene& scene, std::size_t passes) {
     if (passes == 1 && last_ && same_illumination(*last_, scene)) return false;
     set_optics(pass);
-    RunWindow window(board_);
     const std::string channel = passes > 1 ? fmt::format(" ({})", name_of(pass)) : "";
+    const Illumination settings = planned(pass, scene.lighting.settings, passes, channel);
+    RunWindow window(board_);
     lighting_ = {};
-    lighting_.report = board_.illuminate(pass.lights, scene.lighting.settings, progress_.parts("lighting" + channel));
+    lighting_.report = board_.illuminate(pass.lights, settings, progress_.parts("lighting" + channel));
     lighting_.channel = name_of(pass);
-    lighting_.settings = scene.lighting.settings;
+    lighting_.settings = settings;
     lighting_.lights = pass.lights.size();
     lighting_.duration = window.simulated();
     lighting_.host_seconds = window.host_seconds();
     lighting_.counters = window.counters();
     return true;
+  }
+
+  // The scene's lighting rays, or as many as a plan found enough for the first light that these voxels had.
+  Illumination planned(const LightPass& pass, const Illumination& settings, std::size_t passes,
+                       const std::string& channel) {
+    if (!options_.plan.wanted() || pass.lights.empty()) return settings;
+    for (const LightPlan& plan : light_plans_) {
+      if (plan.channel == pass.channel) return plan.settings(settings);
+    }
+    board_.set_shading(setup_.shading);
+    light_plans_.push_back(
+        plan_pass(board_, options_.plan, setup_, pass, passes, progress_.parts("planning the light" + channel)));
+    return light_plans_.back().settings(settings);
   }
 
   // The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the board.
@@ -154,7 +169,8 @@ class Renderer {
     if (!plan_) {
       board_.set_shading(setup_.shading);
       set_optics(pass);
-      plan_ = plan_lit(board_, options_.plan, view, progress_.parts("planning"));
+      plan_ = plan_lit(board_, options_.plan, view, light_plans_, setup_.lighting.colour_passes ? 3 : 1,
+                       progress_.parts("planning"));
     }
     view = plan_->view(view);
   }
@@ -185,6 +201,7 @@ class Renderer {
     statistics.dims = setup_.volume.dims;
     statistics.seed = options_.board.seed;
     statistics.plan = plan_;
+    statistics.light_plans = light_plans_;
   }
 
   const RenderOptions& options_;
@@ -196,6 +213,7 @@ class Renderer {
   std::optional<Scene> last_;      // whose voxels and light are on the board
   std::optional<Placement> part_;  // of the volume, with --crop
   std::optional<Plan> plan_;       // of these voxels, and what was first seen of them
+  std::vector<LightPlan> light_plans_;
   LightingStatistics lighting_;
 };
 

@@ -9,6 +9,7 @@
 #include "common/image_file.h"
 #include "common/program.h"
 #include "render/frame.h"
+#include "render/planning.h"
 
 namespace {
 
@@ -44,11 +45,10 @@ void print_summary(const std::filesystem::path& file, const FrameStatistics& sta
 }
 
 // Unless the picture before was made by the same.
-void print_plan(const FrameStatistics& statistics, std::vector<std::string>& last) {
+void explain_once(const RenderOptions& options, const FrameStatistics& statistics, std::vector<std::string>& last) {
   if (!statistics.plan) return;
-  const std::vector<std::string> lines = statistics.plan->explain();
-  if (lines == last) return;
-  for (std::size_t i = 0; i < lines.size(); ++i) fmt::print("{}{}\n", i > 0 ? "  " : "", lines[i]);
+  const std::vector<std::string> lines = explain(options.plan, *statistics.plan, statistics.light_plans);
+  if (lines != last) print_plan(lines);
   last = lines;
 }
 
@@ -66,7 +66,7 @@ int run(int argc, char** argv) {
       write_image(frame.image, file, frame.background);
       statistics.push_back(frame.statistics);
       progress.clear();
-      if (options->plan.explain) print_plan(frame.statistics, plan);
+      if (options->plan.explain) explain_once(*options, frame.statistics, plan);
       if (!options->board.quiet) print_summary(file, frame.statistics);
     });
   }

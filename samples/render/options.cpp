@@ -142,6 +142,9 @@ void check_plan_options(const RenderOptions& options) {
   if (options.step || options.threshold) {
     throw UsageError("--step, --threshold: expected none with --max-error and --time-budget, which choose them");
   }
+  if (options.lighting.rays) {
+    throw UsageError("--light-rays: expected none with --max-error and --time-budget, which choose them");
+  }
   if (options.crop)
     throw UsageError("--crop: expected none with --max-error and --time-budget, which do it by themselves");
   if (!options.lighting.field.empty()) {

@@ -1,9 +1,14 @@
 #include "render/planning.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "common/board_run.h"
 #include "common/geometry/codebook.h"
+#include "common/run_json.h"
 
 namespace gicube::samples {
 namespace {
@@ -41,6 +46,21 @@ Json point_json(const PlanPoint& point) {
   json["samples"] = point.samples;
   json["frame_ms"] = point.time > 0 ? Json(to_ms(point.time)) : Json(nullptr);
   json["pilot"] = {{"width", point.pilot_width}, {"height", point.pilot_height}};
+  return json;
+}
+
+Json point_json(const LightPoint& point) {
+  Json json;
+  json["albedo"] = point.albedo == Albedo::kHigh ? "high" : "low";
+  json["rays_per_face_voxel"] = point.rays_per_face_voxel;
+  json["step"] = point.step;
+  json["error"] = point.error;
+  json["error_bound"] = point.error_bound;
+  json["noise"] = point.noise;
+  json["bias"] = point.bias;
+  json["rays"] = point.rays;
+  json["samples"] = point.samples;
+  json["pass_ms"] = point.time > 0 ? Json(to_ms(point.time)) : Json(nullptr);
   return json;
 }
 
@@ -90,8 +110,52 @@ Placement load_visible_part(Board& board, SceneSetup& setup, bool own_codebook, 
   return part.placement;
 }
 
-Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const Progress& progress) {
-  return make_plan(board, request_of(wanted, view), progress);
+LightPlan plan_pass(Board& board, const PlanOptions& wanted, const SceneSetup& setup, const LightPass& pass,
+                    std::size_t passes, const Progress& progress) {
+  LightPlanRequest request;
+  request.lights = pass.lights;
+  request.settings = setup.lighting.settings;
+  request.view = setup.view;
+  request.view.exposure = setup.lighting.exposure;
+  request.channel = pass.channel;
+  if (wanted.max_error > 0) request.max_error = share_of_light(wanted.max_error);
+  request.time_budget = wanted.time_budget / (2 * passes);
+  request.most_rays = std::max(request.most_rays, request.settings.rays_per_face_voxel);
+  return plan_light(board, request, progress);
+}
+
+Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const std::vector<LightPlan>& light,
+              std::size_t passes, const Progress& progress) {
+  PlanRequest request = request_of(wanted, view);
+  if (!light.empty()) {
+    // Of several passes the other ones' light is not known yet.
+    if (wanted.max_error > 0) {
+      request.max_error =
+          passes > 1 ? share_of_light(wanted.max_error) : left_for_picture(wanted.max_error, light.front());
+    }
+    const Picoseconds budget = wanted.time_budget / passes, taken = light.front().chosen.time;
+    if (budget > 0) request.time_budget = budget > taken ? budget - taken : 1;
+  }
+  return make_plan(board, request, progress);
+}
+
+std::vector<std::string> explain(const PlanOptions& wanted, const Plan& picture, const std::vector<LightPlan>& light) {
+  const std::vector<std::string> lines = picture.explain();
+  if (light.empty()) return lines;
+  // Of three passes each has its own channel of the picture: none is worse than the worst.
+  double error = 0;
+  bool kept = picture.kept;
+  for (const LightPlan& plan : light) {
+    error = std::max(error, plan.chosen.error_bound);
+    kept = kept && plan.kept;
+  }
+  error = std::hypot(error, picture.chosen.error_bound);
+  if (wanted.max_error > 0) kept = error <= wanted.max_error;
+  std::vector<std::string> all{plan_headline("of light and picture", {wanted.max_error, wanted.time_budget}, kept),
+                               fmt::format("error of both together: bound {:.2g}%", 100 * error)};
+  for (const LightPlan& plan : light) std::ranges::copy(plan.explain(), std::back_inserter(all));
+  all.insert(all.end(), lines.begin(), lines.end());
+  return all;
 }
 
 Json to_json(const Plan& plan) {
@@ -106,6 +170,19 @@ Json to_json(const Plan& plan) {
   json["pilots"] = {
       {"pictures", plan.pilots}, {"samples", plan.pilot_samples}, {"host_seconds", plan.pilot_host_seconds}};
   for (const PlanPoint& point : plan.points) json["points"].push_back(point_json(point));
+  return json;
+}
+
+Json to_json(const LightPlan& plan) {
+  Json json;
+  json["channel"] = plan.channel;
+  json["max_error"] = plan.target.max_error > 0 ? Json(plan.target.max_error) : Json(nullptr);
+  json["time_budget_ms"] = plan.target.time_budget > 0 ? Json(to_ms(plan.target.time_budget)) : Json(nullptr);
+  json["kept"] = plan.kept;
+  json["chosen"] = point_json(plan.chosen);
+  json["asked"] = point_json(plan.asked);
+  json["passes"] = {{"count", plan.passes}, {"samples", plan.pass_samples}, {"host_seconds", plan.host_seconds}};
+  for (const LightPoint& point : plan.points) json["points"].push_back(point_json(point));
   return json;
 }
 

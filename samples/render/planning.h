@@ -8,7 +8,9 @@
 #include "common/board_options.h"
 #include "common/plan_options.h"
 #include "common/scene.h"
+#include "gicube/light_plan.h"
 #include "gicube/plan.h"
+#include "render/colour_passes.h"
 
 namespace gicube::samples {
 
@@ -23,9 +25,20 @@ Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions&
 // Loads only the part of the setup's volume in which anything shows, whose voxels are freed on the way. Returns where it lies.
 Placement load_visible_part(Board& board, SceneSetup& setup, bool own_codebook, const Progress& progress);
 
-// Plans a picture of what the board holds, light included.
-Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const Progress& progress);
+// Plans one pass's light for the picture that it is to light, of `passes` together, with what light may take of the target: half of the
+// error's square, half of the time. The board holds that light then.
+LightPlan plan_pass(Board& board, const PlanOptions& wanted, const SceneSetup& setup, const LightPass& pass,
+                    std::size_t passes, const Progress& progress);
+
+// Plans a picture of what the board holds, light included, with what its light left of the target: `light` of the first of `passes`,
+// or nothing, for a picture that is only scattered.
+Plan plan_lit(Board& board, const PlanOptions& wanted, const View& view, const std::vector<LightPlan>& light,
+              std::size_t passes, const Progress& progress);
+
+// Lines for people: of the light, of the picture, and of both.
+std::vector<std::string> explain(const PlanOptions& wanted, const Plan& picture, const std::vector<LightPlan>& light);
 
 nlohmann::ordered_json to_json(const Plan& plan);
+nlohmann::ordered_json to_json(const LightPlan& plan);
 
 }  // namespace gicube::samples

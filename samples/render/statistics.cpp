@@ -88,6 +88,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["lighting"] = nullptr;
   for (const LightingStatistics& lighting : statistics.lighting) json["lighting"].push_back(lighting_json(lighting));
   json["plan"] = statistics.plan ? to_json(*statistics.plan) : Json(nullptr);
+  for (const LightPlan& plan : statistics.light_plans) json["plan"]["light"].push_back(to_json(plan));
   json["host"] = statistics.host ? to_json(*statistics.host) : Json(nullptr);
   json["counters"] = to_json(statistics.counters);
   return json;

@@ -10,6 +10,7 @@
 
 #include "common/host_usage.h"
 #include "gicube/board.h"
+#include "gicube/light_plan.h"
 #include "gicube/plan.h"
 
 namespace gicube::samples {
@@ -39,6 +40,7 @@ struct FrameStatistics {
   double time = 0;                           // seconds, of the scene's engines
   std::vector<LightingStatistics> lighting;  // what lit the picture; several in colour passes
   std::optional<Plan> plan;                  // by which it was made
+  std::vector<LightPlan> light_plans;        // and its light, a pass each
   std::optional<RunUsage> host;              // of the whole run until the frame was there
 };
 
@@ -50,7 +52,8 @@ double bus_ms(const Counters& counters);
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
 // does not model is null. lighting: null without lighting rays, else passes, each with channel, reused, pass_ms, the energy
-// report in units of the lights' power, and its own counters. plan: null without one. host: of common/host_usage.h.
+// report in units of the lights' power, and its own counters. plan: null without one; its `light` has
+// that of each pass. host: of common/host_usage.h.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 
 // Throws InputError if the file can't be written.

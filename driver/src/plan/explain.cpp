@@ -4,27 +4,17 @@
 #include <algorithm>
 
 #include "gicube/plan.h"
+#include "gicube/plan_text.h"
 
 namespace gicube {
 namespace {
 
 std::string size_text(const Dims& dims) { return fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]); }
 
-std::string count_text(double count) {
-  if (count >= 1e6) return fmt::format("{:.1f} million", count * 1e-6);
-  return fmt::format("{:.0f} thousand", count * 1e-3);
-}
-
 std::string setting_text(const PlanPoint& point) {
   const std::string end = point.opacity_threshold < 1 ? fmt::format("rays end at opacity {:g}", point.opacity_threshold)
                                                       : std::string("rays go to their end");
   return fmt::format("level {}, step {:g}, {}", point.level, point.step, end);
-}
-
-std::string target_text(const PlanRequest& request) {
-  if (request.max_error > 0) return fmt::format("an error of at most {:g}%", 100 * request.max_error);
-  if (request.time_budget > 0) return fmt::format("at most {:g} ms of board time", to_ms(request.time_budget));
-  return "the most accurate setting";
 }
 
 std::string level_text(const Plan& plan) {
@@ -58,14 +48,9 @@ const PlanPoint* passed_over(const Plan& plan) {
 }
 
 void cost_lines(const Plan& plan, std::vector<std::string>& lines) {
-  const double saved = plan.chosen.samples > 0 ? plan.finest.samples / plan.chosen.samples : 1;
-  lines.push_back(fmt::format("cost: {} samples, where the finest setting takes {} ({:.1f} times as many)",
-                              count_text(plan.chosen.samples), count_text(plan.finest.samples), saved));
-  if (plan.chosen.time > 0) {
-    lines.push_back(fmt::format("board time: {:.4g} ms predicted, the finest setting {:.4g} ms ({:.1f} times as long)",
-                                to_ms(plan.chosen.time), to_ms(plan.finest.time),
-                                static_cast<double>(plan.finest.time) / static_cast<double>(plan.chosen.time)));
-  }
+  constexpr const char* kFinest = "the finest setting";
+  lines.push_back(plan_cost_line("samples", plan.chosen.samples, kFinest, plan.finest.samples));
+  if (plan.chosen.time > 0) lines.push_back(plan_time_line(plan.chosen.time, kFinest, plan.finest.time));
   lines.push_back(
       fmt::format("the finest setting, level 0, step {:g}, is {:.2g}% from the best: positions drift with every step",
                   plan.finest.step, 100 * plan.finest.error));
@@ -76,8 +61,8 @@ void cost_lines(const Plan& plan, std::vector<std::string>& lines) {
 }  // namespace
 
 std::vector<std::string> Plan::explain() const {
-  std::vector<std::string> lines{"plan for " + target_text(request) +
-                                 (kept ? "" : ": NOT REACHED, this comes nearest")};
+  std::vector<std::string> lines{
+      plan_headline(dims[0] > 0 ? "" : "of the picture", {request.max_error, request.time_budget}, kept)};
   if (dims[0] > 0) lines.push_back(level_text(*this));
   for (std::size_t i = 0; i < level_errors.size(); ++i) {
     const LevelError& error = level_errors[i];
@@ -99,8 +84,9 @@ std::vector<std::string> Plan::explain() const {
   lines.push_back(fmt::format("fidelity level: {}", fidelity == Fidelity::kFunctional
                                                         ? "functional has the same picture as the others"
                                                         : "approximate keeps time, within a few percent of cycle"));
-  lines.push_back(fmt::format("error: {:.2g}% in a pilot of {} x {} pixels, bound {:.2g}%", 100 * chosen.error,
-                              chosen.pilot_width, chosen.pilot_height, 100 * chosen.error_bound));
+  lines.push_back(plan_error_line(chosen.error,
+                                  fmt::format("in a pilot of {} x {} pixels", chosen.pilot_width, chosen.pilot_height),
+                                  chosen.error_bound));
   cost_lines(*this, lines);
   if (const PlanPoint* point = passed_over(*this)) {
     lines.push_back(fmt::format("passed over: {}: error {:.2g}%, at most {:.2g}%, {} samples", setting_text(*point),

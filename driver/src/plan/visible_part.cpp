@@ -7,14 +7,16 @@
 #include "gicube/level_of_detail.h"
 #include "upload/density.h"
 #include "upload/empty_flags.h"
+#include "upload/samples.h"
 #include "upload/segmentation_lut.h"
 #include "upload/transfer_function_check.h"
 #include "upload/volume_check.h"
+#include "upload/voxel_blocks.h"
 
 namespace gicube {
 namespace {
 
-constexpr int kBlock = 4;  // chosen: finer than the board's blocks, and a fourteenth of a volume's voxels to look at
+constexpr int kBlock = 4;  // chosen: finer than the board's blocks, and a 64th of a volume's voxels to look at
 
 Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
@@ -29,30 +31,120 @@ std::vector<wire::SegmentationEntry> table_of(std::span<const TransferFunction> 
   return table;
 }
 
+// Least and greatest value and the tags that occur in a row of voxels along x, over several rows of the volume. The values stay
+// what they are: densities rise with them, so that only those of blocks need to be found.
+template <typename Source>
+class Row {
+ public:
+  using Value = typename Source::Value;
+  Row(const Source& source, const VolumeView& volume)
+      : source_(source),
+        volume_(volume),
+        size_(static_cast<std::size_t>(volume.dims[0])),
+        least_(size_),
+        greatest_(size_),
+        tags_(volume.tags.empty() ? 0 : size_) {}
+
+  // Over the rows from (y, z) to before (end_y, end_z).
+  void gather(int y, int end_y, int z, int end_z) {
+    std::fill(least_.begin(), least_.end(), std::numeric_limits<Value>::max());
+    std::fill(greatest_.begin(), greatest_.end(), std::numeric_limits<Value>::lowest());
+    std::fill(tags_.begin(), tags_.end(), std::uint8_t{0});
+    for (int at_z = z; at_z < end_z; ++at_z) {
+      for (int at_y = y; at_y < end_y; ++at_y) add(at_y, at_z);
+    }
+  }
+
+  // Of the voxels from x to before end.
+  BlockStatistics statistics(std::size_t x, std::size_t end, ValueRange range) const {
+    Value least = least_[x], greatest = greatest_[x];
+    std::uint8_t tags = tags_.empty() ? 1 : 0;
+    for (std::size_t i = x; i < end; ++i) {
+      least = std::min(least, least_[i]);
+      greatest = std::max(greatest, greatest_[i]);
+      if (!tags_.empty()) tags |= tags_[i];
+    }
+    return {to_density(static_cast<double>(least), range), to_density(static_cast<double>(greatest), range), tags};
+  }
+
+ private:
+  void add(int y, int z) {
+    const std::size_t from =
+        size_ * (static_cast<std::size_t>(y) + static_cast<std::size_t>(volume_.dims[1]) * static_cast<std::size_t>(z));
+    Value* const least = least_.data();
+    Value* const greatest = greatest_.data();
+    for (std::size_t x = 0; x < size_; ++x) {
+      const Value value = source_[from + x];
+      least[x] = std::min(least[x], value);
+      greatest[x] = std::max(greatest[x], value);
+    }
+    for (std::size_t x = 0; x < tags_.size(); ++x) {
+      tags_[x] = static_cast<std::uint8_t>(tags_[x] | 1u << volume_.tags[from + x]);
+    }
+  }
+
+  const Source source_;
+  const VolumeView& volume_;
+  const std::size_t size_;
+  std::vector<Value> least_, greatest_;
+  std::vector<std::uint8_t> tags_;  // bit t: tag t
+};
+
+// In blocks; high below low: nothing shows.
+struct BlockRange {
+  Dims low, high{-1, -1, -1};
+
+  void add(const Dims& block) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], block[axis]);
+      high[axis] = std::max(high[axis], block[axis]);
+    }
+  }
+};
+
+// The blocks in which something shows, between their voxels and those of their upper neighbours.
+template <typename Source>
+BlockRange visible_blocks(const Source& source, const VolumeView& volume, ValueRange range,
+                          std::span<const wire::SegmentationEntry> table) {
+  BlockRange out{volume.dims};
+  Row row(source, volume);
+  std::vector<BlockStatistics> statistics;
+  const auto end = [&volume](int block, std::size_t axis) {
+    return std::min((block + 1) * kBlock + 1, volume.dims[axis]);
+  };
+  const Dims blocks{(volume.dims[0] + kBlock - 1) / kBlock, (volume.dims[1] + kBlock - 1) / kBlock,
+                    (volume.dims[2] + kBlock - 1) / kBlock};
+  for (int z = 0; z < blocks[2]; ++z) {
+    statistics.clear();
+    for (int y = 0; y < blocks[1]; ++y) {
+      row.gather(y * kBlock, end(y, 1), z * kBlock, end(z, 2));
+      for (int x = 0; x < blocks[0]; ++x) {
+        statistics.push_back(
+            row.statistics(static_cast<std::size_t>(x * kBlock), static_cast<std::size_t>(end(x, 0)), range));
+      }
+    }
+    const auto empty = find_empty_blocks(statistics, table);
+    for (std::size_t i = 0; i < empty.size(); ++i) {
+      const int at = static_cast<int>(i);
+      if (empty[i] == 0) out.add({at % blocks[0], at / blocks[0], z});
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 VoxelBox visible_box(const VolumeView& volume, std::span<const TransferFunction> functions) {
   check_volume(volume, std::numeric_limits<int>::max());
   const ValueRange range = resolve_range(volume);
-  const auto densities = to_densities(volume, range);
-  const VoxelBlocks blocks(volume.dims, kBlock, densities, {}, volume.tags);
-  const auto empty = find_empty_blocks(blocks, table_of(functions, range));
-  const VoxelBox whole{{}, volume.dims};
-  Dims low = volume.dims, high{-1, -1, -1};  // blocks
-  for (std::size_t block = 0; block < empty.size(); ++block) {
-    if (empty[block] != 0) continue;
-    const auto nx = static_cast<std::size_t>(blocks.blocks()[0]), ny = static_cast<std::size_t>(blocks.blocks()[1]);
-    const std::size_t at[] = {block % nx, block / nx % ny, block / nx / ny};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], static_cast<int>(at[axis]));
-      high[axis] = std::max(high[axis], static_cast<int>(at[axis]));
-    }
-  }
-  if (high[0] < 0) return whole;
+  const auto table = table_of(functions, range);
+  const BlockRange blocks =
+      with_samples(volume, [&](auto source) { return visible_blocks(source, volume, range, table); });
+  if (blocks.high[0] < 0) return {{}, volume.dims};
   VoxelBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    box.low[axis] = std::max(0, low[axis] * kBlock - 1);
-    const int last = std::min(volume.dims[axis] - 1, (high[axis] + 1) * kBlock + 1);
+    box.low[axis] = std::max(0, blocks.low[axis] * kBlock - 1);
+    const int last = std::min(volume.dims[axis] - 1, (blocks.high[axis] + 1) * kBlock + 1);
     box.size[axis] = last - box.low[axis] + 1;
   }
   return box;

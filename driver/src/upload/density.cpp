@@ -7,13 +7,14 @@
 #include "upload/samples.h"
 
 namespace gicube {
-namespace {
 
 std::uint16_t to_density(double value, ValueRange range) {
   const double density = wire::kDensityMax * (value - range.low) / (range.high - range.low);
   // floor((2 d + 1) / 2): rounds like lround, without a library call for each of millions of samples.
   return static_cast<std::uint16_t>(static_cast<int>(2 * std::clamp(density, 0.0, double{wire::kDensityMax}) + 1) / 2);
 }
+
+namespace {
 
 std::vector<std::uint16_t> convert(Samples<float> samples, std::size_t count, ValueRange range) {
   std::vector<std::uint16_t> densities(count);

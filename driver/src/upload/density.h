@@ -8,6 +8,9 @@
 
 namespace gicube {
 
+// Of one value, as below.
+std::uint16_t to_density(double value, ValueRange range);
+
 // round(4095 (v - low) / (high - low)), clamped to 0..4095; one a voxel, x fastest.
 // For a view that passed check_volume().
 std::vector<std::uint16_t> to_densities(const VolumeView& view, ValueRange range);

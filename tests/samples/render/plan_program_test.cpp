@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "common/plan_options.h"
@@ -67,12 +68,24 @@ TEST_F(RenderProgram, PlansForACycleBoardWhatItPlansForAFunctionalOne) {
 
 TEST_F(RenderProgram, PlansALitSceneWithItsLight) {
   const Outcome result = run(GICUBE_SOURCE_DIR
-                             "/samples/scenes/golden_ring.scene --volume-size 24 --size 64x64 --max-error 10% "
+                             "/samples/scenes/golden_ring.scene --volume-size 24 --size 64x64 --max-error 20% "
                              "--explain -o " +
                              path("ring.png") + " --stats " + path("ring.json"));
   ASSERT_EQ(result.code, 0) << result.err;
-  const auto plan = nlohmann::json::parse(text_of(path("ring.json"))).at("plan");
+  const auto json = nlohmann::json::parse(text_of(path("ring.json")));
+  const auto plan = json.at("plan");
   EXPECT_GT(plan.at("finest").at("samples").get<double>(), 3 * plan.at("chosen").at("samples").get<double>());
+  ASSERT_EQ(plan.at("light").size(), 3u);  // colour passes
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto light = plan.at("light").at(i), pass = json.at("lighting").at(i);
+    EXPECT_EQ(light.at("channel"), i);
+    EXPECT_NEAR(light.at("max_error").get<double>(), 0.2 / std::sqrt(2.0), 1e-9);
+    EXPECT_LE(light.at("chosen").at("error_bound").get<double>(), 0.2 / std::sqrt(2.0));
+    EXPECT_EQ(light.at("chosen").at("rays_per_face_voxel"), pass.at("rays_per_face_voxel"));
+    EXPECT_LT(pass.at("rays_per_face_voxel").get<int>(), 32);  // which the scene asks for
+  }
+  EXPECT_THAT(result.out, AllOf(HasSubstr("plan of light and picture for an error of at most 20%"),
+                                HasSubstr("plan of the light in green"), HasSubstr("plan of the picture")));
 }
 
 // Rays begin at the part's faces, so that samples lie elsewhere: nearly the same picture, of fewer samples.
@@ -97,7 +110,8 @@ TEST_F(RenderProgram, LoadsOnlyWhatShowsIfAsked) {
 TEST_F(RenderProgram, RefusesPlansThatContradictOtherOptions) {
   const std::string begin = kBall + path("ball.png");
   for (const char* wrong : {" --max-error 1% --time-budget 5ms", " --explain", " --max-error 1% --step 1",
-                            " --time-budget 5ms --threshold 0.5", " --max-error 0", " --time-budget 5"}) {
+                            " --time-budget 5ms --threshold 0.5", " --max-error 1% --illumination low --light-rays 4",
+                            " --max-error 0", " --time-budget 5"}) {
     EXPECT_EQ(run(begin + wrong).code, 2) << wrong;
   }
 }

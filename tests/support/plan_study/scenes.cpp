@@ -89,4 +89,31 @@ std::vector<StudyScene> study_scenes(const std::filesystem::path& data, const st
   return all;
 }
 
+std::vector<LitScene> lit_scenes(const std::filesystem::path& data, const std::filesystem::path& sources) {
+  const auto of = [&](const char* name, const char* file, double max_error, int batch) {
+    LitScene scene{world(name, sources / "samples/scenes" / file, 48), max_error};
+    scene.study.scene.lighting.colour_passes = false;  // one pass: all of the picture is by one light
+    scene.study.batch = batch;
+    return scene;
+  };
+  const auto lit = [](StudyScene study, double max_error) {
+    study.scene.lighting.on = true;
+    study.scene.lighting.settings.rays_per_face_voxel = 16;
+    study.look += ", lit";
+    study.batch = 1;
+    return LitScene{std::move(study), max_error};
+  };
+  return {of("golden ring", "golden_ring.scene", 0.1, 0),
+          of("fog box", "fog_box.scene", 0.1, 0),
+          of("subsurface", "subsurface.scene", 0.15, 0),
+          of("mirror and ball", "mirror_buckyball.scene", 0.1, 1),
+          of("mirror and ball, area light", "mirror_buckyball_area.scene", 0.1, 1),
+          of("mirror and head", "mirror_head.scene", 0.1, 1),
+          of("glass", "glass.scene", 0.1, 1),
+          of("mirror and head, 4%", "mirror_head.scene", 0.04, 1),
+          of("glass, 20%", "glass.scene", 0.2, 1),
+          lit(buckyball("ball", 64), 0.1),
+          lit(scan("T1", data / "stroke_brain_mri/T1.nii.gz", "mri-brain"), 0.1)};
+}
+
 }  // namespace gicube::plan_study

@@ -24,4 +24,12 @@ struct StudyScene {
 // `data`: the folder of the real scans; `sources`: of this tree.
 std::vector<StudyScene> study_scenes(const std::filesystem::path& data, const std::filesystem::path& sources);
 
+// Those that plans of light are checked with, each with its target. Three were there while plan_light() was written (batch 0); the
+// others were named in this file before it was run on them.
+struct LitScene {
+  StudyScene study;
+  double max_error = 0;  // of light and picture together
+};
+std::vector<LitScene> lit_scenes(const std::filesystem::path& data, const std::filesystem::path& sources);
+
 }  // namespace gicube::plan_study

@@ -1,0 +1,30 @@
+// The lines that all plans have, in the same words: those of pictures (plan.h), of light (light_plan.h), and those that
+// applications make for work of their own.
+#pragma once
+
+#include <string>
+
+#include "gicube/export.h"
+#include "gicube/time.h"
+
+namespace gicube {
+
+struct PlanTarget {
+  double max_error = 0;         // relative; 0: none
+  Picoseconds time_budget = 0;  // 0: none
+};
+
+// "12.5 million".
+GICUBE_API std::string count_text(double count);
+
+// "plan of the picture for an error of at most 1%". `of` is "of the picture" or so; empty: left out.
+GICUBE_API std::string plan_headline(const std::string& of, const PlanTarget& target, bool kept);
+// "error: 0.3% in a pilot of 48 x 48 pixels, bound 0.4%". `where` is "in a pilot of ...".
+GICUBE_API std::string plan_error_line(double error, const std::string& where, double bound);
+// "cost: 1.2 million samples, where the finest setting takes 4.8 million (4.0 times as many)".
+GICUBE_API std::string plan_cost_line(const std::string& what, double chosen, const std::string& dearest,
+                                      double dearest_cost);
+// "board time: 12 ms predicted, the finest setting 48 ms (4.0 times as long)".
+GICUBE_API std::string plan_time_line(Picoseconds chosen, const std::string& dearest, Picoseconds dearest_time);
+
+}  // namespace gicube
