@@ -31,16 +31,12 @@ class Chunk {
       const Traveller start = set_out(rays_[k], frame_);
       TurnRay& way = out[places_[k]];
       way.position = start.position;
-      way.step = start.step;
-      // Jittered steps are three quarters long on average, and the way is gone in even ones.
-      for (std::int32_t& s : way.step) s = frame_.jitter ? s * 3 / 4 : s;
+      way.step = frame_.jitter ? drawn_from(start.direction, start.u, start.v) : start.step;
     }
     steps_.assign(rays_.size(), 0);
-    counters_ += emu::trace(rays_, frame_, packets_, threads_, steps_);
+    counters_ += emu::trace(rays_, frame_, packets_, std::max(1u, threads_ - 1), steps_);
     for (std::size_t k = 0; k < rays_.size(); ++k) {
-      TurnRay& way = out[places_[k]];
-      way.left = steps_[k];
-      keep_inside(way);
+      out[places_[k]].left = steps_[k];
     }
   }
 
@@ -49,15 +45,6 @@ class Chunk {
   std::size_t place(std::size_t k) const { return places_[k]; }
 
  private:
-  // The last step may lead out; a ray whose even steps do so before goes less far.
-  void keep_inside(TurnRay& ray) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::int32_t s = ray.step[axis], p = ray.position[axis];
-      if (s > 0) ray.left = std::min(ray.left, (frame_.extent[axis] - p) / s + 1);
-      if (s < 0) ray.left = std::min(ray.left, p / -s + 1);
-    }
-  }
-
   const Frame& frame_;
   const RayPackets* packets_;
   unsigned threads_;
@@ -153,13 +140,13 @@ Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& 
            const RayPackets* packets, unsigned threads, TurnMachine& machine, RayCounters& counters, Work& work) {
   framebuffer.clear(command.width, command.height, command.filter);
   ViewingTurns turns(command, frame, framebuffer, dsp, packets, threads, counters);
-  return machine.run(turns, frame, work);
+  return machine.run(turns, frame, work, threads > 1);
 }
 
 Ran trace(const GivenRays& rays, const Frame& frame, const RayPackets* packets, unsigned threads, TurnMachine& machine,
           RayCounters& counters, Work& work) {
   GivenTurns turns(rays, frame, packets, threads, counters);
-  return machine.run(turns, frame, work);
+  return machine.run(turns, frame, work, threads > 1);
 }
 
 }  // namespace gicube::emu

@@ -1,26 +1,48 @@
 #include "turn_machine.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
+
+#include "raybus/ray_bus.h"
 
 namespace gicube::emu {
 
 namespace {
 
-constexpr Cycle kSlack = 64;            // chosen: cycles by which a part may run ahead of the next
-constexpr Cycle kToProcessor = 3;       // from the DSP over the ray bus into a sorter
-constexpr std::size_t kOnTheWay = 4;    // rays between the DSP and one sorter before they hold the bus up
-constexpr std::size_t kChunk = 65'536;  // chosen: rays whose values are worked out at a time
+constexpr Cycle kSlack = 32;            // chosen: cycles by which a part may run ahead of the next
+constexpr Cycle kToProcessor = 4;       // from the DSP over the ray bus and by a sorter to the pipeline
+constexpr std::size_t kOnTheWay = 2;    // rays between the bus and one sorter, and sends between the DSP and the bus
+constexpr std::size_t kChunk = 16'384;  // chosen: rays whose values are worked out at a time
 
 }  // namespace
+
+Maker::Maker(TurnWork& work, bool ahead) : work_(work), ahead_(ahead) { begin_chunk(); }
+
+void Maker::begin_chunk() {
+  coming_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, work_.count() - begun_)));
+  const std::uint64_t begin = std::exchange(begun_, begun_ + coming_.size());
+  const auto make = [this, begin] { work_.make(begin, coming_); };
+  if (!coming_.empty()) making_ = std::async(ahead_ ? std::launch::async : std::launch::deferred, make);
+}
+
+const TurnRay& Maker::next() {
+  if (at_ == chunk_.size()) {
+    making_.get();
+    chunk_.swap(coming_);
+    at_ = 0;
+    begin_chunk();
+  }
+  return chunk_[at_++];
+}
 
 TurnMachine::TurnMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
     : config_(config),
       blocks_(blocks),
       partition_(config.asic().partition(), config.asic().processors(), blocks),
-      ratio_(static_cast<double>(config.asic().core_khz()) / config.dsp().clock_khz()) {
+      core_khz_(config.asic().core_khz()),
+      dsp_khz_(config.dsp().clock_khz()),
+      listeners_(config.asic().processors()) {
   const auto most = static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.most_blocks()));
   for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
     memories_.push_back(std::make_unique<TurnMemory>(config_, most));
@@ -33,61 +55,84 @@ void TurnMachine::invalidate_caches() {
   for (const auto& processor : processors_) processor->invalidate_cache();
 }
 
-// It begins one thing a core cycle at most.
+// It begins one thing a core cycle at most, at the clock's edge.
 void TurnMachine::dsp_works(std::uint64_t cycles) {
-  dsp_.now += std::max(static_cast<double>(cycles) * ratio_, 1.0);
+  dsp_.now += std::max<Cycle>((cycles * core_khz_ + dsp_khz_ - 1) / dsp_khz_, 1);
   dsp_.busy += cycles;
 }
 
-void TurnMachine::send(const TurnRay& ray) {
+// A run is two packets, and each processor extrapolates one of its rays a cycle.
+void TurnMachine::send(TurnRay ray, std::uint32_t run, bool first) {
+  ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
   const Home& home = partition_.home(ray.block);
-  const auto ready = static_cast<Cycle>(std::ceil(dsp_.now)) + kToProcessor;
-  bus_.push({home.processor, {ray, ready, home.number, false, false}});
+  Cycle ready = dsp_.now + kToProcessor;
+  if (run != 0) {
+    Listener& listener = listeners_[home.processor];
+    if (std::exchange(listener.making, run) != run) listener.made = 0;
+    ready += RayBus::kRunPackets + listener.made++;
+  }
+  bus_.push({home.processor, first, run, {ray, ready, home.number, false, false}});
+  sends_ += first ? 1 : 0;
   ++dsp_.sent;
-  run_bus();
+}
+
+// The processor that can't take what is next on the bus, if there is one. A run waits until all have a buffer for it.
+TurnProcessor* TurnMachine::holds(const OnBus& next) const {
+  TurnProcessor* const to = processors_[next.processor].get();
+  if (next.run == 0) return to->holds_bus() && to->from_bus() >= kOnTheWay ? to : nullptr;
+  for (std::size_t i = 0; next.first && i < processors_.size(); ++i) {
+    const std::uint64_t taken = listeners_[i].sent - processors_[i]->from_bus();
+    if (listeners_[i].ends[0] > taken + kOnTheWay) return processors_[i].get();
+  }
+  return nullptr;
+}
+
+void TurnMachine::hand_on(const OnBus& next) {
+  Listener& listener = listeners_[next.processor];
+  ++listener.sent;
+  if (next.run != 0) {
+    if (std::exchange(listener.run, next.run) != next.run) listener.ends[0] = listener.ends[1];
+    listener.ends[1] = listener.sent;
+  }
+  sends_ -= next.first ? 1 : 0;
+  processors_[next.processor]->send(TurnProcessor::From::kBus, next.ray);
 }
 
 // Hands rays on in their order.
 void TurnMachine::run_bus() {
   while (!bus_.empty()) {
-    TurnProcessor& to = *processors_[bus_.front().processor];
-    if (to.holds_bus() && to.from_bus() >= kOnTheWay) {
-      held_ = true;
+    TurnProcessor* const held_by = holds(bus_.front());
+    if (held_by != nullptr) {
+      holding_ = held_by;
       return;
     }
-    if (std::exchange(held_, false)) bus_free_ = std::max(bus_free_, to.taken_from_bus());
-    to.send(TurnProcessor::From::kBus, bus_.pop().ray);
+    if (holding_ != nullptr) bus_free_ = std::max(bus_free_, std::exchange(holding_, nullptr)->taken_from_bus());
+    hand_on(bus_.front());
+    bus_.drop();
   }
-}
-
-TurnRay& TurnMachine::next_made(TurnWork& work) {
-  if (dsp_.made == chunk_begin_ + chunk_.size()) {
-    chunk_begin_ = dsp_.made;
-    chunk_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, count_ - dsp_.made)));
-    work.make(chunk_begin_, chunk_);
-  }
-  return chunk_[static_cast<std::size_t>(dsp_.made++ - chunk_begin_)];
 }
 
 // One ray, or a run of them.
 void TurnMachine::make_rays(TurnWork& work) {
-  const std::uint64_t run = config_.dsp().run_rays(), row = work.row_end(dsp_.made);
-  const bool in_run = run > 1 && row > dsp_.made + 1;
-  const std::uint64_t last = in_run ? std::min(row, dsp_.made + run) : dsp_.made + 1;
+  const std::uint64_t row = work.row_end(dsp_.made);
+  const bool in_run = config_.dsp().run_rays() > 1 && row > dsp_.made + 1;
+  const std::uint64_t last = in_run ? std::min(row, dsp_.made + config_.dsp().run_rays()) : dsp_.made + 1;
+  const std::uint32_t run = in_run ? ++runs_ : 0;
   dsp_works(in_run ? config_.dsp().run_cycles() : work.make_cycles());
-  while (dsp_.made < last) {
-    TurnRay& ray = next_made(work);
-    if (ray.left <= 0) continue;
-    ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
-    send(ray);
+  bool first = true;
+  for (; dsp_.made < last; ++dsp_.made) {
+    const TurnRay& ray = maker_->next();
+    if (ray.left > 0) send(ray, run, std::exchange(first, false));
   }
+  run_bus();
 }
 
 // What comes back goes first, then new rays, then overflowed ones. False if there is nothing to be done yet.
 bool TurnMachine::dsp_acts(TurnWork& work) {
   const std::uint32_t overflow = config_.dsp().overflow_ray_cycles();
-  if (!up_.empty() && static_cast<double>(up_.front().ready) <= dsp_.now) {
+  if (!up_.empty() && up_.front().ready <= dsp_.now) {
     const Coming back = up_.pop();
+    processors_[back.queue]->taken_from_tree(dsp_.now);
     if (back.overflowed) {
       dsp_works(overflow / 2);
       ++dsp_.overflows;
@@ -98,25 +143,26 @@ bool TurnMachine::dsp_acts(TurnWork& work) {
     }
     return true;
   }
-  if (!bus_.empty() || (dsp_.made == count_ && dsp_.kept.empty())) return false;
-  dsp_.now = std::max(dsp_.now, static_cast<double>(bus_free_));
+  if (sends_ > kOnTheWay || (dsp_.made == count_ && dsp_.kept.empty())) return false;
+  dsp_.now = std::max(dsp_.now, bus_free_);
   if (dsp_.made < count_) {
     make_rays(work);
   } else {
     dsp_works(overflow - overflow / 2);
-    send(dsp_.kept.front());
+    send(dsp_.kept.front(), 0, true);
     dsp_.kept.pop_front();
+    run_bus();
   }
   return true;
 }
 
-Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress) {
+Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress, bool ahead) {
   const Cycle begin = now_;
   const std::uint64_t busy = dsp_.busy, taken = dsp_.taken;
   count_ = work.count();
-  chunk_.clear();
-  chunk_begin_ = dsp_.made = 0;
-  dsp_.now = static_cast<double>(now_);
+  maker_.emplace(work, ahead);
+  dsp_.made = 0;
+  dsp_.now = now_;
   grid_ = BlockGrid(*frame.volume);
   for (const auto& processor : processors_) processor->begin(now_, frame);
   progress.all = static_cast<std::uint32_t>(count_);
@@ -132,23 +178,24 @@ Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress) {
       }
     }
     // While the DSP is not behind the processors it has seen all that comes.
-    if (static_cast<double>(least) >= dsp_.now) {
+    if (least >= dsp_.now) {
       if (dsp_acts(work)) continue;
       if (!up_.empty() && up_.front().ready <= least) {
-        dsp_.now = std::max(dsp_.now, static_cast<double>(up_.front().ready));
+        dsp_.now = std::max(dsp_.now, up_.front().ready);
         continue;
       }
       if (behind == nullptr) break;
     }
     const bool dsp_has_work = dsp_.made < count_ || !dsp_.kept.empty();
-    Cycle until = second == kNoCycle ? least + 16 * kSlack : second + kSlack;
-    if (dsp_has_work) until = std::min(until, std::max(least, static_cast<Cycle>(dsp_.now)) + kSlack);
-    behind->work(std::max(until, least), !bus_.empty() && processors_[bus_.front().processor].get() == behind);
+    Cycle until = second == kNoCycle ? least + 64 : second + kSlack;
+    if (dsp_has_work) until = std::min(until, std::max(least, dsp_.now) + kSlack);
+    behind->work(std::max(until, least), holding_ == behind);
     run_bus();
     progress.done = static_cast<std::uint32_t>(dsp_.taken - taken);
     if (progress.cancel) return {now_ - begin, dsp_.busy - busy, true};
   }
-  now_ = static_cast<Cycle>(std::ceil(dsp_.now));
+  maker_.reset();
+  now_ = dsp_.now;
   for (const auto& processor : processors_) now_ = std::max(now_, processor->now());
   return {now_ - begin, dsp_.busy - busy, false};
 }

@@ -7,7 +7,9 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <future>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -33,6 +35,23 @@ class TurnWork {
   virtual std::uint32_t take_cycles() const = 0;
 };
 
+// The rays of a work, made in chunks.
+class Maker {
+ public:
+  Maker(TurnWork& work, bool ahead);
+  const TurnRay& next();
+
+ private:
+  void begin_chunk();
+
+  TurnWork& work_;
+  bool ahead_;
+  std::uint64_t begun_ = 0;  // rays in all chunks until now
+  std::size_t at_ = 0;
+  std::vector<TurnRay> chunk_, coming_;
+  std::future<void> making_;  // of what is coming; waits for it when it goes
+};
+
 class TurnMachine {
  public:
   // For volumes of `blocks` along x, y, z.
@@ -40,7 +59,8 @@ class TurnMachine {
   TurnMachine(const TurnMachine&) = delete;  // its processors point at it
   TurnMachine& operator=(const TurnMachine&) = delete;
 
-  Ran run(TurnWork& work, const Frame& frame, Work& progress);
+  // `ahead`: rays are made on a thread of their own while turns are gone.
+  Ran run(TurnWork& work, const Frame& frame, Work& progress, bool ahead);
 
   void invalidate_caches();
   const std::array<int, 3>& blocks() const { return blocks_; }
@@ -48,38 +68,51 @@ class TurnMachine {
   void count(std::vector<wire::Counter>& list) const;
 
  private:
-  // DSP cycles in units of core cycles.
   struct Dsp {
-    double now = 0;
+    Cycle now = 0;
     std::uint64_t made = 0, sent = 0, taken = 0, overflows = 0, busy = 0;
     std::deque<TurnRay> kept;  // overflowed rays
   };
 
+  // A ray on the bus.
+  struct OnBus {
+    std::uint8_t processor = 0;
+    bool first = true;      // alone, or of its run
+    std::uint32_t run = 0;  // 0: alone
+    Coming ray;
+  };
+  // A processor's run buffers.
+  struct Listener {
+    std::uint64_t sent = 0;               // rays in all
+    std::uint32_t making = 0, made = 0;   // the latest run that the DSP made with rays for it, and how many those are
+    std::uint32_t run = 0;                // the latest sent
+    std::array<std::uint64_t, 2> ends{};  // how many it had been sent after the last but one and after the last of them
+  };
+
   void dsp_works(std::uint64_t cycles);
   void make_rays(TurnWork& work);
-  void send(const TurnRay& ray);
+  void send(TurnRay ray, std::uint32_t run, bool first);
+  TurnProcessor* holds(const OnBus& next) const;
+  void hand_on(const OnBus& next);
   void run_bus();
   bool dsp_acts(TurnWork& work);
-  TurnRay& next_made(TurnWork& work);
 
   v1::BoardConfig config_;
   std::array<int, 3> blocks_;
   Partition partition_;
-  double ratio_;  // core cycles a DSP cycle
+  std::uint64_t core_khz_, dsp_khz_;
   LongQueue<Coming> up_;
   std::vector<std::unique_ptr<TurnMemory>> memories_;
   std::vector<std::unique_ptr<TurnProcessor>> processors_;
   Dsp dsp_;
   std::uint64_t count_ = 0;     // of the work in hand
-  std::vector<TurnRay> chunk_;  // of it, made
-  std::uint64_t chunk_begin_ = 0;
-  struct OnBus {
-    std::uint8_t processor = 0;
-    Coming ray;
-  };
-  LongQueue<OnBus> bus_;  // rays behind one that a processor can't take yet
-  bool held_ = false;     // there is
-  Cycle bus_free_ = 0;    // when the last that was left
+  std::optional<Maker> maker_;  // of it
+  std::uint32_t runs_ = 0;
+  std::vector<Listener> listeners_;   // by processor
+  LongQueue<OnBus> bus_;              // behind what a processor can't take yet
+  std::size_t sends_ = 0;             // on it: rays alone and runs
+  TurnProcessor* holding_ = nullptr;  // that processor
+  Cycle bus_free_ = 0;                // when the last that was held left
   BlockGrid grid_;
   Cycle now_ = 0;
 };

@@ -8,9 +8,9 @@ namespace gicube::emu {
 namespace {
 
 constexpr std::uint32_t kMostPackets = 8;  // of one neighbourhood
-constexpr Cycle kToQueue = 4;              // from the end of the pipeline by four registers to its beginning
-constexpr Cycle kToDsp = 4;                // through the merge tree
-constexpr Cycle kOverRing = 1;             // into the sorter behind a link
+constexpr Cycle kToQueue = 3;              // from the end of the pipeline by the sorter to its beginning
+constexpr Cycle kSorter = 2;               // from being written to the pipeline
+constexpr Cycle kOverRing = 3;             // from a link by the sorter to the pipeline
 constexpr std::uint32_t kRayBits = 256;
 
 }  // namespace
@@ -26,6 +26,8 @@ TurnProcessor::TurnProcessor(std::uint8_t number, const Surroundings& surroundin
       room_(with_.config->cache().miss_packets() - kMostPackets),
       link_cycles_((kRayBits + with_.config->link().bits() - 1) / with_.config->link().bits()),
       rac_latency_(with_.config->rdram().rac_latency()),
+      to_dsp_(std::bit_width(2 * with_.config->asic().processors() - 1) + 1u),
+      tree_places_(2 * static_cast<std::uint32_t>(to_dsp_)),
       ideal_memory_(with_.config->ideal().memory() != 0),
       queues_(std::max<std::size_t>(1, with_.partition->blocks_of(number))),
       slots_(queues_.size()),
@@ -38,13 +40,30 @@ void TurnProcessor::begin(Cycle now, const Frame& frame) {
   now_ = std::max(now_, now);
   computing_ = std::max(computing_, now);
   frame_ = &frame;
+  jitter_ = frame.jitter;
+  empty_ = frame.leap ? frame.empty.data() : nullptr;
   grid_ = BlockGrid(*frame.volume);
 }
 
 Cycle TurnProcessor::next() const {
+  if (stands_) return kNoCycle;
   if (waiting_ > 0) return now_ + 1;
   const Cycle first = std::min(returned_.empty() ? kNoCycle : returned_.front().ready, others_);
   return first == kNoCycle ? first : std::max(first, now_ + 1);
+}
+
+// What stood goes on when the place that is free has come down the tree.
+void TurnProcessor::taken_from_tree(Cycle now) {
+  --in_tree_;
+  if (!std::exchange(stands_, false)) return;
+  tree_free_ = now + to_dsp_;
+}
+
+// For a ray at its last step. Its place may come to be free at a time that is not known yet.
+bool TurnProcessor::finds_place() {
+  stands_ = in_tree_ >= tree_places_;
+  if (!stands_ && tree_free_ > compute_) computing_ = std::max(computing_, tree_free_ - compute_);
+  return !stands_;
 }
 
 // Counts rays that come (+1) and go (-1).
@@ -65,7 +84,8 @@ inline void TurnProcessor::write(const Coming& ray) {
   if (!ray.keeps_slot) {
     if (!has_slot(ray.queue, ray.ready)) {
       ++counters_.overflows;
-      with_.up->push({ray.ray, ray.ready + kToDsp, 0, false, true});
+      ++in_tree_;
+      with_.up->push({ray.ray, ray.ready - kSorter + to_dsp_, number_, false, true});
       return;
     }
     ++slots_[ray.queue];
@@ -85,10 +105,15 @@ void TurnProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
   for (std::size_t tried = 0; tried < from_.size(); ++tried) {
     LongQueue<Coming>& from = from_[turn_];
     while (!from.empty() && from.front().ready <= now) {
-      const bool same = from.front().queue == written && has_slot(written, now);
-      if (room == 0 || (same && beside == 0)) {
+      const bool slot = has_slot(from.front().queue, now), same = from.front().queue == written && slot;
+      if (!slot && in_tree_ >= tree_places_) {
+        stands_ = true;
+        return;
+      }
+      if (room == 0 || (same && beside == 0) || (!slot && now < tree_free_)) {
         holds_bus_ = holds_bus_ || turn_ == static_cast<std::uint32_t>(From::kBus);
         others_ = now + 1;
+        ++counters_.conflicts;
         return;
       }
       if (written == kNone || same) {
@@ -97,9 +122,10 @@ void TurnProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
       }
       --room;
       const std::uint64_t before = waiting_;
-      const Coming ray = from.pop();
+      const Coming& ray = from.front();
       write(ray);
       if (waiting_ > before) hold(1, ray.ready);
+      from.drop();
       if (turn_ == static_cast<std::uint32_t>(From::kBus)) {
         taken_from_bus_ = now;
         holds_bus_ = false;
@@ -142,7 +168,7 @@ inline bool TurnProcessor::choose(Cycle now) {
 
 // The shorter way round the ring. Each hop takes its cycles; the first link is one ray's at a time, and when too many wait at
 // its entry the pipeline stands.
-void TurnProcessor::cross(const Home& home, const Coming& ray, Cycle out) {
+void TurnProcessor::cross(const Home& home, Coming& ray, Cycle out) {
   const auto count = static_cast<unsigned>(with_.processors->size());
   const unsigned right = (home.processor + count - number_) % count;
   const bool to_right = right <= count - right;
@@ -154,22 +180,21 @@ void TurnProcessor::cross(const Home& home, const Coming& ray, Cycle out) {
   if (begin > out + 1 + at_the_entry) computing_ = std::max(computing_, begin - at_the_entry - compute_);
   ++counters_.rays_sent;
   counters_.hops += hops;
-  Coming coming = ray;
-  coming.ready = begin + hops * link_cycles_ + kOverRing;
-  (*with_.processors)[home.processor]->send(to_right ? From::kLeft : From::kRight, coming);
+  ray.ready = begin + hops * link_cycles_ + kOverRing;
+  (*with_.processors)[home.processor]->send(to_right ? From::kLeft : From::kRight, ray);
 }
 
 // When the packets are there of a sample that could be resampled in cycle `first`: each is written in a cycle of its own,
 // and the last is handed on in that cycle.
-inline Cycle TurnProcessor::fetch(const TurnRay& ray, const Point& low, Cycle first) {
-  const Misses& misses = cache_.check(ray.block, cell(ray.position, low).voxel);
+Cycle TurnProcessor::fetch(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, Cycle first) {
+  const Misses& misses = cache_.check(block, voxel);
   if (ideal_memory_) return first;
-  const std::uint32_t number = with_.partition->home(ray.block).number;
+  const std::uint32_t number = with_.partition->home(block).number;
   TurnMemory& memory = *with_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
     const rdram::Location at = memory.layout.locate(number, misses.tiles[i]);
-    const Cycle there = memory.channel.read(at, memory.asked * ratio_) + rac_latency_ + ratio_ - 1;
+    const Cycle there = memory.channel.read(at, memory.asked * ratio_).data_end + rac_latency_ + ratio_ - 1;
     const Cycle arrival = ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
     first = std::max(i == 0 ? first : first + 1, arrival);
     taken_[packets_++ % kRemembered] = first;
@@ -177,49 +202,70 @@ inline Cycle TurnProcessor::fetch(const TurnRay& ray, const Point& low, Cycle fi
   return first;
 }
 
-// Out of the pipeline, in cycle `out`.
-inline void TurnProcessor::leave(const TurnRay& ray, std::uint32_t queue, Cycle out) {
+// Out of the pipeline for good, or to another processor, in cycle `out`.
+void TurnProcessor::leave(const TurnRay& ray, std::uint32_t queue, Cycle out) {
+  released_.push({out + 1 + kSorter, queue});
+  hold(-1, out);
   if (ray.left <= 0) {
-    with_.up->push({ray, out + kToDsp, 0, false, false});
-    released_.push({out + 1, queue});
-    hold(-1, out);
+    with_.up->push({ray, out + to_dsp_, number_, false, false});
+    ++in_tree_;
     return;
   }
-  Coming coming{ray, out + kToQueue, 0, false, false};
-  coming.ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
-  const Home& home = with_.partition->home(coming.ray.block);
-  coming.queue = home.number;
-  if (home.processor == number_) {
-    coming.keeps_slot = home.number == queue;
-    returned_.push(coming);
-  } else {
-    cross(home, coming, out);
-    hold(-1, out);
-  }
-  if (!coming.keeps_slot) released_.push({out + 1, queue});
+  const Home& home = with_.partition->home(ray.block);
+  Coming coming{ray, 0, home.number, false, false};
+  cross(home, coming, out);
 }
 
-// One turn of `ray`, which has left `queue`; sets now_ to the cycle in which it enters the pipeline.
-inline void TurnProcessor::turn(std::uint32_t queue, TurnRay ray) {
-  // The prefetch line is as long as it is, and has room for the packets of a sample.
-  if (turns_ >= prefetch_) now_ = std::max(now_, started_[(turns_ - prefetch_) % kRemembered] + 1);
-  if (packets_ > room_) now_ = std::max(now_, taken_[(packets_ - room_ - 1) % kRemembered] + 1);
+Point TurnProcessor::drawn_step(const TurnRay& ray) const {
+  const auto words = std::bit_cast<std::array<std::uint16_t, 6>>(ray.step);
+  const std::array<std::int16_t, 3> direction{static_cast<std::int16_t>(words[0]), static_cast<std::int16_t>(words[1]),
+                                              static_cast<std::int16_t>(words[2])};
+  const std::uint32_t factor = jitter(ray.position, words[3], words[4]);
+  return step_vector(direction, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame_->step} * factor)));
+}
 
-  const Point low = grid_.low(ray.position);
+// One turn of the ray at the head of `queue`; sets now_ to the cycle in which it enters the pipeline.
+inline void TurnProcessor::turn(std::uint32_t queue) {
+  LongQueue<TurnRay>& from = queues_[queue];
+  const TurnRay& ray = from.front();
+  // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
+  now_ = std::max({now_, started_[(turns_ - prefetch_) % kRemembered], taken_[(packets_ - room_ - 1) % kRemembered]});
+
+  const Point low = grid_.low(ray.position), step = jitter_ ? drawn_step(ray) : ray.step;
   Cycle begin = std::max(computing_ + 1, now_ + prefetch_);
   std::int32_t steps = 1;
-  if (frame_->leap && frame_->empty[ray.block] != 0) {
+  if (empty_ != nullptr && empty_[ray.block] != 0) {
     ++counters_.leaps;
-    steps = std::min(leap_steps(ray.position, ray.step, low, grid_.size()), ray.left);
+    steps = std::min(leap_steps(ray.position, step, low, grid_.size()), ray.left);
   } else {
     ++counters_.samples;
-    begin = fetch(ray, low, begin);
+    const Cell at = cell(ray.position, low);
+    if (!cache_.hits(ray.block, at.voxel)) begin = fetch(ray.block, at.voxel, begin);
   }
   computing_ = begin;
   started_[turns_++ % kRemembered] = begin;
-  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
-  ray.left -= steps;
-  leave(ray, queue, begin + compute_);
+
+  Point position = ray.position;
+  for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += steps * step[axis];
+  const std::int32_t left = ray.left - steps;
+  const bool stays = grid_.same(position, low);
+  const std::uint32_t block = stays || left <= 0 ? ray.block : static_cast<std::uint32_t>(grid_.block(position));
+  const Home* const home = stays ? nullptr : &with_.partition->home(block);
+  const Cycle out = begin + compute_;
+  if (left <= 0 || (!stays && home->processor != number_)) {
+    leave({position, ray.step, left, block}, queue, out);
+  } else {
+    Coming& coming = returned_.next();
+    coming.ray.position = position;
+    coming.ray.step = ray.step;
+    coming.ray.left = left;
+    coming.ray.block = block;
+    coming.ready = out + kToQueue;
+    coming.queue = stays ? queue : home->number;
+    coming.keeps_slot = coming.queue == queue;
+    if (!coming.keeps_slot) released_.push({out + 1 + kSorter, queue});
+  }
+  from.drop();
 }
 
 void TurnProcessor::work(Cycle until, bool bus_waits) {
@@ -229,15 +275,25 @@ void TurnProcessor::work(Cycle until, bool bus_waits) {
     std::uint32_t written = kNone;
     Cycle returned = 0;
     for (; !returned_.empty() && returned_.front().ready <= now; ++returned) {
-      written = returned_.front().queue;
-      write(returned_.pop());
+      const Coming& ray = returned_.front();
+      written = ray.queue;
+      if (ray.keeps_slot && ray.queue == active_) {  // what most do
+        queues_[active_].push(ray.ray);
+        ++waiting_;
+        ++counters_.written;
+      } else {
+        write(ray);
+      }
+      returned_.drop();
     }
     if (others_ <= now) take_others(now, std::max(now - before, returned), returned, written);
+    if (stands_) return;
     before = now;
     if (choose(now)) {
+      if (queues_[active_].front().left == 1 && !finds_place()) return;
       now_ = now;
       --waiting_;
-      turn(active_, queues_[active_].pop());
+      turn(active_);
       now = now_ + 1;
     } else {
       now = waiting_ > 0 ? now + 1 : next();

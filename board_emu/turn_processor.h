@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -23,10 +24,10 @@
 #include "gicube/v1/board_config.pb.h"
 #include "march.h"
 #include "partition.h"
+#include "rdram/channel.h"
 #include "rdram/layout.h"
 #include "sim/clock.h"
 #include "sorter/exact_maximum.h"
-#include "turn_channel.h"
 
 namespace gicube::emu {
 
@@ -37,10 +38,15 @@ class LongQueue {
   bool empty() const { return head_ == tail_; }
   std::size_t size() const { return tail_ - head_; }
   const Item& front() const { return ring_[head_ & mask_]; }
+  void drop() { ++head_; }
   Item pop() { return ring_[head_++ & mask_]; }
-  void push(const Item& item) {
-    if (size() == ring_.size()) grow();
-    ring_[tail_++ & mask_] = item;
+  void push(const Item& item) { next() = item; }
+  // A new last one, to be filled in place: what is put together elsewhere and then copied whole stalls the host's loads on
+  // its own partial stores.
+  Item& next() {
+    if (size() == ring_.size()) [[unlikely]]
+      grow();
+    return ring_[tail_++ & mask_];
   }
 
  private:
@@ -58,13 +64,20 @@ class LongQueue {
   std::size_t head_ = 0, tail_ = 0;
 };
 
-// A ray under way.
+// A ray under way. Of jittered rays `step` has the words from which each step is drawn.
 struct TurnRay {
   Point position{};
   Point step{};
   std::int32_t left = 0;  // steps to its end
   std::uint32_t block = 0;
 };
+
+// Direction, and place in the image: what a jittered step is drawn from.
+inline Point drawn_from(const std::array<std::int16_t, 3>& direction, std::uint16_t u, std::uint16_t v) {
+  return std::bit_cast<Point>(std::array<std::uint16_t, 6>{static_cast<std::uint16_t>(direction[0]),
+                                                           static_cast<std::uint16_t>(direction[1]),
+                                                           static_cast<std::uint16_t>(direction[2]), u, v, 0});
+}
 
 // A processor's RDRAM channel.
 struct TurnMemory {
@@ -73,7 +86,7 @@ struct TurnMemory {
         channel(config.rdram(), layout.devices()) {}
 
   rdram::Layout layout;
-  TurnChannel channel;
+  rdram::Channel channel;
   Cycle asked = 0;  // in which it took the last packet on
 };
 
@@ -90,7 +103,7 @@ struct TurnCounters {
   std::uint64_t samples = 0;
   std::uint64_t leaps = 0;
   std::uint64_t written = 0;
-  std::uint64_t overflows = 0;
+  std::uint64_t overflows = 0, conflicts = 0;
   std::uint64_t activations = 0;
   std::uint64_t rays_sent = 0;  // over links
   std::uint64_t hops = 0;
@@ -126,6 +139,9 @@ class TurnProcessor {
     others_ = std::min(others_, ray.ready);
   }
 
+  // The DSP has taken a ray of this processor out of the merge tree.
+  void taken_from_tree(Cycle now);
+
   // Rays on the bus' way into the sorter, and the cycle in which the sorter took the last.
   std::size_t from_bus() const { return from_[static_cast<std::size_t>(From::kBus)].size(); }
   bool holds_bus() const { return holds_bus_; }
@@ -141,11 +157,13 @@ class TurnProcessor {
   void write(const Coming& ray);
   void take_in(Cycle now);
   bool choose(Cycle now);
-  void turn(std::uint32_t queue, TurnRay ray);
-  Cycle fetch(const TurnRay& ray, const Point& low, Cycle first);
-  void leave(const TurnRay& ray, std::uint32_t queue, Cycle out);
-  void cross(const Home& home, const Coming& ray, Cycle out);
+  void turn(std::uint32_t queue);
+  Point drawn_step(const TurnRay& ray) const;
+  [[gnu::noinline]] Cycle fetch(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, Cycle first);
+  [[gnu::noinline]] void leave(const TurnRay& ray, std::uint32_t queue, Cycle out);
+  void cross(const Home& home, Coming& ray, Cycle out);
   void hold(int rays, Cycle when);
+  bool finds_place();
 
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
@@ -156,8 +174,12 @@ class TurnProcessor {
   std::uint32_t room_;  // packets that may be on their way when a sample enters
   Cycle link_cycles_;   // of a ray
   Cycle rac_latency_;
+  Cycle to_dsp_;               // from the end of the pipeline or an overflow through the merge tree
+  std::uint32_t tree_places_;  // on that way
   bool ideal_memory_;
   const Frame* frame_ = nullptr;
+  bool jitter_ = false;
+  const std::uint8_t* empty_ = nullptr;  // by block, if empty ones are leapt over
   BlockGrid grid_;
 
   std::vector<LongQueue<TurnRay>> queues_;
@@ -182,6 +204,9 @@ class TurnProcessor {
   static constexpr std::size_t kRemembered = 1024;  // more than stages or packets there can be
   std::array<Cycle, kRemembered> started_{}, taken_{};
   std::uint64_t turns_ = 0, packets_ = 0;
+  std::uint32_t in_tree_ = 0;         // rays between this processor and the DSP
+  bool stands_ = false;               // until it is known when one finds a place there
+  Cycle tree_free_ = 0;               // when the last such did
   std::array<Cycle, 2> link_free_{};  // to the right, to the left
   std::uint64_t holds_ = 0;           // rays
   Cycle held_since_ = 0;

@@ -138,7 +138,8 @@ INSTANTIATE_TEST_SUITE_P(
 // Their packets alternate on the channel, which turns know nothing of.
 TEST(ApproximateBoard, TakesTheCycleLevelsTimeWhereProcessorsShareAnRdram) {
   const auto time = [](const char* fidelity, const char* sharing) {
-    BareBoard board(config_with({fidelity, sharing, "asic.block_voxels=16", "asic.max_volume_voxels=128"}));
+    BareBoard board(config_with(
+        {fidelity, sharing, "dsp.clock_khz=1000000", "asic.block_voxels=16", "asic.max_volume_voxels=128"}));
     board.load_volume({32, 32, 32}, [](int x, int y, int) {
       return wire::Voxel{static_cast<std::uint16_t>(100 * x + y), 0, 0, 0};
     });
