@@ -97,8 +97,8 @@ void Aperture::resize_volume(const std::array<int, 3>& size) {
   std::fill(empty_flags_.begin(), empty_flags_.end(), std::uint8_t{0});
 }
 
-void Aperture::decode(unsigned threads) {
-  volume_.decode(gradients_.words(), gradients_changed_, threads);
+void Aperture::decode(unsigned threads, const VolumeReads& reads) {
+  volume_.decode(gradients_.words(), gradients_changed_, threads, reads);
   gradients_changed_ = false;
 }
 

@@ -58,8 +58,8 @@ class Aperture {
 
   // Drops the volume and its empty flags; `size` as VolumeMemory::resize.
   void resize_volume(const std::array<int, 3>& size);
-  // Makes the volume's decoded form current.
-  void decode(unsigned threads);
+  // Makes the decoded form of what is read of the volume current.
+  void decode(unsigned threads, const VolumeReads& reads);
   bool empty(std::size_t block) const { return (empty_flags_[block / 8] >> (block % 8) & 1) != 0; }
 
   const VolumeMemory& volume() const { return volume_; }

@@ -86,6 +86,8 @@ void DspCommands::reset() {
   host_traps_.begin(false, {});
   memory_errors_.clear();
   aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), most_irradiance(config_));
+  packets_.clear();
+  wide_depths_of_ = ~std::uint64_t{0};
 }
 
 // The next command begins with a new machine; the counters go on.
@@ -186,6 +188,12 @@ std::optional<std::string> DspCommands::material_fault(bool host_answers) const 
   return std::nullopt;
 }
 
+std::span<const float> DspCommands::current_wide_depths() {
+  if (wide_depths_of_ != aperture_.segmentation_writes()) wide_depths_ = wide_depths(aperture_.segmentation());
+  wide_depths_of_ = aperture_.segmentation_writes();
+  return wide_depths_;
+}
+
 Frame DspCommands::frame() {
   Frame frame;
   const VolumeMemory& volume = aperture_.volume();
@@ -208,6 +216,7 @@ Frame DspCommands::frame() {
   frame.routines = routines_;
   frame.host_traps = &host_traps_;
   frame.wide = config_.asic().datapath() == v1::wide;
+  if (frame.wide) frame.wide_depths = current_wide_depths();
   frame.exposure = registers_.value(reg::kExposure);
   frame.seed = registers_.value(reg::kSeed);
   frame.lifetime = static_cast<std::uint16_t>(registers_.value(reg::kLifetime));
@@ -273,9 +282,9 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   if (!has_volume()) return refuse(kNoVolume);
   if (const auto what = material_fault()) return refuse(*what);
 
-  aperture_.decode(threads_);
   host_traps_.begin(false, {});
   const Frame frame = this->frame();
+  aperture_.decode(threads_, reads(frame));
   const v1::DspConfig& dsp = config_.dsp();
   CommandResult result;
   if (in_cycles(frame)) {
@@ -309,12 +318,14 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Wor
   Frame frame = this->frame();
   if (const auto what = LightingRays::fault(command, frame.extent)) return refuse(*what);
   host_traps_.begin(true, command.rules);
+  aperture_.irradiance().expect_deposits();
 
-  aperture_.decode(threads_);
   frame.plain = false;
+  frame.lights = true;
   frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
   frame.rules = command.rules;
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
+  aperture_.decode(threads_, reads(frame));
   const LightingRays rays(command, frame.extent, frame.spacing, bits, frame.seed);
   CommandResult result;
   RayCounters counts;

@@ -74,6 +74,7 @@ class DspCommands {
   Frame frame();
   // Of the functional level, for so many rays; null if they go the plain way.
   const RayPackets* packets(std::uint64_t rays, const Frame& frame);
+  std::span<const float> current_wide_depths();
   std::optional<std::string> material_fault(bool host_answers = true) const;
   CommandResult cancelled();
   // Whether this frame's rays take the machine's cycles, or at the approximate level their turns. Neither: no time.
@@ -96,6 +97,8 @@ class DspCommands {
   OpacityCorrection opacity_correction_;
   RayPackets packets_{opacity_correction_};
   Aperture aperture_;
+  std::vector<float> wide_depths_;                    // of the segmentation LUT, on the wide datapath
+  std::uint64_t wide_depths_of_ = ~std::uint64_t{0};  // Aperture::segmentation_writes()
   Observer* observer_ = nullptr;
   const Routines* routines_ = nullptr;
   HostTraps host_traps_;

@@ -163,7 +163,7 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Work& wo
                            std::max(job.pairs[p].a, job.pairs[p].b)));
   }
 
-  aperture_.decode(threads_);
+  aperture_.decode(threads_, reads(frame));
   const v1::DspConfig& dsp = config_.dsp();
   // Made like lighting rays, from two points of a sequence; taken back like viewing rays, into a sum.
   const std::uint32_t make_cycles = dsp.lighting_ray_cycles(), take_cycles = dsp.returned_ray_cycles();

@@ -83,7 +83,9 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& w
   Frame frame = this->frame();
   const bool light = host_traps_.is_light();
   if (light) {
+    aperture_.irradiance().expect_deposits();
     frame.plain = false;
+    frame.lights = true;
     frame.opacity_threshold = wire::kOpacityOne;
     frame.rules = host_traps_.rules();
   }
@@ -96,7 +98,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& w
       return refuse("ray " + std::to_string(i) + ": " + *what);
     }
   }
-  aperture_.decode(threads_);
+  aperture_.decode(threads_, reads(frame));
   host_traps_.answered(count);
   CommandResult result;
   RayCounters counts;

@@ -99,6 +99,7 @@ std::uint64_t most_moved(std::span<const wire::Ray> rays, const Frame& frame) {
 void set_type(Frame& frame, const wire::TraceHeader& header) {
   if (header.type == RayType::kDeposit) {
     frame.plain = false;
+    frame.lights = true;
     frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
     frame.rules = header.rules;
     frame.cut_planes.clear();  // they cut what the eye sees
@@ -151,6 +152,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
   if (frame.scatter || deposit) {
     if (const auto what = material_fault(false)) return refuse(*what);
   }
+  if (deposit || (frame.backprojects && frame.sums == nullptr)) aperture_.irradiance().expect_deposits();
   const std::size_t count = header.count;
   const std::uint64_t most = most_energy(header, frame.wide);
   std::vector<wire::Ray>& rays = host_ray_room_;
@@ -169,7 +171,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     if (moved > kMostMoved) return refuse(expected("rays", "that can move no sum by more than 2^34", moved));
     if (in_cycles(frame)) aperture_.sums().moved_anywhere(moved);
   }
-  aperture_.decode(threads_);
+  if (!frame.backprojects) aperture_.decode(threads_, reads(frame));
   CommandResult result;
   RayCounters counts;
   const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways

@@ -1,6 +1,7 @@
 // The records that pass between the board's parts, in the words of its datapaths. The ray itself is wire::Ray.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -20,6 +21,15 @@ struct alignas(8) DecodedVoxel {
   int density() const { return channel[0]; }
   friend constexpr bool operator==(const DecodedVoxel&, const DecodedVoxel&) = default;
 };
+
+inline constexpr int kIrradianceFractionBits = 4;  // of the interpolator's 15-bit words
+
+// A word of the irradiance memory as the interpolator has it, 11.4. `narrow`: words have 16 bits more than the paper's 11 (the
+// wide datapath), which are dropped here.
+constexpr std::int16_t irradiance_word(std::uint32_t word, bool narrow) {
+  const std::uint32_t value = narrow ? word >> 12 : word << kIrradianceFractionBits;
+  return static_cast<std::int16_t>(std::min(value, std::uint32_t{32767}));
+}
 
 // Positions and steps as signed words of 14 fraction bits: one step beyond the volume may be negative.
 using Point = std::array<std::int32_t, 3>;

@@ -47,6 +47,7 @@ struct Frame {
 
   // Rays do no more than gather: none of what follows holds.
   bool plain = true;
+  bool lights = false;  // lighting rays
   std::array<wire::Material, wire::kTags> materials{};
   IrradianceMemory* irradiance = nullptr;  // lighting rays add to it, rendering rays read it
   const Routines* routines = nullptr;      // for materials that trap
@@ -55,11 +56,23 @@ struct Frame {
   bool scatter = false;                    // rendering rays too are scattered
   bool high_albedo = false;                // rendering rays take colour once, where they are absorbed
   bool wide = false;                       // the wide datapath
+  std::span<const float> wide_depths;      // on it: what wide_depths() makes of `segmentation`
   wire::EnergyRules rules = wire::EnergyRules::kConserving;
   std::uint32_t exposure = 0;  // 16.16
   std::uint32_t seed = 0;
   std::uint16_t lifetime = 0;  // of the rays that the DSP makes
 };
+
+// Rendering rays gather in wide words (pipeline/wide.h).
+inline bool gathers_wide(const Frame& frame) { return frame.wide && !frame.wide_depths.empty() && !frame.lights; }
+
+// What the rays of `frame` read of its volume; it must outlive this. Rays that backproject read nothing.
+inline VolumeReads reads(const Frame& frame) {
+  VolumeReads out;
+  out.gradients = !frame.plain || (frame.shade && !frame.colourless && !frame.integral);
+  if (frame.plain && frame.leap) out.leapt_over = frame.empty;
+  return out;
+}
 
 // Where lighting rays left their energy, in units of the energy words.
 struct EnergyCounters {

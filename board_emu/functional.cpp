@@ -22,7 +22,7 @@ std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
 namespace {
 
 // A ray that gathers and does nothing else.
-End gather(Traveller& traveller, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
+End gather(Traveller& traveller, WideWords* wide, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   std::size_t block = ~std::size_t{0};
@@ -45,7 +45,7 @@ End gather(Traveller& traveller, const Frame& frame, RayCounters& counters, std:
       continue;
     }
     ++counters.samples;
-    if (take_sample(traveller, cell(traveller.position, low), view, edge, frame)) ++counters.visible_samples;
+    if (take_sample(traveller, wide, cell(traveller.position, low), view, edge, frame)) ++counters.visible_samples;
     advance(traveller, 1);
     count_steps(traveller, 1, frame);
     ++taken;
@@ -54,15 +54,15 @@ End gather(Traveller& traveller, const Frame& frame, RayCounters& counters, std:
 }
 
 // The DSP's routine scatters the ray; kTrapped if it is the host's to do.
-Fate scatter_trapped(Traveller& traveller, const Frame& frame, RayCounters& counters) {
+Fate scatter_trapped(Traveller& traveller, WideWords* wide, const Frame& frame, RayCounters& counters) {
   std::uint32_t cycles = 0;
-  const Met met = resolve_trap(traveller, frame, counters, cycles);
+  const Met met = resolve_trap(traveller, wide, frame, counters, cycles);
   counters.trap_cycles += cycles;
   return met.fate;
 }
 
 // A ray that also deposits, or is scattered.
-End travel(Traveller& traveller, const Frame& frame, RayCounters& counters) {
+End travel(Traveller& traveller, WideWords* wide, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   End how = End::kNot;
@@ -80,11 +80,11 @@ End travel(Traveller& traveller, const Frame& frame, RayCounters& counters) {
     }
     ++counters.samples;
     const Met met =
-        meet(traveller, cell(traveller.position, low), frame.volume->view(block), block, edge, frame, counters);
+        meet(traveller, wide, cell(traveller.position, low), frame.volume->view(block), block, edge, frame, counters);
     if (met.visible) ++counters.visible_samples;
     if (met.deposits) counters.energy.deposited += frame.irradiance->add(met.deposit);
     Fate fate = met.fate;
-    if (fate == Fate::kTrapped) fate = scatter_trapped(traveller, frame, counters);
+    if (fate == Fate::kTrapped) fate = scatter_trapped(traveller, wide, frame, counters);
     if (fate == Fate::kEnded) return End::kSpent;
     if (fate == Fate::kTrapped) return End::kWaits;
     count_steps(traveller, 1, frame);
@@ -97,7 +97,10 @@ End travel(Traveller& traveller, const Frame& frame, RayCounters& counters) {
 bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps) {
   Traveller traveller = set_out(ray, frame);
   std::int32_t taken = 0;
-  const End how = frame.plain ? gather(traveller, frame, counters, taken) : travel(traveller, frame, counters);
+  WideWords words = wide_words(traveller);
+  WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
+  const End how =
+      frame.plain ? gather(traveller, wide, frame, counters, taken) : travel(traveller, wide, frame, counters);
   if (steps != nullptr) *steps = taken;
   if (how == End::kWaits) return false;
   count_end(traveller, how, frame, counters);

@@ -106,6 +106,28 @@ Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuf
   return {answers.size(), counts.returned, counts, work.cancel};
 }
 
+namespace {
+
+// Those of the rays that a cut plane leaves something of.
+void trace_cut(std::span<wire::Ray> rays, const Frame& frame, const RayPackets& packets, RayCounters& counters,
+               std::span<std::int32_t> steps) {
+  std::vector<wire::Ray> entering;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (!enter(rays[i], frame.extent, frame.cut_planes)) continue;
+    entering.push_back(rays[i]);
+    places.push_back(i);
+  }
+  std::vector<std::int32_t> their_steps(steps.empty() ? 0 : entering.size());
+  packets.trace(entering, frame, counters, their_steps);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    rays[places[k]] = entering[k];
+    if (!steps.empty()) steps[places[k]] = their_steps[k];
+  }
+}
+
+}  // namespace
+
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads,
                   std::span<std::int32_t> steps) {
   const std::size_t run_rays = packets != nullptr ? 512 : 64;  // chosen: that a thread takes at a time
@@ -114,7 +136,8 @@ RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPacket
     const std::size_t begin = run * run_rays, count = std::min(run_rays, rays.size() - begin);
     const auto part = rays.subspan(begin, count);
     const auto their_steps = steps.empty() ? steps : steps.subspan(begin, count);
-    if (packets != nullptr) return packets->trace(part, frame, counters, their_steps);
+    if (packets != nullptr && frame.cut_planes.empty()) return packets->trace(part, frame, counters, their_steps);
+    if (packets != nullptr) return trace_cut(part, frame, *packets, counters, their_steps);
     for (std::size_t i = 0; i < count; ++i) {
       wire::Ray& ray = part[i];
       if (!frame.cut_planes.empty() && !enter(ray, frame.extent, frame.cut_planes)) continue;

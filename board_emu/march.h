@@ -14,6 +14,7 @@
 #include "pipeline/jitter.h"
 #include "pipeline/resample.h"
 #include "pipeline/shade.h"
+#include "pipeline/wide.h"
 
 namespace gicube::emu {
 
@@ -184,41 +185,63 @@ inline Cell cell(const Point& position, const Point& low) {
   return out;
 }
 
+// The channels round a sample whose least voxel is the block's `first`-th; without voxels the density alone.
+inline Channels resample_view(const BlockView& view, std::size_t first, const Cell& at, std::size_t row,
+                              std::size_t slice) {
+  const std::array<int, 3> weights{weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])};
+  if (view.voxels != nullptr) return resample_all({view.voxels + first, row, slice, weights});
+  return {resample_density(view.densities + first, row, slice, weights), 0, 0, 0};
+}
+
+// Composites a sample of the classified opacity behind what the ray has gathered: in `wide` words, if there are any.
+inline void composite(Traveller& ray, WideWords* wide, const Colour12& colour, std::size_t index, const Frame& frame) {
+  if (wide != nullptr) return over(ray, *wide, colour, wide_alpha(frame.wide_depths[index], ray.exponent));
+  over(ray, colour, (*frame.opacity_correction)(frame.segmentation[index].opacity, ray.exponent));
+}
+
+// Whether samples of this entry of the segmentation LUT are seen.
+inline bool visible(std::size_t index, const WideWords* wide, const Frame& frame) {
+  return wide != nullptr ? frame.wide_depths[index] != 0 : frame.segmentation[index].opacity != 0;
+}
+
 // Resamples, classifies, shades and composites at `at`, a place in the block `view` of (edge)^3 voxels. False if the
-// sample has no opacity.
-inline bool take_sample(Traveller& ray, const Cell& at, const BlockView& view, std::size_t edge, const Frame& frame) {
+// sample has no opacity. `wide`: the ray's, of a frame that gathers_wide(); else null.
+inline bool take_sample(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t edge,
+                        const Frame& frame) {
   const std::size_t row = edge, slice = edge * edge;
   const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
-  const Neighbourhood near{
-      view.voxels + first, row, slice, {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}};
   unsigned tag = 0;
   if (view.tags != nullptr) {
     constexpr std::uint32_t kHalf = wire::kVoxel / 2;
     tag = view.tags[first + (at.fraction[0] >= kHalf) + row * (at.fraction[1] >= kHalf) +
                     slice * (at.fraction[2] >= kHalf)];
   }
-  const Channels sample = resample_all(near);
+  const Channels sample = resample_view(view, first, at, row, slice);
   if (frame.integral) {
     set_energy(ray.colour, energy(ray.colour) + static_cast<std::uint64_t>(sample[0]));
     return sample[0] != 0;
   }
-  const wire::SegmentationEntry& entry = frame.segmentation[segmentation_index(sample[0], tag)];
-  if (entry.opacity == 0) return false;
-  if (frame.colourless) {
-    over(ray, Colour12{}, (*frame.opacity_correction)(entry.opacity, ray.exponent));
-    return true;
+  const std::size_t index = segmentation_index(sample[0], tag);
+  const wire::SegmentationEntry& entry = frame.segmentation[index];
+  if (!visible(index, wide, frame)) return false;
+  Colour12 colour{};
+  if (!frame.colourless) {
+    colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
+                         : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }
-  const Colour12 colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
-                                      : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
-  over(ray, colour, (*frame.opacity_correction)(entry.opacity, ray.exponent));
+  composite(ray, wide, colour, index, frame);
   return true;
+}
+
+// A step by the factor that jitter() draws, 16.16 voxels.
+inline std::uint32_t jittered(const Frame& frame, std::uint32_t factor) {
+  return static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame.step} * factor));
 }
 
 // Draws the distance to the next sample, if the frame jitters.
 inline void jitter_step(Traveller& ray, const Frame& frame) {
   if (!frame.jitter) return;
-  const std::uint32_t factor = jitter(ray.position, ray.u, ray.v);
-  space(ray, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame.step} * factor)));
+  space(ray, jittered(frame, jitter(ray.position, ray.u, ray.v)));
 }
 
 // What the sorter counts of the ray, 12 bits: what a rendering ray can still add to the image, and a lighting ray's energy.

@@ -23,7 +23,8 @@ Sample classify(const Cell& at, const BlockView& view, std::size_t edge, const F
   }
   out.channels = resample_all(
       {view.voxels + first, row, slice, {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}});
-  out.entry = &frame.segmentation[segmentation_index(out.channels[0], out.tag)];
+  out.index = segmentation_index(out.channels[0], out.tag);
+  out.entry = &frame.segmentation[out.index];
   return out;
 }
 
@@ -239,8 +240,22 @@ Colour12 colour_of(const Sample& sample, const Cell& at, std::size_t block, std:
   return illuminated(*sample.entry, light, frame.exposure, sample.gradient(), frame.reflectance_map);
 }
 
-void meet_rendering(Met& met, Traveller& ray, const Cell& at, std::size_t block, std::size_t edge, std::uint32_t a,
-                    const wire::Material& material, const Sample& sample, const Frame& frame, RayCounters& counters) {
+// Leaves the part of a sample's opacity that is absorbed, of `scattering` units of wire::kScatteringOne.
+void absorb(Traveller& ray, WideWords* wide, const Colour12& colour, std::uint32_t a, std::uint16_t scattering,
+            const Sample& sample, const Frame& frame) {
+  constexpr float kOne = wire::kScatteringOne;
+  if (wide == nullptr) {
+    const std::uint64_t kept = wire::kScatteringOne - scattering;
+    over(ray, colour, static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne));
+    return;
+  }
+  const float alpha = wide_alpha(frame.wide_depths[sample.index], ray.exponent);
+  over(ray, *wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
+}
+
+void meet_rendering(Met& met, Traveller& ray, WideWords* wide, const Cell& at, std::size_t block, std::size_t edge,
+                    std::uint32_t a, const wire::Material& material, const Sample& sample, const Frame& frame,
+                    RayCounters& counters) {
   const bool scatters =
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
   double where = 0;
@@ -249,11 +264,17 @@ void meet_rendering(Met& met, Traveller& ray, const Cell& at, std::size_t block,
     if (scatters && draws_scattering(ray, material, frame)) {
       return scatter(met, ray, where, material, sample, frame, counters);
     }
-    over(ray, colour_of(sample, at, block, edge, frame), wire::kOpacityOne);
+    const Colour12 colour = colour_of(sample, at, block, edge, frame);
+    if (wide != nullptr) {
+      over(ray, *wide, colour, 1.0F);
+    } else {
+      over(ray, colour, wire::kOpacityOne);
+    }
     met.fate = Fate::kEnded;
     return;
   }
-  over(ray, colour_of(sample, at, block, edge, frame), scatters ? absorption_opacity(a, material) : a);
+  absorb(ray, wide, colour_of(sample, at, block, edge, frame), a, scatters ? material.scattering : std::uint16_t{0},
+         sample, frame);
   if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, where)) return advance(ray, 1);
   scatter(met, ray, where, material, sample, frame, counters);
 }
@@ -308,13 +329,13 @@ std::uint32_t energy_units(const Traveller& ray, const Frame& frame) {
   return static_cast<std::uint32_t>((energy(ray.colour) + phase) >> kEnergyFractionBits);
 }
 
-Met meet(Traveller& ray, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge, const Frame& frame,
-         RayCounters& counters) {
+Met meet(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge,
+         const Frame& frame, RayCounters& counters) {
   if (frame.backprojects) return backproject(ray, frame, counters);
   Met met;
   const Sample sample = classify(at, view, edge, frame);
   const wire::Material& material = frame.materials[sample.tag];
-  met.visible = sample.entry->opacity != 0;
+  met.visible = visible(sample.index, wide, frame);
   if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
     const bool at_surface = met.visible && material.bsdf == wire::Bsdf::kTrap;
     if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
@@ -325,7 +346,7 @@ Met meet(Traveller& ray, const Cell& at, const BlockView& view, std::size_t bloc
   }
   const std::uint32_t a = step_opacity(ray, sample.entry->opacity, frame);
   if (!ray.is(wire::kLightingRay)) {
-    meet_rendering(met, ray, at, block, edge, a, material, sample, frame, counters);
+    meet_rendering(met, ray, wide, at, block, edge, a, material, sample, frame, counters);
   } else if (ray.is(wire::kHighAlbedo)) {
     meet_photon(met, ray, a, material, sample, frame, counters);
   } else {

@@ -19,6 +19,7 @@ struct Sample {
   Channels channels{};
   unsigned tag = 0;
   const wire::SegmentationEntry* entry = nullptr;
+  std::size_t index = 0;  // of it
 
   Point gradient() const { return {channels[1], channels[2], channels[3]}; }
 };
@@ -41,9 +42,9 @@ struct Met {
 // How the energy of an irradiance carrier falls to the voxels round its position: as that of the ray which sent it did.
 Deposit deposit_of(const Traveller& carrier, const Frame& frame);
 
-// Takes the sample at `at` of the block `view`, and advances or scatters the ray.
-Met meet(Traveller& ray, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge, const Frame& frame,
-         RayCounters& counters);
+// Takes the sample at `at` of the block `view`, and advances or scatters the ray. `wide`, here and below: as take_sample().
+Met meet(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge,
+         const Frame& frame, RayCounters& counters);
 
 // A flight begins: the ray, scattered, runs along `direction`.
 void turn(Traveller& ray, const Direction& direction, const Frame& frame);
@@ -57,7 +58,7 @@ bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
 
 // The DSP scatters a trapped ray: what its routine answers. `cycles`: what it took, of the DSP. Throws RoutineFault.
 // kTrapped: the host must answer, the frame's HostTraps have the ray, and it is gone without having come to an end.
-Met resolve_trap(Traveller& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles);
+Met resolve_trap(Traveller& ray, WideWords* wide, const Frame& frame, RayCounters& counters, std::uint32_t& cycles);
 
 // Whole energy units that the ray holds: its energy's fraction is rounded by one draw a ray, so that what it deposits on its
 // way sums exactly to what it had.

@@ -55,7 +55,7 @@ ScatterEvent event_of(const wire::TrappedRay& trapped, const wire::Material& mat
 }
 
 // The ray goes on along `direction`, or ends if all of it is dropped; `dropped`: 2^24 - 1 = all.
-Met answer_trap(Traveller& ray, const Direction& direction, std::uint32_t dropped, const Frame& frame,
+Met answer_trap(Traveller& ray, WideWords* wide, const Direction& direction, std::uint32_t dropped, const Frame& frame,
                 RayCounters& counters) {
   Met met;
   if (dropped != 0) {
@@ -65,6 +65,8 @@ Met answer_trap(Traveller& ray, const Direction& direction, std::uint32_t droppe
       const std::uint64_t e = energy(ray.colour);
       set_energy(ray.colour, e - (e * dropped + wire::kOpacityOne / 2) / wire::kOpacityOne);
       counters.energy.scattered_away += before - energy_units(ray, frame);
+    } else if (wide != nullptr) {
+      over(ray, *wide, {0, 0, 0}, static_cast<float>(dropped) / static_cast<float>(wire::kOpacityOne));
     } else {
       over(ray, {0, 0, 0}, dropped);
     }
@@ -81,15 +83,17 @@ Met answer_trap(Traveller& ray, const Direction& direction, std::uint32_t droppe
 
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
   Traveller traveller = set_out(ray, frame);
+  WideWords words = wide_words(traveller);
+  WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
   if (traveller.is(wire::kLightingRay)) counters.energy.emitted += energy_units(traveller, frame);
   const bool ends =
-      answer_trap(traveller, ray.direction, wire::dropped_share(ray), frame, counters).fate == Fate::kEnded;
+      answer_trap(traveller, wide, ray.direction, wire::dropped_share(ray), frame, counters).fate == Fate::kEnded;
   if (ends) count_end(traveller, End::kSpent, frame, counters);
   ray = packet_of(traveller, frame);
   return ends;
 }
 
-Met resolve_trap(Traveller& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles) {
+Met resolve_trap(Traveller& ray, WideWords* wide, const Frame& frame, RayCounters& counters, std::uint32_t& cycles) {
   const unsigned tag = ray.flags >> kTrapTagShift;
   const wire::Material& material = frame.materials[tag];
   ray.flags &= (1u << kTrapTagShift) - 1;
@@ -104,8 +108,8 @@ Met resolve_trap(Traveller& ray, const Frame& frame, RayCounters& counters, std:
   }
   const ScatterAnswer answer = frame.routines->scatter(material.routine, event_of(trapped, material, frame));
   cycles = answer.cycles;
-  return answer_trap(ray, wire::direction_words(answer.direction, frame.spacing), wire::dropped_share(answer.passes),
-                     frame, counters);
+  return answer_trap(ray, wide, wire::direction_words(answer.direction, frame.spacing),
+                     wire::dropped_share(answer.passes), frame, counters);
 }
 
 }  // namespace gicube::emu

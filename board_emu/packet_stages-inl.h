@@ -85,16 +85,13 @@ struct Place {
   std::array<V, 3> fraction, weight;
 };
 
-// resample() of the density, 12.3.
-HWY_INLINE V resample_density(const Place& at, const PacketField& field) {
-  const V two = hn::ShiftLeft<1>(at.index);
-  const std::int16_t* const row = field.densities;
-  const std::ptrdiff_t down = field.edge, deep = std::ptrdiff_t{field.edge} * field.edge;
-  const V near =
-      lerp(along_x(gather(row, two), at.weight[0]), along_x(gather(row + down, two), at.weight[0]), at.weight[1]);
-  const V far = lerp(along_x(gather(row + deep, two), at.weight[0]),
-                     along_x(gather(row + deep + down, two), at.weight[0]), at.weight[1]);
-  return hn::And(lerp(near, far, at.weight[2]), set(0xFFFF));
+// resample() of 16-bit words that stand alone: densities, 12.3, or irradiance.
+HWY_INLINE V resample_words(const std::int16_t* words, V index, const std::array<V, 3>& weight, std::int32_t edge) {
+  const V two = hn::ShiftLeft<1>(index);
+  const std::ptrdiff_t down = edge, deep = std::ptrdiff_t{edge} * edge;
+  const auto row = [&](std::ptrdiff_t offset) { return along_x(gather(words + offset, two), weight[0]); };
+  const V near = lerp(row(0), row(down), weight[1]), far = lerp(row(deep), row(deep + down), weight[1]);
+  return hn::And(lerp(near, far, weight[2]), set(0xFFFF));
 }
 
 // resample_all(): of the low halves of 64-bit lanes, all four channels.
@@ -226,12 +223,17 @@ HWY_INLINE Look look_of(V entry, const PacketField& field) {
           bits([](VU64 v) { return hn::ShiftRight<52>(v); }, 0xFF)};
 }
 
+// Too short to be a direction.
+HWY_INLINE Mask is_flat(const std::array<V, 3>& gradient) {
+  const V square = hn::Add(hn::Mul(gradient[0], gradient[0]),
+                           hn::Add(hn::Mul(gradient[1], gradient[1]), hn::Mul(gradient[2], gradient[2])));
+  return hn::Lt(square, set(kShortestGradient * kShortestGradient));
+}
+
 // shade(). Its 64-bit sums stay below 2^30: colour <= 4095, base + highlight <= 3 * 255 * 2^8.
 HWY_INLINE std::array<V, 3> shade(const Look& look, const std::array<V, 3>& gradient, const PacketField& field) {
   constexpr int kCoefficientShift = kShadeFractionBits - 7;
-  const V square = hn::Add(hn::Mul(gradient[0], gradient[0]),
-                           hn::Add(hn::Mul(gradient[1], gradient[1]), hn::Mul(gradient[2], gradient[2])));
-  const Mask flat = hn::Lt(square, set(kShortestGradient * kShortestGradient));
+  const Mask flat = is_flat(gradient);
   const V intensity = reflectance(gradient, field);
   const V total = hn::Add(hn::ShiftLeft<kCoefficientShift>(look.ambient),
                           hn::ShiftRight<7>(hn::Add(hn::Mul(look.reflect, intensity), set(64))));

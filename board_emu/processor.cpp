@@ -55,6 +55,7 @@ Processor::Processor(const ProcessorConfig& config)
 void Processor::begin(const Frame& frame) {
   frame_ = &frame;
   lit_ = !frame.plain;
+  wide_ = gathers_wide(frame);
   grid_ = BlockGrid(*frame.volume);
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
 }
@@ -134,10 +135,10 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
     }
     if (lit_) {
-      how = meet_sample(ray, at, entry);
+      how = meet_sample(ray, wide_of(issued.ray), at, entry);
     } else {
       ++counts_.samples;
-      if (take_sample(traveller, at, view, edge_, *frame_)) ++counts_.visible_samples;
+      if (take_sample(traveller, wide_of(issued.ray), at, view, edge_, *frame_)) ++counts_.visible_samples;
       advance(traveller, 1);
     }
   } else {

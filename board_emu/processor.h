@@ -89,7 +89,8 @@ class Processor {
   bool deliver(Cycle now, const InFlight& ray);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
-  End meet_sample(RayUnderWay& ray, const Cell& at, InFlight& entry);
+  End meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry);
+  WideWords* wide_of(std::uint32_t ray) const { return wide_ ? &rays_.wide(ray) : nullptr; }
   Splat& add_splat(std::uint32_t block, InFlight& entry);
   Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
   RayToken carrier(const Traveller& from, const Met& met, std::uint32_t block);
@@ -122,8 +123,9 @@ class Processor {
   WriteQueue writes_;
   SplatUnit splats_;
 
-  bool lit_ = false;  // rays of this frame do more than gather
-  bool fed_ = false;  // a ray entered the prefetch line in this cycle
+  bool lit_ = false;   // rays of this frame do more than gather
+  bool wide_ = false;  // gathers_wide() of it
+  bool fed_ = false;   // a ray entered the prefetch line in this cycle
   bool backed_up_ = false;
   bool bubble_ = false;  // the compute line got nothing, and not because it stood or waited
   Cause latest_ = Cause::kQueueEmpty;
@@ -160,6 +162,7 @@ inline void Processor::account(Cycle now, Cause upstream) {
 // Brings what the ray's next turn will read into the host's cache, while its place is at hand.
 inline void Processor::prefetch(const BlockView& view, const Point& position, const Point& low) const {
   const Cell at = cell(position, low);
+  if (view.voxels == nullptr) return;
   const DecodedVoxel* voxel = view.voxels + at.voxel[0] + edge_ * (at.voxel[1] + edge_ * at.voxel[2]);
   __builtin_prefetch(voxel);
   __builtin_prefetch(voxel + edge_);

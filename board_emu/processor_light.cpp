@@ -8,7 +8,7 @@
 namespace gicube::emu {
 
 // Takes the sample of a ray that does more than gather.
-End Processor::meet_sample(RayUnderWay& ray, const Cell& at, InFlight& entry) {
+End Processor::meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry) {
   Traveller& traveller = ray.traveller;
   if (traveller.is(wire::kIrradianceCarrier)) {
     splat(ray.block, deposit_of(traveller, *frame_), entry);
@@ -16,7 +16,7 @@ End Processor::meet_sample(RayUnderWay& ray, const Cell& at, InFlight& entry) {
   }
   const std::uint32_t block = ray.block;
   ++counts_.samples;
-  const Met met = meet(traveller, at, frame_->volume->view(block), block, edge_, *frame_, counts_);
+  const Met met = meet(traveller, wide, at, frame_->volume->view(block), block, edge_, *frame_, counts_);
   if (met.visible) ++counts_.visible_samples;
   if (met.deposits) {
     const SharingBlocks sharing =

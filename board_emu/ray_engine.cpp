@@ -72,7 +72,8 @@ void RayEngine::take_back(Cycle now) {
 RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
   RayUnderWay& ray = rays_[token.ray];
   std::uint32_t cycles = 0;
-  const Met met = resolve_trap(ray.traveller, *frame_, counts_, cycles);
+  const Met met =
+      resolve_trap(ray.traveller, gathers_wide(*frame_) ? &rays_.wide(token.ray) : nullptr, *frame_, counts_, cycles);
   counts_.trap_cycles += cycles;
   work_for(now, overflow_cycles_ / 2 + cycles);
   if (met.fate == Fate::kTrapped) return Scattered::kToHost;
@@ -107,6 +108,7 @@ std::optional<RayToken> RayEngine::make() {
   }
   ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.traveller.position));
   const std::uint32_t handle = rays_.add(ray);
+  if (gathers_wide(*frame_)) rays_.wide(handle) = wide_words(ray.traveller);
   if (index_of_.size() <= handle) index_of_.resize(handle + 1);
   index_of_[handle] = index;
   return launch(handle);

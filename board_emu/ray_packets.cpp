@@ -1,4 +1,5 @@
 // Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
+#include "vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ray_packets.cpp"
 #include <hwy/foreach_target.h>  // includes this file again
@@ -11,7 +12,7 @@
 #include "functional.h"
 #include "march.h"
 #include "meet.h"
-#include "packet_stages-inl.h"
+#include "packet_march-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
@@ -27,122 +28,22 @@ void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField&, Ra
 
 #else
 
-// One word of each of the rays under way, lane by lane.
-struct alignas(64) Word {
-  std::array<std::int32_t, 16> lane{};
+constexpr std::int32_t kNoLimit = std::int32_t{1} << 29;
 
-  V load() const { return hn::Load(D32(), lane.data()); }
-  void store(V v) { hn::Store(v, D32(), lane.data()); }
-};
-
-// The rays under way. A ray ends when no steps are left, or by its opacity.
-struct Lanes {
-  std::array<Word, 3> position, step;
-  std::array<Word, 3> colour;  // of integrals: the sum's low kSumBits, and what is above
-  Word exponent, opacity;
-  Word left;  // steps to the end of a segment or of the volume
-  Word more;  // by which a leap may go beyond that: a leaping ray overshoots the volume, but not its segment
-};
-
-constexpr int kSumBits = 20;
-
-// Takes all lanes on until at least `enough` of them have ended. What addresses the samples hangs on steps alone, so that
-// the next are fetched while one is composited: a ray that has become opaque goes on as a ghost, of which nothing is kept.
-template <Gathers kGathers>
-HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough, RayCounters& counters) {
-  const D32 d;
-  std::array<V, 3> p{}, s{}, colour{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    p[axis] = lanes.position[axis].load();
-    s[axis] = lanes.step[axis].load();
-    if (kGathers != Gathers::kOpacity) colour[axis] = lanes.colour[axis].load();
-  }
-  V left = lanes.left.load(), opacity = lanes.opacity.load();
-  const V exponent = lanes.exponent.load(), more = lanes.more.load();
-  const V zero = hn::Zero(d), one = set(1), size = set(1 << field.block_shift);
-  const V inside_mask = set((1 << field.block_shift) - 1), fraction_mask = set(wire::kVoxel - 1);
-  const V threshold = set(field.threshold);
-  V taken = zero;  // steps
-  while (true) {
-    const Mask stepping = hn::Gt(left, zero);
-    const Mask running = hn::And(stepping, hn::Lt(opacity, threshold));
-    if (hn::Lanes(d) - hn::CountTrue(d, running) >= enough) break;
-
-    const auto block_of = [&](std::size_t axis) {
-      return hn::ShiftRightSame(hn::IfThenElseZero(stepping, p[axis]), field.block_shift);
-    };
-    const V block =
-        hn::Add(block_of(0), hn::Add(hn::Mul(block_of(1), set(field.across)), hn::Mul(block_of(2), set(field.slice))));
-    const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(block));
-    const Mask leaps = hn::And(stepping, hn::Lt(first, zero));
-    const Mask samples = hn::AndNot(leaps, stepping);
-    V steps = hn::IfThenElseZero(stepping, one);
-
-    std::array<V, 3> inside_block{};
-    for (std::size_t axis = 0; axis < 3; ++axis) inside_block[axis] = hn::And(p[axis], inside_mask);
-    if (!hn::AllFalse(d, leaps)) {
-      V out = hn::Min(size, hn::Add(left, more));
-      for (std::size_t axis = 0; axis < 3; ++axis) out = hn::Min(out, steps_out(inside_block[axis], s[axis], size));
-      steps = hn::IfThenElse(leaps, out, steps);
-      counters.leaps += hn::CountTrue(d, hn::And(leaps, running));
-    }
-    if (!hn::AllFalse(d, samples)) {
-      Place at{};
-      std::array<V, 3> voxel{};
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block[axis]);
-        at.fraction[axis] = hn::And(p[axis], fraction_mask);
-        at.weight[axis] = hn::ShiftLeft<kWeightBits - wire::kPositionFractionBits>(at.fraction[axis]);
-      }
-      const V rows = hn::Add(voxel[1], hn::Mul(voxel[2], set(field.edge)));
-      at.index = hn::IfThenElseZero(samples, hn::Add(first, hn::Add(voxel[0], hn::Mul(rows, set(field.edge)))));
-      const V density = resample_density(at, field);
-      const Mask taking = hn::And(samples, running);
-      counters.samples += hn::CountTrue(d, taking);
-      if constexpr (kGathers == Gathers::kIntegral) {
-        const V sum = hn::Add(colour[0], hn::IfThenElseZero(taking, density));
-        colour[0] = hn::And(sum, set((1 << kSumBits) - 1));
-        colour[1] = hn::Add(colour[1], hn::ShiftRight<kSumBits>(sum));
-        counters.visible_samples += hn::CountTrue(d, hn::And(taking, hn::Ne(density, zero)));
-      } else {
-        const V entry = classify(density, at, field);
-        const V depth = hn::IfThenElseZero(taking, gather(field.tables->depth.data(), hn::ShiftLeft<2>(entry)));
-        const Mask visible = hn::Ne(depth, zero);
-        if (!hn::AllFalse(d, visible)) {
-          counters.visible_samples += hn::CountTrue(d, visible);
-          const V weight = weight_of(depth, exponent, opacity, field);
-          opacity = hn::Add(opacity, weight);
-          if constexpr (kGathers == Gathers::kColour) {
-            const Look look = look_of(entry, field);
-            const auto seen = field.shaded ? shade(look, resample_gradient(at, field), field) : look.colour;
-            for (std::size_t c = 0; c < 3; ++c) {
-              colour[c] = hn::Min(hn::Add(colour[c], part_of(seen[c], weight)),
-                                  set(static_cast<std::int32_t>(wire::kColourOne)));
-            }
-          }
-        }
-      }
-    }
-    taken = hn::Add(taken, hn::IfThenElseZero(running, steps));
-    left = hn::Sub(left, steps);
-    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = hn::Add(p[axis], hn::Mul(steps, s[axis]));
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    lanes.position[axis].store(hn::Add(lanes.position[axis].load(), hn::Mul(taken, s[axis])));
-    if (kGathers != Gathers::kOpacity) lanes.colour[axis].store(colour[axis]);
-  }
-  lanes.left.store(hn::Sub(lanes.left.load(), taken));
-  lanes.opacity.store(opacity);
-}
-
-// The steps after which the ray is out of the volume.
+// The even steps after which the ray is out of the volume, or beyond a cut plane.
 std::int32_t steps_inside(const Traveller& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return 0;
-  std::int32_t least = std::int32_t{1} << 29;
+  std::int32_t least = kNoLimit;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int32_t s = ray.step[axis], p = ray.position[axis];
     if (s > 0) least = std::min(least, (frame.extent[axis] - p) / s + 1);
     if (s < 0) least = std::min(least, p / -s + 1);
+  }
+  for (const Plane& plane : frame.cut_planes) {
+    const std::int64_t a_step = dot(plane.normal, ray.step), above = dot(plane.normal, ray.position) - plane.offset;
+    if (a_step >= 0) continue;
+    if (above < 0) return 0;
+    least = static_cast<std::int32_t>(std::min<std::int64_t>(least, above / -a_step + 1));
   }
   return least;
 }
@@ -167,10 +68,11 @@ class Exchange {
         }
         take(lanes, lane);
       }
+      while (has_more() && !for_lanes(rays_[next_])) integrate(rays_[next_++], frame_, counters_);
       if (has_more()) {
         put(lanes, lane);
       } else {
-        lanes.left.lane[lane] = 0;
+        idle(lanes, lane);
       }
     }
   }
@@ -182,23 +84,40 @@ class Exchange {
     std::int32_t steps = 0;  // as it set out
   };
 
+  // A lit ray that was scattered before may have to leave a surface first.
+  bool for_lanes(const wire::Ray& ray) const {
+    return !frame_.lit_by_irradiance || (ray.generation == 0 && (ray.flags & wire::kTrapped) == 0);
+  }
+
+  void idle(Lanes& lanes, std::size_t lane) const {
+    lanes.left.lane[lane] = 0;
+    lanes.position[0].lane[lane] = -1;  // where a jittered ray would have ended
+  }
+
   void put(Lanes& lanes, std::size_t lane) {
     Slot& slot = slots_[lane];
     slot.ray = &rays_[next_++];
     slot.traveller = set_out(*slot.ray, frame_);
     const Traveller& ray = slot.traveller;
+    const WideWords wide = wide_words(ray);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.position[axis].lane[lane] = ray.position[axis];
       lanes.step[axis].lane[lane] = ray.step[axis];
-      lanes.colour[axis].lane[lane] = frame_.integral ? 0 : ray.colour[axis];
+      lanes.direction[axis].lane[lane] = ray.direction[axis];
+      lanes.colour[axis].lane[lane] = frame_.integral ? 0
+                                      : wide_         ? std::bit_cast<std::int32_t>(wide.colour[axis])
+                                                      : ray.colour[axis];
     }
-    const std::int32_t volume = steps_inside(ray, frame_), limit = std::int32_t{1} << 29,
-                       segment = frame_.segments ? static_cast<std::int32_t>(ray.interacted) : limit;
-    slot.steps = std::min(volume, segment);
+    const std::int32_t segment = frame_.segments ? static_cast<std::int32_t>(ray.interacted) : kNoLimit;
+    slot.steps = frame_.jitter ? 1 : std::min(steps_inside(ray, frame_), segment);
     lanes.left.lane[lane] = slot.steps;
     lanes.more.lane[lane] = segment - slot.steps;
+    lanes.taken.lane[lane] = 0;
+    lanes.length.lane[lane] = static_cast<std::int32_t>(ray.length);
+    lanes.destination.lane[lane] = static_cast<std::int32_t>(ray.u | std::uint32_t{ray.v} << 16);
     lanes.exponent.lane[lane] = static_cast<std::int32_t>(ray.exponent);
     lanes.opacity.lane[lane] = static_cast<std::int32_t>(ray.opacity);
+    lanes.wide_opacity.lane[lane] = std::bit_cast<std::int32_t>(wide.opacity);
     ++busy_;
   }
 
@@ -207,46 +126,66 @@ class Exchange {
     Traveller& ray = slot.traveller;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ray.position[axis] = lanes.position[axis].lane[lane];
-      if (!frame_.colourless) ray.colour[axis] = static_cast<std::uint16_t>(lanes.colour[axis].lane[lane]);
+      ray.step[axis] = lanes.step[axis].lane[lane];
+      if (!frame_.colourless) ray.colour[axis] = colour_word(lanes.colour[axis].lane[lane]);
     }
     if (frame_.integral) {
       const auto low = static_cast<std::uint64_t>(lanes.colour[0].lane[lane]);
       set_energy(ray.colour, low | static_cast<std::uint64_t>(lanes.colour[1].lane[lane]) << kSumBits);
     }
-    if (frame_.segments) ray.interacted -= static_cast<std::uint32_t>(slot.steps - lanes.left.lane[lane]);
+    const std::int32_t steps = frame_.jitter ? lanes.taken.lane[lane] : slot.steps - lanes.left.lane[lane];
+    if (frame_.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
     ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
     count_end(ray, end(ray, frame_), frame_, counters_);
     finish(ray, frame_, *slot.ray);
-    if (!steps_.empty()) {
-      steps_[static_cast<std::size_t>(slot.ray - rays_.data())] = slot.steps - lanes.left.lane[lane];
-    }
+    if (!steps_.empty()) steps_[static_cast<std::size_t>(slot.ray - rays_.data())] = steps;
     slot.ray = nullptr;
     --busy_;
+  }
+
+  std::uint16_t colour_word(std::int32_t lane) const {
+    return wide_ && !frame_.integral ? to_colour_word(std::bit_cast<float>(lane)) : static_cast<std::uint16_t>(lane);
   }
 
   std::span<wire::Ray> rays_;
   const Frame& frame_;
   RayCounters& counters_;
   std::span<std::int32_t> steps_;
+  const bool wide_ = gathers_wide(frame_);
   std::array<Slot, 16> slots_{};
   std::size_t next_ = 0, busy_ = 0;
 };
 
-void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& field, RayCounters& counters,
-           std::span<std::int32_t> steps) {
+template <Gathers kGathers, bool kJitter, bool kWide>
+void trace_with(Exchange& exchange, const PacketField& field, RayCounters& counters) {
   const std::size_t count = hn::Lanes(D32());
   Lanes lanes{};
-  Exchange exchange(rays, frame, counters, steps);
   while (true) {
     exchange.serve(lanes, count);
     if (exchange.busy() == 0) return;
     // A few idle lanes cost less than an exchange for each; without new rays one of the busy ones must end.
     const std::size_t enough = exchange.has_more() ? std::max<std::size_t>(count / 4, 1) : count - exchange.busy() + 1;
-    switch (field.gathers) {
-      case Gathers::kOpacity: march<Gathers::kOpacity>(lanes, field, enough, counters); break;
-      case Gathers::kColour: march<Gathers::kColour>(lanes, field, enough, counters); break;
-      case Gathers::kIntegral: march<Gathers::kIntegral>(lanes, field, enough, counters); break;
-    }
+    march<kGathers, kJitter, kWide>(lanes, field, enough, counters);
+  }
+}
+
+template <Gathers kGathers>
+void trace_gathering(Exchange& exchange, const PacketField& field, RayCounters& counters) {
+  if (field.jitter) {
+    return field.wide ? trace_with<kGathers, true, true>(exchange, field, counters)
+                      : trace_with<kGathers, true, false>(exchange, field, counters);
+  }
+  return field.wide ? trace_with<kGathers, false, true>(exchange, field, counters)
+                    : trace_with<kGathers, false, false>(exchange, field, counters);
+}
+
+void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& field, RayCounters& counters,
+           std::span<std::int32_t> steps) {
+  Exchange exchange(rays, frame, counters, steps);
+  switch (field.gathers) {
+    case Gathers::kOpacity: return trace_gathering<Gathers::kOpacity>(exchange, field, counters);
+    case Gathers::kColour: return trace_gathering<Gathers::kColour>(exchange, field, counters);
+    case Gathers::kIntegral: return trace_with<Gathers::kIntegral, false, false>(exchange, field, counters);
   }
 }
 
@@ -268,7 +207,9 @@ RayPackets::RayPackets(const OpacityCorrection& correction) : correction_(correc
 
 void RayPackets::clear() {
   copy_.clear();
+  irradiance_.clear();
   volume_ = rays_ = 0;
+  lut_writes_ = ~std::uint64_t{0};
 }
 
 void RayPackets::read(std::span<const wire::SegmentationEntry> segmentation) {
@@ -280,10 +221,26 @@ void RayPackets::read(std::span<const wire::SegmentationEntry> segmentation) {
     tables_.look[i] = look | std::uint64_t{entry.ambient} << 36 | std::uint64_t{entry.reflect} << 44 |
                       std::uint64_t{entry.knee} << 52;
   }
+  tables_.specular.clear();
+  if (std::all_of(segmentation.begin(), segmentation.end(), [](const auto& entry) { return entry.specular == 0; }))
+    return;
+  for (const wire::SegmentationEntry& entry : segmentation) tables_.specular.push_back(entry.specular);
+  tables_.specular.resize(segmentation.size() + 3);  // four bytes are read from any place
+}
+
+bool RayPackets::follow_irradiance(const Frame& frame) {
+  if (!frame.lit_by_irradiance) {
+    irradiance_.clear();
+    return true;
+  }
+  const std::size_t edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  irradiance_.follow(*frame.irradiance, frame.volume->block_count(), edge * edge * edge, frame.wide);
+  return irradiance_.words() != nullptr;
 }
 
 bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads) {
-  if (!frame.plain || frame.backprojects || frame.jitter || !frame.cut_planes.empty()) return false;
+  if (frame.lights || frame.scatter || frame.high_albedo || frame.backprojects) return false;
+  if (frame.jitter && (frame.segments || frame.integral)) return false;
   const VolumeMemory& volume = *frame.volume;
   if (volume_ != volume.decodings()) {
     clear();
@@ -292,7 +249,7 @@ bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
   rays_ += rays;
   if (rays_ < volume.stored_blocks()) return false;  // chosen: a block's copy takes about as long as a long ray
   copy_.follow(volume, threads);
-  if (copy_.densities() == nullptr) return false;
+  if (copy_.densities() == nullptr || !follow_irradiance(frame)) return false;
   if (lut_writes_ != lut_writes) read(frame.segmentation);
   lut_writes_ = lut_writes;
   tables_.first.resize(volume.block_count());
@@ -300,7 +257,12 @@ bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
     const bool leap = frame.leap && frame.empty[block] != 0;
     tables_.first[block] = leap ? -1 : static_cast<std::int32_t>(volume.first()[block]);
   }
-  if (frame.shade) {
+  if (frame.jitter) {
+    for (std::size_t i = 0; i < kJitterEntries; ++i) {
+      tables_.distance[i] = static_cast<std::int32_t>(jittered(frame, kJitterLut[i]));
+    }
+  }
+  if (reads(frame).gradients) {
     tables_.reflectance_map.resize(kBeforeMap + wire::kReflectanceBytes);
     std::copy_n(frame.reflectance_map, wire::kReflectanceBytes, tables_.reflectance_map.begin() + kBeforeMap);
   }
@@ -315,13 +277,24 @@ void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.voxels = volume.decoded().data();
   field.tags = volume.decoded_tags().empty() ? nullptr : volume.decoded_tags().data();
   field.tables = &tables_;
+  field.wide = gathers_wide(frame);
+  field.depths = field.wide ? static_cast<const void*>(frame.wide_depths.data()) : tables_.depth.data();
+  if (frame.lit_by_irradiance) {
+    field.irradiance = irradiance_.words();
+    field.irradiance_first = irradiance_.first();
+    field.specular = tables_.specular.empty() ? nullptr : tables_.specular.data();
+    field.exposure = frame.exposure;
+  }
   field.threshold = static_cast<std::int32_t>(frame.opacity_threshold);
   field.edge = volume.block_voxels() + 1;
   field.block_shift = std::countr_zero(static_cast<unsigned>(volume.block_voxels())) + wire::kPositionFractionBits;
   field.across = volume.blocks()[0];
   field.slice = volume.blocks()[0] * volume.blocks()[1];
   field.gathers = frame.integral ? Gathers::kIntegral : frame.colourless ? Gathers::kOpacity : Gathers::kColour;
+  field.extent = frame.extent;
+  field.cut_planes = frame.cut_planes;
   field.shaded = frame.shade;
+  field.jitter = frame.jitter;
   HWY_DYNAMIC_DISPATCH(trace)(rays, frame, field, counters, steps);
 }
 

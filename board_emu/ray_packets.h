@@ -1,5 +1,5 @@
-// The functional level's fast way for rays that gather and do nothing else: as many side by side as the host's vectors have
-// lanes. The same bits as integrate(), ray by ray (tests/board_emu/ray_packets_test).
+// The functional level's fast way for rays that gather, lit by irradiance or not, and do nothing else: as many side by side
+// as the host's vectors have lanes. The same bits as integrate(), ray by ray (tests/board_emu/ray_packets_test).
 #pragma once
 
 #include <array>
@@ -10,6 +10,8 @@
 #include "frame.h"
 #include "gicube/wire/ray.h"
 #include "memory/density_copy.h"
+#include "memory/irradiance_copy.h"
+#include "pipeline/jitter.h"
 #include "pipeline/opacity_correction.h"
 
 namespace gicube::emu {
@@ -22,6 +24,8 @@ struct PacketTables {
       depth{};  // of one voxel length, 8.24 in base 2; all ones: opaque
   std::array<std::uint64_t, wire::kSegmentationEntries> look{};    // colour 3 x 12 bits, ambient, reflect, knee 8 each
   std::array<std::uint64_t, OpacityCorrection::kSegments> exp2{};  // value, and in bits 32.. the fall to the next
+  std::vector<std::uint8_t> specular;                              // of lit samples; none if all are 0
+  std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by what jitter() draws
   std::vector<std::uint8_t> reflectance_map;                       // from byte kBeforeMap on
   std::vector<std::int32_t> first;  // of each block among the decoded ones; negative: an empty block to be leapt over
 };
@@ -34,12 +38,20 @@ struct PacketField {
   const DecodedVoxel* voxels;
   const std::uint8_t* tags;  // may be null
   const PacketTables* tables;
+  const void* depths;  // 32 bits an entry of the segmentation LUT: tables->depth, or Frame::wide_depths
+  // Of frames that are lit by irradiance; else null.
+  const std::int16_t* irradiance;
+  const std::int32_t* irradiance_first;
+  const std::uint8_t* specular;
+  std::uint32_t exposure;
   std::int32_t threshold;
   std::int32_t edge;  // voxels of a block with its +1 face
   int block_shift;    // from position units to blocks
   std::int32_t across, slice;
+  Point extent;
+  std::span<const Plane> cut_planes;
   Gathers gathers;
-  bool shaded;
+  bool shaded, jitter, wide;
 };
 
 class RayPackets {
@@ -47,8 +59,8 @@ class RayPackets {
   explicit RayPackets(const OpacityCorrection& correction);
 
   // Makes ready for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is
-  // decoded. False if they must go the plain way: the frame asks for more than to gather, too few rays have come to be
-  // worth a copy of the densities, or it would be too large.
+  // decoded. False if they must go the plain way: they scatter or deposit, too few have come to be worth a copy of the
+  // densities, or it would be too large.
   bool prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads);
   // Gives the copy's memory back.
   void clear();
@@ -59,9 +71,11 @@ class RayPackets {
 
  private:
   void read(std::span<const wire::SegmentationEntry> segmentation);
+  bool follow_irradiance(const Frame& frame);
 
   const OpacityCorrection& correction_;
   DensityCopy copy_;
+  IrradianceCopy irradiance_;
   PacketTables tables_;
   std::uint64_t volume_ = 0;  // VolumeMemory::decodings()
   std::uint64_t rays_ = 0;    // that have come since

@@ -34,10 +34,16 @@ class RayStore {
 
   RayUnderWay& operator[](std::uint32_t handle) { return rays_[handle]; }
   const RayUnderWay& operator[](std::uint32_t handle) const { return rays_[handle]; }
+  // What a ray of a frame that gathers_wide() has gathered. The reference is good until the next call.
+  WideWords& wide(std::uint32_t handle) {
+    if (wide_.size() <= handle) wide_.resize(rays_.capacity());
+    return wide_[handle];
+  }
   std::size_t under_way() const { return rays_.size() - free_.size(); }
 
  private:
   std::vector<RayUnderWay> rays_;
+  std::vector<WideWords> wide_;  // none on the paper's datapath
   std::vector<std::uint32_t> free_;
 };
 

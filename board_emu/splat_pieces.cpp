@@ -1,4 +1,5 @@
 // Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
+#include "vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat_pieces.cpp"
 #include <hwy/foreach_target.h>  // includes this file again

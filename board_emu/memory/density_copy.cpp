@@ -11,8 +11,13 @@ void DensityCopy::follow(const VolumeMemory& volume, unsigned threads) {
   if (decoded_ == volume.decodings()) return;
   clear();
   decoded_ = volume.decodings();
+  constexpr std::size_t kMost = std::size_t{1} << 30;
+  if (const auto there = volume.decoded_densities(); !there.empty()) {
+    if (there.size() < kMost) place_ = there.data();
+    return;
+  }
   const std::span<const DecodedVoxel> voxels = volume.decoded();
-  if (voxels.size() >= std::size_t{1} << 30) return;
+  if (voxels.size() >= kMost) return;
   densities_.resize(voxels.size() + 1);  // a pair is read at the last voxel too
   const std::size_t part = voxels.size() / threads + 1;
   const auto copy = [&](unsigned t) {
@@ -22,6 +27,7 @@ void DensityCopy::follow(const VolumeMemory& volume, unsigned threads) {
   std::vector<std::jthread> others;
   for (unsigned t = 1; t < threads; ++t) others.emplace_back(copy, t);
   copy(0);
+  place_ = densities_.data();
 }
 
 }  // namespace gicube::emu

@@ -1,5 +1,5 @@
 // The volume's densities alone, at the places of VolumeMemory::decoded(): a quarter of the bytes, and two neighbours along x
-// lie in one 32-bit word.
+// lie in one 32-bit word. Where the volume has nothing but densities they are those.
 //
 // A host structure of the functional level, made when enough rays come that read it; the board has no such memory.
 #pragma once
@@ -19,11 +19,12 @@ class DensityCopy {
   void clear();
 
   // 12.3. None if there would be more than byte offsets of 31 bits reach.
-  const std::int16_t* densities() const { return densities_.empty() ? nullptr : densities_.data(); }
+  const std::int16_t* densities() const { return place_; }
 
  private:
   std::uint64_t decoded_ = 0;  // VolumeMemory::decodings() of the copy
   std::vector<std::int16_t> densities_;
+  const std::int16_t* place_ = nullptr;
 };
 
 }  // namespace gicube::emu

@@ -17,6 +17,7 @@ IrradianceMemory::IrradianceMemory(int block_voxels, std::uint32_t most)
 
 void IrradianceMemory::resize(const std::array<int, 3>& size) {
   size_ = size;
+  ++changes_;
   std::size_t count = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     blocks_[axis] = (size[axis] + n_ - 1) / n_;
@@ -104,6 +105,7 @@ Deposited IrradianceMemory::add(const Deposit& deposit, std::uint32_t block) {
 }
 
 void IrradianceMemory::write(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
+  ++changes_;
   for (std::size_t i = 0; i + 4 <= bytes.size(); i += 4) {
     const std::uint64_t at = offset + i;
     const std::array<int, 3> block = place(static_cast<std::size_t>(at / block_bytes_));

@@ -47,6 +47,10 @@ class IrradianceMemory {
   void resize(const std::array<int, 3>& size);  // voxels; forgets everything
   void clear();
 
+  // Counts what may have changed words: those calls, write(), and what announces deposits by expect_deposits().
+  std::uint64_t changes() const { return changes_; }
+  void expect_deposits() { ++changes_; }
+
   SharingBlocks blocks_of(const Deposit& deposit) const;
   // Adds the shares of those voxels that `block` holds. From any number of threads.
   Deposited add(const Deposit& deposit, std::uint32_t block);
@@ -83,6 +87,7 @@ class IrradianceMemory {
   std::uint64_t block_bytes_;
   std::array<int, 3> size_{};
   std::array<int, 3> blocks_{};
+  std::uint64_t changes_ = 1;
   std::vector<Words> words_;
   std::vector<std::unique_ptr<std::uint32_t[]>> owned_;  // what words_ point to
 };

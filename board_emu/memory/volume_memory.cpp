@@ -18,9 +18,7 @@ VolumeMemory::VolumeMemory(int block_voxels)
     : n_(block_voxels),
       block_bytes_(
           wire::packed36_bytes(static_cast<std::size_t>(block_voxels) * static_cast<std::size_t>(block_voxels) *
-                               static_cast<std::size_t>(block_voxels))) {
-  voxels_.resize(block_voxels_and_faces());
-}
+                               static_cast<std::size_t>(block_voxels))) {}
 
 std::size_t VolumeMemory::block_voxels_and_faces() const {
   const auto edge = static_cast<std::size_t>(n_) + 1;
@@ -37,7 +35,8 @@ void VolumeMemory::resize(const std::array<int, 3>& size) {
   packed_.assign(count, {});
   stale_.assign(count, 0);
   first_.assign(count, 0);
-  voxels_ = std::vector<DecodedVoxel>(block_voxels_and_faces());
+  voxels_ = {};
+  densities_ = {};
   tags_ = {};
   resized_ = true;
 }
@@ -117,9 +116,13 @@ bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel>
   const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
             bz = static_cast<int>(block / (nx * ny));
   const auto edge = static_cast<std::size_t>(n_) + 1;
-  DecodedVoxel* const voxels = voxels_.data() + first_[block];
-  std::fill_n(voxels, block_voxels_and_faces(), DecodedVoxel{});
-  if (tags != nullptr) std::fill_n(tags, block_voxels_and_faces(), std::uint8_t{0});
+  const std::size_t first = first_[block], count = block_voxels_and_faces();
+  if (voxels_.empty()) {
+    std::fill_n(densities_.data() + first, count, std::int16_t{0});
+  } else {
+    std::fill_n(voxels_.data() + first, count, DecodedVoxel{});
+  }
+  if (tags != nullptr) std::fill_n(tags, count, std::uint8_t{0});
   unsigned tagged = 0;
 
   for (int z = 0; z <= n_; ++z) {
@@ -134,32 +137,64 @@ bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel>
         const std::size_t source = (static_cast<std::size_t>(z % n_) * n + static_cast<std::size_t>(y % n_)) * n;
         const std::size_t target =
             (static_cast<std::size_t>(z) * edge + static_cast<std::size_t>(y)) * edge + (part == 0 ? 0 : n);
-        for (std::size_t x = 0; x < (part == 0 ? n : 1); ++x) {
-          const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, source + x));
-          DecodedVoxel out = codes[voxel.gradient];
-          out.channel[0] = static_cast<std::int16_t>(voxel.density << kDensityFractionBits);
-          voxels[target + x] = out;
-          tagged |= voxel.tag;
-          if (tags != nullptr) tags[target + x] = voxel.tag;
-        }
+        tagged |= decode_row(packed, source, part == 0 ? n : 1, first + target, codes,
+                             tags == nullptr ? nullptr : tags + target);
       }
     }
   }
   return tagged != 0;
 }
 
-// Each stored block has its place. Those that have one keep it.
-void VolumeMemory::make_places() {
-  const std::size_t voxels = block_voxels_and_faces();
-  std::size_t end = voxels_.size();
+unsigned VolumeMemory::decode_row(std::span<const std::uint8_t> packed, std::size_t source, std::size_t count,
+                                  std::size_t target, std::span<const DecodedVoxel> codes, std::uint8_t* tags) {
+  unsigned tagged = 0;
+  const bool gradients = !voxels_.empty();
+  for (std::size_t x = 0; x < count; ++x) {
+    const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, source + x));
+    const auto density = static_cast<std::int16_t>(voxel.density << kDensityFractionBits);
+    if (gradients) {
+      DecodedVoxel out = codes[voxel.gradient];
+      out.channel[0] = density;
+      voxels_[target + x] = out;
+    } else {
+      densities_[target + x] = density;
+    }
+    tagged |= voxel.tag;
+    if (tags != nullptr) tags[x] = voxel.tag;
+  }
+  return tagged;
+}
+
+// From densities to voxels everything is decoded anew.
+void VolumeMemory::take_form(bool gradients) {
+  if (!voxels_.empty() || (!gradients && !densities_.empty())) return;
+  densities_ = {};
+  tags_ = {};
+  std::fill(first_.begin(), first_.end(), std::size_t{0});
+  if (gradients) {
+    voxels_.resize(block_voxels_and_faces());
+  } else {
+    densities_.resize(block_voxels_and_faces() + 1);
+  }
+  resized_ = true;
+}
+
+// Each stored block that is read has its place. Those that have one keep it.
+void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
+  const std::size_t voxels = block_voxels_and_faces(), begin = places();
+  std::size_t end = begin;
   for (std::size_t block = 0; block < packed_.size(); ++block) {
-    if (packed_[block].empty() || first_[block] != 0) continue;
+    if (packed_[block].empty() || first_[block] != 0 || (!leapt_over.empty() && leapt_over[block] != 0)) continue;
     first_[block] = end;
     end += voxels;
     stale_[block] = 1;
   }
-  if (end == voxels_.size()) return;
-  voxels_.resize(end);
+  if (end == begin) return;
+  if (voxels_.empty()) {
+    densities_.resize(end + 1);
+  } else {
+    voxels_.resize(end);
+  }
   if (!tags_.empty()) tags_.resize(end + kTagsBeyond);
 }
 
@@ -180,15 +215,20 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<c
   }
   if (!tagged || !tags_.empty()) return;
   // The first tags of this volume: blocks decoded before them have none.
-  tags_.resize(voxels_.size() + kTagsBeyond);
+  tags_.resize(places() + kTagsBeyond);
   decode_blocks(which, codes, threads);
 }
 
-void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads) {
-  make_places();
+void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,
+                          const VolumeReads& reads) {
+  take_form(reads.gradients);
+  make_places(reads.leapt_over);
+  if (gradients_changed && !voxels_.empty()) std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
   std::vector<std::size_t> stale;
   for (std::size_t block = 0; block < first_.size(); ++block) {
-    if (first_[block] != 0 && (stale_[block] != 0 || gradients_changed)) stale.push_back(block);
+    const bool read = reads.leapt_over.empty() || reads.leapt_over[block] == 0;
+    if (first_[block] == 0 || stale_[block] == 0 || !read) continue;
+    stale.push_back(block);
     stale_[block] = 0;
   }
   if (stale.empty() && !resized_) return;

@@ -1,7 +1,8 @@
 // The volume's memory: 36-bit words as the host wrote them, and each block decoded with its +1 faces for the pipeline.
 //
 // A block that was never written is uniformly zero and takes no memory. Copies on shared faces are made here: the host
-// sends every voxel once (docs/HARDWARE.md).
+// sends every voxel once (docs/HARDWARE.md). No more is decoded than is read: no gradients until a command asks for them, no
+// blocks that all rays leap over.
 #pragma once
 
 #include <array>
@@ -15,10 +16,17 @@
 
 namespace gicube::emu {
 
-// One block as the pipeline reads it: (n+1)^3 voxels, x fastest.
+// One block as the pipeline reads it: (n+1)^3 voxels, x fastest. It has voxels, or densities alone.
 struct BlockView {
   const DecodedVoxel* voxels = nullptr;
-  const std::uint8_t* tags = nullptr;  // null: tag 0 everywhere
+  const std::int16_t* densities = nullptr;  // 12.3
+  const std::uint8_t* tags = nullptr;       // null: tag 0 everywhere
+};
+
+// What a command's rays read of the volume.
+struct VolumeReads {
+  bool gradients = true;                       // else densities and tags
+  std::span<const std::uint8_t> leapt_over{};  // one a block, nonzero: never; none: all blocks are read
 };
 
 class VolumeMemory {
@@ -52,17 +60,21 @@ class VolumeMemory {
   // It reads wrong from now on, until it is written.
   void flip(const BitPlace& place);
 
-  // Makes every block's decoded form current, on `threads` threads. Call before view() when anything was written or the
-  // gradient LUT changed.
-  void decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads);
+  // Makes the decoded form of what is read current, on `threads` threads. Call before view() when anything was written, the
+  // gradient LUT changed, or other things are read. Once there are gradients they stay until the next resize().
+  void decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,
+              const VolumeReads& reads = {});
   BlockView view(std::size_t block) const {
-    return {voxels_.data() + first_[block], tags_.empty() ? nullptr : tags_.data() + first_[block]};
+    const std::size_t first = first_[block];
+    return {voxels_.empty() ? nullptr : voxels_.data() + first,
+            densities_.empty() ? nullptr : densities_.data() + first, tags_.empty() ? nullptr : tags_.data() + first};
   }
 
   // All decoded blocks in one array, for who reads many at once: block b's voxels begin at first()[b]. Blocks that were
-  // never written share the first place.
+  // never written, or never read, share the first place.
   std::span<const DecodedVoxel> decoded() const { return voxels_; }
-  std::span<const std::uint8_t> decoded_tags() const { return tags_; }  // beside it; none if every tag is 0
+  std::span<const std::int16_t> decoded_densities() const { return densities_; }  // in its place; one more than voxels
+  std::span<const std::uint8_t> decoded_tags() const { return tags_; }            // beside it; none if every tag is 0
   std::span<const std::size_t> first() const { return first_; }
   // Counts the calls of decode() that changed anything, over all volumes.
   std::uint64_t decodings() const { return decodings_; }
@@ -71,7 +83,12 @@ class VolumeMemory {
   std::size_t block_index(int bx, int by, int bz) const;
   void mark_stale(std::size_t block);
   std::size_t block_voxels_and_faces() const;
-  void make_places();
+  std::size_t places() const { return voxels_.empty() ? densities_.size() - 1 : voxels_.size(); }
+  void take_form(bool gradients);
+  void make_places(std::span<const std::uint8_t> leapt_over);
+  // One row of a block's voxels, `count` of them from word `source` of `packed`; the tags that it has.
+  unsigned decode_row(std::span<const std::uint8_t> packed, std::size_t source, std::size_t count, std::size_t target,
+                      std::span<const DecodedVoxel> codes, std::uint8_t* tags);
   // True if one of the block's voxels has a tag; `tags` may be null.
   bool decode_block(std::size_t block, std::span<const DecodedVoxel> codes, std::uint8_t* tags);
   void decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes, unsigned threads);
@@ -84,7 +101,8 @@ class VolumeMemory {
   std::vector<std::uint8_t> stale_;                // one a block
   std::vector<std::size_t> first_;                 // of each block in:
   std::vector<DecodedVoxel> voxels_;               // blocks with faces; the first one is zero
-  std::vector<std::uint8_t> tags_;                 // empty while every tag is 0; four bytes may be read from any place
+  std::vector<std::int16_t> densities_;  // the same, as long as there are no voxels; a pair is read at the last too
+  std::vector<std::uint8_t> tags_;       // empty while every tag is 0; four bytes may be read from any place
   std::uint64_t decodings_ = 0;
   bool resized_ = false;  // since the last of them
 };

@@ -12,16 +12,10 @@
 
 namespace gicube::emu {
 
-inline constexpr int kIrradianceFractionBits = 4;  // of the interpolator's 15-bit words
-
-// The irradiance round a sample, 11.4. `cell` points at the word of least coordinates. `narrow`: words have 16 bits more
-// than the paper's 11 (the wide datapath), which are dropped here.
+// The irradiance round a sample, 11.4. `cell` points at the word of least coordinates.
 inline std::uint32_t irradiance(const std::uint32_t* cell, std::size_t row, std::size_t slice,
                                 const std::array<int, 3>& weights, bool narrow) {
-  const auto word = [cell, narrow](std::size_t i) {
-    const std::uint32_t value = narrow ? cell[i] >> 12 : cell[i] << kIrradianceFractionBits;
-    return static_cast<std::int16_t>(std::min(value, std::uint32_t{32767}));
-  };
+  const auto word = [cell, narrow](std::size_t i) { return irradiance_word(cell[i], narrow); };
   const auto along_x = [&](std::size_t i) { return lerp(word(i), word(i + 1), weights[0]); };
   const std::int16_t near = lerp(along_x(0), along_x(row), weights[1]);
   const std::int16_t far = lerp(along_x(slice), along_x(slice + row), weights[1]);

@@ -51,6 +51,15 @@ constexpr std::int16_t resample(const Neighbourhood& at, std::size_t channel) {
   return lerp(near, far, at.weight[2]);
 }
 
+// The density where it stands alone.
+constexpr std::int16_t resample_density(const std::int16_t* cell, std::size_t row, std::size_t slice,
+                                        const std::array<int, 3>& weight) {
+  const auto along_x = [&](std::size_t i) { return lerp(cell[i], cell[i + 1], weight[0]); };
+  const std::int16_t near = lerp(along_x(0), along_x(row), weight[1]);
+  const std::int16_t far = lerp(along_x(slice), along_x(slice + row), weight[1]);
+  return lerp(near, far, weight[2]);
+}
+
 // The same, channel by channel.
 constexpr Channels resample_each(const Neighbourhood& at) {
   return {resample(at, 0), resample(at, 1), resample(at, 2), resample(at, 3)};

@@ -97,6 +97,7 @@ Board Board::open(std::string_view uri, const OpenOptions& options) {
                                        BatchLimits{options.most_rays, options.back_pressure}, options.keep_volume);
   try {
     state->info = read_info(state->device);
+    state->tables.set_wide(state->info.wide);
   } catch (const DeviceLost& error) {
     throw OpenFailed(error.what());
   } catch (const Rejected& error) {

@@ -61,7 +61,7 @@ void Tables::send_segmentation(ValueRange range) {
   if (source == segmentation_source_) return;
   for (std::size_t tag = 0; tag < functions_.size(); ++tag) {
     if (!functions_[tag]) continue;
-    auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong);
+    auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong, wide_);
     if (light_ == SampleLight::kAbsorbed) set_gains(wanted, materials_[tag].scattering);
     if (light_ == SampleLight::kIncident) set_unit_gains(wanted);
     const auto held = std::span(segmentation_).subspan(tag * kQuarter, kQuarter);

@@ -27,6 +27,9 @@ class Tables {
  public:
   explicit Tables(Device& device) : device_(device) {}
 
+  // The board has the wide datapath.
+  void set_wide(bool wide) { wide_ = wide; }
+
   void set_codebook(GradientCodebook codebook);
   // The codebook in force; the default one is made when it is first asked for.
   const GradientCodebook& codebook();
@@ -57,6 +60,7 @@ class Tables {
 
  private:
   Device& device_;
+  bool wide_ = false;
   std::optional<GradientCodebook> codebook_;
   bool gradients_sent_ = false;
   std::array<std::optional<TransferFunction>, wire::kTags> functions_;

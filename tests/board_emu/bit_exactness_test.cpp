@@ -17,6 +17,10 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   const int n = dice.one_of({8, 8, 16});
   Scene scene({dice.number(10, 40), dice.number(10, 40), dice.number(10, 40)}, n);
   draw(scene, dice);
+  if (dice.chance(30)) {
+    for (auto& entry : scene.segmentation) entry.opacity_fine = static_cast<std::int16_t>(dice.number(-2048, 2047));
+    scene.widen();
+  }
   const wire::RenderCommand view = draw_view(scene, dice);
   const std::vector<std::string> assignments = draw_machine(dice, n);
   SCOPED_TRACE(text(assignments));

@@ -1,6 +1,8 @@
 // What Highway compiles for each instruction set, on each that this host has.
 #pragma once
 
+#include "vector_targets.h"
+
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 

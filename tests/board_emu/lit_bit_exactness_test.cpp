@@ -196,6 +196,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   frame.high_albedo = dice.chance(30);
   frame.exposure = 3000;
   frame.opacity_threshold = threshold;
+  if (wide) scene.widen();
   const wire::RenderCommand view = draw_view(scene, dice);
   const RayCounters before = ray_counters(machine);
   const Picture picture = cycle_picture(scene, view, config, machine), functional = functional_picture(scene, view);

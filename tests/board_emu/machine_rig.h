@@ -45,10 +45,18 @@ struct Scene {
     volume.decode(gradients, true, 1);
   }
 
+  // The wide datapath, for the segmentation as it is now.
+  void widen() {
+    wide_depths = emu::wide_depths(segmentation);
+    frame.wide = true;
+    frame.wide_depths = wide_depths;
+  }
+
   VolumeMemory volume;
   std::vector<wire::GradientEntry> gradients;
   std::vector<wire::SegmentationEntry> segmentation;
   std::vector<std::uint8_t> reflectance_map;
+  std::vector<float> wide_depths;
   OpacityCorrection opacity_correction;
   Frame frame;
 };

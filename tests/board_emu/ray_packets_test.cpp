@@ -15,6 +15,16 @@ namespace {
 
 constexpr std::array<int, 3> kSize{45, 21, 34};
 
+struct LitScene : Scene {
+  LitScene(const std::array<int, 3>& size, int block_voxels)
+      : Scene(size, block_voxels), irradiance(block_voxels, IrradianceMemory::kWideMost) {
+    irradiance.resize(size);
+    frame.irradiance = &irradiance;
+  }
+
+  IrradianceMemory irradiance;
+};
+
 struct Rays {
   std::vector<wire::Ray> rays;
   RayCounters counters;
@@ -42,7 +52,37 @@ void expect_equal(const Rays& got, const Rays& expected) {
   EXPECT_EQ(got.counters.terminated, expected.counters.terminated);
 }
 
-void draw_field(Scene& scene, Dice& dice) {
+// Half of the frames: irradiance in some blocks, more than a word of the interpolator has in some voxels.
+void draw_light(LitScene& scene, Dice& dice) {
+  Frame& frame = scene.frame;
+  if (dice.chance(40)) scene.widen();
+  frame.exposure = static_cast<std::uint32_t>(dice.one_of({4'000, 65'536, 900'000}));
+  frame.lit_by_irradiance = dice.chance(50);
+  frame.plain = !frame.lit_by_irradiance;
+  if (frame.plain) return;
+  for (int i = dice.number(0, 200); i > 0; --i) {
+    Deposit deposit;
+    for (std::size_t axis = 0; axis < 3; ++axis) deposit.voxel[axis] = dice.number(0, kSize[axis] - 2);
+    for (std::uint32_t& share : deposit.shares) {
+      share = static_cast<std::uint32_t>(dice.number(0, 500)) << (frame.wide ? dice.number(0, 22) : 0);
+    }
+    scene.irradiance.add(deposit);
+  }
+  scene.irradiance.expect_deposits();
+}
+
+void draw_cut_planes(Frame& frame, Dice& dice) {
+  frame.cut_planes.clear();
+  for (int i = frame.segments ? 0 : dice.one_of({0, 0, 1, 3}); i > 0; --i) {
+    Plane plane;
+    for (std::size_t axis = 0; axis < 3; ++axis) plane.normal[axis] = dice.number(-16'384, 16'384);
+    const Point middle{22 * wire::kVoxel, 10 * wire::kVoxel, 17 * wire::kVoxel};
+    plane.offset = dot(plane.normal, middle) - std::int64_t{dice.number(0, 6)} * wire::kVoxel * wire::kVoxel;
+    frame.cut_planes.push_back(plane);
+  }
+}
+
+void draw_field(LitScene& scene, Dice& dice) {
   const bool tagged = dice.chance(50);
   const int air = dice.one_of({0, 0, 300}), radius = dice.number(4, 16);
   scene.fill([&](int x, int y, int z) {
@@ -53,6 +93,7 @@ void draw_field(Scene& scene, Dice& dice) {
     voxel.gradient = static_cast<std::uint16_t>((x * 7 + y * 131 + z * 31) % 2048);
     return voxel;
   });
+  const bool glossy = dice.chance(50);
   const unsigned peak = static_cast<unsigned>(dice.one_of({3, 900, 20'000, 65'535}));
   for (std::size_t i = 0; i < scene.segmentation.size(); ++i) {
     const auto density = static_cast<unsigned>(i % 4096);
@@ -61,6 +102,8 @@ void draw_field(Scene& scene, Dice& dice) {
     const auto colour = [&] { return static_cast<std::uint16_t>(dice.number(0, 4095)); };
     scene.segmentation[i] = {
         {colour(), colour(), colour()}, static_cast<std::uint16_t>(opacity), byte(), byte(), byte()};
+    if (glossy) scene.segmentation[i].specular = byte();
+    scene.segmentation[i].opacity_fine = static_cast<std::int16_t>(opacity == 0 ? 0 : dice.number(-2048, 2047));
   }
   for (auto& gradient : scene.gradients) {  // of any length, also too short to be shaded
     for (auto& component : gradient)
@@ -70,16 +113,19 @@ void draw_field(Scene& scene, Dice& dice) {
   scene.gradients[6] = {-511, -511, 0};
   scene.volume.decode(scene.gradients, true, 1);
   for (std::uint8_t& texel : scene.reflectance_map) texel = static_cast<std::uint8_t>(dice.number(0, 255));
+  draw_light(scene, dice);
   Frame& frame = scene.frame;
-  frame.plain = true;
-  frame.jitter = false;
-  frame.segments = dice.chance(50);
-  frame.colourless = dice.chance(40);
+  frame.jitter = dice.chance(30);
+  frame.segments = !frame.jitter && dice.chance(50);
+  frame.colourless = frame.plain && dice.chance(40);
   frame.to_the_hit = dice.chance(50);
   frame.shade = dice.chance(60);
-  frame.integral = dice.chance(20);
-  if (frame.integral) frame.segments = frame.colourless = true;
-  frame.cut_planes.clear();
+  frame.integral = frame.segments && dice.chance(30);
+  if (frame.integral) {
+    frame.colourless = frame.plain = true;
+    frame.lit_by_irradiance = false;
+  }
+  draw_cut_planes(frame, dice);
   frame.leap = dice.chance(60);
   frame.step = static_cast<std::uint32_t>(dice.one_of({9'000, 32'768, 65'536, 150'000}));
   frame.opacity_threshold = dice.one_of<std::uint32_t>({1, wire::kOpacityOne / 3, wire::kOpacityOne});
@@ -102,6 +148,7 @@ std::vector<wire::Ray> draw_rays(Dice& dice, int count, const Frame& frame) {
     if (frame.segments) {
       ray.set_colour_word(static_cast<std::uint64_t>(dice.one_of({0, 1, 700, dice.number(0, 60 << 16)})));
     } else if (dice.chance(20)) {  // carries what an earlier flight gathered
+      ray.generation = static_cast<std::uint8_t>(dice.number(0, 1));
       ray.opacity = static_cast<std::uint32_t>(dice.number(0, wire::kOpacityOne));
       for (std::uint16_t& c : ray.colour) c = static_cast<std::uint16_t>(dice.number(0, 4095));
     }
@@ -114,7 +161,7 @@ class RayPacketsOfRandomScenes : public testing::TestWithParam<unsigned> {};
 
 TEST_P(RayPacketsOfRandomScenes, GivesTheBitsOfThePlainWay) {
   Dice dice(GetParam());
-  Scene scene(kSize, dice.one_of({8, 16, 32}));
+  LitScene scene(kSize, dice.one_of({8, 16, 32}));
   draw_field(scene, dice);
   RayPackets packets(scene.opacity_correction);
   ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 0, 2));
@@ -123,11 +170,11 @@ TEST_P(RayPacketsOfRandomScenes, GivesTheBitsOfThePlainWay) {
   on_every_target([&] { expect_equal(by_vectors(rays, scene.frame, packets), expected); });
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, RayPacketsOfRandomScenes, testing::Range(1u, 201u));
+INSTANTIATE_TEST_SUITE_P(Scenes, RayPacketsOfRandomScenes, testing::Range(1u, 401u));
 
 TEST(RayPackets, FollowsTheVolumeAndTheLut) {
   Dice dice(7);
-  Scene scene(kSize, 16);
+  LitScene scene(kSize, 16);
   draw_field(scene, dice);
   RayPackets packets(scene.opacity_correction);
   ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 0, 1));
@@ -141,22 +188,23 @@ TEST(RayPackets, FollowsTheVolumeAndTheLut) {
   EXPECT_NE(refilled.counters.visible_samples, before.counters.visible_samples);
 
   for (auto& entry : scene.segmentation) entry.opacity = 77;
+  if (scene.frame.wide) scene.widen();
   ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 1, 1));
   expect_equal(by_vectors(rays, scene.frame, packets), plainly(rays, scene.frame));
 }
 
 TEST(RayPackets, AreNotMadeForFewRaysNorForMoreThanGathering) {
   Dice dice(3);
-  Scene scene(kSize, 8);
+  LitScene scene(kSize, 8);
   draw_field(scene, dice);
   RayPackets packets(scene.opacity_correction);
   EXPECT_FALSE(packets.prepare(1, scene.frame, 0, 1));  // a copy of the densities for one ray would be a bad bargain
   EXPECT_TRUE(packets.prepare(scene.volume.stored_blocks(), scene.frame, 0, 1));
-  Frame jittered = scene.frame, cut = scene.frame, lit = scene.frame;
-  jittered.jitter = true;
-  cut.cut_planes.push_back({});
-  lit.plain = false;
-  for (const Frame* frame : {&jittered, &cut, &lit}) EXPECT_FALSE(packets.prepare(1 << 20, *frame, 0, 1));
+  Frame scattered = scene.frame, photons = scene.frame, lights = scene.frame, backprojected = scene.frame;
+  scattered.scatter = photons.high_albedo = lights.lights = backprojected.backprojects = true;
+  for (const Frame* frame : {&scattered, &photons, &lights, &backprojected}) {
+    EXPECT_FALSE(packets.prepare(1 << 20, *frame, 0, 1));
+  }
 }
 
 }  // namespace

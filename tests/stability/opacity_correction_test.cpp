@@ -14,6 +14,7 @@ class StabilityOfOpacityCorrection : public testing::Test {
  protected:
   void fog(double alpha) { load_fog(board_, {256, 8, 8}, alpha); }
   void alpha(double alpha) { board_.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, alpha}}}); }
+  void widen() { board_ = open_board("emu:?set=asic.block_voxels=16&set=asic.datapath=wide"); }
   // Of rays side by side, which all see the same.
   double opacity(double length, double step) {
     constexpr std::uint32_t kRays = 24;
@@ -68,6 +69,47 @@ TEST_F(StabilityOfOpacityCorrection, FogBelowHalfAUnitIsNotSeenAndFromThereOnIs)
   record("transmittance_error_of_fog_that_is_not_seen", 1 - std::pow(1 - 0.49 / kAlphaOne, kLongest));
   alpha(0.51 / kAlphaOne);
   EXPECT_NEAR(opacity(kLongest, 0.5), 1 - std::pow(1 - 1 / kAlphaOne, kLongest), 6e-5);
+}
+
+// Half a unit of 2^-28 in the table for each voxel, half of 2^-24 in the float for each sample, and what one sample and the
+// returned word are rounded by.
+TEST_F(StabilityOfOpacityCorrection, TheWideDatapathKeepsThinFogsTransmittanceWithinItsOwnBound) {
+  widen();
+  fog(0.5);
+  std::mt19937 engine(3);
+  std::uniform_real_distribution<double> exponent(-9, -1);
+  double worst = 0, worst_at_half = 0, worst_share = 0;
+  for (int i = 0; i < 120; ++i) {
+    const double thin = std::pow(10, exponent(engine));
+    alpha(thin);
+    for (const double step : {1.0 / 64, 0.5, 1.0}) {
+      const double error = std::abs(1 - opacity(kLongest, step) - std::pow(1 - thin, kLongest));
+      const double bound = kLongest * 0x1p-29 + kLongest / step * 0x1p-25 + 0x1p-22;
+      ASSERT_LE(error, bound) << thin << " " << step;
+      worst = std::max(worst, error);
+      if (step == 0.5) worst_at_half = std::max(worst_at_half, error);
+      worst_share = std::max(worst_share, error / bound);
+    }
+  }
+  record("worst_transmittance_error_of_250_voxels_wide", worst);
+  record("worst_transmittance_error_of_250_voxels_wide_half_steps", worst_at_half);
+  EXPECT_LT(worst_at_half, 1e-5);
+  EXPECT_GT(worst_share, 0.05) << "the bound says nothing";
+}
+
+TEST_F(StabilityOfOpacityCorrection, TheWideDatapathSeesFogBelowOneUnitOfTheTable) {
+  widen();
+  fog(0.5);
+  for (const double thin : {0.49 / kAlphaOne, 0.01 / kAlphaOne}) {
+    alpha(thin);
+    const double expected = -std::expm1(kLongest * std::log1p(-thin));
+    EXPECT_NEAR(opacity(kLongest, 0.5), expected, 1.5e-7 + 0.02 * expected) << thin;
+  }
+  alpha(0.49 / kAlphaOne);
+  record("transmittance_error_of_fog_below_a_unit_wide",
+         std::abs(1 - opacity(kLongest, 0.5) - std::pow(1 - 0.49 / kAlphaOne, kLongest)));
+  alpha(1);
+  for (const double step : {1.0 / 64, 0.5}) EXPECT_EQ(opacity(step, step), 1) << step;
 }
 
 // Of light in fog so thin that no ray of 8 bits loses a whole unit.

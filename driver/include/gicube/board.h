@@ -49,7 +49,7 @@ struct BoardInfo {
   std::uint64_t config_hash = 0;  // of the board's resolved configuration
   std::uint16_t vendor_id = 0;    // PCI configuration space
   std::uint16_t device_id = 0;
-  bool wide = false;       // lighting rays have the wide datapath
+  bool wide = false;       // the wide datapath (asic.datapath)
   bool agp = false;        // the card has an AGP capability
   bool host_rays = false;  // submit() is offered
 };

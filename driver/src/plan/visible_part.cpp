@@ -24,7 +24,7 @@ std::vector<wire::SegmentationEntry> table_of(std::span<const TransferFunction> 
   std::vector<wire::SegmentationEntry> table;
   for (std::size_t tag = 0; tag < std::min<std::size_t>(functions.size(), wire::kTags); ++tag) {
     check(functions[tag], static_cast<int>(tag));
-    const auto entries = segmentation_entries(functions[tag], range, {});
+    const auto entries = segmentation_entries(functions[tag], range, {}, true);  // what any board can show
     table.insert(table.end(), entries.begin(), entries.end());
   }
   table.resize(wire::kSegmentationEntries);

@@ -13,10 +13,16 @@ std::uint8_t to_shade(double coefficient) {
   return static_cast<std::uint8_t>(std::clamp<long>(std::lround(wire::kShadeOne * coefficient), 0, 255));
 }
 
+// Of -1/2 .. 1/2; a half is one step of the word too much.
+std::int16_t fine_part(double units) {
+  return static_cast<std::int16_t>(std::clamp<long>(std::lround(units * wire::kFineOpacityOne),
+                                                    -wire::kFineOpacityOne / 2, wire::kFineOpacityOne / 2 - 1));
+}
+
 }  // namespace
 
 std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction& function, ValueRange range,
-                                                          const Phong& phong) {
+                                                          const Phong& phong, bool wide) {
   wire::SegmentationEntry entry;
   entry.ambient = to_shade(phong.ambient);
   entry.reflect = wire::kShadeOne;
@@ -30,7 +36,9 @@ std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction
     for (std::size_t c = 0; c < 3; ++c) {
       entry.colour[c] = static_cast<std::uint16_t>(std::lround(colour[c] * wire::kColourOne));
     }
-    entry.opacity = static_cast<std::uint16_t>(std::lround(function.opacity_at(value) * wire::kClassifiedOpacityOne));
+    const double opacity = function.opacity_at(value) * wire::kClassifiedOpacityOne;
+    entry.opacity = static_cast<std::uint16_t>(std::lround(opacity));
+    if (wide) entry.opacity_fine = fine_part(opacity - entry.opacity);
     entries.push_back(entry);
   }
   return entries;

@@ -12,9 +12,10 @@ namespace gicube {
 
 // 4096 entries, index = density d, which stands for the value low + d / 4095 (high - low). Colour is rounded to 12 bits
 // and opacity to 16: 1 is 65535 exactly, and what is below 2^-17 is invisible. Shading coefficients come from Phong,
-// in 1/128. For a function and coefficients that passed their checks.
+// in 1/128. For a function and coefficients that passed their checks. `wide`: with the opacity's 12 further bits, of which
+// 2^-29 is the last that is seen.
 std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction& function, ValueRange range,
-                                                          const Phong& phong);
+                                                          const Phong& phong, bool wide = false);
 
 // Entries for samples that are lit by irradiance, in place of the shading coefficients: no ambient part, highlights as the
 // reflectance map has them, and a gain of 1 / (opacity (1 - scattering)), since that is the share of the light that the

@@ -19,12 +19,14 @@ namespace gicube::wire {
 //    52       8  ambient      | shading coefficients in 1/128: shade = ambient + reflect * map(normal);
 //    60       8  reflect      | what the shade has above `knee` is a highlight and goes to white,
 //    68       8  knee         | the rest scales the colour (docs/HARDWARE.md)
-//    76       8  reserved, 0
+//    76       8  specular     | of samples lit by irradiance
+//    84      12  signed: adds 1/4096 of the opacity's unit each; read by the wide datapath alone
 inline constexpr std::size_t kSegmentationEntries = std::size_t{1} << 14;
 inline constexpr std::size_t kSegmentationEntryBytes = 12;
 inline constexpr std::uint16_t kClassifiedOpacityOne = 65535;
 inline constexpr std::uint8_t kShadeOne = 128;
 inline constexpr int kGainFractionBits = 8;
+inline constexpr int kFineOpacityOne = 4096;  // of opacity_fine
 
 struct SegmentationEntry {
   std::array<std::uint16_t, 3> colour{};
@@ -33,7 +35,13 @@ struct SegmentationEntry {
   std::uint8_t reflect = kShadeOne;
   std::uint8_t knee = kShadeOne;
   std::uint8_t specular = 0;
+  std::int16_t opacity_fine = 0;  // -2048 .. 2047
 
+  // Opacity of one voxel length on the wide datapath, 0..1.
+  constexpr double wide_opacity() const {
+    const double units = opacity + opacity_fine / double{kFineOpacityOne};
+    return units <= 0 ? 0 : units >= kClassifiedOpacityOne ? 1 : units / kClassifiedOpacityOne;
+  }
   // Brightness of a unit of irradiance under EXPOSURE, 8.8: one over the opacity, since a sample absorbs in proportion to
   // it. Shares its bits with `reflect` and `knee`.
   constexpr std::uint32_t gain() const { return reflect | std::uint32_t{knee} << 8; }
@@ -52,6 +60,7 @@ inline void encode(const SegmentationEntry& entry, std::span<std::uint8_t, kSegm
   bits.put(60, 8, entry.reflect);
   bits.put(68, 8, entry.knee);
   bits.put(76, 8, entry.specular);
+  bits.put(84, 12, static_cast<std::uint64_t>(entry.opacity_fine) & 0xFFF);
   store(out, 0, bits.words[0]);
   store(out, 8, static_cast<std::uint32_t>(bits.words[1]));
 }
@@ -67,6 +76,7 @@ inline SegmentationEntry decode_segmentation(std::span<const std::uint8_t, kSegm
   entry.reflect = static_cast<std::uint8_t>(bits.get(60, 8));
   entry.knee = static_cast<std::uint8_t>(bits.get(68, 8));
   entry.specular = static_cast<std::uint8_t>(bits.get(76, 8));
+  entry.opacity_fine = static_cast<std::int16_t>(sign_extend(static_cast<std::uint32_t>(bits.get(84, 12)), 12));
   return entry;
 }
 

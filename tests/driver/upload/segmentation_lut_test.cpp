@@ -37,6 +37,22 @@ TEST(SegmentationLut, OpacityOneIsFullScaleAndDustIsInvisible) {
   EXPECT_EQ(opacity(0.49 / 65535), 0);
 }
 
+TEST(SegmentationLut, TheWideDatapathGetsTwelveFurtherBitsAndNothingElseChanges) {
+  const auto entry = [](double alpha, bool wide) {
+    return segmentation_entries({{{0, {}}}, {{0, alpha}}}, {0, 1}, {}, wide)[0];
+  };
+  for (const double alpha : {0.0, 1e-9, 1e-7, 0.49 / 65535, 0.5 / 65535, 0.51 / 65535, 0.3, 1 - 1e-7, 1.0}) {
+    EXPECT_EQ(entry(alpha, true).opacity, entry(alpha, false).opacity) << alpha;
+    EXPECT_EQ(entry(alpha, false).opacity_fine, 0) << alpha;
+    // Half a unit, or a whole one where the word ends.
+    EXPECT_NEAR(entry(alpha, true).wide_opacity(), alpha, 1.01 / 65535 / wire::kFineOpacityOne) << alpha;
+  }
+  EXPECT_EQ(entry(1, true).wide_opacity(), 1);
+  EXPECT_LT(entry(1 - 1e-7, true).wide_opacity(), 1);
+  EXPECT_EQ(entry(1e-9, true).wide_opacity(), 0);
+  EXPECT_GT(entry(4e-9, true).wide_opacity(), 0);
+}
+
 TEST(SegmentationLut, ShadingCoefficientsAreIn128ths) {
   const TransferFunction f{{{0, {}}}, {{0, 0}}};
   const auto entry = [&f](Phong phong) { return segmentation_entries(f, {0, 1}, phong)[4095]; };

@@ -1,0 +1,31 @@
+// The irradiance as the interpolator's 16-bit words, block behind block: for who reads many at once.
+//
+// A host structure of the functional level, as DensityCopy. Blocks that no energy has reached take no memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "memory/irradiance_memory.h"
+
+namespace gicube::emu {
+
+class IrradianceCopy {
+ public:
+  // Follows `memory`, of `blocks` blocks of `block_words` words, if it has changed. `narrow`: irradiance_word().
+  void follow(const IrradianceMemory& memory, std::size_t blocks, std::size_t block_words, bool narrow);
+  void clear() { *this = {}; }
+
+  // 11.4. None if there would be more than byte offsets of 31 bits reach.
+  const std::int16_t* words() const { return words_.empty() ? nullptr : words_.data(); }
+  // Where each block's begin, negative: it has none.
+  const std::int32_t* first() const { return first_.data(); }
+
+ private:
+  std::uint64_t changes_ = 0;  // IrradianceMemory::changes() of the copy
+  std::vector<std::int16_t> words_;
+  std::vector<std::int32_t> first_;
+};
+
+}  // namespace gicube::emu

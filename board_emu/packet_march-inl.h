@@ -1,0 +1,237 @@
+// Rays that march side by side: what of them stands in lanes, and the turns of the pipeline that take them on.
+//
+// In even steps what addresses the samples hangs on steps alone, so that the next are fetched while one is composited: a
+// ray that has become opaque goes on as a ghost, of which nothing is kept. Jittered steps are drawn where the ray is, so
+// there a ray that ends stands still.
+
+// Included once for each instruction set.
+#if defined(GICUBE_PACKET_MARCH) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PACKET_MARCH
+#undef GICUBE_PACKET_MARCH
+#else
+#define GICUBE_PACKET_MARCH
+#endif
+
+#include "packet_light-inl.h"
+#include "packet_stages-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+// One word of each of the rays under way, lane by lane.
+struct alignas(64) Word {
+  std::array<std::int32_t, 16> lane{};
+
+  V load() const { return hn::Load(D32(), lane.data()); }
+  void store(V v) { hn::Store(v, D32(), lane.data()); }
+};
+
+// The rays under way. A ray ends when no steps are left, or by its opacity.
+struct Lanes {
+  std::array<Word, 3> position, step;
+  std::array<Word, 3> colour;  // of integrals: the sum's low kSumBits, and what is above; wide: floats
+  Word exponent, opacity;
+  Word wide_opacity;  // floats
+  Word left;          // steps to the end of a segment or of the volume; jittered: none or one
+  Word more;          // by which a leap may go beyond that: a leaping ray overshoots the volume, but not its segment
+  // Of jittered rays:
+  std::array<Word, 3> direction;
+  Word length, destination, taken;
+};
+
+constexpr int kSumBits = 20;
+
+// What a turn changes of the rays, as long as they march.
+struct Going {
+  std::array<V, 3> position, step, colour;
+  V exponent, opacity, left;
+  VF wide_opacity;
+};
+
+template <bool kWide>
+HWY_INLINE Going begin(const Lanes& lanes) {
+  Going out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position[axis] = lanes.position[axis].load();
+    out.step[axis] = lanes.step[axis].load();
+    out.colour[axis] = lanes.colour[axis].load();
+  }
+  out.exponent = lanes.exponent.load();
+  out.opacity = lanes.opacity.load();
+  out.left = lanes.left.load();
+  if constexpr (kWide) out.wide_opacity = hn::BitCast(DF(), lanes.wide_opacity.load());
+  return out;
+}
+
+// What jitter_step() draws, of the lanes of `running`.
+HWY_INLINE void jitter_step(Going& ray, const Lanes& lanes, Mask running, const PacketField& field) {
+  const V drawn = jitter_index(ray.position, lanes.destination.load());
+  const V distance = gather(field.tables->distance.data(), hn::ShiftLeft<2>(drawn));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ray.step[axis] = hn::IfThenElse(running, step_of(lanes.direction[axis].load(), distance), ray.step[axis]);
+  }
+  ray.exponent = exponent_of(distance, lanes.length.load());
+}
+
+// Inside the volume, and not beyond a cut plane.
+HWY_INLINE Mask kept(const Going& ray, const PacketField& field) {
+  const D32 d;
+  Mask out = hn::FirstN(d, 0);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Mask outside =
+        hn::Or(hn::Lt(ray.position[axis], hn::Zero(d)), hn::Gt(ray.position[axis], set(field.extent[axis])));
+    out = hn::Or(out, outside);
+  }
+  if (!field.cut_planes.empty()) {
+    std::array<Word, 3> position, step;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      position[axis].store(ray.position[axis]);
+      step[axis].store(ray.step[axis]);
+    }
+    Word cut;
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
+      const Point p{position[0].lane[i], position[1].lane[i], position[2].lane[i]};
+      const Point s{step[0].lane[i], step[1].lane[i], step[2].lane[i]};
+      for (const Plane& plane : field.cut_planes) cut.lane[i] |= beyond(plane, p, s) ? -1 : 0;
+    }
+    out = hn::Or(out, hn::MaskFromVec(cut.load()));
+  }
+  return hn::Not(out);
+}
+
+// Composites the samples of `taking` at `at`; `cell`: their places in the block.
+template <Gathers kGathers, bool kWide>
+HWY_INLINE void composite(Going& ray, const Place& at, V density, Mask taking, V block, V cell,
+                          const PacketField& field, RayCounters& counters) {
+  const D32 d;
+  const V entry = classify(density, at, field);
+  const V depth = hn::IfThenElseZero(taking, gather(field.depths, hn::ShiftLeft<2>(entry)));
+  const Mask visible = hn::Ne(depth, hn::Zero(d));
+  if (hn::AllFalse(d, visible)) return;
+  counters.visible_samples += hn::CountTrue(d, visible);
+  V weight = hn::Zero(d);
+  VF wide_weight = hn::Zero(DF());
+  if constexpr (kWide) {
+    const VF alpha = wide_alpha(hn::BitCast(DF(), depth), ray.exponent), one = hn::Set(DF(), 1);
+    wide_weight = hn::Mul(hn::Sub(one, ray.wide_opacity), alpha);
+    ray.wide_opacity = hn::IfThenElse(hn::Eq(alpha, one), one, hn::Add(ray.wide_opacity, wide_weight));
+    const V words = hn::NearestInt(hn::Mul(ray.wide_opacity, hn::Set(DF(), static_cast<float>(wire::kOpacityOne))));
+    ray.opacity = hn::IfThenElse(visible, words, ray.opacity);
+  } else {
+    weight = weight_of(depth, ray.exponent, ray.opacity, field);
+    ray.opacity = hn::Add(ray.opacity, weight);
+  }
+  if constexpr (kGathers != Gathers::kColour) return;
+  const Look look = look_of(entry, field);
+  const auto seen = field.irradiance != nullptr ? illuminated(look, entry, at, visible, block, cell, field)
+                    : field.shaded              ? shade(look, resample_gradient(at, field), field)
+                                                : look.colour;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if constexpr (kWide) {
+      const VF added = hn::Mul(wide_weight, hn::ConvertTo(DF(), seen[c]));
+      ray.colour[c] = hn::BitCast(d, hn::Add(hn::BitCast(DF(), ray.colour[c]), added));
+    } else {
+      ray.colour[c] =
+          hn::Min(hn::Add(ray.colour[c], part_of(seen[c], weight)), set(static_cast<std::int32_t>(wire::kColourOne)));
+    }
+  }
+}
+
+// Takes the samples of `samples`, of which those of `taking` count. `first`: of their blocks among the decoded ones.
+template <Gathers kGathers, bool kWide>
+HWY_INLINE void take_samples(Going& ray, const std::array<V, 3>& inside_block, V first, V block, Mask samples,
+                             Mask taking, const PacketField& field, RayCounters& counters) {
+  const D32 d;
+  Place at{};
+  std::array<V, 3> voxel{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block[axis]);
+    at.fraction[axis] = hn::And(ray.position[axis], set(wire::kVoxel - 1));
+    at.weight[axis] = hn::ShiftLeft<kWeightBits - wire::kPositionFractionBits>(at.fraction[axis]);
+  }
+  const V rows = hn::Add(voxel[1], hn::Mul(voxel[2], set(field.edge)));
+  const V cell = hn::Add(voxel[0], hn::Mul(rows, set(field.edge)));
+  at.index = hn::IfThenElseZero(samples, hn::Add(first, cell));
+  const V density = resample_words(field.densities, at.index, at.weight, field.edge);
+  counters.samples += hn::CountTrue(d, taking);
+  if constexpr (kGathers == Gathers::kIntegral) {
+    const V sum = hn::Add(ray.colour[0], hn::IfThenElseZero(taking, density));
+    ray.colour[0] = hn::And(sum, set((1 << kSumBits) - 1));
+    ray.colour[1] = hn::Add(ray.colour[1], hn::ShiftRight<kSumBits>(sum));
+    counters.visible_samples += hn::CountTrue(d, hn::And(taking, hn::Ne(density, hn::Zero(d))));
+  } else {
+    composite<kGathers, kWide>(ray, at, density, taking, block, cell, field, counters);
+  }
+}
+
+// Takes all lanes on until at least `enough` of them have ended.
+template <Gathers kGathers, bool kJitter, bool kWide>
+HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough, RayCounters& counters) {
+  const D32 d;
+  Going ray = begin<kWide>(lanes);
+  const V more = lanes.more.load(), zero = hn::Zero(d), one = set(1), size = set(1 << field.block_shift);
+  V taken = zero;  // steps
+  Mask stepping{};
+  while (true) {
+    if constexpr (kJitter) {
+      stepping = kept(ray, field);
+    } else {
+      stepping = hn::Gt(ray.left, zero);
+    }
+    const Mask running = hn::And(stepping, hn::Lt(ray.opacity, set(field.threshold)));
+    if (hn::Lanes(d) - hn::CountTrue(d, running) >= enough) break;
+    if constexpr (kJitter) jitter_step(ray, lanes, running, field);
+    const Mask going = kJitter ? running : stepping;
+
+    const auto block_of = [&](std::size_t axis) {
+      return hn::ShiftRightSame(hn::IfThenElseZero(going, ray.position[axis]), field.block_shift);
+    };
+    const V block =
+        hn::Add(block_of(0), hn::Add(hn::Mul(block_of(1), set(field.across)), hn::Mul(block_of(2), set(field.slice))));
+    const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(block));
+    const Mask leaps = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(leaps, going);
+    V steps = hn::IfThenElseZero(going, one);
+    std::array<V, 3> inside_block{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      inside_block[axis] = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
+    }
+    if (!hn::AllFalse(d, leaps)) {
+      V out = kJitter ? size : hn::Min(size, hn::Add(ray.left, more));
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        out = hn::Min(out, steps_out(inside_block[axis], ray.step[axis], size));
+      }
+      steps = hn::IfThenElse(leaps, out, steps);
+      counters.leaps += hn::CountTrue(d, hn::And(leaps, running));
+    }
+    if (!hn::AllFalse(d, samples)) {
+      take_samples<kGathers, kWide>(ray, inside_block, first, block, samples, hn::And(samples, running), field,
+                                    counters);
+    }
+    taken = hn::Add(taken, hn::IfThenElseZero(running, steps));
+    ray.left = hn::Sub(ray.left, steps);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ray.position[axis] = hn::Add(ray.position[axis], hn::Mul(steps, ray.step[axis]));
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const V there = hn::Add(lanes.position[axis].load(), hn::Mul(taken, ray.step[axis]));
+    lanes.position[axis].store(kJitter ? ray.position[axis] : there);
+    if (kJitter) lanes.step[axis].store(ray.step[axis]);
+    if (kGathers != Gathers::kOpacity) lanes.colour[axis].store(ray.colour[axis]);
+  }
+  lanes.opacity.store(ray.opacity);
+  if (kWide) lanes.wide_opacity.store(hn::BitCast(d, ray.wide_opacity));
+  if constexpr (kJitter) {
+    lanes.left.store(hn::IfThenElseZero(stepping, one));
+    lanes.taken.store(hn::Add(lanes.taken.load(), taken));
+  } else {
+    lanes.left.store(hn::Sub(lanes.left.load(), taken));
+  }
+}
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
