@@ -42,11 +42,13 @@ TurnMachine::TurnMachine(const v1::BoardConfig& config, const std::array<int, 3>
       partition_(config.asic().partition(), config.asic().processors(), blocks),
       core_khz_(config.asic().core_khz()),
       dsp_khz_(config.dsp().clock_khz()),
+      layout_(static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.most_blocks())),
+              config.asic().block_voxels(), config.rdram().device_mbit()),
       listeners_(config.asic().processors()) {
-  const auto most = static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.most_blocks()));
   for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
-    memories_.push_back(std::make_unique<TurnMemory>(config_, most));
-    const TurnProcessor::Surroundings with{&config_, &partition_, blocks_, &processors_, memories_.back().get(), &up_};
+    memories_.push_back(std::make_unique<TurnMemory>(config_, layout_));
+    const TurnProcessor::Surroundings with{&config_, &partition_, blocks_, &processors_, memories_.back().get(),
+                                           &rays_,   &up_};
     processors_.push_back(std::make_unique<TurnProcessor>(static_cast<std::uint8_t>(i), with));
   }
 }
@@ -62,7 +64,8 @@ void TurnMachine::dsp_works(std::uint64_t cycles) {
 }
 
 // A run is two packets, and each processor extrapolates one of its rays a cycle.
-void TurnMachine::send(TurnRay ray, std::uint32_t run, bool first) {
+void TurnMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
+  TurnRay& ray = rays_[handle];
   ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
   const Home& home = partition_.home(ray.block);
   Cycle ready = dsp_.now + kToProcessor;
@@ -71,7 +74,7 @@ void TurnMachine::send(TurnRay ray, std::uint32_t run, bool first) {
     if (std::exchange(listener.making, run) != run) listener.made = 0;
     ready += RayBus::kRunPackets + listener.made++;
   }
-  bus_.push({home.processor, first, run, {ray, ready, home.number, false, false}});
+  bus_.push({home.processor, first, run, {ready, handle, home.number, false, false}});
   sends_ += first ? 1 : 0;
   ++dsp_.sent;
 }
@@ -122,7 +125,7 @@ void TurnMachine::make_rays(TurnWork& work) {
   bool first = true;
   for (; dsp_.made < last; ++dsp_.made) {
     const TurnRay& ray = maker_->next();
-    if (ray.left > 0) send(ray, run, std::exchange(first, false));
+    if (ray.left > 0) send(rays_.add(ray), run, std::exchange(first, false));
   }
   run_bus();
 }
@@ -138,6 +141,7 @@ bool TurnMachine::dsp_acts(TurnWork& work) {
       ++dsp_.overflows;
       dsp_.kept.push_back(back.ray);
     } else {
+      rays_.remove(back.ray);
       dsp_works(work.take_cycles());
       ++dsp_.taken;
     }

@@ -71,7 +71,7 @@ class TurnMachine {
   struct Dsp {
     Cycle now = 0;
     std::uint64_t made = 0, sent = 0, taken = 0, overflows = 0, busy = 0;
-    std::deque<TurnRay> kept;  // overflowed rays
+    std::deque<std::uint32_t> kept;  // overflowed rays
   };
 
   // A ray on the bus.
@@ -91,7 +91,7 @@ class TurnMachine {
 
   void dsp_works(std::uint64_t cycles);
   void make_rays(TurnWork& work);
-  void send(TurnRay ray, std::uint32_t run, bool first);
+  void send(std::uint32_t handle, std::uint32_t run, bool first);
   TurnProcessor* holds(const OnBus& next) const;
   void hand_on(const OnBus& next);
   void run_bus();
@@ -102,6 +102,8 @@ class TurnMachine {
   Partition partition_;
   std::uint64_t core_khz_, dsp_khz_;
   LongQueue<Coming> up_;
+  TurnRays rays_;
+  rdram::Layout layout_;  // of each memory
   std::vector<std::unique_ptr<TurnMemory>> memories_;
   std::vector<std::unique_ptr<TurnProcessor>> processors_;
   Dsp dsp_;

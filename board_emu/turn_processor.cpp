@@ -85,7 +85,7 @@ inline void TurnProcessor::write(const Coming& ray) {
     if (!has_slot(ray.queue, ray.ready)) {
       ++counters_.overflows;
       ++in_tree_;
-      with_.up->push({ray.ray, ray.ready - kSorter + to_dsp_, number_, false, true});
+      with_.up->push({ray.ready - kSorter + to_dsp_, ray.ray, number_, false, true});
       return;
     }
     ++slots_[ray.queue];
@@ -193,7 +193,7 @@ Cycle TurnProcessor::fetch(std::uint32_t block, const std::array<std::uint32_t, 
   TurnMemory& memory = *with_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
-    const rdram::Location at = memory.layout.locate(number, misses.tiles[i]);
+    const rdram::Location at = memory.layout->locate(number, misses.tiles[i]);
     const Cycle there = memory.channel.read(at, memory.asked * ratio_).data_end + rac_latency_ + ratio_ - 1;
     const Cycle arrival = ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
     first = std::max(i == 0 ? first : first + 1, arrival);
@@ -203,16 +203,17 @@ Cycle TurnProcessor::fetch(std::uint32_t block, const std::array<std::uint32_t, 
 }
 
 // Out of the pipeline for good, or to another processor, in cycle `out`.
-void TurnProcessor::leave(const TurnRay& ray, std::uint32_t queue, Cycle out) {
+void TurnProcessor::leave(std::uint32_t handle, std::uint32_t queue, Cycle out) {
+  const TurnRay& ray = (*with_.rays)[handle];
   released_.push({out + 1 + kSorter, queue});
   hold(-1, out);
   if (ray.left <= 0) {
-    with_.up->push({ray, out + to_dsp_, number_, false, false});
+    with_.up->push({out + to_dsp_, handle, number_, false, false});
     ++in_tree_;
     return;
   }
   const Home& home = with_.partition->home(ray.block);
-  Coming coming{ray, 0, home.number, false, false};
+  Coming coming{0, handle, home.number, false, false};
   cross(home, coming, out);
 }
 
@@ -226,8 +227,13 @@ Point TurnProcessor::drawn_step(const TurnRay& ray) const {
 
 // One turn of the ray at the head of `queue`; sets now_ to the cycle in which it enters the pipeline.
 inline void TurnProcessor::turn(std::uint32_t queue) {
-  LongQueue<TurnRay>& from = queues_[queue];
-  const TurnRay& ray = from.front();
+  constexpr std::size_t kAhead = 8;  // chosen: turns, some hundred nanoseconds
+  LongQueue<std::uint32_t>& from = queues_[queue];
+  TurnRays& rays = *with_.rays;
+  const std::uint32_t handle = from.front();
+  TurnRay& ray = rays[handle];
+  if (from.size() > kAhead) __builtin_prefetch(&rays[from.behind(kAhead)]);
+  from.drop();
   // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
   now_ = std::max({now_, started_[(turns_ - prefetch_) % kRemembered], taken_[(packets_ - room_ - 1) % kRemembered]});
 
@@ -245,27 +251,20 @@ inline void TurnProcessor::turn(std::uint32_t queue) {
   computing_ = begin;
   started_[turns_++ % kRemembered] = begin;
 
-  Point position = ray.position;
-  for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += steps * step[axis];
-  const std::int32_t left = ray.left - steps;
-  const bool stays = grid_.same(position, low);
-  const std::uint32_t block = stays || left <= 0 ? ray.block : static_cast<std::uint32_t>(grid_.block(position));
-  const Home* const home = stays ? nullptr : &with_.partition->home(block);
+  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * step[axis];
+  ray.left -= steps;
   const Cycle out = begin + compute_;
-  if (left <= 0 || (!stays && home->processor != number_)) {
-    leave({position, ray.step, left, block}, queue, out);
-  } else {
-    Coming& coming = returned_.next();
-    coming.ray.position = position;
-    coming.ray.step = ray.step;
-    coming.ray.left = left;
-    coming.ray.block = block;
-    coming.ready = out + kToQueue;
-    coming.queue = stays ? queue : home->number;
-    coming.keeps_slot = coming.queue == queue;
-    if (!coming.keeps_slot) released_.push({out + 1 + kSorter, queue});
+  if (ray.left <= 0) return leave(handle, queue, out);
+  if (grid_.same(ray.position, low)) {
+    returned_.push({out + kToQueue, handle, queue, true, false});
+    return;
   }
-  from.drop();
+  ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
+  const Home& home = with_.partition->home(ray.block);
+  if (home.processor != number_) return leave(handle, queue, out);
+  const bool keeps_slot = home.number == queue;
+  returned_.push({out + kToQueue, handle, home.number, keeps_slot, false});
+  if (!keeps_slot) released_.push({out + 1 + kSorter, queue});
 }
 
 void TurnProcessor::work(Cycle until, bool bus_waits) {
@@ -290,7 +289,8 @@ void TurnProcessor::work(Cycle until, bool bus_waits) {
     if (stands_) return;
     before = now;
     if (choose(now)) {
-      if (queues_[active_].front().left == 1 && !finds_place()) return;
+      if (in_tree_ + 1 > tree_places_ / 2 && (*with_.rays)[queues_[active_].front()].left == 1 && !finds_place())
+        return;
       now_ = now;
       --waiting_;
       turn(active_);

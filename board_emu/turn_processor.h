@@ -40,13 +40,12 @@ class LongQueue {
   const Item& front() const { return ring_[head_ & mask_]; }
   void drop() { ++head_; }
   Item pop() { return ring_[head_++ & mask_]; }
-  void push(const Item& item) { next() = item; }
-  // A new last one, to be filled in place: what is put together elsewhere and then copied whole stalls the host's loads on
-  // its own partial stores.
-  Item& next() {
+  // The one `places` behind the first, if there are so many; else any that was.
+  const Item& behind(std::size_t places) const { return ring_[(head_ + places) & mask_]; }
+  void push(const Item& item) {
     if (size() == ring_.size()) [[unlikely]]
       grow();
-    return ring_[tail_++ & mask_];
+    ring_[tail_++ & mask_] = item;
   }
 
  private:
@@ -72,6 +71,27 @@ struct TurnRay {
   std::uint32_t block = 0;
 };
 
+// All rays under way, each in one place; what goes from part to part is its handle.
+class TurnRays {
+ public:
+  std::uint32_t add(const TurnRay& ray) {
+    if (free_.empty()) {
+      free_.push_back(static_cast<std::uint32_t>(rays_.size()));
+      rays_.emplace_back();
+    }
+    const std::uint32_t handle = free_.back();
+    free_.pop_back();
+    rays_[handle] = ray;
+    return handle;
+  }
+  void remove(std::uint32_t handle) { free_.push_back(handle); }
+  TurnRay& operator[](std::uint32_t handle) { return rays_[handle]; }
+
+ private:
+  std::vector<TurnRay> rays_;
+  std::vector<std::uint32_t> free_;
+};
+
 // Direction, and place in the image: what a jittered step is drawn from.
 inline Point drawn_from(const std::array<std::int16_t, 3>& direction, std::uint16_t u, std::uint16_t v) {
   return std::bit_cast<Point>(std::array<std::uint16_t, 6>{static_cast<std::uint16_t>(direction[0]),
@@ -81,20 +101,19 @@ inline Point drawn_from(const std::array<std::int16_t, 3>& direction, std::uint1
 
 // A processor's RDRAM channel.
 struct TurnMemory {
-  TurnMemory(const v1::BoardConfig& config, std::uint32_t blocks)
-      : layout(blocks, config.asic().block_voxels(), config.rdram().device_mbit()),
-        channel(config.rdram(), layout.devices()) {}
+  TurnMemory(const v1::BoardConfig& config, const rdram::Layout& blocks)
+      : layout(&blocks), channel(config.rdram(), blocks.devices()) {}
 
-  rdram::Layout layout;
+  const rdram::Layout* layout;  // must outlive it
   rdram::Channel channel;
   Cycle asked = 0;  // in which it took the last packet on
 };
 
 // A ray on its way to a queue, or to the DSP.
 struct Coming {
-  TurnRay ray;
   Cycle ready = 0;
-  std::uint32_t queue = 0;
+  std::uint32_t ray = 0;    // handle
+  std::uint32_t queue = 0;  // to the DSP: the processor that it comes from
   bool keeps_slot = false;
   bool overflowed = false;
 };
@@ -119,6 +138,7 @@ class TurnProcessor {
     std::array<int, 3> blocks;  // of the volume
     std::vector<std::unique_ptr<TurnProcessor>>* processors;
     TurnMemory* memory;
+    TurnRays* rays;
     LongQueue<Coming>* up;  // to the DSP
   };
 
@@ -160,7 +180,7 @@ class TurnProcessor {
   void turn(std::uint32_t queue);
   Point drawn_step(const TurnRay& ray) const;
   [[gnu::noinline]] Cycle fetch(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, Cycle first);
-  [[gnu::noinline]] void leave(const TurnRay& ray, std::uint32_t queue, Cycle out);
+  [[gnu::noinline]] void leave(std::uint32_t handle, std::uint32_t queue, Cycle out);
   void cross(const Home& home, Coming& ray, Cycle out);
   void hold(int rays, Cycle when);
   bool finds_place();
@@ -182,7 +202,7 @@ class TurnProcessor {
   const std::uint8_t* empty_ = nullptr;  // by block, if empty ones are leapt over
   BlockGrid grid_;
 
-  std::vector<LongQueue<TurnRay>> queues_;
+  std::vector<LongQueue<std::uint32_t>> queues_;  // handles
   std::vector<std::uint32_t> slots_;
   ExactMaximum most_;                  // by the importance that the sorter knows of
   LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
