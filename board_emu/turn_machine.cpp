@@ -26,7 +26,7 @@ void Maker::begin_chunk() {
   if (!coming_.empty()) making_ = std::async(ahead_ ? std::launch::async : std::launch::deferred, make);
 }
 
-const TurnRay& Maker::next() {
+TurnRay& Maker::next() {
   if (at_ == chunk_.size()) {
     making_.get();
     chunk_.swap(coming_);
@@ -66,7 +66,6 @@ void TurnMachine::dsp_works(std::uint64_t cycles) {
 // A run is two packets, and each processor extrapolates one of its rays a cycle.
 void TurnMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
   TurnRay& ray = rays_[handle];
-  ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
   const Home& home = partition_.home(ray.block);
   Cycle ready = dsp_.now + kToProcessor;
   if (run != 0) {
@@ -124,8 +123,11 @@ void TurnMachine::make_rays(TurnWork& work) {
   dsp_works(in_run ? config_.dsp().run_cycles() : work.make_cycles());
   bool first = true;
   for (; dsp_.made < last; ++dsp_.made) {
-    const TurnRay& ray = maker_->next();
-    if (ray.left > 0) send(rays_.add(ray), run, std::exchange(first, false));
+    TurnRay& ray = maker_->next();
+    if (ray.left <= 0) continue;
+    ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
+    for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
+    send(rays_.add(ray), run, std::exchange(first, false));
   }
   run_bus();
 }
@@ -219,17 +221,17 @@ void TurnMachine::count(std::vector<wire::Counter>& list) const {
   };
   using P = TurnProcessor;
   list.push_back({"asic.cycles", "cycle", now_});
-  processors("cycles.busy", "cycle", [](const P& p) { return p.counters().samples; });
+  processors("cycles.busy", "cycle", [](const P& p) { return p.samples(); });
   processors("cycles.leap", "cycle", [](const P& p) { return p.counters().leaps; });
-  processors("samples", "sample", [](const P& p) { return p.counters().samples; });
+  processors("samples", "sample", [](const P& p) { return p.samples(); });
   processors("rays_held", "cycle", [](const P& p) { return p.counters().held; });
-  processors("cache.checks", "sample", [](const P& p) { return p.cache().checks; });
+  processors("cache.checks", "sample", [](const P& p) { return p.samples(); });
   processors("cache.packets", "packet", [](const P& p) { return p.cache().packets; });
   processors("cache.missed_voxels", "voxel", [](const P& p) { return p.cache().missed_voxels; });
   processors("cache.filled_voxels", "voxel", [](const P& p) { return p.cache().filled_voxels; });
-  processors("sorter.written", "ray", [](const P& p) { return p.counters().written; });
+  processors("sorter.written", "ray", [](const P& p) { return p.turns(); });
   processors("sorter.overflows", "ray", [](const P& p) { return p.counters().overflows; });
-  processors("sorter.issued", "ray", [](const P& p) { return p.counters().samples + p.counters().leaps; });
+  processors("sorter.issued", "ray", [](const P& p) { return p.turns(); });
   processors("sorter.activations", "activation", [](const P& p) { return p.counters().activations; });
   sum(
       "link.rays_sent", "ray", [](const P& p) { return p.counters().rays_sent; }, processors_);

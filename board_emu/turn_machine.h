@@ -27,7 +27,7 @@ class TurnWork {
   virtual ~TurnWork() = default;
 
   virtual std::uint64_t count() const = 0;
-  // Rays [begin, begin + out.size()), called once for each, in order. One without steps is made, but not sent.
+  // Rays [begin, begin + out.size()) with their positions in the volume, called once for each, in order. One without steps is made, but not sent.
   virtual void make(std::uint64_t begin, std::span<TurnRay> out) = 0;
   // As RayWork.
   virtual std::uint64_t row_end(std::uint64_t i) const = 0;
@@ -39,7 +39,7 @@ class TurnWork {
 class Maker {
  public:
   Maker(TurnWork& work, bool ahead);
-  const TurnRay& next();
+  TurnRay& next();
 
  private:
   void begin_chunk();

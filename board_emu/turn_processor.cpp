@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 
 namespace gicube::emu {
 
@@ -43,6 +44,9 @@ void TurnProcessor::begin(Cycle now, const Frame& frame) {
   jitter_ = frame.jitter;
   empty_ = frame.leap ? frame.empty.data() : nullptr;
   grid_ = BlockGrid(*frame.volume);
+  block_shift_ = std::countr_zero(static_cast<std::uint32_t>(grid_.size()));
+  across_ = static_cast<std::uint32_t>(frame.volume->blocks()[0]);
+  slice_ = across_ * static_cast<std::uint32_t>(frame.volume->blocks()[1]);
 }
 
 Cycle TurnProcessor::next() const {
@@ -92,7 +96,6 @@ inline void TurnProcessor::write(const Coming& ray) {
   }
   queues_[ray.queue].push(ray.ray);
   ++waiting_;
-  ++counters_.written;
   if (ray.queue == active_ || listed_[ray.queue] != 0) return;
   listed_[ray.queue] = 1;
   modified_.push(ray.queue);
@@ -186,10 +189,10 @@ void TurnProcessor::cross(const Home& home, Coming& ray, Cycle out) {
 
 // When the packets are there of a sample that could be resampled in cycle `first`: each is written in a cycle of its own,
 // and the last is handed on in that cycle.
-Cycle TurnProcessor::fetch(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, Cycle first) {
-  const Misses& misses = cache_.check(block, voxel);
+Cycle TurnProcessor::fetch(const TurnRay& ray, Cycle first) {
+  const Misses& misses = cache_.check(ray.block, cell(ray.position, Point{}).voxel);
   if (ideal_memory_) return first;
-  const std::uint32_t number = with_.partition->home(block).number;
+  const std::uint32_t number = with_.partition->home(ray.block).number;
   TurnMemory& memory = *with_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
@@ -221,45 +224,24 @@ Point TurnProcessor::drawn_step(const TurnRay& ray) const {
   const auto words = std::bit_cast<std::array<std::uint16_t, 6>>(ray.step);
   const std::array<std::int16_t, 3> direction{static_cast<std::int16_t>(words[0]), static_cast<std::int16_t>(words[1]),
                                               static_cast<std::int16_t>(words[2])};
-  const std::uint32_t factor = jitter(ray.position, words[3], words[4]);
+  Point position = ray.position;
+  const auto corner = grid_.corner(ray.block);
+  for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += corner[axis] << wire::kPositionFractionBits;
+  const std::uint32_t factor = jitter(position, words[3], words[4]);
   return step_vector(direction, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame_->step} * factor)));
 }
 
-// One turn of the ray at the head of `queue`; sets now_ to the cycle in which it enters the pipeline.
-inline void TurnProcessor::turn(std::uint32_t queue) {
-  constexpr std::size_t kAhead = 8;  // chosen: turns, some hundred nanoseconds
-  LongQueue<std::uint32_t>& from = queues_[queue];
-  TurnRays& rays = *with_.rays;
-  const std::uint32_t handle = from.front();
-  TurnRay& ray = rays[handle];
-  if (from.size() > kAhead) __builtin_prefetch(&rays[from.behind(kAhead)]);
-  from.drop();
-  // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
-  now_ = std::max({now_, started_[(turns_ - prefetch_) % kRemembered], taken_[(packets_ - room_ - 1) % kRemembered]});
+std::int32_t TurnProcessor::leap(const TurnRay& ray, const Point& step) {
+  ++counters_.leaps;
+  return std::min(leap_steps(ray.position, step, Point{}, grid_.size()), ray.left);
+}
 
-  const Point low = grid_.low(ray.position), step = jitter_ ? drawn_step(ray) : ray.step;
-  Cycle begin = std::max(computing_ + 1, now_ + prefetch_);
-  std::int32_t steps = 1;
-  if (empty_ != nullptr && empty_[ray.block] != 0) {
-    ++counters_.leaps;
-    steps = std::min(leap_steps(ray.position, step, low, grid_.size()), ray.left);
-  } else {
-    ++counters_.samples;
-    const Cell at = cell(ray.position, low);
-    if (!cache_.hits(ray.block, at.voxel)) begin = fetch(ray.block, at.voxel, begin);
-  }
-  computing_ = begin;
-  started_[turns_++ % kRemembered] = begin;
-
-  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * step[axis];
-  ray.left -= steps;
-  const Cycle out = begin + compute_;
-  if (ray.left <= 0) return leave(handle, queue, out);
-  if (grid_.same(ray.position, low)) {
-    returned_.push({out + kToQueue, handle, queue, true, false});
-    return;
-  }
-  ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
+// The ray of `queue` has come into another block.
+void TurnProcessor::change_block(std::uint32_t handle, std::uint32_t queue, Cycle out) {
+  TurnRay& ray = (*with_.rays)[handle];
+  const auto blocks = [&](std::size_t axis) { return static_cast<std::uint32_t>(ray.position[axis] >> block_shift_); };
+  ray.block += blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
+  for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
   const Home& home = with_.partition->home(ray.block);
   if (home.processor != number_) return leave(handle, queue, out);
   const bool keeps_slot = home.number == queue;
@@ -267,10 +249,103 @@ inline void TurnProcessor::turn(std::uint32_t queue) {
   if (!keeps_slot) released_.push({out + 1 + kSorter, queue});
 }
 
+// One turn of the ray at the head of `queue`; sets now_ to the cycle in which it enters the pipeline.
+inline void TurnProcessor::turn(std::uint32_t queue) {
+  LongQueue<std::uint32_t>& from = queues_[queue];
+  TurnRays& rays = *with_.rays;
+  const std::uint32_t handle = from.front();
+  TurnRay& ray = rays[handle];
+  from.drop();
+  // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
+  now_ = std::max({now_, started_[(turns_ - prefetch_) % kRemembered], oldest_taken()});
+  Cycle begin = std::max(computing_ + 1, now_ + prefetch_);
+
+  const Point step = jitter_ ? drawn_step(ray) : ray.step;
+  std::int32_t x = step[0], y = step[1], z = step[2], steps = 1;
+  if (empty_ != nullptr && empty_[ray.block] != 0) {
+    steps = leap(ray, step);
+    x *= steps, y *= steps, z *= steps;
+  } else {
+    begin = fetch(ray, begin);
+  }
+  computing_ = begin;
+  started_[turns_++ % kRemembered] = begin;
+
+  ray.position[0] = x += ray.position[0];
+  ray.position[1] = y += ray.position[1];
+  ray.position[2] = z += ray.position[2];
+  ray.left -= steps;
+  const Cycle out = begin + compute_;
+  if (ray.left <= 0) return leave(handle, queue, out);
+  if ((x | y | z) >> block_shift_ != 0) return change_block(handle, queue, out);
+  returned_.push({out + kToQueue, handle, queue, true, false});
+}
+
+// Turns of the active queue in which a ray takes a step within the block and comes back: most turns are such. The same as turn() and what is round it in work(), as far as that goes.
+inline void TurnProcessor::glide(Cycle& now, Cycle& before, Cycle until) {
+  const std::uint32_t* const tags = cache_.plain_tags();
+  const std::uint32_t queue = active_;
+  LongQueue<std::uint32_t>& from = queues_[queue];
+  if (from.empty() || tags == nullptr || jitter_) return;
+  TurnRays& rays = *with_.rays;
+  const std::uint32_t block = rays[from.front()].block;  // of all in the queue
+  if (empty_ != nullptr && empty_[block] != 0) return;
+  const std::uint64_t both = block * 0x1'0000'0001u, first_only = ~0u;
+  const std::size_t tiles_x = cache_.tiles_x(), slice = tiles_x * tiles_x;
+  const int shift = block_shift_;
+  Cycle taken = oldest_taken();
+  std::uint64_t turns = turns_;
+  Cycle computing = computing_;
+  std::int64_t waiting = 0;
+  while (now <= until && now < others_) {
+    for (; !returned_.empty() && returned_.front().ready <= now; returned_.drop(), ++waiting) {
+      const Coming& back = returned_.front();
+      if (back.queue != queue || !back.keeps_slot) break;
+      from.push(back.ray);
+    }
+    if (from.empty() || (!returned_.empty() && returned_.front().ready <= now)) break;
+    const std::uint32_t handle = from.front();
+    TurnRay& ray = rays[handle];
+    const auto voxel = [&ray](std::size_t axis) {
+      return static_cast<std::uint32_t>(ray.position[axis]) >> wire::kPositionFractionBits;
+    };
+    const std::size_t two_x = voxel(0) & 1, row = (voxel(1) & 1) * tiles_x;
+    const std::uint32_t* const tile = tags + (voxel(2) * tiles_x + (voxel(1) >> 1)) * tiles_x + (voxel(0) >> 1);
+    const auto differs = [both](const std::uint32_t* at) {
+      std::uint64_t pair = 0;
+      std::memcpy(&pair, at, sizeof pair);
+      return pair ^ both;
+    };
+    const std::uint64_t any = differs(tile) | differs(tile + row) | differs(tile + slice) | differs(tile + slice + row);
+    const std::int32_t x = ray.position[0] + ray.step[0], y = ray.position[1] + ray.step[1],
+                       z = ray.position[2] + ray.step[2];
+    if (ray.left == 1 || (x | y | z) >> shift != 0) break;
+    from.drop();
+    before = now;
+    now_ = now = std::max({now, started_[(turns - prefetch_) % kRemembered], taken});
+    computing = std::max(computing + 1, now + prefetch_);
+    if ((any & (first_only | -static_cast<std::uint64_t>(two_x))) != 0) {
+      computing = fetch(ray, computing);
+      taken = oldest_taken();
+    }
+    started_[turns++ % kRemembered] = computing;
+    ray.position = {x, y, z};
+    --ray.left;
+    returned_.push({computing + compute_ + kToQueue, handle, queue, true, false});
+    --waiting;
+    ++now;
+  }
+  turns_ = turns;
+  computing_ = computing;
+  waiting_ += static_cast<std::uint64_t>(waiting);
+}
+
 void TurnProcessor::work(Cycle until, bool bus_waits) {
   const std::size_t on_the_bus = from_bus();
   Cycle now = next(), before = now - 1;
-  while (now <= until) {
+  while (true) {
+    if (active_ != kNone) glide(now, before, until);
+    if (now > until) return;
     std::uint32_t written = kNone;
     Cycle returned = 0;
     for (; !returned_.empty() && returned_.front().ready <= now; ++returned) {
@@ -279,7 +354,6 @@ void TurnProcessor::work(Cycle until, bool bus_waits) {
       if (ray.keeps_slot && ray.queue == active_) {  // what most do
         queues_[active_].push(ray.ray);
         ++waiting_;
-        ++counters_.written;
       } else {
         write(ray);
       }

@@ -40,10 +40,8 @@ class LongQueue {
   const Item& front() const { return ring_[head_ & mask_]; }
   void drop() { ++head_; }
   Item pop() { return ring_[head_++ & mask_]; }
-  // The one `places` behind the first, if there are so many; else any that was.
-  const Item& behind(std::size_t places) const { return ring_[(head_ + places) & mask_]; }
   void push(const Item& item) {
-    if (size() == ring_.size()) [[unlikely]]
+    if (size() > mask_) [[unlikely]]
       grow();
     ring_[tail_++ & mask_] = item;
   }
@@ -65,7 +63,7 @@ class LongQueue {
 
 // A ray under way. Of jittered rays `step` has the words from which each step is drawn.
 struct TurnRay {
-  Point position{};
+  Point position{};  // from its block's least corner
   Point step{};
   std::int32_t left = 0;  // steps to its end
   std::uint32_t block = 0;
@@ -119,9 +117,7 @@ struct Coming {
 };
 
 struct TurnCounters {
-  std::uint64_t samples = 0;
   std::uint64_t leaps = 0;
-  std::uint64_t written = 0;
   std::uint64_t overflows = 0, conflicts = 0;
   std::uint64_t activations = 0;
   std::uint64_t rays_sent = 0;  // over links
@@ -168,6 +164,8 @@ class TurnProcessor {
   Cycle taken_from_bus() const { return taken_from_bus_; }
 
   const TurnCounters& counters() const { return counters_; }
+  std::uint64_t turns() const { return turns_; }
+  std::uint64_t samples() const { return turns_ - counters_.leaps; }
   const CacheCounters& cache() const { return cache_.counters(); }
   Cycle now() const { return now_; }
 
@@ -178,9 +176,14 @@ class TurnProcessor {
   void take_in(Cycle now);
   bool choose(Cycle now);
   void turn(std::uint32_t queue);
+  void glide(Cycle& now, Cycle& before, Cycle until);
+  // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
+  Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
   Point drawn_step(const TurnRay& ray) const;
-  [[gnu::noinline]] Cycle fetch(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, Cycle first);
+  [[gnu::noinline]] Cycle fetch(const TurnRay& ray, Cycle first);
+  [[gnu::noinline]] std::int32_t leap(const TurnRay& ray, const Point& step);
   [[gnu::noinline]] void leave(std::uint32_t handle, std::uint32_t queue, Cycle out);
+  [[gnu::noinline]] void change_block(std::uint32_t handle, std::uint32_t queue, Cycle out);
   void cross(const Home& home, Coming& ray, Cycle out);
   void hold(int rays, Cycle when);
   bool finds_place();
@@ -201,6 +204,8 @@ class TurnProcessor {
   bool jitter_ = false;
   const std::uint8_t* empty_ = nullptr;  // by block, if empty ones are leapt over
   BlockGrid grid_;
+  int block_shift_ = 0;  // from positions to blocks
+  std::uint32_t across_ = 0, slice_ = 0;
 
   std::vector<LongQueue<std::uint32_t>> queues_;  // handles
   std::vector<std::uint32_t> slots_;

@@ -42,8 +42,9 @@ class VolumeCache {
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
-  // The same where nothing is missing; false, and nothing done, if something is, or this is no direct mapped cache of blocks.
-  bool hits(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  // For a caller that goes on and on in one block of a direct mapped cache: by tile, the block that it is of.
+  const std::uint32_t* plain_tags() const { return plain_ ? tags_.data() : nullptr; }
+  std::size_t tiles_x() const { return tiles_x_; }
 
   // Whether a tile is there, or has been asked for.
   bool holds(std::uint32_t block, std::uint32_t tile) const;
@@ -58,8 +59,6 @@ class VolumeCache {
   static constexpr std::uint32_t kNothing = ~std::uint32_t{0};
 
   const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
-  // Whether a tile of the neighbourhood from tile `first` on is missing.
-  bool any_missing(std::uint32_t block, std::size_t first, std::size_t two_x, std::size_t two_y) const;
   // The same if something is missing; `first` is the neighbourhood's lowest tile.
   const Misses& fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, std::size_t first);
   const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
@@ -86,8 +85,9 @@ class VolumeCache {
 
 // A direct mapped cache looked up by the place in the block. Mostly nothing is missing, and that is seen at once, two
 // tiles of a row in a word.
-inline bool VolumeCache::any_missing(std::uint32_t block, std::size_t first, std::size_t two_x,
-                                     std::size_t two_y) const {
+inline const Misses& VolumeCache::check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
+  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
   const auto differs = [this, block](std::size_t tile) {
     const auto tags = std::bit_cast<std::uint64_t>(std::array{tags_[tile], tags_[tile + 1]});
     return tags ^ std::bit_cast<std::uint64_t>(std::array{block, block});
@@ -96,24 +96,11 @@ inline bool VolumeCache::any_missing(std::uint32_t block, std::size_t first, std
   const std::size_t row = two_y * tiles_x_, slice = slice_tiles_;
   const std::uint64_t any =
       differs(first) | differs(first + row) | differs(first + slice) | differs(first + slice + row);
-  return (any & of_both) != 0;
-}
-
-inline const Misses& VolumeCache::check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
-  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
-  if (any_missing(block, first, two_x, two_y)) return fetch_plain(block, voxel, first);
-  count(0, 4u >> (two_x + two_y));
-  return misses_;
-}
-
-inline bool VolumeCache::hits(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
-  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;
-  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
-  if (!plain_ || any_missing(block, first, two_x, two_y)) return false;
-  ++counters_.checks;
-  ++counters_.misses[0];
-  return true;
+  if ((any & of_both) == 0) {
+    count(0, 4u >> (two_x + two_y));
+    return misses_;
+  }
+  return fetch_plain(block, voxel, first);
 }
 
 // Always eight tags, as the hardware does, and without a branch a tile, since which are missing is hard to predict: a tile
