@@ -63,8 +63,30 @@ void check_plan(const PlanOptions& options) {
   if (options.explain && !options.wanted()) throw UsageError("--explain: expected --max-error or --time-budget too");
 }
 
+void refuse_with_plan(const CLI::App& app, const std::string& option) {
+  if (app.get_option(option)->count() == 0) return;
+  throw UsageError(option + ": expected none with --max-error and --time-budget, which choose it");
+}
+
+BoardOptions board_for(const PlanOptions& plan, BoardOptions board) {
+  if (plan.time_budget > 0 && board.fidelity.empty() && board.board.starts_with("emu:") &&
+      board.board.find("fidelity=") == std::string::npos) {
+    board.fidelity = "approximate";
+  }
+  return board;
+}
+
 void print_plan(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) fmt::print("{}{}\n", line.starts_with("plan ") ? "" : "  ", line);
+}
+
+nlohmann::ordered_json target_json(const PlanTarget& target, bool kept) {
+  using Json = nlohmann::ordered_json;
+  Json json;
+  json["max_error"] = target.max_error > 0 ? Json(target.max_error) : Json(nullptr);
+  json["time_budget_ms"] = target.time_budget > 0 ? Json(to_ms(target.time_budget)) : Json(nullptr);
+  json["kept"] = kept;
+  return json;
 }
 
 }  // namespace gicube::samples

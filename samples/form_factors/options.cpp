@@ -224,6 +224,7 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   add_materials(*solving, solve);
   add_method(*solving, solve);
   add_output(*solving, solve);
+  add_plan_options(*solving, solve.plan, "the solution's pairs");
   add_board_options(*solving, solve.board);
   add_input(*looking, visibility.input);
   add_visibility(*looking, visibility);
@@ -244,6 +245,11 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   if (looking->parsed()) return visibility;
   if (charting->parsed()) return charts;
   check_solve(solve);
+  check_plan(solve.plan);
+  if (solve.plan.wanted()) {
+    for (const char* chosen : {"--error", "--rays", "--leaf-voxels", "--full-matrix"})
+      refuse_with_plan(*solving, chosen);
+  }
   return solve;
 }
 

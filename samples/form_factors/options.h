@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/board_options.h"
+#include "common/plan_options.h"
 #include "common/scene.h"
 #include "form_factors/radiosity.h"
 
@@ -33,6 +34,7 @@ struct SolveOptions {
   std::string camera_name;
   std::optional<std::array<int, 2>> size;
   double exposure = 0;  // 0 = the scene's or chosen
+  PlanOptions plan;     // in place of the settings' error, rays and leaf_voxels
   BoardOptions board;
 };
 

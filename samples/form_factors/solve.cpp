@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "common/board_run.h"
 #include "common/image_file.h"
@@ -10,6 +12,7 @@
 #include "common/run_json.h"
 #include "form_factors/field.h"
 #include "form_factors/matrix.h"
+#include "form_factors/plan.h"
 #include "form_factors/statistics.h"
 
 namespace gicube::samples {
@@ -81,21 +84,33 @@ void solve(const SolveOptions& options, ProgressLine& progress) {
   if (options.size) scene.view.width = (*options.size)[0], scene.view.height = (*options.size)[1];
   scene.lighting.on = false;
   const SceneSetup setup = set_up(scene, options.board.threads);
-  Board board = open_board(options.board);
+  Board board = open_board(board_for(options.plan, options.board));
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
 
   RunWindow window(board);
-  const RadiosityResult result =
-      solve_radiosity(board, setup, emissions_of(scene, setup), options.settings, shown_by(progress));
+  RadiositySettings settings = options.settings;
+  std::optional<RadiosityPlan> plan;
+  RadiosityResult result;
+  if (options.plan.wanted()) {
+    plan =
+        plan_radiosity(board, setup, emissions_of(scene, setup), settings, options.plan.target(), shown_by(progress));
+    settings = plan->settings;
+    result = std::move(plan->result);
+  } else {
+    result = solve_radiosity(board, setup, emissions_of(scene, setup), settings, shown_by(progress));
+  }
   const Counters counters = window.counters();
   progress.clear();
+  if (plan && options.plan.explain) print_plan(plan->explain());
   if (!options.board.quiet) print(result);
   if (!options.factors.empty()) write_factors(result, options.factors);
   const LightField field = field_of(result, setup);
   if (!options.solution.empty()) write_light_field(field, setup.volume.spacing, options.solution);
   if (!options.board.stats.empty()) {
     const double voxel = setup.grid.voxel;
-    write_json(to_json(result, options.settings, voxel * voxel, counters, board.info()), options.board.stats);
+    auto json = to_json(result, settings, voxel * voxel, counters, board.info());
+    json["plan"] = plan ? to_json(*plan) : nullptr;
+    write_json(json, options.board.stats);
   }
   if (!options.picture.empty()) draw(options, scene, setup, field, board, progress);
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/plan_options.h"
 #include "common/run_json.h"
 
 namespace gicube::samples {
@@ -68,6 +69,20 @@ Json settings_json(const RadiositySettings& settings) {
   json["convergence"] = settings.convergence;
   json["most_iterations"] = settings.most_iterations;
   json["leaf_voxels"] = settings.leaf_voxels;
+  return json;
+}
+
+Json point_json(const RadiosityPlanPoint& point) {
+  Json json;
+  json["hierarchy"] = point.hierarchy;
+  json["threshold"] = point.threshold;
+  json["rays_a_link"] = point.rays;
+  json["leaf_voxels"] = point.leaf_voxels;
+  json["difference"] = point.difference;
+  json["error"] = point.error;
+  json["error_bound"] = point.error_bound;
+  json["rays"] = point.all_rays;
+  json["board_ms"] = to_ms(point.time);
   return json;
 }
 
@@ -160,6 +175,16 @@ Json to_json(const RadiosityResult& result, const RadiositySettings& settings, d
   json["settings"] = settings_json(settings);
   json["board"] = {{"fidelity", name_of(board.fidelity)}, {"config_hash", fmt::format("{:016x}", board.config_hash)}};
   json["counters"] = to_json(counters);
+  return json;
+}
+
+Json to_json(const RadiosityPlan& plan) {
+  Json json = target_json(plan.target, plan.kept);
+  json["chosen"] = point_json(plan.chosen);
+  json["full_matrix_rays"] = plan.finest_rays;
+  json["all_rays"] = plan.all_rays;
+  json["host_seconds"] = plan.host_seconds;
+  for (const RadiosityPlanPoint& point : plan.points) json["points"].push_back(point_json(point));
   return json;
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "form_factors/options.h"
+#include "form_factors/plan.h"
 #include "form_factors/radiosity.h"
 
 namespace gicube::samples {
@@ -25,9 +26,14 @@ nlohmann::ordered_json to_json(const Utilisation& utilisation);
 
 // Keys: elements links all_pairs pairs clear_pairs rays refinements iterations (links, residual) energy (powers of red, green
 // and blue, in the scene's units; balance_error) closure_rms standard_error (of the incident light: mean, greatest, relative)
-// bus_down_bytes bus_up_bytes board_ms bus_ms host_seconds utilisation settings board counters.
+// bus_down_bytes bus_up_bytes board_ms bus_ms host_seconds utilisation settings board counters. The program adds plan,
+// null without one.
 nlohmann::ordered_json to_json(const RadiosityResult& result, const RadiositySettings& settings, double area_unit,
                                const Counters& counters, const BoardInfo& board);
+
+// Keys: max_error time_budget_ms kept chosen (a point) full_matrix_rays all_rays host_seconds points, each with hierarchy threshold rays_a_link
+// leaf_voxels difference error error_bound rays board_ms.
+nlohmann::ordered_json to_json(const RadiosityPlan& plan);
 
 // (emitted - all that it became) / emitted, the worst channel.
 double balance_error(const EnergyBalance& energy);

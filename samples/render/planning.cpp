@@ -66,14 +66,6 @@ Json point_json(const LightPoint& point) {
 
 }  // namespace
 
-BoardOptions board_for(const PlanOptions& plan, BoardOptions board) {
-  if (plan.time_budget > 0 && board.fidelity.empty() && board.board.starts_with("emu:") &&
-      board.board.find("fidelity=") == std::string::npos) {
-    board.fidelity = "approximate";
-  }
-  return board;
-}
-
 Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions& wanted, const SceneSetup& setup,
                    bool own_codebook, const Progress& progress) {
   const std::vector<TransferFunction> looks = looks_of(setup);
@@ -151,7 +143,7 @@ std::vector<std::string> explain(const PlanOptions& wanted, const Plan& picture,
   }
   error = std::hypot(error, picture.chosen.error_bound);
   if (wanted.max_error > 0) kept = error <= wanted.max_error;
-  std::vector<std::string> all{plan_headline("of light and picture", {wanted.max_error, wanted.time_budget}, kept),
+  std::vector<std::string> all{plan_headline("of light and picture", wanted.target(), kept),
                                fmt::format("error of both together: bound {:.2g}%", 100 * error)};
   for (const LightPlan& plan : light) std::ranges::copy(plan.explain(), std::back_inserter(all));
   all.insert(all.end(), lines.begin(), lines.end());
@@ -159,10 +151,7 @@ std::vector<std::string> explain(const PlanOptions& wanted, const Plan& picture,
 }
 
 Json to_json(const Plan& plan) {
-  Json json;
-  json["max_error"] = plan.request.max_error > 0 ? Json(plan.request.max_error) : Json(nullptr);
-  json["time_budget_ms"] = plan.request.time_budget > 0 ? Json(to_ms(plan.request.time_budget)) : Json(nullptr);
-  json["kept"] = plan.kept;
+  Json json = target_json({plan.request.max_error, plan.request.time_budget}, plan.kept);
   json["chosen"] = point_json(plan.chosen);
   json["finest"] = point_json(plan.finest);
   json["gradients"] = plan.gradients;
@@ -174,11 +163,8 @@ Json to_json(const Plan& plan) {
 }
 
 Json to_json(const LightPlan& plan) {
-  Json json;
+  Json json = target_json(plan.target, plan.kept);
   json["channel"] = plan.channel;
-  json["max_error"] = plan.target.max_error > 0 ? Json(plan.target.max_error) : Json(nullptr);
-  json["time_budget_ms"] = plan.target.time_budget > 0 ? Json(to_ms(plan.target.time_budget)) : Json(nullptr);
-  json["kept"] = plan.kept;
   json["chosen"] = point_json(plan.chosen);
   json["asked"] = point_json(plan.asked);
   json["passes"] = {{"count", plan.passes}, {"samples", plan.pass_samples}, {"host_seconds", plan.host_seconds}};

@@ -14,9 +14,6 @@
 
 namespace gicube::samples {
 
-// A time budget needs a board that keeps time: `approximate`, unless a fidelity level is asked for.
-BoardOptions board_for(const PlanOptions& plan, BoardOptions board);
-
 // Plans the setup's picture and brings its volume onto the board as planned, codebook included. An emulated board of level
 // `cycle` has its pilots taken by one of level `approximate`, which has the same bits sooner. Throws the driver's errors.
 Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions& wanted, const SceneSetup& setup,

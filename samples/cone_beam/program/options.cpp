@@ -10,6 +10,7 @@
 #include "common/input_error.h"
 #include "common/option_group.h"
 #include "common/volume_output.h"
+#include "cone_beam/program/statistics.h"
 #include "cone_beam/scan/scan.h"
 #include "cone_beam/scan/scan_file.h"
 
@@ -277,7 +278,16 @@ void add_reconstructing(CLI::App& app, ReconstructOptions& options, Common& comm
       ->required()
       ->group("Output");
   add_slices(app, options.slices, "it");
+  add_plan_options(app, options.plan, "the volume");
   add_board_options(app, options.board);
+}
+
+void check_reconstruction_plan(const CLI::App& app, const ReconstructOptions& options) {
+  check_plan(options.plan);
+  if (!options.plan.wanted()) return;
+  if (!options.fdk)
+    throw UsageError("--method: expected fdk with --max-error and --time-budget, got " + std::string(name_of(options)));
+  for (const char* chosen : {"--rays", "--step", "--normalise"}) refuse_with_plan(app, chosen);
 }
 
 void add_comparing(CLI::App& app, CompareOptions& options) {
@@ -354,6 +364,7 @@ std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* con
   }
   if (reconstructing->parsed()) {
     set_method(common, reconstruct);
+    check_reconstruction_plan(*reconstructing, reconstruct);
     check_volume_name("--output", reconstruct.output);
     return reconstruct;
   }

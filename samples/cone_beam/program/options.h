@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/board_options.h"
+#include "common/plan_options.h"
 #include "cone_beam/algebraic.h"
 #include "cone_beam/charts/charts.h"
 #include "cone_beam/comparison.h"
@@ -60,6 +61,7 @@ struct ReconstructOptions {
   AlgebraicSettings algebraic;
   std::filesystem::path output;
   SliceOptions slices;
+  PlanOptions plan;  // of fdk
   BoardOptions board;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "common/board_run.h"
 #include "common/program.h"
@@ -10,6 +11,7 @@
 #include "common/run_json.h"
 #include "common/volume_output.h"
 #include "cone_beam/algebraic.h"
+#include "cone_beam/plan.h"
 #include "cone_beam/program/commands.h"
 #include "cone_beam/program/object.h"
 #include "cone_beam/program/slices.h"
@@ -50,6 +52,15 @@ std::vector<std::string> warnings_of(const Scan& scan, const Reconstruction& res
   return out;
 }
 
+// A functional one beside an emulated board of another level: deposits are slow there, and have the same bits.
+std::optional<Board> board_for_pilots(const BoardOptions& options, const Board& board) {
+  if (board.info().fidelity == Fidelity::kFunctional || !options.board.starts_with("emu:")) return std::nullopt;
+  if (options.board.find("fidelity=") != std::string::npos) return std::nullopt;
+  BoardOptions sooner = options;
+  sooner.fidelity = "functional";
+  return open_board(sooner);
+}
+
 void print_summary(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result,
                    const Cost& cost) {
   const Dims& dims = scan.geometry.volume.dims;
@@ -84,9 +95,18 @@ void reconstruct(const ReconstructOptions& wanted) {
     }
   }
   progress.show("starting the board");
-  Board board = open_board(options.board);
+  Board board = open_board(board_for(options.plan, options.board));
   const Grid& grid = scan.geometry.volume;
   check_fits(grid.dims, board.info(), "--size");
+  std::optional<FdkPlan> plan;
+  if (options.plan.wanted()) {
+    std::optional<Board> sooner = board_for_pilots(options.board, board);
+    plan = plan_fdk(sooner ? *sooner : board, scan.geometry, scan.projections, options.filtered, options.plan.target(),
+                    progress.parts("planning"), &board);
+    options.filtered = plan->settings(options.filtered);
+    scan.projections = some_views(scan.projections, scan.geometry.angles.size(), plan->chosen.every);
+    scan.geometry = some_views(scan.geometry, plan->chosen.every);
+  }
   RunWindow window(board);
   const Progress parts = progress.parts("reconstructing");
   const Reconstruction result =
@@ -100,9 +120,11 @@ void reconstruct(const ReconstructOptions& wanted) {
   if (!options.board.stats.empty()) {
     auto json = to_json(options, scan, result, cost);
     json["warnings"] = warnings;
+    json["plan"] = plan ? to_json(*plan) : nullptr;
     write_json(json, options.board.stats);
   }
   progress.clear();
+  if (plan && options.plan.explain) print_plan(plan->explain());
   if (!options.board.quiet) print_summary(options, scan, result, cost);
   for (const std::string& text : warnings) warn(text);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/plan_options.h"
 #include "common/run_json.h"
 
 namespace gicube::samples {
@@ -63,6 +64,19 @@ Json settings_json(const ReconstructOptions& options) {
   return json;
 }
 
+Json point_json(const FdkPlanPoint& point) {
+  Json json;
+  json["every"] = point.every;
+  json["rays"] = point.rays;
+  json["step"] = point.step;
+  json["normalise"] = point.normalise;
+  json["error"] = point.error;
+  json["error_bound"] = point.error_bound;
+  json["deposits"] = point.deposits;
+  json["board_ms"] = to_ms(point.time);
+  return json;
+}
+
 }  // namespace
 
 const char* name_of(const ReconstructOptions& options) {
@@ -105,6 +119,18 @@ Json to_json(const ReconstructOptions& options, const Scan& scan, const Reconstr
   json["diverged"] = result.diverged;
   json["warnings"] = scan.warnings;
   json.update(to_json(cost));
+  return json;
+}
+
+Json to_json(const FdkPlan& plan) {
+  Json json = target_json(plan.target, plan.kept);
+  json["chosen"] = point_json(plan.chosen);
+  json["finest"] = point_json(plan.finest);
+  json["slices"] = plan.slices;
+  json["pilots"] = plan.pilots;
+  json["pilot_deposits"] = plan.pilot_deposits;
+  json["host_seconds"] = plan.host_seconds;
+  for (const FdkPlanPoint& point : plan.points) json["points"].push_back(point_json(point));
   return json;
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "cone_beam/plan.h"
 #include "cone_beam/program/options.h"
 #include "cone_beam/reconstruction.h"
 #include "cone_beam/scan/scan.h"
@@ -23,9 +24,14 @@ struct Cost {
 nlohmann::ordered_json to_json(const Cost& cost);
 
 // Keys: scan (views views_read repeated detector source_to_axis source_to_detector arc_degrees absorbed dead), volume (dims spacing
-// centre), method and its settings, rays, deposits, overflowed, clipped, iterations, residuals, diverged, warnings, and the cost's.
+// centre), method and its settings, rays, deposits, overflowed, clipped, iterations, residuals, diverged, warnings, plan (the
+// program adds it; null without one), and the cost's.
 nlohmann::ordered_json to_json(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result,
                                const Cost& cost);
+
+// Keys: max_error time_budget_ms kept chosen finest (points) slices pilots pilot_deposits host_seconds points, each with every rays step
+// normalise error error_bound deposits board_ms.
+nlohmann::ordered_json to_json(const FdkPlan& plan);
 
 // Keys: voxels rmse bias relative_l2 psnr ssim; an infinite psnr is null.
 nlohmann::ordered_json to_json(const Comparison& comparison);

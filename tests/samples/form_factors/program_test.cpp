@@ -36,6 +36,41 @@ class FormFactorProgram : public ProgramTest {
   }
 };
 
+TEST_F(FormFactorProgram, PlansForAnErrorAndExplainsItself) {
+  const Outcome result =
+      run("solve " GICUBE_SOURCE_DIR
+          "/samples/scenes/radiosity/glowing_room.scene --volume-size 8 --max-error 40% --explain --stats " +
+          path("x.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::AllOf(HasSubstr("plan for an error of at most 40%"),
+                                         HasSubstr("links: divided where"), HasSubstr("error: "),
+                                         HasSubstr("where a full matrix takes"), HasSubstr("the plan itself")));
+  const auto json = nlohmann::json::parse(text_of(path("x.json")));
+  const auto plan = json.at("plan"), chosen = plan.at("chosen");
+  EXPECT_TRUE(plan.at("kept").get<bool>());
+  EXPECT_LE(chosen.at("error_bound").get<double>(), 0.4);
+  EXPECT_EQ(json.at("settings").at("error"), chosen.at("threshold"));
+  EXPECT_EQ(json.at("rays"), chosen.at("rays"));  // the plan's last solution is what is written
+  EXPECT_GT(plan.at("full_matrix_rays").get<double>(), 3 * chosen.at("rays").get<double>());
+}
+
+TEST_F(FormFactorProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
+  const Outcome result = run("solve " + room() + " --time-budget 60ms --stats " + path("x.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto json = nlohmann::json::parse(text_of(path("x.json")));
+  EXPECT_EQ(json.at("board").at("fidelity"), "approximate");
+  EXPECT_TRUE(json.at("plan").at("kept").get<bool>());
+  EXPECT_LE(json.at("board_ms").get<double>(), 60);
+  EXPECT_GT(json.at("plan").at("points").size(), 1u);
+}
+
+TEST_F(FormFactorProgram, RefusesPlansThatContradictOtherOptions) {
+  for (const char* wrong : {" --max-error 5% --time-budget 5ms", " --explain", " --max-error 5% --error 1e-3",
+                            " --max-error 5% --rays 8", " --time-budget 1s --full-matrix", " --max-error 0"}) {
+    EXPECT_EQ(run("solve " + room() + wrong).code, 2) << wrong;
+  }
+}
+
 TEST_F(FormFactorProgram, SolvesASceneIntoItsFiles) {
   const Outcome result = run("solve " + room() + " --error 1e-2 --factors " + path("x.mtx") + " --solution " +
                              path("x.nrrd") + " -o " + path("x.png") + " --stats " + path("x.json"));

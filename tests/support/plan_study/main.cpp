@@ -7,7 +7,9 @@
 #include <exception>
 #include <iostream>
 
+#include "plan_study/fdk_study.h"
 #include "plan_study/lit_study.h"
+#include "plan_study/radiosity_study.h"
 #include "plan_study/study.h"
 
 namespace {
@@ -21,7 +23,7 @@ struct Options {
   int size = 512;
   double percent = 1;
   double milliseconds = 0;
-  bool explain = false, exact = false, lit = false;
+  bool explain = false, exact = false, lit = false, radiosity = false, fdk = false, steps = false;
 };
 
 void add_options(CLI::App& app, Options& options) {
@@ -35,6 +37,10 @@ void add_options(CLI::App& app, Options& options) {
                  "of board time, in place of an error; needs fidelity=approximate");
   app.add_flag("--exact", options.exact, "also against the double-precision march, which takes minutes");
   app.add_flag("--lit", options.lit, "plans of light too, of lit scenes with targets of their own");
+  app.add_flag("--radiosity", options.radiosity, "plans of gicube-form-factors, with targets of their own");
+  app.add_flag("--fdk", options.fdk, "plans of gicube-cone-beam reconstruct, with targets of their own");
+  app.add_flag("--steps", options.steps,
+               "no plan: each step of the board against the double-precision march, rays to their end");
   app.add_flag("--explain", options.explain, "each plan in words");
 }
 
@@ -92,6 +98,73 @@ void run_lit(const Options& options) {
   }
 }
 
+void run_radiosity(const Options& options) {
+  fmt::print(
+      "| scene | target % | threshold | rays a link | leaf voxels | error % | predicted | bound | rays saved, times | "
+      "all "
+      "solutions' rays | plan, host s | reference |\n");
+  for (const RadiosityScene& scene : radiosity_scenes(GICUBE_SOURCE_DIR)) {
+    const auto& names = options.scenes;
+    if (!names.empty() && std::find(names.begin(), names.end(), scene.name) == names.end()) continue;
+    const RadiosityOutcome outcome = carry_out_radiosity(scene, options.board);
+    const auto& plan = outcome.plan;
+    fmt::print("| {} | {:g}{} | {:.2g} | {} | {} | {:.2f} | {:.2f} | {:.2f} | {:.0f} | {} | {:.1f} | {:.1f} |\n",
+               scene.name, 100 * scene.max_error, plan.kept ? "" : " not reached", plan.chosen.threshold,
+               plan.chosen.rays, plan.chosen.leaf_voxels, 100 * outcome.error, 100 * plan.chosen.error,
+               100 * plan.chosen.error_bound, plan.finest_rays / plan.chosen.all_rays,
+               gicube::count_text(plan.all_rays), plan.host_seconds, outcome.host_seconds);
+    std::fflush(stdout);
+    if (!options.explain) continue;
+    for (const auto& point : plan.points) {
+      fmt::print("    {:.2g} {} {}: difference {:.2f}%, {} rays\n", point.threshold, point.rays, point.leaf_voxels,
+                 100 * point.difference, gicube::count_text(point.all_rays));
+    }
+    for (const std::string& line : plan.explain()) fmt::print("    {}\n", line);
+  }
+}
+
+void run_fdk(const Options& options) {
+  fmt::print(
+      "| scan | target % | views | rays a pixel | step | normalised | error % | predicted | bound | deposits saved, "
+      "times | "
+      "error against the phantom % | of the finest | plan, host s | planned | finest |\n");
+  for (const FdkScan& scan : fdk_scans()) {
+    const auto& names = options.scenes;
+    if (!names.empty() && std::find(names.begin(), names.end(), scan.name) == names.end()) continue;
+    const FdkOutcome outcome = carry_out_fdk(scan, options.board);
+    const auto& plan = outcome.plan;
+    const auto every = static_cast<std::size_t>(plan.chosen.every);
+    fmt::print(
+        "| {} | {:g} | {} of {} | {} | {:g} | {} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | "
+        "{:.1f} | {:.1f} |\n",
+        scan.name, 100 * scan.max_error, (plan.views + every - 1) / every, plan.views, plan.chosen.rays,
+        plan.chosen.step, plan.chosen.normalise ? "yes" : "no", 100 * outcome.error, 100 * plan.chosen.error,
+        100 * plan.chosen.error_bound, outcome.finest_deposits / outcome.deposits, 100 * outcome.truth,
+        100 * outcome.finest_truth, plan.host_seconds, outcome.host_seconds, outcome.finest_seconds);
+    std::fflush(stdout);
+    if (!options.explain) continue;
+    for (const std::string& line : plan.explain()) fmt::print("    {}\n", line);
+    for (const auto& point : plan.points) {
+      fmt::print("    every {} rays {} step {:g} {}: error {:.2f}%, bound {:.2f}%\n", point.every, point.rays,
+                 point.step, point.normalise ? "normalised" : "plain", 100 * point.error, 100 * point.error_bound);
+    }
+  }
+}
+
+void run_steps(const Options& options) {
+  fmt::print("| scene | 1 | 1/2 | 1/4 | 1/8 | 1/16 | 1/32 | 1/64 |\n");
+  for (const StudyScene& study : study_scenes(options.data, GICUBE_SOURCE_DIR)) {
+    if (study.scene.lighting.on || !wanted(study, options)) continue;
+    fmt::print("| {} |", study.name);
+    for (const double error :
+         errors_of_steps(study, options.size, options.board, {1, 0.5, 0.25, 0.125, 1.0 / 16, 1.0 / 32, 1.0 / 64})) {
+      fmt::print(" {:.2f} |", 100 * error);
+    }
+    fmt::print("\n");
+    std::fflush(stdout);
+  }
+}
+
 void run(const Options& options) {
   fmt::print(
       "| scene | look | level | step | threshold | error % | in the pilot | bound | samples saved, times | pilots, % "
@@ -117,7 +190,17 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 0);  // this program does not stand beside it
-    options.lit ? run_lit(options) : run(options);
+    if (options.lit) {
+      run_lit(options);
+    } else if (options.radiosity) {
+      run_radiosity(options);
+    } else if (options.fdk) {
+      run_fdk(options);
+    } else if (options.steps) {
+      run_steps(options);
+    } else {
+      run(options);
+    }
     return 0;
   } catch (const CLI::ParseError& error) {
     return app.exit(error);

@@ -128,4 +128,23 @@ Outcome carry_out(const StudyScene& study, int size, const Target& target, const
   return outcome;
 }
 
+std::vector<double> errors_of_steps(const StudyScene& study, int size, const std::string& uri,
+                                    const std::vector<double>& steps) {
+  samples::Scene scene = study.scene;
+  scene.view.width = scene.view.height = size;
+  const samples::SceneSetup setup = samples::set_up(scene);
+  Board board = Board::open(uri_for(study, uri));
+  board.set_shading(setup.shading);
+  samples::load(board, setup, scene.own_codebook);
+  const reference::Picture truth = exact_picture(setup, looks_of(setup));
+  View view = setup.view;
+  view.opacity_threshold = 1;
+  std::vector<double> errors;
+  for (const double step : steps) {
+    view.step = step;
+    errors.push_back(relative_error(board.render(view), truth));
+  }
+  return errors;
+}
+
 }  // namespace gicube::plan_study

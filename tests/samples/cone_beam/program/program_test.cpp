@@ -40,6 +40,44 @@ double greatest_difference(const std::vector<float>& a, const std::vector<float>
   return most;
 }
 
+TEST_F(ConeBeamProgram, PlansForAnErrorAndExplainsItself) {
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
+  const Outcome result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") +
+                             " --max-error 30% --explain --stats " + path("v.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.out, testing::AllOf(HasSubstr("plan for an error of at most 30%"), HasSubstr("views: "),
+                                         HasSubstr("error: "), HasSubstr("cost: "), HasSubstr("the plan itself")));
+  const auto json = nlohmann::json::parse(text_of(path("v.json")));
+  const auto plan = json.at("plan"), chosen = plan.at("chosen");
+  EXPECT_TRUE(plan.at("kept").get<bool>());
+  EXPECT_LE(chosen.at("error_bound").get<double>(), 0.3);
+  EXPECT_EQ(json.at("settings").at("rays"), chosen.at("rays"));
+  EXPECT_EQ(json.at("settings").at("step"), chosen.at("step"));
+  EXPECT_NEAR(json.at("deposits").get<double>(), chosen.at("deposits").get<double>(),
+              0.1 * chosen.at("deposits").get<double>());
+  EXPECT_GT(plan.at("finest").at("deposits").get<double>(), 3 * chosen.at("deposits").get<double>());
+}
+
+TEST_F(ConeBeamProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
+  expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
+  const Outcome result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") +
+                             " --time-budget 60ms --stats " + path("v.json"));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const auto json = nlohmann::json::parse(text_of(path("v.json")));
+  EXPECT_EQ(json.at("board").at("fidelity"), "approximate");
+  EXPECT_TRUE(json.at("plan").at("kept").get<bool>());
+  EXPECT_LE(json.at("board_ms").get<double>(), 60);
+}
+
+TEST_F(ConeBeamProgram, RefusesPlansThatContradictOtherOptions) {
+  const std::string begin = "reconstruct x.textproto -o " + path("v.nrrd");
+  for (const char* wrong :
+       {" --max-error 1% --time-budget 5ms", " --explain", " --max-error 1% --step 1", " --max-error 1% --rays 2",
+        " --time-budget 5ms --no-normalise", " --max-error 1% --method sart"}) {
+    EXPECT_EQ(run(begin + wrong).code, 2) << wrong;
+  }
+}
+
 TEST_F(ConeBeamProgram, ReconstructsWhatItProjected) {
   expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd") + " --voxels " +
               path("t.nrrd"));
