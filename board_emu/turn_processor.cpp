@@ -355,7 +355,9 @@ void TurnProcessor::work(Cycle until, bool bus_waits) {
         queues_[active_].push(ray.ray);
         ++waiting_;
       } else {
+        const std::uint64_t before_it = waiting_;
         write(ray);
+        if (waiting_ == before_it) hold(-1, ray.ready);  // it overflowed
       }
       returned_.drop();
     }

@@ -40,7 +40,7 @@ struct Case {
   bool cube = false, leap = true;
   std::uint16_t opacity = 800;
   bool jitter = false;
-  double most_error = 0.05;  // of time, packets and hit ratio
+  double most_error = 0.03;  // of time, packets and hit ratio
 };
 
 void set_up(Scene& scene, const Case& test) {
