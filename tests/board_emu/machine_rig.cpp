@@ -42,6 +42,7 @@ Scene::Scene(const std::array<int, 3>& size, int block_voxels)
     frame.extent[axis] = (size[axis] - 1) * wire::kVoxel;
     frame.spacing[axis] = wire::kSpacingOne;
   }
+  volume.decode(gradients, true, 1);  // clear air, until fill()
 }
 
 Picture functional_picture(const Scene& scene, const wire::RenderCommand& view) {
