@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <functional>
+#include <iterator>
 #include <numbers>
 
 #include "common/board_run.h"
@@ -92,11 +92,21 @@ double slope_of(const ErrorCurve& curve) {
   return (n * xy - x * y) / (n * xx - x * x);
 }
 
-ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, double exact, std::uint32_t most_rays) {
+bool wanted(const std::string& point, const std::string& name) { return point.empty() || point == name; }
+
+// Words of a command have no blanks.
+std::string point_of(const ErrorCurve& curve, std::uint32_t rays) {
+  std::string name = fmt::format("error/{}/{}", curve.name, rays);
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+}
+
+ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, double exact, std::uint32_t most_rays,
+                    const std::string& point) {
   ErrorCurve curve{.name = name, .exact = exact, .rays = {}, .errors = {}};
   const auto parts = static_cast<std::uint32_t>(form.a.size() * form.b.size());
   for (std::uint32_t rays = kLeastRays; rays <= most_rays; rays *= 2) {
-    if (rays < parts) continue;
+    if (rays < parts || !wanted(point, point_of(curve, rays / parts * parts))) continue;
     double squares = 0;
     for (const double estimate : estimates(board, form, rays)) squares += std::pow(estimate / exact - 1, 2);
     curve.rays.push_back(rays / parts * parts);
@@ -106,25 +116,35 @@ ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, dou
   return curve;
 }
 
-void write(const std::filesystem::path& file, const std::string& text) {
+// A table as a file, or as it is if it is of one point.
+void write(const ChartOptions& options, const char* name, const std::string& text) {
+  if (!options.point.empty()) {
+    if (text.find(" --point " + options.point + "\n") == std::string::npos)
+      throw InputError("--point", "a point's name, as in the tables", in_quotes(options.point));
+    fmt::print("{}", text);
+    return;
+  }
+  const std::filesystem::path file = options.folder / name;
   std::ofstream stream(file);
   stream << text;
   stream.close();
   if (!stream) throw InputError(file.string(), "a file that can be written", "an error");
 }
 
-void write_errors(const std::vector<ErrorCurve>& curves, const std::filesystem::path& folder) {
-  std::string errors = "form,rays,error\n", slopes = "form,exact,slope,error at most rays\n";
+void write_errors(const std::vector<ErrorCurve>& curves, const ChartOptions& options) {
+  std::string errors = "form,rays,error,command\n", slopes = "form,exact,slope,error at most rays\n";
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const ErrorCurve& curve = curves[i];
     for (std::size_t k = 0; k < curve.rays.size(); ++k) {
-      errors += fmt::format("{},{},{:.4g}\n", curve.name, curve.rays[k], curve.errors[k]);
+      errors += fmt::format("{},{},{:.4g},{} --point {}\n", curve.name, curve.rays[k], curve.errors[k], options.command,
+                            point_of(curve, curve.rays[k]));
     }
-    if (i + 1 < curves.size()) errors += "\n\n";  // gnuplot's next block
+    if (curve.rays.empty()) continue;
+    if (i + 1 < curves.size() && options.point.empty()) errors += "\n\n";  // gnuplot's next block
     slopes += fmt::format("{},{:.7g},{:.2f},{:.3g}\n", curve.name, curve.exact, curve.slope, curve.errors.back());
   }
-  write(folder / "form_factors_error.csv", errors);
-  write(folder / "form_factors_slopes.csv", slopes);
+  write(options, "form_factors_error.csv", errors);
+  if (options.point.empty()) write(options, "form_factors_slopes.csv", slopes);
 }
 
 double rms(const std::vector<double>& a, const std::vector<double>& b) {
@@ -133,15 +153,23 @@ double rms(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(squares / static_cast<double>(a.size()));
 }
 
-std::string trade_row(const TradePoint& point) {
+const char* name_of(PairRays made) { return made == PairRays::kByHost ? "host" : "board"; }
+
+std::string point_of(const char* bus, PairRays made, std::uint32_t rays) {
+  return fmt::format("trade/{}/{}/{}", bus, name_of(made), rays);
+}
+
+std::string trade_row(const TradePoint& point, const std::string& command) {
   const Visibility& seen = point.seen;
   const Utilisation& u = seen.utilisation;
   const double ms = to_ms(seen.duration);
-  return fmt::format("{},{},{},{},{:.4g},{:.4f},{:.4f},{:.0f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{}\n",
-                     point.bus, point.made == PairRays::kByHost ? "host" : "board", point.rays, seen.pairs, point.error,
-                     ms, to_ms(seen.counters.value("bus.down.busy_ps") + seen.counters.value("bus.up.busy_ps")),
-                     static_cast<double>(seen.rays) / ms * 1e3, u.bus_down, u.bus_up, u.dsp, u.pipelines.value_or(0),
-                     u.sorter.value_or(0), u.memory.value_or(0), u.bound());
+  return fmt::format(
+      "{},{},{},{},{:.4g},{:.4f},{:.4f},{:.0f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{} --point {}\n", point.bus,
+      name_of(point.made), point.rays, seen.pairs, point.error, ms,
+      to_ms(seen.counters.value("bus.down.busy_ps") + seen.counters.value("bus.up.busy_ps")),
+      static_cast<double>(seen.rays) / ms * 1e3, u.bus_down, u.bus_up, u.dsp, u.pipelines.value_or(0),
+      u.sorter.value_or(0), u.memory.value_or(0), u.bound(), command,
+      point_of(point.bus.c_str(), point.made, point.rays));
 }
 
 void write_trade(const ChartOptions& options, ProgressLine& progress) {
@@ -150,7 +178,7 @@ void write_trade(const ChartOptions& options, ProgressLine& progress) {
   const RandomPairs pairs = random_pairs(setup.volume.dims, options.pairs, options.board.seed);
   std::string text =
       "bus,made,rays a pair,pairs,error,board_ms,bus_ms,rays_per_second,bus_down,bus_up,dsp,pipelines,sorter,memory,"
-      "bound\n";
+      "bound,command\n";
   std::vector<double> reference;
   for (const char* bus : {"pci33", "agp2x"}) {
     BoardOptions chosen = options.board;
@@ -168,6 +196,7 @@ void write_trade(const ChartOptions& options, ProgressLine& progress) {
         reference = look(exact, pairs, {.rays = kReference, .seed = 1}).transmittances;
       }
       for (std::uint32_t rays = 1; rays <= options.most_rays_a_pair; rays *= 4) {
+        if (!wanted(options.point, point_of(bus, made, rays))) continue;
         progress.show(fmt::format("trade: {}, {} rays a pair", bus, rays));
         const PairRequest request{.rays = rays, .made = made};
         // Enough of them that the parts of the board overlap; the first ones tell the error.
@@ -176,12 +205,12 @@ void write_trade(const ChartOptions& options, ProgressLine& progress) {
         TradePoint point{bus, made, rays, 0, look(board, more, request)};
         point.seen.transmittances.resize(options.pairs);
         point.error = rms(point.seen.transmittances, reference);
-        text += trade_row(point);
+        text += trade_row(point, options.command);
       }
     }
-    text += std::string(bus) == "pci33" ? "\n\n" : "";
+    text += std::string(bus) == "pci33" && options.point.empty() ? "\n\n" : "";
   }
-  write(options.folder / "form_factors_trade.csv", text);
+  write(options, "form_factors_trade.csv", text);
 }
 
 void write_hierarchy(const ChartOptions& options, ProgressLine& progress) {
@@ -192,16 +221,21 @@ void write_hierarchy(const ChartOptions& options, ProgressLine& progress) {
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
   RadiositySettings settings;
   settings.leaf_voxels = options.leaf_voxels;
-  const auto points = study_hierarchy(board, setup, emissions_of(scene, setup), settings, options.errors,
+  std::vector<double> errors;
+  std::copy_if(options.errors.begin(), options.errors.end(), std::back_inserter(errors), [&](double error) {
+    return wanted(options.point, name_of(StudyPoint{true, error, 0, 0, {}}));
+  });
+  const bool full = wanted(options.point, name_of(StudyPoint{false, 0, 0, 0, {}}));
+  const auto points = study_hierarchy(board, setup, emissions_of(scene, setup), settings, errors, full,
                                       [&progress](std::string_view what, double share) {
                                         progress.show(fmt::format("hierarchy: {} {:.0f}%", what, 100 * share));
                                       });
-  write(options.folder / "form_factors_hierarchy.csv", csv_of(points));
+  write(options, "form_factors_hierarchy.csv", csv_of(points, options.command));
 }
 
 }  // namespace
 
-std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays) {
+std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays, const std::string& point) {
   const double area = kSide * kSide;
   const Element low{ElementKind::kBox, {5, 5, 5}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
   const Element high{ElementKind::kBox, {5, 5, 13}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
@@ -209,24 +243,29 @@ std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays
   for (const double kappa : {0.0, 1.0, 3.0}) {
     fill(board, kappa);
     curves.push_back(curve_of(board, kappa == 0 ? "parallel" : fmt::format("parallel kappa {:g}", kappa),
-                              two(kFloor, kCeiling, area), parallel_squares(kappa), most_rays));
+                              two(kFloor, kCeiling, area), parallel_squares(kappa), most_rays, point));
   }
   fill(board, 0);
-  curves.push_back(
-      curve_of(board, "boxes two apart", two(low, high, 16 * std::numbers::pi), mean_inverse_square(2), most_rays));
-  curves.push_back(curve_of(board, "common edge in strips", strips(), perpendicular_squares(), most_rays));
-  curves.push_back(curve_of(board, "common edge", two(kFloor, kWall, area), perpendicular_squares(), most_rays));
+  curves.push_back(curve_of(board, "boxes two apart", two(low, high, 16 * std::numbers::pi), mean_inverse_square(2),
+                            most_rays, point));
+  curves.push_back(curve_of(board, "common edge in strips", strips(), perpendicular_squares(), most_rays, point));
+  curves.push_back(curve_of(board, "common edge", two(kFloor, kWall, area), perpendicular_squares(), most_rays, point));
   return curves;
 }
 
 void charts(const ChartOptions& options, ProgressLine& progress) {
-  progress.show("closed forms");
-  {
+  const auto asked = [&options](const char* table) {
+    return options.point.empty() || options.point.starts_with(table);
+  };
+  if (!asked("error/") && !asked("trade/") && !asked("hierarchy/"))
+    throw InputError("--point", "error/..., trade/... or hierarchy/..., as in the tables", in_quotes(options.point));
+  if (asked("error/")) {
+    progress.show("closed forms");
     Board board = open_board(options.board);
-    write_errors(closed_form_curves(board, options.most_rays), options.folder);
+    write_errors(closed_form_curves(board, options.most_rays, options.point), options);
   }
-  write_trade(options, progress);
-  write_hierarchy(options, progress);
+  if (asked("trade/")) write_trade(options, progress);
+  if (asked("hierarchy/")) write_hierarchy(options, progress);
 }
 
 }  // namespace gicube::samples

@@ -22,7 +22,8 @@ struct ErrorCurve {
 
 // Parallel squares a side apart, clear and in a medium; perpendicular ones with a common edge, plain and cut into strips that grow
 // with their distance from it; boxes whose centres are two sides apart. `most_rays`: a power of two, 64 or more.
-std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays);
+// `point`: the name of the only point that is wanted, error/CURVE/RAYS; empty: all.
+std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays, const std::string& point = "");
 
 // Light between random voxels by one board and one way to make its rays.
 struct TradePoint {
@@ -33,7 +34,8 @@ struct TradePoint {
   Visibility seen;
 };
 
-// Writes FOLDER/form_factors_error.csv, _slopes.csv, _trade.csv and _hierarchy.csv. Throws as solve().
+// Writes FOLDER/form_factors_error.csv, _slopes.csv, _trade.csv and _hierarchy.csv, each row but the slopes' with the command that
+// makes it again; or prints one point's row. Throws as solve(), and InputError if there is no such point.
 void charts(const ChartOptions& options, ProgressLine& progress);
 
 }  // namespace gicube::samples

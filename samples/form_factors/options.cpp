@@ -171,8 +171,13 @@ void add_visibility(CLI::App& app, VisibilityOptions& options) {
 }
 
 void add_charts(CLI::App& app, ChartOptions& options) {
-  app.add_option("FOLDER", options.folder, "gets the tables")->required()->check(CLI::ExistingDirectory);
   app.add_option("SCENE", options.hierarchy.input, "whose light is solved with and without a hierarchy")->required();
+  CLI::Option_group* what = app.add_option_group("What");
+  what->add_option("-o,--output", options.folder, "gets the tables")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
+  what->add_option("--point", options.point, "one point again, by the name in the tables: its row is printed");
+  what->require_option(1);
   app.add_option("--volume-size", options.hierarchy.volume_size, "its voxels along the longest edge")
       ->check(CLI::Range(kMinWorldSize, kMaxWorldSize));
   app.add_option("--leaf-voxels", options.leaf_voxels, "of its elements")
@@ -188,6 +193,20 @@ void add_charts(CLI::App& app, ChartOptions& options) {
   app.add_option("--most-rays-a-pair", options.most_rays_a_pair, "there")
       ->check(CLI::Range(1u, 4096u))
       ->capture_default_str();
+}
+
+// What was typed, without where its results go.
+std::string command_of(int argc, const char* const* argv) {
+  std::string text = "gicube-form-factors";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "-o" || word == "--output" || word == "--point") {
+      ++i;
+    } else if (!word.starts_with("--output=") && !word.starts_with("--point=") && word != "--quiet") {
+      text.append(1, ' ').append(word);
+    }
+  }
+  return text;
 }
 
 void check_solve(SolveOptions& options) {
@@ -243,7 +262,10 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
     throw UsageError(error.what());
   }
   if (looking->parsed()) return visibility;
-  if (charting->parsed()) return charts;
+  if (charting->parsed()) {
+    charts.command = command_of(argc, argv);
+    return charts;
+  }
   check_solve(solve);
   check_plan(solve.plan);
   if (solve.plan.wanted()) {

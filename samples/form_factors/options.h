@@ -48,7 +48,9 @@ struct VisibilityOptions {
 };
 
 struct ChartOptions {
-  std::filesystem::path folder;
+  std::filesystem::path folder;      // of the tables; or
+  std::string point;                 // one point's name, whose row is printed
+  std::string command;               // that asked for them, without --output and --point
   std::uint32_t most_rays = 65'536;  // of an estimate of a closed form
   InputOptions trade{.input = "builtin:buckyball", .volume_size = 128, .transfer_function = {}};
   std::uint32_t pairs = 500;                                                   // of random voxels, in the trade

@@ -42,7 +42,7 @@ double difference(const RadiosityResult& result, const RadiosityResult& referenc
 }
 
 std::vector<StudyPoint> study_hierarchy(Board& board, const SceneSetup& setup, const Emissions& emissions,
-                                        const RadiositySettings& settings, const std::vector<double>& errors,
+                                        const RadiositySettings& settings, const std::vector<double>& errors, bool full,
                                         const RadiosityProgress& progress) {
   constexpr int kMoreRays = 4;  // chosen: halves the noise
   RadiositySettings exact = settings;
@@ -53,7 +53,7 @@ std::vector<StudyPoint> study_hierarchy(Board& board, const SceneSetup& setup, c
   const RadiosityResult reference = solve_radiosity(board, setup, emissions, exact, progress);
 
   std::vector<StudyPoint> points;
-  for (std::size_t i = 0; i <= errors.size(); ++i) {
+  for (std::size_t i = 0; i < errors.size() + (full ? 1 : 0); ++i) {
     RadiositySettings changed = settings;
     changed.hierarchy = i < errors.size();
     if (changed.hierarchy) changed.error = errors[i];
@@ -64,15 +64,19 @@ std::vector<StudyPoint> study_hierarchy(Board& board, const SceneSetup& setup, c
   return points;
 }
 
-std::string csv_of(const std::vector<StudyPoint>& points) {
+std::string name_of(const StudyPoint& point) {
+  return point.hierarchy ? fmt::format("hierarchy/{:g}", point.error) : "hierarchy/full";
+}
+
+std::string csv_of(const std::vector<StudyPoint>& points, const std::string& command) {
   std::string text =
-      "hierarchy,error,difference,standard_error,links,all_pairs,rays,board_ms,bus_bytes,closure_rms,seconds\n";
+      "hierarchy,error,difference,standard_error,links,all_pairs,rays,board_ms,bus_bytes,closure_rms,seconds,command\n";
   for (const StudyPoint& point : points) {
     const RadiosityStatistics& s = point.statistics;
-    text += fmt::format("{},{:g},{:.6f},{:.6f},{},{},{},{:.3f},{},{:.6f},{:.3f}\n", point.hierarchy ? 1 : 0,
-                        point.error, point.difference, point.standard_error, s.links, s.all_pairs, s.rays,
-                        static_cast<double>(s.board_time) * 1e-9, s.bus_down_bytes + s.bus_up_bytes, s.closure_rms,
-                        s.host_seconds);
+    text += fmt::format("{},{:g},{:.6f},{:.6f},{},{},{},{:.3f},{},{:.6f},{:.3f},{} --point {}\n",
+                        point.hierarchy ? 1 : 0, point.error, point.difference, point.standard_error, s.links,
+                        s.all_pairs, s.rays, static_cast<double>(s.board_time) * 1e-9,
+                        s.bus_down_bytes + s.bus_up_bytes, s.closure_rms, s.host_seconds, command, name_of(point));
   }
   return text;
 }

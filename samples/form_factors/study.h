@@ -21,13 +21,17 @@ struct StudyPoint {
   RadiosityStatistics statistics;
 };
 
-// A point for each of `errors`, then one for the full matrix with `settings`. The reference has 4 times the rays, and
+// A point for each of `errors`, then one for the full matrix with `settings` if `full`. The reference has 4 times the rays, and
 // another seed.
 std::vector<StudyPoint> study_hierarchy(Board& board, const SceneSetup& setup, const Emissions& emissions,
                                         const RadiositySettings& settings, const std::vector<double>& errors,
-                                        const RadiosityProgress& progress = {});
+                                        bool full = true, const RadiosityProgress& progress = {});
 
-// With a line of names: hierarchy,error,difference,standard_error,links,all_pairs,rays,board_ms,bus_bytes,closure_rms,seconds
-std::string csv_of(const std::vector<StudyPoint>& points);
+// hierarchy/ERROR, or hierarchy/full.
+std::string name_of(const StudyPoint& point);
+
+// With a line of names: hierarchy,error,difference,standard_error,links,all_pairs,rays,board_ms,bus_bytes,closure_rms,seconds,command.
+// `command`: to which --point and a point's name are added.
+std::string csv_of(const std::vector<StudyPoint>& points, const std::string& command = "gicube-form-factors charts");
 
 }  // namespace gicube::samples

@@ -1,4 +1,5 @@
-# Rays made by the host or by the DSP, over PCI and AGP 2x: error against the board's time and against the bus's.
+# Rays made by the host or by the DSP, over PCI and AGP 2x: error against the board's time and against the bus's, and the Pareto
+# front of all of them (form_factors_front.csv, whose costs are of a pair).
 set datafile separator ','
 set logscale xy
 set format y "10^{%T}"
@@ -15,6 +16,8 @@ do for [time in "board bus"] {
     set output sprintf("form_factors_trade_%s.%s", time, format)
     plot for [bus in "pci33 agp2x"] for [made in "host board"] 'form_factors_trade.csv' \
       using (row(bus, made, column(column) / column(4) * 1000)):5 with linespoints lw 2 \
-      title sprintf("%s, rays made by the %s", bus, made eq "host" ? "host" : "DSP")
+      title sprintf("%s, rays made by the %s", bus, made eq "host" ? "host" : "DSP"), \
+      sprintf("< awk -F, 'NR > 1 && $%d == 1' form_factors_front.csv | sort -t, -g -k%d,%d", column - 1, column - 3, column - 3) \
+      using (column(column - 3) * 1000):2 with lines lw 4 dt 3 lc rgb "#c04000" title "Pareto front"
   }
 }
