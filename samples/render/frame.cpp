@@ -112,12 +112,14 @@ class Renderer {
     light_plans_.clear();
     part_.reset();
     const bool unlit = !scene.lighting.on && !setup_.view.scatter && !field_;
-    if (options_.crop && !unlit)
-      throw UsageError("--crop: expected a picture without light of its own, and no scattering");
+    const bool derived = options_.crop || options_.level_of_detail > 0;
+    if (derived && !unlit)
+      throw UsageError("--crop, --level-of-detail: expected a picture without light of its own, and no scattering");
     if (options_.plan.wanted() && unlit) {
       plan_ = plan_and_load(board_, options_.board, options_.plan, setup_, own_codebook, progress_.parts("planning"));
-    } else if (options_.crop) {
-      part_ = load_visible_part(board_, setup_, own_codebook, progress_.parts("loading the volume"));
+    } else if (derived) {
+      part_ = load_derived(board_, setup_, options_.crop, options_.level_of_detail, own_codebook,
+                           progress_.parts("loading the volume"));
     } else {
       load(board_, setup_, own_codebook, progress_.parts("loading the volume"));
     }
@@ -211,7 +213,7 @@ class Renderer {
   std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;
   std::optional<Scene> last_;      // whose voxels and light are on the board
-  std::optional<Placement> part_;  // of the volume, with --crop
+  std::optional<Placement> part_;  // of what stands for the volume, with --crop and --level-of-detail
   std::optional<Plan> plan_;       // of these voxels, and what was first seen of them
   std::vector<LightPlan> light_plans_;
   LightingStatistics lighting_;

@@ -107,6 +107,12 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
   group.flag("--jitter", options.jitter, "vary the distance of samples, against banding");
   group.flag("--no-leap", options.no_leap, "sample empty blocks too");
   group.flag("--crop", options.crop, "load only the part of the volume in which something shows");
+  app.add_option("--level-of-detail", options.level_of_detail,
+                 "load a coarser volume: one voxel for 2^N on each axis; --step counts its voxels")
+      ->check(CLI::Range(0, 6))
+      ->type_name("N")
+      ->capture_default_str()
+      ->group("Sampling and light");
   group.flag("--no-shade", options.no_shade, "colours as they are, without light");
   group.direction("--light", options.light, "towards the light (above the viewer's left shoulder)");
   group.value("--ambient", options.ambient, "Phong's coefficients")->check(CLI::Range(0.0, 1.99));
@@ -145,8 +151,8 @@ void check_plan_options(const RenderOptions& options) {
   if (options.lighting.rays) {
     throw UsageError("--light-rays: expected none with --max-error and --time-budget, which choose them");
   }
-  if (options.crop)
-    throw UsageError("--crop: expected none with --max-error and --time-budget, which do it by themselves");
+  if (options.crop || options.level_of_detail > 0)
+    throw UsageError("--crop, --level-of-detail: expected none with --max-error and --time-budget, which choose them");
   if (!options.lighting.field.empty()) {
     throw UsageError("--irradiance: expected none with --max-error and --time-budget");
   }

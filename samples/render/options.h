@@ -31,6 +31,7 @@ struct RenderOptions {
   std::optional<PixelFilter> filter;
   std::optional<double> step, threshold;
   bool crop = false;
+  int level_of_detail = 0;  // the volume's voxels are those of 2^level along each axis
   bool no_shade = false, jitter = false, no_leap = false;
   std::vector<CutPlane> cut_planes;
   std::optional<Vec3> light;

@@ -86,20 +86,32 @@ Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions&
   return plan;
 }
 
-Placement load_visible_part(Board& board, SceneSetup& setup, bool own_codebook, const Progress& progress) {
+Placement load_derived(Board& board, SceneSetup& setup, bool crop, int level, bool own_codebook,
+                       const Progress& progress) {
   const std::vector<TransferFunction> looks = looks_of(setup);
   set_codebook(board, setup, own_codebook);
   const VolumeView whole = setup.volume_view();
-  const DerivedVolume part = cropped(whole, visible_box(whole, looks));
-  setup.free_voxels();
-  VolumeView view = part.view();
+  DerivedVolume derived;
+  if (crop) {
+    derived = cropped(whole, visible_box(whole, looks));
+    setup.free_voxels();
+  }
+  if (level > 0) {
+    DerivedVolume coarse = coarser(crop ? derived.view() : whole, level);
+    const Placement outer = derived.placement, inner = coarse.placement;
+    coarse.placement = {outer.low + outer.edge * inner.low, outer.edge * inner.edge};
+    derived = std::move(coarse);
+    setup.free_voxels();
+  }
+  VolumeView view = derived.view();
   view.find_gradients = setup.view.shade;
   if (!setup.view.shade) view.gradients = {};
   board.load_volume(view, progress);
+  const ValueRange range = board.value_range();
   for (std::size_t tag = 0; tag < looks.size(); ++tag) {
-    board.set_transfer_function(looks[tag], static_cast<int>(tag));
+    board.set_transfer_function(derived.placement.look(looks[tag], range), static_cast<int>(tag));
   }
-  return part.placement;
+  return derived.placement;
 }
 
 LightPlan plan_pass(Board& board, const PlanOptions& wanted, const SceneSetup& setup, const LightPass& pass,

@@ -19,8 +19,10 @@ namespace gicube::samples {
 Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions& wanted, const SceneSetup& setup,
                    bool own_codebook, const Progress& progress);
 
-// Loads only the part of the setup's volume in which anything shows, whose voxels are freed on the way. Returns where it lies.
-Placement load_visible_part(Board& board, SceneSetup& setup, bool own_codebook, const Progress& progress);
+// Loads what stands for the setup's volume, whose voxels are freed on the way: the part in which anything shows (`crop`), voxels
+// of 2^level (gicube/level_of_detail.h), or both. Returns where it lies.
+Placement load_derived(Board& board, SceneSetup& setup, bool crop, int level, bool own_codebook,
+                       const Progress& progress);
 
 // Plans one pass's light for the picture that it is to light, of `passes` together, with what light may take of the target: half of the
 // error's square, half of the time. The board holds that light then.
