@@ -28,7 +28,7 @@ struct Outcome {
   Reconstruction made;
   Comparison error;
   // Simulated: the time of the functional level, which is that of DSP and bus, and for each view what its rays take longer than
-  // that at the approximate level, as the third and the fourth view do or, of an iterative method, a second pass through two.
+  // that at the cycle level: the mean of two views, or of an iterative method of a second pass through two.
   double board_ms = 0;
   double bus_ms = 0;  // in which the bus is busy, both directions
 };
