@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <ostream>
 
 #include "common/input_error.h"
 
@@ -45,6 +46,20 @@ CLI::ValidationError bad_value(const std::string& option, const std::string& exp
 }
 
 }  // namespace
+
+bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out) {
+  try {
+    app.parse(argc, argv);
+    return true;
+  } catch (const CLI::CallForHelp&) {
+    out << app.help();
+  } catch (const CLI::CallForVersion& version) {
+    out << app.get_name() << ' ' << version.what() << '\n';
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(error.what());
+  }
+  return false;
+}
 
 void add_board_options(CLI::App& app, BoardOptions& options) {
   const char* group = "Board and run";

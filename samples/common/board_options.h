@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+// Reads the command line of a program, whose name the app has. False if help or the version was asked for, which `out` has got then.
+// Throws UsageError with one line.
+bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out);
 
 struct BoardOptions {
   std::string board = "emu:";

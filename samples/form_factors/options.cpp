@@ -250,17 +250,7 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   add_board_options(*looking, visibility.board);
   add_charts(*charting, charts);
   add_board_options(*charting, charts.board);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    out << app.help();
-    return std::nullopt;
-  } catch (const CLI::CallForVersion& version) {
-    out << "gicube-form-factors " << version.what() << '\n';
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
-  }
+  if (!parsed(app, argc, argv, out)) return std::nullopt;
   if (looking->parsed()) return visibility;
   if (charting->parsed()) {
     charts.command = command_of(argc, argv);

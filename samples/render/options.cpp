@@ -255,17 +255,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_animation_options(app, options.animation);
   add_plan_options(app, options.plan, "a picture");
   add_board_options(app, options.board);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    out << app.help();
-    return std::nullopt;
-  } catch (const CLI::CallForVersion& version) {
-    out << "gicube-render " << version.what() << '\n';
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
-  }
+  if (!parsed(app, argc, argv, out)) return std::nullopt;
   check_output(options.output);
   check_animation(options.animation);
   check_plan_options(options);

@@ -87,25 +87,17 @@ std::optional<SweepOptions> parse_sweep_options(int argc, const char* const* arg
   app.footer(kFooter);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   add_options(app, options, texts);
+  if (!parsed(app, argc, argv, out)) return std::nullopt;
   try {
-    app.parse(argc, argv);
     options.parameters.push_back({"input", texts.inputs});
     for (const std::string& text : texts.vary) options.parameters.push_back(parse_parameter(text));
     for (const std::string& text : texts.fix) options.fixed.push_back(parse_setting(text));
     for (const std::string& text : texts.reference) options.reference.push_back(parse_setting(text));
-    options.also = texts.also;
-    options.also_errors = texts.also_errors;
-  } catch (const CLI::CallForHelp&) {
-    out << app.help();
-    return std::nullopt;
-  } catch (const CLI::CallForVersion& version) {
-    out << "gicube-sweep " << version.what() << '\n';
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
   } catch (const InputError& error) {
     throw UsageError(error.what());
   }
+  options.also = texts.also;
+  options.also_errors = texts.also_errors;
   if (std::none_of(options.fixed.begin(), options.fixed.end(), [](const Setting& s) { return s.name == "threads"; }) &&
       std::none_of(options.parameters.begin(), options.parameters.end(),
                    [](const Parameter& p) { return p.name == "threads"; })) {

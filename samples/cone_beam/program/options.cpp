@@ -346,17 +346,7 @@ std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* con
   add_comparing(*comparing, compare);
   add_importing(*importing, import);
   add_charts(*charting, charts);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::CallForHelp&) {
-    out << app.help();
-    return std::nullopt;
-  } catch (const CLI::CallForVersion& version) {
-    out << "gicube-cone-beam " << version.what() << '\n';
-    return std::nullopt;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(error.what());
-  }
+  if (!parsed(app, argc, argv, out)) return std::nullopt;
   if (projecting->parsed()) {
     check_stack_name(project.output);
     check_volume_name("--voxels", project.voxels);
