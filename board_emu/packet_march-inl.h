@@ -184,25 +184,38 @@ HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough
     if constexpr (kJitter) jitter_step(ray, lanes, running, field);
     const Mask going = kJitter ? running : stepping;
 
-    const auto block_of = [&](std::size_t axis) {
-      return hn::ShiftRightSame(hn::IfThenElseZero(going, ray.position[axis]), field.block_shift);
+    constexpr int kCellShift = CellRanges::kEdgeShift + wire::kPositionFractionBits;
+    const auto index_in = [&](int shift, std::int32_t across, std::int32_t slice) {
+      const auto along = [&](std::size_t axis) {
+        return hn::ShiftRightSame(hn::IfThenElseZero(going, ray.position[axis]), shift);
+      };
+      return hn::Add(along(0), hn::Add(hn::Mul(along(1), set(across)), hn::Mul(along(2), set(slice))));
     };
-    const V block =
-        hn::Add(block_of(0), hn::Add(hn::Mul(block_of(1), set(field.across)), hn::Mul(block_of(2), set(field.slice))));
-    const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(block));
-    const Mask leaps = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(leaps, going);
+    const V cell = index_in(kCellShift, field.cells_across, field.cells_slice);
+    const V block = field.irradiance != nullptr ? index_in(field.block_shift, field.across, field.slice) : zero;
+    const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(cell));
+    const Mask skips = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(skips, going);
     V steps = hn::IfThenElseZero(going, one);
     std::array<V, 3> inside_block{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       inside_block[axis] = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
     }
-    if (!hn::AllFalse(d, leaps)) {
-      V out = kJitter ? size : hn::Min(size, hn::Add(ray.left, more));
+    if (!hn::AllFalse(d, skips)) {
+      const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeapt))), unseen = hn::AndNot(leaps, skips);
+      const V cell_mask = set((1 << kCellShift) - 1), cell_size = set(1 << kCellShift);
+      V out = kJitter ? size : hn::Min(size, hn::Add(ray.left, hn::IfThenElseZero(leaps, more)));
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        out = hn::Min(out, steps_out(inside_block[axis], ray.step[axis], size));
+        const V inside_cell = hn::And(ray.position[axis], cell_mask);
+        out = hn::Min(out, steps_out(hn::IfThenElse(leaps, inside_block[axis], inside_cell), ray.step[axis],
+                                     hn::IfThenElse(leaps, size, cell_size)));
       }
-      steps = hn::IfThenElse(leaps, out, steps);
+      steps = hn::IfThenElse(skips, out, steps);
       counters.leaps += hn::CountTrue(d, hn::And(leaps, running));
+      const Mask counted = hn::And(unseen, running);
+      if (!hn::AllFalse(d, counted)) {
+        counters.samples +=
+            static_cast<std::uint32_t>(hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(counted, out))));
+      }
     }
     if (!hn::AllFalse(d, samples)) {
       take_samples<kGathers, kWide>(ray, inside_block, first, block, samples, hn::And(samples, running), field,

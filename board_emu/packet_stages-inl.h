@@ -195,15 +195,13 @@ HWY_INLINE V reflectance(const std::array<V, 3>& gradient, const PacketField& fi
   constexpr int kRowBits = 7;
   static_assert(wire::kReflectanceSize == 1 << kRowBits);
   const V at = hn::Add(hn::ShiftLeft<kRowBits>(hn::Add(hn::ShiftLeft<kRowBits>(face), j)), i);
-  // A word of four that ends with the two texels: it does not reach beyond the map's end, and before its start is room.
-  static_assert(kBeforeMap == 2);
-  const auto between = [&](std::ptrdiff_t offset) {
-    const VU word = hn::BitCast(DU32(), gather(field.tables->reflectance_map.data() + offset, at));
-    const V first = hn::BitCast(D32(), hn::And(hn::ShiftRight<16>(word), hn::Set(DU32(), 0xFF)));
-    const V second = hn::BitCast(D32(), hn::ShiftRight<24>(word));
-    return hn::Add(hn::Mul(first, hn::Sub(set(256), s)), hn::Mul(second, s));
-  };
-  const V sum = hn::Add(hn::Mul(between(0), hn::Sub(set(256), t)), hn::Mul(between(wire::kReflectanceSize), t));
+  const VU square = hn::BitCast(DU32(), gather(field.tables->reflectance_map.data(), hn::ShiftLeft<2>(at)));
+  const auto texel = [&](VU bits) { return hn::BitCast(D32(), hn::And(bits, hn::Set(DU32(), 0xFF))); };
+  const V across = hn::Sub(set(256), s);
+  const V top = hn::Add(hn::Mul(texel(square), across), hn::Mul(texel(hn::ShiftRight<8>(square)), s));
+  const V bottom =
+      hn::Add(hn::Mul(texel(hn::ShiftRight<16>(square)), across), hn::Mul(texel(hn::ShiftRight<24>(square)), s));
+  const V sum = hn::Add(hn::Mul(top, hn::Sub(set(256), t)), hn::Mul(bottom, t));
   return hn::ShiftRight<8>(hn::Add(sum, set(128)));
 }
 

@@ -208,7 +208,9 @@ RayPackets::RayPackets(const OpacityCorrection& correction) : correction_(correc
 void RayPackets::clear() {
   copy_.clear();
   irradiance_.clear();
+  ranges_.clear();
   volume_ = rays_ = 0;
+  seen_lut_ = ~std::uint64_t{0};
   lut_writes_ = ~std::uint64_t{0};
 }
 
@@ -238,6 +240,49 @@ bool RayPackets::follow_irradiance(const Frame& frame) {
   return irradiance_.words() != nullptr;
 }
 
+void RayPackets::find_seen(const Frame& frame, unsigned threads) {
+  if (seen_lut_ == lut_writes_) return;
+  seen_lut_ = lut_writes_;
+  ranges_.follow(*frame.volume, copy_.densities(), threads);
+  constexpr std::size_t kDensities = wire::kSegmentationEntries / wire::kTags;
+  // How many of a tag's entries below a density are seen. On the wide datapath all those that the paper's sees are.
+  std::array<std::array<std::uint16_t, kDensities + 1>, wire::kTags> below{};
+  for (std::size_t i = 0; i < wire::kSegmentationEntries; ++i) {
+    const bool seen = frame.segmentation[i].opacity != 0 || (!frame.wide_depths.empty() && frame.wide_depths[i] != 0);
+    auto& of_tag = below[i / kDensities];
+    of_tag[i % kDensities + 1] = static_cast<std::uint16_t>(of_tag[i % kDensities] + (seen ? 1 : 0));
+  }
+  seen_.clear();
+  for (const CellRange& cell : ranges_.cells()) {
+    bool seen = false;
+    for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
+      seen = seen || ((cell.tags >> tag & 1) != 0 && below[tag][cell.most + 1u] != below[tag][cell.least]);
+    }
+    seen_.push_back(seen ? 1 : 0);
+  }
+}
+
+void RayPackets::find_first(const Frame& frame) {
+  const VolumeMemory& volume = *frame.volume;
+  const BlockGrid grid(volume);
+  const std::array<int, 3>& size = ranges_.size();
+  // The samples of a jittered ray have places of their own, and integrals take what is not seen too.
+  const bool passes = !frame.jitter && !frame.integral;
+  tables_.first.clear();
+  for (int z = 0; z < size[2]; ++z) {
+    for (int y = 0; y < size[1]; ++y) {
+      for (int x = 0; x < size[0]; ++x) {
+        constexpr int kShift = CellRanges::kEdgeShift + wire::kPositionFractionBits;
+        const std::size_t block = grid.block({x << kShift, y << kShift, z << kShift}), cell = tables_.first.size();
+        const bool leapt = frame.leap && frame.empty[block] != 0;
+        tables_.first.push_back(leapt                        ? kLeapt
+                                : passes && seen_[cell] == 0 ? kUnseen
+                                                             : static_cast<std::int32_t>(volume.first()[block]));
+      }
+    }
+  }
+}
+
 bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads) {
   if (frame.lights || frame.scatter || frame.high_albedo || frame.backprojects) return false;
   if (frame.jitter && (frame.segments || frame.integral)) return false;
@@ -252,19 +297,22 @@ bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
   if (copy_.densities() == nullptr || !follow_irradiance(frame)) return false;
   if (lut_writes_ != lut_writes) read(frame.segmentation);
   lut_writes_ = lut_writes;
-  tables_.first.resize(volume.block_count());
-  for (std::size_t block = 0; block < tables_.first.size(); ++block) {
-    const bool leap = frame.leap && frame.empty[block] != 0;
-    tables_.first[block] = leap ? -1 : static_cast<std::int32_t>(volume.first()[block]);
-  }
+  find_seen(frame, threads);
+  find_first(frame);
   if (frame.jitter) {
     for (std::size_t i = 0; i < kJitterEntries; ++i) {
       tables_.distance[i] = static_cast<std::int32_t>(jittered(frame, kJitterLut[i]));
     }
   }
   if (reads(frame).gradients) {
-    tables_.reflectance_map.resize(kBeforeMap + wire::kReflectanceBytes);
-    std::copy_n(frame.reflectance_map, wire::kReflectanceBytes, tables_.reflectance_map.begin() + kBeforeMap);
+    constexpr std::size_t kRow = wire::kReflectanceSize;
+    const auto texel = [&](std::size_t i) {  // of the last row and column nothing is asked
+      return i < wire::kReflectanceBytes ? std::uint32_t{frame.reflectance_map[i]} : 0;
+    };
+    tables_.reflectance_map.resize(wire::kReflectanceBytes);
+    for (std::size_t i = 0; i < wire::kReflectanceBytes; ++i) {
+      tables_.reflectance_map[i] = texel(i) | texel(i + 1) << 8 | texel(i + kRow) << 16 | texel(i + kRow + 1) << 24;
+    }
   }
   return true;
 }
@@ -290,6 +338,8 @@ void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.block_shift = std::countr_zero(static_cast<unsigned>(volume.block_voxels())) + wire::kPositionFractionBits;
   field.across = volume.blocks()[0];
   field.slice = volume.blocks()[0] * volume.blocks()[1];
+  field.cells_across = ranges_.size()[0];
+  field.cells_slice = ranges_.size()[0] * ranges_.size()[1];
   field.gathers = frame.integral ? Gathers::kIntegral : frame.colourless ? Gathers::kOpacity : Gathers::kColour;
   field.extent = frame.extent;
   field.cut_planes = frame.cut_planes;

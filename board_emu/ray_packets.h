@@ -9,14 +9,13 @@
 
 #include "frame.h"
 #include "gicube/wire/ray.h"
+#include "memory/cell_ranges.h"
 #include "memory/density_copy.h"
 #include "memory/irradiance_copy.h"
 #include "pipeline/jitter.h"
 #include "pipeline/opacity_correction.h"
 
 namespace gicube::emu {
-
-inline constexpr std::size_t kBeforeMap = 2;
 
 // The frame's tables as lanes read them.
 struct PacketTables {
@@ -26,9 +25,12 @@ struct PacketTables {
   std::array<std::uint64_t, OpacityCorrection::kSegments> exp2{};  // value, and in bits 32.. the fall to the next
   std::vector<std::uint8_t> specular;                              // of lit samples; none if all are 0
   std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by what jitter() draws
-  std::vector<std::uint8_t> reflectance_map;                       // from byte kBeforeMap on
-  std::vector<std::int32_t> first;  // of each block among the decoded ones; negative: an empty block to be leapt over
+  std::vector<std::uint32_t> reflectance_map;                      // of each texel the square that begins there
+  std::vector<std::int32_t> first;  // of each cell (CellRanges): its block's among the decoded ones; kLeapt, kUnseen
 };
+
+inline constexpr std::int32_t kLeapt = -1;   // in an empty block, which rays leap over
+inline constexpr std::int32_t kUnseen = -2;  // its samples count and add nothing
 
 enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
 
@@ -48,6 +50,7 @@ struct PacketField {
   std::int32_t edge;  // voxels of a block with its +1 face
   int block_shift;    // from position units to blocks
   std::int32_t across, slice;
+  std::int32_t cells_across, cells_slice;
   Point extent;
   std::span<const Plane> cut_planes;
   Gathers gathers;
@@ -72,10 +75,15 @@ class RayPackets {
  private:
   void read(std::span<const wire::SegmentationEntry> segmentation);
   bool follow_irradiance(const Frame& frame);
+  void find_seen(const Frame& frame, unsigned threads);
+  void find_first(const Frame& frame);
 
   const OpacityCorrection& correction_;
   DensityCopy copy_;
   IrradianceCopy irradiance_;
+  CellRanges ranges_;
+  std::vector<std::uint8_t> seen_;              // of each cell: one of its densities has an opacity
+  std::uint64_t seen_lut_ = ~std::uint64_t{0};  // of the LUT that was written so often
   PacketTables tables_;
   std::uint64_t volume_ = 0;  // VolumeMemory::decodings()
   std::uint64_t rays_ = 0;    // that have come since

@@ -1,9 +1,11 @@
 // Pictures of whole scenes at the functional level, through driver, socket and board process: 512 x 512 pixels, shaded, in
-// perspective, half-voxel steps. What a frame takes, and samples a second (docs/SPEED.md).
+// perspective, half-voxel steps. What a frame takes, and samples a second of wall clock and of the board's processor time
+// (docs/SPEED.md).
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
 
+#include "common/host_usage.h"
 #include "common/scene.h"
 #include "gicube/board.h"
 
@@ -49,10 +51,14 @@ void picture(benchmark::State& state, const Scene& scene, Look look, const char*
   if (look == Look::kClear) view.leap = false;  // as opaque, but each sample in empty blocks is taken
   board.render(view);
   const auto count = [&board](const char* name) { return static_cast<double>(board.counters().value(name)); };
+  const double seconds = host_usage().boards.value_or(HostUsage{}).cpu_seconds;
   const double samples = count("pipeline.samples"), visible = count("pipeline.visible_samples");
   for (auto _ : state) benchmark::DoNotOptimize(board.render(view));
   const double taken = count("pipeline.samples") - samples;
   state.SetItemsProcessed(static_cast<std::int64_t>(taken));
+  const double used = host_usage().boards.value_or(HostUsage{}).cpu_seconds - seconds;  // in steps of 10 ms
+  state.counters["samples_a_cpu_second"] = taken / used;
+  state.counters["board_cpu_ms"] = 1000 * used / static_cast<double>(state.iterations());
   state.counters["samples_a_frame"] = taken / static_cast<double>(state.iterations());
   state.counters["visible"] = (count("pipeline.visible_samples") - visible) / taken;
 }

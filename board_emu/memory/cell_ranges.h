@@ -1,0 +1,41 @@
+// What cells of 8^3 voxels hold at most: the range of their densities and which tags, their further faces included. Where
+// no density of that range is seen, samples need not be taken to know that they add nothing.
+//
+// A host structure of the functional level, as DensityCopy; the board has no such memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "memory/volume_memory.h"
+
+namespace gicube::emu {
+
+struct CellRange {
+  std::uint16_t least = 0, most = 0;  // densities of 12 bits
+  std::uint8_t tags = 1;              // a bit each
+};
+
+class CellRanges {
+ public:
+  static constexpr int kEdgeShift = 3;
+
+  // Follows `volume`, which was decoded into `densities`, if it was decoded anew since.
+  void follow(const VolumeMemory& volume, const std::int16_t* densities, unsigned threads);
+  void clear() { *this = {}; }
+
+  // Of the whole volume, x fastest. Cells of blocks that are not decoded: those of the zero block.
+  std::span<const CellRange> cells() const { return cells_; }
+  const std::array<int, 3>& size() const { return size_; }
+
+ private:
+  CellRange range(const VolumeMemory& volume, const std::int16_t* densities, const std::array<int, 3>& cell) const;
+
+  std::uint64_t decoded_ = 0;
+  std::array<int, 3> size_{};
+  std::vector<CellRange> cells_;
+};
+
+}  // namespace gicube::emu
