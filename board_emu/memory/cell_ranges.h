@@ -1,4 +1,4 @@
-// What cells of 8^3 voxels hold at most: the range of their densities and which tags, their further faces included. Where
+// What cells of 4^3 voxels hold at most: the range of their densities and which tags, their further faces included. Where
 // no density of that range is seen, samples need not be taken to know that they add nothing.
 //
 // A host structure of the functional level, as DensityCopy; the board has no such memory.
@@ -20,7 +20,7 @@ struct CellRange {
 
 class CellRanges {
  public:
-  static constexpr int kEdgeShift = 3;
+  static constexpr int kEdgeShift = 2;
 
   // Follows `volume`, which was decoded into `densities`, if it was decoded anew since.
   void follow(const VolumeMemory& volume, const std::int16_t* densities, unsigned threads);

@@ -89,6 +89,36 @@ TEST(VolumeMemory, TakesNoMemoryForBlocksNeverWrittenAndShowsThemZero) {
   EXPECT_EQ(bytes, std::vector<std::uint8_t>(100, 0));
 }
 
+TEST(VolumeMemory, DecodesDensitiesAloneUntilGradientsAreRead) {
+  VolumeMemory memory(kBlock);
+  fill(memory, {20, 16, 9});
+  memory.decode(gradient_lut(), true, 2, {.gradients = false});
+  EXPECT_TRUE(memory.decoded().empty());
+  const std::vector<std::int16_t> densities(memory.decoded_densities().begin(), memory.decoded_densities().end());
+  ASSERT_EQ(densities.size(), (memory.stored_blocks() + 1) * 9 * 9 * 9 + 1);
+  EXPECT_EQ(memory.view(1).densities[10], voxel_at(9, 1, 0).density << 3);
+
+  memory.decode(gradient_lut(), false, 2);
+  EXPECT_TRUE(memory.decoded_densities().empty());
+  ASSERT_EQ(memory.decoded().size() + 1, densities.size());
+  for (std::size_t i = 0; i < memory.decoded().size(); ++i) ASSERT_EQ(memory.decoded()[i].density(), densities[i]) << i;
+  const std::uint64_t decodings = memory.decodings();
+  memory.decode(gradient_lut(), false, 2, {.gradients = false});  // they stay
+  EXPECT_EQ(memory.decodings(), decodings);
+}
+
+TEST(VolumeMemory, DecodesBlocksThatAreLeaptOverWhenTheyAreRead) {
+  VolumeMemory memory(kBlock);
+  fill(memory, {16, 16, 16});
+  const std::vector<std::uint8_t> leapt_over{1, 0, 1, 1, 1, 1, 1, 1};
+  memory.decode(gradient_lut(), true, 1, {.leapt_over = leapt_over});
+  EXPECT_EQ(memory.decoded().size(), 2 * 9u * 9 * 9);  // the zero block and one
+  EXPECT_EQ(memory.view(1).voxels[0].density(), voxel_at(8, 0, 0).density << 3);
+  memory.decode(gradient_lut(), false, 1);
+  EXPECT_EQ(memory.decoded().size(), 9 * 9u * 9 * 9);
+  EXPECT_EQ(memory.view(2).voxels[0].density(), voxel_at(0, 8, 0).density << 3);
+}
+
 TEST(VolumeMemory, ReadsBackWhatWasWrittenInPiecesAcrossBlocks) {
   VolumeMemory memory(kBlock);
   memory.resize({16, 8, 8});
