@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "common/board_run.h"
 #include "common/input_error.h"
 #include "common/scene_file.h"
@@ -18,6 +20,7 @@ struct Room {
   Emissions emissions;
 
   Room() {
+    ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);  // this program does not stand beside it
     scene.world->size = 8;
     scene.lighting.on = false;
     setup = set_up(scene);
