@@ -48,8 +48,8 @@ struct LightPoint {
 
 struct GICUBE_API LightPlan {
   LightPoint chosen;
-  LightPoint asked;  // the request's own settings, as fewer rays make one expect them
-  bool kept = true;  // false: nothing reaches the target, and `chosen` is what comes nearest
+  LightPoint asked;                // the request's own settings, as fewer rays make one expect them
+  bool kept = true;                // false: nothing reaches the target, and `chosen` is what comes nearest
   bool at_limit = false;           // more rays were found to bring nothing: the energy words' rounding is left
   std::vector<LightPoint> points;  // every setting that passes were made of, in that order
   std::uint32_t passes = 0;

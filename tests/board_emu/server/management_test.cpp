@@ -90,7 +90,8 @@ TEST(Management, ConfigureNamesEveryFaultAndChangesNothing) {
   ManagedBoards managed;
   const std::string before = managed.info().SerializeAsString();
   v1::BoardInfo info;
-  const grpc::Status status = managed.configure("asic { processors: 17 speed: 3 }\nfidelity: FIDELITY_UNSPECIFIED\n", info);
+  const grpc::Status status =
+      managed.configure("asic { processors: 17 speed: 3 }\nfidelity: FIDELITY_UNSPECIFIED\n", info);
   EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
   EXPECT_THAT(status.error_message(), AllOf(HasSubstr("line 1: asic.processors: expected 1 to 16 processors, got 17"),
                                             HasSubstr("line 1: asic.speed: expected one of processors"),
