@@ -75,7 +75,7 @@ class Aperture {
   const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
   Framebuffer& framebuffer() { return framebuffer_; }
   // After a rendering: what the host will read.
-  void resolve_framebuffer() { pixels_ = framebuffer_.packed(); }
+  void resolve_framebuffer(unsigned threads) { pixels_ = framebuffer_.packed(threads); }
 
  private:
   Table<wire::SegmentationEntry, wire::kSegmentationEntryBytes> segmentation_;

@@ -304,7 +304,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
     result.dsp_cycles = rendered.made * dsp.viewing_ray_cycles() + rendered.returned * dsp.returned_ray_cycles() +
                         rendered.rays.trap_cycles;
   }
-  aperture_.resolve_framebuffer();
+  aperture_.resolve_framebuffer(threads_);
   viewing_rays_ += viewing_rays(command);
   add_trap_list(result, 0);
   return result;

@@ -120,7 +120,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& w
   if (light) {
     add_ledger(result, counts, false);
   } else {
-    aperture_.resolve_framebuffer();
+    aperture_.resolve_framebuffer(threads_);
   }
   add_trap_list(result, most);
   return result;

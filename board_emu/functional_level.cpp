@@ -38,7 +38,7 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
     miss.u = static_cast<std::uint16_t>(u);
     miss.v = static_cast<std::uint16_t>(v);
     auto ray = viewing_ray(line, miss.u, miss.v, frame.extent, frame.cut_planes);
-    if (!ray) return framebuffer.add(miss);
+    if (!ray) return framebuffer.add_alone(miss);  // tiles share no pixel
     ray->lifetime = frame.lifetime;
     rays.push_back(*ray);
   };
@@ -57,7 +57,7 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
     for (wire::Ray& ray : rays) {
       if (packets == nullptr && !integrate(ray, frame, tile_counts)) continue;  // it waits for the host
       ++tile_counts.returned;
-      framebuffer.add(ray);
+      framebuffer.add_alone(ray);
     }
     ++work.done;
   });

@@ -9,6 +9,7 @@
 #define GICUBE_PACKET_LIGHT
 #endif
 
+#include "packet_gradient-inl.h"
 #include "packet_stages-inl.h"
 #include "pipeline/illuminate.h"
 #include "pipeline/jitter.h"
@@ -17,8 +18,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
 #if HWY_TARGET != HWY_SCALAR
-
-using VF = hn::Vec<DF>;
 
 // a * b modulo 2^64.
 HWY_INLINE VU64 times(VU64 a, std::uint64_t b) {
@@ -70,12 +69,23 @@ HWY_INLINE VF wide_alpha(VF depth, V exponent) {
   return hn::IfThenElse(hn::Ge(depth, hn::Set(d, kOpaqueDepth)), hn::Set(d, 1), alpha);
 }
 
-// irradiance() in `block` at the cell `cell` of it, 11.4.
-HWY_INLINE V irradiance(const Place& at, Mask visible, V block, V cell, const PacketField& field) {
+// The same of what the field has of an entry's opacity (PacketField::opacities).
+HWY_INLINE VF wide_alpha(V word, V exponent, const PacketField& field) {
+  if (field.corrected) return hn::BitCast(DF(), hn::Max(hn::Sub(word, set(1)), hn::Zero(D32())));
+  return wide_alpha(hn::BitCast(DF(), word), exponent);
+}
+
+// Where the irradiance of samples in `block` at its cell `cell` stands; below 0: nowhere, there is none.
+HWY_INLINE V irradiance_index(V block, V cell, const PacketField& field) {
   const V first = gather(field.irradiance_first, hn::ShiftLeft<2>(block));
-  const Mask has = hn::AndNot(hn::Lt(first, hn::Zero(D32())), visible);
-  const V index = hn::IfThenElseZero(has, hn::Add(first, cell));
-  return hn::IfThenElseZero(has, resample_words(field.irradiance, index, at.weight, field.edge));
+  return hn::IfThenElse(hn::Lt(first, hn::Zero(D32())), first, hn::Add(first, cell));
+}
+
+// irradiance(), 11.4.
+HWY_INLINE V irradiance(const SmallPlace& at, V index, const PacketField& field) {
+  const Mask has = hn::Gt(index, set(-1));
+  const std::array<V, 3> weight{at.x_and_y, hn::ShiftRight<16>(at.x_and_y), at.z};
+  return hn::IfThenElseZero(has, resample_words(field.irradiance, hn::IfThenElseZero(has, index), weight, field.edge));
 }
 
 // The diffuse part of illuminated(): irradiance * gain * exposure, 15 fraction bits, at most 8.
@@ -90,14 +100,14 @@ HWY_INLINE V lit(V light, V gain, const PacketField& field) {
 }
 
 // illuminated(). Its sums stay below 2^31: colour <= 4095, base <= 2^18 + 2^16, highlight <= 255 * 2^9.
-HWY_INLINE std::array<V, 3> illuminated(const Look& look, V entry, const Place& at, Mask visible, V block, V cell,
+HWY_INLINE std::array<V, 3> illuminated(const Look& look, V entry, const SmallPlace& at, V irradiance_at,
                                         const PacketField& field) {
   const V gain = hn::Or(look.reflect, hn::ShiftLeft<8>(look.knee));
-  const V base = hn::Add(lit(irradiance(at, visible, block, cell, field), gain, field),
+  const V base = hn::Add(lit(irradiance(at, irradiance_at, field), gain, field),
                          hn::ShiftLeft<kShadeFractionBits - 7>(look.ambient));
   V highlight = hn::Zero(D32());
   if (field.specular != nullptr) {
-    const V specular = hn::IfThenElseZero(visible, hn::And(gather(field.specular, entry), set(0xFF)));
+    const V specular = hn::And(gather(field.specular, entry), set(0xFF));
     if (!hn::AllTrue(D32(), hn::Eq(specular, hn::Zero(D32())))) {
       const auto gradient = resample_gradient(at, field);
       const V shine = hn::ShiftRight<7>(hn::Add(hn::Mul(specular, reflectance(gradient, field)), set(64)));

@@ -13,6 +13,7 @@
 #endif
 
 #include "packet_light-inl.h"
+#include "packet_seen-inl.h"
 #include "packet_stages-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,7 +31,8 @@ struct alignas(64) Word {
 // The rays under way. A ray ends when no steps are left, or by its opacity.
 struct Lanes {
   std::array<Word, 3> position, step;
-  std::array<Word, 3> colour;  // of integrals: the sum's low kSumBits, and what is above; wide: floats
+  std::array<Word, 2> sum;  // of integrals: the low kSumBits, and what is above
+  Word ray;                 // its index among those of the packet
   Word exponent, opacity;
   Word wide_opacity;  // floats
   Word left;          // steps to the end of a segment or of the volume; jittered: none or one
@@ -44,7 +46,8 @@ constexpr int kSumBits = 20;
 
 // What a turn changes of the rays, as long as they march.
 struct Going {
-  std::array<V, 3> position, step, colour;
+  std::array<V, 3> position, step;
+  std::array<V, 2> sum;
   V exponent, opacity, left;
   VF wide_opacity;
 };
@@ -55,8 +58,8 @@ HWY_INLINE Going begin(const Lanes& lanes) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.position[axis] = lanes.position[axis].load();
     out.step[axis] = lanes.step[axis].load();
-    out.colour[axis] = lanes.colour[axis].load();
   }
+  out.sum = {lanes.sum[0].load(), lanes.sum[1].load()};
   out.exponent = lanes.exponent.load();
   out.opacity = lanes.opacity.load();
   out.left = lanes.left.load();
@@ -100,53 +103,44 @@ HWY_INLINE Mask kept(const Going& ray, const PacketField& field) {
   return hn::Not(out);
 }
 
-// Composites the samples of `taking` at `at`; `cell`: their places in the block.
+// Composites the samples of `taking` at `at`; `cell`: their places in the block. Their colour waits in `seen`.
 template <Gathers kGathers, bool kWide>
-HWY_INLINE void composite(Going& ray, const Place& at, V density, Mask taking, V block, V cell,
-                          const PacketField& field, RayCounters& counters) {
+HWY_INLINE void composite(Going& ray, V rays, const Place& at, V density, Mask taking, V block, V cell,
+                          SeenSamples& seen, const PacketField& field, RayCounters& counters) {
   const D32 d;
   const V entry = classify(density, at, field);
-  const V depth = hn::IfThenElseZero(taking, gather(field.depths, hn::ShiftLeft<2>(entry)));
-  const Mask visible = hn::Ne(depth, hn::Zero(d));
+  const V word = hn::IfThenElseZero(taking, gather(field.opacities, hn::ShiftLeft<2>(entry)));
+  const Mask visible = hn::Ne(word, hn::Zero(d));
   if (hn::AllFalse(d, visible)) return;
   counters.visible_samples += hn::CountTrue(d, visible);
   V weight = hn::Zero(d);
-  VF wide_weight = hn::Zero(DF());
   if constexpr (kWide) {
-    const VF alpha = wide_alpha(hn::BitCast(DF(), depth), ray.exponent), one = hn::Set(DF(), 1);
-    wide_weight = hn::Mul(hn::Sub(one, ray.wide_opacity), alpha);
+    const VF alpha = wide_alpha(word, ray.exponent, field), one = hn::Set(DF(), 1);
+    const VF wide_weight = hn::Mul(hn::Sub(one, ray.wide_opacity), alpha);
     ray.wide_opacity = hn::IfThenElse(hn::Eq(alpha, one), one, hn::Add(ray.wide_opacity, wide_weight));
     const V words = hn::NearestInt(hn::Mul(ray.wide_opacity, hn::Set(DF(), static_cast<float>(wire::kOpacityOne))));
     ray.opacity = hn::IfThenElse(visible, words, ray.opacity);
+    weight = hn::BitCast(d, wide_weight);
   } else {
-    weight = weight_of(depth, ray.exponent, ray.opacity, field);
+    weight = weight_of(word, ray.exponent, ray.opacity, field);
     ray.opacity = hn::Add(ray.opacity, weight);
   }
-  if constexpr (kGathers != Gathers::kColour) return;
-  const Look look = look_of(entry, field);
-  const auto seen = field.irradiance != nullptr ? illuminated(look, entry, at, visible, block, cell, field)
-                    : field.shaded              ? shade(look, resample_gradient(at, field), field)
-                                                : look.colour;
-  for (std::size_t c = 0; c < 3; ++c) {
-    if constexpr (kWide) {
-      const VF added = hn::Mul(wide_weight, hn::ConvertTo(DF(), seen[c]));
-      ray.colour[c] = hn::BitCast(d, hn::Add(hn::BitCast(DF(), ray.colour[c]), added));
-    } else {
-      ray.colour[c] =
-          hn::Min(hn::Add(ray.colour[c], part_of(seen[c], weight)), set(static_cast<std::int32_t>(wire::kColourOne)));
-    }
+  if constexpr (kGathers == Gathers::kColour) {
+    const V lit = field.irradiance != nullptr ? irradiance_index(block, cell, field) : weight;
+    seen.add<kWide>(at, entry, rays, weight, lit, visible, field);
   }
 }
 
 // Takes the samples of `samples`, of which those of `taking` count. `first`: of their blocks among the decoded ones.
 template <Gathers kGathers, bool kWide>
-HWY_INLINE void take_samples(Going& ray, const std::array<V, 3>& inside_block, V first, V block, Mask samples,
-                             Mask taking, const PacketField& field, RayCounters& counters) {
+HWY_INLINE void take_samples(Going& ray, V rays, V first, V block, Mask samples, Mask taking, SeenSamples& seen,
+                             const PacketField& field, RayCounters& counters) {
   const D32 d;
   Place at{};
   std::array<V, 3> voxel{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block[axis]);
+    const V inside_block = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
+    voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block);
     at.fraction[axis] = hn::And(ray.position[axis], set(wire::kVoxel - 1));
     at.weight[axis] = hn::ShiftLeft<kWeightBits - wire::kPositionFractionBits>(at.fraction[axis]);
   }
@@ -156,22 +150,25 @@ HWY_INLINE void take_samples(Going& ray, const std::array<V, 3>& inside_block, V
   const V density = resample_words(field.densities, at.index, at.weight, field.edge);
   counters.samples += hn::CountTrue(d, taking);
   if constexpr (kGathers == Gathers::kIntegral) {
-    const V sum = hn::Add(ray.colour[0], hn::IfThenElseZero(taking, density));
-    ray.colour[0] = hn::And(sum, set((1 << kSumBits) - 1));
-    ray.colour[1] = hn::Add(ray.colour[1], hn::ShiftRight<kSumBits>(sum));
+    const V sum = hn::Add(ray.sum[0], hn::IfThenElseZero(taking, density));
+    ray.sum[0] = hn::And(sum, set((1 << kSumBits) - 1));
+    ray.sum[1] = hn::Add(ray.sum[1], hn::ShiftRight<kSumBits>(sum));
     counters.visible_samples += hn::CountTrue(d, hn::And(taking, hn::Ne(density, hn::Zero(d))));
   } else {
-    composite<kGathers, kWide>(ray, at, density, taking, block, cell, field, counters);
+    composite<kGathers, kWide>(ray, rays, at, density, taking, block, cell, seen, field, counters);
   }
 }
 
 // Takes all lanes on until at least `enough` of them have ended.
 template <Gathers kGathers, bool kJitter, bool kWide>
-HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough, RayCounters& counters) {
+HWY_INLINE void march(Lanes& lanes, SeenSamples& seen, const PacketField& field, std::size_t enough,
+                      RayCounters& counters) {
   const D32 d;
   Going ray = begin<kWide>(lanes);
-  const V more = lanes.more.load(), zero = hn::Zero(d), one = set(1), size = set(1 << field.block_shift);
-  V taken = zero;  // steps
+  const V more = lanes.more.load(), zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
+  const V rays = lanes.ray.load();
+  Pace pace = pace_of(ray.step);
+  V taken = zero, passed = zero;  // steps, and those of samples that are not seen
   Mask stepping{};
   while (true) {
     if constexpr (kJitter) {
@@ -196,30 +193,18 @@ HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough
     const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(cell));
     const Mask skips = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(skips, going);
     V steps = hn::IfThenElseZero(going, one);
-    std::array<V, 3> inside_block{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      inside_block[axis] = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
-    }
     if (!hn::AllFalse(d, skips)) {
       const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeapt))), unseen = hn::AndNot(leaps, skips);
-      const V cell_mask = set((1 << kCellShift) - 1), cell_size = set(1 << kCellShift);
-      V out = kJitter ? size : hn::Min(size, hn::Add(ray.left, hn::IfThenElseZero(leaps, more)));
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const V inside_cell = hn::And(ray.position[axis], cell_mask);
-        out = hn::Min(out, steps_out(hn::IfThenElse(leaps, inside_block[axis], inside_cell), ray.step[axis],
-                                     hn::IfThenElse(leaps, size, cell_size)));
-      }
+      if constexpr (kJitter) pace = pace_of(ray.step);
+      V out = steps_out(ray.position, hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1)), pace,
+                        1 << field.block_shift);
+      if (!kJitter) out = hn::Min(out, hn::Add(ray.left, hn::IfThenElseZero(leaps, more)));
       steps = hn::IfThenElse(skips, out, steps);
       counters.leaps += hn::CountTrue(d, hn::And(leaps, running));
-      const Mask counted = hn::And(unseen, running);
-      if (!hn::AllFalse(d, counted)) {
-        counters.samples +=
-            static_cast<std::uint32_t>(hn::GetLane(hn::SumOfLanes(d, hn::IfThenElseZero(counted, out))));
-      }
+      passed = hn::Add(passed, hn::IfThenElseZero(hn::And(unseen, running), out));
     }
     if (!hn::AllFalse(d, samples)) {
-      take_samples<kGathers, kWide>(ray, inside_block, first, block, samples, hn::And(samples, running), field,
-                                    counters);
+      take_samples<kGathers, kWide>(ray, rays, first, block, samples, hn::And(samples, running), seen, field, counters);
     }
     taken = hn::Add(taken, hn::IfThenElseZero(running, steps));
     ray.left = hn::Sub(ray.left, steps);
@@ -227,11 +212,14 @@ HWY_INLINE void march(Lanes& lanes, const PacketField& field, std::size_t enough
       ray.position[axis] = hn::Add(ray.position[axis], hn::Mul(steps, ray.step[axis]));
     }
   }
+  counters.samples += static_cast<std::uint32_t>(hn::GetLane(hn::SumOfLanes(d, passed)));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const V there = hn::Add(lanes.position[axis].load(), hn::Mul(taken, ray.step[axis]));
     lanes.position[axis].store(kJitter ? ray.position[axis] : there);
     if (kJitter) lanes.step[axis].store(ray.step[axis]);
-    if (kGathers != Gathers::kOpacity) lanes.colour[axis].store(ray.colour[axis]);
+  }
+  if constexpr (kGathers == Gathers::kIntegral) {
+    for (std::size_t i = 0; i < 2; ++i) lanes.sum[i].store(ray.sum[i]);
   }
   lanes.opacity.store(ray.opacity);
   if (kWide) lanes.wide_opacity.store(hn::BitCast(d, ray.wide_opacity));

@@ -36,6 +36,7 @@ using DU64 = hn::Repartition<std::uint64_t, D32>;
 using D16 = hn::Repartition<std::int16_t, D32>;
 using DF = hn::RebindToFloat<D32>;
 using V = hn::Vec<D32>;
+using VF = hn::Vec<DF>;
 using VU = hn::Vec<DU32>;
 using VU64 = hn::Vec<DU64>;
 using V16 = hn::Vec<D16>;
@@ -85,6 +86,15 @@ struct Place {
   std::array<V, 3> fraction, weight;
 };
 
+// The same place for what is resampled later: weights of x and y in a word's halves, and of z.
+struct SmallPlace {
+  V index, x_and_y, z;
+};
+
+HWY_INLINE SmallPlace small(const Place& at) {
+  return {at.index, hn::Or(at.weight[0], hn::ShiftLeft<16>(at.weight[1])), at.weight[2]};
+}
+
 // resample() of 16-bit words that stand alone: densities, 12.3, or irradiance.
 HWY_INLINE V resample_words(const std::int16_t* words, V index, const std::array<V, 3>& weight, std::int32_t edge) {
   const V two = hn::ShiftLeft<1>(index);
@@ -92,32 +102,6 @@ HWY_INLINE V resample_words(const std::int16_t* words, V index, const std::array
   const auto row = [&](std::ptrdiff_t offset) { return along_x(gather(words + offset, two), weight[0]); };
   const V near = lerp(row(0), row(down), weight[1]), far = lerp(row(deep), row(deep + down), weight[1]);
   return hn::And(lerp(near, far, weight[2]), set(0xFFFF));
-}
-
-// resample_all(): of the low halves of 64-bit lanes, all four channels.
-HWY_INLINE VU64 resample_channels(VU64 index, const std::array<VU64, 3>& weights, const PacketField& field) {
-  const std::ptrdiff_t down = field.edge, deep = std::ptrdiff_t{field.edge} * field.edge;
-  std::array<V16, 3> w{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const VU64 two = hn::Or(weights[axis], hn::ShiftLeft<16>(weights[axis]));
-    w[axis] = hn::BitCast(D16(), hn::Or(two, hn::ShiftLeft<32>(two)));
-  }
-  const auto row = [&](std::ptrdiff_t offset) {
-    const DecodedVoxel* const from = field.voxels + offset;
-    const V16 a = hn::BitCast(D16(), gather64(from, index)), b = hn::BitCast(D16(), gather64(from + 1, index));
-    return lerp16(a, b, w[0]);
-  };
-  const V16 near = lerp16(row(0), row(down), w[1]), far = lerp16(row(deep), row(deep + down), w[1]);
-  return hn::BitCast(DU64(), lerp16(near, far, w[2]));
-}
-
-HWY_INLINE std::array<V, 3> resample_gradient(const Place& at, const PacketField& field) {
-  const auto half = [&](auto part) {
-    return resample_channels(part(at.index), {part(at.weight[0]), part(at.weight[1]), part(at.weight[2])}, field);
-  };
-  const VU64 even = half([](V v) { return evens(v); }), odd = half([](V v) { return odds(v); });
-  const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));
-  return {hn::ShiftRight<16>(low), hn::ShiftRight<16>(hn::ShiftLeft<16>(high)), hn::ShiftRight<16>(high)};
 }
 
 // segmentation_index(), with the tag of the nearest voxel.
@@ -132,8 +116,8 @@ HWY_INLINE V classify(V density, const Place& at, const PacketField& field) {
   return hn::Or(entry, hn::ShiftLeft<12>(hn::And(gather(field.tags, nearest), set(0xFF))));
 }
 
-// The weight of a sample behind `opacity`: OpacityCorrection of its depth, and the first line of over(). 64-bit lanes.
-HWY_INLINE VU64 weight_of(VU64 depth, VU64 exponent, VU64 opacity, const PacketField& field) {
+// OpacityCorrection of a voxel length's depth. 64-bit lanes.
+HWY_INLINE VU64 corrected(VU64 depth, VU64 exponent, const PacketField& field) {
   constexpr int kFraction = OpacityCorrection::kFractionBits, kRest = kFraction - OpacityCorrection::kSegmentBits;
   const VU64 one = set64(wire::kOpacityOne);
   // Beyond 25 halvings nothing is left, and more would not fit a shift.
@@ -146,14 +130,23 @@ HWY_INLINE VU64 weight_of(VU64 depth, VU64 exponent, VU64 opacity, const PacketF
   const VU64 value = hn::Sub(hn::ShiftLeft<kRest>(hn::And(segment, set64(0xFFFF'FFFF))), fall);
   const VU64 rounding = hn::Shl(set64(std::uint64_t{1} << (kRest - 1)), whole);
   const VU64 through = hn::Shr(hn::ShiftRight<kRest>(hn::Add(value, rounding)), whole);
-  const VU64 alpha = hn::IfThenElse(hn::Eq(depth, set64(0xFFFF'FFFF)), one, hn::Sub(one, through));
-  const VU64 t = hn::Add(product(hn::Sub(one, opacity), alpha), set64(std::uint64_t{1} << 23));
+  return hn::IfThenElse(hn::Eq(depth, set64(0xFFFF'FFFF)), one, hn::Sub(one, through));
+}
+
+// The weight of a sample of opacity `alpha` behind `opacity`: the first line of over(). 64-bit lanes.
+HWY_INLINE VU64 behind(VU64 opacity, VU64 alpha) {
+  const VU64 t = hn::Add(product(hn::Sub(set64(wire::kOpacityOne), opacity), alpha), set64(std::uint64_t{1} << 23));
   return hn::ShiftRight<24>(hn::Add(t, hn::ShiftRight<24>(t)));  // divide_by_full_scale<24>
 }
 
-HWY_INLINE V weight_of(V depth, V exponent, V opacity, const PacketField& field) {
-  return together(weight_of(evens(depth), evens(exponent), evens(opacity), field),
-                  weight_of(odds(depth), odds(exponent), odds(opacity), field));
+// The same of what the field has of an entry's opacity (PacketField::opacities).
+HWY_INLINE V weight_of(V word, V exponent, V opacity, const PacketField& field) {
+  if (field.corrected) {
+    const V alpha = hn::Max(hn::Sub(word, set(1)), hn::Zero(D32()));
+    return together(behind(evens(opacity), evens(alpha)), behind(odds(opacity), odds(alpha)));
+  }
+  return together(behind(evens(opacity), corrected(evens(word), evens(exponent), field)),
+                  behind(odds(opacity), corrected(odds(word), odds(exponent), field)));
 }
 
 // What over() adds to a channel: divide_by_full_scale<24>.
@@ -247,15 +240,33 @@ HWY_INLINE std::array<V, 3> shade(const Look& look, const std::array<V, 3>& grad
   return out;
 }
 
-// leap_steps() along one axis. Dividends have at most 24 bits, so a float's quotient, rounded down, is exact: the true one is
-// at least 1 / divisor below the next whole number, and the rounding is less.
-HWY_INLINE V steps_out(V inside_block, V step, V size) {
-  const Mask forward = hn::Gt(step, hn::Zero(D32()));
-  const V way = hn::Abs(step), one = set(1);
-  const V dividend =
-      hn::IfThenElse(forward, hn::Add(hn::Sub(size, inside_block), hn::Sub(way, one)), hn::Add(inside_block, way));
-  const auto quotient = hn::Div(hn::ConvertTo(DF(), dividend), hn::ConvertTo(DF(), hn::Max(way, one)));
-  return hn::IfThenElse(hn::Eq(way, hn::Zero(D32())), size, hn::ConvertTo(D32(), quotient));
+// How rays run along the axes.
+struct Pace {
+  std::array<V, 3> turned;     // all ones where they run forward: what lies ahead is counted from the far end
+  std::array<VF, 3> per_unit;  // steps a position unit
+};
+
+HWY_INLINE Pace pace_of(const std::array<V, 3>& step) {
+  Pace out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto way = hn::ConvertTo(DF(), hn::Abs(step[axis]));
+    const auto stands = hn::Eq(way, hn::Zero(DF()));
+    out.turned[axis] = hn::VecFromMask(D32(), hn::Gt(step[axis], hn::Zero(D32())));
+    out.per_unit[axis] = hn::IfThenElse(stands, hn::Set(DF(), 0x1p24f), hn::Div(hn::Set(DF(), 1), way));
+  }
+  return out;
+}
+
+// leap_steps() out of cubes of `mask` + 1 units: the whole steps in what lies ahead, and one. The quotients are exact: with
+// half a unit added they are at least half a step's part away from whole numbers, and two roundings of dividends
+// below 2^22 are less.
+HWY_INLINE V steps_out(const std::array<V, 3>& position, V mask, const Pace& pace, std::int32_t most) {
+  auto least = hn::Set(DF(), static_cast<float>(most - 1));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto ahead = hn::ConvertTo(DF(), hn::And(hn::Xor(position[axis], pace.turned[axis]), mask));
+    least = hn::Min(least, hn::Mul(hn::Add(ahead, hn::Set(DF(), 0.5f)), pace.per_unit[axis]));
+  }
+  return hn::Add(hn::ConvertTo(D32(), least), set(1));
 }
 
 #endif

@@ -52,10 +52,11 @@ std::int32_t steps_inside(const Traveller& ray, const Frame& frame) {
 class Exchange {
  public:
   Exchange(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, std::span<std::int32_t> steps)
-      : rays_(rays), frame_(frame), counters_(counters), steps_(steps) {}
+      : rays_(rays), frame_(frame), counters_(counters), steps_(steps), seen_(gathers_colour() ? rays.size() : 0) {}
 
   bool has_more() const { return next_ < rays_.size(); }
   std::size_t busy() const { return busy_; }
+  SeenSamples& seen() { return seen_; }
 
   // Takes ended rays off their lanes and puts new ones there.
   void serve(Lanes& lanes, std::size_t count) {
@@ -68,12 +69,20 @@ class Exchange {
         }
         take(lanes, lane);
       }
-      while (has_more() && !for_lanes(rays_[next_])) integrate(rays_[next_++], frame_, counters_);
+      while (has_more() && !for_lanes(rays_[next_])) go_alone();
       if (has_more()) {
         put(lanes, lane);
       } else {
         idle(lanes, lane);
       }
+    }
+  }
+
+  // All have ended: their colours into their packets.
+  void finish_colours() {
+    if (!gathers_colour()) return;
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) rays_[i].colour[c] = colour_word(seen_.sum(i).channel[c]);
     }
   }
 
@@ -89,6 +98,23 @@ class Exchange {
     return !frame_.lit_by_irradiance || (ray.generation == 0 && (ray.flags & wire::kTrapped) == 0);
   }
 
+  bool gathers_colour() const { return !frame_.colourless && !frame_.integral; }
+
+  void go_alone() {
+    integrate(rays_[next_], frame_, counters_);
+    set_colour(next_, rays_[next_]);
+    ++next_;
+  }
+
+  template <typename Ray>
+  void set_colour(std::size_t index, const Ray& ray) {
+    if (!gathers_colour()) return;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float wide = ray.colour[c];
+      seen_.sum(index).channel[c] = wide_ ? std::bit_cast<std::int32_t>(wide) : ray.colour[c];
+    }
+  }
+
   void idle(Lanes& lanes, std::size_t lane) const {
     lanes.left.lane[lane] = 0;
     lanes.position[0].lane[lane] = -1;  // where a jittered ray would have ended
@@ -96,18 +122,18 @@ class Exchange {
 
   void put(Lanes& lanes, std::size_t lane) {
     Slot& slot = slots_[lane];
-    slot.ray = &rays_[next_++];
+    slot.ray = &rays_[next_];
     slot.traveller = set_out(*slot.ray, frame_);
+    set_colour(next_, slot.traveller);
+    lanes.ray.lane[lane] = static_cast<std::int32_t>(next_++);
     const Traveller& ray = slot.traveller;
     const WideWords wide = wide_words(ray);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.position[axis].lane[lane] = ray.position[axis];
       lanes.step[axis].lane[lane] = ray.step[axis];
       lanes.direction[axis].lane[lane] = ray.direction[axis];
-      lanes.colour[axis].lane[lane] = frame_.integral ? 0
-                                      : wide_         ? std::bit_cast<std::int32_t>(wide.colour[axis])
-                                                      : ray.colour[axis];
     }
+    for (Word& word : lanes.sum) word.lane[lane] = 0;
     const std::int32_t segment = frame_.segments ? static_cast<std::int32_t>(ray.interacted) : kNoLimit;
     slot.steps = frame_.jitter ? 1 : std::min(steps_inside(ray, frame_), segment);
     lanes.left.lane[lane] = slot.steps;
@@ -127,11 +153,10 @@ class Exchange {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ray.position[axis] = lanes.position[axis].lane[lane];
       ray.step[axis] = lanes.step[axis].lane[lane];
-      if (!frame_.colourless) ray.colour[axis] = colour_word(lanes.colour[axis].lane[lane]);
     }
     if (frame_.integral) {
-      const auto low = static_cast<std::uint64_t>(lanes.colour[0].lane[lane]);
-      set_energy(ray.colour, low | static_cast<std::uint64_t>(lanes.colour[1].lane[lane]) << kSumBits);
+      const auto low = static_cast<std::uint64_t>(lanes.sum[0].lane[lane]);
+      set_energy(ray.colour, low | static_cast<std::uint64_t>(lanes.sum[1].lane[lane]) << kSumBits);
     }
     const std::int32_t steps = frame_.jitter ? lanes.taken.lane[lane] : slot.steps - lanes.left.lane[lane];
     if (frame_.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
@@ -143,8 +168,9 @@ class Exchange {
     --busy_;
   }
 
-  std::uint16_t colour_word(std::int32_t lane) const {
-    return wide_ && !frame_.integral ? to_colour_word(std::bit_cast<float>(lane)) : static_cast<std::uint16_t>(lane);
+  std::uint16_t colour_word(std::int32_t sum) const {
+    return wide_ ? to_colour_word(std::bit_cast<float>(sum))
+                 : static_cast<std::uint16_t>(std::min(sum, static_cast<std::int32_t>(wire::kColourOne)));
   }
 
   std::span<wire::Ray> rays_;
@@ -154,6 +180,7 @@ class Exchange {
   const bool wide_ = gathers_wide(frame_);
   std::array<Slot, 16> slots_{};
   std::size_t next_ = 0, busy_ = 0;
+  SeenSamples seen_;
 };
 
 template <Gathers kGathers, bool kJitter, bool kWide>
@@ -162,11 +189,13 @@ void trace_with(Exchange& exchange, const PacketField& field, RayCounters& count
   Lanes lanes{};
   while (true) {
     exchange.serve(lanes, count);
-    if (exchange.busy() == 0) return;
+    if (exchange.busy() == 0) break;
     // A few idle lanes cost less than an exchange for each; without new rays one of the busy ones must end.
     const std::size_t enough = exchange.has_more() ? std::max<std::size_t>(count / 4, 1) : count - exchange.busy() + 1;
-    march<kGathers, kJitter, kWide>(lanes, field, enough, counters);
+    march<kGathers, kJitter, kWide>(lanes, exchange.seen(), field, enough, counters);
   }
+  if constexpr (kGathers == Gathers::kColour) exchange.seen().finish<kWide>(field);
+  exchange.finish_colours();
 }
 
 template <Gathers kGathers>
@@ -198,6 +227,20 @@ namespace gicube::emu {
 
 HWY_EXPORT(trace);
 
+namespace {
+
+// The exponent of all the frame's samples (space()); 0: each ray has one of its own.
+std::uint32_t common_exponent(const Frame& frame) {
+  const auto& spacing = frame.spacing;
+  if (frame.jitter || frame.segments || spacing[0] != spacing[1] || spacing[1] != spacing[2]) return 0;
+  Traveller ray;
+  ray.length = spacing[0];
+  space(ray, frame.step);
+  return ray.exponent;
+}
+
+}  // namespace
+
 RayPackets::RayPackets(const OpacityCorrection& correction) : correction_(correction) {
   for (std::size_t i = 0; i < tables_.exp2.size(); ++i) {
     const std::uint64_t here = correction.exp2_at(i), next = correction.exp2_at(i + 1);
@@ -228,6 +271,24 @@ void RayPackets::read(std::span<const wire::SegmentationEntry> segmentation) {
     return;
   for (const wire::SegmentationEntry& entry : segmentation) tables_.specular.push_back(entry.specular);
   tables_.specular.resize(segmentation.size() + 3);  // four bytes are read from any place
+}
+
+void RayPackets::correct(const Frame& frame) {
+  const std::uint32_t exponent = common_exponent(frame);
+  const bool wide = gathers_wide(frame);
+  if (exponent_ == exponent && wide_ == wide && alpha_lut_ == lut_writes_) return;
+  exponent_ = exponent;
+  wide_ = wide;
+  alpha_lut_ = lut_writes_;
+  tables_.alpha.clear();
+  if (exponent == 0) return;
+  for (std::size_t i = 0; i < wire::kSegmentationEntries; ++i) {
+    const std::uint16_t opacity = frame.segmentation[i].opacity;
+    const bool seen = wide ? frame.wide_depths[i] != 0 : opacity != 0;
+    const std::uint32_t alpha = wide ? std::bit_cast<std::uint32_t>(wide_alpha(frame.wide_depths[i], exponent))
+                                     : correction_(opacity, exponent);
+    tables_.alpha.push_back(seen ? 1 + alpha : 0);
+  }
 }
 
 bool RayPackets::follow_irradiance(const Frame& frame) {
@@ -297,6 +358,7 @@ bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
   if (copy_.densities() == nullptr || !follow_irradiance(frame)) return false;
   if (lut_writes_ != lut_writes) read(frame.segmentation);
   lut_writes_ = lut_writes;
+  correct(frame);
   find_seen(frame, threads);
   find_first(frame);
   if (frame.jitter) {
@@ -326,7 +388,10 @@ void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.tags = volume.decoded_tags().empty() ? nullptr : volume.decoded_tags().data();
   field.tables = &tables_;
   field.wide = gathers_wide(frame);
-  field.depths = field.wide ? static_cast<const void*>(frame.wide_depths.data()) : tables_.depth.data();
+  field.corrected = !tables_.alpha.empty();
+  field.opacities = field.corrected ? static_cast<const void*>(tables_.alpha.data())
+                    : field.wide    ? static_cast<const void*>(frame.wide_depths.data())
+                                    : tables_.depth.data();
   if (frame.lit_by_irradiance) {
     field.irradiance = irradiance_.words();
     field.irradiance_first = irradiance_.first();

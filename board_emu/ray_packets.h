@@ -20,7 +20,8 @@ namespace gicube::emu {
 // The frame's tables as lanes read them.
 struct PacketTables {
   std::array<std::uint32_t, wire::kSegmentationEntries>
-      depth{};  // of one voxel length, 8.24 in base 2; all ones: opaque
+      depth{};                       // of one voxel length, 8.24 in base 2; all ones: opaque
+  std::vector<std::uint32_t> alpha;  // 1 + the corrected opacity, 24 bits, or the bits of the wide one; 0: not seen
   std::array<std::uint64_t, wire::kSegmentationEntries> look{};    // colour 3 x 12 bits, ambient, reflect, knee 8 each
   std::array<std::uint64_t, OpacityCorrection::kSegments> exp2{};  // value, and in bits 32.. the fall to the next
   std::vector<std::uint8_t> specular;                              // of lit samples; none if all are 0
@@ -40,7 +41,8 @@ struct PacketField {
   const DecodedVoxel* voxels;
   const std::uint8_t* tags;  // may be null
   const PacketTables* tables;
-  const void* depths;  // 32 bits an entry of the segmentation LUT: tables->depth, or Frame::wide_depths
+  const void* opacities;  // 32 bits an entry of the segmentation LUT; 0: not seen
+  bool corrected;         // they are tables->alpha, not tables->depth or Frame::wide_depths
   // Of frames that are lit by irradiance; else null.
   const std::int16_t* irradiance;
   const std::int32_t* irradiance_first;
@@ -68,13 +70,14 @@ class RayPackets {
   // Gives the copy's memory back.
   void clear();
 
-  // Takes rays to their ends, in place, on the calling thread. `steps`, if there are any: of each ray, on its way there.
+  // Takes rays, at most 2^18, to their ends, in place, on the calling thread. `steps`, if there are any: of each ray, on its way there.
   void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
              std::span<std::int32_t> steps = {}) const;
 
  private:
   void read(std::span<const wire::SegmentationEntry> segmentation);
   bool follow_irradiance(const Frame& frame);
+  void correct(const Frame& frame);
   void find_seen(const Frame& frame, unsigned threads);
   void find_first(const Frame& frame);
 
@@ -85,6 +88,9 @@ class RayPackets {
   std::vector<std::uint8_t> seen_;              // of each cell: one of its densities has an opacity
   std::uint64_t seen_lut_ = ~std::uint64_t{0};  // of the LUT that was written so often
   PacketTables tables_;
+  std::uint32_t exponent_ = 0;  // that tables_.alpha was made for, as were:
+  bool wide_ = false;
+  std::uint64_t alpha_lut_ = ~std::uint64_t{0};
   std::uint64_t volume_ = 0;  // VolumeMemory::decodings()
   std::uint64_t rays_ = 0;    // that have come since
   std::uint64_t lut_writes_ = ~std::uint64_t{0};

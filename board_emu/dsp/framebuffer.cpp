@@ -1,7 +1,9 @@
 #include "dsp/framebuffer.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <thread>
 
 namespace gicube::emu {
 
@@ -51,21 +53,43 @@ void Framebuffer::add(const wire::Ray& ray) {
   }
 }
 
-wire::Pixel Framebuffer::pixel(int x, int y) const {
-  const Sum& sum = sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
-  if (sum.weight == 0) return {};
-  const auto colour = [&sum](std::size_t c) {
-    return static_cast<std::uint8_t>(rescale(sum.colour[c], sum.weight, wire::kColourOne, 255));
-  };
-  return {colour(0), colour(1), colour(2),
-          static_cast<std::uint16_t>(rescale(sum.opacity, sum.weight, wire::kOpacityOne, wire::kColourOne))};
+void Framebuffer::add_alone(const wire::Ray& ray) {
+  const int x = ray.u / kSubPixels, y = ray.v / kSubPixels;
+  if (filter_ != wire::Filter::kBox || x >= width_ || y >= height_) return add(ray);
+  Sum& sum = sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  for (std::size_t c = 0; c < 3; ++c) sum.colour[c] += ray.colour[c];
+  sum.weight += 1;
+  sum.opacity += ray.opacity;
 }
 
-std::vector<std::uint8_t> Framebuffer::packed() const {
+wire::Pixel Framebuffer::resolve(const Sum& sum) {
+  if (sum.weight == 0) return {};
+  // Of one ray, as most are: then it is a constant that divides, which takes no division.
+  const auto resolved = [&sum](std::uint64_t value, std::uint64_t from, std::uint64_t to) {
+    return sum.weight == 1 ? rescale(value, 1, from, to) : rescale(value, sum.weight, from, to);
+  };
+  const auto colour = [&](std::size_t c) {
+    return static_cast<std::uint8_t>(resolved(sum.colour[c], wire::kColourOne, 255));
+  };
+  return {colour(0), colour(1), colour(2),
+          static_cast<std::uint16_t>(resolved(sum.opacity, wire::kOpacityOne, wire::kColourOne))};
+}
+
+wire::Pixel Framebuffer::pixel(int x, int y) const {
+  return resolve(sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)]);
+}
+
+std::vector<std::uint8_t> Framebuffer::packed(unsigned threads) const {
   std::vector<std::uint8_t> bytes(wire::packed36_bytes(sums_.size()));
-  std::size_t index = 0;
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) wire::store36(bytes, index++, wire::to_word(pixel(x, y)));
+  const std::size_t part = sums_.size() / threads / 2 * 2 + 2;  // even: two pixels share a byte
+  const auto pack = [&](unsigned t) {
+    const std::size_t end = std::min(sums_.size(), (t + 1) * part);
+    for (std::size_t i = t * part; i < end; ++i) wire::store36(bytes, i, wire::to_word(resolve(sums_[i])));
+  };
+  {
+    std::vector<std::jthread> others;
+    for (unsigned t = 1; t < threads; ++t) others.emplace_back(pack, t);
+    pack(0);
   }
   return bytes;
 }

@@ -26,10 +26,12 @@ class Framebuffer {
 
   // Adds a returned ray, or one that missed the volume (zero colour and opacity), at its image point (u, v).
   void add(const wire::Ray& ray);
+  // The same, from a thread that alone adds to the pixel of (u, v). Atomic sums would cost as much as making the ray.
+  void add_alone(const wire::Ray& ray);
 
   wire::Pixel pixel(int x, int y) const;
-  // All pixels in rows from the top, packed 36 bits each: the host's view of the framebuffer.
-  std::vector<std::uint8_t> packed() const;
+  // All pixels in rows from the top, packed 36 bits each: the host's view of the framebuffer. Made on `threads` threads.
+  std::vector<std::uint8_t> packed(unsigned threads = 1) const;
 
  private:
   struct Sum {
@@ -39,6 +41,7 @@ class Framebuffer {
   };
 
   void add(int x, int y, std::uint32_t weight, const wire::Ray& ray);
+  static wire::Pixel resolve(const Sum& sum);
 
   int width_ = 0;
   int height_ = 0;

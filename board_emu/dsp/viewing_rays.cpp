@@ -22,9 +22,15 @@ void cut(Interval& interval, double value, double slope) {
   }
 }
 
+// std::round() of what a long holds, without a call or a branch.
+std::int64_t rounded(double value) {
+  const auto whole = static_cast<std::int64_t>(value);
+  const double rest = value - static_cast<double>(whole);
+  return whole + static_cast<int>(rest >= 0.5) - static_cast<int>(rest <= -0.5);
+}
+
 std::uint32_t to_word(double voxels, std::int32_t extent) {
-  const double units = std::round(voxels * kUnitsPerVoxel);
-  return static_cast<std::uint32_t>(std::clamp(units, 0.0, static_cast<double>(extent)));
+  return static_cast<std::uint32_t>(rounded(std::clamp(voxels * kUnitsPerVoxel, 0.0, static_cast<double>(extent))));
 }
 
 }  // namespace
@@ -68,7 +74,7 @@ std::optional<wire::Ray> viewing_ray(const Line& line, std::uint16_t u, std::uin
   ray.v = v;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     ray.position[axis] = to_word(line.origin[axis] + interval->begin * d[axis], extent[axis]);
-    ray.direction[axis] = static_cast<std::int16_t>(std::round(d[axis] / length * (1 << wire::kDirectionFractionBits)));
+    ray.direction[axis] = static_cast<std::int16_t>(rounded(d[axis] / length * (1 << wire::kDirectionFractionBits)));
   }
   return ray;
 }
