@@ -149,13 +149,13 @@ HWY_INLINE V weight_of(V word, V exponent, V opacity, const PacketField& field) 
                   behind(odds(opacity), corrected(odds(word), odds(exponent), field)));
 }
 
-// What over() adds to a channel: divide_by_full_scale<24>.
+// What over() adds to a channel: divide_by_full_scale<24> of a product whose halves, by those of the weight, fit 32 bits.
 HWY_INLINE V part_of(V colour, V weight) {
-  const auto half = [](VU64 c, VU64 w) {
-    const VU64 t = hn::Add(product(c, w), set64(std::uint64_t{1} << 23));
-    return hn::ShiftRight<24>(hn::Add(t, hn::ShiftRight<24>(t)));
-  };
-  return together(half(evens(colour), evens(weight)), half(odds(colour), odds(weight)));
+  constexpr int kHalf = 12;
+  const V high = hn::Mul(colour, hn::ShiftRight<kHalf>(weight));
+  const V low = hn::Add(hn::Mul(colour, hn::And(weight, set((1 << kHalf) - 1))), set(1 << 23));
+  const auto upper = [&](V rest) { return hn::ShiftRight<kHalf>(hn::Add(high, hn::ShiftRight<kHalf>(rest))); };
+  return upper(hn::Add(low, upper(low)));
 }
 
 // reflectance(): bilinear in the cube map, 15 fraction bits.
@@ -206,12 +206,12 @@ struct Look {
 HWY_INLINE Look look_of(V entry, const PacketField& field) {
   const VU64 even = gather64(field.tables->look.data(), evens(entry)),
              odd = gather64(field.tables->look.data(), odds(entry));
-  const auto bits = [&](auto from, std::int32_t mask) { return hn::And(together(from(even), from(odd)), set(mask)); };
-  return {{bits([](VU64 v) { return v; }, 0xFFF), bits([](VU64 v) { return hn::ShiftRight<12>(v); }, 0xFFF),
-           bits([](VU64 v) { return hn::ShiftRight<24>(v); }, 0xFFF)},
-          bits([](VU64 v) { return hn::ShiftRight<36>(v); }, 0xFF),
-          bits([](VU64 v) { return hn::ShiftRight<44>(v); }, 0xFF),
-          bits([](VU64 v) { return hn::ShiftRight<52>(v); }, 0xFF)};
+  const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));
+  const V colour = set(0xFFF), byte = set(0xFF);
+  return {{hn::And(low, colour), hn::And(hn::ShiftRight<12>(low), colour), hn::And(high, colour)},
+          hn::And(hn::ShiftRight<24>(low), byte),
+          hn::And(hn::ShiftRight<12>(high), byte),
+          hn::And(hn::ShiftRight<20>(high), byte)};
 }
 
 // Too short to be a direction.

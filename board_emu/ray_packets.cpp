@@ -261,10 +261,10 @@ void RayPackets::read(std::span<const wire::SegmentationEntry> segmentation) {
   for (std::size_t i = 0; i < tables_.depth.size(); ++i) {
     const wire::SegmentationEntry& entry = segmentation[i];
     tables_.depth[i] = entry.opacity == wire::kClassifiedOpacityOne ? ~0u : correction_.depth(entry.opacity);
-    std::uint64_t look = 0;
-    for (std::size_t c = 0; c < 3; ++c) look |= std::uint64_t{entry.colour[c]} << (12 * c);
-    tables_.look[i] = look | std::uint64_t{entry.ambient} << 36 | std::uint64_t{entry.reflect} << 44 |
-                      std::uint64_t{entry.knee} << 52;
+    const auto [red, green, blue] = entry.colour;
+    const std::uint32_t low = red | std::uint32_t{green} << 12 | std::uint32_t{entry.ambient} << 24;
+    const std::uint32_t high = blue | std::uint32_t{entry.reflect} << 12 | std::uint32_t{entry.knee} << 20;
+    tables_.look[i] = low | std::uint64_t{high} << 32;
   }
   tables_.specular.clear();
   if (std::all_of(segmentation.begin(), segmentation.end(), [](const auto& entry) { return entry.specular == 0; }))

@@ -193,6 +193,31 @@ TEST(RayPackets, FollowsTheVolumeAndTheLut) {
   expect_equal(by_vectors(rays, scene.frame, packets), plainly(rays, scene.frame));
 }
 
+TEST(RayPackets, FollowTheStepAndTheLutWhereAllSamplesHaveOneLength) {
+  Dice dice(11);
+  LitScene scene(kSize, 16);
+  draw_field(scene, dice);
+  Frame& frame = scene.frame;
+  frame.jitter = frame.segments = frame.integral = frame.colourless = false;
+  frame.opacity_threshold = wire::kOpacityOne;
+  RayPackets packets(scene.opacity_correction);
+  const auto rays = draw_rays(dice, 200, frame);
+  std::uint64_t lut_writes = 0;
+  for (const std::uint32_t spacing : {65'536u, 90'000u}) {
+    frame.spacing = {spacing, spacing, spacing};
+    for (const std::uint32_t step : {32'768u, 65'536u}) {
+      frame.step = step;
+      for (auto& entry : scene.segmentation) entry.opacity = static_cast<std::uint16_t>(entry.opacity / 2 + 1);
+      if (frame.wide) scene.widen();
+      ASSERT_TRUE(packets.prepare(1 << 20, frame, ++lut_writes, 1));
+      expect_equal(by_vectors(rays, frame, packets), plainly(rays, frame));
+      frame.step = step / 2;
+      ASSERT_TRUE(packets.prepare(1 << 20, frame, lut_writes, 1));
+      expect_equal(by_vectors(rays, frame, packets), plainly(rays, frame));
+    }
+  }
+}
+
 TEST(RayPackets, AreNotMadeForFewRaysNorForMoreThanGathering) {
   Dice dice(3);
   LitScene scene(kSize, 8);

@@ -139,5 +139,29 @@ TEST(Framebuffer, PacksTwoPixelsInNineBytes) {
   EXPECT_EQ(wire::to_pixel(wire::load36(bytes, 2)), framebuffer.pixel(2, 0));
 }
 
+TEST(Framebuffer, PacksTheSameBytesOnAnyNumberOfThreads) {
+  Framebuffer framebuffer;
+  framebuffer.clear(7, 5, wire::Filter::kBox);
+  for (std::uint16_t i = 0; i < 35; ++i) {
+    framebuffer.add(returned(i % 7 * 16, i / 7 * 16, static_cast<std::uint16_t>(100 * i), 400'000u * i));
+  }
+  const auto bytes = framebuffer.packed();
+  for (const unsigned threads : {2u, 3u, 16u, 40u}) EXPECT_EQ(framebuffer.packed(threads), bytes) << threads;
+}
+
+TEST(Framebuffer, SumsTheSameForAThreadThatIsAlone) {
+  for (const wire::Filter filter : {wire::Filter::kBox, wire::Filter::kTent}) {
+    Framebuffer shared, alone;
+    for (Framebuffer* framebuffer : {&shared, &alone}) framebuffer->clear(4, 3, filter);
+    for (unsigned i = 0; i < 60; ++i) {  // some beside the image
+      const wire::Ray ray = returned(static_cast<int>(i * 7 % 80), static_cast<int>(i * 11 % 64),
+                                     static_cast<std::uint16_t>(60 * i), 250'000 * i);
+      shared.add(ray);
+      alone.add_alone(ray);
+    }
+    EXPECT_EQ(alone.packed(), shared.packed());
+  }
+}
+
 }  // namespace
 }  // namespace gicube::emu
