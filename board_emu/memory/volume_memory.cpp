@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <thread>
 
 #include "gicube/wire/voxel.h"
@@ -116,13 +117,7 @@ bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel>
   const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
             bz = static_cast<int>(block / (nx * ny));
   const auto edge = static_cast<std::size_t>(n_) + 1;
-  const std::size_t first = first_[block], count = block_voxels_and_faces();
-  if (voxels_.empty()) {
-    std::fill_n(densities_.data() + first, count, std::int16_t{0});
-  } else {
-    std::fill_n(voxels_.data() + first, count, DecodedVoxel{});
-  }
-  if (tags != nullptr) std::fill_n(tags, count, std::uint8_t{0});
+  const std::size_t first = first_[block];
   unsigned tagged = 0;
 
   for (int z = 0; z <= n_; ++z) {
@@ -130,38 +125,53 @@ bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel>
       // The row's first n words lie in one block, the last in its neighbour along x.
       for (int part = 0; part < 2; ++part) {
         const int sx = bx + part, sy = by + y / n_, sz = bz + z / n_;
-        if (sx >= blocks_[0] || sy >= blocks_[1] || sz >= blocks_[2]) continue;
-        const auto& packed = packed_[block_index(sx, sy, sz)];
-        if (packed.empty()) continue;
-        const auto n = static_cast<std::size_t>(n_);
-        const std::size_t source = (static_cast<std::size_t>(z % n_) * n + static_cast<std::size_t>(y % n_)) * n;
+        const auto n = static_cast<std::size_t>(n_), length = part == 0 ? n : 1;
         const std::size_t target =
             (static_cast<std::size_t>(z) * edge + static_cast<std::size_t>(y)) * edge + (part == 0 ? 0 : n);
-        tagged |= decode_row(packed, source, part == 0 ? n : 1, first + target, codes,
-                             tags == nullptr ? nullptr : tags + target);
+        std::uint8_t* const row_tags = tags == nullptr ? nullptr : tags + target;
+        const bool inside = sx < blocks_[0] && sy < blocks_[1] && sz < blocks_[2];
+        if (!inside || packed_[block_index(sx, sy, sz)].empty()) {
+          clear_row(first + target, length, row_tags);
+          continue;
+        }
+        const std::size_t source = (static_cast<std::size_t>(z % n_) * n + static_cast<std::size_t>(y % n_)) * n;
+        tagged |= decode_row(packed_[block_index(sx, sy, sz)], source, length, first + target, codes, row_tags);
       }
     }
   }
   return tagged != 0;
 }
 
+void VolumeMemory::clear_row(std::size_t target, std::size_t count, std::uint8_t* tags) {
+  if (voxels_.empty()) {
+    std::fill_n(densities_.begin() + static_cast<std::ptrdiff_t>(target), count, std::int16_t{0});
+  } else {
+    std::fill_n(voxels_.begin() + static_cast<std::ptrdiff_t>(target), count, DecodedVoxel{});
+  }
+  if (tags != nullptr) std::fill_n(tags, count, std::uint8_t{0});
+}
+
 unsigned VolumeMemory::decode_row(std::span<const std::uint8_t> packed, std::size_t source, std::size_t count,
                                   std::size_t target, std::span<const DecodedVoxel> codes, std::uint8_t* tags) {
   unsigned tagged = 0;
-  const bool gradients = !voxels_.empty();
-  for (std::size_t x = 0; x < count; ++x) {
-    const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, source + x));
-    const auto density = static_cast<std::int16_t>(voxel.density << kDensityFractionBits);
-    if (gradients) {
-      DecodedVoxel out = codes[voxel.gradient];
-      out.channel[0] = density;
-      voxels_[target + x] = out;
-    } else {
-      densities_[target + x] = density;
+  const auto each = [&](const auto& put) {
+    for (std::size_t x = 0; x < count; ++x) {
+      const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, source + x));
+      put(x, static_cast<std::int16_t>(voxel.density << kDensityFractionBits), voxel.gradient);
+      tagged |= voxel.tag;
+      if (tags != nullptr) tags[x] = voxel.tag;
     }
-    tagged |= voxel.tag;
-    if (tags != nullptr) tags[x] = voxel.tag;
+  };
+  if (voxels_.empty()) {
+    std::int16_t* const to = densities_.data() + target;
+    each([to](std::size_t x, std::int16_t density, std::uint16_t) { to[x] = density; });
+    return tagged;
   }
+  DecodedVoxel* const to = voxels_.data() + target;
+  each([to, codes](std::size_t x, std::int16_t density, std::uint16_t gradient) {
+    const auto of_code = std::bit_cast<std::array<std::int16_t, 4>>(codes[gradient]);
+    to[x] = {{density, of_code[1], of_code[2], of_code[3]}};
+  });
   return tagged;
 }
 

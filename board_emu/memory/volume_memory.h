@@ -87,6 +87,7 @@ class VolumeMemory {
   void take_form(bool gradients);
   void make_places(std::span<const std::uint8_t> leapt_over);
   // One row of a block's voxels, `count` of them from word `source` of `packed`; the tags that it has.
+  void clear_row(std::size_t target, std::size_t count, std::uint8_t* tags);
   unsigned decode_row(std::span<const std::uint8_t> packed, std::size_t source, std::size_t count, std::size_t target,
                       std::span<const DecodedVoxel> codes, std::uint8_t* tags);
   // True if one of the block's voxels has a tag; `tags` may be null.

@@ -9,9 +9,12 @@
 // Field list [P §2.1, Figure 4]; widths from the 36-bit cache word of Table 1 (docs/HARDWARE.md).
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
+#include <type_traits>
 
 #include "gicube/wire/bytes.h"
 
@@ -58,15 +61,15 @@ constexpr void store36(std::span<std::uint8_t> bytes, std::size_t index, std::ui
 }
 
 constexpr std::uint64_t load36(std::span<const std::uint8_t> bytes, std::size_t index) {
-  const std::size_t at = index / 2 * 9;
-  std::uint64_t word = 0;
-  if (index % 2 == 0) {
-    for (int i = 0; i < 4; ++i) word |= std::uint64_t{bytes[at + i]} << (8 * i);
-    return word | std::uint64_t{bytes[at + 4] & 0xFu} << 32;
+  // Both of a pair lie in eight of its nine bytes, the first in the lower and the second in the upper ones.
+  const std::size_t second = index % 2, at = index / 2 * 9 + second;
+  std::uint64_t eight = 0;
+  if (std::is_constant_evaluated() || std::endian::native != std::endian::little || at + 8 > bytes.size()) {
+    for (std::size_t i = 0; i < 8 && at + i < bytes.size(); ++i) eight |= std::uint64_t{bytes[at + i]} << (8 * i);
+  } else {
+    std::memcpy(&eight, bytes.data() + at, sizeof eight);
   }
-  word = bytes[at + 4] >> 4;
-  for (int i = 0; i < 4; ++i) word |= std::uint64_t{bytes[at + 5 + i]} << (4 + 8 * i);
-  return word;
+  return eight >> 28 * second & 0xF'FFFF'FFFFu;
 }
 
 // A framebuffer pixel, 8-8-8-12 rgb-alpha [P §3.6]: red in bits 0-7, green 8-15, blue 16-23, alpha 24-35.
