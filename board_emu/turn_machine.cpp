@@ -10,7 +10,7 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr Cycle kSlack = 32;            // chosen: cycles by which a part may run ahead of the next
+constexpr Cycle kSlack = 96;            // chosen: cycles by which a part may run ahead of the next
 constexpr Cycle kToProcessor = 4;       // from the DSP over the ray bus and by a sorter to the pipeline
 constexpr std::size_t kOnTheWay = 2;    // rays between the bus and one sorter, and sends between the DSP and the bus
 constexpr std::size_t kChunk = 16'384;  // chosen: rays whose values are worked out at a time
@@ -42,6 +42,7 @@ TurnMachine::TurnMachine(const v1::BoardConfig& config, const std::array<int, 3>
       partition_(config.asic().partition(), config.asic().processors(), blocks),
       core_khz_(config.asic().core_khz()),
       dsp_khz_(config.dsp().clock_khz()),
+      up_(config.asic().processors()),
       layout_(static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.most_blocks())),
               config.asic().block_voxels(), config.rdram().device_mbit()),
       listeners_(config.asic().processors()) {
@@ -135,8 +136,8 @@ void TurnMachine::make_rays(TurnWork& work) {
 // What comes back goes first, then new rays, then overflowed ones. False if there is nothing to be done yet.
 bool TurnMachine::dsp_acts(TurnWork& work) {
   const std::uint32_t overflow = config_.dsp().overflow_ray_cycles();
-  if (!up_.empty() && up_.front().ready <= dsp_.now) {
-    const Coming back = up_.pop();
+  if (up_.ready() <= dsp_.now) {
+    const Coming back = up_.pop(dsp_.now);
     processors_[back.queue]->taken_from_tree(dsp_.now);
     if (back.overflowed) {
       dsp_works(overflow / 2);
@@ -186,8 +187,8 @@ Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress, bool ah
     // While the DSP is not behind the processors it has seen all that comes.
     if (least >= dsp_.now) {
       if (dsp_acts(work)) continue;
-      if (!up_.empty() && up_.front().ready <= least) {
-        dsp_.now = std::max(dsp_.now, up_.front().ready);
+      if (up_.ready() != kNoCycle && up_.ready() <= least) {
+        dsp_.now = std::max(dsp_.now, up_.ready());
         continue;
       }
       if (behind == nullptr) break;

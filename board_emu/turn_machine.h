@@ -101,7 +101,7 @@ class TurnMachine {
   std::array<int, 3> blocks_;
   Partition partition_;
   std::uint64_t core_khz_, dsp_khz_;
-  LongQueue<Coming> up_;
+  TurnTree up_;
   TurnRays rays_;
   rdram::Layout layout_;  // of each memory
   std::vector<std::unique_ptr<TurnMemory>> memories_;

@@ -5,9 +5,12 @@
 // there, and when its ray is back: the rules of processor.h and sorter.h, without anything that ticks. Values are no matter
 // here: how far a ray goes is known already.
 //
-// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; nothing holds up a ray
-// that leaves but a link's rate. Processors that share a channel are not
-// modelled: their packets alternate on it, and how often they close each other's rows hangs on the cycle.
+// The rays of the active queue go round: out of the queue, through the pipeline, and back to the queue's end. They are kept
+// in one line in the order in which they are back, and most turns take the first and put it at the end.
+//
+// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; of the merge tree only
+// its places count. Processors that share a channel are not modelled: their packets alternate on it, and how often they
+// close each other's rows hangs on the cycle.
 #pragma once
 
 #include <algorithm>
@@ -28,38 +31,9 @@
 #include "rdram/layout.h"
 #include "sim/clock.h"
 #include "sorter/exact_maximum.h"
+#include "turn_tree.h"
 
 namespace gicube::emu {
-
-// First in first out, as long as it has to be.
-template <typename Item>
-class LongQueue {
- public:
-  bool empty() const { return head_ == tail_; }
-  std::size_t size() const { return tail_ - head_; }
-  const Item& front() const { return ring_[head_ & mask_]; }
-  void drop() { ++head_; }
-  Item pop() { return ring_[head_++ & mask_]; }
-  void push(const Item& item) {
-    if (size() > mask_) [[unlikely]]
-      grow();
-    ring_[tail_++ & mask_] = item;
-  }
-
- private:
-  void grow() {
-    std::vector<Item> larger(2 * ring_.size());
-    for (std::size_t i = 0; i < ring_.size(); ++i) larger[i] = ring_[(head_ + i) & mask_];
-    head_ = 0;
-    tail_ = ring_.size();
-    mask_ = larger.size() - 1;
-    ring_.swap(larger);
-  }
-
-  std::vector<Item> ring_ = std::vector<Item>(16);
-  std::size_t mask_ = 15;
-  std::size_t head_ = 0, tail_ = 0;
-};
 
 // A ray under way. Of jittered rays `step` has the words from which each step is drawn.
 struct TurnRay {
@@ -107,15 +81,6 @@ struct TurnMemory {
   Cycle asked = 0;  // in which it took the last packet on
 };
 
-// A ray on its way to a queue, or to the DSP.
-struct Coming {
-  Cycle ready = 0;
-  std::uint32_t ray = 0;    // handle
-  std::uint32_t queue = 0;  // to the DSP: the processor that it comes from
-  bool keeps_slot = false;
-  bool overflowed = false;
-};
-
 struct TurnCounters {
   std::uint64_t leaps = 0;
   std::uint64_t overflows = 0, conflicts = 0;
@@ -135,7 +100,7 @@ class TurnProcessor {
     std::vector<std::unique_ptr<TurnProcessor>>* processors;
     TurnMemory* memory;
     TurnRays* rays;
-    LongQueue<Coming>* up;  // to the DSP
+    TurnTree* up;  // to the DSP
   };
 
   TurnProcessor(std::uint8_t number, const Surroundings& surroundings);
@@ -148,7 +113,7 @@ class TurnProcessor {
   Cycle next() const;
   // Works its turns off up to cycle `until`; with `bus_waits` no further than to the next ray that it takes off the bus.
   void work(Cycle until, bool bus_waits);
-  // A ray from the DSP, or over a link from the left or right.
+  // From the DSP, or over a link from the left or right.
   enum class From : std::uint8_t { kBus, kLeft, kRight };
   void send(From from, const Coming& ray) {
     from_[static_cast<std::size_t>(from)].push(ray);
@@ -160,8 +125,8 @@ class TurnProcessor {
 
   // Rays on the bus' way into the sorter, and the cycle in which the sorter took the last.
   std::size_t from_bus() const { return from_[static_cast<std::size_t>(From::kBus)].size(); }
-  bool holds_bus() const { return holds_bus_; }
-  Cycle taken_from_bus() const { return taken_from_bus_; }
+  bool holds_bus() const { return waits_[static_cast<std::size_t>(From::kBus)]; }
+  Cycle taken_from_bus() const { return taken_from_[static_cast<std::size_t>(From::kBus)]; }
 
   const TurnCounters& counters() const { return counters_; }
   std::uint64_t turns() const { return turns_; }
@@ -170,39 +135,99 @@ class TurnProcessor {
   Cycle now() const { return now_; }
 
  private:
+  // Three coordinates from the block's least corner, 14 fraction bits, in fields of 21 bits. Blocks have at most 64 voxels,
+  // so that the highest bits of a field say that the ray is outside. Steps are added as they are: what they borrow from a
+  // higher field makes it wrong only then.
+  static constexpr int kField = 21;
+  static std::uint64_t packed(const Point& at) {
+    const auto field = [&at](std::size_t axis) {
+      return static_cast<std::uint64_t>(std::int64_t{at[axis]}) << kField * axis;
+    };
+    return field(0) + field(1) + field(2);
+  }
+  static Point unpacked(std::uint64_t at) {
+    const auto field = [at](int axis) { return static_cast<std::int32_t>(at >> kField * axis & ((1u << kField) - 1)); };
+    return {field(0), field(1), field(2)};
+  }
+  // A ray of the active queue.
+  struct Going {
+    std::uint64_t at = 0;
+    std::uint64_t step = 0;  // if it is not drawn
+    Cycle ready = 0;         // when it is in the queue again
+    std::uint32_t ray = 0;   // its handle
+    std::int32_t left = 0;   // steps
+  };
+
+  // A ray that has left the pipeline for another processor, or waits at a link's entry.
+  struct Crossing {
+    Cycle at = 0;
+    std::uint8_t to = 0;
+    Coming ray;
+  };
+  // To the right, and to the left; the numbers are those of the inputs at the other end.
+  enum Direction : std::uint8_t { kRight, kLeft };
+  struct Link {
+    LongQueue<Crossing> entry;
+    Cycle left = 0;        // when the last ray left it
+    bool blocked = false;  // its first ray has no place to go to
+  };
+
   void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
-  void write(const Coming& ray);
+  bool write(const Coming& ray);
   void take_in(Cycle now);
   bool choose(Cycle now);
-  void turn(std::uint32_t queue);
-  void glide(Cycle& now, Cycle& before, Cycle until);
+  void activate(std::uint32_t queue, Cycle now);
+  void put_back(Cycle now);
+  Cycle arrive(Cycle now, Cycle before);
+  Going going(std::uint32_t handle, Cycle ready) const;
+  void put(const Going& ray);
+  template <bool kJitter, bool kPlain>
+  void rotate(Cycle& now, Cycle until);
+  [[gnu::noinline]] bool turn_out(Cycle& now);
   // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
-  Point drawn_step(const TurnRay& ray) const;
-  [[gnu::noinline]] Cycle fetch(const TurnRay& ray, Cycle first);
-  [[gnu::noinline]] std::int32_t leap(const TurnRay& ray, const Point& step);
-  [[gnu::noinline]] void leave(std::uint32_t handle, std::uint32_t queue, Cycle out);
-  [[gnu::noinline]] void change_block(std::uint32_t handle, std::uint32_t queue, Cycle out);
-  void cross(const Home& home, Coming& ray, Cycle out);
+  Point drawn_step(const Going& ray) const;
+  [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
+  void leave(std::uint32_t handle, Cycle out);
+  void change_block(std::uint32_t handle, Cycle out);
+  Cycle retry(Cycle now) const;
+  Cycle next_gap(Cycle now);
+  void release(std::uint32_t queue, Cycle out);
+  void enter_links();
+  void feed_on(Direction way);
+  void run_link(Direction way);
+  bool pass_on(Direction way);
+  TurnProcessor& neighbour(Direction way) const;
+  Direction way_to(std::uint8_t processor) const;
+  void line_goes_on(Cycle moved);
+  bool stands() const { return stands_ || link_stands_; }
+  // More rays than there are places have come out of the pipeline.
+  bool stands_for_link(Cycle now) {
+    link_stands_ = out_.size() > kLeaving && out_[out_.begin() + kLeaving].at <= now;
+    return link_stands_;
+  }
   void hold(int rays, Cycle when);
   bool finds_place();
 
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  static constexpr std::size_t kLeaving = 2;  // rays between the pipeline and the links
 
   const std::uint8_t number_;
   Surroundings with_;
   std::uint32_t prefetch_, compute_, capacity_, ratio_;
-  int ratio_bits_;      // if it is a power of two
-  std::uint32_t room_;  // packets that may be on their way when a sample enters
-  Cycle link_cycles_;   // of a ray
+  int ratio_bits_;           // if it is a power of two
+  std::uint32_t room_;       // packets that may be on their way when a sample enters
+  Cycle link_cycles_;        // of a ray
+  std::uint32_t link_rays_;  // places at a link's entry
   Cycle rac_latency_;
   Cycle to_dsp_;               // from the end of the pipeline or an overflow through the merge tree
   std::uint32_t tree_places_;  // on that way
   bool ideal_memory_;
   const Frame* frame_ = nullptr;
   bool jitter_ = false;
-  const std::uint8_t* empty_ = nullptr;  // by block, if empty ones are leapt over
+  void (TurnProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
+  const std::uint8_t* empty_ = nullptr;                     // by block, if empty ones are leapt over
   BlockGrid grid_;
   int block_shift_ = 0;  // from positions to blocks
   std::uint32_t across_ = 0, slice_ = 0;
@@ -213,29 +238,47 @@ class TurnProcessor {
   LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
   std::vector<std::uint8_t> listed_;   // there
   std::uint32_t active_ = kNone;
-  Cycle sorted_ = 0;  // up to which the sorter has taken in
-  std::uint64_t waiting_ = 0;
-  LongQueue<Coming> returned_;
+  bool resting_ = false;        // it was empty since it became active: any other may take its place
+  std::uint32_t block_ = 0;     // its
+  Point corner_{};              // of that
+  LongQueue<Going> going_;      // its rays, those that are in the pipeline behind those that wait
+  std::size_t arrived_ = 0;     // the number of the first in the pipeline, as far as it was asked for
+  Cycle sorted_ = 0;            // up to which the sorter has taken in
+  std::uint64_t waiting_ = 0;   // in all other queues
+  LongQueue<Coming> returned_;  // from the pipeline to other queues
+  std::vector<Coming> merged_;
   std::array<LongQueue<Coming>, 3> from_;
-  std::uint32_t turn_ = 0;   // whose turn it is of them
-  Cycle others_ = kNoCycle;  // when the first of them comes
-  Cycle taken_from_bus_ = 0;
-  bool holds_bus_ = false;
+  std::uint32_t turn_ = 0;                               // whose turn it is of them
+  Cycle others_ = kNoCycle;                              // when the first of them comes
+  std::array<Cycle, 3> taken_from_{};                    // when the last of each was
+  std::array<bool, 3> waits_{};                          // its first has to wait
   LongQueue<std::pair<Cycle, std::uint32_t>> released_;  // when, and of which queue, a slot is given up
   VolumeCache cache_;
 
+  Cycle before_ = 0;                                // up to which the sorter has written
   Cycle now_ = 0;                                   // in which the last turn entered the pipeline
   Cycle computing_ = 0;                             // in which its sample went on to be resampled
   static constexpr std::size_t kRemembered = 1024;  // more than stages or packets there can be
   std::array<Cycle, kRemembered> started_{}, taken_{};
   std::uint64_t turns_ = 0, packets_ = 0;
-  std::uint32_t in_tree_ = 0;         // rays between this processor and the DSP
-  bool stands_ = false;               // until it is known when one finds a place there
-  Cycle tree_free_ = 0;               // when the last such did
-  std::array<Cycle, 2> link_free_{};  // to the right, to the left
-  std::uint64_t holds_ = 0;           // rays
-  Cycle held_since_ = 0;
+  std::uint32_t in_tree_ = 0;  // rays between this processor and the DSP
+  bool stands_ = false;        // the pipeline, until it is known when one finds a place there
+  Cycle tree_free_ = 0;        // when the last such did
+  LongQueue<Crossing> out_;    // from the pipeline to the links
+  bool link_stands_ = false;   // the pipeline, until it is known when the first of them goes on
+  bool out_blocked_ = false;   // no place for it at a link's entry
+  std::array<Link, 2> links_;
+  std::uint64_t holds_ = 0;  // rays
+  Cycle held_since_ = 0, held_until_ = 0;
   TurnCounters counters_;
 };
+
+inline Cycle TurnProcessor::next() const {
+  if (stands()) return others_ == kNoCycle ? kNoCycle : std::max(others_, now_ + 1);
+  Cycle first = waiting_ > 0 ? now_ + 1 : others_;
+  if (!going_.empty()) first = std::min(first, going_.front().ready);
+  if (!returned_.empty()) first = std::min(first, returned_.front().ready);
+  return first == kNoCycle ? first : std::max(first, now_ + 1);
+}
 
 }  // namespace gicube::emu

@@ -12,32 +12,37 @@ VolumeCache::VolumeCache(const CacheShape& shape)
       slices_(static_cast<std::size_t>(shape.block_voxels) + 1),
       // A way is a share of the same (n+1)^3 words: more ways, fewer sets.
       sets_((tiles_of_block() + shape.ways - 1) / shape.ways),
-      tags_(sets_ * shape.ways, kNothing) {}
+      tags_(sets_ * shape.ways, kNothing) {
+  if (plain_ || shape.linear) return;
+  for (std::size_t tile = 0; tile < tiles_of_block(); ++tile) {
+    first_way_.push_back(static_cast<std::uint32_t>(tile % sets_ * shape.ways));
+  }
+}
 
 void VolumeCache::invalidate() { std::fill(tags_.begin(), tags_.end(), kNothing); }
 
 std::size_t VolumeCache::set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z,
                                 std::size_t tile) const {
-  if (!shape_.linear) return tile % sets_;
+  if (!shape_.linear) return first_way_[tile];
   const auto across = static_cast<std::size_t>(shape_.blocks[0]), down = static_cast<std::size_t>(shape_.blocks[1]);
   const auto half = static_cast<std::size_t>(shape_.block_voxels) / 2, n = 2 * half;
   const std::size_t gx = block % across * half + x, gy = block / across % down * half + y,
                     gz = block / (across * down) * n + z;
-  return ((gz * down * half + gy) * across * half + gx) % sets_;
+  return ((gz * down * half + gy) * across * half + gx) % sets_ * shape_.ways;
 }
 
 bool VolumeCache::holds(std::uint32_t block, std::uint32_t tile) const {
   if (plain_) return tags_[tile] == block;
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + tile;
-  const std::size_t set = set_of(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
-  const std::uint32_t* const way = tags_.data() + set * shape_.ways;
+  const std::uint32_t* const way =
+      tags_.data() + set_of(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
   return std::find(way, way + shape_.ways, tag) != way + shape_.ways;
 }
 
 // True if the tile is there; afterwards it is, as the latest used of its set.
 bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) {
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + static_cast<std::uint32_t>(tile);
-  std::uint32_t* const way = tags_.data() + set_of(block, x, y, z, tile) * shape_.ways;
+  std::uint32_t* const way = tags_.data() + set_of(block, x, y, z, tile);
   if (*way == tag) return true;
   std::uint32_t* const end = way + shape_.ways;
   std::uint32_t* const found = std::find(way, end, tag);

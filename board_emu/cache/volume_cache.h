@@ -42,9 +42,19 @@ class VolumeCache {
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
+  // The same for one who knows that something is missing, or is not the latest used.
+  const Misses& ask(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+    if (!plain_) return check_sets(block, voxel);
+    return fetch_plain(block, voxel, (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1));
+  }
+
   // For a caller that goes on and on in one block of a direct mapped cache: by tile, the block that it is of.
   const std::uint32_t* plain_tags() const { return plain_ ? tags_.data() : nullptr; }
   std::size_t tiles_x() const { return tiles_x_; }
+
+  // Whether all tiles of the neighbourhood are there, each the latest used of its set, so that check() would change nothing
+  // but counters. Not with `linear`, nor for a direct mapped cache.
+  bool latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
 
   // Whether a tile is there, or has been asked for.
   bool holds(std::uint32_t block, std::uint32_t tile) const;
@@ -69,6 +79,7 @@ class VolumeCache {
     counters_.missed_voxels += packets * voxels_of_tile;
     ++counters_.misses[packets * voxels_of_tile];
   }
+  // The place of the set's first way.
   std::size_t set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) const;
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
 
@@ -78,7 +89,8 @@ class VolumeCache {
   std::size_t slice_tiles_;
   std::size_t slices_;  // along z
   std::size_t sets_;
-  std::vector<std::uint32_t> tags_;  // sets_ x ways, the latest used first
+  std::vector<std::uint32_t> tags_;       // sets_ x ways, the latest used first
+  std::vector<std::uint32_t> first_way_;  // by tile, where the set begins; not with `linear`
   Misses misses_;
   CacheCounters counters_;
 };
@@ -124,6 +136,19 @@ inline const Misses& VolumeCache::fetch_plain(std::uint32_t block, const std::ar
   counters_.filled_voxels += filled;
   count(count_missing, 4u >> (two_x + two_y));
   return misses_;
+}
+
+inline bool VolumeCache::latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
+  const std::size_t two_x = voxel[0] & 1, row = (voxel[1] & 1) * tiles_x_;
+  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
+  const std::uint32_t tags = block * static_cast<std::uint32_t>(tiles_of_block());
+  std::uint32_t differ = 0;
+  for (const std::size_t of_row : {first, first + row, first + slice_tiles_, first + slice_tiles_ + row}) {
+    const std::size_t next = of_row + two_x;
+    differ |= tags_[first_way_[of_row]] ^ (tags + static_cast<std::uint32_t>(of_row));
+    differ |= tags_[first_way_[next]] ^ (tags + static_cast<std::uint32_t>(next));
+  }
+  return differ == 0;
 }
 
 }  // namespace gicube::emu

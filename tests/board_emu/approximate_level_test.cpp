@@ -130,10 +130,32 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{.name = "skewed_blocks_fast_dsp",
                          .machine = {"asic.partition=skewed_block", "asic.processors=8", "dsp.clock_khz=1000000"}},
                     Case{.name = "short_queues", .machine = {"asic.queue_rays=16", "dsp.clock_khz=1000000"}},
+                    Case{.name = "narrow_links",
+                         .machine = {"asic.partition=skewed_block", "asic.processors=8", "link.bits=16", "link.rays=2"}},
+                    Case{.name = "four_ways", .machine = {"cache.ways=4"}},
                     Case{.name = "one_processor", .machine = {"asic.processors=1"}},
                     Case{.name = "runs_of_rays", .machine = {"dsp.run_rays=16"}},
                     Case{.name = "jittered", .machine = {}, .jitter = true}),
     [](const auto& test) { return test.param.name; });
+
+// A step of which one coordinate is larger than a block is long.
+TEST(ApproximateBoard, TakesStepsThatAreLongerThanABlock) {
+  const auto render = [](const char* fidelity) {
+    BareBoard board(config_with({fidelity, "asic.block_voxels=8", "asic.max_volume_voxels=128"}));
+    board.load_volume({64, 64, 64}, [](int x, int y, int z) {
+      return wire::Voxel{static_cast<std::uint16_t>(20 * x + 20 * y + z), 0, 0, 0};
+    });
+    board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{4000, 3000, 2000}, 100}; });
+    board.write_register(wire::reg::kStep, 12 * wire::kStepOne);
+    const std::uint64_t begin = board.now_ps;
+    board.render(corner_view({64, 64, 64}, 32));
+    return std::pair(board.counter("pipeline.samples"), static_cast<double>(board.now_ps - begin));
+  };
+  const auto [samples, time] = render("fidelity=approximate");
+  const auto [expected_samples, expected_time] = render("fidelity=cycle");
+  EXPECT_EQ(samples, expected_samples);
+  EXPECT_NEAR(time / expected_time, 1, 0.03);
+}
 
 // Their packets alternate on the channel, which turns know nothing of.
 TEST(ApproximateBoard, TakesTheCycleLevelsTimeWhereProcessorsShareAnRdram) {

@@ -42,6 +42,20 @@ TEST(VolumeCache, AStepAlongZMissesTheFourVoxelsOfOneSlice) {
   EXPECT_EQ(cache.counters().missed_voxels, 8u + 4u);
 }
 
+TEST(VolumeCache, OnlyTheLatestUsedOfTheirSetsNeedNoCheck) {
+  for (const unsigned ways : {2u, 4u}) {  // with more the neighbourhood itself has several of a set
+    VolumeCache cache({.block_voxels = 8, .ways = ways});
+    const Voxel here{3, 5, 2};
+    EXPECT_FALSE(cache.latest(1, here));
+    cache.check(1, here);
+    EXPECT_TRUE(cache.latest(1, here));
+    cache.check(2, here);  // the same sets
+    EXPECT_FALSE(cache.latest(1, here));
+    EXPECT_EQ(cache.check(1, here).count, 0u);  // but there
+    EXPECT_TRUE(cache.latest(1, here));
+  }
+}
+
 // The paper's §2.1: one sample a voxel over a whole block misses (n+1)^3 voxels, each once.
 TEST(VolumeCache, ABlockAtOneSampleAVoxelIsFetchedOnceWithItsOverlap) {
   for (const std::uint32_t n : {8u, 16u, 32u}) {
