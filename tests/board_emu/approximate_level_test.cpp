@@ -130,8 +130,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{.name = "skewed_blocks_fast_dsp",
                          .machine = {"asic.partition=skewed_block", "asic.processors=8", "dsp.clock_khz=1000000"}},
                     Case{.name = "short_queues", .machine = {"asic.queue_rays=16", "dsp.clock_khz=1000000"}},
-                    Case{.name = "narrow_links",
-                         .machine = {"asic.partition=skewed_block", "asic.processors=8", "link.bits=16", "link.rays=2"}},
+                    Case{
+                        .name = "narrow_links",
+                        .machine = {"asic.partition=skewed_block", "asic.processors=8", "link.bits=16", "link.rays=2"}},
                     Case{.name = "four_ways", .machine = {"cache.ways=4"}},
                     Case{.name = "one_processor", .machine = {"asic.processors=1"}},
                     Case{.name = "runs_of_rays", .machine = {"dsp.run_rays=16"}},
