@@ -13,7 +13,7 @@ fidelity = column_of("fidelity")
 processors = column_of("asic.processors")
 floor = 1e-4
 error(text) = strlen(text) > 0 ? real(text) : floor  # a reference has none
-set xrange [0.03:5]
+set xrange [0.01:5]
 set yrange [floor / 2:1]
 do for [format in "svg png"] {
   if (format eq "svg") { set terminal svg size 900,560 background 'white' } else { set terminal pngcairo size 900,560 }

@@ -11,7 +11,7 @@ set label "the cycle level has no error by definition: drawn at 1e-4" at graph 0
 column_of(name) = int(system(sprintf("head -1 held_out.csv | tr ',' '\\n' | grep -nx '%s' | cut -d: -f1", name)))
 floor = 1e-4
 error(value) = abs(value) < floor ? floor : abs(value)
-set xrange [0.05:10]
+set xrange [0.02:10]
 set yrange [floor / 2:2]
 set arrow from 0.05, 0.05 to 10, 0.05 nohead lc rgb "#808080" dt 2
 do for [format in "svg png"] {
