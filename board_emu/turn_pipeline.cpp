@@ -11,7 +11,6 @@ namespace gicube::emu {
 namespace {
 
 constexpr Cycle kToQueue = 3;  // from the end of the pipeline by the sorter to its beginning
-constexpr Cycle kSorter = 2;   // from being written to the pipeline
 
 }  // namespace
 

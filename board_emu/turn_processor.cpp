@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::uint32_t kMostPackets = 8;  // of one neighbourhood
 constexpr auto kBus = static_cast<std::size_t>(TurnProcessor::From::kBus);
-constexpr Cycle kSorter = 2;  // from being written to the pipeline
 constexpr std::uint32_t kRayBits = 256;
 
 }  // namespace

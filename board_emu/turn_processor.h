@@ -164,7 +164,7 @@ class TurnProcessor {
     std::uint8_t to = 0;
     Coming ray;
   };
-  // To the right, and to the left; the numbers are those of the inputs at the other end.
+  // Of a link. What comes over a link to the right comes from the left.
   enum Direction : std::uint8_t { kRight, kLeft };
   struct Link {
     LongQueue<Crossing> entry;
@@ -211,6 +211,7 @@ class TurnProcessor {
   bool finds_place();
 
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  static constexpr Cycle kSorter = 2;         // from being written to the pipeline
   static constexpr std::size_t kLeaving = 2;  // rays between the pipeline and the links
 
   const std::uint8_t number_;
