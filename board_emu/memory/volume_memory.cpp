@@ -112,7 +112,8 @@ void VolumeMemory::flip(const BitPlace& place) {
   mark_stale(place.block);
 }
 
-bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes, std::uint8_t* tags) {
+bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes, std::uint8_t* tags,
+                                bool only_tags) {
   const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
   const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
             bz = static_cast<int>(block / (nx * ny));
@@ -131,28 +132,31 @@ bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel>
         std::uint8_t* const row_tags = tags == nullptr ? nullptr : tags + target;
         const bool inside = sx < blocks_[0] && sy < blocks_[1] && sz < blocks_[2];
         if (!inside || packed_[block_index(sx, sy, sz)].empty()) {
-          clear_row(first + target, length, row_tags);
+          clear_row(first + target, length, row_tags, only_tags);
           continue;
         }
         const std::size_t source = (static_cast<std::size_t>(z % n_) * n + static_cast<std::size_t>(y % n_)) * n;
-        tagged |= decode_row(packed_[block_index(sx, sy, sz)], source, length, first + target, codes, row_tags);
+        tagged |=
+            decode_row(packed_[block_index(sx, sy, sz)], source, length, first + target, codes, row_tags, only_tags);
       }
     }
   }
   return tagged != 0;
 }
 
-void VolumeMemory::clear_row(std::size_t target, std::size_t count, std::uint8_t* tags) {
+void VolumeMemory::clear_row(std::size_t target, std::size_t count, std::uint8_t* tags, bool only_tags) {
+  if (tags != nullptr) std::fill_n(tags, count, std::uint8_t{0});
+  if (only_tags) return;
   if (voxels_.empty()) {
     std::fill_n(densities_.begin() + static_cast<std::ptrdiff_t>(target), count, std::int16_t{0});
   } else {
     std::fill_n(voxels_.begin() + static_cast<std::ptrdiff_t>(target), count, DecodedVoxel{});
   }
-  if (tags != nullptr) std::fill_n(tags, count, std::uint8_t{0});
 }
 
 unsigned VolumeMemory::decode_row(std::span<const std::uint8_t> packed, std::size_t source, std::size_t count,
-                                  std::size_t target, std::span<const DecodedVoxel> codes, std::uint8_t* tags) {
+                                  std::size_t target, std::span<const DecodedVoxel> codes, std::uint8_t* tags,
+                                  bool only_tags) {
   unsigned tagged = 0;
   const auto each = [&](const auto& put) {
     for (std::size_t x = 0; x < count; ++x) {
@@ -162,6 +166,10 @@ unsigned VolumeMemory::decode_row(std::span<const std::uint8_t> packed, std::siz
       if (tags != nullptr) tags[x] = voxel.tag;
     }
   };
+  if (only_tags) {
+    each([](std::size_t, std::int16_t, std::uint16_t) {});
+    return tagged;
+  }
   if (voxels_.empty()) {
     std::int16_t* const to = densities_.data() + target;
     each([to](std::size_t x, std::int16_t density, std::uint16_t) { to[x] = density; });
@@ -209,13 +217,13 @@ void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
 }
 
 void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes,
-                                 unsigned threads) {
+                                 unsigned threads, bool only_tags) {
   std::atomic<std::size_t> next{0};
   std::atomic<bool> tagged{!tags_.empty()};
   const auto work = [&] {
     for (std::size_t i = next++; i < which.size(); i = next++) {
       std::uint8_t* const tags = tags_.empty() ? nullptr : tags_.data() + first_[which[i]];
-      if (decode_block(which[i], codes, tags)) tagged = true;
+      if (decode_block(which[i], codes, tags, only_tags)) tagged = true;
     }
   };
   {
@@ -226,7 +234,7 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<c
   if (!tagged || !tags_.empty()) return;
   // The first tags of this volume: blocks decoded before them have none.
   tags_.resize(places() + kTagsBeyond);
-  decode_blocks(which, codes, threads);
+  decode_blocks(which, codes, threads, true);
 }
 
 void VolumeMemory::decode(std::span<const wire::GradientEntry> gradients, bool gradients_changed, unsigned threads,
