@@ -8,8 +8,8 @@
 // The rays of the active queue go round: out of the queue, through the pipeline, and back to the queue's end. They are kept
 // in one line in the order in which they are back, and most turns take the first and put it at the end.
 //
-// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; of the merge tree only
-// its places count. Processors that share a channel are not modelled: their packets alternate on it, and how often they
+// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; the merge tree's
+// places are counted by processor. Processors that share a channel are not modelled: their packets alternate on it, and how often they
 // close each other's rows hangs on the cycle.
 #pragma once
 
