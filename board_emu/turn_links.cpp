@@ -48,7 +48,7 @@ void TurnProcessor::line_goes_on(Cycle moved) {
   const std::size_t first = out_.begin() + kLeaving - 1;  // the one for which it stood
   const Cycle out = out_[first].at, stood = std::max(moved + 1, out) - out;
   for (std::size_t i = first; i != out_.end(); ++i) out_[i].at += stood;
-  for (std::size_t i = returned_.begin(); i != returned_.end(); ++i) returned_[i].ready += stood;
+  for (std::size_t i = returned_.begin(); i != returned_.end(); ++i) returned_[i].ray.ready += stood;
   for (std::size_t i = std::max(arrived_, going_.begin()); i != going_.end(); ++i) going_[i].ready += stood;
   computing_ += stood;
 }

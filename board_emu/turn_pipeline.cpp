@@ -69,16 +69,23 @@ void TurnProcessor::leave(std::uint32_t handle, Cycle out) {
   if (!out_blocked_) enter_links();
 }
 
-// A ray of the active queue has come into another block.
-void TurnProcessor::change_block(std::uint32_t handle, Cycle out) {
-  TurnRay& ray = (*with_.rays)[handle];
-  const auto blocks = [&](std::size_t axis) { return static_cast<std::uint32_t>(ray.position[axis] >> block_shift_); };
-  ray.block += blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
-  for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
-  const Home& home = with_.partition->home(ray.block);
-  if (home.processor != number_) return leave(handle, out);
+// A ray of the active queue has come out of its block, to `at` from its corner.
+void TurnProcessor::change_block(Going ray, Point at, Cycle out) {
+  TurnRay& known = (*with_.rays)[ray.ray];
+  const auto blocks = [&](std::size_t axis) { return static_cast<std::uint32_t>(at[axis] >> block_shift_); };
+  known.block += blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
+  for (std::int32_t& coordinate : at) coordinate &= grid_.size() - 1;
+  const Home& home = with_.partition->home(known.block);
+  if (home.processor != number_) {
+    known.position = at;
+    known.left = ray.left;
+    return leave(ray.ray, out);
+  }
   const bool keeps_slot = home.number == active_;
-  returned_.push({out + kToQueue, handle, home.number, keeps_slot, false});
+  ray.at = packed(at);
+  ray.ready = out + kToQueue;
+  returned_.push({ray, home.number, keeps_slot});
+  ++returning_[home.number];
   if (!keeps_slot) release(active_, out);
 }
 
@@ -118,17 +125,15 @@ bool TurnProcessor::turn_out(Cycle& now) {
   for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += steps * step[axis];
   ray.left -= steps;
   const Cycle out = computing_ + compute_;
-  if (ray.left > 0 && (at[0] | at[1] | at[2]) >> block_shift_ == 0) {
-    going_.push({packed(at), ray.step, out + kToQueue, ray.ray, ray.left});
-    return true;
-  }
-  TurnRay& to = (*with_.rays)[ray.ray];
-  to.position = at;
-  to.left = ray.left;
   if (ray.left <= 0) {
+    (*with_.rays)[ray.ray].left = 0;
     leave(ray.ray, out);
+  } else if ((at[0] | at[1] | at[2]) >> block_shift_ != 0) {
+    change_block(ray, at, out);
   } else {
-    change_block(ray.ray, out);
+    ray.at = packed(at);
+    ray.ready = out + kToQueue;
+    going_.push(ray);
   }
   return true;
 }
@@ -147,8 +152,9 @@ void TurnProcessor::rotate(Cycle& ends, Cycle until) {
   const std::uint64_t leaving = outside | outside << kField | outside << 2 * kField;
   const Cycle come_back = compute_ + kToQueue, prefetch = prefetch_;
   while (!going_.empty()) {
-    // How far it may go: until something comes.
-    const Cycle last = std::min({until, others_ - 1, returned_.empty() ? kNoCycle : returned_.front().ready - 1});
+    // How far it may go: until something comes. What returns to other queues can wait.
+    const bool own = returning_[active_] != 0;
+    const Cycle last = std::min({until, others_ - 1, own ? returned_.front().ray.ready - 1 : kNoCycle});
     Going* const places = going_.places();
     const std::size_t mask = going_.mask(), size = going_.size(), begin = going_.begin();
     std::size_t first = begin;

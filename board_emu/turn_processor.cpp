@@ -33,6 +33,7 @@ TurnProcessor::TurnProcessor(std::uint8_t number, const Surroundings& surroundin
       slots_(queues_.size()),
       most_(static_cast<std::uint32_t>(queues_.size())),
       listed_(queues_.size()),
+      returning_(queues_.size()),
       cache_(
           {static_cast<int>(with_.config->asic().block_voxels()), with_.config->cache().ways(), false, with_.blocks}) {}
 
@@ -67,27 +68,28 @@ inline bool TurnProcessor::has_slot(std::uint32_t queue, Cycle now) {
   return slots_[queue] < capacity_;
 }
 
-// False if there is no slot for it.
-inline bool TurnProcessor::write(const Coming& ray) {
-  if (!ray.keeps_slot) {
-    if (!has_slot(ray.queue, ray.ready)) {
+// Into its queue when it is ready; false if there is no slot for it.
+inline bool TurnProcessor::write(const Going& ray, std::uint32_t queue, bool keeps_slot) {
+  if (!keeps_slot) {
+    if (!has_slot(queue, ray.ready)) {
       ++counters_.overflows;
       ++in_tree_;
+      put(ray);
       with_.up->push(number_, {ray.ready - kSorter + to_dsp_, ray.ray, number_, false, true});
       return false;
     }
-    ++slots_[ray.queue];
+    ++slots_[queue];
   }
-  if (ray.queue == active_) {
+  if (queue == active_) {
     if (!stands()) arrive(ray.ready, ray.ready);
-    going_.insert(arrived_++, going(ray.ray, ray.ready));
+    going_.insert(arrived_++, ray);
     return true;
   }
-  queues_[ray.queue].push(ray.ray);
+  queues_[queue].push(ray);
   ++waiting_;
-  if (listed_[ray.queue] != 0) return true;
-  listed_[ray.queue] = 1;
-  modified_.push(ray.queue);
+  if (listed_[queue] != 0) return true;
+  listed_[queue] = 1;
+  modified_.push(queue);
   return true;
 }
 
@@ -118,7 +120,7 @@ void TurnProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
     ++taken[turn_];
     tried = kNone;  // all once more
     const Coming ray = from.pop();
-    if (write(ray)) hold(1, ray.ready);
+    if (write(going(ray.ray, ray.ready), ray.queue, ray.keeps_slot)) hold(1, ray.ready);
     taken_from_[turn_] = now;
     if (turn_ == static_cast<std::uint32_t>(From::kLeft)) neighbour(kLeft).feed_on(kRight);
     if (turn_ == static_cast<std::uint32_t>(From::kRight)) neighbour(kRight).feed_on(kLeft);
@@ -180,12 +182,15 @@ void TurnProcessor::activate(std::uint32_t queue, Cycle now) {
   if (!going_.empty()) put_back(now);
   active_ = queue;
   most_.set(queue, 0);
-  LongQueue<std::uint32_t>& from = queues_[queue];
+  LongQueue<Going>& from = queues_[queue];
   waiting_ -= from.size();
-  block_ = (*with_.rays)[from.front()].block;
+  block_ = (*with_.rays)[from.front().ray].block;
   if (jitter_) corner_ = grid_.corner(block_);
   for (std::int32_t& at : corner_) at <<= wire::kPositionFractionBits;
-  while (!from.empty()) going_.push(going(from.pop(), now));
+  while (!from.empty()) {
+    going_.push(from.pop());
+    going_[going_.end() - 1].ready = now;
+  }
   arrived_ = going_.end();
 }
 
@@ -193,21 +198,20 @@ void TurnProcessor::activate(std::uint32_t queue, Cycle now) {
 void TurnProcessor::put_back(Cycle now) {
   arrive(now, now);
   const std::uint32_t queue = std::exchange(active_, kNone);
-  for (; going_.begin() != arrived_; going_.drop()) {
-    put(going_.front());
-    write({going_.front().ready, going_.front().ray, queue, true, false});
-  }
-  merged_.clear();
-  while (!going_.empty() || !returned_.empty()) {
-    if (going_.empty() || (!returned_.empty() && returned_.front().ready < going_.front().ready)) {
-      merged_.push_back(returned_.pop());
-      continue;
+  for (; going_.begin() != arrived_; going_.drop()) write(going_.front(), queue, true);
+  returning_[queue] += static_cast<std::uint32_t>(going_.size());
+  // Few of the others are back later than the first of these: those are merged from behind.
+  std::size_t other = returned_.end();
+  for (std::size_t i = going_.begin(); i != going_.end(); ++i) returned_.push({});
+  std::size_t place = returned_.end();
+  for (std::size_t i = going_.end(); i != going_.begin();) {
+    const Going& ray = going_[--i];
+    for (; other != returned_.begin() && returned_[other - 1].ray.ready >= ray.ready; --other) {
+      returned_[--place] = returned_[other - 1];
     }
-    const Going ray = going_.pop();
-    put(ray);
-    merged_.push_back({ray.ready, ray.ray, queue, true, false});
+    returned_[--place] = {ray, queue, true};
   }
-  for (const Coming& ray : merged_) returned_.push(ray);
+  going_.clear();
 }
 
 TurnProcessor::Going TurnProcessor::going(std::uint32_t handle, Cycle ready) const {
@@ -235,25 +239,36 @@ Cycle TurnProcessor::arrive(Cycle now, Cycle before) {
   return count;
 }
 
+// What is back from the pipeline by now, for other queues; returns how many came after `since`, and `written` is the queue
+// of the last of them.
+Cycle TurnProcessor::take_returned(Cycle now, Cycle since, std::uint32_t& written) {
+  Cycle count = 0;
+  for (; !returned_.empty() && returned_.front().ray.ready <= now; returned_.drop()) {
+    const Returning& next = returned_.front();
+    if (next.ray.ready > since) {
+      written = next.queue;
+      ++count;
+    }
+    --returning_[next.queue];
+    if (!write(next.ray, next.queue, next.keeps_slot)) hold(-1, next.ray.ready);
+  }
+  return count;
+}
+
 void TurnProcessor::work(Cycle until, bool bus_waits) {
   const std::size_t on_the_bus = from_bus();
   Cycle now = next();
   while (true) {
     const bool stood = stands();
     if (!stood && !resting_) (this->*rotate_)(now, until);
-    if (now > until) return;
+    std::uint32_t written = kNone;
+    if (now > until) {
+      if (!stands()) take_returned(until, until, written);
+      return;
+    }
     // The sorter's cycles since the first of the others could have been taken.
     const Cycle since = std::max(before_, std::min(others_, now) - 1);
-    std::uint32_t written = kNone;
-    Cycle returned = 0;
-    for (; !stood && !returned_.empty() && returned_.front().ready <= now; returned_.drop()) {
-      const Coming& ray = returned_.front();
-      if (ray.ready > since) {
-        written = ray.queue;
-        ++returned;
-      }
-      if (!write(ray)) hold(-1, ray.ready);
-    }
+    Cycle returned = stood ? 0 : take_returned(now, since, written);
     if (others_ <= now) {
       const Cycle back = stood ? 0 : arrive(now, since);
       if (back > 0) written = active_;

@@ -149,13 +149,19 @@ class TurnProcessor {
     const auto field = [at](int axis) { return static_cast<std::int32_t>(at >> kField * axis & ((1u << kField) - 1)); };
     return {field(0), field(1), field(2)};
   }
-  // A ray of the active queue.
+  // A ray in a queue, or on its way back to one.
   struct Going {
     std::uint64_t at = 0;
     std::uint64_t step = 0;  // if it is not drawn
-    Cycle ready = 0;         // when it is in the queue again
+    Cycle ready = 0;         // when it is in the queue
     std::uint32_t ray = 0;   // its handle
     std::int32_t left = 0;   // steps
+  };
+  // One on its way to a queue that is not the active one, or was not.
+  struct Returning {
+    Going ray;
+    std::uint32_t queue = 0;
+    bool keeps_slot = false;
   };
 
   // A ray that has left the pipeline for another processor, or waits at a link's entry.
@@ -172,9 +178,10 @@ class TurnProcessor {
     bool blocked = false;  // its first ray has no place to go to
   };
 
+  Cycle take_returned(Cycle now, Cycle since, std::uint32_t& written);
   void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
-  bool write(const Coming& ray);
+  bool write(const Going& ray, std::uint32_t queue, bool keeps_slot);
   void take_in(Cycle now);
   bool choose(Cycle now);
   void activate(std::uint32_t queue, Cycle now);
@@ -187,10 +194,10 @@ class TurnProcessor {
   [[gnu::noinline]] bool turn_out(Cycle& now);
   // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
-  Point drawn_step(const Going& ray) const;
   [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
+  Point drawn_step(const Going& ray) const;
   void leave(std::uint32_t handle, Cycle out);
-  void change_block(std::uint32_t handle, Cycle out);
+  void change_block(Going ray, Point at, Cycle out);
   Cycle retry(Cycle now) const;
   Cycle next_gap(Cycle now);
   void release(std::uint32_t queue, Cycle out);
@@ -233,7 +240,7 @@ class TurnProcessor {
   int block_shift_ = 0;  // from positions to blocks
   std::uint32_t across_ = 0, slice_ = 0;
 
-  std::vector<LongQueue<std::uint32_t>> queues_;  // handles
+  std::vector<LongQueue<Going>> queues_;
   std::vector<std::uint32_t> slots_;
   ExactMaximum most_;                  // by the importance that the sorter knows of
   LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
@@ -246,8 +253,8 @@ class TurnProcessor {
   std::size_t arrived_ = 0;     // the number of the first in the pipeline, as far as it was asked for
   Cycle sorted_ = 0;            // up to which the sorter has taken in
   std::uint64_t waiting_ = 0;   // in all other queues
-  LongQueue<Coming> returned_;  // from the pipeline to other queues
-  std::vector<Coming> merged_;
+  LongQueue<Returning> returned_;         // from the pipeline to other queues
+  std::vector<std::uint32_t> returning_;  // how many of them, by queue
   std::array<LongQueue<Coming>, 3> from_;
   std::uint32_t turn_ = 0;                               // whose turn it is of them
   Cycle others_ = kNoCycle;                              // when the first of them comes
@@ -278,7 +285,7 @@ inline Cycle TurnProcessor::next() const {
   if (stands()) return others_ == kNoCycle ? kNoCycle : std::max(others_, now_ + 1);
   Cycle first = waiting_ > 0 ? now_ + 1 : others_;
   if (!going_.empty()) first = std::min(first, going_.front().ready);
-  if (!returned_.empty()) first = std::min(first, returned_.front().ready);
+  if (!returned_.empty()) first = std::min(first, returned_.front().ray.ready);
   return first == kNoCycle ? first : std::max(first, now_ + 1);
 }
 

@@ -21,6 +21,7 @@ class LongQueue {
   Item& operator[](std::size_t number) { return ring_[number & mask_]; }
   const Item& front() const { return ring_[head_ & mask_]; }
   void drop() { ++head_; }
+  void clear() { head_ = tail_; }
   Item pop() { return ring_[head_++ & mask_]; }
   void push(const Item& item) {
     if (size() > mask_) [[unlikely]]
@@ -51,8 +52,8 @@ class LongQueue {
     ring_.swap(larger);
   }
 
-  std::vector<Item> ring_ = std::vector<Item>(16);
-  std::size_t mask_ = 15;
+  std::vector<Item> ring_ = std::vector<Item>(1);
+  std::size_t mask_ = 0;
   std::size_t head_ = 0, tail_ = 0;
 };
 
