@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include "memory/large_array.h"
 #include "memory/volume_memory.h"
 
 namespace gicube::emu {
@@ -35,7 +35,7 @@ class CellRanges {
 
   std::uint64_t decoded_ = 0;
   std::array<int, 3> size_{};
-  std::vector<CellRange> cells_;
+  LargeArray<CellRange> cells_;
 };
 
 }  // namespace gicube::emu

@@ -19,6 +19,7 @@ void DensityCopy::follow(const VolumeMemory& volume, unsigned threads) {
   const std::span<const DecodedVoxel> voxels = volume.decoded();
   if (voxels.size() >= kMost) return;
   densities_.resize(voxels.size() + 1);  // a pair is read at the last voxel too
+  densities_.back() = 0;
   const std::size_t part = voxels.size() / threads + 1;
   const auto copy = [&](unsigned t) {
     const std::size_t end = std::min(voxels.size(), (t + 1) * part);

@@ -6,8 +6,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "memory/large_array.h"
 #include "memory/volume_memory.h"
 
 namespace gicube::emu {
@@ -23,7 +23,7 @@ class DensityCopy {
 
  private:
   std::uint64_t decoded_ = 0;  // VolumeMemory::decodings() of the copy
-  std::vector<std::int16_t> densities_;
+  LargeArray<std::int16_t> densities_;
   const std::int16_t* place_ = nullptr;
 };
 

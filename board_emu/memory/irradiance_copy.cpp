@@ -10,6 +10,7 @@ void IrradianceCopy::follow(const IrradianceMemory& memory, std::size_t blocks, 
   changes_ = memory.changes();
   if (words >= std::size_t{1} << 30) return;
   words_.resize(words);
+  words_.back() = 0;
   std::size_t at = 0;
   for (std::size_t block = 0; block < blocks; ++block) {
     const std::uint32_t* from = memory.view(block);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "memory/irradiance_memory.h"
+#include "memory/large_array.h"
 
 namespace gicube::emu {
 
@@ -24,7 +25,7 @@ class IrradianceCopy {
 
  private:
   std::uint64_t changes_ = 0;  // IrradianceMemory::changes() of the copy
-  std::vector<std::int16_t> words_;
+  LargeArray<std::int16_t> words_;
   std::vector<std::int32_t> first_;
 };
 

@@ -190,9 +190,9 @@ void VolumeMemory::take_form(bool gradients) {
   tags_ = {};
   std::fill(first_.begin(), first_.end(), std::size_t{0});
   if (gradients) {
-    voxels_.resize(block_voxels_and_faces());
+    voxels_.resize(block_voxels_and_faces(), DecodedVoxel{});
   } else {
-    densities_.resize(block_voxels_and_faces() + 1);
+    densities_.resize(block_voxels_and_faces() + 1, 0);
   }
   resized_ = true;
 }
@@ -210,10 +210,11 @@ void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
   if (end == begin) return;
   if (voxels_.empty()) {
     densities_.resize(end + 1);
+    densities_.back() = 0;
   } else {
     voxels_.resize(end);
   }
-  if (!tags_.empty()) tags_.resize(end + kTagsBeyond);
+  if (!tags_.empty()) tags_.resize(end + kTagsBeyond, 0);
 }
 
 void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes,
@@ -233,7 +234,7 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<c
   }
   if (!tagged || !tags_.empty()) return;
   // The first tags of this volume: blocks decoded before them have none.
-  tags_.resize(places() + kTagsBeyond);
+  tags_.resize(places() + kTagsBeyond, 0);
   decode_blocks(which, codes, threads, true);
 }
 

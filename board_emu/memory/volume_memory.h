@@ -13,6 +13,7 @@
 
 #include "flow.h"
 #include "gicube/wire/lut.h"
+#include "memory/large_array.h"
 
 namespace gicube::emu {
 
@@ -103,9 +104,9 @@ class VolumeMemory {
   std::vector<std::vector<std::uint8_t>> packed_;  // empty: never written
   std::vector<std::uint8_t> stale_;                // one a block
   std::vector<std::size_t> first_;                 // of each block in:
-  std::vector<DecodedVoxel> voxels_;               // blocks with faces; the first one is zero
-  std::vector<std::int16_t> densities_;  // the same, as long as there are no voxels; a pair is read at the last too
-  std::vector<std::uint8_t> tags_;       // empty while every tag is 0; four bytes may be read from any place
+  LargeArray<DecodedVoxel> voxels_;                // blocks with faces; the first one is zero
+  LargeArray<std::int16_t> densities_;  // the same, as long as there are no voxels; a pair is read at the last too
+  LargeArray<std::uint8_t> tags_;       // empty while every tag is 0; four bytes may be read from any place
   std::uint64_t decodings_ = 0;
   bool resized_ = false;  // since the last of them
 };

@@ -1,0 +1,46 @@
+// Arrays of megabytes that are filled at once and then gathered from, as the decoded volume: on huge pages where the host has
+// them, since a first frame otherwise waits for thousands of page faults, and gathers for the translation of addresses.
+#pragma once
+
+#include <cstddef>
+#include <new>
+#include <type_traits>
+#include <vector>
+
+namespace gicube::emu {
+
+inline constexpr std::size_t kHugePage = std::size_t{1} << 21;  // bytes, of x86-64 and of AArch64 with 4 KiB pages
+
+// As operator new and delete; from kHugePage bytes on aligned to it and for huge pages, if the host gives them on demand
+// (transparent_hugepage: madvise or always).
+void* allocate_large(std::size_t bytes);
+void free_large(void* place, std::size_t bytes) noexcept;
+
+template <typename T>
+struct LargeAllocator {
+  static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
+  using value_type = T;  // NOLINT(readability-identifier-naming): the name that containers ask for
+
+  LargeAllocator() = default;
+  template <typename U>
+  LargeAllocator(const LargeAllocator<U>&) {}
+
+  T* allocate(std::size_t count) { return static_cast<T*>(allocate_large(count * sizeof(T))); }
+  void deallocate(T* place, std::size_t count) noexcept { free_large(place, count * sizeof(T)); }
+
+  // Elements without a value have none: they are not zeroed to be overwritten.
+  template <typename U>
+  void construct(U*) {}
+  template <typename U, typename Value>
+  void construct(U* place, const Value& value) {
+    ::new (static_cast<void*>(place)) U(value);
+  }
+
+  friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
+};
+
+// resize(n) leaves what it adds unwritten, resize(n, value) does not.
+template <typename T>
+using LargeArray = std::vector<T, LargeAllocator<T>>;
+
+}  // namespace gicube::emu
