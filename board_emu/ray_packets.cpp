@@ -159,33 +159,37 @@ void RayPackets::find_seen(const Frame& frame, unsigned threads) {
     auto& of_tag = below[i / kDensities];
     of_tag[i % kDensities + 1] = static_cast<std::uint16_t>(of_tag[i % kDensities] + (seen ? 1 : 0));
   }
-  seen_.clear();
-  for (const CellRange& cell : ranges_.cells()) {
-    bool seen = false;
-    for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
-      seen = seen || ((cell.tags >> tag & 1) != 0 && below[tag][cell.most + 1u] != below[tag][cell.least]);
+  const auto seen = [&below](const CellRange& cell) {
+    for (unsigned tags = cell.tags; tags != 0; tags &= tags - 1) {
+      const auto& of_tag = below[static_cast<std::size_t>(std::countr_zero(tags))];
+      if (of_tag[cell.most + 1u] != of_tag[cell.least]) return std::uint8_t{1};
     }
-    seen_.push_back(seen ? 1 : 0);
-  }
+    return std::uint8_t{0};
+  };
+  seen_.resize(ranges_.cells().size());
+  std::transform(ranges_.cells().begin(), ranges_.cells().end(), seen_.begin(), seen);
 }
 
 void RayPackets::find_first(const Frame& frame) {
   const VolumeMemory& volume = *frame.volume;
-  const BlockGrid grid(volume);
   const std::array<int, 3>& size = ranges_.size();
+  const auto cells = static_cast<std::size_t>(volume.block_voxels()) >> CellRanges::kEdgeShift;  // a block's, along x
+  const auto blocks = static_cast<std::size_t>(volume.blocks()[0]), down = static_cast<std::size_t>(volume.blocks()[1]);
+  const auto rows = static_cast<std::size_t>(size[1]), slices = static_cast<std::size_t>(size[2]);
   // The samples of a jittered ray have places of their own, and integrals take what is not seen too.
   const bool passes = !frame.jitter && !frame.integral;
-  tables_.first.clear();
-  for (int z = 0; z < size[2]; ++z) {
-    for (int y = 0; y < size[1]; ++y) {
-      for (int x = 0; x < size[0]; ++x) {
-        constexpr int kShift = CellRanges::kEdgeShift + wire::kPositionFractionBits;
-        const std::size_t block = grid.block({x << kShift, y << kShift, z << kShift}), cell = tables_.first.size();
-        const bool leapt = frame.leap && frame.empty[block] != 0;
-        tables_.first.push_back(leapt                        ? kLeapt
-                                : passes && seen_[cell] == 0 ? kUnseen
-                                                             : static_cast<std::int32_t>(volume.first()[block]));
+  tables_.first.resize(seen_.size());
+  std::size_t cell = 0;
+  for (std::size_t row = 0; row < rows * slices; ++row) {
+    const std::size_t begin = blocks * (row % rows / cells + down * (row / rows / cells));
+    for (std::size_t block = begin; block < begin + blocks; ++block, cell += cells) {
+      std::int32_t* const out = tables_.first.data() + cell;
+      if (frame.leap && frame.empty[block] != 0) {
+        std::fill_n(out, cells, kLeapt);
+        continue;
       }
+      const auto first = static_cast<std::int32_t>(volume.first()[block]);
+      for (std::size_t i = 0; i < cells; ++i) out[i] = passes && seen_[cell + i] == 0 ? kUnseen : first;
     }
   }
 }

@@ -12,6 +12,7 @@
 #include "memory/cell_ranges.h"
 #include "memory/density_copy.h"
 #include "memory/irradiance_copy.h"
+#include "memory/large_array.h"
 #include "pipeline/jitter.h"
 #include "pipeline/opacity_correction.h"
 
@@ -28,7 +29,7 @@ struct PacketTables {
   std::vector<std::uint8_t> specular;                              // of lit samples; none if all are 0
   std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by what jitter() draws
   std::vector<std::uint32_t> reflectance_map;                      // of each texel the square that begins there
-  std::vector<std::int32_t> first;  // of each cell (CellRanges): its block's among the decoded ones; kLeapt, kUnseen
+  LargeArray<std::int32_t> first;  // of each cell (CellRanges): its block's among the decoded ones; kLeapt, kUnseen
 };
 
 inline constexpr std::int32_t kLeapt = -1;   // in an empty block, which rays leap over
@@ -86,7 +87,7 @@ class RayPackets {
   DensityCopy copy_;
   IrradianceCopy irradiance_;
   CellRanges ranges_;
-  std::vector<std::uint8_t> seen_;              // of each cell: one of its densities has an opacity
+  LargeArray<std::uint8_t> seen_;               // of each cell: one of its densities has an opacity
   std::uint64_t seen_lut_ = ~std::uint64_t{0};  // of the LUT that was written so often
   PacketTables tables_;
   std::uint32_t exponent_ = 0;  // that tables_.alpha was made for, as were:

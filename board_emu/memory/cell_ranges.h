@@ -4,23 +4,20 @@
 // A host structure of the functional level, as DensityCopy; the board has no such memory.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "memory/block_ranges.h"
 #include "memory/large_array.h"
 #include "memory/volume_memory.h"
 
 namespace gicube::emu {
 
-struct CellRange {
-  std::uint16_t least = 0, most = 0;  // densities of 12 bits
-  std::uint8_t tags = 1;              // a bit each
-};
-
 class CellRanges {
  public:
-  static constexpr int kEdgeShift = 2;
+  static constexpr int kEdgeShift = kCellEdgeShift;
 
   // Follows `volume`, which was decoded into `densities`, if it was decoded anew since.
   void follow(const VolumeMemory& volume, const std::int16_t* densities, unsigned threads);
@@ -31,7 +28,7 @@ class CellRanges {
   const std::array<int, 3>& size() const { return size_; }
 
  private:
-  CellRange range(const VolumeMemory& volume, const std::int16_t* densities, const std::array<int, 3>& cell) const;
+  void follow_block(const VolumeMemory& volume, const std::int16_t* densities, std::size_t block);
 
   std::uint64_t decoded_ = 0;
   std::array<int, 3> size_{};

@@ -1,0 +1,29 @@
+// What the cells of one decoded block hold at most (cell_ranges.h), in the host's vectors.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace gicube::emu {
+
+inline constexpr int kCellEdgeShift = 2;  // cells of 4^3 voxels
+
+struct CellRange {
+  std::uint16_t least = 0, most = 0;  // densities of 12 bits
+  std::uint8_t tags = 1;              // a bit each
+
+  friend constexpr bool operator==(const CellRange&, const CellRange&) = default;
+};
+
+struct BlockCells {
+  const std::int16_t* densities = nullptr;  // 12.3, (n+1)^3
+  const std::uint8_t* tags = nullptr;       // null: tag 0 everywhere
+  std::size_t voxels = 0;                   // n: 8, 16, 32 or 64
+};
+
+// Into `out`, where a cell's neighbours along y and z are `across` and `slice` away.
+void find_ranges(const BlockCells& block, CellRange* out, std::size_t across, std::size_t slice);
+// The same, voxel by voxel.
+void find_ranges_one_by_one(const BlockCells& block, CellRange* out, std::size_t across, std::size_t slice);
+
+}  // namespace gicube::emu
