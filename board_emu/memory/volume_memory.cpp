@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <thread>
 
 #include "gicube/wire/voxel.h"
+#include "memory/block_decoder.h"
 
 namespace gicube::emu {
 
@@ -112,75 +112,28 @@ void VolumeMemory::flip(const BitPlace& place) {
   mark_stale(place.block);
 }
 
-bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes, std::uint8_t* tags,
-                                bool only_tags) {
+bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes, bool only_tags) {
   const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
   const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
             bz = static_cast<int>(block / (nx * ny));
-  const auto edge = static_cast<std::size_t>(n_) + 1;
+  BlockWords from;
+  from.voxels = static_cast<std::size_t>(n_);
+  for (int i = 0; i < 8; ++i) {
+    const int x = bx + (i & 1), y = by + (i >> 1 & 1), z = bz + (i >> 2);
+    const bool inside = x < blocks_[0] && y < blocks_[1] && z < blocks_[2];
+    if (inside) from.packed[static_cast<std::size_t>(i)] = packed_[block_index(x, y, z)];
+  }
   const std::size_t first = first_[block];
-  unsigned tagged = 0;
-
-  for (int z = 0; z <= n_; ++z) {
-    for (int y = 0; y <= n_; ++y) {
-      // The row's first n words lie in one block, the last in its neighbour along x.
-      for (int part = 0; part < 2; ++part) {
-        const int sx = bx + part, sy = by + y / n_, sz = bz + z / n_;
-        const auto n = static_cast<std::size_t>(n_), length = part == 0 ? n : 1;
-        const std::size_t target =
-            (static_cast<std::size_t>(z) * edge + static_cast<std::size_t>(y)) * edge + (part == 0 ? 0 : n);
-        std::uint8_t* const row_tags = tags == nullptr ? nullptr : tags + target;
-        const bool inside = sx < blocks_[0] && sy < blocks_[1] && sz < blocks_[2];
-        if (!inside || packed_[block_index(sx, sy, sz)].empty()) {
-          clear_row(first + target, length, row_tags, only_tags);
-          continue;
-        }
-        const std::size_t source = (static_cast<std::size_t>(z % n_) * n + static_cast<std::size_t>(y % n_)) * n;
-        tagged |=
-            decode_row(packed_[block_index(sx, sy, sz)], source, length, first + target, codes, row_tags, only_tags);
-      }
+  DecodedBlock to;
+  if (!tags_.empty()) to.tags = tags_.data() + first;
+  if (!only_tags) {
+    if (voxels_.empty()) {
+      to.densities = densities_.data() + first;
+    } else {
+      to.voxels = voxels_.data() + first;
     }
   }
-  return tagged != 0;
-}
-
-void VolumeMemory::clear_row(std::size_t target, std::size_t count, std::uint8_t* tags, bool only_tags) {
-  if (tags != nullptr) std::fill_n(tags, count, std::uint8_t{0});
-  if (only_tags) return;
-  if (voxels_.empty()) {
-    std::fill_n(densities_.begin() + static_cast<std::ptrdiff_t>(target), count, std::int16_t{0});
-  } else {
-    std::fill_n(voxels_.begin() + static_cast<std::ptrdiff_t>(target), count, DecodedVoxel{});
-  }
-}
-
-unsigned VolumeMemory::decode_row(std::span<const std::uint8_t> packed, std::size_t source, std::size_t count,
-                                  std::size_t target, std::span<const DecodedVoxel> codes, std::uint8_t* tags,
-                                  bool only_tags) {
-  unsigned tagged = 0;
-  const auto each = [&](const auto& put) {
-    for (std::size_t x = 0; x < count; ++x) {
-      const wire::Voxel voxel = wire::to_voxel(wire::load36(packed, source + x));
-      put(x, static_cast<std::int16_t>(voxel.density << kDensityFractionBits), voxel.gradient);
-      tagged |= voxel.tag;
-      if (tags != nullptr) tags[x] = voxel.tag;
-    }
-  };
-  if (only_tags) {
-    each([](std::size_t, std::int16_t, std::uint16_t) {});
-    return tagged;
-  }
-  if (voxels_.empty()) {
-    std::int16_t* const to = densities_.data() + target;
-    each([to](std::size_t x, std::int16_t density, std::uint16_t) { to[x] = density; });
-    return tagged;
-  }
-  DecodedVoxel* const to = voxels_.data() + target;
-  each([to, codes](std::size_t x, std::int16_t density, std::uint16_t gradient) {
-    const auto of_code = std::bit_cast<std::array<std::int16_t, 4>>(codes[gradient]);
-    to[x] = {{density, of_code[1], of_code[2], of_code[3]}};
-  });
-  return tagged;
+  return emu::decode(from, codes, to);
 }
 
 // From densities to voxels everything is decoded anew.
@@ -223,8 +176,7 @@ void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<c
   std::atomic<bool> tagged{!tags_.empty()};
   const auto work = [&] {
     for (std::size_t i = next++; i < which.size(); i = next++) {
-      std::uint8_t* const tags = tags_.empty() ? nullptr : tags_.data() + first_[which[i]];
-      if (decode_block(which[i], codes, tags, only_tags)) tagged = true;
+      if (decode_block(which[i], codes, only_tags)) tagged = true;
     }
   };
   {

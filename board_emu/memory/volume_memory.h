@@ -87,13 +87,8 @@ class VolumeMemory {
   std::size_t places() const { return voxels_.empty() ? densities_.size() - 1 : voxels_.size(); }
   void take_form(bool gradients);
   void make_places(std::span<const std::uint8_t> leapt_over);
-  // In what follows `only_tags`: the rest has been decoded.
-  void clear_row(std::size_t target, std::size_t count, std::uint8_t* tags, bool only_tags);
-  // One row of a block's voxels, `count` of them from word `source` of `packed`; the tags that it has.
-  unsigned decode_row(std::span<const std::uint8_t> packed, std::size_t source, std::size_t count, std::size_t target,
-                      std::span<const DecodedVoxel> codes, std::uint8_t* tags, bool only_tags);
-  // True if one of the block's voxels has a tag; `tags` may be null.
-  bool decode_block(std::size_t block, std::span<const DecodedVoxel> codes, std::uint8_t* tags, bool only_tags);
+  // True if one of the block's voxels has a tag. `only_tags`: the rest has been decoded.
+  bool decode_block(std::size_t block, std::span<const DecodedVoxel> codes, bool only_tags);
   void decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes, unsigned threads,
                      bool only_tags = false);
 

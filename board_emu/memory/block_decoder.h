@@ -1,0 +1,32 @@
+// A block's packed words to decoded voxels, in the host's vectors.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "flow.h"
+
+namespace gicube::emu {
+
+// The words that a block with its +1 faces has: of itself and of its neighbours beyond those faces. Block i is i & 1 along x,
+// i >> 1 & 1 along y, i >> 2 along z from it. None: zero.
+struct BlockWords {
+  std::array<std::span<const std::uint8_t>, 8> packed;
+  std::size_t voxels = 0;  // n: 8, 16, 32 or 64
+};
+
+// What is made of them, (n+1)^3 of each; null: nothing.
+struct DecodedBlock {
+  DecodedVoxel* voxels = nullptr;
+  std::int16_t* densities = nullptr;  // 12.3
+  std::uint8_t* tags = nullptr;
+};
+
+// True if a voxel has a tag, whether tags are made or not. `codes`: what each gradient code makes of a voxel of density 0.
+bool decode(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to);
+// The same, word by word.
+bool decode_one_by_one(const BlockWords& from, std::span<const DecodedVoxel> codes, const DecodedBlock& to);
+
+}  // namespace gicube::emu
