@@ -53,40 +53,34 @@ void TurnProcessor::release(std::uint32_t queue, Cycle out) {
   if (waits_[0] || waits_[1] || waits_[2]) others_ = std::min(others_, when);
 }
 
-// Out of the pipeline for good, or to another processor, in cycle `out`.
-void TurnProcessor::leave(std::uint32_t handle, Cycle out) {
-  const TurnRay& ray = (*with_.rays)[handle];
+// A ray of the active queue is at its end when it comes out of the pipeline in cycle `out`.
+void TurnProcessor::finish(std::uint32_t handle, Cycle out) {
   release(active_, out);
   hold(-1, out);
-  if (ray.left <= 0) {
-    with_.up->push(number_, {out + to_dsp_, handle, number_, false, false});
-    ++in_tree_;
-    return;
-  }
-  const Home& home = with_.partition->home(ray.block);
-  ++counters_.rays_sent;
-  out_.push({out + 1, home.processor, {0, handle, home.number, false, false}});
-  if (!out_blocked_) enter_links();
+  with_.up->push(number_, {out + to_dsp_, handle, number_, false, false});
+  ++in_tree_;
 }
 
 // A ray of the active queue has come out of its block, to `at` from its corner.
 void TurnProcessor::change_block(Going ray, Point at, Cycle out) {
-  TurnRay& known = (*with_.rays)[ray.ray];
   const auto blocks = [&](std::size_t axis) { return static_cast<std::uint32_t>(at[axis] >> block_shift_); };
-  known.block += blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
+  const std::uint32_t block = block_ + blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
   for (std::int32_t& coordinate : at) coordinate &= grid_.size() - 1;
-  const Home& home = with_.partition->home(known.block);
-  if (home.processor != number_) {
-    known.position = at;
-    known.left = ray.left;
-    return leave(ray.ray, out);
-  }
-  const bool keeps_slot = home.number == active_;
   ray.at = packed(at);
-  ray.ready = out + kToQueue;
-  returned_.push({ray, home.number, keeps_slot});
-  ++returning_[home.number];
+  const Home& home = with_.partition->home(block);
+  const bool keeps_slot = home.processor == number_ && home.number == active_;
   if (!keeps_slot) release(active_, out);
+  if (home.processor == number_) {
+    ray.ready = out + kToQueue;
+    returned_.push({ray, home.number, keeps_slot});
+    ++returning_[home.number];
+    return;
+  }
+  put(ray, block);
+  hold(-1, out);
+  ++counters_.rays_sent;
+  out_.push({out + 1, home.processor, {0, ray.ray, home.number, false, false}});
+  if (!out_blocked_) enter_links();
 }
 
 inline Point TurnProcessor::drawn_step(const Going& ray) const {
@@ -97,6 +91,19 @@ inline Point TurnProcessor::drawn_step(const Going& ray) const {
   for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += corner_[axis];
   const std::uint32_t factor = jitter(position, words[3], words[4]);
   return step_vector(direction, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame_->step} * factor)));
+}
+
+inline Point TurnProcessor::step_of(const Going& ray) const {
+  if (jitter_) return drawn_step(ray);
+  if (!short_steps_) return (*with_.rays)[ray.ray].step;
+  // What a field borrowed from is added to it again.
+  const auto field = [](std::uint64_t from) {
+    return static_cast<std::int32_t>(static_cast<std::int64_t>(from << (64 - kField)) >> (64 - kField));
+  };
+  const std::int32_t x = field(ray.step);
+  const std::uint64_t above = (ray.step - static_cast<std::uint64_t>(std::int64_t{x})) >> kField;
+  const std::int32_t y = field(above);
+  return {x, y, field((above - static_cast<std::uint64_t>(std::int64_t{y})) >> kField)};
 }
 
 // One turn of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
@@ -112,7 +119,7 @@ bool TurnProcessor::turn_out(Cycle& now) {
   now_ = std::max({now, started_[(turns_ - prefetch_) % kRemembered], oldest_taken()});
   now = now_ + 1;
   computing_ = std::max(computing_ + 1, now_ + prefetch_);
-  const Point step = jitter_ ? drawn_step(ray) : (*with_.rays)[ray.ray].step;
+  const Point step = step_of(ray);
   Point at = unpacked(ray.at);
   std::int32_t steps = 1;
   if (empty_ != nullptr && empty_[block_] != 0) {
@@ -126,8 +133,7 @@ bool TurnProcessor::turn_out(Cycle& now) {
   ray.left -= steps;
   const Cycle out = computing_ + compute_;
   if (ray.left <= 0) {
-    (*with_.rays)[ray.ray].left = 0;
-    leave(ray.ray, out);
+    finish(ray.ray, out);
   } else if ((at[0] | at[1] | at[2]) >> block_shift_ != 0) {
     change_block(ray, at, out);
   } else {

@@ -42,6 +42,7 @@ void TurnProcessor::begin(Cycle now, const Frame& frame) {
   computing_ = std::max(computing_, now);
   frame_ = &frame;
   jitter_ = frame.jitter;
+  short_steps_ = frame.step < kLongStep;
   const bool plain = cache_.plain_tags() != nullptr;
   rotate_ = jitter_ ? (plain ? &TurnProcessor::rotate<true, true> : &TurnProcessor::rotate<true, false>)
                     : (plain ? &TurnProcessor::rotate<false, true> : &TurnProcessor::rotate<false, false>);
@@ -68,29 +69,30 @@ inline bool TurnProcessor::has_slot(std::uint32_t queue, Cycle now) {
   return slots_[queue] < capacity_;
 }
 
-// Into its queue when it is ready; false if there is no slot for it.
-inline bool TurnProcessor::write(const Going& ray, std::uint32_t queue, bool keeps_slot) {
-  if (!keeps_slot) {
-    if (!has_slot(queue, ray.ready)) {
-      ++counters_.overflows;
-      ++in_tree_;
-      put(ray);
-      with_.up->push(number_, {ray.ready - kSorter + to_dsp_, ray.ray, number_, false, true});
-      return false;
-    }
+// False if there is none: the ray goes to the DSP.
+inline bool TurnProcessor::take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready) {
+  if (has_slot(queue, ready)) {
     ++slots_[queue];
+    return true;
   }
+  ++counters_.overflows;
+  ++in_tree_;
+  with_.up->push(number_, {ready - kSorter + to_dsp_, handle, number_, false, true});
+  return false;
+}
+
+// Into its queue, when it is ready.
+inline void TurnProcessor::write(const Going& ray, std::uint32_t queue) {
   if (queue == active_) {
     if (!stands()) arrive(ray.ready, ray.ready);
     going_.insert(arrived_++, ray);
-    return true;
+    return;
   }
   queues_[queue].push(ray);
   ++waiting_;
-  if (listed_[queue] != 0) return true;
+  if (listed_[queue] != 0) return;
   listed_[queue] = 1;
   modified_.push(queue);
-  return true;
 }
 
 // What has come from elsewhere by now, as far as there is room beside `returned` rays in so many `cycles`: two are written a
@@ -120,7 +122,10 @@ void TurnProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
     ++taken[turn_];
     tried = kNone;  // all once more
     const Coming ray = from.pop();
-    if (write(going(ray.ray, ray.ready), ray.queue, ray.keeps_slot)) hold(1, ray.ready);
+    if (take_slot(ray.ray, ray.queue, ray.ready)) {
+      write(going(ray.ray, ray.ready), ray.queue);
+      hold(1, ray.ready);
+    }
     taken_from_[turn_] = now;
     if (turn_ == static_cast<std::uint32_t>(From::kLeft)) neighbour(kLeft).feed_on(kRight);
     if (turn_ == static_cast<std::uint32_t>(From::kRight)) neighbour(kRight).feed_on(kLeft);
@@ -184,7 +189,7 @@ void TurnProcessor::activate(std::uint32_t queue, Cycle now) {
   most_.set(queue, 0);
   LongQueue<Going>& from = queues_[queue];
   waiting_ -= from.size();
-  block_ = (*with_.rays)[from.front().ray].block;
+  block_ = static_cast<std::uint32_t>(with_.partition->block(number_, queue));
   if (jitter_) corner_ = grid_.corner(block_);
   for (std::int32_t& at : corner_) at <<= wire::kPositionFractionBits;
   while (!from.empty()) {
@@ -198,7 +203,7 @@ void TurnProcessor::activate(std::uint32_t queue, Cycle now) {
 void TurnProcessor::put_back(Cycle now) {
   arrive(now, now);
   const std::uint32_t queue = std::exchange(active_, kNone);
-  for (; going_.begin() != arrived_; going_.drop()) write(going_.front(), queue, true);
+  for (; going_.begin() != arrived_; going_.drop()) write(going_.front(), queue);
   returning_[queue] += static_cast<std::uint32_t>(going_.size());
   // Few of the others are back later than the first of these: those are merged from behind.
   std::size_t other = returned_.end();
@@ -217,16 +222,16 @@ void TurnProcessor::put_back(Cycle now) {
 TurnProcessor::Going TurnProcessor::going(std::uint32_t handle, Cycle ready) const {
   const TurnRay& ray = (*with_.rays)[handle];
   // A step of a block or more leaves it, however long it is.
-  constexpr std::int32_t kMost = 1 << (kField - 1);
   Point step{};
-  for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = std::clamp(ray.step[axis], -kMost, kMost);
+  for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = std::clamp(ray.step[axis], -kLongStep, kLongStep);
   return {packed(ray.position), packed(step), ready, handle, ray.left};
 }
 
-void TurnProcessor::put(const Going& ray) {
+void TurnProcessor::put(const Going& ray, std::size_t block) {
   TurnRay& to = (*with_.rays)[ray.ray];
   to.position = unpacked(ray.at);
   to.left = ray.left;
+  to.block = static_cast<std::uint32_t>(block);
 }
 
 // How many rays of the active queue have come back from after `before` to `now`.
@@ -250,7 +255,12 @@ Cycle TurnProcessor::take_returned(Cycle now, Cycle since, std::uint32_t& writte
       ++count;
     }
     --returning_[next.queue];
-    if (!write(next.ray, next.queue, next.keeps_slot)) hold(-1, next.ray.ready);
+    if (next.keeps_slot || take_slot(next.ray.ray, next.queue, next.ray.ready)) {
+      write(next.ray, next.queue);
+    } else {
+      put(next.ray, with_.partition->block(number_, next.queue));
+      hold(-1, next.ray.ready);
+    }
   }
   return count;
 }

@@ -139,6 +139,7 @@ class TurnProcessor {
   // so that the highest bits of a field say that the ray is outside. Steps are added as they are: what they borrow from a
   // higher field makes it wrong only then.
   static constexpr int kField = 21;
+  static constexpr std::int32_t kLongStep = 1 << (kField - 1);  // more than a block
   static std::uint64_t packed(const Point& at) {
     const auto field = [&at](std::size_t axis) {
       return static_cast<std::uint64_t>(std::int64_t{at[axis]}) << kField * axis;
@@ -181,14 +182,15 @@ class TurnProcessor {
   Cycle take_returned(Cycle now, Cycle since, std::uint32_t& written);
   void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
-  bool write(const Going& ray, std::uint32_t queue, bool keeps_slot);
+  bool take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready);
+  void write(const Going& ray, std::uint32_t queue);
   void take_in(Cycle now);
   bool choose(Cycle now);
   void activate(std::uint32_t queue, Cycle now);
   void put_back(Cycle now);
   Cycle arrive(Cycle now, Cycle before);
   Going going(std::uint32_t handle, Cycle ready) const;
-  void put(const Going& ray);
+  void put(const Going& ray, std::size_t block);
   template <bool kJitter, bool kPlain>
   void rotate(Cycle& now, Cycle until);
   [[gnu::noinline]] bool turn_out(Cycle& now);
@@ -196,7 +198,8 @@ class TurnProcessor {
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
   [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
   Point drawn_step(const Going& ray) const;
-  void leave(std::uint32_t handle, Cycle out);
+  Point step_of(const Going& ray) const;
+  void finish(std::uint32_t handle, Cycle out);
   void change_block(Going ray, Point at, Cycle out);
   Cycle retry(Cycle now) const;
   Cycle next_gap(Cycle now);
@@ -234,6 +237,7 @@ class TurnProcessor {
   bool ideal_memory_;
   const Frame* frame_ = nullptr;
   bool jitter_ = false;
+  bool short_steps_ = false;  // each fits in its fields
   void (TurnProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
   const std::uint8_t* empty_ = nullptr;                     // by block, if empty ones are leapt over
   BlockGrid grid_;
