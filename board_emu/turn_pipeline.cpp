@@ -144,6 +144,14 @@ bool TurnProcessor::turn_out(Cycle& now) {
   return true;
 }
 
+// When the first of those that were not of the active queue, and now are, is back.
+inline Cycle TurnProcessor::own_return() const {
+  if (returning_[active_] == 0) return kNoCycle;
+  std::size_t first = returned_.begin();
+  while (returned_[first].queue != active_) ++first;
+  return returned_[first].ray.ready;
+}
+
 // Turns of the active queue's rays one after the other, until it is empty or something else happens. In most a ray takes a step
 // within the block and comes back, and nothing is asked for; what they change is kept in registers.
 template <bool kJitter, bool kPlain>
@@ -159,8 +167,7 @@ void TurnProcessor::rotate(Cycle& ends, Cycle until) {
   const Cycle come_back = compute_ + kToQueue, prefetch = prefetch_;
   while (!going_.empty()) {
     // How far it may go: until something comes. What returns to other queues can wait.
-    const bool own = returning_[active_] != 0;
-    const Cycle last = std::min({until, others_ - 1, own ? returned_.front().ray.ready - 1 : kNoCycle});
+    const Cycle last = std::min({until, others_ - 1, own_return() - 1});
     Going* const places = going_.places();
     const std::size_t mask = going_.mask(), size = going_.size(), begin = going_.begin();
     std::size_t first = begin;

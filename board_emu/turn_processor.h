@@ -197,6 +197,7 @@ class TurnProcessor {
   // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
   [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
+  Cycle own_return() const;
   Point drawn_step(const Going& ray) const;
   Point step_of(const Going& ray) const;
   void finish(std::uint32_t handle, Cycle out);

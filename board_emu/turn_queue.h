@@ -19,6 +19,7 @@ class LongQueue {
   std::size_t begin() const { return head_; }
   std::size_t end() const { return tail_; }
   Item& operator[](std::size_t number) { return ring_[number & mask_]; }
+  const Item& operator[](std::size_t number) const { return ring_[number & mask_]; }
   const Item& front() const { return ring_[head_ & mask_]; }
   void drop() { ++head_; }
   void clear() { head_ = tail_; }
