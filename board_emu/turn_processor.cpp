@@ -42,7 +42,7 @@ void TurnProcessor::begin(Cycle now, const Frame& frame) {
   computing_ = std::max(computing_, now);
   frame_ = &frame;
   jitter_ = frame.jitter;
-  short_steps_ = frame.step < kLongStep;
+  short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare
   const bool plain = cache_.plain_tags() != nullptr;
   rotate_ = jitter_ ? (plain ? &TurnProcessor::rotate<true, true> : &TurnProcessor::rotate<true, false>)
                     : (plain ? &TurnProcessor::rotate<false, true> : &TurnProcessor::rotate<false, false>);

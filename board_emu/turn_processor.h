@@ -6,11 +6,12 @@
 // here: how far a ray goes is known already.
 //
 // The rays of the active queue go round: out of the queue, through the pipeline, and back to the queue's end. They are kept
-// in one line in the order in which they are back, and most turns take the first and put it at the end.
+// in one line in the order in which they are back, and most turns take the first and put it at the end. Rays that return to
+// other queues stand in a line of their own, until something hangs on whether they are back.
 //
 // What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; the merge tree's
-// places are counted by processor. Processors that share a channel are not modelled: their packets alternate on it, and how often they
-// close each other's rows hangs on the cycle.
+// places are counted by processor. Processors that share a channel are not modelled: their packets alternate on it, and how
+// often they close each other's rows hangs on the cycle.
 #pragma once
 
 #include <algorithm>
