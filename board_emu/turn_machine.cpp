@@ -10,9 +10,9 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr Cycle kSlack = 96;            // chosen: cycles by which a part may run ahead of the next
-constexpr Cycle kToProcessor = 4;       // from the DSP over the ray bus and by a sorter to the pipeline
-constexpr std::size_t kOnTheWay = 2;    // rays between the bus and one sorter, and sends between the DSP and the bus
+constexpr Cycle kSlack = 96;           // chosen: cycles by which a part may run ahead of the next
+constexpr Cycle kToProcessor = 4;      // from the DSP over the ray bus and by a sorter to the pipeline
+constexpr std::size_t kOnTheWay = 2;   // rays between the bus and one sorter, and sends between the DSP and the bus
 constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time
 
 }  // namespace
