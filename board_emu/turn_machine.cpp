@@ -74,7 +74,7 @@ void TurnMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
     if (std::exchange(listener.making, run) != run) listener.made = 0;
     ready += RayBus::kRunPackets + listener.made++;
   }
-  bus_.push({home.processor, first, run, {ready, handle, home.number, false, false}});
+  bus_.push({home.processor, first, run, {ready, handle, home.number, false}});
   sends_ += first ? 1 : 0;
   ++dsp_.sent;
 }

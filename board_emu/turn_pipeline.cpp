@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <limits>
 
 #include "turn_processor.h"
 
@@ -57,7 +56,7 @@ void TurnProcessor::release(std::uint32_t queue, Cycle out) {
 void TurnProcessor::finish(std::uint32_t handle, Cycle out) {
   release(active_, out);
   hold(-1, out);
-  with_.up->push(number_, {out + to_dsp_, handle, number_, false, false});
+  with_.up->push(number_, {out + to_dsp_, handle, number_, false});
   ++in_tree_;
 }
 
@@ -79,7 +78,7 @@ void TurnProcessor::change_block(Going ray, Point at, Cycle out) {
   put(ray, block);
   hold(-1, out);
   ++counters_.rays_sent;
-  out_.push({out + 1, home.processor, {0, ray.ray, home.number, false, false}});
+  out_.push({out + 1, home.processor, {0, ray.ray, home.number, false}});
   if (!out_blocked_) enter_links();
 }
 

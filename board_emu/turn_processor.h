@@ -239,7 +239,7 @@ class TurnProcessor {
   bool ideal_memory_;
   const Frame* frame_ = nullptr;
   bool jitter_ = false;
-  bool short_steps_ = false;  // each fits in its fields
+  bool short_steps_ = false;                                // each fits in its fields
   void (TurnProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
   const std::uint8_t* empty_ = nullptr;                     // by block, if empty ones are leapt over
   BlockGrid grid_;
@@ -252,13 +252,13 @@ class TurnProcessor {
   LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
   std::vector<std::uint8_t> listed_;   // there
   std::uint32_t active_ = kNone;
-  bool resting_ = false;        // it was empty since it became active: any other may take its place
-  std::uint32_t block_ = 0;     // its
-  Point corner_{};              // of that
-  LongQueue<Going> going_;      // its rays, those that are in the pipeline behind those that wait
-  std::size_t arrived_ = 0;     // the number of the first in the pipeline, as far as it was asked for
-  Cycle sorted_ = 0;            // up to which the sorter has taken in
-  std::uint64_t waiting_ = 0;   // in all other queues
+  bool resting_ = false;                  // it was empty since it became active: any other may take its place
+  std::uint32_t block_ = 0;               // its
+  Point corner_{};                        // of that
+  LongQueue<Going> going_;                // its rays, those that are in the pipeline behind those that wait
+  std::size_t arrived_ = 0;               // the number of the first in the pipeline, as far as it was asked for
+  Cycle sorted_ = 0;                      // up to which the sorter has taken in
+  std::uint64_t waiting_ = 0;             // in all other queues
   LongQueue<Returning> returned_;         // from the pipeline to other queues
   std::vector<std::uint32_t> returning_;  // how many of them, by queue
   std::array<LongQueue<Coming>, 3> from_;

@@ -63,7 +63,6 @@ struct Coming {
   Cycle ready = 0;
   std::uint32_t ray = 0;    // handle
   std::uint32_t queue = 0;  // to the DSP: the processor that it comes from
-  bool keeps_slot = false;
   bool overflowed = false;
 };
 
