@@ -1,5 +1,5 @@
 // Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
-#include "vector_targets.h"
+#include "words/vector_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "memory/block_decoder.cpp"
 #include <hwy/foreach_target.h>  // includes this file again

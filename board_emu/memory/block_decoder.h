@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "flow.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

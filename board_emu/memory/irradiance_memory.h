@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "flow.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "flow.h"
+#include "words/words.h"
 #include "gicube/wire/command.h"
 #include "memory/irradiance_memory.h"
 

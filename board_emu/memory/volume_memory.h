@@ -1,7 +1,7 @@
 // The volume's memory: 36-bit words as the host wrote them, and each block decoded with its +1 faces for the pipeline.
 //
 // A block that was never written is uniformly zero and takes no memory. Copies on shared faces are made here: the host
-// sends every voxel once (docs/HARDWARE.md). No more is decoded than is read: no gradients until a command asks for them, no
+// sends every voxel once (docs/reference/hardware.md). No more is decoded than is read: no gradients until a command asks for them, no
 // blocks that all rays leap over.
 #pragma once
 
@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "flow.h"
+#include "words/words.h"
 #include "gicube/wire/lut.h"
 #include "memory/large_array.h"
 

@@ -14,12 +14,12 @@
 #include <utility>
 #include <vector>
 
-#include "board_slot.h"
-#include "bus_server.h"
-#include "dsp/routines/routine_table.h"
+#include "server/bus/board_slot.h"
+#include "server/bus/bus_server.h"
+#include "firmware/routines/routine_table.h"
 #include "gicube/wire/register_markdown.h"
-#include "hardware_cost.h"
-#include "management.h"
+#include "config/hardware_cost.h"
+#include "server/management/management.h"
 #include "options.h"
 
 namespace gicube::emu {

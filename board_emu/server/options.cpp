@@ -10,7 +10,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "fault_plan.h"
+#include "server/faults/fault_plan.h"
 
 namespace gicube::emu {
 namespace {
@@ -77,7 +77,7 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->capture_default_str();
 
   app.add_option("--faults", flags.fault_file,
-                 "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/FAULTS.md)")
+                 "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/guide/faults.md)")
       ->type_name("FILE")
       ->group("Faults");
   app.add_option("--fault-log", flags.fault_log_file,

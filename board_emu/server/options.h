@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "config.h"
-#include "endpoint.h"
-#include "management.h"
-#include "session.h"
-#include "trace/observation.h"
+#include "config/config.h"
+#include "server/bus/endpoint.h"
+#include "server/management/management.h"
+#include "server/bus/session.h"
+#include "observe/observation.h"
 
 namespace gicube::emu {
 

@@ -5,7 +5,7 @@
  *   gicube-board --bsdf ./my_bsdf.so ...     (the first FILE.so is routine 8, the next 9, and so on)
  *
  * The object exports one function, gicube_bsdf_describe(), which returns its description. A material of kind "trap" with the
- * routine's number sends its rays there. docs/BSDF.md has an example, the rules and the limits.
+ * routine's number sends its rays there. docs/guide/scattering_routines.md has an example, the rules and the limits.
  *
  * Units: directions are unit vectors in physical space (axes parallel to the voxel axes), positions are in voxels.
  */

@@ -1,5 +1,5 @@
 // Filtered backprojection by the board: the method of Feldkamp, Davis and Kress (1984), its backprojection by
-// energy-depositing rays that nothing weakens [P §5.6]. docs/CONE_BEAM.md derives the weights.
+// energy-depositing rays that nothing weakens [P §5.6]. docs/guide/cone_beam.md derives the weights.
 #pragma once
 
 #include <functional>
@@ -25,7 +25,7 @@ struct FdkSettings {
   int rays = 1;     // 1..4: a pixel's along each detector axis
   double step = 1;  // 1/64..16 voxels between deposits
   // 0..1/4: what each voxel takes from either neighbour on an axis, against the blur of splatting. 1/12 gives back what that
-  // adds to the width of a structure, a little more suits edges (docs/CONE_BEAM.md); much more sharpens ripples too.
+  // adds to the width of a structure, a little more suits edges (docs/guide/cone_beam.md); much more sharpens ripples too.
   double sharpen = 0.1;
   // Whether the ripples of rays that lie unevenly against voxels are divided out: every ray is sent twice (normalise.h).
   bool normalise = false;

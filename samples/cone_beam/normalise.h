@@ -1,4 +1,4 @@
-// Rays that lie unevenly against voxels leave ripples, the same in all views along the axis of rotation (docs/CONE_BEAM.md).
+// Rays that lie unevenly against voxels leave ripples, the same in all views along the axis of rotation (docs/guide/cone_beam.md).
 #pragma once
 
 #include <vector>

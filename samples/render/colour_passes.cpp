@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {

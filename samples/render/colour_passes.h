@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/scene.h"
+#include "scene/scene.h"
 #include "gicube/image.h"
 
 namespace gicube::samples {

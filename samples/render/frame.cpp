@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "common/board_run.h"
-#include "common/input_error.h"
-#include "common/light_field.h"
+#include "scene/program/board_run.h"
+#include "scene/program/input_error.h"
+#include "scene/light_field.h"
 #include "render/colour_passes.h"
 #include "render/planning.h"
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "common/progress.h"
+#include "scene/program/progress.h"
 #include "gicube/board.h"
 #include "gicube/image.h"
 #include "render/options.h"

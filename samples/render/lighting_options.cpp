@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "common/graph/lighting_names.h"
-#include "common/option_group.h"
+#include "scene/graph/lighting_names.h"
+#include "scene/program/option_group.h"
 
 namespace gicube::samples {
 namespace {

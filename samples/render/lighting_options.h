@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scene.h"
+#include "scene/scene.h"
 
 namespace gicube::samples {
 

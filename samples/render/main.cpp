@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/image_file.h"
-#include "common/program.h"
+#include "scene/image_file.h"
+#include "scene/program/program.h"
 #include "render/frame.h"
 #include "render/planning.h"
 

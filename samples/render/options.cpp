@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <ostream>
 
-#include "common/buckyball.h"
-#include "common/input_error.h"
-#include "common/option_group.h"
-#include "common/scene_file.h"
+#include "scene/buckyball.h"
+#include "scene/program/input_error.h"
+#include "scene/program/option_group.h"
+#include "scene/scene_file.h"
 
 namespace gicube::samples {
 namespace {

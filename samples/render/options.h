@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "common/board_options.h"
-#include "common/plan_options.h"
-#include "common/scene.h"
+#include "scene/program/board_options.h"
+#include "scene/program/plan_options.h"
+#include "scene/scene.h"
 #include "render/lighting_options.h"
 
 namespace gicube::samples {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <optional>
 
-#include "common/board_run.h"
-#include "common/geometry/codebook.h"
-#include "common/run_json.h"
+#include "scene/program/board_run.h"
+#include "scene/geometry/codebook.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {

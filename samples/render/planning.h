@@ -5,9 +5,9 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include "common/board_options.h"
-#include "common/plan_options.h"
-#include "common/scene.h"
+#include "scene/program/board_options.h"
+#include "scene/program/plan_options.h"
+#include "scene/scene.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
 #include "render/colour_passes.h"

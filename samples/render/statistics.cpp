@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "common/run_json.h"
+#include "scene/program/run_json.h"
 #include "render/planning.h"
 
 namespace gicube::samples {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/host_usage.h"
+#include "scene/program/host_usage.h"
 #include "gicube/board.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"

@@ -7,8 +7,8 @@
 #include <iterator>
 #include <vector>
 
-#include "common/program.h"
-#include "common/progress.h"
+#include "scene/program/program.h"
+#include "scene/program/progress.h"
 #include "sweep/sweep.h"
 
 namespace {

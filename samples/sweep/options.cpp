@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <ostream>
 
-#include "common/board_options.h"
-#include "common/input_error.h"
+#include "scene/program/board_options.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples::sweep {
 namespace {

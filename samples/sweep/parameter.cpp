@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples::sweep {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "common/file_error.h"
+#include "scene/formats/file_error.h"
 
 namespace gicube::samples::sweep {
 namespace {

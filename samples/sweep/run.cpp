@@ -11,8 +11,8 @@
 #include <mutex>
 #include <thread>
 
-#include "common/file_error.h"
-#include "common/input_error.h"
+#include "scene/formats/file_error.h"
+#include "scene/program/input_error.h"
 #include "sweep/process.h"
 
 namespace gicube::samples::sweep {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/file_error.h"
-#include "common/whole_file.h"
+#include "scene/formats/file_error.h"
+#include "scene/formats/whole_file.h"
 
 namespace gicube::samples::sweep {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "cone_beam/backprojector.h"
 #include "cone_beam/fdk.h"
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
 
 namespace gicube::samples {

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
-#include "cone_beam/comparison.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
 
 namespace gicube::samples {

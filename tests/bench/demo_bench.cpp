@@ -1,7 +1,7 @@
 // The demo's own frame through driver, socket and board process: what a user waits for, on one core (threads=1).
 #include <benchmark/benchmark.h>
 
-#include "common/scene.h"
+#include "scene/scene.h"
 #include "gicube/board.h"
 
 namespace gicube::samples {

@@ -1,12 +1,12 @@
 // Pictures of whole scenes at the functional level, through driver, socket and board process: 512 x 512 pixels, shaded, in
 // perspective, half-voxel steps. What a frame takes, and samples a second of wall clock and of the board's processor time
-// (docs/SPEED.md).
+// (docs/studies/speed.md).
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
 
-#include "common/host_usage.h"
-#include "common/scene.h"
+#include "scene/program/host_usage.h"
+#include "scene/scene.h"
 #include "gicube/board.h"
 
 namespace gicube::samples {

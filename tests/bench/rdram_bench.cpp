@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "rdram/channel.h"
-#include "rdram/layout.h"
+#include "asic/rdram/channel.h"
+#include "asic/rdram/layout.h"
 
 namespace gicube::emu::rdram {
 namespace {

@@ -1,14 +1,14 @@
 // Time that the cycle level's parts between pipelines take: a sorter under recirculation load, and what idles.
-#include "sorter/sorter.h"
+#include "asic/sorter/sorter.h"
 
 #include <benchmark/benchmark.h>
 
 #include <array>
 #include <vector>
 
-#include "link/ring.h"
-#include "raybus/merge_tree.h"
-#include "raybus/ray_bus.h"
+#include "asic/link/ring.h"
+#include "asic/raybus/merge_tree.h"
+#include "asic/raybus/ray_bus.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,6 +1,6 @@
 // Transactions into a board without sockets: nothing that a host sends may throw, the board's clock never runs backwards,
 // every command is answered once, and after a reset the board works as on its first day.
-#include "board.h"
+#include "board/board.h"
 
 #include <chrono>
 #include <condition_variable>
@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "board_moves.h"
-#include "config.h"
-#include "dsp/routines/routine_table.h"
+#include "config/config.h"
+#include "firmware/routines/routine_table.h"
 
 namespace gicube::fuzz {
 namespace {

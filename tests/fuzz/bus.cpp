@@ -14,10 +14,10 @@
 #include <thread>
 
 #include "board_moves.h"
-#include "board_slot.h"
-#include "bus_server.h"
-#include "config.h"
-#include "fd.h"
+#include "server/bus/board_slot.h"
+#include "server/bus/bus_server.h"
+#include "config/config.h"
+#include "transport/fd.h"
 #include "frames.h"
 #include "temporary_directory.h"
 

@@ -6,9 +6,9 @@
 #include <memory>
 #include <thread>
 
-#include "board_slot.h"
-#include "bus_server.h"
-#include "config.h"
+#include "server/bus/board_slot.h"
+#include "server/bus/bus_server.h"
+#include "config/config.h"
 #include "input.h"
 #include "temporary_directory.h"
 

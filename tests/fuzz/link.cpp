@@ -1,5 +1,5 @@
 // A board's bytes into the driver's link: calls return or throw one of the driver's errors, and nothing hangs.
-#include "link.h"
+#include "transport/link.h"
 
 #include <sys/socket.h>
 

@@ -1,8 +1,8 @@
 // Readers of cone-beam scans: a file becomes a description whose numbers are finite, or an error that names the file.
 #include <cmath>
 
-#include "common/file_error.h"
-#include "common/input_error.h"
+#include "scene/formats/file_error.h"
+#include "scene/program/input_error.h"
 #include "cone_beam/scan/ctsimu.h"
 #include "cone_beam/scan/pfm.h"
 #include "cone_beam/scan/projection_matrices.h"

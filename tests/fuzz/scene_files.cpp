@@ -2,16 +2,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/file_error.h"
-#include "common/geometry/mesh_distance.h"
-#include "common/geometry/mesh_file.h"
-#include "common/input_error.h"
-#include "common/scene_file.h"
-#include "common/transfer_function_file.h"
+#include "scene/formats/file_error.h"
+#include "scene/geometry/mesh_distance.h"
+#include "scene/geometry/mesh_file.h"
+#include "scene/program/input_error.h"
+#include "scene/scene_file.h"
+#include "scene/transfer_function_file.h"
 #include "gicube/error.h"
 #include "targets.h"
-#include "upload/segmentation_lut.h"
-#include "upload/transfer_function_check.h"
+#include "encode/volume/segmentation_lut.h"
+#include "encode/transfer_function_check.h"
 
 namespace gicube::fuzz {
 namespace {

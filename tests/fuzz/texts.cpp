@@ -1,8 +1,8 @@
 // The board's configuration text and the driver's URIs.
-#include "config.h"
+#include "config/config.h"
 #include "gicube/error.h"
 #include "targets.h"
-#include "uri.h"
+#include "transport/uri.h"
 
 namespace gicube::fuzz {
 

@@ -1,9 +1,9 @@
 // The volume readers: a file becomes a volume whose samples are all there, or a FileError.
 #include <cmath>
 
-#include "common/formats/meta_image.h"
-#include "common/formats/nifti.h"
-#include "common/formats/nrrd.h"
+#include "scene/formats/meta_image.h"
+#include "scene/formats/nifti.h"
+#include "scene/formats/nrrd.h"
 #include "memory_file.h"
 
 namespace gicube::fuzz {

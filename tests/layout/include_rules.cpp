@@ -14,7 +14,7 @@ constexpr std::array<std::string_view, 5> kIncludeFolders{"proto", "driver/inclu
                                                           "samples"};
 
 // The part of the board between two FIFOs: knows itself, the records that flow, and the wire.
-Rule sibling(std::string_view folder) { return {folder, {folder, "board_emu/sim", "board_emu/flow.h", "proto"}, {}}; }
+Rule sibling(std::string_view folder) { return {folder, {folder, "board_emu/sim", "board_emu/words/words.h", "proto"}, {}}; }
 
 bool fits(std::string_view path, std::string_view where) {
   if (!where.ends_with("/*")) {
@@ -63,65 +63,65 @@ const std::vector<Rule>& rules() {
 
       // Siblings on a ray's way do not know each other; the files at the board's root know the map.
       {"board_emu/sim",      {"board_emu/sim", "proto"}, {}},
-      {"board_emu/flow.h",   {"board_emu/sim", "proto"}, {}},
+      {"board_emu/words/words.h",   {"board_emu/sim", "proto"}, {}},
       sibling("board_emu/bus"),
       sibling("board_emu/dsp"),
       {"board_emu/dsp/routines", {"board_emu/dsp", "proto"},
                              {"dlfcn.h", "setjmp.h", "signal.h", "time.h", "unistd.h"}},
-      {"board_emu/memory",   {"board_emu/memory", "board_emu/sim", "board_emu/flow.h", "board_emu/vector_targets.h", "proto"},
+      {"board_emu/memory",   {"board_emu/memory", "board_emu/sim", "board_emu/words/words.h", "board_emu/words/vector_targets.h", "proto"},
                              {"hwy", "sys/mman.h"}},
       sibling("board_emu/raybus"),
       sibling("board_emu/sorter"),
-      {"board_emu/pipeline", {"board_emu/pipeline", "board_emu/sim", "board_emu/flow.h", "proto"}, {"emmintrin.h"}},
+      {"board_emu/datapath", {"board_emu/datapath", "board_emu/sim", "board_emu/words/words.h", "proto"}, {"emmintrin.h"}},
       sibling("board_emu/cache"),
       sibling("board_emu/rdram"),
       sibling("board_emu/link"),
       {"board_emu/*",        {"board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/dsp", "board_emu/memory",
-                              "board_emu/raybus", "board_emu/sorter", "board_emu/pipeline", "board_emu/cache",
-                              "board_emu/rdram", "board_emu/link", "board_emu/trace", "proto"}, {"fmt", "google/protobuf", "hwy"}},
+                              "board_emu/raybus", "board_emu/sorter", "board_emu/datapath", "board_emu/cache",
+                              "board_emu/rdram", "board_emu/link", "board_emu/observe", "proto"}, {"fmt", "google/protobuf", "hwy"}},
       // Watches the whole machine, and is watched by none of its parts.
-      {"board_emu/trace",    {"board_emu/trace", "board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/raybus",
-                              "board_emu/sorter", "board_emu/pipeline", "board_emu/cache", "board_emu/rdram",
+      {"board_emu/observe",    {"board_emu/observe", "board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/raybus",
+                              "board_emu/sorter", "board_emu/datapath", "board_emu/cache", "board_emu/rdram",
                               "board_emu/link", "proto"}, {"fmt"}},
-      {"board_emu/server",   {"board_emu/server", "board_emu/board.h", "board_emu/config.h", "board_emu/strict_text.h",
-                              "board_emu/text_schema.h", "board_emu/hardware_cost.h",
-                              "board_emu/dsp/routines/routine_table.h", "board_emu/trace/observation.h", "proto"},
+      {"board_emu/server",   {"board_emu/server", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
+                              "board_emu/config/text_schema.h", "board_emu/config/hardware_cost.h",
+                              "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},
                              {kAnything}},
 
       // Like any application outside the tree; scene.proto is the samples' file format.
-      {"samples/common",     {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},
+      {"samples/scene",     {"samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},
       // Solids, meshes and their voxels know neither the scene that they stand in nor its file.
-      {"samples/common/geometry",
-                             {"samples/common/geometry", "samples/common/buckyball.h", "samples/common/file_error.h",
-                              "samples/common/input_error.h", "samples/common/truncated_icosahedron.h",
-                              "samples/common/volume_file.h", "driver/include"}, {"fmt"}},
-      {"samples/common/graph", {"samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
+      {"samples/scene/geometry",
+                             {"samples/scene/geometry", "samples/scene/buckyball.h", "samples/scene/formats/file_error.h",
+                              "samples/scene/program/input_error.h", "samples/scene/truncated_icosahedron.h",
+                              "samples/scene/formats/volume_file.h", "driver/include"}, {"fmt"}},
+      {"samples/scene/graph", {"samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {"fmt", "google/protobuf"}},
-      {"samples/hello",      {"samples/hello", "driver/include"}, {}},
-      {"samples/host_bsdf",  {"samples/host_bsdf", "driver/include"}, {}},
+      {"samples/small/hello",      {"samples/small/hello", "driver/include"}, {}},
+      {"samples/small/host_bsdf",  {"samples/small/host_bsdf", "driver/include"}, {}},
       // Plain C, for the board and not for the driver.
-      {"samples/bsdf_plugin", {"samples/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
+      {"samples/small/bsdf_plugin", {"samples/small/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
       // Like applications, and besides in the management plane's messages.
-      {"tools/smi",          {"tools/smi", "driver/include", "proto/gicube/v1/management.pb.h",
+      {"driver/tools/smi",          {"driver/tools/smi", "driver/include", "proto/gicube/v1/management.pb.h",
                               "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h"}, {kAnything}},
       // Speaks the bus below the driver's public headers.
-      {"tools/replay",       {"tools/replay", "driver/include", "driver/src", "proto/gicube/wire"}, {kAnything}},
-      {"samples/results",    {"samples/results", "samples/common", "driver/include"}, {kAnything}},
+      {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire"}, {kAnything}},
+      {"samples/studies/results",    {"samples/studies/results", "samples/scene", "driver/include"}, {kAnything}},
       // Outside applications, which know the installed headers only; C too.
       {"examples",           {"examples", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
       // The methods know neither files nor the program.
       {"samples/cone_beam",  {"samples/cone_beam/*", "driver/include"}, {"fmt", "fftw3.h"}},
-      {"samples/cone_beam/charts", {"samples/cone_beam/charts", "samples/cone_beam/*", "samples/common", "driver/include"},
+      {"samples/cone_beam/charts", {"samples/cone_beam/charts", "samples/cone_beam/*", "samples/scene", "driver/include"},
                              {"fmt"}},
-      {"samples/cone_beam/scan", {"samples/cone_beam/scan", "samples/cone_beam/*", "samples/common", "driver/include",
+      {"samples/cone_beam/scan", {"samples/cone_beam/scan", "samples/cone_beam/*", "samples/scene", "driver/include",
                               "proto/gicube/v1/cone_scan.pb.h"},
                              {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}},
-      {"samples/cone_beam/program", {"samples/cone_beam", "samples/common", "driver/include"}, {kAnything}},
-      {"samples/form_factors", {"samples/form_factors", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
+      {"samples/cone_beam/program", {"samples/cone_beam", "samples/scene", "driver/include"}, {kAnything}},
+      {"samples/form_factors", {"samples/form_factors", "samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
       // Runs gicube-render as a program of its own.
-      {"samples/sweep",      {"samples/sweep", "samples/common", "driver/include"}, {kAnything}},
-      {"samples/render",     {"samples/render", "samples/common", "driver/include", "proto/gicube/v1/scene.pb.h"},
+      {"samples/sweep",      {"samples/sweep", "samples/scene", "driver/include"}, {kAnything}},
+      {"samples/render",     {"samples/render", "samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {kAnything}},
   };
   // clang-format on

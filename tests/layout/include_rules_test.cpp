@@ -16,16 +16,16 @@ using testing::IsEmpty;
 
 const Files kTree{"proto/gicube/wire/ray.h",
                   "driver/include/gicube/board.h",
-                  "driver/src/link.h",
-                  "board_emu/board.h",
-                  "board_emu/config.h",
-                  "board_emu/timeline.h",
-                  "board_emu/flow.h",
-                  "board_emu/sim/clock.h",
-                  "board_emu/dsp/framebuffer.h",
+                  "driver/src/transport/link.h",
+                  "board_emu/board/board.h",
+                  "board_emu/config/config.h",
+                  "board_emu/board/timeline.h",
+                  "board_emu/words/words.h",
+                  "board_emu/words/clock.h",
+                  "board_emu/firmware/framebuffer.h",
                   "board_emu/bus/bus.h",
-                  "board_emu/server/session.h",
-                  "samples/common/scene.h",
+                  "board_emu/server/bus/session.h",
+                  "samples/scene/scene.h",
                   "tests/support/scenes.h"};
 
 Files files_of(const std::filesystem::path& root, const std::string& folder) {
@@ -58,23 +58,23 @@ TEST(IncludeRules, HoldForEverySourceFileOfTheTree) {
 }
 
 TEST(IncludeRules, AllowWhatTheArchitectureNeeds) {
-  EXPECT_THAT(faults(kTree, "driver/src/board.cpp", "#include \"gicube/wire/ray.h\"\n#include <boost/asio.hpp>\n"),
+  EXPECT_THAT(faults(kTree, "driver/src/board/board.cpp", "#include \"gicube/wire/ray.h\"\n#include <boost/asio.hpp>\n"),
               IsEmpty());
-  EXPECT_THAT(faults(kTree, "board_emu/dsp/framebuffer.cpp", "#include \"dsp/framebuffer.h\"\n#include \"flow.h\"\n"),
+  EXPECT_THAT(faults(kTree, "board_emu/firmware/framebuffer.cpp", "#include \"dsp/framebuffer.h\"\n#include \"flow.h\"\n"),
               IsEmpty());
-  EXPECT_THAT(faults(kTree, "board_emu/board.cpp", "#include \"bus/bus.h\"\n#include \"dsp/framebuffer.h\"\n"),
+  EXPECT_THAT(faults(kTree, "board_emu/board/board.cpp", "#include \"bus/bus.h\"\n#include \"dsp/framebuffer.h\"\n"),
               IsEmpty());
   EXPECT_THAT(faults(kTree, "board_emu/server/main.cpp", "#include \"board.h\"\n#include \"session.h\"\n"), IsEmpty());
   EXPECT_THAT(faults(kTree, "samples/render/main.cpp", "#include \"gicube/board.h\"\n#include \"common/scene.h\"\n"),
               IsEmpty());
-  EXPECT_THAT(faults(kTree, "samples/common/scene.h", "#include \"gicube/v1/scene.pb.h\"\n"), IsEmpty());
+  EXPECT_THAT(faults(kTree, "samples/scene/scene.h", "#include \"gicube/v1/scene.pb.h\"\n"), IsEmpty());
 }
 
 TEST(IncludeRules, CatchASiblingThatNamesItsSibling) {
   EXPECT_THAT(faults(kTree, "board_emu/bus/bus.cpp", "#include <array>\n#include \"dsp/framebuffer.h\"\n"),
-              ElementsAre("board_emu/bus/bus.cpp:2: board_emu/bus may not include board_emu/dsp/framebuffer.h"));
-  EXPECT_THAT(faults(kTree, "board_emu/flow.h", "#include \"dsp/framebuffer.h\""), testing::SizeIs(1));
-  EXPECT_THAT(faults(kTree, "board_emu/dsp/framebuffer.h", "#include \"timeline.h\""), testing::SizeIs(1));
+              ElementsAre("board_emu/bus/bus.cpp:2: board_emu/bus may not include board_emu/firmware/framebuffer.h"));
+  EXPECT_THAT(faults(kTree, "board_emu/words/words.h", "#include \"dsp/framebuffer.h\""), testing::SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/firmware/framebuffer.h", "#include \"timeline.h\""), testing::SizeIs(1));
 }
 
 TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
@@ -83,18 +83,18 @@ TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
   };
   const std::vector<Case> forbidden{
       {"proto/gicube/wire/ray.h", "\"gicube/board.h\""},           // protocol -> driver
-      {"driver/src/link.cpp", "\"flow.h\""},                       // driver -> board
-      {"driver/src/link.cpp", "\"gicube/v1/board_config.pb.h\""},  // driver -> a message, not the wire
+      {"driver/src/transport/link.cpp", "\"flow.h\""},                       // driver -> board
+      {"driver/src/transport/link.cpp", "\"gicube/v1/board_config.pb.h\""},  // driver -> a message, not the wire
       {"driver/include/gicube/board.h", "\"gicube/wire/ray.h\""},  // public header -> wire
       {"driver/include/gicube/board.h", "<gicube/wire/ray.h>"},    // the same in angle brackets
       {"driver/include/gicube/board.h", "\"link.h\""},             // public header -> private header
-      {"board_emu/board.cpp", "\"gicube/board.h\""},               // board -> driver
-      {"board_emu/board.cpp", "\"server/session.h\""},             // core -> server
+      {"board_emu/board/board.cpp", "\"gicube/board.h\""},               // board -> driver
+      {"board_emu/board/board.cpp", "\"server/session.h\""},             // core -> server
       {"board_emu/server/main.cpp", "\"timeline.h\""},             // server -> inside of the board
       {"samples/render/main.cpp", "\"gicube/wire/ray.h\""},        // sample -> wire
       {"samples/render/main.cpp", "\"../../driver/src/link.h\""},  // sample -> private header by a path
-      {"samples/common/scene.h", "\"gicube/v1/management.pb.h\""},
-      {"board_emu/dsp/framebuffer.h", "\"tests/support/scenes.h\""},
+      {"samples/scene/scene.h", "\"gicube/v1/management.pb.h\""},
+      {"board_emu/firmware/framebuffer.h", "\"tests/support/scenes.h\""},
   };
   for (const Case& c : forbidden) {
     EXPECT_THAT(faults(kTree, c.file, "#include " + c.include + "\n"), testing::SizeIs(1))
@@ -104,7 +104,7 @@ TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
 
 TEST(IncludeRules, CatchThirdPartyHeadersWhereOnlyTheStandardLibraryIsAllowed) {
   EXPECT_THAT(faults(kTree, "driver/include/gicube/board.h", "  #  include <boost/asio.hpp>\n"), testing::SizeIs(1));
-  EXPECT_THAT(faults(kTree, "board_emu/board.cpp", "#include <sys/socket.h>\n"), testing::SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/board/board.cpp", "#include <sys/socket.h>\n"), testing::SizeIs(1));
 }
 
 TEST(IncludeRules, CatchNamesThatNoFileHasAndFoldersThatNoRuleFits) {

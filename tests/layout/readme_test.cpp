@@ -22,7 +22,7 @@ TEST(Readme, ShowsTheHostProgramThatIsBuilt) {
   const std::string readme = text_of(kSource / "README.md");
   const std::string open = "```cpp\n";
   const std::size_t begin = readme.find(open) + open.size();
-  EXPECT_EQ(readme.substr(begin, readme.find("```", begin) - begin), text_of(kSource / "samples/hello/main.cpp"));
+  EXPECT_EQ(readme.substr(begin, readme.find("```", begin) - begin), text_of(kSource / "samples/small/hello/main.cpp"));
 }
 
 TEST(Readme, AndTheDocumentsLinkOnlyToWhatExists) {

@@ -9,10 +9,10 @@
 
 #include "../samples/cone_beam/small_scan.h"
 #include "cone_beam/algebraic.h"
-#include "cone_beam/comparison.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
-#include "cone_beam/noise.h"
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/noise.h"
+#include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
 #include "stability.h"
 

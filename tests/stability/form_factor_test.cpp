@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "common/input_error.h"
-#include "form_factors/box_factor.h"
-#include "form_factors/exchange.h"
+#include "scene/program/input_error.h"
+#include "form_factors/exchange/box_factor.h"
+#include "form_factors/exchange/exchange.h"
 #include "stability.h"
 
 namespace gicube::stability {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "../board_emu/lighting_rig.h"
+#include "lighting_rig.h"
 #include "stability.h"
 
 namespace gicube::stability {

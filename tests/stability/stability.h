@@ -1,5 +1,5 @@
 // What the tests of accuracy.md's table "Where methods fail" share: each shows a failure, holds its bound, and checks what
-// the software does about it. docs/STABILITY.md reads them in words.
+// the software does about it. docs/studies/stability.md reads them in words.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ inline constexpr std::string_view kSmallBlocks = "emu:?set=asic.block_voxels=8&s
 
 inline std::string small_board(std::string_view more = "") { return std::string(kSmallBlocks) + std::string(more); }
 
-// A number of docs/STABILITY.md: stability_test --gtest_output=json:FILE has all of them.
+// A number of docs/studies/stability.md: stability_test --gtest_output=json:FILE has all of them.
 inline void record(const std::string& name, double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);

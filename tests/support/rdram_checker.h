@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "rdram/channel.h"
+#include "asic/rdram/channel.h"
 
 namespace gicube::reference {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "common/scene.h"
+#include "scene/scene.h"
 
 namespace gicube::reference {
 

@@ -75,7 +75,7 @@ struct OpenOptions {
   bool force = false;
   // How long open() waits in line while the board has an owner; first come, first served. Then BoardBusy, as at once with 0.
   std::chrono::milliseconds wait_for_board{0};
-  // Writes every frame of the session to this file, for gicube-replay (docs/CAPTURE.md); a session that reopen() begins anew
+  // Writes every frame of the session to this file, for gicube-replay (docs/guide/capture.md); a session that reopen() begins anew
   // to FILE.1, FILE.2. Empty: emu:'s option capture, or else the environment variable GICUBE_CAPTURE names it.
   std::string capture{};
 };
@@ -99,8 +99,8 @@ class GICUBE_API Board {
   //   unix:PATH             a gicube-board that listens on a Unix socket
   //   tcp:HOST:PORT         the same on TCP
   // emu: takes the query options fidelity, bus, pace, threads, config=FILE, set=path.to.field=value (repeatable) and
-  // bsdf=FILE.so (repeatable; code that the application trusts: docs/BSDF.md), faults=FILE, fault_log=FILE and capture=FILE
-  // (docs/FAULTS.md, docs/CAPTURE.md), as in
+  // bsdf=FILE.so (repeatable; code that the application trusts: docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE and capture=FILE
+  // (docs/guide/faults.md, docs/guide/capture.md), as in
   // "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8". The program is found by the environment variable
   // GICUBE_BOARD, beside the running program, where the SDK was installed, or on the PATH, in this order.
   // Throws BadArgument (URI), OpenFailed, BoardBusy, VersionMismatch, TimedOut.

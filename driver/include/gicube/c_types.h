@@ -51,7 +51,7 @@ typedef struct gicube_open_options {
   int32_t force;              /* takes the board from its owner */
   int32_t reserved;           /* 0 */
   uint64_t wait_for_board_ms; /* in line while the board has an owner */
-  const char* capture;        /* NULL, or the file that the session's frames are written to (docs/CAPTURE.md) */
+  const char* capture;        /* NULL, or the file that the session's frames are written to (docs/guide/capture.md) */
 } gicube_open_options;
 
 /* gicube/board.h: Reopened */

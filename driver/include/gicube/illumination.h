@@ -40,7 +40,7 @@ using Light = std::variant<PointLight, DirectionalLight, RectangleLight, SphereL
 // kLow: every ray deposits a part of its energy at each sample. kHigh: rays are photons that deposit all of it once.
 enum class Albedo { kLow, kHigh };
 // kAsPrinted: the paper's own rules, which lose scattered energy and count a point light four times.
-// kConserving: what goes in comes out (docs/HARDWARE.md).
+// kConserving: what goes in comes out (docs/reference/hardware.md).
 enum class EnergyRules { kAsPrinted, kConserving };
 
 struct Illumination {

@@ -7,7 +7,7 @@
 // has too. The pilot of the most accurate setting (a quarter of a voxel, the whole volume, rays to their end) is held against
 // those of others. "Error" is the root of the mean square difference of red, green, blue and alpha over all pixels, divided by
 // the root mean square of the best picture: background makes it neither larger nor smaller. It is what settings do to a
-// picture; how far the board's best one is from an exact one is in docs/ACCURACY.md. "Cost" is told against the finest
+// picture; how far the board's best one is from an exact one is in docs/studies/accuracy.md. "Cost" is told against the finest
 // setting, a sixteenth of a voxel, whose picture is the worse one: positions drift with the number of steps.
 #pragma once
 
@@ -51,7 +51,7 @@ struct PlanPoint {
 struct GICUBE_API Plan {
   // The error is not known before the picture is made. The bound is the pilot's mean square error with four of its standard
   // errors added, and three times what the worst pixel adds to it (what none of n pixels shows is in fewer than 3/n of all,
-  // with 95%), and a quarter more of its root. chosen: held against scenes that it was not made with (docs/PLAN.md).
+  // with 95%), and a quarter more of its root. chosen: held against scenes that it was not made with (docs/guide/plan.md).
   PlanPoint chosen;
   PlanPoint best;                 // what errors are told against: level 0, a quarter of a voxel, rays to their end
   PlanPoint finest;               // what costs are told against: level 0, a sixteenth of a voxel, rays to their end

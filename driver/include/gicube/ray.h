@@ -37,7 +37,7 @@ enum class RayType {
   kSegment,
   // The same without colour: the transmittance between two points is 1 - opacity.
   kOpacity,
-  // Distributes its energy into the irradiance words on its way (docs/HARDWARE.md, Global illumination), by
+  // Distributes its energy into the irradiance words on its way (docs/reference/hardware.md, Global illumination), by
   // RayRequest::albedo and rules; what is asked for is where the energy went: no ray comes back.
   kDeposit,
   // The line integral of the volume's values less ValueRange::low between two points, lengths in the unit of

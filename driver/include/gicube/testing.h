@@ -1,5 +1,5 @@
 // Tests of an application against a board with a given bus, configuration, fault plan and seed: on simulated time and
-// on bytes, so that they hold on every machine. With or without a test framework; docs/INTEGRATION_TESTS.md.
+// on bytes, so that they hold on every machine. With or without a test framework; docs/guide/integration_tests.md.
 //
 //   gicube_add_test(NAME upload_test SOURCES upload_test.cpp BUS pci33 agp2x)        # CMake
 //

@@ -6,9 +6,9 @@
 
 #include "gicube/level_of_detail.h"
 #include "gicube/wire/voxel.h"
-#include "upload/argument.h"
-#include "upload/samples.h"
-#include "upload/volume_check.h"
+#include "encode/argument.h"
+#include "encode/volume/samples.h"
+#include "encode/volume/volume_check.h"
 
 namespace gicube {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "gicube/level_of_detail.h"
 #include "gicube/wire/voxel.h"
-#include "upload/samples.h"
-#include "upload/volume_check.h"
+#include "encode/volume/samples.h"
+#include "encode/volume/volume_check.h"
 
 namespace gicube {
 namespace {

@@ -9,14 +9,14 @@
 #include <utility>
 
 #include "plan/pilot.h"
-#include "upload/argument.h"
-#include "upload/camera.h"
-#include "upload/lights.h"
+#include "encode/argument.h"
+#include "encode/camera.h"
+#include "encode/lights.h"
 
 namespace gicube {
 namespace {
 
-constexpr double kBestStep = 0.5;  // voxels, chosen: what longer steps are held against (docs/CHARTS.md, Lighting)
+constexpr double kBestStep = 0.5;  // voxels, chosen: what longer steps are held against (docs/studies/charts.md, Lighting)
 constexpr double kLongStep = 1;    // chosen: at 2 low albedo leaves light in the wrong places
 constexpr int kFirstRays = 8;      // chosen: so many that pixels which clip are few
 constexpr double kWorthIt =

@@ -8,19 +8,19 @@
 
 #include "plan/levels.h"
 #include "plan/pilot.h"
-#include "upload/argument.h"
-#include "upload/camera.h"
+#include "encode/argument.h"
+#include "encode/camera.h"
 
 namespace gicube {
 namespace {
 
 constexpr double kFinestStep = 1.0 / 16;  // voxels; what is saved is told against it
 // chosen: with shorter steps the drift of 14-bit positions, which grows with their number, costs more than they gain
-// (docs/PLAN.md has the measurement).
+// (docs/guide/plan.md has the measurement).
 constexpr double kBestStep = 1.0 / 4;
 constexpr double kSteps[] = {kBestStep, 1.0 / 2, 1, 2};           // chosen: each costs half of the one before
 constexpr double kThresholds[] = {0.9, 0.95, 0.98, 0.99, 0.998};  // chosen; and 1
-// chosen: of predicted times for a budget; 12.8 ms were measured where 10.3 had been predicted (docs/PLAN.md).
+// chosen: of predicted times for a budget; 12.8 ms were measured where 10.3 had been predicted (docs/guide/plan.md).
 constexpr double kTimeMargin = 1.25;
 // chosen: an error from which on a level of detail beyond that of the pixels is worth being looked at.
 constexpr double kCoarse = 0.02;

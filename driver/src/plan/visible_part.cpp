@@ -5,13 +5,13 @@
 #include <numbers>
 
 #include "gicube/level_of_detail.h"
-#include "upload/density.h"
-#include "upload/empty_flags.h"
-#include "upload/samples.h"
-#include "upload/segmentation_lut.h"
-#include "upload/transfer_function_check.h"
-#include "upload/volume_check.h"
-#include "upload/voxel_blocks.h"
+#include "encode/volume/density.h"
+#include "encode/volume/empty_flags.h"
+#include "encode/volume/samples.h"
+#include "encode/volume/segmentation_lut.h"
+#include "encode/transfer_function_check.h"
+#include "encode/volume/volume_check.h"
+#include "encode/volume/voxel_blocks.h"
 
 namespace gicube {
 namespace {

@@ -1,4 +1,4 @@
-// Captures of a session's bus traffic (docs/CAPTURE.md): a file header, then records, each with the frame that it is about.
+// Captures of a session's bus traffic (docs/guide/capture.md): a file header, then records, each with the frame that it is about.
 //
 //   byte  size  file header
 //      0     8  magic      "GICUCAPT"

@@ -45,7 +45,7 @@
 // Deposit, backproject: no ray comes back; their completions are a LightingLedger and a DepositLedger.
 //
 // Backproject takes nothing from its rays: each sample leaves the ray's amount, split among the eight voxels around it. In
-// irradiance words by systematic rounding, saturating, as lighting deposits; in sums by halves (board_emu/pipeline/spread.h).
+// irradiance words by systematic rounding, saturating, as lighting deposits; in sums by halves (board_emu/datapath/trilinear_splat.h).
 // After a command each sum is within +-(2^34 - 1), and what is beyond is clipped and counted; within a command it can't
 // leave its 36 bits, because one whose rays could move a word by more than 2^34 is refused: the sum over the rays of
 // |amount| x (3 + floor(2 / step in voxels)) is at most 2^34.

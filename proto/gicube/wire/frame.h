@@ -13,7 +13,7 @@
 //     40     4  sequence       counts the frames of one direction that take credit, from 1, modulo 2^32; 0 on all others
 //     44     4  checksum       CRC-32C of the header, this field being 0, and the payload (checksum.h)
 //
-// Little endian. The frame is a model's envelope, not bus traffic: the bus model charges payloads (docs/PROTOCOL.md).
+// Little endian. The frame is a model's envelope, not bus traffic: the bus model charges payloads (docs/reference/protocol.md).
 #pragma once
 
 #include <cstdint>

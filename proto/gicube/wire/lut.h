@@ -18,7 +18,7 @@ namespace gicube::wire {
 //    36      16  opacity of one voxel length, 65535 = 1 exactly
 //    52       8  ambient      | shading coefficients in 1/128: shade = ambient + reflect * map(normal);
 //    60       8  reflect      | what the shade has above `knee` is a highlight and goes to white,
-//    68       8  knee         | the rest scales the colour (docs/HARDWARE.md)
+//    68       8  knee         | the rest scales the colour (docs/reference/hardware.md)
 //    76       8  specular     | of samples lit by irradiance
 //    84      12  signed: adds 1/4096 of the opacity's unit each; read by the wide datapath alone
 inline constexpr std::size_t kSegmentationEntries = std::size_t{1} << 14;

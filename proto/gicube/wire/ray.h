@@ -13,7 +13,7 @@
 //   238      12   interaction   opacity at which a scattered ray next interacts, 4095 = 1
 //   250       6   flags         RayFlag
 //
-// Field list: [P §2.1 and Figure 2]; widths: the figure's are lost, so chosen (docs/HARDWARE.md).
+// Field list: [P §2.1 and Figure 2]; widths: the figure's are lost, so chosen (docs/reference/hardware.md).
 #pragma once
 
 #include <array>

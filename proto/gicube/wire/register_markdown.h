@@ -1,4 +1,4 @@
-// The register table and the memory map as Markdown: what docs/PROTOCOL.md holds and `gicube-board --registers` prints.
+// The register table and the memory map as Markdown: what docs/reference/protocol.md holds and `gicube-board --registers` prints.
 #pragma once
 
 #include <array>

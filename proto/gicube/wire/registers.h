@@ -1,4 +1,4 @@
-// The register table of BAR0: one list that driver, board, tests and docs/PROTOCOL.md share.
+// The register table of BAR0: one list that driver, board, tests and docs/reference/protocol.md share.
 //
 // Registers are 32 bits wide at multiples of 4. Unmapped reads give all ones, unmapped or read-only writes set
 // STATUS.bad_address and leave everything else as it was, values out of range set STATUS.bad_value.

@@ -6,7 +6,7 @@
 //    23      2  material tag
 //    25     11  irradiance
 //
-// Field list [P §2.1, Figure 4]; widths from the 36-bit cache word of Table 1 (docs/HARDWARE.md).
+// Field list [P §2.1, Figure 4]; widths from the 36-bit cache word of Table 1 (docs/reference/hardware.md).
 #pragma once
 
 #include <bit>

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "cone_beam/noise.h"
+#include "cone_beam/phantom/noise.h"
 
 namespace gicube::samples {
 namespace {

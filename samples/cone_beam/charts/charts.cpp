@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "common/board_options.h"
-#include "common/progress.h"
+#include "scene/program/board_options.h"
+#include "scene/program/progress.h"
 #include "cone_beam/charts/case.h"
 
 namespace gicube::samples {

@@ -3,12 +3,12 @@
 #include <fstream>
 #include <iostream>
 
-#include "common/input_error.h"
-#include "common/program.h"
-#include "common/run_json.h"
-#include "common/volume_output.h"
-#include "common/whole_file.h"
-#include "cone_beam/comparison.h"
+#include "scene/program/input_error.h"
+#include "scene/program/program.h"
+#include "scene/program/run_json.h"
+#include "scene/formats/volume_output.h"
+#include "scene/formats/whole_file.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/program/commands.h"
 #include "cone_beam/program/object.h"
 #include "cone_beam/program/slices.h"

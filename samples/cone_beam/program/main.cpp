@@ -1,7 +1,7 @@
 // gicube-cone-beam: cone-beam tomography by a GI-Cube board.
 #include <iostream>
 
-#include "common/program.h"
+#include "scene/program/program.h"
 #include "cone_beam/program/commands.h"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/input_error.h"
-#include "common/volume_file.h"
+#include "scene/program/input_error.h"
+#include "scene/formats/volume_file.h"
 
 namespace gicube::samples {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/phantom.h"
 #include "cone_beam/program/options.h"
 
 namespace gicube::samples {

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <ostream>
 
-#include "common/formats/header_lines.h"
-#include "common/input_error.h"
-#include "common/option_group.h"
-#include "common/volume_output.h"
+#include "scene/formats/header_lines.h"
+#include "scene/program/input_error.h"
+#include "scene/program/option_group.h"
+#include "scene/formats/volume_output.h"
 #include "cone_beam/program/statistics.h"
 #include "cone_beam/scan/scan.h"
 #include "cone_beam/scan/scan_file.h"
@@ -18,7 +18,7 @@ namespace gicube::samples {
 namespace {
 
 const char* const kFooter =
-    "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, formats, limits, figures: docs/CONE_BEAM.md.";
+    "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, formats, limits, figures: docs/guide/cone_beam.md.";
 const char* const kPhantoms = "builtin:shepp-logan, builtin:shepp-logan-high-contrast, builtin:sphere";
 
 // One of several names.

@@ -8,11 +8,11 @@
 #include <variant>
 #include <vector>
 
-#include "common/board_options.h"
-#include "common/plan_options.h"
+#include "scene/program/board_options.h"
+#include "scene/program/plan_options.h"
 #include "cone_beam/algebraic.h"
 #include "cone_beam/charts/charts.h"
-#include "cone_beam/comparison.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
 #include "cone_beam/scan/description.h"
 

@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <optional>
 
-#include "common/board_run.h"
-#include "common/program.h"
-#include "common/progress.h"
-#include "common/run_json.h"
-#include "common/volume_output.h"
+#include "scene/program/board_run.h"
+#include "scene/program/program.h"
+#include "scene/program/progress.h"
+#include "scene/program/run_json.h"
+#include "scene/formats/volume_output.h"
 #include "cone_beam/algebraic.h"
-#include "cone_beam/plan.h"
+#include "cone_beam/plan/plan.h"
 #include "cone_beam/program/commands.h"
 #include "cone_beam/program/object.h"
 #include "cone_beam/program/slices.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/image_file.h"
-#include "common/input_error.h"
+#include "scene/image_file.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/plan_options.h"
-#include "common/run_json.h"
+#include "scene/program/plan_options.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "cone_beam/plan.h"
+#include "cone_beam/plan/plan.h"
 #include "cone_beam/program/options.h"
 #include "cone_beam/reconstruction.h"
 #include "cone_beam/scan/scan.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "common/formats/header_lines.h"
+#include "scene/formats/header_lines.h"
 #include "cone_beam/scan/json_part.h"
 #include "cone_beam/scan/view_frame.h"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/volume_file.h"
+#include "scene/formats/volume_file.h"
 #include "cone_beam/geometry.h"
 
 namespace gicube::samples {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "common/file_error.h"
-#include "common/formats/data_stream.h"
+#include "scene/formats/file_error.h"
+#include "scene/formats/data_stream.h"
 
 namespace gicube::samples {
 namespace {

@@ -8,9 +8,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "common/formats/data_stream.h"
-#include "common/formats/stored_samples.h"
-#include "common/whole_file.h"
+#include "scene/formats/data_stream.h"
+#include "scene/formats/stored_samples.h"
+#include "scene/formats/whole_file.h"
 
 namespace gicube::samples {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/formats/header_lines.h"
-#include "common/formats/slices.h"
-#include "common/whole_file.h"
+#include "scene/formats/header_lines.h"
+#include "scene/formats/slices.h"
+#include "scene/formats/whole_file.h"
 #include "cone_beam/scan/stack.h"
 
 namespace gicube::samples {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/formats/header_lines.h"
-#include "common/input_error.h"
+#include "scene/formats/header_lines.h"
+#include "scene/program/input_error.h"
 #include "cone_beam/filter.h"
 #include "cone_beam/scan/ctsimu.h"
 #include "cone_beam/scan/projection_matrices.h"

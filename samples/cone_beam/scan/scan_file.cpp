@@ -8,7 +8,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "common/graph/faults.h"
+#include "scene/graph/faults.h"
 #include "gicube/v1/cone_scan.pb.h"
 
 namespace gicube::samples {

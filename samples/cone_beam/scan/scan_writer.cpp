@@ -3,7 +3,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "common/whole_file.h"
+#include "scene/formats/whole_file.h"
 #include "cone_beam/scan/scan_file.h"
 #include "gicube/v1/cone_scan.pb.h"
 

@@ -9,11 +9,11 @@
 #include <fstream>
 #include <span>
 
-#include "common/formats/data_stream.h"
-#include "common/formats/header_lines.h"
-#include "common/formats/slices.h"
-#include "common/volume_output.h"
-#include "common/whole_file.h"
+#include "scene/formats/data_stream.h"
+#include "scene/formats/header_lines.h"
+#include "scene/formats/slices.h"
+#include "scene/formats/volume_output.h"
+#include "scene/formats/whole_file.h"
 #include "cone_beam/scan/pfm.h"
 
 namespace gicube::samples {

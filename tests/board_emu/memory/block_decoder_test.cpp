@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gicube/wire/voxel.h"
-#include "instruction_sets.h"
+#include "../functional/simd/instruction_sets.h"
 
 namespace gicube::emu {
 namespace {

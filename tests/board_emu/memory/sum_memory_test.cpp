@@ -7,7 +7,7 @@
 #include "bare_board.h"
 #include "gicube/wire/voxel.h"
 #include "machine_rig.h"
-#include "pipeline/spread.h"
+#include "datapath/trilinear_splat.h"
 
 namespace gicube::emu {
 namespace {

@@ -1,4 +1,4 @@
-#include "options.h"
+#include "server/options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <random>
 
-#include "../upload/test_volume.h"
+#include "../encode/test_volume.h"
 #include "gicube/error.h"
 #include "gicube/level_of_detail.h"
 

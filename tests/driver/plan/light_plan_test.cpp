@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "../board/test_board.h"
+#include "test_board.h"
 #include "plan/pilot.h"
 
 namespace gicube {

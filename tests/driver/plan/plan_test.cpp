@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../board/test_board.h"
+#include "test_board.h"
 #include "plan/pilot.h"
 
 namespace gicube {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "../upload/test_volume.h"
+#include "../encode/test_volume.h"
 #include "gicube/level_of_detail.h"
 
 namespace gicube {

@@ -47,13 +47,13 @@ std::string hex_column(const std::string& table) {
 }
 
 TEST(ProtocolDocument, HoldsTheRegisterTable) {
-  EXPECT_EQ(marked(read("docs/PROTOCOL.md"), "registers"), register_markdown());
+  EXPECT_EQ(marked(read("docs/reference/protocol.md"), "registers"), register_markdown());
 }
 
-TEST(ProtocolDocument, HoldsTheMemoryMap) { EXPECT_EQ(marked(read("docs/PROTOCOL.md"), "memory"), memory_markdown()); }
+TEST(ProtocolDocument, HoldsTheMemoryMap) { EXPECT_EQ(marked(read("docs/reference/protocol.md"), "memory"), memory_markdown()); }
 
 TEST(ProtocolDocument, NamesThePciHeaderAsItIsAtReset) {
-  const std::string text = read("docs/PROTOCOL.md");
+  const std::string text = read("docs/reference/protocol.md");
   const PciConfigSpace space = pci_config_at_reset(0);
   for (std::uint32_t offset = 0; offset < kPciConfigBytes; offset += 4) {
     const std::string row = "\n| " + hex_text(offset, 2) + " | " + hex_text(space[offset / 4], 8) + " |";

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <set>
 
-#include "cone_beam/comparison.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
-#include "cone_beam/noise.h"
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/noise.h"
+#include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
 #include "small_scan.h"
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "cone_beam/backprojector.h"
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
 #include "reference/fdk.h"
 #include "small_scan.h"

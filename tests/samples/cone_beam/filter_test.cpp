@@ -6,7 +6,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
 #include "small_scan.h"
 

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "cone_beam/comparison.h"
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/comparison.h"
+#include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
 #include "small_scan.h"
 

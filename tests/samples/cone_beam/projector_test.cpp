@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
 #include "small_scan.h"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "common/plan_options.h"
+#include "scene/program/plan_options.h"
 #include "render_program.h"
 
 namespace gicube::samples {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/light_field.h"
+#include "scene/light_field.h"
 #include "render_program.h"
 
 namespace gicube::samples {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples::sweep {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 #include "sweep/picture.h"
 #include "sweep/run.h"
 

@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-#include "accuracy/measure.h"
+#include "measure.h"
 #include "reference/march.h"
 
 namespace gicube::accuracy {

@@ -1,5 +1,5 @@
 // gicube-lighting-study: what a pass of lighting rays costs the board, and how far its irradiance is from the closed form of a point
-// source in an absorber. Makes docs/charts/lighting.csv.
+// source in an absorber. Makes docs/studies/charts/lighting.csv.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

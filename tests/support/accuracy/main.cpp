@@ -1,5 +1,5 @@
 // gicube-accuracy: measures the board's pictures against the double-precision reference and writes the tables of
-// docs/ACCURACY.md.
+// docs/studies/accuracy.md.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -9,8 +9,8 @@
 #include <fstream>
 #include <iostream>
 
-#include "accuracy/table.h"
-#include "common/board_options.h"
+#include "table.h"
+#include "scene/program/board_options.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "accuracy/measure.h"
+#include "measure.h"
 
 #include "reference/march.h"
 

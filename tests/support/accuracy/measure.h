@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "accuracy/scenes.h"
+#include "scenes.h"
 #include "gicube/board.h"
 #include "reference/compare.h"
 

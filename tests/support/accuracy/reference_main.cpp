@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "accuracy/scenes.h"
-#include "common/image_file.h"
+#include "scenes.h"
+#include "scene/image_file.h"
 #include "reference/march.h"
 #include "render/options.h"
 

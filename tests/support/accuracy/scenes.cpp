@@ -1,4 +1,4 @@
-#include "accuracy/scenes.h"
+#include "scenes.h"
 
 #include "reference/field.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/scene.h"
+#include "scene/scene.h"
 #include "reference/scene.h"
 
 namespace gicube::accuracy {

@@ -1,4 +1,4 @@
-#include "accuracy/table.h"
+#include "table.h"
 
 #include <fmt/format.h>
 
@@ -58,7 +58,7 @@ std::string quantiser_table(const std::vector<Row>& rows) {
 std::string markdown(const std::vector<Row>& rows) {
   return R"(# Accuracy
 
-Made by `gicube-accuracy --output docs/ACCURACY.md`; not edited by hand.
+Made by `gicube-accuracy --output docs/studies/accuracy.md`; not edited by hand.
 
 The board's fixed-point pictures against the double-precision reference (`tests/support/reference`): the same scene,
 step and sampling, jitter off, nothing quantised. PSNR with peak 1 over red, green, blue (premultiplied) and alpha of

@@ -1,10 +1,10 @@
-// The study's figures as Markdown: what docs/ACCURACY.md shows.
+// The study's figures as Markdown: what docs/studies/accuracy.md shows.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "accuracy/measure.h"
+#include "measure.h"
 
 namespace gicube::accuracy {
 

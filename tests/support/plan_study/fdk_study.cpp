@@ -1,10 +1,10 @@
-#include "plan_study/fdk_study.h"
+#include "fdk_study.h"
 
 #include <numbers>
 
-#include "common/board_run.h"
+#include "scene/program/board_run.h"
 #include "cone_beam/charts/scans.h"
-#include "cone_beam/noise.h"
+#include "cone_beam/phantom/noise.h"
 
 namespace gicube::plan_study {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "cone_beam/phantom.h"
-#include "cone_beam/plan.h"
+#include "cone_beam/phantom/phantom.h"
+#include "cone_beam/plan/plan.h"
 
 namespace gicube::plan_study {
 

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cstdlib>
 
-#include "plan_study/lit_study.h"
+#include "lit_study.h"
 
 namespace gicube::plan_study {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "plan_study/study.h"
+#include "study.h"
 
 namespace gicube::plan_study {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "plan_study/fdk_study.h"
-#include "plan_study/radiosity_study.h"
+#include "fdk_study.h"
+#include "radiosity_study.h"
 
 namespace gicube::plan_study {
 namespace {
@@ -47,7 +47,7 @@ TEST_P(HeldOutScan, TheMeasuredErrorStaysUnderTheBoundAndDepositsAreSaved) {
   EXPECT_LE(outcome.error, outcome.plan.chosen.error_bound);
   EXPECT_GT(outcome.error, 0);
   EXPECT_LT(3 * outcome.deposits, outcome.finest_deposits);
-  // Rays that carry nothing are not sent, and the few views that tell the cost have more of them (docs/PLAN.md).
+  // Rays that carry nothing are not sent, and the few views that tell the cost have more of them (docs/guide/plan.md).
   EXPECT_NEAR(outcome.plan.chosen.deposits, outcome.deposits, 0.5 * outcome.deposits);
 }
 

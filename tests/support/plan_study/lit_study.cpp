@@ -1,10 +1,10 @@
-#include "plan_study/lit_study.h"
+#include "lit_study.h"
 
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "common/board_run.h"
+#include "scene/program/board_run.h"
 
 namespace gicube::plan_study {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
-#include "plan_study/study.h"
+#include "study.h"
 
 namespace gicube::plan_study {
 

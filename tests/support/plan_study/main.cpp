@@ -1,4 +1,4 @@
-// gicube-plan-study: the tables of docs/PLAN.md.
+// gicube-plan-study: the tables of docs/guide/plan.md.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -7,10 +7,10 @@
 #include <exception>
 #include <iostream>
 
-#include "plan_study/fdk_study.h"
-#include "plan_study/lit_study.h"
-#include "plan_study/radiosity_study.h"
-#include "plan_study/study.h"
+#include "fdk_study.h"
+#include "lit_study.h"
+#include "radiosity_study.h"
+#include "study.h"
 
 namespace {
 

@@ -1,8 +1,8 @@
-#include "plan_study/radiosity_study.h"
+#include "radiosity_study.h"
 
-#include "common/scene_file.h"
-#include "form_factors/solve.h"
-#include "form_factors/study.h"
+#include "scene/scene_file.h"
+#include "form_factors/program/solve.h"
+#include "form_factors/plan/study.h"
 
 namespace gicube::plan_study {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "form_factors/plan.h"
-#include "plan_study/study.h"
+#include "form_factors/plan/plan.h"
+#include "study.h"
 
 namespace gicube::plan_study {
 

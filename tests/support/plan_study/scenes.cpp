@@ -1,6 +1,6 @@
-#include "plan_study/scenes.h"
+#include "scenes.h"
 
-#include "common/scene_file.h"
+#include "scene/scene_file.h"
 
 namespace gicube::plan_study {
 namespace {

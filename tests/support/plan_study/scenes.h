@@ -1,13 +1,13 @@
 // The scenes that plans are checked with. Two were there while make_plan() was written. The first eight held-out ones were
 // named in this file before it was run on them; in two of them the error was above its bound, and what was changed for that
-// is told in docs/PLAN.md. So the next seven were named, before it was run on them, and nothing was changed afterwards.
+// is told in docs/guide/plan.md. So the next seven were named, before it was run on them, and nothing was changed afterwards.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "common/scene.h"
+#include "scene/scene.h"
 
 namespace gicube::plan_study {
 

@@ -1,4 +1,4 @@
-#include "plan_study/study.h"
+#include "study.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "common/board_run.h"
+#include "scene/program/board_run.h"
 #include "reference/march.h"
 
 namespace gicube::plan_study {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gicube/plan.h"
-#include "plan_study/scenes.h"
+#include "scenes.h"
 
 namespace gicube::plan_study {
 

@@ -1,4 +1,4 @@
-#include "reference/camera.h"
+#include "camera.h"
 
 #include <cmath>
 #include <limits>

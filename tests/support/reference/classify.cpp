@@ -1,4 +1,4 @@
-#include "reference/classify.h"
+#include "classify.h"
 
 #include <cmath>
 

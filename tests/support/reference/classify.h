@@ -3,8 +3,8 @@
 
 #include <array>
 
-#include "reference/field.h"
-#include "reference/scene.h"
+#include "field.h"
+#include "scene.h"
 
 namespace gicube::reference {
 

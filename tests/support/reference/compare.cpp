@@ -1,4 +1,4 @@
-#include "reference/compare.h"
+#include "compare.h"
 
 #include <algorithm>
 #include <cmath>

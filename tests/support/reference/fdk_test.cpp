@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "cone_beam/phantom.h"
+#include "cone_beam/phantom/phantom.h"
 
 namespace gicube::reference {
 namespace {

@@ -1,4 +1,4 @@
-#include "reference/field.h"
+#include "field.h"
 
 #include <algorithm>
 #include <cmath>

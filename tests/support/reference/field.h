@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "gicube/volume.h"
-#include "reference/scene.h"
-#include "upload/gradient_codebook.h"
+#include "scene.h"
+#include "encode/volume/gradient_codebook.h"
 
 namespace gicube::reference {
 

@@ -1,10 +1,10 @@
-#include "reference/field.h"
+#include "field.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "reference/test_scene.h"
+#include "test_scene.h"
 
 namespace gicube::reference {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gicube/view.h"
-#include "reference/scene.h"
+#include "scene.h"
 
 namespace gicube::reference {
 

@@ -1,4 +1,4 @@
-#include "reference/filter.h"
+#include "filter.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "reference/light.h"
+#include "light.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "gicube/wire/lut.h"
-#include "upload/reflectance_map.h"
+#include "encode/reflectance_map.h"
 
 namespace gicube::reference {
 

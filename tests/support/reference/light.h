@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gicube/shading.h"
-#include "reference/scene.h"
+#include "scene.h"
 
 namespace gicube::reference {
 

@@ -1,4 +1,4 @@
-#include "reference/light.h"
+#include "light.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "reference/march.h"
+#include "march.h"
 
 #include <algorithm>
 #include <atomic>
@@ -6,8 +6,8 @@
 #include <future>
 #include <thread>
 
-#include "reference/classify.h"
-#include "reference/filter.h"
+#include "classify.h"
+#include "filter.h"
 
 namespace gicube::reference {
 

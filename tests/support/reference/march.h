@@ -6,10 +6,10 @@
 // voxel edges: 1 - (1 - a)^that. A picture's pixels are its rays under the view's filter.
 #pragma once
 
-#include "reference/camera.h"
-#include "reference/field.h"
-#include "reference/light.h"
-#include "reference/scene.h"
+#include "camera.h"
+#include "field.h"
+#include "light.h"
+#include "scene.h"
 
 namespace gicube::reference {
 

@@ -1,4 +1,4 @@
-#include "reference/photons.h"
+#include "photons.h"
 
 #include <algorithm>
 #include <array>

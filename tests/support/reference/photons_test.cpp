@@ -1,5 +1,5 @@
 // The Monte Carlo against closed forms and converged numbers.
-#include "reference/photons.h"
+#include "photons.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "reference/slab_table.h"
+#include "slab_table.h"
 
 namespace gicube::reference {
 namespace {

@@ -1,4 +1,4 @@
-#include "reference/point_source.h"
+#include "point_source.h"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
-#include "reference/point_source.h"
+#include "point_source.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "reference/photons.h"
-#include "reference/splat.h"
+#include "photons.h"
+#include "splat.h"
 
 namespace gicube::reference {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <string>
 
-#include "reference/compare.h"
-#include "reference/march.h"
-#include "reference/test_scene.h"
+#include "compare.h"
+#include "march.h"
+#include "test_scene.h"
 
 namespace gicube::reference {
 namespace {

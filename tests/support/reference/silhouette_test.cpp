@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "reference/march.h"
-#include "reference/test_scene.h"
+#include "march.h"
+#include "test_scene.h"
 
 namespace gicube::reference {
 namespace {

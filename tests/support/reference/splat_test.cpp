@@ -1,4 +1,4 @@
-#include "reference/splat.h"
+#include "splat.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "reference/march.h"
+#include "march.h"
 
 namespace gicube::reference {
 

@@ -1,8 +1,8 @@
-#include "reference/transmittance.h"
+#include "transmittance.h"
 
 #include <cmath>
 
-#include "reference/classify.h"
+#include "classify.h"
 
 namespace gicube::reference {
 

@@ -1,8 +1,8 @@
 // How much light gets through between two points, in double precision: what visibility rays are held against.
 #pragma once
 
-#include "reference/field.h"
-#include "reference/scene.h"
+#include "field.h"
+#include "scene.h"
 
 namespace gicube::reference {
 

@@ -1,4 +1,4 @@
-#include "reference/transmittance.h"
+#include "transmittance.h"
 
 #include <gtest/gtest.h>
 

@@ -14,7 +14,7 @@
 #include <stdexcept>
 
 #include "board_process.h"
-#include "fault_plan.h"
+#include "server/faults/fault_plan.h"
 #include "good_client.h"
 #include "temporary_directory.h"
 

@@ -7,9 +7,9 @@
 #include <iostream>
 #include <numbers>
 
-#include "common/input_error.h"
-#include "form_factors/radiosity.h"
-#include "form_factors/study.h"
+#include "scene/program/input_error.h"
+#include "form_factors/radiosity/radiosity.h"
+#include "form_factors/plan/study.h"
 #include "test_board.h"
 #include "test_room.h"
 

@@ -1,5 +1,5 @@
 // Exchange between bodies that stand free, against closed forms and converged numbers.
-#include "form_factors/exchange.h"
+#include "form_factors/exchange/exchange.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <numbers>
 #include <string>
 
-#include "common/input_error.h"
-#include "form_factors/box_factor.h"
+#include "scene/program/input_error.h"
+#include "form_factors/exchange/box_factor.h"
 #include "test_board.h"
 
 namespace gicube::samples {

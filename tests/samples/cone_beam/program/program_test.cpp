@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "common/volume_file.h"
+#include "scene/formats/volume_file.h"
 #include "program_test.h"
 
 namespace gicube::samples {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/geometry/mesh.h"
+#include "scene/geometry/mesh.h"
 
 namespace gicube::samples {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "common/file_error.h"
+#include "scene/formats/file_error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

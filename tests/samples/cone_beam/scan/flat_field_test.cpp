@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {

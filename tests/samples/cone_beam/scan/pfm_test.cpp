@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "common/file_error.h"
+#include "scene/formats/file_error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "common/file_error.h"
+#include "scene/formats/file_error.h"
 #include "cone_beam/scan/stack.h"
 #include "temporary_directory.h"
 

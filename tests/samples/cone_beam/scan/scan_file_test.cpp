@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "common/input_error.h"
+#include "scene/program/input_error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

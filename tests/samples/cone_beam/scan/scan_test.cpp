@@ -5,8 +5,8 @@
 
 #include <numbers>
 
-#include "common/file_error.h"
-#include "common/input_error.h"
+#include "scene/formats/file_error.h"
+#include "scene/program/input_error.h"
 #include "cone_beam/scan/stack.h"
 #include "gicube/error.h"
 #include "temporary_directory.h"

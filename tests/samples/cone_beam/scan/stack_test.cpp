@@ -7,7 +7,7 @@
 #include <fstream>
 #include <limits>
 
-#include "common/file_error.h"
+#include "scene/formats/file_error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

@@ -1,0 +1,255 @@
+#include "pass_machine.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "asic/raybus/ray_bus.h"
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr Cycle kSlack = 96;           // chosen: cycles by which a part may run ahead of the next
+constexpr Cycle kToProcessor = 4;      // from the DSP over the ray bus and by a sorter to the pipeline
+constexpr std::size_t kOnTheWay = 2;   // rays between the bus and one sorter, and sends between the DSP and the bus
+constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time
+
+}  // namespace
+
+Maker::Maker(TurnWork& work, bool ahead) : work_(work), ahead_(ahead) { begin_chunk(); }
+
+void Maker::begin_chunk() {
+  coming_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, work_.count() - begun_)));
+  const std::uint64_t begin = std::exchange(begun_, begun_ + coming_.size());
+  const auto make = [this, begin] { work_.make(begin, coming_); };
+  if (!coming_.empty()) making_ = std::async(ahead_ ? std::launch::async : std::launch::deferred, make);
+}
+
+TurnRay& Maker::next() {
+  if (at_ == chunk_.size()) {
+    making_.get();
+    chunk_.swap(coming_);
+    at_ = 0;
+    begin_chunk();
+  }
+  return chunk_[at_++];
+}
+
+TurnMachine::TurnMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
+    : config_(config),
+      blocks_(blocks),
+      partition_(config.asic().partition(), config.asic().processors(), blocks),
+      core_khz_(config.asic().core_khz()),
+      dsp_khz_(config.dsp().clock_khz()),
+      up_(config.asic().processors()),
+      layout_(static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.most_blocks())),
+              config.asic().block_voxels(), config.rdram().device_mbit()),
+      listeners_(config.asic().processors()) {
+  for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
+    memories_.push_back(std::make_unique<TurnMemory>(config_, layout_));
+    const TurnProcessor::Surroundings with{&config_, &partition_, blocks_, &processors_, memories_.back().get(),
+                                           &rays_,   &up_};
+    processors_.push_back(std::make_unique<TurnProcessor>(static_cast<std::uint8_t>(i), with));
+  }
+}
+
+void TurnMachine::invalidate_caches() {
+  for (const auto& processor : processors_) processor->invalidate_cache();
+}
+
+// It begins one thing a core cycle at most, at the clock's edge.
+void TurnMachine::dsp_works(std::uint64_t cycles) {
+  dsp_.now += std::max<Cycle>((cycles * core_khz_ + dsp_khz_ - 1) / dsp_khz_, 1);
+  dsp_.busy += cycles;
+}
+
+// A run is two packets, and each processor extrapolates one of its rays a cycle.
+void TurnMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
+  TurnRay& ray = rays_[handle];
+  const Home& home = partition_.home(ray.block);
+  Cycle ready = dsp_.now + kToProcessor;
+  if (run != 0) {
+    Listener& listener = listeners_[home.processor];
+    if (std::exchange(listener.making, run) != run) listener.made = 0;
+    ready += RayBus::kRunPackets + listener.made++;
+  }
+  bus_.push({home.processor, first, run, {ready, handle, home.number, false}});
+  sends_ += first ? 1 : 0;
+  ++dsp_.sent;
+}
+
+// The processor that can't take what is next on the bus, if there is one. A run waits until all have a buffer for it.
+TurnProcessor* TurnMachine::holds(const OnBus& next) const {
+  TurnProcessor* const to = processors_[next.processor].get();
+  if (next.run == 0) return to->holds_bus() && to->from_bus() >= kOnTheWay ? to : nullptr;
+  for (std::size_t i = 0; next.first && i < processors_.size(); ++i) {
+    const std::uint64_t taken = listeners_[i].sent - processors_[i]->from_bus();
+    if (listeners_[i].ends[0] > taken + kOnTheWay) return processors_[i].get();
+  }
+  return nullptr;
+}
+
+void TurnMachine::hand_on(const OnBus& next) {
+  Listener& listener = listeners_[next.processor];
+  ++listener.sent;
+  if (next.run != 0) {
+    if (std::exchange(listener.run, next.run) != next.run) listener.ends[0] = listener.ends[1];
+    listener.ends[1] = listener.sent;
+  }
+  sends_ -= next.first ? 1 : 0;
+  processors_[next.processor]->send(TurnProcessor::From::kBus, next.ray);
+}
+
+// Hands rays on in their order.
+void TurnMachine::run_bus() {
+  while (!bus_.empty()) {
+    TurnProcessor* const held_by = holds(bus_.front());
+    if (held_by != nullptr) {
+      holding_ = held_by;
+      return;
+    }
+    if (holding_ != nullptr) bus_free_ = std::max(bus_free_, std::exchange(holding_, nullptr)->taken_from_bus());
+    hand_on(bus_.front());
+    bus_.drop();
+  }
+}
+
+// One ray, or a run of them.
+void TurnMachine::make_rays(TurnWork& work) {
+  const std::uint64_t row = work.row_end(dsp_.made);
+  const bool in_run = config_.dsp().run_rays() > 1 && row > dsp_.made + 1;
+  const std::uint64_t last = in_run ? std::min(row, dsp_.made + config_.dsp().run_rays()) : dsp_.made + 1;
+  const std::uint32_t run = in_run ? ++runs_ : 0;
+  dsp_works(in_run ? config_.dsp().run_cycles() : work.make_cycles());
+  bool first = true;
+  for (; dsp_.made < last; ++dsp_.made) {
+    TurnRay& ray = maker_->next();
+    if (ray.left <= 0) continue;
+    ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
+    for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
+    send(rays_.add(ray), run, std::exchange(first, false));
+  }
+  run_bus();
+}
+
+// What comes back goes first, then new rays, then overflowed ones. False if there is nothing to be done yet.
+bool TurnMachine::dsp_acts(TurnWork& work) {
+  const std::uint32_t overflow = config_.dsp().overflow_ray_cycles();
+  if (up_.ready() <= dsp_.now) {
+    const Coming back = up_.pop(dsp_.now);
+    processors_[back.queue]->taken_from_tree(dsp_.now);
+    if (back.overflowed) {
+      dsp_works(overflow / 2);
+      ++dsp_.overflows;
+      dsp_.kept.push_back(back.ray);
+    } else {
+      rays_.remove(back.ray);
+      dsp_works(work.take_cycles());
+      ++dsp_.taken;
+    }
+    return true;
+  }
+  if (sends_ > kOnTheWay || (dsp_.made == count_ && dsp_.kept.empty())) return false;
+  dsp_.now = std::max(dsp_.now, bus_free_);
+  if (dsp_.made < count_) {
+    make_rays(work);
+  } else {
+    dsp_works(overflow - overflow / 2);
+    send(dsp_.kept.front(), 0, true);
+    dsp_.kept.pop_front();
+    run_bus();
+  }
+  return true;
+}
+
+Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress, bool ahead) {
+  const Cycle begin = now_;
+  const std::uint64_t busy = dsp_.busy, taken = dsp_.taken;
+  count_ = work.count();
+  maker_.emplace(work, ahead);
+  dsp_.made = 0;
+  dsp_.now = now_;
+  grid_ = BlockGrid(*frame.volume);
+  for (const auto& processor : processors_) processor->begin(now_, frame);
+  progress.all = static_cast<std::uint32_t>(count_);
+  while (true) {
+    TurnProcessor* behind = nullptr;
+    Cycle least = kNoCycle, second = kNoCycle;
+    for (const auto& processor : processors_) {
+      const Cycle next = processor->next();
+      second = std::min(second, std::max(least, next));
+      if (next < least) {
+        least = next;
+        behind = processor.get();
+      }
+    }
+    // While the DSP is not behind the processors it has seen all that comes.
+    if (least >= dsp_.now) {
+      if (dsp_acts(work)) continue;
+      if (up_.ready() != kNoCycle && up_.ready() <= least) {
+        dsp_.now = std::max(dsp_.now, up_.ready());
+        continue;
+      }
+      if (behind == nullptr) break;
+    }
+    const bool dsp_has_work = dsp_.made < count_ || !dsp_.kept.empty();
+    Cycle until = second == kNoCycle ? least + 64 : second + kSlack;
+    if (dsp_has_work) until = std::min(until, std::max(least, dsp_.now) + kSlack);
+    behind->work(std::max(until, least), holding_ == behind);
+    run_bus();
+    progress.done = static_cast<std::uint32_t>(dsp_.taken - taken);
+    if (progress.cancel) return {now_ - begin, dsp_.busy - busy, true};
+  }
+  maker_.reset();
+  now_ = dsp_.now;
+  for (const auto& processor : processors_) now_ = std::max(now_, processor->now());
+  return {now_ - begin, dsp_.busy - busy, false};
+}
+
+void TurnMachine::count(std::vector<wire::Counter>& list) const {
+  const auto sum = [&](const std::string& name, const char* unit, const auto& of, const auto& parts) {
+    std::uint64_t value = 0;
+    for (const auto& part : parts) value += of(*part);
+    list.push_back({name, unit, value});
+  };
+  const auto processors = [&](const std::string& name, const char* unit, const auto& of) {
+    sum("processor." + name, unit, of, processors_);
+  };
+  const auto memories = [&](const std::string& name, const char* unit, std::uint64_t rdram::ChannelCounters::*field) {
+    sum(
+        "rdram." + name, unit, [field](const TurnMemory& m) { return m.channel.counters().*field; }, memories_);
+  };
+  using P = TurnProcessor;
+  list.push_back({"asic.cycles", "cycle", now_});
+  processors("cycles.busy", "cycle", [](const P& p) { return p.samples(); });
+  processors("cycles.leap", "cycle", [](const P& p) { return p.counters().leaps; });
+  processors("samples", "sample", [](const P& p) { return p.samples(); });
+  processors("rays_held", "cycle", [](const P& p) { return p.counters().held; });
+  processors("cache.checks", "sample", [](const P& p) { return p.samples(); });
+  processors("cache.packets", "packet", [](const P& p) { return p.cache().packets; });
+  processors("cache.missed_voxels", "voxel", [](const P& p) { return p.cache().missed_voxels; });
+  processors("cache.filled_voxels", "voxel", [](const P& p) { return p.cache().filled_voxels; });
+  processors("sorter.written", "ray", [](const P& p) { return p.turns(); });
+  processors("sorter.overflows", "ray", [](const P& p) { return p.counters().overflows; });
+  processors("sorter.issued", "ray", [](const P& p) { return p.turns(); });
+  processors("sorter.activations", "activation", [](const P& p) { return p.counters().activations; });
+  sum(
+      "link.rays_sent", "ray", [](const P& p) { return p.counters().rays_sent; }, processors_);
+  sum(
+      "link.hops", "ray", [](const P& p) { return p.counters().hops; }, processors_);
+  list.push_back({"rdram.cycles", "tCYCLE",
+                  now_ * config_.rdram().clocks_per_core_cycle() * static_cast<std::uint64_t>(memories_.size())});
+  memories("reads", "packet", &rdram::ChannelCounters::packets_read);
+  memories("writes", "packet", &rdram::ChannelCounters::packets_written);
+  memories("row_hits", "packet", &rdram::ChannelCounters::row_hits);
+  memories("row_misses", "packet", &rdram::ChannelCounters::row_misses);
+  memories("row_conflicts", "packet", &rdram::ChannelCounters::conflicts);
+  memories("data_busy", "tCYCLE", &rdram::ChannelCounters::dq_busy);
+  list.push_back({"dsp.rays_sent", "ray", dsp_.sent});
+  list.push_back({"dsp.rays_taken", "ray", dsp_.taken});
+  list.push_back({"dsp.overflows", "ray", dsp_.overflows});
+  list.push_back({"dsp.busy_cycles", "DSP cycle", dsp_.busy});
+}
+
+}  // namespace gicube::emu

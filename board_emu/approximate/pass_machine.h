@@ -1,0 +1,122 @@
+// The board's time at the approximate level: DSP, processors, links and memories in turns and rays instead of cycles.
+//
+// Each part has a clock of its own; the one that is furthest behind goes on, up to a little beyond the next. So what one
+// part sends another may come a little late in its order; that, and what turn_processor.h leaves out, is the error.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <future>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "board/board.h"
+#include "gicube/wire/counter_list.h"
+#include "cycle/machine.h"
+#include "asic/partition.h"
+#include "pass_processor.h"
+
+namespace gicube::emu {
+
+// Rays whose values are known, and what they cost the DSP.
+class TurnWork {
+ public:
+  virtual ~TurnWork() = default;
+
+  virtual std::uint64_t count() const = 0;
+  // Rays [begin, begin + out.size()) with their positions in the volume, called once for each, in order. One without steps is made, but not sent.
+  virtual void make(std::uint64_t begin, std::span<TurnRay> out) = 0;
+  // As RayWork.
+  virtual std::uint64_t row_end(std::uint64_t i) const = 0;
+  virtual std::uint32_t make_cycles() const = 0;
+  virtual std::uint32_t take_cycles() const = 0;
+};
+
+// The rays of a work, made in chunks.
+class Maker {
+ public:
+  Maker(TurnWork& work, bool ahead);
+  TurnRay& next();
+
+ private:
+  void begin_chunk();
+
+  TurnWork& work_;
+  bool ahead_;
+  std::uint64_t begun_ = 0;  // rays in all chunks until now
+  std::size_t at_ = 0;
+  std::vector<TurnRay> chunk_, coming_;
+  std::future<void> making_;  // of what is coming; waits for it when it goes
+};
+
+class TurnMachine {
+ public:
+  // For volumes of `blocks` along x, y, z.
+  TurnMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
+  TurnMachine(const TurnMachine&) = delete;  // its processors point at it
+  TurnMachine& operator=(const TurnMachine&) = delete;
+
+  // `ahead`: rays are made on a thread of their own while turns are gone.
+  Ran run(TurnWork& work, const Frame& frame, Work& progress, bool ahead);
+
+  void invalidate_caches();
+  const std::array<int, 3>& blocks() const { return blocks_; }
+  // By the cycle level's names, those that there are.
+  void count(std::vector<wire::Counter>& list) const;
+
+ private:
+  struct Dsp {
+    Cycle now = 0;
+    std::uint64_t made = 0, sent = 0, taken = 0, overflows = 0, busy = 0;
+    std::deque<std::uint32_t> kept;  // overflowed rays
+  };
+
+  // A ray on the bus.
+  struct OnBus {
+    std::uint8_t processor = 0;
+    bool first = true;      // alone, or of its run
+    std::uint32_t run = 0;  // 0: alone
+    Coming ray;
+  };
+  // A processor's run buffers.
+  struct Listener {
+    std::uint64_t sent = 0;               // rays in all
+    std::uint32_t making = 0, made = 0;   // the latest run that the DSP made with rays for it, and how many those are
+    std::uint32_t run = 0;                // the latest sent
+    std::array<std::uint64_t, 2> ends{};  // how many it had been sent after the last but one and after the last of them
+  };
+
+  void dsp_works(std::uint64_t cycles);
+  void make_rays(TurnWork& work);
+  void send(std::uint32_t handle, std::uint32_t run, bool first);
+  TurnProcessor* holds(const OnBus& next) const;
+  void hand_on(const OnBus& next);
+  void run_bus();
+  bool dsp_acts(TurnWork& work);
+
+  v1::BoardConfig config_;
+  std::array<int, 3> blocks_;
+  Partition partition_;
+  std::uint64_t core_khz_, dsp_khz_;
+  TurnTree up_;
+  TurnRays rays_;
+  rdram::Layout layout_;  // of each memory
+  std::vector<std::unique_ptr<TurnMemory>> memories_;
+  std::vector<std::unique_ptr<TurnProcessor>> processors_;
+  Dsp dsp_;
+  std::uint64_t count_ = 0;     // of the work in hand
+  std::optional<Maker> maker_;  // of it
+  std::uint32_t runs_ = 0;
+  std::vector<Listener> listeners_;   // by processor
+  LongQueue<OnBus> bus_;              // behind what a processor can't take yet
+  std::size_t sends_ = 0;             // on it: rays alone and runs
+  TurnProcessor* holding_ = nullptr;  // that processor
+  Cycle bus_free_ = 0;                // when the last that was held left
+  BlockGrid grid_;
+  Cycle now_ = 0;
+};
+
+}  // namespace gicube::emu

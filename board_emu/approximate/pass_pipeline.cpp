@@ -1,0 +1,227 @@
+// A processor's turns: from the sorter through the pipeline and back, or out of the processor.
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "pass_processor.h"
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr Cycle kToQueue = 3;  // from the end of the pipeline by the sorter to its beginning
+
+}  // namespace
+
+// Counts rays that come (+1) and go (-1).
+void TurnProcessor::hold(int rays, Cycle when) {
+  if (holds_ == 0) held_since_ = std::max(when, held_until_);
+  holds_ += static_cast<std::uint64_t>(rays);
+  if (holds_ != 0 || when <= held_since_) return;
+  counters_.held += when - held_since_;
+  held_until_ = when;
+}
+
+// A ray at its last step needs a place in the tree, which may come to be free at a time that is not known yet.
+bool TurnProcessor::finds_place() {
+  if (in_tree_ + 1 <= tree_places_ / 2) return true;
+  stands_ = in_tree_ >= tree_places_;
+  if (!stands_ && tree_free_ > compute_) computing_ = std::max(computing_, tree_free_ - compute_);
+  return !stands_;
+}
+
+// When the packets are there of a sample that could be resampled in cycle `first`: each is written in a cycle of its own,
+// and the last is handed on in that cycle.
+Cycle TurnProcessor::fetch(const Misses& misses, Cycle first) {
+  if (ideal_memory_) return first;
+  TurnMemory& memory = *with_.memory;
+  for (std::uint32_t i = 0; i < misses.count; ++i) {
+    memory.asked = std::max(memory.asked, now_) + 1;
+    const rdram::Location where = memory.layout->locate(active_, misses.tiles[i]);
+    const Cycle there = memory.channel.read(where, memory.asked * ratio_).data_end + rac_latency_ + ratio_ - 1;
+    const Cycle arrival = ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
+    first = std::max(i == 0 ? first : first + 1, arrival);
+    taken_[packets_++ % kRemembered] = first;
+  }
+  return first;
+}
+
+void TurnProcessor::release(std::uint32_t queue, Cycle out) {
+  const Cycle when = out + 1 + kSorter;
+  released_.push({when, queue});
+  if (waits_[0] || waits_[1] || waits_[2]) others_ = std::min(others_, when);
+}
+
+// A ray of the active queue is at its end when it comes out of the pipeline in cycle `out`.
+void TurnProcessor::finish(std::uint32_t handle, Cycle out) {
+  release(active_, out);
+  hold(-1, out);
+  with_.up->push(number_, {out + to_dsp_, handle, number_, false});
+  ++in_tree_;
+}
+
+// A ray of the active queue has come out of its block, to `at` from its corner.
+void TurnProcessor::change_block(Going ray, Point at, Cycle out) {
+  const auto blocks = [&](std::size_t axis) { return static_cast<std::uint32_t>(at[axis] >> block_shift_); };
+  const std::uint32_t block = block_ + blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
+  for (std::int32_t& coordinate : at) coordinate &= grid_.size() - 1;
+  ray.at = packed(at);
+  const Home& home = with_.partition->home(block);
+  const bool keeps_slot = home.processor == number_ && home.number == active_;
+  if (!keeps_slot) release(active_, out);
+  if (home.processor == number_) {
+    ray.ready = out + kToQueue;
+    returned_.push({ray, home.number, keeps_slot});
+    ++returning_[home.number];
+    return;
+  }
+  put(ray, block);
+  hold(-1, out);
+  ++counters_.rays_sent;
+  out_.push({out + 1, home.processor, {0, ray.ray, home.number, false}});
+  if (!out_blocked_) enter_links();
+}
+
+inline Point TurnProcessor::drawn_step(const Going& ray) const {
+  const auto words = std::bit_cast<std::array<std::uint16_t, 6>>((*with_.rays)[ray.ray].step);
+  const std::array<std::int16_t, 3> direction{static_cast<std::int16_t>(words[0]), static_cast<std::int16_t>(words[1]),
+                                              static_cast<std::int16_t>(words[2])};
+  Point position = unpacked(ray.at);
+  for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += corner_[axis];
+  const std::uint32_t factor = jitter(position, words[3], words[4]);
+  return step_vector(direction, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame_->step} * factor)));
+}
+
+inline Point TurnProcessor::step_of(const Going& ray) const {
+  if (jitter_) return drawn_step(ray);
+  if (!short_steps_) return (*with_.rays)[ray.ray].step;
+  // What a field borrowed from is added to it again.
+  const auto field = [](std::uint64_t from) {
+    return static_cast<std::int32_t>(static_cast<std::int64_t>(from << (64 - kField)) >> (64 - kField));
+  };
+  const std::int32_t x = field(ray.step);
+  const std::uint64_t above = (ray.step - static_cast<std::uint64_t>(std::int64_t{x})) >> kField;
+  const std::int32_t y = field(above);
+  return {x, y, field((above - static_cast<std::uint64_t>(std::int64_t{y})) >> kField)};
+}
+
+// One turn of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
+// pipeline. False if the pipeline stands instead.
+bool TurnProcessor::turn_out(Cycle& now) {
+  if ((going_.front().left == 1 && !finds_place()) || stands_for_link(now)) {
+    arrive(now, now);
+    return false;
+  }
+  Going ray = going_.pop();
+  before_ = now;
+  // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
+  now_ = std::max({now, started_[(turns_ - prefetch_) % kRemembered], oldest_taken()});
+  now = now_ + 1;
+  computing_ = std::max(computing_ + 1, now_ + prefetch_);
+  const Point step = step_of(ray);
+  Point at = unpacked(ray.at);
+  std::int32_t steps = 1;
+  if (empty_ != nullptr && empty_[block_] != 0) {
+    ++counters_.leaps;
+    steps = std::min(leap_steps(at, step, Point{}, grid_.size()), ray.left);
+  } else {
+    computing_ = fetch(cache_.check(block_, cell(at, Point{}).voxel), computing_);
+  }
+  started_[turns_++ % kRemembered] = computing_;
+  for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += steps * step[axis];
+  ray.left -= steps;
+  const Cycle out = computing_ + compute_;
+  if (ray.left <= 0) {
+    finish(ray.ray, out);
+  } else if ((at[0] | at[1] | at[2]) >> block_shift_ != 0) {
+    change_block(ray, at, out);
+  } else {
+    ray.at = packed(at);
+    ray.ready = out + kToQueue;
+    going_.push(ray);
+  }
+  return true;
+}
+
+// When the first of those that were not of the active queue, and now are, is back.
+inline Cycle TurnProcessor::own_return() const {
+  if (returning_[active_] == 0) return kNoCycle;
+  std::size_t first = returned_.begin();
+  while (returned_[first].queue != active_) ++first;
+  return returned_[first].ray.ready;
+}
+
+// Turns of the active queue's rays one after the other, until it is empty or something else happens. In most a ray takes a step
+// within the block and comes back, and nothing is asked for; what they change is kept in registers.
+template <bool kJitter, bool kPlain>
+void TurnProcessor::rotate(Cycle& ends, Cycle until) {
+  const std::uint32_t* const tags = cache_.plain_tags();
+  const std::uint32_t block = block_;
+  const bool leaps = empty_ != nullptr && empty_[block] != 0;
+  const std::uint64_t both = block * 0x1'0000'0001u, first_only = ~0u;
+  const std::size_t tiles_x = cache_.tiles_x(), slice = tiles_x * tiles_x;
+  constexpr int kVoxel = wire::kPositionFractionBits;
+  const std::uint64_t outside = ((1u << kField) - 1) & ~static_cast<std::uint64_t>(grid_.size() - 1);
+  const std::uint64_t leaving = outside | outside << kField | outside << 2 * kField;
+  const Cycle come_back = compute_ + kToQueue, prefetch = prefetch_;
+  while (!going_.empty()) {
+    // How far it may go: until something comes. What returns to other queues can wait.
+    const Cycle last = std::min({until, others_ - 1, own_return() - 1});
+    Going* const places = going_.places();
+    const std::size_t mask = going_.mask(), size = going_.size(), begin = going_.begin();
+    std::size_t first = begin;
+    const std::uint64_t turns = turns_ - begin;
+    Cycle now = ends, computing = computing_, entered = now_, taken = oldest_taken(), before = before_;
+    bool goes_out = leaps || out_.size() > kLeaving;
+    for (; now <= last; ++first) {
+      const Going& ray = places[first & mask];
+      if (ray.ready > now) break;
+      const std::uint64_t at = ray.at, step = ray.step, to = at + (kJitter ? packed(drawn_step(ray)) : step);
+      goes_out = goes_out || (to & leaving) != 0 || ray.left == 1;
+      if (goes_out) break;
+      bool there = false;
+      if constexpr (kPlain) {
+        const std::size_t row = -(at >> (kField + kVoxel) & 1) & tiles_x;
+        const std::size_t x = at >> (kVoxel + 1) & 31, y = at >> (kField + kVoxel + 1) & 31,
+                          z = at >> (2 * kField + kVoxel);
+        const std::uint32_t* const tile = tags + (z * tiles_x + y) * tiles_x + x;
+        const auto differs = [both](const std::uint32_t* of) {
+          std::uint64_t pair = 0;
+          std::memcpy(&pair, of, sizeof pair);
+          return pair ^ both;
+        };
+        const std::uint64_t any =
+            differs(tile) | differs(tile + row) | differs(tile + slice) | differs(tile + slice + row);
+        there = (any & (first_only | -(at >> kVoxel & 1))) == 0;
+      } else {
+        there = cache_.latest(block, cell(unpacked(at), Point{}).voxel);
+      }
+      before = now;
+      entered = std::max({now, started_[(turns + first - prefetch) % kRemembered], taken});
+      now = entered + 1;
+      computing = std::max(computing + 1, entered + prefetch);
+      if (!there) {
+        now_ = entered;
+        computing = fetch(cache_.ask(block, cell(unpacked(at), Point{}).voxel), computing);
+        taken = oldest_taken();
+      }
+      started_[(turns + first) % kRemembered] = computing;
+      places[(first + size) & mask] = {to, step, computing + come_back, ray.ray, ray.left - 1};
+    }
+    going_.turned(first - begin);
+    turns_ = turns + first;
+    computing_ = computing;
+    now_ = entered;
+    before_ = before;
+    ends = now;
+    goes_out = goes_out && now <= last && going_.front().ready <= now;
+    if (!goes_out || !turn_out(ends)) return;
+  }
+}
+
+template void TurnProcessor::rotate<false, false>(Cycle&, Cycle);
+template void TurnProcessor::rotate<false, true>(Cycle&, Cycle);
+template void TurnProcessor::rotate<true, false>(Cycle&, Cycle);
+template void TurnProcessor::rotate<true, true>(Cycle&, Cycle);
+
+}  // namespace gicube::emu

@@ -1,0 +1,294 @@
+#include "pass_processor.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::uint32_t kMostPackets = 8;  // of one neighbourhood
+constexpr auto kBus = static_cast<std::size_t>(TurnProcessor::From::kBus);
+constexpr std::uint32_t kRayBits = 256;
+
+}  // namespace
+
+TurnProcessor::TurnProcessor(std::uint8_t number, const Surroundings& surroundings)
+    : number_(number),
+      with_(surroundings),
+      prefetch_(with_.config->pipeline().prefetch_stages()),
+      compute_(with_.config->pipeline().compute_stages()),
+      capacity_(with_.config->ideal().queues() != 0 ? kNone : with_.config->asic().queue_rays()),
+      ratio_(with_.config->rdram().clocks_per_core_cycle()),
+      ratio_bits_(std::has_single_bit(ratio_) ? std::countr_zero(ratio_) : -1),
+      room_(with_.config->cache().miss_packets() - kMostPackets),
+      link_cycles_((kRayBits + with_.config->link().bits() - 1) / with_.config->link().bits()),
+      link_rays_(with_.config->link().rays()),
+      rac_latency_(with_.config->rdram().rac_latency()),
+      to_dsp_(std::bit_width(2 * with_.config->asic().processors() - 1) + 1u),
+      tree_places_(2 * static_cast<std::uint32_t>(to_dsp_)),
+      ideal_memory_(with_.config->ideal().memory() != 0),
+      queues_(std::max<std::size_t>(1, with_.partition->blocks_of(number))),
+      slots_(queues_.size()),
+      most_(static_cast<std::uint32_t>(queues_.size())),
+      listed_(queues_.size()),
+      returning_(queues_.size()),
+      cache_(
+          {static_cast<int>(with_.config->asic().block_voxels()), with_.config->cache().ways(), false, with_.blocks}) {}
+
+void TurnProcessor::begin(Cycle now, const Frame& frame) {
+  now_ = std::max(now_, now);
+  computing_ = std::max(computing_, now);
+  frame_ = &frame;
+  jitter_ = frame.jitter;
+  short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare
+  const bool plain = cache_.plain_tags() != nullptr;
+  rotate_ = jitter_ ? (plain ? &TurnProcessor::rotate<true, true> : &TurnProcessor::rotate<true, false>)
+                    : (plain ? &TurnProcessor::rotate<false, true> : &TurnProcessor::rotate<false, false>);
+  empty_ = frame.leap ? frame.empty.data() : nullptr;
+  grid_ = BlockGrid(*frame.volume);
+  block_shift_ = std::countr_zero(static_cast<std::uint32_t>(grid_.size()));
+  across_ = static_cast<std::uint32_t>(frame.volume->blocks()[0]);
+  slice_ = across_ * static_cast<std::uint32_t>(frame.volume->blocks()[1]);
+}
+
+// What stood goes on when the place that is free has come down the tree.
+void TurnProcessor::taken_from_tree(Cycle now) {
+  --in_tree_;
+  const bool waits = waits_[0] || waits_[1] || waits_[2];
+  if (!std::exchange(stands_, false) && !waits) return;
+  tree_free_ = now + to_dsp_;
+  if (waits) others_ = std::min(others_, tree_free_);
+}
+
+// Slots that were given up are only counted when one is needed.
+inline bool TurnProcessor::has_slot(std::uint32_t queue, Cycle now) {
+  if (slots_[queue] < capacity_) return true;
+  while (!released_.empty() && released_.front().first <= now) --slots_[released_.pop().second];
+  return slots_[queue] < capacity_;
+}
+
+// False if there is none: the ray goes to the DSP.
+inline bool TurnProcessor::take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready) {
+  if (has_slot(queue, ready)) {
+    ++slots_[queue];
+    return true;
+  }
+  ++counters_.overflows;
+  ++in_tree_;
+  with_.up->push(number_, {ready - kSorter + to_dsp_, handle, number_, true});
+  return false;
+}
+
+// Into its queue, when it is ready.
+inline void TurnProcessor::write(const Going& ray, std::uint32_t queue) {
+  if (queue == active_) {
+    if (!stands()) arrive(ray.ready, ray.ready);
+    going_.insert(arrived_++, ray);
+    return;
+  }
+  queues_[queue].push(ray);
+  ++waiting_;
+  if (listed_[queue] != 0) return;
+  listed_[queue] = 1;
+  modified_.push(queue);
+}
+
+// What has come from elsewhere by now, as far as there is room beside `returned` rays in so many `cycles`: two are written a
+// cycle, but not to one queue [P §3.2]. A ray that must wait holds up what is behind it.
+void TurnProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written) {
+  Cycle room = 2 * cycles - returned, beside = cycles - returned;  // of all, and of those for the same queue
+  const auto comes = [&](std::size_t input) { return !from_[input].empty() && from_[input].front().ready <= now; };
+  std::array<Cycle, 3> taken{};
+  for (std::uint32_t tried = 0; tried < from_.size(); ++tried, turn_ = (turn_ + 1) % 3) {
+    waits_[turn_] = comes(turn_);
+    if (!waits_[turn_]) continue;
+    LongQueue<Coming>& from = from_[turn_];
+    const bool slot = has_slot(from.front().queue, now), same = from.front().queue == written && slot;
+    if (taken[turn_] == cycles) continue;
+    if (room == 0 || (same && beside == 0)) {
+      others_ = room == 0 ? now + 1 : next_gap(now);
+      ++counters_.conflicts;
+      waits_[kBus] = comes(kBus);
+      return;
+    }
+    if (!slot && (in_tree_ >= tree_places_ || now < tree_free_)) continue;
+    if (written == kNone || same) {
+      written = from.front().queue;
+      --beside;
+    }
+    --room;
+    ++taken[turn_];
+    tried = kNone;  // all once more
+    const Coming ray = from.pop();
+    if (take_slot(ray.ray, ray.queue, ray.ready)) {
+      write(going(ray.ray, ray.ready), ray.queue);
+      hold(1, ray.ready);
+    }
+    taken_from_[turn_] = now;
+    if (turn_ == static_cast<std::uint32_t>(From::kLeft)) neighbour(kLeft).feed_on(kRight);
+    if (turn_ == static_cast<std::uint32_t>(From::kRight)) neighbour(kRight).feed_on(kLeft);
+  }
+  others_ = kNoCycle;
+  for (std::size_t i = 0; i < from_.size(); ++i) {
+    if (!from_[i].empty())
+      others_ = std::min(others_, taken[i] == cycles ? now + 1 : waits_[i] ? retry(now) : from_[i].front().ready);
+  }
+}
+
+// The first cycle after `now` in which no ray comes back to the active queue, as far as it is known.
+Cycle TurnProcessor::next_gap(Cycle now) {
+  Cycle gap = now + 1;
+  for (std::size_t i = std::max(arrived_, going_.begin()); i != going_.end() && going_[i].ready == gap; ++i) ++gap;
+  return gap;
+}
+
+// When a ray without a slot may be tried again, as far as it is known.
+Cycle TurnProcessor::retry(Cycle now) const {
+  const Cycle slot = released_.empty() ? kNoCycle : released_.front().first;
+  const Cycle tree = in_tree_ < tree_places_ ? tree_free_ : kNoCycle;
+  return std::max(now + 1, std::min(slot, tree));
+}
+
+// The sorter's insertions up to now. It made them on the way, but nobody asks before a queue is chosen.
+inline void TurnProcessor::take_in(Cycle now) {
+  Cycle cycles = now - sorted_;
+  sorted_ = now;
+  while (cycles > 0 && !modified_.empty()) {
+    const std::uint32_t queue = modified_.pop();
+    listed_[queue] = 0;
+    if (queues_[queue].empty()) continue;
+    most_.set(queue, static_cast<std::uint32_t>(queues_[queue].size()));
+    --cycles;
+  }
+}
+
+// The active queue gives way when it is empty. False if no ray waits.
+inline bool TurnProcessor::choose(Cycle now) {
+  const bool waits = !going_.empty() && going_.front().ready <= now;
+  if (waits && !resting_) return true;
+  resting_ = true;
+  take_in(now);
+  const std::uint32_t most = waiting_ > 0 ? most_.importance() : 0;
+  if (waits) {
+    arrive(now, now);
+    const std::size_t own = arrived_ - going_.begin();
+    resting_ = own < most || (own == most && active_ > most_.queue());
+  }
+  if (resting_ && most == 0) return false;
+  if (resting_) activate(most_.queue(), now);
+  resting_ = false;
+  ++counters_.activations;
+  return true;
+}
+
+void TurnProcessor::activate(std::uint32_t queue, Cycle now) {
+  if (!going_.empty()) put_back(now);
+  active_ = queue;
+  most_.set(queue, 0);
+  LongQueue<Going>& from = queues_[queue];
+  waiting_ -= from.size();
+  block_ = static_cast<std::uint32_t>(with_.partition->block(number_, queue));
+  if (jitter_) corner_ = grid_.corner(block_);
+  for (std::int32_t& at : corner_) at <<= wire::kPositionFractionBits;
+  while (!from.empty()) {
+    going_.push(from.pop());
+    going_[going_.end() - 1].ready = now;
+  }
+  arrived_ = going_.end();
+}
+
+// The rays of the queue that was active: those that wait to their queue, and those in the pipeline to those on their way back.
+void TurnProcessor::put_back(Cycle now) {
+  arrive(now, now);
+  const std::uint32_t queue = std::exchange(active_, kNone);
+  for (; going_.begin() != arrived_; going_.drop()) write(going_.front(), queue);
+  returning_[queue] += static_cast<std::uint32_t>(going_.size());
+  // Few of the others are back later than the first of these: those are merged from behind.
+  std::size_t other = returned_.end();
+  for (std::size_t i = going_.begin(); i != going_.end(); ++i) returned_.push({});
+  std::size_t place = returned_.end();
+  for (std::size_t i = going_.end(); i != going_.begin();) {
+    const Going& ray = going_[--i];
+    for (; other != returned_.begin() && returned_[other - 1].ray.ready >= ray.ready; --other) {
+      returned_[--place] = returned_[other - 1];
+    }
+    returned_[--place] = {ray, queue, true};
+  }
+  going_.clear();
+}
+
+TurnProcessor::Going TurnProcessor::going(std::uint32_t handle, Cycle ready) const {
+  const TurnRay& ray = (*with_.rays)[handle];
+  // A step of a block or more leaves it, however long it is.
+  Point step{};
+  for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = std::clamp(ray.step[axis], -kLongStep, kLongStep);
+  return {packed(ray.position), packed(step), ready, handle, ray.left};
+}
+
+void TurnProcessor::put(const Going& ray, std::size_t block) {
+  TurnRay& to = (*with_.rays)[ray.ray];
+  to.position = unpacked(ray.at);
+  to.left = ray.left;
+  to.block = static_cast<std::uint32_t>(block);
+}
+
+// How many rays of the active queue have come back from after `before` to `now`.
+Cycle TurnProcessor::arrive(Cycle now, Cycle before) {
+  Cycle count = 0;
+  for (arrived_ = std::max(arrived_, going_.begin()); arrived_ != going_.end() && going_[arrived_].ready <= now;
+       ++arrived_) {
+    count += going_[arrived_].ready > before ? 1 : 0;
+  }
+  return count;
+}
+
+// What is back from the pipeline by now, for other queues; returns how many came after `since`, and `written` is the queue
+// of the last of them.
+Cycle TurnProcessor::take_returned(Cycle now, Cycle since, std::uint32_t& written) {
+  Cycle count = 0;
+  for (; !returned_.empty() && returned_.front().ray.ready <= now; returned_.drop()) {
+    const Returning& next = returned_.front();
+    if (next.ray.ready > since) {
+      written = next.queue;
+      ++count;
+    }
+    --returning_[next.queue];
+    if (next.keeps_slot || take_slot(next.ray.ray, next.queue, next.ray.ready)) {
+      write(next.ray, next.queue);
+    } else {
+      put(next.ray, with_.partition->block(number_, next.queue));
+      hold(-1, next.ray.ready);
+    }
+  }
+  return count;
+}
+
+void TurnProcessor::work(Cycle until, bool bus_waits) {
+  const std::size_t on_the_bus = from_bus();
+  Cycle now = next();
+  while (true) {
+    const bool stood = stands();
+    if (!stood && !resting_) (this->*rotate_)(now, until);
+    std::uint32_t written = kNone;
+    if (now > until) {
+      if (!stands()) take_returned(until, until, written);
+      return;
+    }
+    // The sorter's cycles since the first of the others could have been taken.
+    const Cycle since = std::max(before_, std::min(others_, now) - 1);
+    Cycle returned = stood ? 0 : take_returned(now, since, written);
+    if (others_ <= now) {
+      const Cycle back = stood ? 0 : arrive(now, since);
+      if (back > 0) written = active_;
+      returned += back;
+      take_others(now, std::max(now - since, returned), returned, written);
+    }
+    before_ = now;
+    if (stands() || !choose(now)) now = std::max(now + 1, next());
+    if (bus_waits && from_bus() < on_the_bus) return;
+  }
+}
+
+}  // namespace gicube::emu

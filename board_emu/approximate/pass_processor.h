@@ -1,0 +1,298 @@
+// One ray integration processor as the approximate level knows it: in turns instead of cycles.
+//
+// A turn is a ray's way from its queue through the pipeline and back. The processor works its turns off one after the
+// other, in the order in which its queues give them, and finds for each when it enters the pipeline, when its packets are
+// there, and when its ray is back: the rules of processor.h and sorter.h, without anything that ticks. Values are no matter
+// here: how far a ray goes is known already.
+//
+// The rays of the active queue go round: out of the queue, through the pipeline, and back to the queue's end. They are kept
+// in one line in the order in which they are back, and most turns take the first and put it at the end. Rays that return to
+// other queues stand in a line of their own, until something hangs on whether they are back.
+//
+// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; the merge tree's
+// places are counted by processor. Processors that share a channel are not modelled: their packets alternate on it, and how
+// often they close each other's rows hangs on the cycle.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "asic/cache/volume_cache.h"
+#include "datapath/frame.h"
+#include "gicube/v1/board_config.pb.h"
+#include "datapath/ray_step.h"
+#include "asic/partition.h"
+#include "asic/rdram/channel.h"
+#include "asic/rdram/layout.h"
+#include "words/clock.h"
+#include "asic/sorter/exact_maximum.h"
+#include "pass_tree.h"
+
+namespace gicube::emu {
+
+// A ray under way. Of jittered rays `step` has the words from which each step is drawn.
+struct TurnRay {
+  Point position{};  // from its block's least corner
+  Point step{};
+  std::int32_t left = 0;  // steps to its end
+  std::uint32_t block = 0;
+};
+
+// All rays under way, each in one place; what goes from part to part is its handle.
+class TurnRays {
+ public:
+  std::uint32_t add(const TurnRay& ray) {
+    if (free_.empty()) {
+      free_.push_back(static_cast<std::uint32_t>(rays_.size()));
+      rays_.emplace_back();
+    }
+    const std::uint32_t handle = free_.back();
+    free_.pop_back();
+    rays_[handle] = ray;
+    return handle;
+  }
+  void remove(std::uint32_t handle) { free_.push_back(handle); }
+  TurnRay& operator[](std::uint32_t handle) { return rays_[handle]; }
+
+ private:
+  std::vector<TurnRay> rays_;
+  std::vector<std::uint32_t> free_;
+};
+
+// Direction, and place in the image: what a jittered step is drawn from.
+inline Point drawn_from(const std::array<std::int16_t, 3>& direction, std::uint16_t u, std::uint16_t v) {
+  return std::bit_cast<Point>(std::array<std::uint16_t, 6>{static_cast<std::uint16_t>(direction[0]),
+                                                           static_cast<std::uint16_t>(direction[1]),
+                                                           static_cast<std::uint16_t>(direction[2]), u, v, 0});
+}
+
+// A processor's RDRAM channel.
+struct TurnMemory {
+  TurnMemory(const v1::BoardConfig& config, const rdram::Layout& blocks)
+      : layout(&blocks), channel(config.rdram(), blocks.devices()) {}
+
+  const rdram::Layout* layout;  // must outlive it
+  rdram::Channel channel;
+  Cycle asked = 0;  // in which it took the last packet on
+};
+
+struct TurnCounters {
+  std::uint64_t leaps = 0;
+  std::uint64_t overflows = 0, conflicts = 0;
+  std::uint64_t activations = 0;
+  std::uint64_t rays_sent = 0;  // over links
+  std::uint64_t hops = 0;
+  std::uint64_t held = 0;  // cycles in which a ray was in the queues or the pipeline
+};
+
+class TurnProcessor {
+ public:
+  // What it shares with others. All must outlive it.
+  struct Surroundings {
+    const v1::BoardConfig* config;
+    const Partition* partition;
+    std::array<int, 3> blocks;  // of the volume
+    std::vector<std::unique_ptr<TurnProcessor>>* processors;
+    TurnMemory* memory;
+    TurnRays* rays;
+    TurnTree* up;  // to the DSP
+  };
+
+  TurnProcessor(std::uint8_t number, const Surroundings& surroundings);
+
+  // All turns until the next call are of this frame, and none is before cycle `now`.
+  void begin(Cycle now, const Frame& frame);
+  void invalidate_cache() { cache_.invalidate(); }
+
+  // The cycle of its next turn; kNoCycle if no ray waits or comes.
+  Cycle next() const;
+  // Works its turns off up to cycle `until`; with `bus_waits` no further than to the next ray that it takes off the bus.
+  void work(Cycle until, bool bus_waits);
+  // From the DSP, or over a link from the left or right.
+  enum class From : std::uint8_t { kBus, kLeft, kRight };
+  void send(From from, const Coming& ray) {
+    from_[static_cast<std::size_t>(from)].push(ray);
+    others_ = std::min(others_, ray.ready);
+  }
+
+  // The DSP has taken a ray of this processor out of the merge tree.
+  void taken_from_tree(Cycle now);
+
+  // Rays on the bus' way into the sorter, and the cycle in which the sorter took the last.
+  std::size_t from_bus() const { return from_[static_cast<std::size_t>(From::kBus)].size(); }
+  bool holds_bus() const { return waits_[static_cast<std::size_t>(From::kBus)]; }
+  Cycle taken_from_bus() const { return taken_from_[static_cast<std::size_t>(From::kBus)]; }
+
+  const TurnCounters& counters() const { return counters_; }
+  std::uint64_t turns() const { return turns_; }
+  std::uint64_t samples() const { return turns_ - counters_.leaps; }
+  const CacheCounters& cache() const { return cache_.counters(); }
+  Cycle now() const { return now_; }
+
+ private:
+  // Three coordinates from the block's least corner, 14 fraction bits, in fields of 21 bits. Blocks have at most 64 voxels,
+  // so that the highest bits of a field say that the ray is outside. Steps are added as they are: what they borrow from a
+  // higher field makes it wrong only then.
+  static constexpr int kField = 21;
+  static constexpr std::int32_t kLongStep = 1 << (kField - 1);  // more than a block
+  static std::uint64_t packed(const Point& at) {
+    const auto field = [&at](std::size_t axis) {
+      return static_cast<std::uint64_t>(std::int64_t{at[axis]}) << kField * axis;
+    };
+    return field(0) + field(1) + field(2);
+  }
+  static Point unpacked(std::uint64_t at) {
+    const auto field = [at](int axis) { return static_cast<std::int32_t>(at >> kField * axis & ((1u << kField) - 1)); };
+    return {field(0), field(1), field(2)};
+  }
+  // A ray in a queue, or on its way back to one.
+  struct Going {
+    std::uint64_t at = 0;
+    std::uint64_t step = 0;  // if it is not drawn
+    Cycle ready = 0;         // when it is in the queue
+    std::uint32_t ray = 0;   // its handle
+    std::int32_t left = 0;   // steps
+  };
+  // One on its way to a queue that is not the active one, or was not.
+  struct Returning {
+    Going ray;
+    std::uint32_t queue = 0;
+    bool keeps_slot = false;
+  };
+
+  // A ray that has left the pipeline for another processor, or waits at a link's entry.
+  struct Crossing {
+    Cycle at = 0;
+    std::uint8_t to = 0;
+    Coming ray;
+  };
+  // Of a link. What comes over a link to the right comes from the left.
+  enum Direction : std::uint8_t { kRight, kLeft };
+  struct Link {
+    LongQueue<Crossing> entry;
+    Cycle left = 0;        // when the last ray left it
+    bool blocked = false;  // its first ray has no place to go to
+  };
+
+  Cycle take_returned(Cycle now, Cycle since, std::uint32_t& written);
+  void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
+  bool has_slot(std::uint32_t queue, Cycle now);
+  bool take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready);
+  void write(const Going& ray, std::uint32_t queue);
+  void take_in(Cycle now);
+  bool choose(Cycle now);
+  void activate(std::uint32_t queue, Cycle now);
+  void put_back(Cycle now);
+  Cycle arrive(Cycle now, Cycle before);
+  Going going(std::uint32_t handle, Cycle ready) const;
+  void put(const Going& ray, std::size_t block);
+  template <bool kJitter, bool kPlain>
+  void rotate(Cycle& now, Cycle until);
+  [[gnu::noinline]] bool turn_out(Cycle& now);
+  // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
+  Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
+  [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
+  Cycle own_return() const;
+  Point drawn_step(const Going& ray) const;
+  Point step_of(const Going& ray) const;
+  void finish(std::uint32_t handle, Cycle out);
+  void change_block(Going ray, Point at, Cycle out);
+  Cycle retry(Cycle now) const;
+  Cycle next_gap(Cycle now);
+  void release(std::uint32_t queue, Cycle out);
+  void enter_links();
+  void feed_on(Direction way);
+  void run_link(Direction way);
+  bool pass_on(Direction way);
+  TurnProcessor& neighbour(Direction way) const;
+  Direction way_to(std::uint8_t processor) const;
+  void line_goes_on(Cycle moved);
+  bool stands() const { return stands_ || link_stands_; }
+  // More rays than there are places have come out of the pipeline.
+  bool stands_for_link(Cycle now) {
+    link_stands_ = out_.size() > kLeaving && out_[out_.begin() + kLeaving].at <= now;
+    return link_stands_;
+  }
+  void hold(int rays, Cycle when);
+  bool finds_place();
+
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  static constexpr Cycle kSorter = 2;         // from being written to the pipeline
+  static constexpr std::size_t kLeaving = 2;  // rays between the pipeline and the links
+
+  const std::uint8_t number_;
+  Surroundings with_;
+  std::uint32_t prefetch_, compute_, capacity_, ratio_;
+  int ratio_bits_;           // if it is a power of two
+  std::uint32_t room_;       // packets that may be on their way when a sample enters
+  Cycle link_cycles_;        // of a ray
+  std::uint32_t link_rays_;  // places at a link's entry
+  Cycle rac_latency_;
+  Cycle to_dsp_;               // from the end of the pipeline or an overflow through the merge tree
+  std::uint32_t tree_places_;  // on that way
+  bool ideal_memory_;
+  const Frame* frame_ = nullptr;
+  bool jitter_ = false;
+  bool short_steps_ = false;                                // each fits in its fields
+  void (TurnProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
+  const std::uint8_t* empty_ = nullptr;                     // by block, if empty ones are leapt over
+  BlockGrid grid_;
+  int block_shift_ = 0;  // from positions to blocks
+  std::uint32_t across_ = 0, slice_ = 0;
+
+  std::vector<LongQueue<Going>> queues_;
+  std::vector<std::uint32_t> slots_;
+  ExactMaximum most_;                  // by the importance that the sorter knows of
+  LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
+  std::vector<std::uint8_t> listed_;   // there
+  std::uint32_t active_ = kNone;
+  bool resting_ = false;                  // it was empty since it became active: any other may take its place
+  std::uint32_t block_ = 0;               // its
+  Point corner_{};                        // of that
+  LongQueue<Going> going_;                // its rays, those that are in the pipeline behind those that wait
+  std::size_t arrived_ = 0;               // the number of the first in the pipeline, as far as it was asked for
+  Cycle sorted_ = 0;                      // up to which the sorter has taken in
+  std::uint64_t waiting_ = 0;             // in all other queues
+  LongQueue<Returning> returned_;         // from the pipeline to other queues
+  std::vector<std::uint32_t> returning_;  // how many of them, by queue
+  std::array<LongQueue<Coming>, 3> from_;
+  std::uint32_t turn_ = 0;                               // whose turn it is of them
+  Cycle others_ = kNoCycle;                              // when the first of them comes
+  std::array<Cycle, 3> taken_from_{};                    // when the last of each was
+  std::array<bool, 3> waits_{};                          // its first has to wait
+  LongQueue<std::pair<Cycle, std::uint32_t>> released_;  // when, and of which queue, a slot is given up
+  VolumeCache cache_;
+
+  Cycle before_ = 0;                                // up to which the sorter has written
+  Cycle now_ = 0;                                   // in which the last turn entered the pipeline
+  Cycle computing_ = 0;                             // in which its sample went on to be resampled
+  static constexpr std::size_t kRemembered = 1024;  // more than stages or packets there can be
+  std::array<Cycle, kRemembered> started_{}, taken_{};
+  std::uint64_t turns_ = 0, packets_ = 0;
+  std::uint32_t in_tree_ = 0;  // rays between this processor and the DSP
+  bool stands_ = false;        // the pipeline, until it is known when one finds a place there
+  Cycle tree_free_ = 0;        // when the last such did
+  LongQueue<Crossing> out_;    // from the pipeline to the links
+  bool link_stands_ = false;   // the pipeline, until it is known when the first of them goes on
+  bool out_blocked_ = false;   // no place for it at a link's entry
+  std::array<Link, 2> links_;
+  std::uint64_t holds_ = 0;  // rays
+  Cycle held_since_ = 0, held_until_ = 0;
+  TurnCounters counters_;
+};
+
+inline Cycle TurnProcessor::next() const {
+  if (stands()) return others_ == kNoCycle ? kNoCycle : std::max(others_, now_ + 1);
+  Cycle first = waiting_ > 0 ? now_ + 1 : others_;
+  if (!going_.empty()) first = std::min(first, going_.front().ready);
+  if (!returned_.empty()) first = std::min(first, returned_.front().ray.ready);
+  return first == kNoCycle ? first : std::max(first, now_ + 1);
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,69 @@
+// Rays on their way, and queues of what turns know of.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "words/clock.h"
+
+namespace gicube::emu {
+
+// First in first out, as long as it has to be.
+template <typename Item>
+class LongQueue {
+ public:
+  bool empty() const { return head_ == tail_; }
+  std::size_t size() const { return tail_ - head_; }
+  // Items have the numbers begin() .. end() - 1 for as long as they are here.
+  std::size_t begin() const { return head_; }
+  std::size_t end() const { return tail_; }
+  Item& operator[](std::size_t number) { return ring_[number & mask_]; }
+  const Item& operator[](std::size_t number) const { return ring_[number & mask_]; }
+  const Item& front() const { return ring_[head_ & mask_]; }
+  void drop() { ++head_; }
+  void clear() { head_ = tail_; }
+  Item pop() { return ring_[head_++ & mask_]; }
+  void push(const Item& item) {
+    if (size() > mask_) [[unlikely]]
+      grow();
+    ring_[tail_++ & mask_] = item;
+  }
+  // For a caller that takes the first and puts one at the end, again and again: the item of a number is at number & mask(),
+  // and how often it did so.
+  Item* places() { return ring_.data(); }
+  std::size_t mask() const { return mask_; }
+  void turned(std::size_t times) {
+    head_ += times;
+    tail_ += times;
+  }
+  // Before the item of that number, which is now the next one, as are those behind it.
+  void insert(std::size_t number, const Item& item) {
+    push(item);
+    for (std::size_t i = tail_ - 1; i > number; --i) ring_[i & mask_] = ring_[(i - 1) & mask_];
+    ring_[number & mask_] = item;
+  }
+
+ private:
+  void grow() {
+    std::vector<Item> larger(2 * ring_.size());
+    const std::size_t mask = larger.size() - 1;
+    for (std::size_t i = head_; i < tail_; ++i) larger[i & mask] = ring_[i & mask_];
+    mask_ = mask;
+    ring_.swap(larger);
+  }
+
+  std::vector<Item> ring_ = std::vector<Item>(1);
+  std::size_t mask_ = 0;
+  std::size_t head_ = 0, tail_ = 0;
+};
+
+// A ray on its way to a queue, or to the DSP.
+struct Coming {
+  Cycle ready = 0;
+  std::uint32_t ray = 0;    // handle
+  std::uint32_t queue = 0;  // to the DSP: the processor that it comes from
+  bool overflowed = false;
+};
+
+}  // namespace gicube::emu

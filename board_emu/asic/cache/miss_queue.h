@@ -1,0 +1,67 @@
+// Packets that a processor has asked its memory for and not yet written into its cache, oldest first [P §3.3].
+//
+// The pipeline asks and takes; the memory side sends the requests on, in order, and notes when each arrives. What is asked
+// in a cycle can be sent from the next one on, so it does not matter which side ticks first.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "words/clock.h"
+
+namespace gicube::emu {
+
+// What a packet's way was held up by most.
+enum class Delay : std::uint8_t { kTransfer, kBank, kRefresh };
+
+struct Packet {
+  std::uint32_t block = 0;  // number of the block in its processor
+  std::uint32_t tile = 0;
+  Cycle asked = 0;
+  Cycle sent = kNoCycle;     // when the memory took it on
+  Cycle arrival = kNoCycle;  // from then on it can be written into the cache
+  Delay delay = Delay::kTransfer;
+};
+
+class MissQueue {
+ public:
+  explicit MissQueue(std::size_t packets) : ring_(std::bit_ceil(packets)), mask_(ring_.size() - 1), packets_(packets) {}
+
+  std::size_t room() const { return packets_ - size_; }
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+
+  void ask(Cycle now, std::uint32_t block, std::uint32_t tile) {
+    ring_[(head_ + size_) & mask_] = {block, tile, now, kNoCycle, kNoCycle, Delay::kTransfer};
+    ++size_;
+  }
+  const Packet& oldest() const { return ring_[head_ & mask_]; }
+  void take() {
+    ++head_;
+    --size_;
+    --sent_;
+  }
+
+  bool all_sent() const { return sent_ == size_; }
+  bool can_send(Cycle now) const { return !all_sent() && next().asked < now; }
+  const Packet& next() const { return ring_[(head_ + sent_) & mask_]; }
+  void send(Cycle now, Cycle arrival, Delay delay) {
+    Packet& packet = ring_[(head_ + sent_) & mask_];
+    packet.sent = now;
+    packet.arrival = arrival;
+    packet.delay = delay;
+    ++sent_;
+  }
+
+ private:
+  std::vector<Packet> ring_;  // a power of two of places
+  std::size_t mask_;
+  std::size_t packets_;
+  std::size_t head_ = 0;
+  std::size_t size_ = 0;
+  std::size_t sent_ = 0;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,154 @@
+// The tags of a processor's volume cache: which tiles of which block it holds, or has asked for [P §2.1, §3.3].
+//
+// The cache has a place for each of a block's (n+1)^3 voxels. Memory brings 2x2x1 tiles (docs/reference/hardware.md), so the tags of
+// a tile's four voxels are always the same and are kept once. Lazy: nothing is fetched before a sample needs it.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace gicube::emu {
+
+struct CacheShape {
+  int block_voxels = 32;
+  unsigned ways = 1;
+  // The baseline of [P §5.1]: places are taken by a tile's linear address in the whole volume, not in its block.
+  bool linear = false;
+  std::array<int, 3> blocks{};  // of the volume
+};
+
+struct CacheCounters {
+  std::uint64_t checks = 0;               // trilinear neighbourhoods looked up
+  std::uint64_t packets = 0;              // tiles asked for
+  std::uint64_t missed_voxels = 0;        // of the eight a check needs
+  std::uint64_t filled_voxels = 0;        // that the packets bring, padding left out
+  std::array<std::uint64_t, 9> misses{};  // checks by their missed voxels, 0..8
+};
+
+struct Misses {
+  std::uint32_t count = 0;             // packets
+  std::array<std::uint32_t, 9> tiles;  // one more than there can be: the check writes before it counts
+};
+
+class VolumeCache {
+ public:
+  explicit VolumeCache(const CacheShape& shape);
+
+  // Looks up the neighbourhood of the cell at `voxel` of `block`. Missing tiles count as present from now on.
+  const Misses& check(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+    return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
+  }
+
+  // The same for one who knows that something is missing, or is not the latest used.
+  const Misses& ask(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+    if (!plain_) return check_sets(block, voxel);
+    return fetch_plain(block, voxel, (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1));
+  }
+
+  // For a caller that goes on and on in one block of a direct mapped cache: by tile, the block that it is of.
+  const std::uint32_t* plain_tags() const { return plain_ ? tags_.data() : nullptr; }
+  std::size_t tiles_x() const { return tiles_x_; }
+
+  // Whether all tiles of the neighbourhood are there, each the latest used of its set, so that check() would change nothing
+  // but counters. Not with `linear`, nor for a direct mapped cache.
+  bool latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
+
+  // Whether a tile is there, or has been asked for.
+  bool holds(std::uint32_t block, std::uint32_t tile) const;
+
+  // Drops every tile: memory has changed.
+  void invalidate();
+
+  std::size_t tiles_of_block() const { return slice_tiles_ * slices_; }
+  const CacheCounters& counters() const { return counters_; }
+
+ private:
+  static constexpr std::uint32_t kNothing = ~std::uint32_t{0};
+
+  const Misses& check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  // The same if something is missing; `first` is the neighbourhood's lowest tile.
+  const Misses& fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, std::size_t first);
+  const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  void count(std::uint32_t packets, std::uint32_t voxels_of_tile) {
+    misses_.count = packets;
+    ++counters_.checks;
+    counters_.packets += packets;
+    counters_.missed_voxels += packets * voxels_of_tile;
+    ++counters_.misses[packets * voxels_of_tile];
+  }
+  // The place of the set's first way.
+  std::size_t set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) const;
+  bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
+
+  CacheShape shape_;
+  bool plain_;           // direct mapped, by the place in the block
+  std::size_t tiles_x_;  // of a block along x, and along y
+  std::size_t slice_tiles_;
+  std::size_t slices_;  // along z
+  std::size_t sets_;
+  std::vector<std::uint32_t> tags_;       // sets_ x ways, the latest used first
+  std::vector<std::uint32_t> first_way_;  // by tile, where the set begins; not with `linear`
+  Misses misses_;
+  CacheCounters counters_;
+};
+
+// A direct mapped cache looked up by the place in the block. Mostly nothing is missing, and that is seen at once, two
+// tiles of a row in a word.
+inline const Misses& VolumeCache::check_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;  // the neighbourhood reaches into the next tile
+  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
+  const auto differs = [this, block](std::size_t tile) {
+    const auto tags = std::bit_cast<std::uint64_t>(std::array{tags_[tile], tags_[tile + 1]});
+    return tags ^ std::bit_cast<std::uint64_t>(std::array{block, block});
+  };
+  const std::uint64_t of_both = std::bit_cast<std::uint64_t>(std::array{~0u, two_x != 0 ? ~0u : 0u});
+  const std::size_t row = two_y * tiles_x_, slice = slice_tiles_;
+  const std::uint64_t any =
+      differs(first) | differs(first + row) | differs(first + slice) | differs(first + slice + row);
+  if ((any & of_both) == 0) {
+    count(0, 4u >> (two_x + two_y));
+    return misses_;
+  }
+  return fetch_plain(block, voxel, first);
+}
+
+// Always eight tags, as the hardware does, and without a branch a tile, since which are missing is hard to predict: a tile
+// that comes twice is there the second time.
+inline const Misses& VolumeCache::fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel,
+                                              std::size_t first) {
+  const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1;
+  const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;
+  const std::size_t last = tiles_x_ - 1;  // the last tile of a row holds one voxel of the block, and padding
+  const std::uint32_t across[2] = {x != last ? 2u : 1u, x + two_x != last ? 2u : 1u};
+  const std::uint32_t down[2] = {y != last ? 2u : 1u, y + two_y != last ? 2u : 1u};
+  std::uint32_t count_missing = 0, filled = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::size_t tile = first + (i & 1) * two_x + (i >> 1 & 1) * two_y * tiles_x_ + (i >> 2) * slice_tiles_;
+    const std::uint32_t missing = tags_[tile] != block;
+    tags_[tile] = block;
+    misses_.tiles[count_missing] = static_cast<std::uint32_t>(tile);
+    count_missing += missing;
+    filled += missing * across[i & 1] * down[i >> 1 & 1];
+  }
+  counters_.filled_voxels += filled;
+  count(count_missing, 4u >> (two_x + two_y));
+  return misses_;
+}
+
+inline bool VolumeCache::latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
+  const std::size_t two_x = voxel[0] & 1, row = (voxel[1] & 1) * tiles_x_;
+  const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
+  const std::uint32_t tags = block * static_cast<std::uint32_t>(tiles_of_block());
+  std::uint32_t differ = 0;
+  for (const std::size_t of_row : {first, first + row, first + slice_tiles_, first + slice_tiles_ + row}) {
+    const std::size_t next = of_row + two_x;
+    differ |= tags_[first_way_[of_row]] ^ (tags + static_cast<std::uint32_t>(of_row));
+    differ |= tags_[first_way_[next]] ^ (tags + static_cast<std::uint32_t>(next));
+  }
+  return differ == 0;
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,87 @@
+// Packets on their way from a processor's volume cache to its memory: tiles whose irradiance has changed [P §3.4].
+//
+// Writes wait here until there are enough of them to be worth turning the memory's bus round; a tile that changes again
+// while it waits is written once. A tile that the cache has lost in the meantime is fetched first. The memory serves writes
+// and the misses' reads in the order in which they were asked for; a read of a tile that still waits here takes no longer
+// than one from memory.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+
+#include "words/clock.h"
+
+namespace gicube::emu {
+
+struct TileWrite {
+  std::uint32_t block = 0;  // number of the block in its processor
+  std::uint32_t tile = 0;
+  bool fetch = false;  // a read that goes before the write
+  Cycle asked = 0;
+  Cycle sent = kNoCycle;  // when the memory took it on
+};
+
+struct WriteCounters {
+  std::uint64_t tiles = 0;     // that changed
+  std::uint64_t combined = 0;  // of them, written with an earlier change
+  std::uint64_t fetches = 0;   // of them, no longer in the cache
+};
+
+class WriteQueue {
+ public:
+  // Tiles that may wait; asked for once half of the places are taken.
+  explicit WriteQueue(std::size_t tiles) : places_(tiles) {}
+
+  std::size_t room() const { return places_ - std::min(places_, waiting_.size() + asked_.size()); }
+  bool empty() const { return waiting_.empty() && asked_.empty(); }
+  std::size_t size() const { return waiting_.size() + asked_.size(); }
+
+  void put(std::uint32_t block, std::uint32_t tile, bool in_cache) {
+    ++counters_.tiles;
+    const bool known = std::any_of(waiting_.begin(), waiting_.end(),
+                                   [=](const TileWrite& write) { return write.block == block && write.tile == tile; });
+    if (known) {
+      ++counters_.combined;
+      return;
+    }
+    if (!in_cache) {
+      ++counters_.fetches;
+      waiting_.push_back({block, tile, true, 0, kNoCycle});
+    }
+    waiting_.push_back({block, tile, false, 0, kNoCycle});
+  }
+  // Asks for what waits, if it is time to.
+  void ask(Cycle now, bool all) {
+    if (waiting_.empty() || (!all && 2 * waiting_.size() < places_)) return;
+    for (TileWrite& write : waiting_) {
+      write.asked = now;
+      asked_.push_back(write);
+    }
+    waiting_.clear();
+  }
+
+  // Gives the places of what was sent before `now` free: for the processor to call, so that it does not matter which side
+  // ticks first.
+  void settle(Cycle now) {
+    while (sent_ > 0 && asked_.front().sent < now) {
+      asked_.pop_front();
+      --sent_;
+    }
+  }
+
+  bool all_sent() const { return sent_ == asked_.size(); }
+  const TileWrite& next() const { return asked_[sent_]; }
+  void send(Cycle now) { asked_[sent_++].sent = now; }
+  const WriteCounters& counters() const { return counters_; }
+
+ private:
+  std::size_t places_;
+  std::deque<TileWrite> waiting_;
+  std::deque<TileWrite> asked_;
+  std::size_t sent_ = 0;  // of them
+  WriteCounters counters_;
+};
+
+}  // namespace gicube::emu

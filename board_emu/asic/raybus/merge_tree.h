@@ -1,0 +1,64 @@
+// The binary tree of merging nodes that brings rays back from the processors to the DSP, many to one [P §3.6].
+//
+// A node passes one ray a cycle, from its two inputs in turns, into a registered FIFO of two rays; the root's is the
+// output. A leaf without a partner goes up to the next level. So a ray takes one cycle a level, at most
+// ceil(log2(leaves)) in all and at least 1.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <iosfwd>
+#include <vector>
+
+#include "words/words.h"
+#include "asic/sim/fifo.h"
+
+namespace gicube::emu {
+
+struct MergeTreeCounters {
+  std::uint64_t rays = 0;   // that reached the output
+  std::uint64_t waits = 0;  // cycles in which the root had a ray and the output was full
+};
+
+class MergeTree {
+ public:
+  // At least one leaf.
+  MergeTree(const std::vector<Fifo<RayToken>*>& leaves, Fifo<RayToken>& output);
+
+  MergeTree(const MergeTree&) = delete;  // its nodes point at one another
+  MergeTree& operator=(const MergeTree&) = delete;
+
+  bool tick(Cycle now) {
+    // Mostly there is nothing at all to merge.
+    std::size_t rays = inside_;
+    for (const auto& pair : leaf_pairs_) rays |= pair[0]->size() | pair[1]->size();
+    return rays != 0 && work(now);
+  }
+
+  bool idle() const { return inside_ == 0; }  // no ray between leaves and output
+  std::uint64_t inside() const { return inside_; }
+  const MergeTreeCounters& counters() const { return counters_; }
+  void describe(std::ostream& out) const;
+
+ private:
+  struct Node {
+    std::array<Fifo<RayToken>*, 2> inputs{};  // the second may be missing: one leaf alone
+    std::array<bool, 2> is_leaf{};
+    Fifo<RayToken>* output = nullptr;
+    std::uint8_t turn = 0;
+  };
+
+  bool work(Cycle now);
+  bool merge(Node& node, Cycle now);
+
+  std::deque<Fifo<RayToken>> between_;  // outputs of all nodes but the root
+  std::vector<Node> nodes_;             // the root last
+  std::vector<Fifo<RayToken>*> leaves_;
+  std::vector<std::array<const Fifo<RayToken>*, 2>>
+      leaf_pairs_;  // the leaves again, half as many steps; one may be twice
+  std::uint64_t inside_ = 0;
+  MergeTreeCounters counters_;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,115 @@
+#include "asic/raybus/ray_bus.h"
+
+#include <algorithm>
+#include <cassert>
+#include <ostream>
+#include <span>
+
+namespace gicube::emu {
+
+RayBus::RayBus(Fifo<RayToken>& down, Fifo<RunPool::Run>& runs, RunPool& pool,
+               const std::vector<Fifo<RayToken>*>& to_processors)
+    : down_(down), runs_(runs), pool_(pool), listeners_(to_processors.size()) {
+  for (std::size_t i = 0; i < listeners_.size(); ++i) listeners_[i].fifo = to_processors[i];
+}
+
+bool RayBus::tick(Cycle now) {
+  if (down_.empty() && runs_.empty() && idle()) return false;
+  bool moved = send(now);
+  if (extrapolating_ > 0) {
+    for (std::size_t i = 0; i < listeners_.size(); ++i) moved |= extrapolate(now, static_cast<std::uint8_t>(i));
+  }
+  if (sent_run_) take_in_run();
+  return moved;
+}
+
+// One packet.
+bool RayBus::send(Cycle now) {
+  if (sending_) {  // the second packet of a run
+    sending_ = false;
+    sent_run_ = true;
+    ++counters_.busy;
+    return true;
+  }
+  const bool ray = down_.can_pop(now);
+  const bool run = runs_.can_pop(now);
+  const bool ray_goes = ray && ray_can_go(now);
+  const bool run_goes = run && run_can_go();
+  if (run_goes && (run_next_ || !ray_goes)) {
+    run_ = runs_.pop(now);
+    sending_ = true;
+    run_next_ = false;
+    ++counters_.runs;
+  } else if (ray_goes) {
+    const RayToken token = down_.pop(now);
+    Listener& owner = listeners_[token.processor];
+    owner.fifo->push(now, token);
+    owner.run_had_turn = false;
+    run_next_ = true;
+    ++counters_.rays;
+  } else {
+    if (ray || run) ++counters_.waits;
+    return false;
+  }
+  ++counters_.busy;
+  return true;
+}
+
+bool RayBus::ray_can_go(Cycle now) const {
+  const Listener& owner = listeners_[down_.front().processor];
+  const bool other_has_turn = owner.count > 0 && !owner.run_had_turn;
+  return !other_has_turn && owner.fifo->can_push(now);
+}
+
+bool RayBus::run_can_go() const {
+  return std::all_of(listeners_.begin(), listeners_.end(), [](const Listener& l) { return l.count < kRunBuffers; });
+}
+
+// At the end of the second packet's cycle. Those who have no ray in it drop it at once.
+void RayBus::take_in_run() {
+  sent_run_ = false;
+  for (std::size_t i = 0; i < listeners_.size(); ++i) {
+    const std::uint32_t first = next_own(run_, 0, static_cast<std::uint8_t>(i));
+    if (first == pool_.rays(run_).size()) {
+      pool_.release(run_);
+      continue;
+    }
+    listeners_[i].runs[listeners_[i].count++] = {run_, first};
+    ++extrapolating_;
+  }
+}
+
+bool RayBus::extrapolate(Cycle now, std::uint8_t processor) {
+  Listener& listener = listeners_[processor];
+  if (listener.count == 0 || !listener.fifo->can_push(now)) return false;
+  Buffered& oldest = listener.runs.front();
+  const std::span<const RayToken> rays = pool_.rays(oldest.run);
+  listener.fifo->push(now, rays[oldest.next]);
+  listener.run_had_turn = true;
+  ++counters_.run_rays;
+  oldest.next = next_own(oldest.run, oldest.next + 1, processor);
+  if (oldest.next == rays.size()) {
+    pool_.release(oldest.run);
+    std::shift_left(listener.runs.begin(), listener.runs.end(), 1);
+    --listener.count;
+    --extrapolating_;
+  }
+  return true;
+}
+
+std::uint32_t RayBus::next_own(RunPool::Run run, std::uint32_t from, std::uint8_t processor) const {
+  const std::span<const RayToken> rays = pool_.rays(run);
+  while (from < rays.size() && rays[from].processor != processor) ++from;
+  return from;
+}
+
+void RayBus::describe(std::ostream& out) const {
+  out << "ray bus: " << down_.size() << " rays and " << runs_.size() << " runs wait";
+  if (!down_.empty()) out << "; the first ray is for processor " << int{down_.front().processor};
+  for (std::size_t i = 0; i < listeners_.size(); ++i) {
+    out << "\n  processor " << i << ": " << listeners_[i].fifo->size() << " rays, " << listeners_[i].count << " runs";
+  }
+  out << '\n';
+}
+
+}  // namespace gicube::emu

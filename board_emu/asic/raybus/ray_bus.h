@@ -1,0 +1,80 @@
+// The ray bus from the DSP down to the processors: broadcast, one 32-byte packet a core cycle in all [P §3.6].
+//
+//   down (rays) --+                       +-- run buffer 0 -+-> from_bus 0
+//                 +-- one packet a cycle -+       ...       +->    ...
+//   runs ---------+                       +-- run buffer p -+-> from_bus p-1
+//
+// A ray goes to its owner's FIFO, one packet, and waits at the head if that is full. A run (ray_run.h) is two packets
+// that all processors hear; each then extrapolates its own rays of it, one a cycle, into its FIFO. A processor buffers
+// two runs; the bus takes the next only if every processor has room. Rays and runs take turns when both can
+// go, and so do a ray and an extrapolated ray that are for the same FIFO.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <iosfwd>
+#include <vector>
+
+#include "words/words.h"
+#include "asic/raybus/ray_run.h"
+#include "asic/sim/fifo.h"
+
+namespace gicube::emu {
+
+struct RayBusCounters {
+  std::uint64_t rays = 0;      // sent one by one
+  std::uint64_t runs = 0;      // sent
+  std::uint64_t run_rays = 0;  // extrapolated from runs
+  std::uint64_t busy = 0;      // cycles with a packet on the bus
+  std::uint64_t waits = 0;     // cycles without, although a ray or run was there
+};
+
+class RayBus {
+ public:
+  static constexpr std::uint32_t kRunPackets = 2;  // [C] first ray, differential
+  static constexpr std::uint32_t kRunBuffers = 2;  // [C] runs a processor buffers
+
+  // `runs` carries handles of `pool`, whose listeners are as many as the processors.
+  RayBus(Fifo<RayToken>& down, Fifo<RunPool::Run>& runs, RunPool& pool,
+         const std::vector<Fifo<RayToken>*>& to_processors);
+
+  bool tick(Cycle now);
+
+  // Nothing on the bus and no run being extrapolated.
+  bool idle() const { return !sending_ && extrapolating_ == 0; }
+  const RayBusCounters& counters() const { return counters_; }
+  void describe(std::ostream& out) const;
+
+ private:
+  struct Buffered {
+    RunPool::Run run = 0;
+    std::uint32_t next = 0;  // ray of the run that is looked at next
+  };
+  struct Listener {
+    Fifo<RayToken>* fifo = nullptr;
+    std::array<Buffered, kRunBuffers> runs;  // the older first
+    std::uint32_t count = 0;
+    bool run_had_turn = false;
+  };
+
+  bool send(Cycle now);
+  bool ray_can_go(Cycle now) const;
+  bool run_can_go() const;
+  void take_in_run();
+  bool extrapolate(Cycle now, std::uint8_t processor);
+  // The first of the processor's rays in a run at or after `from`; the run's length if there is none.
+  std::uint32_t next_own(RunPool::Run run, std::uint32_t from, std::uint8_t processor) const;
+
+  Fifo<RayToken>& down_;
+  Fifo<RunPool::Run>& runs_;
+  RunPool& pool_;
+  std::vector<Listener> listeners_;
+  bool sending_ = false;   // run_'s second packet is next
+  bool sent_run_ = false;  // run_ has arrived in this cycle
+  RunPool::Run run_ = 0;
+  bool run_next_ = false;            // whose turn it is when both can go
+  std::uint32_t extrapolating_ = 0;  // runs in all buffers
+  RayBusCounters counters_;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,96 @@
+#include "asic/rdram/timing.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace gicube::emu::rdram {
+namespace {
+
+using enum Command;
+using enum Scope;
+
+std::vector<Constraint> row_constraints(const v1::RdramConfig& config) {
+  std::vector<Constraint> rows;
+  for (const Command opens : {kActivate, kRefresh}) {
+    rows.push_back({"tRAS", opens, kPrecharge, kBank, config.t_ras()});
+    rows.push_back({"tRP", kPrecharge, opens, kBank, config.t_rp()});
+    // Neighbours share sense amps: these have to be precharged before either bank uses them.
+    rows.push_back({"tRP", kPrecharge, opens, kNeighbour, config.t_rp()});
+    for (const Command again : {kActivate, kRefresh}) {
+      rows.push_back({"tRC", opens, again, kBank, config.t_ras() + config.t_rp()});
+      rows.push_back({"tRR", opens, again, kDevice, config.t_rr()});
+    }
+  }
+  rows.push_back({"tPP", kPrecharge, kPrecharge, kDevice, config.t_pp()});
+  for (const Command from : {kActivate, kPrecharge, kRefresh}) {
+    for (const Command to : {kActivate, kPrecharge, kRefresh}) {
+      rows.push_back({"tPACK", from, to, kChannel, kPacket});
+    }
+  }
+  return rows;
+}
+
+std::vector<Constraint> column_constraints(const v1::RdramConfig& config) {
+  const std::uint32_t cac = config.t_cac(), cwd = config.t_cwd(), retire = config.t_rtr();
+  // Data follow their packet after another time when reading than when writing; on DQ they may not overlap.
+  const std::uint32_t read_write = kPacket + (cac > cwd ? cac - cwd : 0);
+  const std::uint32_t write_read = kPacket + (cwd > cac ? cwd - cac : 0);
+  return {{"tRCD", kActivate, kRead, kBank, config.t_rcd()},
+          {"tRCD", kActivate, kWrite, kBank, config.t_rcd()},
+          {"tOFFP", kRead, kPrecharge, kBank, config.t_offp()},
+          // What was written is in the bank only once the write buffer has been retired.
+          {"tRTR+tOFFP", kWrite, kPrecharge, kBank, retire + config.t_offp()},
+          {"tRTR+tPACK", kWrite, kRead, kDevice, retire + kPacket},
+          {"tPACK", kRead, kRead, kChannel, kPacket},
+          {"tPACK", kWrite, kWrite, kChannel, kPacket},
+          {"tPACK+tCAC-tCWD", kRead, kWrite, kChannel, read_write},
+          {"tPACK", kWrite, kRead, kChannel, write_read},
+          {"tPACK+tCAC", kRead, kData, kChannel, kPacket + cac},
+          {"tPACK+tCWD", kWrite, kData, kChannel, kPacket + cwd}};
+}
+
+std::vector<Constraint> all_constraints(const v1::RdramConfig& config) {
+  std::vector<Constraint> rows = row_constraints(config);
+  for (Constraint& row : column_constraints(config)) rows.push_back(std::move(row));
+  return rows;
+}
+
+}  // namespace
+
+const char* to_string(Command command) {
+  switch (command) {
+    case kActivate: return "ACT";
+    case kPrecharge: return "PRE";
+    case kRead: return "RD";
+    case kWrite: return "WR";
+    case Command::kRefresh: return "REFA";
+    case kData: return "DATA";
+  }
+  return "?";
+}
+
+const char* to_string(Scope scope) {
+  switch (scope) {
+    case kBank: return "bank";
+    case kNeighbour: return "neighbour";
+    case kDevice: return "device";
+    case kChannel: return "channel";
+  }
+  return "?";
+}
+
+Timing::Timing(const v1::RdramConfig& config) : Timing(all_constraints(config)) {}
+
+Timing::Timing(std::vector<Constraint> rows) : rows_(std::move(rows)) {
+  for (const Constraint& row : rows_) {
+    if (!honoured(row.scope, row.from, row.to)) {
+      throw std::invalid_argument("RDRAM timing " + row.name + ": expected a pair that the model honours, got " +
+                                  to_string(row.from) + " to " + to_string(row.to) + " in a " + to_string(row.scope));
+    }
+    std::uint32_t& delay = delays_[index(row.scope)][index(row.from)][index(row.to)];
+    delay = std::max(delay, row.cycles);
+  }
+}
+
+}  // namespace gicube::emu::rdram

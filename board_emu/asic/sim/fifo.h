@@ -1,0 +1,60 @@
+// A registered FIFO between two parts: what is pushed or popped in a cycle takes effect at the clock edge that ends it.
+//
+// So the order in which parts tick within a cycle never matters. One push and one pop a cycle. A capacity of 2 keeps
+// full rate; 1 halves it, since the place that a pop frees is seen only one cycle later.
+#pragma once
+
+#include <bit>
+#include <cassert>
+#include <cstddef>
+#include <vector>
+
+#include "words/clock.h"
+
+namespace gicube::emu {
+
+template <typename T>
+class Fifo {
+ public:
+  explicit Fifo(std::size_t capacity)
+      : items_(std::bit_ceil(capacity)), mask_(items_.size() - 1), capacity_(capacity) {}
+
+  // Both halves are always worked out: which of them fails is hard to predict.
+  bool can_push(Cycle now) const { return (last_push_ != now) & (size_ + (last_pop_ == now ? 1 : 0) < capacity_); }
+  // Places free to a pusher at `now`.
+  std::size_t room(Cycle now) const { return capacity_ - size_ - (last_pop_ == now ? 1 : 0); }
+  void push(Cycle now, const T& item) {
+    assert(can_push(now));
+    items_[(head_ + size_) & mask_] = item;
+    ++size_;
+    last_push_ = now;
+  }
+
+  bool can_pop(Cycle now) const { return (last_pop_ != now) & (size_ > (last_push_ == now ? 1u : 0u)); }
+  const T& front() const { return items_[head_ & mask_]; }
+  // The one pushed last; not for a part that may not see it yet, but for prefetching what it points at.
+  const T& back() const { return items_[(head_ + size_ - 1) & mask_]; }
+  T pop(Cycle now) {
+    assert(can_pop(now));
+    const T item = items_[head_++ & mask_];
+    --size_;
+    last_pop_ = now;
+    return item;
+  }
+
+  bool pushed(Cycle now) const { return last_push_ == now; }
+  // Holds nothing at all, not even what becomes visible at the next edge.
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+
+ private:
+  std::vector<T> items_;  // a power of two of places
+  std::size_t mask_;
+  std::size_t capacity_;
+  std::size_t head_ = 0;
+  std::size_t size_ = 0;
+  Cycle last_push_ = kNoCycle;
+  Cycle last_pop_ = kNoCycle;
+};
+
+}  // namespace gicube::emu

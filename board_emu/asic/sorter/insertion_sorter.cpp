@@ -1,0 +1,81 @@
+#include "asic/sorter/insertion_sorter.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace gicube::emu {
+
+InsertionSorter::InsertionSorter(std::uint32_t queues)
+    : ranks_(queues), selected_(2 * std::size_t{queues} + 1, kHole), inserted_(queues, kHole) {}
+
+void InsertionSorter::insert(std::uint32_t queue, std::uint32_t importance) {
+  assert(queue < inserted_.size() && importance > 0 && importance < kInfinite && can_insert());
+  if (inserted_[queue] == kHole) {
+    ++size_;
+  } else {
+    wipe(inserted_[queue]);
+  }
+  inserted_[queue] = key(queue, importance);
+  moving_.push_back({inserted_[queue], origin_, origin_ - steps_});
+  entering_ = true;
+}
+
+void InsertionSorter::wipe(Key key) {
+  for (;;) {
+    // Most often it is one of the youngest: rays of neighbouring pixels come to a queue soon after one another.
+    const auto is_it = [key](const Moving& item) { return item.key == key; };
+    if (const auto item = std::find_if(moving_.rbegin(), moving_.rend(), is_it); item != moving_.rend()) {
+      if (item->at == item->slot + steps_) {
+        item->key = kHole;
+        return;
+      }
+      catch_up_to(item->slot + steps_);
+    } else {
+      const auto place = std::find(selected_.begin() + origin_, selected_.end(), key);
+      assert(place != selected_.end());
+      catch_up_to(static_cast<std::uint32_t>(place - selected_.begin()) + 1);
+      if (*place == key) {
+        *place = kHole;
+        return;
+      }
+    }
+    // It was pushed on, or has found a place.
+  }
+}
+
+void InsertionSorter::shift_up() {
+  assert(can_insert());
+  if (top() != kNoQueue) {
+    inserted_[top()] = kHole;
+    selected_[origin_] = kHole;
+    --size_;
+  }
+  if (++origin_ > ranks_) begin_anew();
+  // The new top rank must be up to date: its selected buffer, and whether its comparison buffer is full.
+  catch_up_to(origin_ + 1);
+  entering_ = !moving_.empty() && moving_.back().key != kHole && moving_.back().at == origin_;
+}
+
+void InsertionSorter::begin_anew() {
+  catch_up();
+  std::fill(std::move(selected_.begin() + origin_, selected_.end(), selected_.begin()), selected_.end(), kHole);
+  for (Moving& item : moving_) {
+    item.at -= origin_;
+    item.slot -= origin_;
+  }
+  origin_ = 0;
+}
+
+void InsertionSorter::catch_up_to(std::uint32_t position) {
+  auto item = moving_.end();
+  while (item != moving_.begin() && (item - 1)->at < position) --item;  // none is ahead of an older one
+  for (; item != moving_.end(); ++item) move_down(*item, std::min(position, item->slot + steps_));
+}
+
+void InsertionSorter::catch_up() {
+  behind_ = 0;
+  catch_up_to(std::numeric_limits<std::uint32_t>::max());
+  std::erase_if(moving_, [](const Moving& item) { return item.key == kHole; });
+}
+
+}  // namespace gicube::emu

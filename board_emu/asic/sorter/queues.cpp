@@ -1,0 +1,13 @@
+#include "asic/sorter/queues.h"
+
+namespace gicube::emu {
+
+Queues::Queues(std::uint32_t queues, std::uint32_t capacity, QueuePolicy policy)
+    : capacity_(capacity), policy_(policy), states_(queues) {}
+
+std::uint32_t Queues::grow() {
+  records_.emplace_back();
+  return static_cast<std::uint32_t>(records_.size() - 1);
+}
+
+}  // namespace gicube::emu

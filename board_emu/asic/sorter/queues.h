@@ -1,0 +1,114 @@
+// The ray queues of one processor: first in first out each, with slots and importance [P §3.2].
+//
+// A queue of capacity C has C slots. A ray takes one when it is written and gives it up when it has left the queue for
+// good: while it is in the pipeline and may come back its slot is kept. So a ray that comes back to its queue always
+// finds room. The eDRAMs are one pool of records here that grows with the rays that are there, not with the capacity.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <vector>
+
+#include "words/words.h"
+
+namespace gicube::emu {
+
+enum class QueuePolicy : std::uint8_t { kMostRays, kMostContribution };
+
+class Queues {
+ public:
+  static constexpr std::uint32_t kUnlimited = ~std::uint32_t{0};
+
+  // `capacity` in rays; kUnlimited for queues that never overflow.
+  Queues(std::uint32_t queues, std::uint32_t capacity, QueuePolicy policy);
+
+  bool has_slot(std::uint32_t queue) const { return states_[queue].slots < capacity_; }
+  // Writes a ray under way to the queue's tail. It takes a slot unless it kept its own. Returns the rays in the queue.
+  std::uint32_t write(std::uint32_t queue, const RayToken& token);
+  // Takes the ray at the head, which must be there; its slot stays taken, its flag keeps_slot is down.
+  RayToken read(std::uint32_t queue);
+  void release_slot(std::uint32_t queue) {
+    assert(states_[queue].slots > states_[queue].waiting);
+    --states_[queue].slots;
+  }
+
+  // Rays in the queue, or the sum of their contributions (at least 1 each), by policy; 0 = empty.
+  std::uint32_t importance(std::uint32_t queue) const {
+    const State& state = states_[queue];
+    return policy_ == QueuePolicy::kMostRays
+               ? state.waiting
+               : static_cast<std::uint32_t>(std::min<std::uint64_t>(state.contribution, kMostImportant));
+  }
+  std::uint32_t waiting(std::uint32_t queue) const { return states_[queue].waiting; }
+  std::uint64_t waiting() const { return waiting_; }
+  std::uint32_t slots_taken(std::uint32_t queue) const { return states_[queue].slots; }
+  std::uint32_t count() const { return static_cast<std::uint32_t>(states_.size()); }
+
+ private:
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+  static constexpr std::uint64_t kMostImportant = ~std::uint32_t{0} - 1;  // below the active queue's infinity
+
+  struct State {
+    std::uint32_t head = kNone;  // record
+    std::uint32_t tail = kNone;
+    std::uint32_t waiting = 0;
+    std::uint32_t slots = 0;  // taken: waiting, or issued and not released
+    std::uint64_t contribution = 0;
+  };
+  struct Record {
+    RayToken token;
+    std::uint32_t next = kNone;
+  };
+  static std::uint32_t weight(const RayToken& token) { return std::max<std::uint32_t>(1, token.contribution); }
+
+  // A new record's number.
+  std::uint32_t grow();
+
+  std::uint32_t capacity_;
+  QueuePolicy policy_;
+  std::uint32_t free_ = kNone;  // list of unused records
+  std::uint64_t waiting_ = 0;
+  std::vector<State> states_;
+  std::vector<Record> records_;
+};
+
+inline std::uint32_t Queues::write(std::uint32_t queue, const RayToken& token) {
+  State& state = states_[queue];
+  assert(token.state == RayState::kUnderWay);
+  if (!token.keeps_slot) {
+    assert(has_slot(queue));
+    ++state.slots;
+  }
+  assert(state.slots > state.waiting);
+  const std::uint32_t at = free_ == kNone ? grow() : free_;
+  Record* const records = records_.data();
+  Record& record = records[at];
+  free_ = record.next;
+  record.token = token;
+  record.token.keeps_slot = false;
+  (state.waiting == 0 ? state.head : records[state.tail].next) = at;
+  state.tail = at;
+  state.contribution += weight(token);
+  ++waiting_;
+  return ++state.waiting;
+}
+
+inline RayToken Queues::read(std::uint32_t queue) {
+  State& state = states_[queue];
+  assert(state.waiting > 0);
+  const std::uint32_t at = state.head;
+  Record* const records = records_.data();
+  Record& record = records[at];
+  state.head = record.next;
+  record.next = free_;
+  free_ = at;
+  --state.waiting;
+  state.contribution -= weight(record.token);
+  --waiting_;
+  // The next ray of this queue is most likely read in the next cycle, and lies anywhere.
+  if (state.waiting > 0) __builtin_prefetch(&records[state.head]);
+  return record.token;
+}
+
+}  // namespace gicube::emu

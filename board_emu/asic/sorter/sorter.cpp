@@ -1,0 +1,171 @@
+#include "asic/sorter/sorter.h"
+
+#include <algorithm>
+#include <bit>
+#include <ostream>
+
+namespace gicube::emu {
+
+Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOutputs& out)
+    : single_(setup.single),
+      bus_waits_(setup.bus_waits),
+      in_(in),
+      out_(out),
+      others_{&in.from_bus, &in.from_left, &in.from_right},
+      queues_(setup.single ? 1 : setup.queues, setup.ideal_queues ? Queues::kUnlimited : setup.capacity, setup.policy) {
+  if (setup.single || setup.ideal_sorter) {
+    maximum_.emplace(queues_.count());
+  } else {
+    ranks_.emplace(queues_.count());
+    dirty_.resize(queues_.count());
+  }
+}
+
+inline void Sorter::list_dirty(std::uint32_t queue) {
+  dirty_[queue] = {dirty_tail_, kNone};
+  (dirty_tail_ == kNone ? dirty_head_ : dirty_[dirty_tail_].next) = queue;
+  dirty_tail_ = queue;
+}
+
+inline void Sorter::unlist_dirty(std::uint32_t queue) {
+  const Dirty entry = dirty_[queue];
+  (entry.previous == kNone ? dirty_head_ : dirty_[entry.previous].next) = entry.next;
+  (entry.next == kNone ? dirty_tail_ : dirty_[entry.next].previous) = entry.previous;
+  dirty_[queue].next = kUnlisted;
+}
+
+inline void Sorter::modified(std::uint32_t queue) {
+  if (queue == active_) return;  // infinite until it is empty
+  if (!ranks_) {
+    maximum_->set(queue, queues_.importance(queue));
+  } else if (dirty_[queue].next == kUnlisted) {
+    list_dirty(queue);
+  }
+}
+
+inline void Sorter::give_up_active() {
+  const auto bits = static_cast<std::size_t>(std::bit_width(issued_since_active_)) - 1;  // it had at least one ray
+  const std::size_t bucket = std::min(bits, counters_.activation_rays.size() - 1);
+  ++counters_.activation_rays[bucket];
+  counters_.activation_issued[bucket] += issued_since_active_;
+  active_ = kNone;
+}
+
+inline void Sorter::choose_active() {
+  if (!ranks_) {
+    active_ = maximum_->queue();
+  } else {
+    if (ranks_->top() == kNone) return;
+    active_ = ranks_->top();
+    ranks_->activate_top();
+    if (dirty_[active_].next != kUnlisted) unlist_dirty(active_);
+  }
+  assert(queues_.waiting(active_) > 0);  // only the active queue loses rays
+  latest_active_ = active_;
+  ++counters_.activations;
+  issued_since_active_ = 0;
+}
+
+inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written) {
+  const std::uint32_t queue = queue_of(input.front());
+  if (input.front().keeps_slot || queues_.has_slot(queue)) {
+    const std::uint32_t waiting = queues_.write(queue, input.pop(now));
+    written = queue;
+    ++counters_.written;
+    counters_.peak_waiting = std::max<std::uint64_t>(counters_.peak_waiting, waiting);
+    modified(queue);
+    return true;
+  }
+  if (!may_overflow || !out_.overflow.can_push(now)) return false;
+  RayToken token = input.pop(now);
+  token.state = RayState::kOverflowed;
+  out_.overflow.push(now, token);
+  ++counters_.overflows;
+  return true;
+}
+
+inline bool Sorter::update_ranks() {
+  bool moved = false;
+  if (active_ != kNone) {
+    if (queues_.waiting(active_) == 0) {
+      give_up_active();
+      ranks_->shift_up();
+      moved = true;
+    }
+  } else if (ranks_->top() == kNone && ranks_->size() > 0 && ranks_->can_insert()) {
+    ranks_->shift_up();  // a hole came to the top
+    moved = true;
+  }
+  if (dirty_head_ != kNone && ranks_->can_insert()) {
+    const std::uint32_t queue = dirty_head_;
+    unlist_dirty(queue);
+    ranks_->insert(queue, queues_.importance(queue));
+    ++counters_.inserts;
+    moved = true;
+  }
+  return moved;
+}
+
+// One function with all that most cycles need: what is called from one place only is inline.
+bool Sorter::work(Cycle now, bool others_come) {
+  if (ranks_) ranks_->step();
+  bool moved = false;
+  if (in_.released.can_pop(now)) {
+    const std::uint32_t queue = in_.released.pop(now);
+    queues_.release_slot(single_ ? 0 : queue);
+    moved = true;
+  }
+  if (active_ == kNone && queues_.waiting() > 0) choose_active();
+  if (active_ != kNone && out_.issue.can_push(now)) {
+    out_.issue.push(now, queues_.read(active_));
+    ++counters_.issued;
+    ++issued_since_active_;
+    moved = true;
+  }
+  std::uint32_t written = kNone;
+  const bool returned = in_.returned.can_pop(now) && take(now, in_.returned, true, written);
+  moved |= returned;
+  if (others_come) moved |= accept_others(now, returned ? 1 : 2, written);
+  if (ranks_) return update_ranks() || moved;
+  if (active_ != kNone && queues_.waiting(active_) == 0) {
+    maximum_->set(active_, 0);
+    give_up_active();
+  }
+  return moved;
+}
+
+bool Sorter::accept_others(Cycle now, std::uint32_t turns, std::uint32_t written) {
+  bool moved = false;
+  std::uint32_t input = turn_;
+  for (std::uint32_t tried = 0; tried < others_.size() && turns > 0; ++tried) {
+    Fifo<RayToken>& fifo = *others_[input];
+    const std::uint32_t next = input == 2 ? 0 : input + 1;
+    if (fifo.can_pop(now)) {
+      if (queue_of(fifo.front()) == written && queues_.has_slot(written)) {
+        ++counters_.conflicts;
+        turn_ = input;  // what lost its turn is first in the next cycle
+        break;
+      }
+      if (take(now, fifo, input != 0 || !bus_waits_, written)) {
+        moved = true;
+        --turns;
+        turn_ = next;
+      }
+    }
+    input = next;
+  }
+  return moved;
+}
+
+void Sorter::describe(std::ostream& out) const {
+  out << "sorter: " << queues_.waiting() << " rays wait in queues";
+  if (has_active()) {
+    out << "; queue " << active_ << " is active with " << queues_.waiting(active_) << " rays waiting and "
+        << queues_.slots_taken(active_) << " slots taken";
+  }
+  out << "\nsorter inputs: " << in_.returned.size() << " returned, " << in_.from_bus.size() << " from bus, "
+      << in_.from_left.size() << " from left, " << in_.from_right.size()
+      << " from right; outputs: " << out_.issue.size() << " to issue, " << out_.overflow.size() << " overflowed\n";
+}
+
+}  // namespace gicube::emu

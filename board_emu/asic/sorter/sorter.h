@@ -1,0 +1,138 @@
+// One processor's sorter: rays come in, wait in the queue of their block, and leave by the most important one [P §3.2].
+//
+//   returned, from_bus, from_left, from_right -> at most two a cycle -> queues -> the active queue's head -> issue
+//                                                         no slot: -> overflow
+//
+// A cycle, in this order: the insertion sorter compares; a released slot is taken back; without an active queue the top
+// rank's becomes active; one ray is issued; at most two are written; an active queue that is empty is given up; one
+// modified queue is inserted. So a ray written into an empty sorter is issued in the next cycle, and one active queue
+// follows another without a lost cycle while the ranks are settled.
+//
+// Two writes [P]: the bucketing logic runs at twice the clock and each queue is an eDRAM of its own. Two rays for one
+// queue conflict: the second waits, its turn lost. `returned` comes first, since the pipeline stalls behind it; the
+// others take turns. An input whose ray finds neither slot nor place in `overflow` is passed over.
+//
+// Slots: see queues.h. The pipeline sets RayToken::keeps_slot on a ray that goes back to the queue it came from;
+// otherwise it clears the flag and pushes the old queue's number to `released`.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <iosfwd>
+#include <optional>
+#include <vector>
+
+#include "words/words.h"
+#include "asic/sim/fifo.h"
+#include "asic/sorter/exact_maximum.h"
+#include "asic/sorter/insertion_sorter.h"
+#include "asic/sorter/queues.h"
+
+namespace gicube::emu {
+
+struct SorterSetup {
+  std::uint32_t queues = 128;    // N³ / n³ / p
+  std::uint32_t capacity = 256;  // rays a queue
+  QueuePolicy policy = QueuePolicy::kMostRays;
+  // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their coming. RayToken::queue is carried
+  // along and has no say here; a ray that stays in the processor keeps its slot.
+  bool single = false;
+  bool ideal_queues = false;  // never full
+  bool ideal_sorter = false;  // the most important queue is known at once
+  // A ray from the bus waits for a slot instead of overflowing, and holds up the bus behind it. Rays from links still
+  // overflow: if they waited too, processors could wait for each other.
+  bool bus_waits = false;
+};
+
+struct SorterInputs {
+  Fifo<RayToken>& returned;  // from the own pipeline
+  Fifo<RayToken>& from_bus;
+  Fifo<RayToken>& from_left;
+  Fifo<RayToken>& from_right;
+  Fifo<std::uint32_t>& released;  // numbers of queues whose slot a ray gave up
+};
+
+struct SorterOutputs {
+  Fifo<RayToken>& issue;     // to the pipeline
+  Fifo<RayToken>& overflow;  // to the merge tree, state = kOverflowed
+};
+
+struct SorterCounters {
+  std::uint64_t written = 0;       // rays into queues
+  std::uint64_t conflicts = 0;     // second writes lost since both rays were for one queue
+  std::uint64_t overflows = 0;     // rays that found no slot
+  std::uint64_t issued = 0;        // rays to the pipeline
+  std::uint64_t activations = 0;   // queues that became active
+  std::uint64_t inserts = 0;       // modified importances put into the insertion sorter
+  std::uint64_t peak_waiting = 0;  // most rays that ever waited in one queue
+  // Activations by the rays issued in them: entry k counts 2^k .. 2^(k+1) - 1.
+  std::array<std::uint64_t, 32> activation_rays{};
+  std::array<std::uint64_t, 32> activation_issued{};  // the rays issued in them
+};
+
+class Sorter {
+ public:
+  Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOutputs& out);
+
+  // True if a ray, a slot or an importance moved. Here is only what an empty sorter needs, without a call.
+  bool tick(Cycle now) {
+    // Rays stay in a processor for many samples, so that mostly all three are empty.
+    const bool others_come = (in_.from_bus.size() | in_.from_left.size() | in_.from_right.size()) != 0;
+    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting();
+    return ((rest != 0) | others_come) && work(now, others_come);
+  }
+
+  bool idle() const { return queues_.waiting() == 0; }
+  std::uint64_t waiting() const { return queues_.waiting(); }  // rays in queues
+  std::uint32_t waiting(std::uint32_t queue) const { return queues_.waiting(queue); }
+  bool has_active() const { return active_ != kNone; }
+  std::uint32_t active() const { return active_; }  // only if has_active(); 0 with a single queue
+  // The one that became active last; 0 before the first.
+  std::uint32_t latest_active() const { return latest_active_; }
+  const SorterCounters& counters() const { return counters_; }
+  // One fact a line.
+  void describe(std::ostream& out) const;
+
+ private:
+  static constexpr std::uint32_t kNone = InsertionSorter::kNoQueue;
+  static constexpr std::uint32_t kUnlisted = kNone - 1;
+
+  // Modified queues in the order of their modification: a list through the queues, so that one can leave it anywhere.
+  struct Dirty {
+    std::uint32_t previous = kNone;
+    std::uint32_t next = kUnlisted;
+  };
+
+  // A cycle of a sorter that is not empty. `others_come`: something is in one of others_.
+  bool work(Cycle now, bool others_come);
+  std::uint32_t queue_of(const RayToken& token) const { return single_ ? 0 : token.queue; }
+  void choose_active();
+  void give_up_active();
+  // What comes from elsewhere: at most `turns` rays, none to the queue `written` in this cycle.
+  bool accept_others(Cycle now, std::uint32_t turns, std::uint32_t written);
+  // Moves the ray at the input's head to its queue, then `written`, or to overflow.
+  bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
+  void modified(std::uint32_t queue);
+  bool update_ranks();
+  void list_dirty(std::uint32_t queue);
+  void unlist_dirty(std::uint32_t queue);
+
+  bool single_;
+  bool bus_waits_;
+  SorterInputs in_;
+  SorterOutputs out_;
+  std::array<Fifo<RayToken>*, 3> others_;  // bus, left, right, in turns
+  std::uint32_t turn_ = 0;
+  std::uint32_t active_ = kNone;
+  std::uint32_t latest_active_ = 0;
+  std::uint64_t issued_since_active_ = 0;
+  std::uint32_t dirty_head_ = kNone;
+  std::uint32_t dirty_tail_ = kNone;
+  Queues queues_;
+  std::optional<InsertionSorter> ranks_;
+  std::optional<ExactMaximum> maximum_;  // ideal sorter or single queue: instead of ranks_
+  std::vector<Dirty> dirty_;
+  SorterCounters counters_;
+};
+
+}  // namespace gicube::emu

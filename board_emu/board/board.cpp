@@ -1,0 +1,369 @@
+#include "board.h"
+
+#include <array>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "firmware/register_file.h"
+#include "firmware/routines/routine_table.h"
+#include "firmware/commands/commands.h"
+#include "gicube/wire/memory_map.h"
+#include "timeline.h"
+#include "observe/observation.h"
+
+namespace gicube::emu {
+
+namespace {
+
+using wire::ErrorCode;
+using wire::FrameType;
+namespace reg = wire::reg;
+
+std::uint32_t agp_rates(v1::BusModel model) {
+  switch (model) {
+    case v1::agp1x: return 1;
+    case v1::agp2x: return 3;  // a faster card can also go slower
+    case v1::agp4x: return 7;
+    default: return 0;
+  }
+}
+
+bool posted(FrameType type) {
+  return type == FrameType::kRegisterWrite || type == FrameType::kMemoryWrite || type == FrameType::kCommand;
+}
+
+Reply refuse(ErrorCode error, const std::string& text) {
+  return {.error = error, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
+}
+
+// A processor's accesses, in dwords on the bus; a memory read is asked for by its address and length.
+constexpr Errand kRegisterWrite{.kind = TransferKind::kRegisterWrite, .down_bytes = 4};
+constexpr Errand kRegisterRead{.kind = TransferKind::kRegisterRead, .down_bytes = 4, .watched = true};
+constexpr std::uint64_t kReadRequestBytes = 16;
+
+// A stamp beyond this is refused, so that no sum of times can run over: 2^62 ps are 53 days.
+constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
+
+const char* command_name(std::span<const std::uint8_t> payload) {
+  const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
+  switch (static_cast<wire::Opcode>(opcode)) {
+    case wire::Opcode::kTrace: return "trace";
+    case wire::Opcode::kIlluminate: return "illuminate";
+    case wire::Opcode::kResume: return "resume";
+    case wire::Opcode::kVerify: return "verify";
+    default: return "render";
+  }
+}
+
+// What a host does that waits for the reply.
+const char* wait_name(FrameType type) {
+  switch (type) {
+    case FrameType::kMemoryRead: return "read memory";
+    case FrameType::kWait: return "wait";
+    default: return "access register";
+  }
+}
+
+Cargo cargo_at(std::uint64_t address) {
+  if (address >= wire::kVolume.base) return Cargo::kVolume;
+  return address >= wire::kFramebuffer.base ? Cargo::kImage : Cargo::kTable;
+}
+
+}  // namespace
+
+// What stands on the board, from power-up to the next reset.
+struct Board::Parts {
+  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, Observation* observes, const Routines* routines)
+      : config(board_config),
+        observation(observes),
+        pci(agp_rates(config.bus().model())),
+        commands(config, registers),
+        timeline(BusTiming(config.bus()), config.dsp().clock_khz()) {
+    commands.set_routines(routines);
+    if (observation != nullptr) {
+      observation->power_up(config);
+      timeline.set_watcher(observation);
+      commands.set_observer(observation->observer());
+    }
+    registers.set_fixed(reg::kId, wire::kIdValue);
+    registers.set_fixed(reg::kFidelity, static_cast<std::uint32_t>(config.fidelity()));
+    registers.set_fixed(reg::kProcessors, config.asic().processors());
+    registers.set_fixed(reg::kBlockVoxels, config.asic().block_voxels());
+    registers.set_fixed(reg::kMaxVolumeVoxels, config.asic().max_volume_voxels());
+    registers.set_fixed(reg::kQueueRays, config.asic().queue_rays());
+    registers.set_fixed(reg::kCoreKhz, config.asic().core_khz());
+    registers.set_fixed(reg::kDatapath, static_cast<std::uint32_t>(config.asic().datapath()));
+    registers.set_fixed(reg::kConfigHashLow, static_cast<std::uint32_t>(config_hash));
+    registers.set_fixed(reg::kConfigHashHigh, static_cast<std::uint32_t>(config_hash >> 32));
+  }
+
+  Reply transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  Reply read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  void write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  void command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work);
+  Reply wait(std::span<const std::uint8_t> payload);
+  Reply cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
+  void control(std::uint32_t bits);
+
+  Reply finish(const wire::FrameHeader& header, const Errand& errand, std::vector<std::uint8_t> payload) {
+    const std::uint64_t id = next_errand++;
+    timeline.add(header.time_ps, id, errand);
+    return {.time_ps = timeline.finish(id), .payload = std::move(payload)};
+  }
+  std::vector<Completion> take_completions();
+  std::vector<wire::Counter> count() const;
+
+  v1::BoardConfig config;
+  Observation* observation;  // may be null
+  RegisterFile registers;
+  PciConfigFile pci;
+  DspCommands commands;
+  Timeline timeline;
+  std::uint64_t next_errand = 1;
+  std::unordered_map<std::uint64_t, Completion> under_way;   // by errand
+  std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> errand
+};
+
+void Board::Parts::control(std::uint32_t bits) {
+  if ((bits & wire::kControlReset) != 0) {
+    registers.reset();
+    commands.reset();
+  }
+  if ((bits & wire::kControlClearVolume) != 0) commands.clear_volume();
+  if ((bits & wire::kControlClearIrradiance) != 0) commands.clear_irradiance();
+  if ((bits & wire::kControlClearSums) != 0) commands.clear_sums();
+}
+
+Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  const bool writes = header.type == FrameType::kConfigWrite || header.type == FrameType::kRegisterWrite;
+  if (payload.size() != (writes ? 8u : 4u))
+    return refuse(ErrorCode::kBadValue, "payload: expected an offset" + std::string(writes ? " and a value" : "") +
+                                            ", got " + std::to_string(payload.size()) + " bytes");
+  const auto offset = wire::load<std::uint32_t>(payload, 0);
+  const std::uint32_t value = writes ? wire::load<std::uint32_t>(payload, 4) : 0;
+  std::vector<std::uint8_t> read(4);
+  switch (header.type) {
+    case FrameType::kConfigRead: wire::store(std::span(read), 0, pci.read(offset)); break;
+    case FrameType::kRegisterRead: wire::store(std::span(read), 0, registers.read(offset)); break;
+    case FrameType::kConfigWrite: pci.write(offset, value); return finish(header, kRegisterRead, {});
+    default: {
+      timeline.add(header.time_ps, next_errand++, kRegisterWrite);
+      const std::uint32_t before = registers.value(offset & (wire::kBar0Bytes - 4));
+      if (!registers.write(offset, value)) return {};
+      if (offset == reg::kControl) control(value);
+      if (!commands.accept_register(offset)) {
+        registers.write(offset, before);
+        registers.raise(wire::kStatusBadValue, offset);
+      }
+      return {};
+    }
+  }
+  return finish(header, kRegisterRead, std::move(read));
+}
+
+Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (payload.size() != 16)
+    return refuse(ErrorCode::kBadValue,
+                  "payload: expected an address and a length, got " + std::to_string(payload.size()) + " bytes");
+  const auto address = wire::load<std::uint64_t>(payload, 0), length = wire::load<std::uint64_t>(payload, 8);
+  auto bytes = commands.aperture().read(address, length);
+  if (!bytes)
+    return refuse(ErrorCode::kBadAddress,
+                  "no memory of " + std::to_string(length) + " bytes at address " + std::to_string(address));
+  // The DSP sends the bytes as bus master once the commands before are done.
+  const Errand errand{.kind = TransferKind::kRegisterWrite,
+                      .down_bytes = kReadRequestBytes,
+                      .dsp = true,
+                      .up_bytes = length,
+                      .up_cargo = cargo_at(address),
+                      .watched = true,
+                      .name = "read memory"};
+  return finish(header, errand, std::move(*bytes));
+}
+
+void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (payload.size() < 8) return registers.raise(wire::kStatusBadCommand, 0);
+  const auto address = wire::load<std::uint64_t>(payload, 0);
+  const auto bytes = payload.subspan(8);
+  timeline.add(header.time_ps, next_errand++, {.cargo = cargo_at(address), .down_bytes = bytes.size()});
+  if (!commands.aperture().write(address, bytes)) {
+    registers.raise(wire::kStatusBadAddress, static_cast<std::uint32_t>(address));
+  }
+}
+
+void Board::Parts::command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work) {
+  if (observation != nullptr && observation->places_cycles()) {
+    observation->begin_command(timeline.turn_of(header.time_ps, {.down_bytes = payload.size()}));
+  }
+  CommandResult result = commands.run(payload, work);
+  if (observation != nullptr) observation->end_command();
+  if (result.error != ErrorCode::kNone) {
+    registers.raise(result.error == ErrorCode::kMemory ? wire::kStatusMemory : wire::kStatusBadCommand, 0);
+  }
+  const std::uint64_t id = next_errand++;
+  timeline.add(header.time_ps, id,
+               {.cargo = result.takes_rays ? Cargo::kRays : Cargo::kCommand,
+                .down_bytes = payload.size(),
+                .dsp = true,
+                .dsp_cycles = result.dsp_cycles,
+                .asic_ps = result.asic_ps,
+                .up_bytes = result.up_bytes,
+                .up_cargo = result.returns_rays ? Cargo::kRays : Cargo::kCompletion,
+                .watched = true,
+                .name = command_name(payload)});
+  under_way[id] = {header.id, result.error, 0, std::move(result.payload), result.leaves_nothing};
+  tickets[header.id] = id;
+}
+
+Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
+  if (payload.size() != 4 && payload.size() != 12) {
+    return refuse(ErrorCode::kBadValue, "payload: expected a ticket, or a ticket and a deadline, got " +
+                                            std::to_string(payload.size()) + " bytes");
+  }
+  const auto ticket = wire::load<std::uint32_t>(payload, 0);
+  const Picoseconds deadline = payload.size() == 12 ? wire::load<std::uint64_t>(payload, 4) : kNever;
+  const auto found = tickets.find(ticket);
+  if (found == tickets.end())
+    return refuse(ErrorCode::kBadValue, "ticket " + std::to_string(ticket) + " is not under way");
+  if (const auto time = timeline.finish(found->second, std::max(deadline, timeline.now()))) return {.time_ps = *time};
+  Reply late = refuse(ErrorCode::kDeadline,
+                      "ticket " + std::to_string(ticket) + " has not completed at " + std::to_string(deadline) + " ps");
+  late.time_ps = timeline.now();
+  return late;
+}
+
+// A processor's access, as a register's; the DSP looks through its list meanwhile.
+Reply Board::Parts::cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (payload.size() != 4)
+    return refuse(ErrorCode::kBadValue, "payload: expected a ticket, got " + std::to_string(payload.size()) + " bytes");
+  const auto found = tickets.find(wire::load<std::uint32_t>(payload, 0));
+  const bool cancelled = found != tickets.end() && under_way.at(found->second).can_be_cancelled &&
+                         timeline.take_back(header.time_ps, found->second);
+  if (cancelled) {
+    Completion& completion = under_way.at(found->second);
+    completion.error = ErrorCode::kCancelled;
+    const std::string text = "cancelled by the host";
+    completion.payload.assign(text.begin(), text.end());
+  }
+  std::vector<std::uint8_t> answer(4);
+  wire::store(std::span(answer), 0, std::uint32_t{cancelled});
+  return finish(header, kRegisterRead, std::move(answer));
+}
+
+std::vector<Completion> Board::Parts::take_completions() {
+  std::vector<Completion> completions;
+  for (const Finished& finished : timeline.take_finished()) {
+    const auto found = under_way.find(finished.id);
+    if (found == under_way.end()) continue;
+    completions.push_back(std::move(found->second));
+    completions.back().time_ps = finished.time_ps;
+    tickets.erase(completions.back().ticket);
+    under_way.erase(found);
+  }
+  return completions;
+}
+
+std::vector<wire::Counter> Board::Parts::count() const {
+  std::vector<wire::Counter> list;
+  for (const auto& [name, direction] :
+       {std::pair("bus.down.", Direction::kDown), std::pair("bus.up.", Direction::kUp)}) {
+    const BusCounters& bus = timeline.bus().counters(direction);
+    const std::string prefix(name);
+    list.push_back({prefix + "bytes", "byte", bus.bytes});
+    list.push_back({prefix + "transfers", "transfer", bus.transfers});
+    list.push_back({prefix + "bursts", "burst", bus.bursts});
+    list.push_back({prefix + "busy_ps", "ps", bus.busy_ps});
+    list.push_back({prefix + "wait_ps", "ps", bus.wait_ps});
+  }
+  for (std::size_t i = 0; i < kCargoNames.size(); ++i) {
+    const CargoCounters& cargo = timeline.bus().counters(static_cast<Cargo>(i));
+    const std::string prefix = std::string("bus.") + kCargoNames[i] + '.';
+    list.push_back({prefix + "bytes", "byte", cargo.bytes});
+    list.push_back({prefix + "transfers", "transfer", cargo.transfers});
+    list.push_back({prefix + "time_ps", "ps", cargo.time_ps});
+  }
+  list.push_back({"dsp.busy_ps", "ps", timeline.dsp_busy_ps()});
+  list.push_back({"dsp.host_bus_wait_ps", "ps", timeline.host_bus_wait_ps()});
+  commands.count(list);
+  return list;
+}
+
+Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation,
+             const Routines* routines)
+    : config_hash_(config_hash),
+      observation_(observation),
+      routines_(routines != nullptr ? routines : &built_in_routines()),
+      parts_(std::make_unique<Parts>(config, config_hash, observation, routines_)) {
+  publish();
+}
+
+Board::~Board() = default;
+
+void Board::add_memory_error(const MemoryError& error) { parts_->commands.add_memory_error(error); }
+
+void Board::reset() {
+  const v1::BoardConfig config = parts_->config;
+  parts_ = std::make_unique<Parts>(config, config_hash_, observation_, routines_);
+  publish();
+}
+
+Outcome Board::transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work) {
+  Outcome outcome;
+  if (header.time_ps > kEndOfTime) {
+    parts_->registers.raise(wire::kStatusBadCommand, 0);
+    outcome.reply =
+        refuse(ErrorCode::kBadValue, "time_ps: expected at most 2^62, got " + std::to_string(header.time_ps));
+    outcome.reply->time_ps = parts_->timeline.now();
+    if (posted(header.type)) outcome.reply.reset();
+    return outcome;
+  }
+  switch (header.type) {
+    case FrameType::kConfigRead:
+    case FrameType::kConfigWrite:
+    case FrameType::kRegisterRead: outcome.reply = parts_->transact_word(header, payload); break;
+    case FrameType::kRegisterWrite: parts_->transact_word(header, payload); return outcome;
+    case FrameType::kMemoryWrite: parts_->write_memory(header, payload); return outcome;
+    case FrameType::kMemoryRead: outcome.reply = parts_->read_memory(header, payload); break;
+    case FrameType::kCommand: parts_->command(header, payload, work); break;
+    case FrameType::kWait: outcome.reply = parts_->wait(payload); break;
+    case FrameType::kCancel: outcome.reply = parts_->cancel(header, payload); break;
+    case FrameType::kPoll:
+    case FrameType::kCounters: {
+      parts_->timeline.advance(header.time_ps);
+      outcome.reply = Reply{.time_ps = header.time_ps};
+      if (header.type == FrameType::kCounters) outcome.reply->payload = wire::encode(parts_->count());
+      break;
+    }
+    default: outcome.reply = refuse(ErrorCode::kUnsupported, "no such transaction"); break;
+  }
+  if (outcome.reply) {
+    outcome.completions = parts_->take_completions();
+    const bool passed = outcome.reply->error == ErrorCode::kDeadline;
+    if (outcome.reply->error != ErrorCode::kNone && !passed) outcome.reply->time_ps = header.time_ps;
+    if (parts_->observation != nullptr) {
+      parts_->observation->host_waited(wait_name(header.type), header.time_ps, outcome.reply->time_ps);
+    }
+  }
+  publish();
+  return outcome;
+}
+
+void Board::publish() {
+  auto counters = parts_->count();
+  const std::lock_guard lock(published_mutex_);
+  published_ = std::move(counters);
+  published_ps_ = parts_->timeline.now();
+}
+
+std::vector<wire::Counter> Board::counters() const {
+  const std::lock_guard lock(published_mutex_);
+  return published_;
+}
+
+std::uint64_t Board::simulated_ps() const {
+  const std::lock_guard lock(published_mutex_);
+  return published_ps_;
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,43 @@
+// The board's configuration: protobuf text and overrides in, a complete and checked BoardConfig out.
+//
+// Nothing is guessed and nothing is ignored: every fault is collected, named by its field, and reported with the others.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gicube/v1/board_config.pb.h"
+#include "textproto_reader.h"
+
+namespace gicube::emu {
+
+struct ParsedConfig {
+  v1::BoardConfig config;  // only what the text sets
+  FieldLines lines;
+  std::vector<Fault> faults;  // of syntax, names and types; ranges are check()'s
+};
+
+// Reads protobuf text. A faulty value is reported and skipped, so that one call finds all of them; only text whose
+// structure is broken ends the search at that line.
+ParsedConfig parse_config(std::string_view text);
+
+// Sets one field from "asic.processors=8". On a fault the configuration stays as it was.
+std::vector<Fault> apply_override(v1::BoardConfig& config, std::string_view assignment);
+
+// The same configuration with every field present, defaults included.
+v1::BoardConfig resolve(const v1::BoardConfig& config);
+
+// Every value out of its range and every contradiction; fields that are not set count with their defaults.
+std::vector<Fault> check(const v1::BoardConfig& config, const FieldLines& lines = {});
+
+// 64-bit FNV-1a of the resolved configuration's text, `threads` left out: equal hashes mean equal results.
+std::uint64_t config_hash(const v1::BoardConfig& config);
+// The same as 16 lower-case hex digits.
+std::string config_hash_text(const v1::BoardConfig& config);
+
+// The resolved configuration as protobuf text, which parse_config() reads back.
+std::string config_text(const v1::BoardConfig& config);
+
+}  // namespace gicube::emu

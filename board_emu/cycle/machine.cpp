@@ -1,0 +1,180 @@
+#include "machine.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+#include "datapath/jitter.h"
+
+namespace gicube::emu {
+
+Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
+    : config_(config),
+      blocks_(blocks),
+      partition_(config.asic().partition(), config.asic().processors(), blocks),
+      run_pool_(config.asic().processors()) {
+  const unsigned count = config.asic().processors();
+  for (unsigned i = 0; i < count; ++i) {
+    ProcessorConfig each;
+    each.number = static_cast<std::uint8_t>(i);
+    each.board = config;
+    each.blocks = blocks;
+    each.partition = &partition_;
+    each.rays = &rays_;
+    processors_.push_back(std::make_unique<Processor>(each));
+  }
+  const unsigned sharing = config.rdram().processors_per_rdram();
+  for (unsigned first = 0; first < count; first += sharing) {
+    std::vector<MemoryClient> clients;
+    for (unsigned i = first; i < std::min(first + sharing, count); ++i) {
+      clients.push_back({&processors_[i]->misses(), &processors_[i]->writes()});
+    }
+    memories_.push_back(std::make_unique<MemoryPort>(config, clients, partition_.most_blocks()));
+  }
+  std::vector<Fifo<RayToken>*> from_bus, leaves;
+  std::vector<Ring::Port> ring;
+  for (const auto& processor : processors_) {
+    from_bus.push_back(&processor->from_bus);
+    leaves.push_back(&processor->done);
+    leaves.push_back(&processor->overflow);
+    ring.push_back({&processor->out_links, &processor->from_left, &processor->from_right});
+  }
+  ray_bus_ = std::make_unique<RayBus>(down_, runs_, run_pool_, from_bus);
+  links_ = std::make_unique<Ring>(config.link().bits(), config.link().rays(), ring);
+  tree_ = std::make_unique<MergeTree>(leaves, up_);
+  dsp_ = std::make_unique<RayEngine>(config, rays_, RayEnginePorts{down_, runs_, run_pool_, up_});
+}
+
+void Machine::invalidate_caches() {
+  for (const auto& processor : processors_) processor->invalidate_cache();
+}
+
+// Parts by number: DSP, ray bus, links, merge tree, memories, then sorter and pipeline of each processor.
+bool Machine::tick_part(std::size_t part) {
+  switch (part) {
+    case 0: return dsp_->tick(now_);
+    case 1: return ray_bus_->tick(now_);
+    case 2: return links_->tick(now_);
+    case 3: return tree_->tick(now_);
+    default: part -= 4;
+  }
+  if (part < memories_.size()) return memories_[part]->tick(now_);
+  part -= memories_.size();
+  Processor& processor = *processors_[part / 2];
+  return part % 2 == 0 ? processor.tick_sorter(now_) : processor.tick_pipeline(now_);
+}
+
+bool Machine::tick() {
+  bool moved = false;
+  if (shuffle_ == 0) {
+    moved |= dsp_->tick(now_);
+    moved |= ray_bus_->tick(now_);
+    moved |= links_->tick(now_);
+    for (const auto& processor : processors_) {
+      moved |= processor->tick_sorter(now_);
+      moved |= processor->tick_pipeline(now_);
+    }
+    for (const auto& memory : memories_) {
+      moved |= observer_ == nullptr ? memory->tick_ahead(now_) : memory->tick(now_);
+    }
+    moved |= tree_->tick(now_);
+  } else {
+    std::vector<std::size_t> order(4 + memories_.size() + 2 * processors_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    for (std::size_t i = order.size() - 1; i > 0; --i) {
+      shuffle_ = mangle(shuffle_ + 1) | 1;
+      std::swap(order[i], order[(shuffle_ >> 1) % (i + 1)]);
+    }
+    for (const std::size_t part : order) moved |= tick_part(part);
+  }
+  const Cause cause = upstream();
+  for (const auto& processor : processors_) processor->account(now_, cause);
+  return moved;
+}
+
+// Why a processor without rays gets none.
+Cause Machine::upstream() const {
+  if (!down_.empty() || !runs_.empty() || !ray_bus_->idle()) return Cause::kRayBus;
+  if (dsp_->has_rays_to_send()) return Cause::kDsp;
+  const bool others =
+      std::any_of(processors_.begin(), processors_.end(), [](const auto& p) { return p->holds_rays(); });
+  return others ? Cause::kQueueEmpty : Cause::kDsp;
+}
+
+bool Machine::asic_idle() const {
+  return down_.empty() && runs_.empty() && up_.empty() && ray_bus_->idle() && links_->idle() && tree_->idle() &&
+         std::all_of(processors_.begin(), processors_.end(), [](const auto& p) { return p->idle(); });
+}
+
+bool Machine::writes_wait() const {
+  return std::any_of(processors_.begin(), processors_.end(), [](const auto& p) { return !p->writes().empty(); });
+}
+
+void Machine::book_millisecond() {
+  constexpr std::size_t kMilliseconds = 1024;  // chosen: frames take tens, illumination passes hundreds
+  Millisecond sum;
+  for (const auto& processor : processors_) {
+    sum.activations += processor->sorter().counters().activations;
+    sum.samples += processor->rays().samples;
+  }
+  if (sum.activations == booked_.activations && sum.samples == booked_.samples) return;
+  const auto ms = static_cast<std::size_t>(std::min<Cycle>(now_ / config_.asic().core_khz(), kMilliseconds - 1));
+  if (milliseconds_.size() <= ms) milliseconds_.resize(ms + 1);
+  milliseconds_[ms].activations += sum.activations - booked_.activations;
+  milliseconds_[ms].samples += sum.samples - booked_.samples;
+  booked_ = sum;
+}
+
+void Machine::skip_to(Cycle cycle) {
+  const Cause cause = upstream();
+  const Cycle stride = observer_ == nullptr ? cycle - now_ : 1;  // an observer sees each of them
+  while (now_ < cycle) {
+    for (const auto& processor : processors_) processor->account_idle(now_, stride, cause);
+    if (observer_ != nullptr) observer_->see(now_, *this);
+    now_ += stride;
+  }
+}
+
+void Machine::stalled() const {
+  std::ostringstream text;
+  text << "stall: nothing has moved on the board for " << kStallCycles << " cycles before core cycle " << now_ << '\n';
+  dsp_->describe(text);
+  ray_bus_->describe(text);
+  links_->describe(text);
+  tree_->describe(text);
+  for (const auto& processor : processors_) processor->describe(text);
+  throw Stall(text.str());
+}
+
+Ran Machine::run(RayWork& work, const Frame& frame, Work& progress) {
+  for (const auto& processor : processors_) processor->begin(frame);
+  dsp_->begin(now_, work, frame, partition_);
+  const Cycle begin = now_;
+  const std::uint64_t dsp_before = dsp_->counters().busy_cycles;
+  progress.all = static_cast<std::uint32_t>(work.count());
+  constexpr Cycle kProgressCycles = 4096;  // chosen: some thousand times a second
+  Cycle moved_at = now_, report_at = now_ + kProgressCycles;
+  while (!dsp_->done(now_) || writes_wait()) {
+    if (now_ >= report_at) {
+      report_at = now_ + kProgressCycles;
+      progress.done = static_cast<std::uint32_t>(dsp_->finished());
+      book_millisecond();
+      if (progress.cancel) return {now_ - begin, dsp_->counters().busy_cycles - dsp_before, true};
+    }
+    if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
+      skip_to(dsp_->free_at());
+      moved_at = now_;
+      continue;
+    }
+    if (tick()) moved_at = now_;
+    if (observer_ != nullptr) observer_->see(now_, *this);
+    if (now_ - moved_at > kStallCycles) stalled();
+    ++now_;
+  }
+  book_millisecond();
+  return {now_ - begin, dsp_->counters().busy_cycles - dsp_before, false};
+}
+
+}  // namespace gicube::emu

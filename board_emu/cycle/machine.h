@@ -1,0 +1,113 @@
+// The whole board at cycle level: DSP, ray bus, processors, links, merge tree and memories, and the clock that ticks them.
+//
+// All parts talk through registered FIFOs, so the order in which they tick within a cycle changes nothing. Time goes on
+// from command to command, and so does what the caches hold. A cycle in which the ASIC is empty and the DSP at work is not
+// ticked but booked.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "board/board.h"
+#include "asic/link/ring.h"
+#include "memory_port.h"
+#include "asic/partition.h"
+#include "processor.h"
+#include "ray_engine.h"
+#include "asic/raybus/merge_tree.h"
+#include "asic/raybus/ray_bus.h"
+#include "ray_store.h"
+
+namespace gicube::emu {
+
+// No part moved for kStallCycles although rays are under way; what() describes every part.
+class Stall : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct Ran {
+  Cycle cycles = 0;
+  std::uint64_t dsp_cycles = 0;  // of them, in which the DSP worked
+  bool cancelled = false;
+};
+
+// Sees the machine after each of its cycles.
+class Machine;
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  virtual void see(Cycle now, const Machine& machine) = 0;
+};
+
+class Machine {
+ public:
+  static constexpr Cycle kStallCycles = 100'000;  // chosen: far above any latency of a part
+
+  // For volumes of `blocks` along x, y, z.
+  Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
+
+  // Carries `work` out. Progress is in rays that came back. Throws Stall.
+  Ran run(RayWork& work, const Frame& frame, Work& progress);
+
+  // The volume's words have changed.
+  void invalidate_caches();
+
+  void set_observer(Observer* observer) { observer_ = observer; }
+  // Parts tick in an order drawn anew each cycle. Nothing else may change by it.
+  void shuffle_ticks(std::uint64_t seed) { shuffle_ = seed; }
+
+  Cycle now() const { return now_; }
+  const std::array<int, 3>& blocks() const { return blocks_; }
+  const Partition& partition() const { return partition_; }
+  const std::vector<std::unique_ptr<Processor>>& processors() const { return processors_; }
+  const std::vector<std::unique_ptr<MemoryPort>>& memories() const { return memories_; }
+  const RayEngine& dsp() const { return *dsp_; }
+  const RayBus& ray_bus() const { return *ray_bus_; }
+  struct Millisecond {
+    std::uint64_t activations = 0;  // of queues
+    std::uint64_t samples = 0;
+  };
+  // What was done in each simulated millisecond, the last entry for all that come later.
+  const std::vector<Millisecond>& milliseconds() const { return milliseconds_; }
+  const Ring& links() const { return *links_; }
+  // Between the DSP and the ASIC.
+  const Fifo<RayToken>& down() const { return down_; }
+  const Fifo<RunPool::Run>& runs() const { return runs_; }
+  const Fifo<RayToken>& up() const { return up_; }
+
+ private:
+  bool tick();
+  bool tick_part(std::size_t part);
+  void skip_to(Cycle cycle);
+  bool asic_idle() const;
+  Cause upstream() const;
+  // Changed irradiance has not reached the memory yet.
+  bool writes_wait() const;
+  void book_millisecond();
+  [[noreturn]] void stalled() const;
+
+  v1::BoardConfig config_;
+  std::array<int, 3> blocks_;
+  Partition partition_;
+  RayStore rays_;
+  Fifo<RayToken> down_{2};
+  Fifo<RunPool::Run> runs_{2};
+  RunPool run_pool_;
+  Fifo<RayToken> up_{2};
+  std::vector<std::unique_ptr<Processor>> processors_;
+  std::vector<std::unique_ptr<MemoryPort>> memories_;
+  std::unique_ptr<RayBus> ray_bus_;
+  std::unique_ptr<Ring> links_;
+  std::unique_ptr<MergeTree> tree_;
+  std::unique_ptr<RayEngine> dsp_;
+  Observer* observer_ = nullptr;
+  std::uint64_t shuffle_ = 0;  // 0 = the usual order
+  Cycle now_ = 0;
+  std::vector<Millisecond> milliseconds_;
+  Millisecond booked_;  // the sum of milliseconds_
+};
+
+}  // namespace gicube::emu

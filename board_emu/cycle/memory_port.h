@@ -1,0 +1,73 @@
+// One RDRAM channel and the processors that it serves, one or two [P §3.3]: sends their requests on, one a core cycle,
+// in turn, and tells them when each packet arrives.
+//
+// A processor that has its channel to itself can be told at once: nobody else's requests come between.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "asic/cache/miss_queue.h"
+#include "asic/cache/write_queue.h"
+#include "gicube/v1/board_config.pb.h"
+#include "asic/rdram/channel.h"
+#include "asic/rdram/layout.h"
+
+namespace gicube::emu {
+
+// What one processor asks for. Its reads and writes are served in the order in which they were asked for, a read before a
+// write of the same cycle.
+struct MemoryClient {
+  MissQueue* misses;
+  WriteQueue* writes;
+
+  bool all_sent() const { return misses->all_sent() && writes->all_sent(); }
+  bool next_is_write() const {
+    return !writes->all_sent() && (misses->all_sent() || writes->next().asked < misses->next().asked);
+  }
+  Cycle next_asked() const { return next_is_write() ? writes->next().asked : misses->next().asked; }
+  bool can_send(Cycle now) const { return !all_sent() && next_asked() < now; }
+};
+
+class MemoryPort {
+ public:
+  // `clients`: the processors, in their order. `blocks`: the most that any of them holds.
+  MemoryPort(const v1::BoardConfig& config, std::vector<MemoryClient> clients, std::size_t blocks);
+
+  bool tick(Cycle now) {
+    for (const MemoryClient& client : clients_) {
+      if (client.can_send(now)) return serve(now);
+    }
+    return false;
+  }
+  // The same, or all that was asked for so far, each in the cycle in which it will be sent: to be called in every cycle
+  // too. What has been counted may then be ahead of the cycle.
+  bool tick_ahead(Cycle now) {
+    if (clients_.size() > 1) return tick(now);
+    return !clients_.front().all_sent() && serve_ahead();
+  }
+
+  std::uint64_t cycles(Cycle now) const { return now * ratio_; }  // tCYCLE until then
+  std::uint32_t devices() const { return layout_.devices(); }
+  const rdram::Channel& channel() const { return channel_; }
+  rdram::Channel& channel() { return channel_; }
+
+ private:
+  // The blocks of two processors lie in turn in the memory that they share.
+  std::uint32_t block_in_memory(std::uint32_t block, std::size_t which) const {
+    return block * static_cast<std::uint32_t>(clients_.size()) + static_cast<std::uint32_t>(which);
+  }
+  bool serve(Cycle now);
+  bool serve_ahead();
+  void send(std::size_t which, Cycle now);
+
+  std::vector<MemoryClient> clients_;
+  rdram::Layout layout_;
+  rdram::Channel channel_;
+  std::uint64_t ratio_;  // tCYCLE a core cycle
+  std::uint64_t rac_latency_;
+  std::size_t turn_ = 0;
+  Cycle latest_ = 0;  // in which something was sent
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,230 @@
+#include "processor.h"
+
+#include <algorithm>
+#include <bit>
+#include <ostream>
+
+#include "datapath/interaction.h"
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::size_t kMostPackets = 8;  // of one neighbourhood
+
+SorterSetup sorter_setup(const ProcessorConfig& config) {
+  const v1::BoardConfig& board = config.board;
+  SorterSetup setup;
+  setup.single = board.sorter().queues() == v1::single;
+  setup.bus_waits = setup.single;  // else most rays of a frame would come back to the DSP as overflows
+  setup.queues = static_cast<std::uint32_t>(std::max<std::size_t>(1, config.partition->blocks_of(config.number)));
+  setup.capacity = board.asic().queue_rays();
+  setup.policy =
+      board.sorter().policy() == v1::most_contribution ? QueuePolicy::kMostContribution : QueuePolicy::kMostRays;
+  setup.ideal_queues = board.ideal().queues() != 0;
+  setup.ideal_sorter = board.ideal().sorter() != 0;
+  return setup;
+}
+
+Cause waiting_for(Delay delay) {
+  switch (delay) {
+    case Delay::kBank: return Cause::kBank;
+    case Delay::kRefresh: return Cause::kRefresh;
+    default: return Cause::kMiss;
+  }
+}
+
+}  // namespace
+
+Processor::Processor(const ProcessorConfig& config)
+    : number_(config.number),
+      partition_(*config.partition),
+      rays_(*config.rays),
+      single_queue_(config.board.sorter().queues() == v1::single),
+      ideal_memory_(config.board.ideal().memory() != 0),
+      sorter_(sorter_setup(config), {returned_, from_bus, from_left, from_right, released_}, {issue_, overflow}),
+      stages_(config.board.pipeline().prefetch_stages(), config.board.pipeline().compute_stages()),
+      cache_({static_cast<int>(config.board.asic().block_voxels()), config.board.cache().ways(), single_queue_,
+              config.blocks}),
+      misses_(config.board.cache().miss_packets()),
+      writes_(config.board.cache().write_packets()),
+      splats_(std::size_t{config.board.pipeline().prefetch_stages()} + config.board.pipeline().compute_stages() + 1),
+      unfed_(std::bit_ceil(std::size_t{config.board.pipeline().prefetch_stages()} + 1), Cause::kDsp),
+      unfed_mask_(unfed_.size() - 1) {}
+
+void Processor::begin(const Frame& frame) {
+  frame_ = &frame;
+  lit_ = !frame.plain;
+  wide_ = gathers_wide(frame);
+  grid_ = BlockGrid(*frame.volume);
+  edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+}
+
+// Hands a ray that has left the compute line on; false if what it goes to is full.
+bool Processor::deliver(Cycle now, const InFlight& ray) {
+  const RayToken& token = ray.token;
+  if (ray.splats && splat_waits(now)) {
+    latest_ = Cause::kSplat;
+    return false;
+  }
+  Fifo<RayToken>* to = &returned_;
+  if (token.state == RayState::kGone) {
+    rays_.remove(token.ray);
+    to = nullptr;
+  } else if (token.state != RayState::kUnderWay) {
+    to = &done;
+  } else if (token.processor != number_) {
+    to = &out_links;
+  }
+  if (to != nullptr && !to->can_push(now)) {
+    latest_ = to == &done ? Cause::kRayBus : to == &out_links ? Cause::kLink : Cause::kSorter;
+    return false;
+  }
+  if (to != nullptr) to->push(now, token);
+  if (!token.keeps_slot) released_.push(now, ray.from);
+  if (ray.splats) begin_splat(now);
+  return true;
+}
+
+// Moves the oldest sample of the prefetch line on, if it has come through and its packets are there.
+Cause Processor::enter_compute(Cycle now) {
+  if ((stages_.prefetching() == 0) | (stages_.oldest_prefetching().ready > now)) {
+    bubble_ = true;
+    return latest_;
+  }
+  if (lit_ && splats_.takes_cache(now)) return Cause::kSplat;
+  InFlight& head = stages_.oldest_prefetching();
+  if (head.packets > 0) {
+    const Packet& packet = misses_.oldest();
+    if (packet.arrival > now) return packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss;
+    misses_.take();
+    if (--head.packets > 0) return Cause::kFill;
+  }
+  const Cause cause = head.sampled ? Cause::kBusy : Cause::kLeap;
+  stages_.start_computing(compute_clock_);
+  return cause;
+}
+
+// One turn of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
+// same whenever they are worked out) the sample taken and the ray's next queue found.
+void Processor::check_tags(Cycle now, const RayToken& issued) {
+  constexpr std::size_t kMostCarriers = 8;
+  if (lit_) rays_.make_room(kMostCarriers);
+  RayUnderWay& ray = rays_[issued.ray];
+  Traveller& traveller = ray.traveller;
+  InFlight& entry = stages_.enter(now);
+  // Changed in place: a token put together elsewhere and then copied would stall the host on its partial stores.
+  RayToken& token = entry.token;
+  token = issued;
+  entry.from = issued.queue;
+  entry.packets = 0;
+  entry.splats = false;
+  const Point low = grid_.low(traveller.position);
+  const BlockView view = frame_->volume->view(ray.block);
+  const bool carries = lit_ && traveller.is(wire::kIrradianceCarrier);
+  jitter_step(traveller, *frame_);
+  entry.sampled = !frame_->leap || frame_->empty[ray.block] == 0 || carries;
+  End how = End::kNot;
+  std::int32_t steps = 1;
+  if (entry.sampled) {
+    const Cell at = carries ? carrier_cell(ray) : cell(traveller.position, low);
+    const Misses& misses = cache_.check(ray.block, at.voxel);
+    if (misses.count > 0 && !ideal_memory_) {
+      entry.packets = static_cast<std::uint8_t>(misses.count);
+      const std::uint32_t number = partition_.home(ray.block).number;
+      for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
+    }
+    if (lit_) {
+      how = meet_sample(ray, wide_of(issued.ray), at, entry);
+    } else {
+      ++counts_.samples;
+      if (take_sample(traveller, wide_of(issued.ray), at, view, edge_, *frame_)) ++counts_.visible_samples;
+      advance(traveller, 1);
+    }
+  } else {
+    ++counts_.leaps;
+    if (lit_) leave_surface(traveller);
+    steps = leap_steps(traveller, low, grid_.size(), *frame_);
+    advance(traveller, steps);
+  }
+  count_steps(traveller, steps, *frame_);
+
+  token.contribution = contribution(traveller);
+  // A trapped ray has its end looked for when it has its new direction.
+  if (how == End::kNot && token.state != RayState::kTrapped) how = end(traveller, *frame_);
+  if (how != End::kNot) {
+    token.state = carries ? RayState::kGone : RayState::kDone;
+    if (!carries) count_end(traveller, how, *frame_, counts_);
+  } else if (!grid_.same(traveller.position, low)) {
+    ray.block = static_cast<std::uint32_t>(grid_.block(traveller.position));
+    const Home& home = partition_.home(ray.block);
+    token.processor = home.processor;
+    token.queue = single_queue_ ? 0 : home.number;
+  } else {
+    prefetch(view, traveller.position, low);
+  }
+  token.keeps_slot = token.state == RayState::kUnderWay && token.processor == number_ && token.queue == entry.from;
+}
+
+// Both halves of most conditions are always worked out: which of them fails is hard to predict.
+bool Processor::tick_pipeline(Cycle now) {
+  fed_ = backed_up_ = bubble_ = false;
+  bool moved = lit_ && tick_light(now), stands = false;
+  if (issue_.empty() && stages_.empty()) {
+    bubble_ = true;
+    return moved;
+  }
+  if ((stages_.computing() > 0) & (stages_.oldest_computing().ready <= compute_clock_)) {
+    if (deliver(now, stages_.oldest_computing())) {
+      stages_.leave();
+      moved = true;
+    } else {
+      stands = true;
+    }
+  }
+  if (!stands) {
+    latest_ = enter_compute(now);
+    moved = moved || !bubble_;
+    ++compute_clock_;
+  }
+  if (issue_.can_pop(now)) {
+    if (stages_.can_enter() & (misses_.room() >= kMostPackets)) {
+      check_tags(now, issue_.front());
+      issue_.pop(now);
+      fed_ = moved = true;
+    } else {
+      backed_up_ = true;
+    }
+  }
+  return moved;
+}
+
+void Processor::account_idle(Cycle now, Cycle cycles, Cause upstream) {
+  fed_ = backed_up_ = false;
+  bubble_ = true;
+  const Cycle first = std::min<Cycle>(cycles, stages_.prefetch_stages()), last = cycles - first;
+  for (Cycle i = 0; i < first; ++i) account(now + i, upstream);
+  causes_[static_cast<std::size_t>(bubble(upstream))] += last;
+  for (Cycle i = 0; i < std::min<Cycle>(last, unfed_.size()); ++i) {
+    unfed_[(now + cycles - 1 - i) & unfed_mask_] = bubble(upstream);
+  }
+}
+
+bool Processor::idle() const {
+  return sorter_.idle() && issue_.empty() && stages_.empty() && returned_.empty() && released_.empty() &&
+         from_bus.empty() && from_left.empty() && from_right.empty() && out_links.empty() && done.empty() &&
+         overflow.empty() && !splats_.has_carrier() && writes_.empty();
+}
+
+void Processor::describe(std::ostream& out) const {
+  out << "processor " << int{number_} << ": prefetch " << stages_.prefetching() << ", compute " << stages_.computing()
+      << ", packets under way " << misses_.size() << ", issue " << issue_.size() << ", returned " << returned_.size()
+      << ", from bus " << from_bus.size() << ", from links " << from_left.size() + from_right.size() << ", to links "
+      << out_links.size() << ", tiles to write " << writes_.size() << ", done " << done.size() << ", overflow "
+      << overflow.size() << '\n';
+  if (stages_.prefetching() > 0)
+    out << "  oldest sample waits for " << int{stages_.oldest_prefetching().packets} << " packets\n";
+  sorter_.describe(out);
+}
+
+}  // namespace gicube::emu

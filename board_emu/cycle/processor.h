@@ -1,0 +1,173 @@
+// One ray integration processor of the ASIC: sorter, pipeline and volume cache, and what joins them [P §3.2-3.4].
+//
+// What enters: rays from the ray bus and from the neighbours' links, and packets from the memory. What leaves: rays to the
+// links, and finished or overflowed rays to the merge tree. The pipeline takes one sample a cycle, in order:
+//
+//   sorter -> [tag check] -> prefetch line -> (packets written, one a cycle) -> compute line -> sorter | link | tree
+//                  \-> miss queue -> memory -/
+//
+// Each of the cache's eight banks reads or writes one word a cycle [P §3.3], so a packet is written while no sample is
+// read, except for the last packet that a sample waits for: the bypass hands it on in the same cycle.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <vector>
+
+#include "asic/cache/miss_queue.h"
+#include "asic/cache/volume_cache.h"
+#include "asic/cache/write_queue.h"
+#include "datapath/frame.h"
+#include "datapath/ray_step.h"
+#include "asic/partition.h"
+#include "cycle/stages.h"
+#include "ray_store.h"
+#include "asic/sim/causes.h"
+#include "asic/sim/fifo.h"
+#include "asic/sorter/sorter.h"
+#include "splat_unit.h"
+
+namespace gicube::emu {
+
+struct Met;
+
+struct ProcessorConfig {
+  std::uint8_t number = 0;
+  v1::BoardConfig board;
+  std::array<int, 3> blocks{};  // of the volume
+  const Partition* partition = nullptr;
+  RayStore* rays = nullptr;
+};
+
+class Processor {
+ public:
+  explicit Processor(const ProcessorConfig& config);
+
+  // All rays until the next call are of this frame. The processor must be idle.
+  void begin(const Frame& frame);
+  void invalidate_cache() { cache_.invalidate(); }
+
+  bool tick_sorter(Cycle now) {
+    const bool moved = sorter_.tick(now);
+    if (issue_.pushed(now)) __builtin_prefetch(&rays_[issue_.back().ray]);
+    return moved;
+  }
+  bool tick_pipeline(Cycle now);
+  // After all parts have ticked: books the cycle. `upstream` is why no ray comes, should the processor hold none.
+  void account(Cycle now, Cause upstream);
+  // Books `cycles` in which the idle processor was not ticked.
+  void account_idle(Cycle now, Cycle cycles, Cause upstream);
+
+  bool idle() const;
+  // Some ray is in its queues or its pipeline.
+  bool holds_rays() const;
+  void describe(std::ostream& out) const;
+
+  // Ends of the FIFOs, for the ray bus, the ring and the merge tree.
+  Fifo<RayToken> from_bus{2};
+  Fifo<RayToken> from_left{2};
+  Fifo<RayToken> from_right{2};
+  Fifo<RayToken> out_links{2};
+  Fifo<RayToken> done{2};
+  Fifo<RayToken> overflow{2};
+
+  MissQueue& misses() { return misses_; }
+  WriteQueue& writes() { return writes_; }
+  const WriteQueue& writes() const { return writes_; }
+  const SplatUnit& splats() const { return splats_; }
+  const MissQueue& misses() const { return misses_; }
+  const Stages& stages() const { return stages_; }
+  const Sorter& sorter() const { return sorter_; }
+  const VolumeCache& cache() const { return cache_; }
+  const RayCounters& rays() const { return counts_; }
+  const CauseCounts& causes() const { return causes_; }
+  Cause latest() const { return latest_; }  // of the cycle last booked
+  // Cycles in which a ray was in the queues or the pipeline.
+  std::uint64_t holding_cycles() const { return holding_cycles_; }
+
+ private:
+  bool deliver(Cycle now, const InFlight& ray);
+  Cause enter_compute(Cycle now);
+  void check_tags(Cycle now, const RayToken& issued);
+  End meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry);
+  WideWords* wide_of(std::uint32_t ray) const { return wide_ ? &rays_.wide(ray) : nullptr; }
+  Splat& add_splat(std::uint32_t block, InFlight& entry);
+  Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
+  RayToken carrier(const Traveller& from, const Met& met, std::uint32_t block);
+  Cell carrier_cell(const RayUnderWay& ray) const;
+  bool tick_light(Cycle now);
+  bool send_carrier(Cycle now);
+  bool splat_waits(Cycle now) const;
+  void begin_splat(Cycle now);
+  // Always inlined: GCC takes a function that only prefetches for one without effect and drops its calls.
+  [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
+  Cause bubble(Cause upstream) const;
+
+  const std::uint8_t number_;
+  const Partition& partition_;
+  RayStore& rays_;
+  const bool single_queue_;
+  const bool ideal_memory_;
+  const Frame* frame_ = nullptr;
+  BlockGrid grid_;
+  std::size_t edge_ = 0;
+
+  Fifo<RayToken> returned_{2};
+  Fifo<std::uint32_t> released_{2};
+  Fifo<RayToken> issue_{2};
+  Sorter sorter_;
+  Stages stages_;
+  Cycle compute_clock_ = 0;
+  VolumeCache cache_;
+  MissQueue misses_;
+  WriteQueue writes_;
+  SplatUnit splats_;
+
+  bool lit_ = false;   // rays of this frame do more than gather
+  bool wide_ = false;  // gathers_wide() of it
+  bool fed_ = false;   // a ray entered the prefetch line in this cycle
+  bool backed_up_ = false;
+  bool bubble_ = false;  // the compute line got nothing, and not because it stood or waited
+  Cause latest_ = Cause::kQueueEmpty;
+  // Why no ray entered the prefetch line, by the cycle's low bits, for at least as many cycles as the line is long.
+  std::vector<Cause> unfed_;
+  Cycle unfed_mask_;
+  RayCounters counts_;
+  CauseCounts causes_{};
+  std::uint64_t holding_cycles_ = 0;
+};
+
+// In what follows conditions are added up instead of branched on: they are hard to predict, and asked for every cycle.
+inline bool Processor::holds_rays() const { return (sorter_.waiting() | issue_.size() | stages_.size()) != 0; }
+
+inline Cause Processor::bubble(Cause upstream) const {
+  const std::uint64_t under_way = stages_.size() | returned_.size();
+  const std::uint64_t to_be_sorted =
+      sorter_.waiting() | issue_.size() | from_bus.size() | from_left.size() | from_right.size();
+  Cause cause = upstream;
+  cause = under_way != 0 ? Cause::kLatency : cause;
+  cause = to_be_sorted != 0 ? Cause::kSorter : cause;
+  return backed_up_ ? Cause::kMiss : cause;
+}
+
+inline void Processor::account(Cycle now, Cause upstream) {
+  // An empty compute entry goes back to the cycle in which nothing entered the prefetch line.
+  const Cause unfed = unfed_[(now - stages_.prefetch_stages()) & unfed_mask_];
+  latest_ = bubble_ ? unfed : latest_;
+  ++causes_[static_cast<std::size_t>(latest_)];
+  unfed_[now & unfed_mask_] = bubble(upstream);  // not asked for if a ray has entered
+  holding_cycles_ += fed_ | holds_rays();
+}
+
+// Brings what the ray's next turn will read into the host's cache, while its place is at hand.
+inline void Processor::prefetch(const BlockView& view, const Point& position, const Point& low) const {
+  const Cell at = cell(position, low);
+  if (view.voxels == nullptr) return;
+  const DecodedVoxel* voxel = view.voxels + at.voxel[0] + edge_ * (at.voxel[1] + edge_ * at.voxel[2]);
+  __builtin_prefetch(voxel);
+  __builtin_prefetch(voxel + edge_);
+  __builtin_prefetch(voxel + edge_ * edge_);
+  __builtin_prefetch(voxel + edge_ * edge_ + edge_);
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,135 @@
+// The processor's part in global illumination: samples that deposit or scatter, splats and irradiance carriers.
+#include <algorithm>
+
+#include "datapath/interaction.h"
+#include "memory/sum_memory.h"
+#include "processor.h"
+
+namespace gicube::emu {
+
+// Takes the sample of a ray that does more than gather.
+End Processor::meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry) {
+  Traveller& traveller = ray.traveller;
+  if (traveller.is(wire::kIrradianceCarrier)) {
+    splat(ray.block, deposit_of(traveller, *frame_), entry);
+    return End::kSpent;
+  }
+  const std::uint32_t block = ray.block;
+  ++counts_.samples;
+  const Met met = meet(traveller, wide, at, frame_->volume->view(block), block, edge_, *frame_, counts_);
+  if (met.visible) ++counts_.visible_samples;
+  if (met.deposits) {
+    const SharingBlocks sharing =
+        frame_->sums != nullptr ? frame_->sums->blocks_of(met.deposit) : frame_->irradiance->blocks_of(met.deposit);
+    Splat* work = nullptr;
+    for (std::size_t i = 0; i < sharing.count; ++i) {
+      if (sharing.block[i] == block) work = &splat(block, met.deposit, entry);
+    }
+    for (std::size_t i = 0; i < sharing.count; ++i) {
+      if (sharing.block[i] == block) continue;
+      if (work == nullptr) work = &add_splat(block, entry);
+      work->carrier[work->carriers++] = carrier(traveller, met, sharing.block[i]);
+    }
+  }
+  if (met.fate == Fate::kTrapped) entry.token.state = RayState::kTrapped;
+  return met.fate == Fate::kEnded ? End::kSpent : End::kNot;
+}
+
+Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
+  Splat& work = splats_.add();
+  work.block = block;
+  entry.splats = true;
+  return work;
+}
+
+// Adds the deposit to the words of `block`, and notes which of its tiles have changed.
+Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& entry) {
+  if (frame_->sums != nullptr) {
+    counts_.energy.deposited.kept += static_cast<std::uint64_t>(frame_->sums->add(deposit, block));
+  } else {
+    counts_.energy.deposited += frame_->irradiance->add(deposit, block);
+  }
+  Splat& work = add_splat(block, entry);
+  const std::array<std::int32_t, 3> corner = grid_.corner(block);
+  const auto tiles_x = static_cast<std::int32_t>(edge_ / 2 + 1),
+             last = static_cast<std::int32_t>(edge_) - (frame_->sums != nullptr ? 2 : 1);
+  for (std::size_t i = 0; i < 8; ++i) {
+    if (deposit.shares[i] == 0) continue;
+    std::array<std::int32_t, 3> local{};
+    bool held = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      local[axis] = deposit.voxel[axis] + static_cast<std::int32_t>(i >> axis & 1) - corner[axis];
+      held = held && local[axis] >= 0 && local[axis] <= last;
+    }
+    if (!held) continue;
+    const auto tile = static_cast<std::uint32_t>((local[2] * tiles_x + local[1] / 2) * tiles_x + local[0] / 2);
+    bool known = false;
+    for (std::size_t t = 0; t < work.tiles; ++t) known = known || work.tile[t] == tile;
+    if (!known) work.tile[work.tiles++] = tile;
+  }
+  return work;
+}
+
+// A ray that takes the deposit to a block that has copies of its voxels [P §3.4].
+RayToken Processor::carrier(const Traveller& from, const Met& met, std::uint32_t block) {
+  RayUnderWay ray;
+  ray.traveller.position = met.place;
+  ray.traveller.u = from.u;
+  ray.traveller.v = from.v;
+  ray.traveller.lifetime = met.lifetime;
+  ray.traveller.flags = wire::kLightingRay | wire::kIrradianceCarrier;
+  set_energy(ray.traveller.colour,
+             frame_->sums != nullptr ? met.units & 0xFF'FFFF : std::uint64_t{met.units} << kEnergyFractionBits);
+  ray.block = block;
+  RayToken token;
+  token.ray = rays_.add(ray);
+  const Home& home = partition_.home(block);
+  token.processor = home.processor;
+  token.queue = single_queue_ ? 0 : home.number;
+  token.contribution = kFullContribution;
+  return token;
+}
+
+// The cell of a carrier's place in its block, of which the place may lie a voxel outside: what the tags are checked for.
+Cell Processor::carrier_cell(const RayUnderWay& ray) const {
+  const std::array<std::int32_t, 3> corner = grid_.corner(ray.block);
+  Cell out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int32_t voxel = (ray.traveller.position[axis] >> wire::kPositionFractionBits) - corner[axis];
+    out.voxel[axis] = static_cast<std::uint32_t>(std::clamp(voxel, 0, static_cast<std::int32_t>(edge_) - 2));
+  }
+  return out;
+}
+
+bool Processor::tick_light(Cycle now) {
+  writes_.settle(now);
+  writes_.ask(now, stages_.empty());
+  return splats_.has_carrier() && send_carrier(now);
+}
+
+// Sends the splat's next carrier on its way; true if it went.
+bool Processor::send_carrier(Cycle now) {
+  const RayToken& token = splats_.carrier();
+  Fifo<RayToken>& to = token.processor == number_ ? returned_ : out_links;
+  if (!to.can_push(now)) return false;
+  to.push(now, token);
+  splats_.sent_carrier();
+  return true;
+}
+
+// The oldest splat can't begin yet: the one before it is under way, or its tiles have no room to wait for the memory.
+bool Processor::splat_waits(Cycle now) const {
+  constexpr std::size_t kPlaces = 16;  // eight tiles, each fetched first
+  return splats_.busy(now) || writes_.room() < kPlaces;
+}
+
+void Processor::begin_splat(Cycle now) {
+  const Splat& work = splats_.oldest();
+  const std::uint32_t number = partition_.home(work.block).number;
+  for (std::size_t i = 0; i < work.tiles; ++i) {
+    writes_.put(number, work.tile[i], ideal_memory_ || cache_.holds(work.block, work.tile[i]));
+  }
+  splats_.begin(now);
+}
+
+}  // namespace gicube::emu

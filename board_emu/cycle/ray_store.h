@@ -1,0 +1,50 @@
+// The rays under way on the ASIC. FIFOs carry handles into this store: a ray's words change in one place.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "datapath/ray_step.h"
+
+namespace gicube::emu {
+
+// A cache line of the host: most turns of a ray begin by missing it.
+struct alignas(64) RayUnderWay {
+  Traveller traveller;
+  std::uint32_t block = 0;  // that its position lies in
+};
+
+class RayStore {
+ public:
+  std::uint32_t add(const RayUnderWay& ray) {
+    if (free_.empty()) {
+      rays_.push_back(ray);
+      return static_cast<std::uint32_t>(rays_.size() - 1);
+    }
+    const std::uint32_t handle = free_.back();
+    free_.pop_back();
+    rays_[handle] = ray;
+    return handle;
+  }
+  // References to rays stay good while the next `count` are added.
+  void make_room(std::size_t count) {
+    if (rays_.capacity() - rays_.size() < count) rays_.reserve(2 * rays_.capacity() + count);
+  }
+  void remove(std::uint32_t handle) { free_.push_back(handle); }
+
+  RayUnderWay& operator[](std::uint32_t handle) { return rays_[handle]; }
+  const RayUnderWay& operator[](std::uint32_t handle) const { return rays_[handle]; }
+  // What a ray of a frame that gathers_wide() has gathered. The reference is good until the next call.
+  WideWords& wide(std::uint32_t handle) {
+    if (wide_.size() <= handle) wide_.resize(rays_.capacity());
+    return wide_[handle];
+  }
+  std::size_t under_way() const { return rays_.size() - free_.size(); }
+
+ private:
+  std::vector<RayUnderWay> rays_;
+  std::vector<WideWords> wide_;  // none on the paper's datapath
+  std::vector<std::uint32_t> free_;
+};
+
+}  // namespace gicube::emu

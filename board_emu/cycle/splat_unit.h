@@ -1,0 +1,74 @@
+// The way of a deposit from the pipeline's end into the irradiance words: read, add and write in the volume cache, the
+// changed tiles to memory, and carriers to the neighbour blocks that hold copies of the voxels [P §3.4].
+//
+// A bank reads or writes one word a cycle, so a deposit takes the cache for two cycles, in which no sample is read.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "words/words.h"
+#include "words/clock.h"
+
+namespace gicube::emu {
+
+// What one sample leaves behind when it comes out of the pipeline.
+struct Splat {
+  std::uint32_t block = 0;  // whose words change
+  std::uint8_t tiles = 0;   // of them
+  std::uint8_t carriers = 0;
+  std::array<std::uint32_t, 8> tile{};
+  std::array<RayToken, 8> carrier{};
+};
+
+struct SplatCounters {
+  std::uint64_t deposits = 0;
+  std::uint64_t carriers = 0;  // sent
+};
+
+class SplatUnit {
+ public:
+  static constexpr Cycle kCacheCycles = 2;
+
+  // A sample's splat waits beside its entry in the pipeline; entries come out in the order in which they went in.
+  explicit SplatUnit(std::size_t stages) : splats_(stages) {}
+
+  Splat& add() {
+    Splat& splat = splats_[(head_ + count_++) % splats_.size()];
+    splat.tiles = splat.carriers = 0;
+    return splat;
+  }
+  const Splat& oldest() const { return splats_[head_]; }
+  // Its entry has come out: the oldest begins.
+  void begin(Cycle now) {
+    current_ = splats_[head_];
+    head_ = (head_ + 1) % splats_.size();
+    --count_;
+    next_ = 0;
+    counters_.deposits += current_.tiles > 0 ? 1 : 0;
+    if (current_.tiles > 0) busy_until_ = now + kCacheCycles;
+  }
+
+  bool takes_cache(Cycle now) const { return now < busy_until_; }
+  bool busy(Cycle now) const { return takes_cache(now) || has_carrier(); }
+  bool has_carrier() const { return next_ < current_.carriers; }
+  const RayToken& carrier() const { return current_.carrier[next_]; }
+  void sent_carrier() {
+    ++next_;
+    ++counters_.carriers;
+  }
+  const SplatCounters& counters() const { return counters_; }
+
+ private:
+  std::vector<Splat> splats_;
+  std::size_t head_ = 0;
+  std::size_t count_ = 0;
+  Splat current_;
+  std::uint8_t next_ = 0;
+  Cycle busy_until_ = 0;
+  SplatCounters counters_;
+};
+
+}  // namespace gicube::emu

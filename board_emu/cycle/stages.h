@@ -1,0 +1,70 @@
+// The two halves of the ray integration pipeline as one line of rays: the prefetch stages, in which a sample waits for its
+// packets, then the compute stages, which move or stand all at once [P §3.3, §3.4].
+//
+//   enter() -> prefetch stages -> start_computing() -> compute stages -> leave()
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "words/words.h"
+#include "words/clock.h"
+
+namespace gicube::emu {
+
+struct InFlight {
+  Cycle ready = 0;           // when it has passed the stages that it is in
+  RayToken token;            // where the ray goes when it comes out
+  std::uint32_t from = 0;    // the queue it came from
+  std::uint8_t packets = 0;  // that the sample still waits for
+  bool sampled = false;      // else it leapt
+  bool splats = false;       // leaves something in the irradiance words
+};
+
+class Stages {
+ public:
+  Stages(std::uint32_t prefetch, std::uint32_t compute)
+      : prefetch_stages_(prefetch),
+        compute_stages_(compute),
+        mask_(std::bit_ceil(std::size_t{prefetch} + compute) - 1),
+        ring_(mask_ + 1) {}
+
+  std::size_t prefetch_stages() const { return prefetch_stages_; }
+  std::size_t size() const { return prefetching_ + computing_; }
+  bool empty() const { return size() == 0; }
+  std::size_t prefetching() const { return prefetching_; }
+  std::size_t computing() const { return computing_; }
+
+  bool can_enter() const { return prefetching_ < prefetch_stages_; }
+  InFlight& enter(Cycle now) {
+    InFlight& ray = ring_[(head_ + computing_ + prefetching_++) & mask_];
+    ray.ready = now + prefetch_stages_;
+    return ray;
+  }
+  InFlight& oldest_prefetching() { return ring_[(head_ + computing_) & mask_]; }
+  const InFlight& oldest_prefetching() const { return ring_[(head_ + computing_) & mask_]; }
+  // The oldest of the prefetch stages moves on. `clock` counts the cycles in which the compute stages move.
+  void start_computing(Cycle clock) {
+    oldest_prefetching().ready = clock + compute_stages_;
+    --prefetching_;
+    ++computing_;
+  }
+  const InFlight& oldest_computing() const { return ring_[head_ & mask_]; }
+  void leave() {
+    ++head_;
+    --computing_;
+  }
+
+ private:
+  std::size_t prefetch_stages_;
+  std::size_t compute_stages_;
+  std::size_t mask_;
+  std::vector<InFlight> ring_;
+  std::size_t head_ = 0;
+  std::size_t computing_ = 0;
+  std::size_t prefetching_ = 0;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,131 @@
+// What every fidelity level knows of a frame: registers, tables and the volume; and what it counts of the frame's rays.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "words/words.h"
+#include "gicube/wire/command.h"
+#include "gicube/wire/lut.h"
+#include "gicube/wire/material.h"
+#include "gicube/wire/ray.h"
+#include "memory/irradiance_memory.h"
+#include "memory/volume_memory.h"
+#include "datapath/opacity_correction.h"
+
+namespace gicube::emu {
+
+class HostTraps;
+class Routines;
+class SumMemory;
+
+// What holds for every ray of a frame: registers, tables, volume. The tables must outlive it.
+struct Frame {
+  const VolumeMemory* volume = nullptr;
+  std::span<const wire::SegmentationEntry> segmentation;  // wire::kSegmentationEntries
+  const std::uint8_t* reflectance_map = nullptr;          // wire::kReflectanceBytes
+  const OpacityCorrection* opacity_correction = nullptr;
+  std::vector<std::uint8_t> empty;         // one a block; nonzero = leap
+  Point extent{};                          // size - 1 in position units
+  std::array<std::uint32_t, 3> spacing{};  // 16.16
+  std::uint32_t step = 0;                  // 16.16 voxels
+  std::uint32_t opacity_threshold = wire::kOpacityOne;
+  bool jitter = false;
+  bool shade = false;
+  bool leap = false;
+  std::vector<Plane> cut_planes;
+
+  // Of host rays (wire::RayType):
+  bool segments = false;      // each has a length, and its own step
+  bool colourless = false;    // they gather opacity alone
+  bool to_the_hit = false;    // they end at the sample that brings them to the threshold, and not behind it
+  bool integral = false;      // they sum the densities
+  bool backprojects = false;  // their samples leave amounts: in the sums, or without them in irradiance words
+  SumMemory* sums = nullptr;
+
+  // Rays do no more than gather: none of what follows holds.
+  bool plain = true;
+  bool lights = false;  // lighting rays
+  std::array<wire::Material, wire::kTags> materials{};
+  IrradianceMemory* irradiance = nullptr;  // lighting rays add to it, rendering rays read it
+  const Routines* routines = nullptr;      // for materials that trap
+  HostTraps* host_traps = nullptr;         // and where rays go that the host must scatter
+  bool lit_by_irradiance = false;          // rendering rays
+  bool scatter = false;                    // rendering rays too are scattered
+  bool high_albedo = false;                // rendering rays take colour once, where they are absorbed
+  bool wide = false;                       // the wide datapath
+  std::span<const float> wide_depths;      // on it: what wide_depths() makes of `segmentation`
+  wire::EnergyRules rules = wire::EnergyRules::kConserving;
+  std::uint32_t exposure = 0;  // 16.16
+  std::uint32_t seed = 0;
+  std::uint16_t lifetime = 0;  // of the rays that the DSP makes
+};
+
+// Rendering rays gather in wide words (pipeline/wide.h).
+inline bool gathers_wide(const Frame& frame) { return frame.wide && !frame.wide_depths.empty() && !frame.lights; }
+
+// What the rays of `frame` read of its volume; it must outlive this. Rays that backproject read nothing.
+inline VolumeReads reads(const Frame& frame) {
+  VolumeReads out;
+  out.gradients = !frame.plain || (frame.shade && !frame.colourless && !frame.integral);
+  if (frame.plain && frame.leap) out.leapt_over = frame.empty;
+  return out;
+}
+
+// Where lighting rays left their energy, in units of the energy words.
+struct EnergyCounters {
+  std::uint64_t emitted = 0;
+  Deposited deposited;
+  std::uint64_t escaped = 0;
+  std::uint64_t scattered_away = 0;
+  std::uint64_t given_up = 0;  // of that, with rays at the end of their lifetime
+};
+
+struct RayCounters {
+  std::uint64_t rays = 0;
+  std::uint64_t samples = 0;          // trilinear samples taken
+  std::uint64_t visible_samples = 0;  // of those, with an opacity
+  std::uint64_t leaps = 0;
+  std::uint64_t terminated = 0;     // rays that ended by the opacity threshold
+  std::uint64_t lighting_rays = 0;  // of the rays
+  std::uint64_t scatterings = 0;
+  std::uint64_t traps = 0;        // of the scatterings, by a routine
+  std::uint64_t trap_cycles = 0;  // of the DSP
+  std::uint64_t deposits = 0;
+  EnergyCounters energy;
+
+  RayCounters& operator+=(const RayCounters& other) {
+    return each(other, [](std::uint64_t& mine, std::uint64_t its) { mine += its; });
+  }
+  // What was counted since `begin`.
+  RayCounters operator-(const RayCounters& begin) const {
+    RayCounters window = *this;
+    return window.each(begin, [](std::uint64_t& mine, std::uint64_t its) { mine -= its; });
+  }
+
+ private:
+  template <typename Change>
+  RayCounters& each(const RayCounters& other, const Change& change) {
+    change(rays, other.rays);
+    change(samples, other.samples);
+    change(visible_samples, other.visible_samples);
+    change(leaps, other.leaps);
+    change(terminated, other.terminated);
+    change(lighting_rays, other.lighting_rays);
+    change(scatterings, other.scatterings);
+    change(traps, other.traps);
+    change(trap_cycles, other.trap_cycles);
+    change(deposits, other.deposits);
+    change(energy.emitted, other.energy.emitted);
+    change(energy.deposited.kept, other.energy.deposited.kept);
+    change(energy.deposited.clipped, other.energy.deposited.clipped);
+    change(energy.escaped, other.energy.escaped);
+    change(energy.scattered_away, other.energy.scattered_away);
+    change(energy.given_up, other.energy.given_up);
+    return *this;
+  }
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,47 @@
+// Lighting a sample of a rendering ray by the irradiance that its voxels hold [P §3.4].
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "gicube/wire/lut.h"
+#include "datapath/resample.h"
+#include "datapath/shade.h"
+
+namespace gicube::emu {
+
+// The irradiance round a sample, 11.4. `cell` points at the word of least coordinates.
+inline std::uint32_t irradiance(const std::uint32_t* cell, std::size_t row, std::size_t slice,
+                                const std::array<int, 3>& weights, bool narrow) {
+  const auto word = [cell, narrow](std::size_t i) { return irradiance_word(cell[i], narrow); };
+  const auto along_x = [&](std::size_t i) { return lerp(word(i), word(i + 1), weights[0]); };
+  const std::int16_t near = lerp(along_x(0), along_x(row), weights[1]);
+  const std::int16_t far = lerp(along_x(slice), along_x(slice + row), weights[1]);
+  return static_cast<std::uint32_t>(std::max<std::int16_t>(lerp(near, far, weights[2]), 0));
+}
+
+// A classified sample's colour in that light: the diffuse part by irradiance, the highlight of point lights by the
+// reflectance map, which may be black [P §3.4]. `exposure`: 16.16.
+inline Colour12 illuminated(const wire::SegmentationEntry& entry, std::uint32_t irradiance, std::uint32_t exposure,
+                            const Point& gradient, const std::uint8_t* reflectance_map) {
+  constexpr int kTooMany = kIrradianceFractionBits + wire::kGainFractionBits + 16 - kShadeFractionBits;
+  const std::uint64_t gained = std::uint64_t{irradiance} * entry.gain();
+  const auto lit = static_cast<std::int64_t>(std::min<std::uint64_t>(
+      (gained * exposure + (1u << (kTooMany - 1))) >> kTooMany, std::uint64_t{8} << kShadeFractionBits));
+  const std::int64_t base = lit + (std::int64_t{entry.ambient} << (kShadeFractionBits - 7));
+  std::int64_t highlight = 0;
+  if (entry.specular != 0 && dot(gradient, gradient) >= std::int64_t{kShortestGradient} * kShortestGradient) {
+    highlight = (std::int64_t{entry.specular} * reflectance(reflectance_map, gradient) + 64) >> 7;
+  }
+  Colour12 out{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::int64_t colour = entry.colour[c] * base + std::int64_t{wire::kColourOne} * highlight;
+    out[c] = static_cast<std::int32_t>(
+        std::min<std::int64_t>((colour + kShadeUnit / 2) >> kShadeFractionBits, wire::kColourOne));
+  }
+  return out;
+}
+
+}  // namespace gicube::emu

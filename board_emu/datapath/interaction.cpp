@@ -1,0 +1,371 @@
+#include "interaction.h"
+
+#include <cmath>
+
+#include "datapath/random_stream.h"
+#include "datapath/illuminate.h"
+#include "datapath/scatter.h"
+#include "datapath/splat.h"
+#include "datapath/trilinear_splat.h"
+
+namespace gicube::emu {
+
+namespace {
+
+Sample classify(const Cell& at, const BlockView& view, std::size_t edge, const Frame& frame) {
+  const std::size_t row = edge, slice = edge * edge;
+  const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
+  Sample out;
+  if (view.tags != nullptr) {
+    constexpr std::uint32_t kHalf = wire::kVoxel / 2;
+    out.tag = view.tags[first + (at.fraction[0] >= kHalf) + row * (at.fraction[1] >= kHalf) +
+                        slice * (at.fraction[2] >= kHalf)];
+  }
+  out.channels = resample_all(
+      {view.voxels + first, row, slice, {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}});
+  out.index = segmentation_index(out.channels[0], out.tag);
+  out.entry = &frame.segmentation[out.index];
+  return out;
+}
+
+std::uint32_t product(std::uint32_t a, std::uint32_t b) {
+  return static_cast<std::uint32_t>(divide_by_full_scale<24>(std::uint64_t{a} * b));
+}
+
+// Opacity at which the ray interacts, 24 bits; the packet has 12 of them, the wide datapath all. The printed rules keep one
+// value for the whole path [P §2.2], which correlates its flights.
+std::uint32_t interaction(const Traveller& ray, const Frame& frame) {
+  const std::uint16_t flight = frame.rules == wire::EnergyRules::kAsPrinted ? std::uint16_t{0} : ray.lifetime;
+  const auto value = static_cast<std::uint32_t>(draw(Chance::kInteraction, ray.u, ray.v, flight, frame.seed) >> 40);
+  return frame.wide ? value | 1u : (value & 0xFFF000u) | 0x800u;
+}
+
+std::uint64_t draw_here(Chance what, const Traveller& ray, const Frame& frame) {
+  return draw_at(what, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
+}
+
+// A ray that has been scattered leaves a reflecting surface without meeting it again.
+bool leaves(const Traveller& ray, const wire::Material& material, const Sample& sample, const Frame& frame) {
+  if (ray.generation == 0 || !reflects(material.bsdf)) return false;
+  std::int64_t along = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    along += std::int64_t{ray.direction[axis]} * frame.spacing[axis] * sample.channels[axis + 1];
+  }
+  return along < 0;
+}
+
+// The part of its step that a sample stands for, 0..1: with the conserving rules a lighting ray's last step ends where the
+// volume does, else it would absorb beyond.
+double part_of_step(const Traveller& ray, const Frame& frame) {
+  if (!ray.is(wire::kLightingRay) || frame.rules == wire::EnergyRules::kAsPrinted) return 1;
+  Point next = ray.position;
+  for (std::size_t axis = 0; axis < 3; ++axis) next[axis] += ray.step[axis];
+  if (inside(next, frame.extent)) return 1;
+  double share = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double step = ray.step[axis], at = ray.position[axis];
+    if (step > 0) share = std::min(share, (frame.extent[axis] - at) / step);
+    if (step < 0) share = std::min(share, at / -step);
+  }
+  return std::max(share, 0.0);
+}
+
+std::uint32_t step_opacity(const Traveller& ray, std::uint16_t opacity, const Frame& frame) {
+  const double part = part_of_step(ray, frame);
+  const auto exponent = part == 1 ? ray.exponent : static_cast<std::uint32_t>(std::lround(ray.exponent * part));
+  return (*frame.opacity_correction)(opacity, exponent);
+}
+
+// Of what is not absorbed, the part that is scattered: Ks a / (1 - (1 - Ks) a), 24 bits.
+std::uint32_t scattering_opacity(std::uint32_t a, const wire::Material& material) {
+  if (a == wire::kOpacityOne) return material.scattering == 0 ? 0 : wire::kOpacityOne;
+  const double ks = material.scattering / double{wire::kScatteringOne}, alpha = a / double{wire::kOpacityOne};
+  return static_cast<std::uint32_t>(std::lround(ks * alpha / (1 - (1 - ks) * alpha) * wire::kOpacityOne));
+}
+
+std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material) {
+  const std::uint64_t kept = wire::kScatteringOne - material.scattering;
+  return static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne);
+}
+
+// Accumulates `opacity`; true when the ray interacts within this step, `where` being the place in it, 0..1.
+bool interacts(Traveller& ray, std::uint32_t opacity, const Frame& frame, double& where) {
+  const std::uint32_t before = ray.interacted;
+  ray.interacted = before + product(wire::kOpacityOne - before, opacity);
+  const std::uint32_t value = interaction(ray, frame);
+  if (ray.interacted < value || ray.interacted == before) return false;
+  // The depth grows evenly along the step, the opacity does not.
+  const auto depth = [before](std::uint32_t until) {
+    return std::log((wire::kOpacityOne - before + 0.5) / (wire::kOpacityOne - until + 0.5));
+  };
+  where = value > before ? depth(value) / depth(ray.interacted) : 0.0;
+  return true;
+}
+
+// A place in what the sample stands for, `where` 0..1: the paper's rules know only the sample's own. It may lie in
+// another block.
+Point along_step(const Traveller& ray, double where, const Frame& frame) {
+  Point out = ray.position;
+  if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
+  where *= part_of_step(ray, frame);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out[axis] += static_cast<std::int32_t>(std::lround(where * ray.step[axis]));
+    out[axis] = std::clamp(out[axis], 0, frame.extent[axis]);
+  }
+  return out;
+}
+
+Deposit split_at(const Point& place, std::uint32_t units, std::uint16_t u, std::uint16_t v, std::uint16_t lifetime,
+                 std::uint32_t seed) {
+  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
+  Deposit out;
+  std::array<std::uint32_t, 3> fraction{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
+    fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
+  }
+  out.shares = split(units, fraction, draw_at(Chance::kSplat, place, u, v, lifetime, seed));
+  return out;
+}
+
+// The same of a signed amount, in the sums' way.
+Deposit spread_at(const Point& place, std::int32_t amount) {
+  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
+  Deposit out;
+  std::array<std::uint32_t, 3> fraction{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
+    fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
+  }
+  const SignedShares shares = spread(amount, fraction);
+  for (std::size_t i = 0; i < shares.size(); ++i) out.shares[i] = static_cast<std::uint32_t>(shares[i]);
+  return out;
+}
+
+// Gives `units` to the voxels round `place`.
+void deposit(Met& met, const Traveller& ray, std::uint32_t units, const Point& place, const Frame& frame) {
+  if (units == 0) return;
+  met.deposits = true;
+  met.place = place;
+  met.units = units;
+  met.lifetime = ray.lifetime;
+  met.deposit = split_at(place, units, ray.u, ray.v, ray.lifetime, frame.seed);
+}
+
+void give_up(Met& met, const Traveller& ray, const Frame& frame, RayCounters& counters) {
+  met.fate = Fate::kEnded;
+  if (!ray.is(wire::kLightingRay)) return;
+  const std::uint32_t units = energy_units(ray, frame);
+  counters.energy.scattered_away += units;
+  counters.energy.given_up += units;
+}
+
+// The ray interacts at `where` of its step and is scattered.
+void scatter(Met& met, Traveller& ray, double where, const wire::Material& material, const Sample& sample,
+             const Frame& frame, RayCounters& counters) {
+  ray.position = along_step(ray, where, frame);
+  if (ray.lifetime == 0) return give_up(met, ray, frame, counters);
+  ++counters.scatterings;
+  if (material.bsdf == wire::Bsdf::kTrap) {
+    ++counters.traps;
+    ray.flags = static_cast<std::uint8_t>(ray.flags | wire::kTrapped | sample.tag << kTrapTagShift);
+    met.fate = Fate::kTrapped;
+    return;
+  }
+  turn(ray,
+       scattered(material, ray.direction, sample.gradient(), frame.spacing, draw_here(Chance::kDirection, ray, frame)),
+       frame);
+  if (frame.rules == wire::EnergyRules::kAsPrinted) advance(ray, 1);
+}
+
+bool draws_scattering(const Traveller& ray, const wire::Material& material, const Frame& frame) {
+  return (draw(Chance::kAbsorption, ray.u, ray.v, ray.lifetime, frame.seed) >> 48) *
+             std::uint64_t{wire::kScatteringOne} <
+         std::uint64_t{material.scattering} << 16;
+}
+
+void meet_photon(Met& met, Traveller& ray, std::uint32_t a, const wire::Material& material, const Sample& sample,
+                 const Frame& frame, RayCounters& counters) {
+  const bool straight = material.bsdf == wire::Bsdf::kNone;
+  double where = 0;
+  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, where)) return advance(ray, 1);
+  if (!straight && draws_scattering(ray, material, frame)) {
+    return scatter(met, ray, where, material, sample, frame, counters);
+  }
+  deposit(met, ray, energy_units(ray, frame), along_step(ray, where, frame), frame);
+  met.fate = Fate::kEnded;
+}
+
+void meet_bundle(Met& met, Traveller& ray, std::uint32_t a, const wire::Material& material, const Sample& sample,
+                 const Frame& frame, RayCounters& counters) {
+  const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
+  const std::uint64_t before = energy(ray.colour), lost = printed ? a : absorption_opacity(a, material);
+  const std::uint32_t units = energy_units(ray, frame);
+  // Rounded at random: a small energy in thin fog would else never become less.
+  const std::uint64_t dither = (draw_here(Chance::kLoss, ray, frame) >> 40) * wire::kOpacityOne >> 24;
+  set_energy(ray.colour, before - (before * lost + dither) / wire::kOpacityOne);
+  const std::uint32_t left = energy_units(ray, frame);
+  std::uint32_t given = units - left;
+  if (printed && given != 0) {  // what was scattered is lost [P §2.2]
+    const std::uint64_t share = std::uint64_t{given} * (wire::kScatteringOne - material.scattering);
+    const std::uint64_t chance = (draw_here(Chance::kShare, ray, frame) >> 48) * wire::kScatteringOne >> 16;
+    const auto absorbed = static_cast<std::uint32_t>((share + chance) / wire::kScatteringOne);
+    counters.energy.scattered_away += given - absorbed;
+    given = absorbed;
+  }
+  deposit(met, ray, given, along_step(ray, 0.5, frame), frame);
+  if (left == 0) {
+    met.fate = Fate::kEnded;
+    return;
+  }
+  double where = 0;
+  if (material.bsdf == wire::Bsdf::kNone ||
+      !interacts(ray, printed ? a : scattering_opacity(a, material), frame, where)) {
+    return advance(ray, 1);
+  }
+  scatter(met, ray, where, material, sample, frame, counters);
+}
+
+Colour12 colour_of(const Sample& sample, const Cell& at, std::size_t block, std::size_t edge, const Frame& frame) {
+  if (!frame.lit_by_irradiance) {
+    return frame.shade ? shade(*sample.entry, sample.gradient(), frame.reflectance_map)
+                       : Colour12{sample.entry->colour[0], sample.entry->colour[1], sample.entry->colour[2]};
+  }
+  std::uint32_t light = 0;
+  if (const std::uint32_t* words = frame.irradiance->view(block)) {
+    const std::size_t row = edge, slice = edge * edge;
+    light = irradiance(words + at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2], row, slice,
+                       {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}, frame.wide);
+  }
+  return illuminated(*sample.entry, light, frame.exposure, sample.gradient(), frame.reflectance_map);
+}
+
+// Leaves the part of a sample's opacity that is absorbed, of `scattering` units of wire::kScatteringOne.
+void absorb(Traveller& ray, WideWords* wide, const Colour12& colour, std::uint32_t a, std::uint16_t scattering,
+            const Sample& sample, const Frame& frame) {
+  constexpr float kOne = wire::kScatteringOne;
+  if (wide == nullptr) {
+    const std::uint64_t kept = wire::kScatteringOne - scattering;
+    over(ray, colour, static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne));
+    return;
+  }
+  const float alpha = wide_alpha(frame.wide_depths[sample.index], ray.exponent);
+  over(ray, *wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
+}
+
+void meet_rendering(Met& met, Traveller& ray, WideWords* wide, const Cell& at, std::size_t block, std::size_t edge,
+                    std::uint32_t a, const wire::Material& material, const Sample& sample, const Frame& frame,
+                    RayCounters& counters) {
+  const bool scatters =
+      frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
+  double where = 0;
+  if (frame.high_albedo) {
+    if (!interacts(ray, a, frame, where)) return advance(ray, 1);
+    if (scatters && draws_scattering(ray, material, frame)) {
+      return scatter(met, ray, where, material, sample, frame, counters);
+    }
+    const Colour12 colour = colour_of(sample, at, block, edge, frame);
+    if (wide != nullptr) {
+      over(ray, *wide, colour, 1.0F);
+    } else {
+      over(ray, colour, wire::kOpacityOne);
+    }
+    met.fate = Fate::kEnded;
+    return;
+  }
+  absorb(ray, wide, colour_of(sample, at, block, edge, frame), a, scatters ? material.scattering : std::uint16_t{0},
+         sample, frame);
+  if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, where)) return advance(ray, 1);
+  scatter(met, ray, where, material, sample, frame, counters);
+}
+
+// A ray that takes nothing from its energy leaves its amount at each sample.
+Met backproject(Traveller& ray, const Frame& frame, RayCounters& counters) {
+  Met met;
+  met.visible = true;
+  const std::int32_t amount = amount_of(ray);
+  ++counters.deposits;
+  if (frame.sums != nullptr) {
+    met.deposits = amount != 0;
+    met.place = ray.position;
+    met.units = static_cast<std::uint32_t>(amount);
+    met.deposit = spread_at(ray.position, amount);
+  } else {  // a fraction of a unit is rounded at random, and the place's own way
+    constexpr int kFraction = wire::kAmountFractionBits;
+    const std::uint64_t chance = draw_at(Chance::kPhase, ray.position, ray.u, ray.v, 0, frame.seed) >> (64 - kFraction);
+    deposit(met, ray, (static_cast<std::uint32_t>(amount) + static_cast<std::uint32_t>(chance)) >> kFraction,
+            ray.position, frame);
+    counters.energy.emitted += met.units;
+  }
+  advance(ray, 1);
+  return met;
+}
+
+}  // namespace
+
+void turn(Traveller& ray, const Direction& direction, const Frame& frame) {
+  --ray.lifetime;
+  if (ray.generation < 15) ++ray.generation;
+  ray.interacted = 0;
+  ray.direction = direction;
+  ray.length = physical_length(direction, frame.spacing);
+  space(ray, frame.step);
+}
+
+Sample sample_at(const Point& position, const Frame& frame) {
+  const BlockGrid grid(*frame.volume);
+  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  return classify(cell(position, grid.low(position)), frame.volume->view(grid.block(position)), edge, frame);
+}
+
+Deposit deposit_of(const Traveller& carrier, const Frame& frame) {
+  if (frame.sums != nullptr) return spread_at(carrier.position, amount_of(carrier));
+  const auto units = static_cast<std::uint32_t>(energy(carrier.colour) >> kEnergyFractionBits);
+  return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, frame.seed);
+}
+
+std::uint32_t energy_units(const Traveller& ray, const Frame& frame) {
+  const std::uint64_t phase = draw(Chance::kPhase, ray.u, ray.v, 0, frame.seed) >> (64 - kEnergyFractionBits);
+  return static_cast<std::uint32_t>((energy(ray.colour) + phase) >> kEnergyFractionBits);
+}
+
+Met meet(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge,
+         const Frame& frame, RayCounters& counters) {
+  if (frame.backprojects) return backproject(ray, frame, counters);
+  Met met;
+  const Sample sample = classify(at, view, edge, frame);
+  const wire::Material& material = frame.materials[sample.tag];
+  met.visible = visible(sample.index, wide, frame);
+  if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
+    const bool at_surface = met.visible && material.bsdf == wire::Bsdf::kTrap;
+    if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
+  }
+  if (!met.visible || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
+    advance(ray, 1);
+    return met;
+  }
+  const std::uint32_t a = step_opacity(ray, sample.entry->opacity, frame);
+  if (!ray.is(wire::kLightingRay)) {
+    meet_rendering(met, ray, wide, at, block, edge, a, material, sample, frame, counters);
+  } else if (ray.is(wire::kHighAlbedo)) {
+    meet_photon(met, ray, a, material, sample, frame, counters);
+  } else {
+    meet_bundle(met, ray, a, material, sample, frame, counters);
+  }
+  if (met.deposits) ++counters.deposits;
+  return met;
+}
+
+std::uint16_t opacity_at(const Point& position, const Frame& frame) {
+  return sample_at(position, frame).entry->opacity;
+}
+
+void count_end(const Traveller& ray, End how, const Frame& frame, RayCounters& counters) {
+  ++counters.rays;
+  if (how == End::kOpaque) ++counters.terminated;
+  if (!ray.is(wire::kLightingRay)) return;
+  ++counters.lighting_rays;
+  if (how == End::kLeft) counters.energy.escaped += energy_units(ray, frame);
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,73 @@
+// What a sample does to a ray where there is more to it than gathering: lighting rays, and rendering rays that are lit by
+// irradiance or scattered [P §2.2]. Pure functions of the ray and the volume, for every fidelity level.
+//
+// A sample stands for the step that follows it. Absorption and scattering share its opacity a (docs/reference/hardware.md):
+//   low albedo    the ray keeps 1 - (1 - Ks) a of its energy, or of its transparency, and deposits the rest; of what is
+//                 kept the part Ks a / (1 - (1 - Ks) a) is scattered
+//   high albedo   the ray meets the material when a, accumulated, reaches its interaction value, and is then scattered with
+//                 probability Ks, else absorbed whole
+#pragma once
+
+#include "gicube/wire/trap.h"
+#include "ray_step.h"
+#include "datapath/scatter.h"
+
+namespace gicube::emu {
+
+// The pipeline's words at a place.
+struct Sample {
+  Channels channels{};
+  unsigned tag = 0;
+  const wire::SegmentationEntry* entry = nullptr;
+  std::size_t index = 0;  // of it
+
+  Point gradient() const { return {channels[1], channels[2], channels[3]}; }
+};
+
+Sample sample_at(const Point& position, const Frame& frame);
+
+enum class Fate : std::uint8_t { kGoesOn, kEnded, kTrapped };
+
+struct Met {
+  Fate fate = Fate::kGoesOn;
+  bool visible = false;  // the sample has an opacity
+  bool deposits = false;
+  // If it does: where, not always in the block of the sample; how much; and on which flight.
+  Deposit deposit;
+  Point place{};
+  std::uint32_t units = 0;  // in sums: signed
+  std::uint16_t lifetime = 0;
+};
+
+// How the energy of an irradiance carrier falls to the voxels round its position: as that of the ray which sent it did.
+Deposit deposit_of(const Traveller& carrier, const Frame& frame);
+
+// Takes the sample at `at` of the block `view`, and advances or scatters the ray. `wide`, here and below: as take_sample().
+Met meet(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge,
+         const Frame& frame, RayCounters& counters);
+
+// A flight begins: the ray, scattered, runs along `direction`.
+void turn(Traveller& ray, const Direction& direction, const Frame& frame);
+
+// A leap takes the ray through nothing: it is no longer at a surface.
+inline void leave_surface(Traveller& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
+
+// The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as finish() leaves
+// it, else ready to set out. What it brings counts as emitted.
+bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
+
+// The DSP scatters a trapped ray: what its routine answers. `cycles`: what it took, of the DSP. Throws RoutineFault.
+// kTrapped: the host must answer, the frame's HostTraps have the ray, and it is gone without having come to an end.
+Met resolve_trap(Traveller& ray, WideWords* wide, const Frame& frame, RayCounters& counters, std::uint32_t& cycles);
+
+// Whole energy units that the ray holds: its energy's fraction is rounded by one draw a ray, so that what it deposits on its
+// way sums exactly to what it had.
+std::uint32_t energy_units(const Traveller& ray, const Frame& frame);
+
+// Opacity of one voxel length at a place of the volume, 65535 = 1.
+std::uint16_t opacity_at(const Point& position, const Frame& frame);
+
+// Counts a ray that has come to its end, with the energy that leaves with it.
+void count_end(const Traveller& ray, End how, const Frame& frame, RayCounters& counters);
+
+}  // namespace gicube::emu

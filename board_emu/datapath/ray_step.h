@@ -1,0 +1,270 @@
+// A ray between two samples, and what one turn of the pipeline does to it. Every fidelity level takes these same steps,
+// so that values can't differ; what a turn costs is not known here.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "frame.h"
+#include "datapath/advance.h"
+#include "datapath/classify.h"
+#include "datapath/composite.h"
+#include "datapath/jitter.h"
+#include "datapath/resample.h"
+#include "datapath/shade.h"
+#include "datapath/wide.h"
+
+namespace gicube::emu {
+
+// The ray packet's words as the pipeline's registers hold them, with what its direction fixes once and for all.
+struct Traveller {
+  Point position{};
+  Point step{};                // to the next sample
+  std::uint32_t exponent = 0;  // what that distance means for opacity: 16.16 voxel lengths
+  std::uint32_t length = 0;    // of one voxel length along the direction: 16.16 reference voxel lengths
+  std::uint32_t opacity = 0;   // 2^24 - 1 = one; a lighting ray's is `interacted`
+  // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows
+  // from the opacity, and `interaction`, which is drawn again when asked for. Of a segment: the steps that are left.
+  std::uint32_t interacted = 0;
+  // Premultiplied, 4095 = one; of a lighting ray: its energy (energy()); the sum of densities; amount_of().
+  std::array<std::uint16_t, 3> colour{};
+  std::array<std::int16_t, 3> direction{};
+  std::uint16_t u = 0;
+  std::uint16_t v = 0;
+  std::uint16_t lifetime = 0;   // scatterings that are left
+  std::uint8_t generation = 0;  // scatterings so far, saturating at 15
+  std::uint8_t flags = 0;       // wire::RayFlag; of a ray that traps bits 6 and 7 are its material's tag
+
+  bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
+};
+static_assert(sizeof(Traveller) == 60, "with its block it fills one of the host's cache lines (rays.h)");
+
+inline constexpr int kTrapTagShift = 6;
+
+// A lighting ray's energy lies in the colour's 36 bits: 24.12 units.
+inline constexpr int kEnergyFractionBits = 12;
+constexpr std::uint64_t energy(const std::array<std::uint16_t, 3>& colour) {
+  return colour[0] | std::uint64_t{colour[1]} << 12 | std::uint64_t{colour[2]} << 24;
+}
+constexpr void set_energy(std::array<std::uint16_t, 3>& colour, std::uint64_t energy) {
+  for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint16_t>(energy >> (12 * i) & 0xFFF);
+}
+
+// What each sample of a ray that backprojects leaves: the 24 bits that its packet has in place of opacity.
+inline std::int32_t amount_of(const Traveller& ray) {
+  return wire::sign_extend(static_cast<std::uint32_t>(energy(ray.colour)), 24);
+}
+
+// How many reference voxel lengths one voxel length along `direction` is, 16.16. Exactly one where spacing is one.
+std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
+                              const std::array<std::uint32_t, 3>& spacing);
+
+// Sets the distance to the next sample, 16.16 voxels.
+inline void space(Traveller& ray, std::uint32_t distance) {
+  ray.step = step_vector(ray.direction, distance);
+  ray.exponent =
+      static_cast<std::uint32_t>(round_shift<16>(static_cast<std::int64_t>(std::uint64_t{distance} * ray.length)));
+}
+
+// Divides a segment's `length`, 16.16 voxels, into even steps of at most the frame's, and goes to the middle of the first.
+inline void divide(Traveller& ray, std::uint32_t length, const Frame& frame) {
+  const std::uint32_t steps = (length + frame.step - 1) / frame.step;
+  ray.interacted = steps;
+  ray.colour = {};
+  if (steps == 0) return;
+  space(ray, (length + steps / 2) / steps);
+  const Point half = step_vector(ray.direction, (length + steps) / (2 * steps));
+  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += half[axis];
+}
+
+inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
+  Traveller out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position[axis] = static_cast<std::int32_t>(ray.position[axis]);
+    out.colour[axis] = ray.colour[axis];
+  }
+  out.opacity = ray.opacity;
+  out.lifetime = ray.lifetime;
+  out.generation = ray.generation;
+  out.flags = ray.flags;
+  out.length = physical_length(ray.direction, frame.spacing);
+  out.u = ray.u;
+  out.v = ray.v;
+  out.direction = ray.direction;
+  space(out, frame.step);
+  if (frame.segments) divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
+  if (frame.backprojects) {
+    set_energy(out.colour, ray.opacity);
+    out.opacity = 0;
+  }
+  return out;
+}
+
+// Writes what the ray has gathered, and where it ended, clamped to the volume, into its packet.
+inline void finish(const Traveller& ray, const Frame& frame, wire::Ray& out) {
+  const bool hit = frame.to_the_hit && ray.opacity >= frame.opacity_threshold;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // Back from the next sample's place to that of the hit, or to a segment's end.
+    const std::int32_t back = hit ? ray.step[axis] : frame.segments ? ray.step[axis] / 2 : 0;
+    const std::int32_t at = ray.position[axis] - back;
+    out.position[axis] = static_cast<std::uint32_t>(std::clamp(at, 0, frame.extent[axis]));
+    out.colour[axis] = ray.colour[axis];
+  }
+  out.direction = ray.direction;
+  out.opacity = ray.opacity;
+  out.contribution = contribution(ray.opacity);
+  out.lifetime = ray.lifetime;
+  out.generation = ray.generation;
+}
+
+// Whether the ray has come to its end: out of the volume, behind a cut plane, opaque enough, or absorbed or given up.
+// kWaits: for the host, which has the ray; it has not ended.
+enum class End : std::uint8_t { kNot, kLeft, kOpaque, kSpent, kWaits };
+
+inline End end(const Traveller& ray, const Frame& frame) {
+  if (!inside(ray.position, frame.extent)) return End::kLeft;
+  if (frame.segments && ray.interacted == 0) return End::kLeft;
+  for (const Plane& plane : frame.cut_planes) {
+    if (beyond(plane, ray.position, ray.step)) return End::kLeft;
+  }
+  return ray.opacity >= frame.opacity_threshold ? End::kOpaque : End::kNot;
+}
+
+// The block of a position, and its place there.
+class BlockGrid {
+ public:
+  BlockGrid() = default;
+  explicit BlockGrid(const VolumeMemory& volume)
+      : shift_(std::countr_zero(static_cast<unsigned>(volume.block_voxels())) + wire::kPositionFractionBits),
+        across_(static_cast<std::size_t>(volume.blocks()[0])),
+        slice_(across_ * static_cast<std::size_t>(volume.blocks()[1])) {}
+
+  std::size_t block(const Point& position) const {
+    return static_cast<std::size_t>(position[0] >> shift_) + across_ * static_cast<std::size_t>(position[1] >> shift_) +
+           slice_ * static_cast<std::size_t>(position[2] >> shift_);
+  }
+  // Whether two positions lie in the same block.
+  bool same(const Point& a, const Point& b) const {
+    return (((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> shift_) == 0;
+  }
+  Point low(const Point& position) const {
+    const std::int32_t mask = -(std::int32_t{1} << shift_);
+    return {position[0] & mask, position[1] & mask, position[2] & mask};
+  }
+  std::int32_t size() const { return std::int32_t{1} << shift_; }  // of a block, in position units
+  // A block's least voxel.
+  std::array<std::int32_t, 3> corner(std::size_t block) const {
+    const int voxels = shift_ - wire::kPositionFractionBits;
+    return {static_cast<std::int32_t>(block % across_) << voxels,
+            static_cast<std::int32_t>(block % slice_ / across_) << voxels,
+            static_cast<std::int32_t>(block / slice_) << voxels};
+  }
+
+ private:
+  int shift_ = 0;
+  std::size_t across_ = 0;
+  std::size_t slice_ = 0;
+};
+
+// A sample's place in its block: whole voxels and fractions.
+struct Cell {
+  std::array<std::uint32_t, 3> voxel;
+  std::array<std::uint32_t, 3> fraction;
+};
+
+inline Cell cell(const Point& position, const Point& low) {
+  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
+  Cell out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto offset = static_cast<std::uint32_t>(position[axis] - low[axis]);
+    out.voxel[axis] = offset >> wire::kPositionFractionBits;
+    out.fraction[axis] = offset & kFractionMask;
+  }
+  return out;
+}
+
+// The channels round a sample whose least voxel is the block's `first`-th; without voxels the density alone.
+inline Channels resample_view(const BlockView& view, std::size_t first, const Cell& at, std::size_t row,
+                              std::size_t slice) {
+  const std::array<int, 3> weights{weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])};
+  if (view.voxels != nullptr) return resample_all({view.voxels + first, row, slice, weights});
+  return {resample_density(view.densities + first, row, slice, weights), 0, 0, 0};
+}
+
+// Composites a sample of the classified opacity behind what the ray has gathered: in `wide` words, if there are any.
+inline void composite(Traveller& ray, WideWords* wide, const Colour12& colour, std::size_t index, const Frame& frame) {
+  if (wide != nullptr) return over(ray, *wide, colour, wide_alpha(frame.wide_depths[index], ray.exponent));
+  over(ray, colour, (*frame.opacity_correction)(frame.segmentation[index].opacity, ray.exponent));
+}
+
+// Whether samples of this entry of the segmentation LUT are seen.
+inline bool visible(std::size_t index, const WideWords* wide, const Frame& frame) {
+  return wide != nullptr ? frame.wide_depths[index] != 0 : frame.segmentation[index].opacity != 0;
+}
+
+// Resamples, classifies, shades and composites at `at`, a place in the block `view` of (edge)^3 voxels. False if the
+// sample has no opacity. `wide`: the ray's, of a frame that gathers_wide(); else null.
+inline bool take_sample(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t edge,
+                        const Frame& frame) {
+  const std::size_t row = edge, slice = edge * edge;
+  const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
+  unsigned tag = 0;
+  if (view.tags != nullptr) {
+    constexpr std::uint32_t kHalf = wire::kVoxel / 2;
+    tag = view.tags[first + (at.fraction[0] >= kHalf) + row * (at.fraction[1] >= kHalf) +
+                    slice * (at.fraction[2] >= kHalf)];
+  }
+  const Channels sample = resample_view(view, first, at, row, slice);
+  if (frame.integral) {
+    set_energy(ray.colour, energy(ray.colour) + static_cast<std::uint64_t>(sample[0]));
+    return sample[0] != 0;
+  }
+  const std::size_t index = segmentation_index(sample[0], tag);
+  const wire::SegmentationEntry& entry = frame.segmentation[index];
+  if (!visible(index, wide, frame)) return false;
+  Colour12 colour{};
+  if (!frame.colourless) {
+    colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
+                         : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
+  }
+  composite(ray, wide, colour, index, frame);
+  return true;
+}
+
+// A step by the factor that jitter() draws, 16.16 voxels.
+inline std::uint32_t jittered(const Frame& frame, std::uint32_t factor) {
+  return static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame.step} * factor));
+}
+
+// Draws the distance to the next sample, if the frame jitters.
+inline void jitter_step(Traveller& ray, const Frame& frame) {
+  if (!frame.jitter) return;
+  space(ray, jittered(frame, jitter(ray.position, ray.u, ray.v)));
+}
+
+// What the sorter counts of the ray, 12 bits: what a rendering ray can still add to the image, and a lighting ray's energy.
+inline constexpr std::uint16_t kFullContribution = 4095;
+inline std::uint16_t contribution(const Traveller& ray) {
+  if (!ray.is(wire::kLightingRay)) return contribution(ray.opacity);
+  constexpr int kShift = kEnergyFractionBits - 4;  // 255 units fill 12 bits
+  return static_cast<std::uint16_t>(std::min<std::uint64_t>(energy(ray.colour) >> kShift, kFullContribution));
+}
+
+inline void advance(Traveller& ray, std::int32_t steps) {
+  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
+}
+
+// The steps that take the ray out of its empty block [low, low + size), or a segment to its end.
+inline std::int32_t leap_steps(const Traveller& ray, const Point& low, std::int32_t size, const Frame& frame) {
+  const std::int32_t steps = leap_steps(ray.position, ray.step, low, size);
+  return frame.segments ? std::min(steps, static_cast<std::int32_t>(ray.interacted)) : steps;
+}
+
+// Counts the steps of a segment down.
+inline void count_steps(Traveller& ray, std::int32_t steps, const Frame& frame) {
+  if (frame.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
+}
+
+}  // namespace gicube::emu

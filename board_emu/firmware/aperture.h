@@ -1,0 +1,96 @@
+// The host's window into the board's memory (BAR2): tables, empty flags, volume, framebuffer, each behind its addresses.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "firmware/framebuffer.h"
+#include "gicube/wire/lut.h"
+#include "gicube/wire/material.h"
+#include "gicube/wire/memory_map.h"
+#include "memory/irradiance_memory.h"
+#include "memory/sum_memory.h"
+#include "memory/volume_memory.h"
+
+namespace gicube::emu {
+
+// A LUT as the host wrote it, byte by byte, and as the pipeline reads it, word by word.
+template <typename Word, std::size_t WordBytes>
+class Table {
+ public:
+  using Decode = Word (*)(std::span<const std::uint8_t, WordBytes>);
+
+  Table(std::size_t words, Decode decode) : decode_(decode), bytes_(words * WordBytes), words_(words) {
+    refresh(0, words);
+  }
+
+  void write(std::size_t offset, std::span<const std::uint8_t> bytes) {
+    std::copy(bytes.begin(), bytes.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(offset));
+    refresh(offset / WordBytes, (offset + bytes.size() + WordBytes - 1) / WordBytes);
+  }
+
+  std::span<const std::uint8_t> bytes() const { return bytes_; }
+  std::span<const Word> words() const { return words_; }
+
+ private:
+  void refresh(std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      words_[i] = decode_(std::span<const std::uint8_t, WordBytes>(bytes_.data() + i * WordBytes, WordBytes));
+    }
+  }
+
+  Decode decode_;
+  std::vector<std::uint8_t> bytes_;
+  std::vector<Word> words_;
+};
+
+class Aperture {
+ public:
+  // `most_irradiance`: at which an irradiance word saturates.
+  Aperture(int block_voxels, std::uint32_t most_irradiance);
+
+  // False, and nothing written, if no writable memory is there.
+  bool write(std::uint64_t address, std::span<const std::uint8_t> bytes);
+  // Nothing if no memory is there. The framebuffer has as many bytes as its image.
+  std::optional<std::vector<std::uint8_t>> read(std::uint64_t address, std::uint64_t length) const;
+
+  // Drops the volume and its empty flags; `size` as VolumeMemory::resize.
+  void resize_volume(const std::array<int, 3>& size);
+  // Makes the decoded form of what is read of the volume current.
+  void decode(unsigned threads, const VolumeReads& reads);
+  bool empty(std::size_t block) const { return (empty_flags_[block / 8] >> (block % 8) & 1) != 0; }
+
+  const VolumeMemory& volume() const { return volume_; }
+  // An RDRAM error: no write, so what a cache holds stays as it is.
+  void flip(const VolumeMemory::BitPlace& place) { volume_.flip(place); }
+  // Counts writes into the volume: what was cached of it before is old.
+  std::uint64_t volume_writes() const { return volume_writes_; }
+  std::uint64_t segmentation_writes() const { return segmentation_writes_; }
+  std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_.words(); }
+  std::span<const wire::Material> materials() const { return materials_.words(); }
+  IrradianceMemory& irradiance() { return irradiance_; }
+  SumMemory& sums() { return sums_; }
+  const std::uint8_t* reflectance_map() const { return reflectance_map_.data(); }
+  Framebuffer& framebuffer() { return framebuffer_; }
+  // After a rendering: what the host will read.
+  void resolve_framebuffer(unsigned threads) { pixels_ = framebuffer_.packed(threads); }
+
+ private:
+  Table<wire::SegmentationEntry, wire::kSegmentationEntryBytes> segmentation_;
+  Table<wire::GradientEntry, wire::kGradientEntryBytes> gradients_;
+  Table<wire::Material, wire::kMaterialBytes> materials_;
+  IrradianceMemory irradiance_;
+  SumMemory sums_;
+  bool gradients_changed_ = true;
+  std::vector<std::uint8_t> reflectance_map_;
+  std::vector<std::uint8_t> empty_flags_;
+  VolumeMemory volume_;
+  std::uint64_t volume_writes_ = 0;
+  std::uint64_t segmentation_writes_ = 0;
+  Framebuffer framebuffer_;
+  std::vector<std::uint8_t> pixels_;
+};
+
+}  // namespace gicube::emu

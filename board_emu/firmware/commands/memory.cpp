@@ -1,0 +1,72 @@
+// The DSP looks after the volume's memory: it reads blocks back, and a command that meets an error is not carried out.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "command_fault.h"
+#include "commands.h"
+#include "gicube/wire/checksum.h"
+#include "gicube/wire/command.h"
+#include "asic/partition.h"
+
+namespace gicube::emu {
+
+void DspCommands::add_memory_error(const MemoryError& error) {
+  if (error.detected) {
+    memory_errors_.push_back(error);
+    return;
+  }
+  const auto place = aperture_.volume().find_bit(error.block, error.bit);
+  if (place) aperture_.flip(*place);
+}
+
+// chosen: the error strikes the first word that the command reads, so nothing has been changed.
+CommandResult DspCommands::meet_memory_error() {
+  const MemoryError error = memory_errors_.front();
+  memory_errors_.pop_front();
+  std::string text = "the RDRAM reported an error that it could not correct";
+  const auto place = aperture_.volume().find_bit(error.block, error.bit);
+  if (place)
+    text += ": block " + std::to_string(place->block) + ", word " + std::to_string(place->bit / wire::kVoxelBits);
+  return {.error = wire::ErrorCode::kMemory, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
+}
+
+CommandResult DspCommands::verify(std::span<const std::uint8_t> payload) {
+  if (payload.size() != wire::kVerifyCommandBytes) return refuse(expected("payload", "16 bytes", payload.size()));
+  if (!has_volume()) return refuse(kNoVolume);
+  const VolumeMemory& volume = aperture_.volume();
+  const std::size_t first = wire::load<std::uint32_t>(payload, 4), count = wire::load<std::uint32_t>(payload, 8);
+  if (count < 1 || count > wire::kMostVerifyBlocks) return refuse(expected("count", "1..65536", count));
+  if (first + count > volume.block_count()) {
+    return refuse(
+        expected("first + count", "at most " + std::to_string(volume.block_count()) + " blocks", first + count));
+  }
+  const std::vector<std::uint8_t> zeros(volume.block_bytes());
+  const std::uint32_t never_written = wire::crc32c(zeros);
+  CommandResult result{.asic_ps = reading_time(first, count), .up_bytes = 4 * count};
+  result.payload.resize(4 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto packed = volume.packed(first + i);
+    wire::store(std::span(result.payload), 4 * i, packed.empty() ? never_written : wire::crc32c(packed));
+  }
+  return result;
+}
+
+// Every channel streams the stored blocks of its processors, a packet of four voxels at a time.
+Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) const {
+  constexpr std::uint64_t kPacketVoxels = 4, kPacketCycles = 4;  // tCYCLE [docs/reference/hardware.md]
+  const VolumeMemory& volume = aperture_.volume();
+  const unsigned processors = config_.asic().processors(), sharing = config_.rdram().processors_per_rdram();
+  const Partition partition(config_.asic().partition(), processors, volume.blocks());
+  std::vector<std::uint64_t> blocks(processors);  // by channel
+  for (std::size_t block = first; block < first + count; ++block) {
+    if (!volume.packed(block).empty()) ++blocks[partition.home(block).processor / sharing];
+  }
+  const auto n = static_cast<std::uint64_t>(volume.block_voxels());
+  const std::uint64_t clocks =
+      *std::max_element(blocks.begin(), blocks.end()) * (n * n * n / kPacketVoxels) * kPacketCycles;
+  const std::uint64_t per_core_cycle = config_.rdram().clocks_per_core_cycle();
+  return cycles_to_ps((clocks + per_core_cycle - 1) / per_core_cycle, config_.asic().core_khz());
+}
+
+}  // namespace gicube::emu

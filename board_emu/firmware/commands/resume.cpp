@@ -1,0 +1,129 @@
+// Rays that only the host can scatter: they go to it, come back, and go on.
+#include <algorithm>
+
+#include "command_fault.h"
+#include "cycle/cycle_level.h"
+#include "commands.h"
+#include "functional/functional_level.h"
+#include "gicube/wire/trap.h"
+#include "cycle/machine_counters.h"
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::uint32_t kMostInList = 1u << 16;  // chosen: 4 MiB, the largest payload
+
+std::optional<std::string> fault_of_answer(const wire::Ray& ray, const Point& extent, bool light) {
+  if (const auto what = fault(ray, extent)) return what;
+  if (ray.lifetime == 0) return "lifetime: expected at least 1, got 0";
+  if (((ray.flags & wire::kLightingRay) != 0) != light) {
+    return std::string("flags: expected a ") + (light ? "lighting" : "rendering") + " ray";
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) {
+  const EnergyCounters& energy = counts.energy;
+  wire::LightingLedger ledger;
+  ledger.rays = counts.lighting_rays;
+  ledger.emitted = energy.emitted;
+  ledger.deposited = energy.deposited.kept;
+  ledger.escaped = energy.escaped;
+  ledger.scattered_away = energy.scattered_away;
+  ledger.given_up = energy.given_up;
+  ledger.clipped = energy.deposited.clipped;
+  ledger.light_in_solid = light_in_solid ? 1 : 0;
+  result.payload.resize(wire::kLightingLedgerBytes);
+  wire::encode(ledger, std::span<std::uint8_t, wire::kLightingLedgerBytes>(result.payload));
+  result.up_bytes = result.payload.size();
+}
+
+// Hands at most `most` of the waiting rays out. Without any that wait there is no list.
+void DspCommands::add_trap_list(CommandResult& result, std::size_t most) {
+  host_traps_.settle();
+  if (host_traps_.waiting() == 0) return;
+  const std::vector<wire::TrappedRay> rays = host_traps_.take(most);
+  std::size_t at = result.payload.size();
+  result.payload.resize(at + wire::kTrapListHeaderBytes + rays.size() * wire::kTrappedRayBytes);
+  const std::span bytes(result.payload);
+  wire::store(bytes, at, static_cast<std::uint32_t>(rays.size()));
+  wire::store(bytes, at + 4, static_cast<std::uint32_t>(host_traps_.waiting()));
+  at += wire::kTrapListHeaderBytes;
+  for (const wire::TrappedRay& ray : rays) {
+    wire::encode(ray, bytes.subspan(at).first<wire::kTrappedRayBytes>());
+    at += wire::kTrappedRayBytes;
+  }
+  result.up_bytes = result.payload.size();
+  result.returns_rays = !rays.empty();
+  // host_ray_cycles is for both ways; the other half is taken with the answer.
+  const std::uint64_t cycles = rays.size() * (config_.dsp().host_ray_cycles() - config_.dsp().host_ray_cycles() / 2);
+  result.dsp_cycles += cycles;
+  if (result.asic_ps != 0) result.asic_ps += cycles_to_ps(cycles, config_.dsp().clock_khz());
+  host_traps_total_ += rays.size();
+}
+
+CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& work) {
+  if (payload.size() < wire::kResumeHeaderBytes)
+    return refuse(expected("payload", "at least 16 bytes", payload.size()));
+  const auto count = wire::load<std::uint32_t>(payload, 4), most = wire::load<std::uint32_t>(payload, 8);
+  if (payload.size() != wire::kResumeHeaderBytes + std::uint64_t{count} * wire::kRayBytes) {
+    return refuse(
+        expected("payload", "16 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
+  }
+  if (most > kMostInList) return refuse(expected("most", "0..65536", most));
+  if (count > host_traps_.out()) {
+    return refuse(
+        expected("count", "at most the rays handed out and not answered, " + std::to_string(host_traps_.out()), count));
+  }
+  if (!has_volume()) return refuse(kNoVolume);
+  if (const auto what = material_fault()) return refuse(*what);
+  Frame frame = this->frame();
+  const bool light = host_traps_.is_light();
+  if (light) {
+    aperture_.irradiance().expect_deposits();
+    frame.plain = false;
+    frame.lights = true;
+    frame.opacity_threshold = wire::kOpacityOne;
+    frame.rules = host_traps_.rules();
+  }
+
+  std::vector<wire::Ray> answers(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto packet = payload.subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>();
+    answers[i] = wire::decode_ray(packet);
+    if (const auto what = fault_of_answer(answers[i], frame.extent, light)) {
+      return refuse("ray " + std::to_string(i) + ": " + *what);
+    }
+  }
+  aperture_.decode(threads_, reads(frame));
+  host_traps_.answered(count);
+  CommandResult result;
+  RayCounters counts;
+  if (config_.fidelity() == v1::functional) {
+    const Rendered resumed = emu::resume(answers, frame, aperture_.framebuffer(), threads_, work);
+    if (resumed.cancelled) return {.error = wire::ErrorCode::kCancelled};
+    rays_ += counts = resumed.rays;
+    result.dsp_cycles = count * (config_.dsp().host_ray_cycles() / 2) + counts.trap_cycles +
+                        resumed.returned * config_.dsp().returned_ray_cycles();
+  } else if (count > 0) {
+    const RayCounters before = ray_counters(machine());
+    const Ran ran = emu::resume(answers, frame, aperture_.framebuffer(), config_.dsp(), machine(), counts, work);
+    if (ran.cancelled) return cancelled();
+    rays_ += counts;
+    counts += ray_counters(machine()) - before;
+    result = timed(ran);
+  }
+  result.takes_rays = count > 0;
+  if (light) {
+    add_ledger(result, counts, false);
+  } else {
+    aperture_.resolve_framebuffer(threads_);
+  }
+  add_trap_list(result, most);
+  return result;
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,224 @@
+// Rays that the host made [P §3.5, §3.6]: what it asks of them, and how they go back to it.
+#include <algorithm>
+#include <cstdlib>
+
+#include "approximate/approximate_level.h"
+#include "functional/backproject.h"
+#include "command_fault.h"
+#include "cycle/cycle_level.h"
+#include "commands.h"
+#include "functional/functional_level.h"
+#include "gicube/wire/command.h"
+#include "cycle/machine_counters.h"
+#include "datapath/interaction.h"
+
+namespace gicube::emu {
+
+namespace {
+
+using wire::RayType;
+
+bool has_threshold(RayType type) {
+  return type == RayType::kFirstHit || type == RayType::kSegment || type == RayType::kOpacity;
+}
+
+bool is_segment(RayType type) {
+  return type == RayType::kSegment || type == RayType::kOpacity || type == RayType::kIntegral ||
+         type == RayType::kBackproject;
+}
+
+constexpr std::uint64_t kMostMoved = std::uint64_t{1} << 34;
+
+bool comes_back(RayType type) { return type != RayType::kDeposit && type != RayType::kBackproject; }
+
+// A byte of the header that only rays of one type have: 0 or 1, of others 0.
+std::optional<std::string> fault_of_choice(const char* name, unsigned value, bool has) {
+  if (value <= (has ? 1u : 0u)) return std::nullopt;
+  return expected(name, has ? "0 or 1" : "0", value);
+}
+
+std::optional<std::string> fault(const wire::TraceHeader& header, std::size_t payload_bytes) {
+  const std::uint64_t bytes = wire::kTraceHeaderBytes + std::uint64_t{header.count} * wire::kRayBytes;
+  if (payload_bytes != bytes) {
+    return expected("payload", "16 + 32 bytes for each of its " + std::to_string(header.count) + " rays",
+                    payload_bytes);
+  }
+  if (header.type > RayType::kBackproject) return expected("type", "0..6", static_cast<std::uint64_t>(header.type));
+  const bool deposit = header.type == RayType::kDeposit;
+  if (auto what = fault_of_choice("albedo", static_cast<unsigned>(header.albedo), deposit)) return what;
+  if (auto what = fault_of_choice("rules", static_cast<unsigned>(header.rules), deposit)) return what;
+  if (auto what = fault_of_choice("words", static_cast<unsigned>(header.words), header.type == RayType::kBackproject)) {
+    return what;
+  }
+  if (!has_threshold(header.type) && header.opacity != 0) return expected("opacity", "0", header.opacity);
+  if (has_threshold(header.type) && (header.opacity < 1 || header.opacity > wire::kOpacityOne)) {
+    return expected("opacity", "1..2^24 - 1", header.opacity);
+  }
+  return std::nullopt;
+}
+
+std::uint8_t flags_of(const wire::TraceHeader& header) {
+  if (header.type != RayType::kDeposit) return wire::kHostRay;
+  return static_cast<std::uint8_t>(wire::kHostRay | wire::kLightingRay |
+                                   (header.albedo == wire::Albedo::kHigh ? wire::kHighAlbedo : 0));
+}
+
+// As many bits as a ray's energy has [P §4.2].
+std::uint64_t most_energy(const wire::TraceHeader& header, bool wide) {
+  const unsigned bits = wide ? 24 : header.albedo == wire::Albedo::kHigh ? 4 : 8;
+  return ((std::uint64_t{1} << bits) - 1) << kEnergyFractionBits;
+}
+
+std::optional<std::string> fault_of_words(const wire::Ray& ray, const wire::TraceHeader& header, std::uint64_t most) {
+  const std::uint64_t word = ray.colour_word();
+  if (is_segment(header.type) && word > wire::kMostLength) return expected("length", "0..4096 voxels in 16.16", word);
+  if (header.type == RayType::kBackproject) {
+    const std::int32_t amount = wire::sign_extend(ray.opacity, 24);
+    const bool whole = header.words == wire::SumWords::kWhole;
+    if (amount <= wire::kMostAmount && amount >= (whole ? -wire::kMostAmount : 0)) return std::nullopt;
+    return expected("opacity", whole ? "an amount of at least -(2^23 - 1)" : "an amount of 0..2^23 - 1", ray.opacity);
+  }
+  if (is_segment(header.type) && ray.opacity != 0) return expected("opacity", "0 of a segment", ray.opacity);
+  if (header.type == RayType::kDeposit && (word == 0 || word > most)) {
+    return expected("energy", "1.." + std::to_string(most) + " (24.12)", word);
+  }
+  return std::nullopt;
+}
+
+// How far the rays can move one sum.
+std::uint64_t most_moved(std::span<const wire::Ray> rays, const Frame& frame) {
+  std::uint64_t sum = 0;
+  for (const wire::Ray& ray : rays) {
+    const auto size = static_cast<std::uint32_t>(std::abs(wire::sign_extend(ray.opacity, 24)));
+    sum += wire::most_moved(size, static_cast<std::uint32_t>(ray.colour_word()), frame.step);
+  }
+  return sum;
+}
+
+// What of the frame is otherwise for rays of this type.
+void set_type(Frame& frame, const wire::TraceHeader& header) {
+  if (header.type == RayType::kDeposit) {
+    frame.plain = false;
+    frame.lights = true;
+    frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
+    frame.rules = header.rules;
+    frame.cut_planes.clear();  // they cut what the eye sees
+    return;
+  }
+  if (header.type == RayType::kIntegrate) return;
+  frame.opacity_threshold = has_threshold(header.type) ? header.opacity : wire::kOpacityOne;
+  frame.to_the_hit = has_threshold(header.type);
+  frame.integral = header.type == RayType::kIntegral;
+  frame.backprojects = header.type == RayType::kBackproject;
+  frame.scatter = frame.high_albedo = false;
+  frame.colourless = header.type == RayType::kFirstHit || header.type == RayType::kOpacity;
+  if (header.type != RayType::kSegment) frame.lit_by_irradiance = false;
+  frame.plain = !frame.lit_by_irradiance && !frame.backprojects;
+  if (!is_segment(header.type)) return;
+  frame.segments = true;
+  frame.jitter = false;
+  frame.cut_planes.clear();
+  if (frame.integral || frame.backprojects) frame.leap = false;  // an empty block is one without opacity
+}
+
+// The completion of a backprojection: `overflow` is what of its sums had to be clipped.
+void add_deposits(CommandResult& result, const RayCounters& counts, const Overflow& overflow) {
+  wire::DepositLedger ledger;
+  ledger.rays = counts.rays;
+  ledger.samples = counts.samples;
+  ledger.kept = static_cast<std::int64_t>(counts.energy.deposited.kept) - overflow.clipped;
+  ledger.clipped = static_cast<std::int64_t>(counts.energy.deposited.clipped) + overflow.clipped;
+  ledger.overflowed = overflow.words;
+  result.payload.resize(wire::kDepositLedgerBytes);
+  wire::encode(ledger, std::span(result.payload).first<wire::kDepositLedgerBytes>());
+  result.up_bytes = result.payload.size();
+}
+
+}  // namespace
+
+void set_opacity_rays(Frame& frame, std::uint32_t opacity) {
+  set_type(frame, {.type = RayType::kOpacity, .opacity = opacity});
+}
+
+CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& work) {
+  if (payload.size() < wire::kTraceHeaderBytes) return refuse(expected("payload", "at least 16 bytes", payload.size()));
+  const auto header = wire::decode_trace(payload.first<wire::kTraceHeaderBytes>());
+  if (const auto what = fault(header, payload.size())) return refuse(*what);
+  if (!has_volume()) return refuse(kNoVolume);
+  const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type);
+  Frame frame = this->frame();
+  set_type(frame, header);
+  if (header.words == wire::SumWords::kWhole) frame.sums = &aperture_.sums();
+  if (frame.scatter || deposit) {
+    if (const auto what = material_fault(false)) return refuse(*what);
+  }
+  if (deposit || (frame.backprojects && frame.sums == nullptr)) aperture_.irradiance().expect_deposits();
+  const std::size_t count = header.count;
+  const std::uint64_t most = most_energy(header, frame.wide);
+  std::vector<wire::Ray>& rays = host_ray_room_;
+  rays.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    rays[i] = wire::decode_ray(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
+    const auto which = [i] { return "ray " + std::to_string(i) + ": "; };
+    if (rays[i].flags != flags_of(header)) {
+      return refuse(which() + expected("flags", std::to_string(flags_of(header)), rays[i].flags));
+    }
+    if (const auto what = fault(rays[i], frame.extent)) return refuse(which() + *what);
+    if (const auto what = fault_of_words(rays[i], header, most)) return refuse(which() + *what);
+  }
+  if (frame.sums != nullptr) {
+    const std::uint64_t moved = most_moved(rays, frame);
+    if (moved > kMostMoved) return refuse(expected("rays", "that can move no sum by more than 2^34", moved));
+    if (in_cycles(frame)) aperture_.sums().moved_anywhere(moved);
+  }
+  if (!frame.backprojects) aperture_.decode(threads_, reads(frame));
+  CommandResult result;
+  RayCounters counts;
+  const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
+  const GivenRays given{rays, back, first, back ? both - first : 0};
+  if (in_cycles(frame)) {
+    Machine& machine = this->machine(frame.sums != nullptr);
+    const RayCounters before = ray_counters(machine);
+    for (const wire::Ray& ray : rays) {  // the machine counts what becomes of it
+      if (deposit) counts.energy.emitted += energy_units(set_out(ray, frame), frame);
+    }
+    const Ran ran = emu::trace(given, frame, machine, work);
+    if (ran.cancelled) return cancelled();
+    counts += ray_counters(machine) - before;
+    result = timed(ran);
+  } else if (in_turns(frame)) {
+    const Ran ran = emu::trace(given, frame, packets(count, frame), threads_, turn_machine(), counts, work);
+    if (ran.cancelled) return cancelled();
+    rays_ += counts;
+    result = timed(ran);
+  } else {
+    if (frame.sums != nullptr) {
+      counts = backproject(rays, frame, threads_);
+    } else {
+      counts = emu::trace(rays, frame, packets(count, frame), threads_);
+    }
+    rays_ += counts;
+    result.dsp_cycles = std::uint64_t{count} * (back ? both : first) + counts.trap_cycles;
+  }
+  host_rays_ += count;
+  result.takes_rays = count > 0;
+  if (deposit) {
+    lighting_rays_ += count;
+    add_ledger(result, counts, false);
+    return result;
+  }
+  if (frame.backprojects) {
+    add_deposits(result, counts, frame.sums != nullptr ? frame.sums->settle() : Overflow{});
+    return result;
+  }
+  result.payload.resize(count * wire::kRayBytes);
+  for (std::size_t i = 0; i < count; ++i) {
+    wire::encode(rays[i], std::span(result.payload).subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
+  }
+  result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
+  result.returns_rays = count > 0;
+  result.leaves_nothing = true;
+  return result;
+}
+
+}  // namespace gicube::emu

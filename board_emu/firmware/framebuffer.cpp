@@ -1,0 +1,97 @@
+#include "firmware/framebuffer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <thread>
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr int kSubPixels = 16;  // u and v are 12.4 pixels
+
+template <typename T>
+void add_atomically(T& sum, T value) {
+  std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
+}
+
+// sum * to / (weight * from), rounded.
+std::uint64_t rescale(std::uint64_t sum, std::uint64_t weight, std::uint64_t from, std::uint64_t to) {
+  const std::uint64_t divisor = weight * from;
+  return (sum * to + divisor / 2) / divisor;
+}
+
+}  // namespace
+
+void Framebuffer::clear(int width, int height, wire::Filter filter) {
+  width_ = width;
+  height_ = height;
+  filter_ = filter;
+  sums_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), Sum{});
+}
+
+void Framebuffer::add(int x, int y, std::uint32_t weight, const wire::Ray& ray) {
+  if (weight == 0 || x < 0 || x >= width_ || y < 0 || y >= height_) return;
+  Sum& sum = sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  for (std::size_t c = 0; c < 3; ++c) add_atomically(sum.colour[c], ray.colour[c] * weight);
+  add_atomically(sum.weight, weight);
+  add_atomically(sum.opacity, std::uint64_t{ray.opacity} * weight);
+}
+
+void Framebuffer::add(const wire::Ray& ray) {
+  const int u = ray.u, v = ray.v;
+  if (filter_ == wire::Filter::kBox) return add(u / kSubPixels, v / kSubPixels, 1, ray);
+  // Tent: the four pixels whose centres, at 8/16, are less than a pixel away.
+  const int left = (u + kSubPixels / 2) / kSubPixels - 1, top = (v + kSubPixels / 2) / kSubPixels - 1;
+  for (int y = top; y <= top + 1; ++y) {
+    for (int x = left; x <= left + 1; ++x) {
+      const int dx = std::abs(u - (x * kSubPixels + kSubPixels / 2));
+      const int dy = std::abs(v - (y * kSubPixels + kSubPixels / 2));
+      add(x, y, static_cast<std::uint32_t>((kSubPixels - dx) * (kSubPixels - dy)), ray);
+    }
+  }
+}
+
+void Framebuffer::add_alone(const wire::Ray& ray) {
+  const int x = ray.u / kSubPixels, y = ray.v / kSubPixels;
+  if (filter_ != wire::Filter::kBox || x >= width_ || y >= height_) return add(ray);
+  Sum& sum = sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  for (std::size_t c = 0; c < 3; ++c) sum.colour[c] += ray.colour[c];
+  sum.weight += 1;
+  sum.opacity += ray.opacity;
+}
+
+wire::Pixel Framebuffer::resolve(const Sum& sum) {
+  if (sum.weight == 0) return {};
+  // Of one ray, as most are: then it is a constant that divides, which takes no division.
+  const auto resolved = [&sum](std::uint64_t value, std::uint64_t from, std::uint64_t to) {
+    return sum.weight == 1 ? rescale(value, 1, from, to) : rescale(value, sum.weight, from, to);
+  };
+  const auto colour = [&](std::size_t c) {
+    return static_cast<std::uint8_t>(resolved(sum.colour[c], wire::kColourOne, 255));
+  };
+  return {colour(0), colour(1), colour(2),
+          static_cast<std::uint16_t>(resolved(sum.opacity, wire::kOpacityOne, wire::kColourOne))};
+}
+
+wire::Pixel Framebuffer::pixel(int x, int y) const {
+  return resolve(sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)]);
+}
+
+std::vector<std::uint8_t> Framebuffer::packed(unsigned threads) const {
+  std::vector<std::uint8_t> bytes(wire::packed36_bytes(sums_.size()));
+  const std::size_t part = sums_.size() / threads / 2 * 2 + 2;  // even: two pixels share a byte
+  const auto pack = [&](unsigned t) {
+    const std::size_t end = std::min(sums_.size(), (t + 1) * part);
+    for (std::size_t i = t * part; i < end; ++i) wire::store36(bytes, i, wire::to_word(resolve(sums_[i])));
+  };
+  {
+    std::vector<std::jthread> others;
+    for (unsigned t = 1; t < threads; ++t) others.emplace_back(pack, t);
+    pack(0);
+  }
+  return bytes;
+}
+
+}  // namespace gicube::emu

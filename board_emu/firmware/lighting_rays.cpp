@@ -1,0 +1,214 @@
+#include "firmware/lighting_rays.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "firmware/low_discrepancy.h"
+#include "gicube/wire/registers.h"
+
+namespace gicube::emu {
+
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kFarthest = 1e9;      // chosen: squares and products of coordinates stay far from the doubles' ends
+constexpr double kLeastLength = 1e-6;  // chosen
+constexpr double kNearEdges = 4;       // chosen: eq. 1's error for a whole cell is about (edge / r)^2 / 2 there
+constexpr double kInFace = 1e-9;       // chosen: a light that close to a face's plane lies in it
+constexpr std::uint64_t kRoundingStream = 1;  // tells the hashes of roundings from those of points
+
+bool all_within(const Vector& v, double limit) {
+  return std::all_of(v.begin(), v.end(), [limit](double x) { return std::abs(x) <= limit; });  // false for a NaN
+}
+
+Vector scaled(const Vector& v, double factor) { return {factor * v[0], factor * v[1], factor * v[2]}; }
+Vector sum(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+Vector difference(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+// Of any finite length but 0.
+Vector unit(const Vector& v) {
+  const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
+  const Vector moderate{v[0] / largest, v[1] / largest, v[2] / largest};
+  return scaled(moderate, 1 / length(moderate));
+}
+
+std::optional<std::string> geometry_fault(const wire::IlluminateCommand& command) {
+  const std::string range = " must be finite and within 1e9";
+  switch (command.kind) {
+    case wire::LightKind::kDirectional:
+      if (!all_within(command.u, std::numeric_limits<double>::max())) return "u, towards the light, must be finite";
+      if (command.u == Vector{}) return "u, towards the light, must not be 0";
+      return std::nullopt;
+    case wire::LightKind::kSphere:
+      if (!(command.u[0] >= kLeastLength && command.u[0] <= kFarthest))
+        return "u.x, the sphere's radius, must be 1e-6 to 1e9, not " + std::to_string(command.u[0]);
+      break;
+    case wire::LightKind::kRectangle: {
+      if (!all_within(command.u, kFarthest)) return "u, an edge of the rectangle," + range;
+      if (!all_within(command.v, kFarthest)) return "v, an edge of the rectangle," + range;
+      const double lu = length(command.u), lv = length(command.v);
+      if (lu < kLeastLength || lv < kLeastLength) return "u and v, the rectangle's edges, must be at least 1e-6 long";
+      if (length(cross(command.u, command.v)) < 1e-9 * lu * lv)
+        return "u and v, the rectangle's edges, are parallel: it has no area";
+      break;
+    }
+    case wire::LightKind::kPoint: break;
+  }
+  if (!all_within(command.position, kFarthest)) return "position" + range;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::string> LightingRays::fault(const wire::IlluminateCommand& command, const Point& extent) {
+  if (command.kind > wire::LightKind::kSphere)
+    return "kind must be 0 to 3, not " + std::to_string(static_cast<unsigned>(command.kind));
+  if (command.albedo > wire::Albedo::kHigh)
+    return "albedo must be 0 or 1, not " + std::to_string(static_cast<unsigned>(command.albedo));
+  if (command.rules > wire::EnergyRules::kConserving)
+    return "rules must be 0 or 1, not " + std::to_string(static_cast<unsigned>(command.rules));
+  const std::uint32_t k = command.rays_per_voxel;
+  if (k < 1 || k > wire::kMostRaysPerVoxel) return "rays_per_voxel must be 1 to 4096, not " + std::to_string(k);
+  if (command.count < 1) return "count must be at least 1";
+  if (std::uint64_t{command.first} + command.count > k)
+    return "first + count must be at most rays_per_voxel, " + std::to_string(k) + ", not " +
+           std::to_string(std::uint64_t{command.first} + command.count);
+  if (!std::isfinite(command.energy) || command.energy < 0)
+    return "energy must be finite and not negative, not " + std::to_string(command.energy);
+  const std::uint64_t rays = FaceCells(extent).count() * k;
+  if (rays > std::numeric_limits<std::uint32_t>::max())
+    return "rays_per_voxel makes " + std::to_string(rays) + " rays; their numbers have 32 bits";
+  return geometry_fault(command);
+}
+
+LightingRays::LightingRays(const wire::IlluminateCommand& command, const Point& extent,
+                           const std::array<std::uint32_t, 3>& spacing, unsigned energy_bits, std::uint32_t seed)
+    : command_(command),
+      cells_(extent),
+      extent_(extent),
+      most_(static_cast<double>((std::uint64_t{1} << energy_bits) - 1)),
+      seed_(seed) {
+  // The lights of a pass share its seed and must not share its random numbers.
+  for (const Vector& v : {command.position, command.u, command.v}) {
+    for (const double x : v) seed_ = hash(seed_, std::bit_cast<std::uint64_t>(x));
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    spacing_[axis] = spacing[axis] / static_cast<double>(wire::kSpacingOne);
+    box_[axis] = cells_.extent(axis) * spacing_[axis];
+    position_[axis] = command.position[axis] * spacing_[axis];
+  }
+}
+
+std::optional<wire::Ray> LightingRays::make(std::uint64_t i) const {
+  const Aim aimed = aim(i);
+  if (!(aimed.energy > 0)) return std::nullopt;
+  const double dither = to_unit(hash(hash(seed_, kRoundingStream), aimed.number));
+  const auto energy = static_cast<std::uint32_t>(std::min(std::floor(aimed.energy + dither), most_));
+  if (energy == 0) return std::nullopt;
+
+  Vector direction = difference(aimed.through, aimed.start);
+  wire::Ray ray;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    direction[axis] /= spacing_[axis];
+    const double units = std::round(aimed.start[axis] / spacing_[axis] * wire::kVoxel);
+    ray.position[axis] = static_cast<std::uint32_t>(std::clamp(units, 0.0, static_cast<double>(extent_[axis])));
+  }
+  direction = unit(direction);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ray.direction[axis] = static_cast<std::int16_t>(std::round(direction[axis] * (1 << wire::kDirectionFractionBits)));
+  }
+  ray.set_host_id(aimed.number);
+  ray.colour = {0, static_cast<std::uint16_t>(energy & 0xFFF), static_cast<std::uint16_t>(energy >> 12)};
+  ray.flags = wire::kLightingRay;
+  if (command_.albedo == wire::Albedo::kHigh) ray.flags |= wire::kHighAlbedo;
+  return ray;
+}
+
+LightingRays::Aim LightingRays::aim(std::uint64_t i) const {
+  const std::uint64_t index = i / command_.count;
+  const std::uint32_t j = command_.first + static_cast<std::uint32_t>(i % command_.count);
+  const FaceCell cell = cells_.cell(index);
+  const std::uint64_t seed = hash(seed_, index << 8);
+  const double s = scrambled_sobol(j, 0, seed), t = scrambled_sobol(j, 1, seed);
+  Aim aimed = command_.kind == wire::LightKind::kDirectional ? aim_directional(cell, s, t)
+                                                             : aim_from(emitter(j, seed), cell, s, t);
+  aimed.number = static_cast<std::uint32_t>(index * command_.rays_per_voxel + j);
+  return aimed;
+}
+
+LightingRays::Aim LightingRays::aim_directional(const FaceCell& cell, double s, double t) const {
+  const std::size_t b = (cell.axis + 1) % 3, c = (cell.axis + 2) % 3;
+  const Vector towards = unit(command_.u);
+  const double cosine = cell.far ? towards[cell.axis] : -towards[cell.axis];
+  if (cosine <= 0) return {};
+  const Vector start = on_cell(cell, {(cell.at[0] + s) * spacing_[b], (cell.at[1] + t) * spacing_[c]});
+  return {start, difference(start, towards),
+          command_.energy * cosine * spacing_[b] * spacing_[c] / command_.rays_per_voxel, 0};
+}
+
+LightingRays::Aim LightingRays::aim_from(const Emitter& emitter, const FaceCell& cell, double s, double t) const {
+  const std::size_t a = cell.axis, b = (a + 1) % 3, c = (a + 2) % 3;
+  const bool inside = is_inside(emitter.at);
+  const double beyond = cell.far ? box_[a] - emitter.at[a] : emitter.at[a];  // inward distance from the face
+  SeenRectangle seen{{cell.at[0] * spacing_[b] - emitter.at[b], cell.at[1] * spacing_[c] - emitter.at[c]},
+                     {},
+                     inside ? beyond : -beyond};
+  if (seen.height < kInFace) return {};
+  seen.high = {seen.low[0] + spacing_[b], seen.low[1] + spacing_[c]};
+
+  const double longest = std::max(spacing_[b], spacing_[c]);
+  const Vector centre{(seen.low[0] + seen.high[0]) / 2, (seen.low[1] + seen.high[1]) / 2, seen.height};
+  const bool printed_point =
+      command_.kind == wire::LightKind::kPoint && command_.rules == wire::EnergyRules::kAsPrinted;
+  const bool near = !printed_point && length(centre) < kNearEdges * longest;
+  const std::array<double, 2> across =
+      near ? point_seen(seen, s, t) : std::array{seen.low[0] + s * spacing_[b], seen.low[1] + t * spacing_[c]};
+  const Vector through = on_cell(cell, {emitter.at[b] + across[0], emitter.at[c] + across[1]});
+
+  const Vector flight{across[0], across[1], seen.height};
+  const double r = length(flight);
+  const double share = command_.energy / command_.rays_per_voxel;
+  double energy = 0;
+  if (command_.kind == wire::LightKind::kPoint && !printed_point) {
+    energy = share * solid_angle(seen) / (4 * pi);
+  } else {
+    const double least = printed_point ? longest / 2 : 0;
+    const double form = seen.height / r * spacing_[b] * spacing_[c] / (pi * std::max(r * r, least * least));
+    energy = share * (near ? solid_angle(seen) / pi : form);
+  }
+  if (command_.kind != wire::LightKind::kPoint)
+    energy *= std::max(0.0, dot(difference(through, emitter.at), emitter.normal) / r);
+  return {inside ? emitter.at : through, inside ? through : sum(through, difference(through, emitter.at)), energy, 0};
+}
+
+LightingRays::Emitter LightingRays::emitter(std::uint32_t j, std::uint64_t seed) const {
+  if (command_.kind == wire::LightKind::kPoint) return {position_, {}};
+  const double s = scrambled_sobol(j, 2, seed), t = scrambled_sobol(j, 3, seed);
+  if (command_.kind == wire::LightKind::kRectangle) {
+    return {sum(position_, sum(scaled(command_.u, s), scaled(command_.v, t))), unit(cross(command_.u, command_.v))};
+  }
+  const double z = 1 - 2 * s, ring = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * pi * t;
+  const Vector normal{ring * std::cos(phi), ring * std::sin(phi), z};
+  return {sum(position_, scaled(normal, command_.u[0])), normal};
+}
+
+bool LightingRays::is_inside(const Vector& physical) const {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (physical[axis] < 0 || physical[axis] > box_[axis]) return false;
+  }
+  return true;
+}
+
+Vector LightingRays::on_cell(const FaceCell& cell, const std::array<double, 2>& across) const {
+  Vector point{};
+  point[cell.axis] = cell.far ? box_[cell.axis] : 0;
+  point[(cell.axis + 1) % 3] = across[0];
+  point[(cell.axis + 2) % 3] = across[1];
+  return point;
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,77 @@
+// The DSP's making of lighting rays: k rays for each cell of the volume's faces, that together carry what a light sends
+// into the volume [P §2.2, eq. 1]. docs/reference/hardware.md has the rules side by side.
+//
+// A ray starts where its line enters the volume, or on the light if that is inside, and runs through a point of its cell.
+// Positions are in voxels; distances, angles and areas are physical. A light in a face shines into the volume with half
+// its power, in an edge with a quarter, in a corner with an eighth.
+//
+// Energy of a ray, E the command's, A the cell's area, theta against the face's normal, psi against the light's:
+//   directional             E cos(theta) A / k
+//   point, conserving       E omega / (4 pi k), omega the cell's exact solid angle
+//   point, as printed       E cos(theta) A / (k pi r^2): four times too much; r at least half a cell's longest edge
+//   rectangle, sphere       E cos(theta) cos(psi) A / (k pi r^2), each ray from another point of the light; less than
+//                           four cell edges away E cos(psi) omega / (k pi), uniform in solid angle, so bounded
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "firmware/face_cells.h"
+#include "words/words.h"
+#include "gicube/wire/command.h"
+#include "gicube/wire/ray.h"
+
+namespace gicube::emu {
+
+class LightingRays {
+ public:
+  // What is wrong with a command for a volume of `extent` (size - 1, 10.14 voxels), naming the field; nothing if it can
+  // be carried out. The constructor takes such commands alone.
+  static std::optional<std::string> fault(const wire::IlluminateCommand& command, const Point& extent);
+
+  // `spacing`: voxel edges, 16.16. `energy_bits`: whole bits of the rays' energy words, 1..24.
+  LightingRays(const wire::IlluminateCommand& command, const Point& extent, const std::array<std::uint32_t, 3>& spacing,
+               unsigned energy_bits, std::uint32_t seed);
+
+  // Rays of this command that there may be: `command.count` for each face cell.
+  std::uint64_t count() const { return cells_.count() * command_.count; }
+
+  // Ray i < count(), in any order and from any thread; nothing where the light does not shine or where the energy was
+  // rounded to none. Its (v, u) is the ray's number in the whole pass, cell * k + first + ..., its energy word has 12
+  // fraction bits, all 0; lifetime and interaction are the caller's. Energy is rounded to a whole unit up or down at
+  // random, right in the mean; what is above full scale is cut off.
+  std::optional<wire::Ray> make(std::uint64_t i) const;
+
+  // The energy of ray i before rounding.
+  double energy(std::uint64_t i) const { return aim(i).energy; }
+
+ private:
+  struct Aim {
+    Vector start{}, through{};  // physical
+    double energy = 0;          // 0: there is no such ray
+    std::uint32_t number = 0;
+  };
+  struct Emitter {
+    Vector at{}, normal{};  // physical; a point light has no normal
+  };
+
+  Aim aim(std::uint64_t i) const;
+  Aim aim_directional(const FaceCell& cell, double s, double t) const;
+  Aim aim_from(const Emitter& emitter, const FaceCell& cell, double s, double t) const;
+  Emitter emitter(std::uint32_t j, std::uint64_t seed) const;
+  bool is_inside(const Vector& physical) const;
+  Vector on_cell(const FaceCell& cell, const std::array<double, 2>& across) const;
+
+  wire::IlluminateCommand command_;
+  FaceCells cells_;
+  Point extent_;
+  Vector spacing_{};
+  Vector box_{};       // physical
+  Vector position_{};  // physical
+  double most_;        // full scale of an energy word
+  std::uint64_t seed_;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,115 @@
+// Trapped rays: what a routine is told of them, and how they go on by its answer.
+#include <span>
+
+#include "firmware/routines.h"
+#include "host_traps.h"
+#include "datapath/interaction.h"
+#include "datapath/random_stream.h"
+
+namespace gicube::emu {
+
+static_assert(wire::kTrapDensityFractionBits == kDensityFractionBits &&
+              static_cast<int>(wire::kTrapOpacityOne) == wire::kClassifiedOpacityOne);
+
+namespace {
+
+wire::Ray packet_of(const Traveller& ray, const Frame& frame) {
+  wire::Ray out;
+  out.u = ray.u;
+  out.v = ray.v;
+  out.flags = ray.flags;
+  finish(ray, frame, out);
+  return out;
+}
+
+// The sample is taken anew: the ray has gone on within its step to where it met the material, maybe even out of it.
+wire::TrappedRay trapped_ray(const Traveller& ray, unsigned tag, const Frame& frame) {
+  const Sample sample = sample_at(ray.position, frame);
+  wire::TrappedRay out;
+  out.ray = packet_of(ray, frame);
+  for (std::size_t axis = 0; axis < 3; ++axis) out.gradient[axis] = sample.channels[axis + 1];
+  out.density = static_cast<std::uint16_t>(sample.channels[0]);
+  out.opacity = sample.entry->opacity;
+  out.tag = static_cast<std::uint8_t>(tag);
+  std::uint64_t chance = draw_at(Chance::kRoutine, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
+  for (std::uint32_t& number : out.random) {
+    number = static_cast<std::uint32_t>(chance >> 32);
+    chance = mangle(chance + 1);
+  }
+  return out;
+}
+
+ScatterEvent event_of(const wire::TrappedRay& trapped, const wire::Material& material, const Frame& frame) {
+  ScatterEvent event;
+  event.direction = wire::physical_direction(trapped.ray.direction, frame.spacing);
+  event.normal = wire::surface_normal(trapped.gradient);
+  for (std::size_t axis = 0; axis < 3; ++axis) event.position[axis] = trapped.ray.position[axis] / double{wire::kVoxel};
+  event.opacity = trapped.opacity / wire::kTrapOpacityOne;
+  event.density = trapped.density / double{1 << wire::kTrapDensityFractionBits};
+  event.tag = trapped.tag;
+  event.lighting = (trapped.ray.flags & wire::kLightingRay) != 0;
+  event.generation = trapped.ray.generation;
+  event.parameters = std::span(material.parameters).first(material.parameter_count);
+  for (std::size_t i = 0; i < 4; ++i) event.random[i] = trapped.random[i] * 0x1p-32;
+  return event;
+}
+
+// The ray goes on along `direction`, or ends if all of it is dropped; `dropped`: 2^24 - 1 = all.
+Met answer_trap(Traveller& ray, WideWords* wide, const Direction& direction, std::uint32_t dropped, const Frame& frame,
+                RayCounters& counters) {
+  Met met;
+  if (dropped != 0) {
+    const bool lighting = ray.is(wire::kLightingRay);
+    if (lighting) {
+      const std::uint32_t before = energy_units(ray, frame);
+      const std::uint64_t e = energy(ray.colour);
+      set_energy(ray.colour, e - (e * dropped + wire::kOpacityOne / 2) / wire::kOpacityOne);
+      counters.energy.scattered_away += before - energy_units(ray, frame);
+    } else if (wide != nullptr) {
+      over(ray, *wide, {0, 0, 0}, static_cast<float>(dropped) / static_cast<float>(wire::kOpacityOne));
+    } else {
+      over(ray, {0, 0, 0}, dropped);
+    }
+    if (dropped == wire::kOpacityOne || (lighting && energy_units(ray, frame) == 0)) {
+      met.fate = Fate::kEnded;
+      return met;
+    }
+  }
+  turn(ray, direction, frame);
+  return met;
+}
+
+}  // namespace
+
+bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
+  Traveller traveller = set_out(ray, frame);
+  WideWords words = wide_words(traveller);
+  WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
+  if (traveller.is(wire::kLightingRay)) counters.energy.emitted += energy_units(traveller, frame);
+  const bool ends =
+      answer_trap(traveller, wide, ray.direction, wire::dropped_share(ray), frame, counters).fate == Fate::kEnded;
+  if (ends) count_end(traveller, End::kSpent, frame, counters);
+  ray = packet_of(traveller, frame);
+  return ends;
+}
+
+Met resolve_trap(Traveller& ray, WideWords* wide, const Frame& frame, RayCounters& counters, std::uint32_t& cycles) {
+  const unsigned tag = ray.flags >> kTrapTagShift;
+  const wire::Material& material = frame.materials[tag];
+  ray.flags &= (1u << kTrapTagShift) - 1;
+  if ((material.flags & wire::kTrapAtSurface) == 0) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
+  const wire::TrappedRay trapped = trapped_ray(ray, tag, frame);
+  if (material.routine == wire::kHostRoutine) {
+    frame.host_traps->add(trapped);
+    cycles = 0;
+    Met met;
+    met.fate = Fate::kTrapped;
+    return met;
+  }
+  const ScatterAnswer answer = frame.routines->scatter(material.routine, event_of(trapped, material, frame));
+  cycles = answer.cycles;
+  return answer_trap(ray, wide, wire::direction_words(answer.direction, frame.spacing),
+                     wire::dropped_share(answer.passes), frame, counters);
+}
+
+}  // namespace gicube::emu

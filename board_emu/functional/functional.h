@@ -1,0 +1,17 @@
+// The functional level's way of a ray: the pipeline's pure stages in a loop, without queues, caches or clocks.
+//
+// What enters: a ray and the frame's constants; what leaves: the ray as it ends. Nothing a ray computes depends on other
+// rays, so any number of threads gives the same bits.
+#pragma once
+
+#include "datapath/frame.h"
+#include "gicube/wire/ray.h"
+
+namespace gicube::emu {
+
+// Takes `ray` from its position to its end: out of the volume, behind a cut plane, or opaque enough. The ray comes back
+// with its gathered colour and opacity and the position where it ended, clamped to the volume. False if it waits for the
+// host instead: the frame's HostTraps have it. `steps`, if asked for, of a plain frame: that it took on its way.
+bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
+
+}  // namespace gicube::emu

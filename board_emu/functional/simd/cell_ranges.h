@@ -1,0 +1,38 @@
+// What cells of 4^3 voxels hold at most: the range of their densities and which tags, their further faces included. Where
+// no density of that range is seen, samples need not be taken to know that they add nothing.
+//
+// A host structure of the functional level, as DensityCopy; the board has no such memory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "functional/simd/block_ranges.h"
+#include "memory/large_array.h"
+#include "memory/volume_memory.h"
+
+namespace gicube::emu {
+
+class CellRanges {
+ public:
+  static constexpr int kEdgeShift = kCellEdgeShift;
+
+  // Follows `volume`, which was decoded into `densities`, if it was decoded anew since.
+  void follow(const VolumeMemory& volume, const std::int16_t* densities, unsigned threads);
+  void clear() { *this = {}; }
+
+  // Of the whole volume, x fastest. Cells of blocks that are not decoded: those of the zero block.
+  std::span<const CellRange> cells() const { return cells_; }
+  const std::array<int, 3>& size() const { return size_; }
+
+ private:
+  void follow_block(const VolumeMemory& volume, const std::int16_t* densities, std::size_t block);
+
+  std::uint64_t decoded_ = 0;
+  std::array<int, 3> size_{};
+  LargeArray<CellRange> cells_;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,183 @@
+// Rays come and go: what is on a lane when one has ended, and what is made of the ray that has.
+
+// Included once for each instruction set.
+#if defined(GICUBE_PACKET_EXCHANGE) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PACKET_EXCHANGE
+#undef GICUBE_PACKET_EXCHANGE
+#else
+#define GICUBE_PACKET_EXCHANGE
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <span>
+
+#include "functional/functional.h"
+#include "datapath/ray_step.h"
+#include "datapath/interaction.h"
+#include "march-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+constexpr std::int32_t kNoLimit = std::int32_t{1} << 29;
+
+// The even steps after which the ray is out of the volume, or beyond a cut plane.
+inline std::int32_t steps_inside(const Traveller& ray, const Frame& frame) {
+  if (!inside(ray.position, frame.extent)) return 0;
+  std::int32_t least = kNoLimit;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int32_t s = ray.step[axis], p = ray.position[axis];
+    if (s > 0) least = std::min(least, (frame.extent[axis] - p) / s + 1);
+    if (s < 0) least = std::min(least, p / -s + 1);
+  }
+  for (const Plane& plane : frame.cut_planes) {
+    const std::int64_t a_step = dot(plane.normal, ray.step), above = dot(plane.normal, ray.position) - plane.offset;
+    if (a_step >= 0) continue;
+    if (above < 0) return 0;
+    least = static_cast<std::int32_t>(std::min<std::int64_t>(least, above / -a_step + 1));
+  }
+  return least;
+}
+
+// The rays of a span one after the other on the lanes.
+class Exchange {
+ public:
+  Exchange(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, std::span<std::int32_t> steps)
+      : rays_(rays), frame_(frame), counters_(counters), steps_(steps), seen_(gathers_colour() ? rays.size() : 0) {}
+
+  bool has_more() const { return next_ < rays_.size(); }
+  std::size_t busy() const { return busy_; }
+  SeenSamples& seen() { return seen_; }
+
+  // Takes ended rays off their lanes and puts new ones there.
+  void serve(Lanes& lanes, std::size_t count) {
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      Slot& slot = slots_[lane];
+      if (slot.ray != nullptr) {
+        if (lanes.left.lane[lane] > 0 &&
+            lanes.opacity.lane[lane] < static_cast<std::int32_t>(frame_.opacity_threshold)) {
+          continue;
+        }
+        take(lanes, lane);
+      }
+      while (has_more() && !for_lanes(rays_[next_])) go_alone();
+      if (has_more()) {
+        put(lanes, lane);
+      } else {
+        idle(lanes, lane);
+      }
+    }
+  }
+
+  // All have ended: their colours into their packets.
+  void finish_colours() {
+    if (!gathers_colour()) return;
+    for (std::size_t i = 0; i < rays_.size(); ++i) {
+      for (std::size_t c = 0; c < 3; ++c) rays_[i].colour[c] = colour_word(seen_.sum(i).channel[c]);
+    }
+  }
+
+ private:
+  struct Slot {
+    Traveller traveller;
+    wire::Ray* ray = nullptr;
+    std::int32_t steps = 0;  // as it set out
+  };
+
+  // A lit ray that was scattered before may have to leave a surface first.
+  bool for_lanes(const wire::Ray& ray) const {
+    return !frame_.lit_by_irradiance || (ray.generation == 0 && (ray.flags & wire::kTrapped) == 0);
+  }
+
+  bool gathers_colour() const { return !frame_.colourless && !frame_.integral; }
+
+  void go_alone() {
+    integrate(rays_[next_], frame_, counters_);
+    set_colour(next_, rays_[next_]);
+    ++next_;
+  }
+
+  template <typename Ray>
+  void set_colour(std::size_t index, const Ray& ray) {
+    if (!gathers_colour()) return;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float wide = ray.colour[c];
+      seen_.sum(index).channel[c] = wide_ ? std::bit_cast<std::int32_t>(wide) : ray.colour[c];
+    }
+  }
+
+  void idle(Lanes& lanes, std::size_t lane) const {
+    lanes.left.lane[lane] = 0;
+    lanes.position[0].lane[lane] = -1;  // where a jittered ray would have ended
+  }
+
+  void put(Lanes& lanes, std::size_t lane) {
+    Slot& slot = slots_[lane];
+    slot.ray = &rays_[next_];
+    slot.traveller = set_out(*slot.ray, frame_);
+    set_colour(next_, slot.traveller);
+    lanes.ray.lane[lane] = static_cast<std::int32_t>(next_++);
+    const Traveller& ray = slot.traveller;
+    const WideWords wide = wide_words(ray);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      lanes.position[axis].lane[lane] = ray.position[axis];
+      lanes.step[axis].lane[lane] = ray.step[axis];
+      lanes.direction[axis].lane[lane] = ray.direction[axis];
+    }
+    for (Word& word : lanes.sum) word.lane[lane] = 0;
+    const std::int32_t segment = frame_.segments ? static_cast<std::int32_t>(ray.interacted) : kNoLimit;
+    slot.steps = frame_.jitter ? 1 : std::min(steps_inside(ray, frame_), segment);
+    lanes.left.lane[lane] = slot.steps;
+    lanes.more.lane[lane] = segment - slot.steps;
+    lanes.taken.lane[lane] = 0;
+    lanes.length.lane[lane] = static_cast<std::int32_t>(ray.length);
+    lanes.destination.lane[lane] = static_cast<std::int32_t>(ray.u | std::uint32_t{ray.v} << 16);
+    lanes.exponent.lane[lane] = static_cast<std::int32_t>(ray.exponent);
+    lanes.opacity.lane[lane] = static_cast<std::int32_t>(ray.opacity);
+    lanes.wide_opacity.lane[lane] = std::bit_cast<std::int32_t>(wide.opacity);
+    ++busy_;
+  }
+
+  void take(const Lanes& lanes, std::size_t lane) {
+    Slot& slot = slots_[lane];
+    Traveller& ray = slot.traveller;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ray.position[axis] = lanes.position[axis].lane[lane];
+      ray.step[axis] = lanes.step[axis].lane[lane];
+    }
+    if (frame_.integral) {
+      const auto low = static_cast<std::uint64_t>(lanes.sum[0].lane[lane]);
+      set_energy(ray.colour, low | static_cast<std::uint64_t>(lanes.sum[1].lane[lane]) << kSumBits);
+    }
+    const std::int32_t steps = frame_.jitter ? lanes.taken.lane[lane] : slot.steps - lanes.left.lane[lane];
+    if (frame_.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
+    ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
+    count_end(ray, end(ray, frame_), frame_, counters_);
+    finish(ray, frame_, *slot.ray);
+    if (!steps_.empty()) steps_[static_cast<std::size_t>(slot.ray - rays_.data())] = steps;
+    slot.ray = nullptr;
+    --busy_;
+  }
+
+  std::uint16_t colour_word(std::int32_t sum) const {
+    return wide_ ? to_colour_word(std::bit_cast<float>(sum))
+                 : static_cast<std::uint16_t>(std::min(sum, static_cast<std::int32_t>(wire::kColourOne)));
+  }
+
+  std::span<wire::Ray> rays_;
+  const Frame& frame_;
+  RayCounters& counters_;
+  std::span<std::int32_t> steps_;
+  const bool wide_ = gathers_wide(frame_);
+  std::array<Slot, 16> slots_{};
+  std::size_t next_ = 0, busy_ = 0;
+  SeenSamples seen_;
+};
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

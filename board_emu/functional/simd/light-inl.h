@@ -1,0 +1,131 @@
+// Stages of frames that are jittered, lit by irradiance, or on the wide datapath, for lanes of rays; as
+// packet_stages-inl.h.
+
+// Included once for each instruction set.
+#if defined(GICUBE_PACKET_LIGHT) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PACKET_LIGHT
+#undef GICUBE_PACKET_LIGHT
+#else
+#define GICUBE_PACKET_LIGHT
+#endif
+
+#include "gradient-inl.h"
+#include "stages-inl.h"
+#include "datapath/illuminate.h"
+#include "datapath/jitter.h"
+#include "datapath/wide.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+// a * b modulo 2^64.
+HWY_INLINE VU64 times(VU64 a, std::uint64_t b) {
+  const VU64 low = set64(b & 0xFFFF'FFFF), high = set64(b >> 32);
+  const VU64 cross = hn::Add(product(hn::ShiftRight<32>(a), low), product(a, high));
+  return hn::Add(product(a, low), hn::ShiftLeft<32>(cross));
+}
+
+// mangle() of pipeline/jitter.h.
+HWY_INLINE VU64 mangle(VU64 x) {
+  x = times(hn::Xor(x, hn::ShiftRight<30>(x)), 0xBF58476D1CE4E5B9u);
+  x = times(hn::Xor(x, hn::ShiftRight<27>(x)), 0x94D049BB133111EBu);
+  return hn::Xor(x, hn::ShiftRight<31>(x));
+}
+
+// Which entry of the jitter LUT the ray draws at `position`; `destination`: v << 16 | u.
+HWY_INLINE V jitter_index(const std::array<V, 3>& position, V destination) {
+  const auto half = [](VU64 x, VU64 y, VU64 z, VU64 uv) {
+    const VU64 low = hn::Or(x, hn::ShiftLeft<24>(y)), high = hn::Or(z, hn::ShiftLeft<24>(uv));
+    return hn::And(mangle(hn::Xor(mangle(low), high)), set64(kJitterEntries - 1));
+  };
+  return together(half(evens(position[0]), evens(position[1]), evens(position[2]), evens(destination)),
+                  half(odds(position[0]), odds(position[1]), odds(position[2]), odds(destination)));
+}
+
+// step_vector() along one axis: direction * distance has more than 32 bits, its parts by the distance's halves have not.
+HWY_INLINE V step_of(V direction, V distance) {
+  const V low = hn::Mul(direction, hn::And(distance, set(0xFFFF)));
+  return hn::Add(hn::Mul(direction, hn::ShiftRight<16>(distance)), hn::ShiftRight<16>(hn::Add(low, set(1 << 15))));
+}
+
+// The exponent of space().
+HWY_INLINE V exponent_of(V distance, V length) {
+  const auto half = [](VU64 a, VU64 b) { return hn::ShiftRight<16>(hn::Add(product(a, b), set64(1u << 15))); };
+  return together(half(evens(distance), evens(length)), half(odds(distance), odds(length)));
+}
+
+// wide_alpha().
+HWY_INLINE VF wide_alpha(VF depth, V exponent) {
+  const DF d;
+  const VF lengths = hn::Mul(hn::ConvertTo(d, exponent), hn::Set(d, 0x1p-16f));
+  const VF x = hn::Min(hn::Mul(depth, lengths), hn::Set(d, kMostDepth));
+  const V whole = hn::ConvertTo(D32(), x);
+  const VF rest = hn::Sub(x, hn::ConvertTo(d, whole));
+  const VF left = hn::BitCast(d, hn::ShiftLeft<23>(hn::Sub(set(127), whole)));
+  VF fall = hn::Set(d, kFall.back());
+  for (std::size_t i = kFall.size() - 1; i-- > 0;) fall = hn::Add(hn::Mul(fall, rest), hn::Set(d, kFall[i]));
+  const VF alpha = hn::Add(hn::Sub(hn::Set(d, 1), left), hn::Mul(left, hn::Mul(fall, rest)));
+  return hn::IfThenElse(hn::Ge(depth, hn::Set(d, kOpaqueDepth)), hn::Set(d, 1), alpha);
+}
+
+// The same of what the field has of an entry's opacity (PacketField::opacities).
+HWY_INLINE VF wide_alpha(V word, V exponent, const PacketField& field) {
+  if (field.corrected) return hn::BitCast(DF(), hn::Max(hn::Sub(word, set(1)), hn::Zero(D32())));
+  return wide_alpha(hn::BitCast(DF(), word), exponent);
+}
+
+// Where the irradiance of samples in `block` at its cell `cell` stands; below 0: nowhere, there is none.
+HWY_INLINE V irradiance_index(V block, V cell, const PacketField& field) {
+  const V first = gather(field.irradiance_first, hn::ShiftLeft<2>(block));
+  return hn::IfThenElse(hn::Lt(first, hn::Zero(D32())), first, hn::Add(first, cell));
+}
+
+// irradiance(), 11.4.
+HWY_INLINE V irradiance(const SmallPlace& at, V index, const PacketField& field) {
+  const Mask has = hn::Gt(index, set(-1));
+  const std::array<V, 3> weight{at.x_and_y, hn::ShiftRight<16>(at.x_and_y), at.z};
+  return hn::IfThenElseZero(has, resample_words(field.irradiance, hn::IfThenElseZero(has, index), weight, field.edge));
+}
+
+// The diffuse part of illuminated(): irradiance * gain * exposure, 15 fraction bits, at most 8.
+HWY_INLINE V lit(V light, V gain, const PacketField& field) {
+  constexpr int kTooMany = kIrradianceFractionBits + wire::kGainFractionBits + 16 - kShadeFractionBits;
+  const V gained = hn::Mul(light, gain);  // 15 and 16 bits
+  const auto half = [&](VU64 v) {
+    const VU64 t = hn::Add(product(v, set64(field.exposure)), set64(std::uint64_t{1} << (kTooMany - 1)));
+    return hn::Min(hn::ShiftRight<kTooMany>(t), set64(std::uint64_t{8} << kShadeFractionBits));
+  };
+  return together(half(evens(gained)), half(odds(gained)));
+}
+
+// illuminated(). Its sums stay below 2^31: colour <= 4095, base <= 2^18 + 2^16, highlight <= 255 * 2^9.
+HWY_INLINE std::array<V, 3> illuminated(const Look& look, V entry, const SmallPlace& at, V irradiance_at,
+                                        const PacketField& field) {
+  const V gain = hn::Or(look.reflect, hn::ShiftLeft<8>(look.knee));
+  const V base = hn::Add(lit(irradiance(at, irradiance_at, field), gain, field),
+                         hn::ShiftLeft<kShadeFractionBits - 7>(look.ambient));
+  V highlight = hn::Zero(D32());
+  if (field.specular != nullptr) {
+    const V specular = hn::And(gather(field.specular, entry), set(0xFF));
+    if (!hn::AllTrue(D32(), hn::Eq(specular, hn::Zero(D32())))) {
+      const auto gradient = resample_gradient(at, field);
+      const V shine = hn::ShiftRight<7>(hn::Add(hn::Mul(specular, reflectance(gradient, field)), set(64)));
+      highlight = hn::IfThenZeroElse(is_flat(gradient), shine);
+    }
+  }
+  highlight = hn::Mul(highlight, set(static_cast<std::int32_t>(wire::kColourOne)));
+  std::array<V, 3> out{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const V colour = hn::Add(hn::Mul(look.colour[c], base), highlight);
+    out[c] = hn::Min(hn::ShiftRight<kShadeFractionBits>(hn::Add(colour, set(kShadeUnit / 2))),
+                     set(static_cast<std::int32_t>(wire::kColourOne)));
+  }
+  return out;
+}
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

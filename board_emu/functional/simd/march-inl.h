@@ -1,0 +1,238 @@
+// Rays that march side by side: what of them stands in lanes, and the turns of the pipeline that take them on.
+//
+// In even steps what addresses the samples hangs on steps alone, so that the next are fetched while one is composited: a
+// ray that has become opaque goes on as a ghost, of which nothing is kept. Jittered steps are drawn where the ray is, so
+// there a ray that ends stands still.
+
+// Included once for each instruction set.
+#if defined(GICUBE_PACKET_MARCH) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PACKET_MARCH
+#undef GICUBE_PACKET_MARCH
+#else
+#define GICUBE_PACKET_MARCH
+#endif
+
+#include "light-inl.h"
+#include "shading_queue-inl.h"
+#include "stages-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+// One word of each of the rays under way, lane by lane.
+struct alignas(64) Word {
+  std::array<std::int32_t, 16> lane{};
+
+  V load() const { return hn::Load(D32(), lane.data()); }
+  void store(V v) { hn::Store(v, D32(), lane.data()); }
+};
+
+// The rays under way. A ray ends when no steps are left, or by its opacity.
+struct Lanes {
+  std::array<Word, 3> position, step;
+  std::array<Word, 2> sum;  // of integrals: the low kSumBits, and what is above
+  Word ray;                 // its index among those of the packet
+  Word exponent, opacity;
+  Word wide_opacity;  // floats
+  Word left;          // steps to the end of a segment or of the volume; jittered: none or one
+  Word more;          // by which a leap may go beyond that: a leaping ray overshoots the volume, but not its segment
+  // Of jittered rays:
+  std::array<Word, 3> direction;
+  Word length, destination, taken;
+};
+
+constexpr int kSumBits = 20;
+
+// What a turn changes of the rays, as long as they march.
+struct Going {
+  std::array<V, 3> position, step;
+  std::array<V, 2> sum;
+  V exponent, opacity, left;
+  VF wide_opacity;
+};
+
+template <bool kWide>
+HWY_INLINE Going begin(const Lanes& lanes) {
+  Going out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position[axis] = lanes.position[axis].load();
+    out.step[axis] = lanes.step[axis].load();
+  }
+  out.sum = {lanes.sum[0].load(), lanes.sum[1].load()};
+  out.exponent = lanes.exponent.load();
+  out.opacity = lanes.opacity.load();
+  out.left = lanes.left.load();
+  if constexpr (kWide) out.wide_opacity = hn::BitCast(DF(), lanes.wide_opacity.load());
+  return out;
+}
+
+// What jitter_step() draws, of the lanes of `running`.
+HWY_INLINE void jitter_step(Going& ray, const Lanes& lanes, Mask running, const PacketField& field) {
+  const V drawn = jitter_index(ray.position, lanes.destination.load());
+  const V distance = gather(field.tables->distance.data(), hn::ShiftLeft<2>(drawn));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ray.step[axis] = hn::IfThenElse(running, step_of(lanes.direction[axis].load(), distance), ray.step[axis]);
+  }
+  ray.exponent = exponent_of(distance, lanes.length.load());
+}
+
+// Inside the volume, and not beyond a cut plane.
+HWY_INLINE Mask kept(const Going& ray, const PacketField& field) {
+  const D32 d;
+  Mask out = hn::FirstN(d, 0);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Mask outside =
+        hn::Or(hn::Lt(ray.position[axis], hn::Zero(d)), hn::Gt(ray.position[axis], set(field.extent[axis])));
+    out = hn::Or(out, outside);
+  }
+  if (!field.cut_planes.empty()) {
+    std::array<Word, 3> position, step;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      position[axis].store(ray.position[axis]);
+      step[axis].store(ray.step[axis]);
+    }
+    Word cut;
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
+      const Point p{position[0].lane[i], position[1].lane[i], position[2].lane[i]};
+      const Point s{step[0].lane[i], step[1].lane[i], step[2].lane[i]};
+      for (const Plane& plane : field.cut_planes) cut.lane[i] |= beyond(plane, p, s) ? -1 : 0;
+    }
+    out = hn::Or(out, hn::MaskFromVec(cut.load()));
+  }
+  return hn::Not(out);
+}
+
+// Composites the samples of `taking` at `at`; `cell`: their places in the block. Their colour waits in `seen`.
+template <Gathers kGathers, bool kWide>
+HWY_INLINE void composite(Going& ray, V rays, const Place& at, V density, Mask taking, V block, V cell,
+                          SeenSamples& seen, const PacketField& field, RayCounters& counters) {
+  const D32 d;
+  const V entry = classify(density, at, field);
+  const V word = hn::IfThenElseZero(taking, gather(field.opacities, hn::ShiftLeft<2>(entry)));
+  const Mask visible = hn::Ne(word, hn::Zero(d));
+  if (hn::AllFalse(d, visible)) return;
+  counters.visible_samples += hn::CountTrue(d, visible);
+  V weight = hn::Zero(d);
+  if constexpr (kWide) {
+    const VF alpha = wide_alpha(word, ray.exponent, field), one = hn::Set(DF(), 1);
+    const VF wide_weight = hn::Mul(hn::Sub(one, ray.wide_opacity), alpha);
+    ray.wide_opacity = hn::IfThenElse(hn::Eq(alpha, one), one, hn::Add(ray.wide_opacity, wide_weight));
+    const V words = hn::NearestInt(hn::Mul(ray.wide_opacity, hn::Set(DF(), static_cast<float>(wire::kOpacityOne))));
+    ray.opacity = hn::IfThenElse(visible, words, ray.opacity);
+    weight = hn::BitCast(d, wide_weight);
+  } else {
+    weight = weight_of(word, ray.exponent, ray.opacity, field);
+    ray.opacity = hn::Add(ray.opacity, weight);
+  }
+  if constexpr (kGathers == Gathers::kColour) {
+    const V lit = field.irradiance != nullptr ? irradiance_index(block, cell, field) : weight;
+    seen.add<kWide>(at, entry, rays, weight, lit, visible, field);
+  }
+}
+
+// Takes the samples of `samples`, of which those of `taking` count. `first`: of their blocks among the decoded ones.
+template <Gathers kGathers, bool kWide>
+HWY_INLINE void take_samples(Going& ray, V rays, V first, V block, Mask samples, Mask taking, SeenSamples& seen,
+                             const PacketField& field, RayCounters& counters) {
+  const D32 d;
+  Place at{};
+  std::array<V, 3> voxel{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const V inside_block = hn::And(ray.position[axis], set((1 << field.block_shift) - 1));
+    voxel[axis] = hn::ShiftRight<wire::kPositionFractionBits>(inside_block);
+    at.fraction[axis] = hn::And(ray.position[axis], set(wire::kVoxel - 1));
+    at.weight[axis] = hn::ShiftLeft<kWeightBits - wire::kPositionFractionBits>(at.fraction[axis]);
+  }
+  const V rows = hn::Add(voxel[1], hn::Mul(voxel[2], set(field.edge)));
+  const V cell = hn::Add(voxel[0], hn::Mul(rows, set(field.edge)));
+  at.index = hn::IfThenElseZero(samples, hn::Add(first, cell));
+  const V density = resample_words(field.densities, at.index, at.weight, field.edge);
+  counters.samples += hn::CountTrue(d, taking);
+  if constexpr (kGathers == Gathers::kIntegral) {
+    const V sum = hn::Add(ray.sum[0], hn::IfThenElseZero(taking, density));
+    ray.sum[0] = hn::And(sum, set((1 << kSumBits) - 1));
+    ray.sum[1] = hn::Add(ray.sum[1], hn::ShiftRight<kSumBits>(sum));
+    counters.visible_samples += hn::CountTrue(d, hn::And(taking, hn::Ne(density, hn::Zero(d))));
+  } else {
+    composite<kGathers, kWide>(ray, rays, at, density, taking, block, cell, seen, field, counters);
+  }
+}
+
+// Takes all lanes on until at least `enough` of them have ended.
+template <Gathers kGathers, bool kJitter, bool kWide>
+HWY_INLINE void march(Lanes& lanes, SeenSamples& seen, const PacketField& field, std::size_t enough,
+                      RayCounters& counters) {
+  const D32 d;
+  Going ray = begin<kWide>(lanes);
+  const V more = lanes.more.load(), zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
+  const V rays = lanes.ray.load();
+  Pace pace = pace_of(ray.step);
+  V taken = zero, passed = zero;  // steps, and those of samples that are not seen
+  Mask stepping{};
+  while (true) {
+    if constexpr (kJitter) {
+      stepping = kept(ray, field);
+    } else {
+      stepping = hn::Gt(ray.left, zero);
+    }
+    const Mask running = hn::And(stepping, hn::Lt(ray.opacity, set(field.threshold)));
+    if (hn::Lanes(d) - hn::CountTrue(d, running) >= enough) break;
+    if constexpr (kJitter) jitter_step(ray, lanes, running, field);
+    const Mask going = kJitter ? running : stepping;
+
+    constexpr int kCellShift = CellRanges::kEdgeShift + wire::kPositionFractionBits;
+    const auto index_in = [&](int shift, std::int32_t across, std::int32_t slice) {
+      const auto along = [&](std::size_t axis) {
+        return hn::ShiftRightSame(hn::IfThenElseZero(going, ray.position[axis]), shift);
+      };
+      return hn::Add(along(0), hn::Add(hn::Mul(along(1), set(across)), hn::Mul(along(2), set(slice))));
+    };
+    const V cell = index_in(kCellShift, field.cells_across, field.cells_slice);
+    const V block = field.irradiance != nullptr ? index_in(field.block_shift, field.across, field.slice) : zero;
+    const V first = gather(field.tables->first.data(), hn::ShiftLeft<2>(cell));
+    const Mask skips = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(skips, going);
+    V steps = hn::IfThenElseZero(going, one);
+    if (!hn::AllFalse(d, skips)) {
+      const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeapt))), unseen = hn::AndNot(leaps, skips);
+      if constexpr (kJitter) pace = pace_of(ray.step);
+      V out = steps_out(ray.position, hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1)), pace,
+                        1 << field.block_shift);
+      if (!kJitter) out = hn::Min(out, hn::Add(ray.left, hn::IfThenElseZero(leaps, more)));
+      steps = hn::IfThenElse(skips, out, steps);
+      counters.leaps += hn::CountTrue(d, hn::And(leaps, running));
+      passed = hn::Add(passed, hn::IfThenElseZero(hn::And(unseen, running), out));
+    }
+    if (!hn::AllFalse(d, samples)) {
+      take_samples<kGathers, kWide>(ray, rays, first, block, samples, hn::And(samples, running), seen, field, counters);
+    }
+    taken = hn::Add(taken, hn::IfThenElseZero(running, steps));
+    ray.left = hn::Sub(ray.left, steps);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ray.position[axis] = hn::Add(ray.position[axis], hn::Mul(steps, ray.step[axis]));
+    }
+  }
+  counters.samples += static_cast<std::uint32_t>(hn::GetLane(hn::SumOfLanes(d, passed)));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const V there = hn::Add(lanes.position[axis].load(), hn::Mul(taken, ray.step[axis]));
+    lanes.position[axis].store(kJitter ? ray.position[axis] : there);
+    if (kJitter) lanes.step[axis].store(ray.step[axis]);
+  }
+  if constexpr (kGathers == Gathers::kIntegral) {
+    for (std::size_t i = 0; i < 2; ++i) lanes.sum[i].store(ray.sum[i]);
+  }
+  lanes.opacity.store(ray.opacity);
+  if (kWide) lanes.wide_opacity.store(hn::BitCast(d, ray.wide_opacity));
+  if constexpr (kJitter) {
+    lanes.left.store(hn::IfThenElseZero(stepping, one));
+    lanes.taken.store(hn::Add(lanes.taken.load(), taken));
+  } else {
+    lanes.left.store(hn::Sub(lanes.left.load(), taken));
+  }
+}
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,123 @@
+// Samples that are seen wait here until a vector of them can be shaded: of the rays that march side by side only a part
+// meets something seen at a time, and shading is most of what a sample costs.
+//
+// That a ray's colour comes later is free: its opacity, on which all else hangs, is composited at once. Its samples stay in their
+// order (floats' sums depend on it), and whole numbers reach their greatest value whether it is asked for at each
+// sum or at the end.
+
+// Included once for each instruction set.
+#if defined(GICUBE_PACKET_SEEN) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PACKET_SEEN
+#undef GICUBE_PACKET_SEEN
+#else
+#define GICUBE_PACKET_SEEN
+#endif
+
+#include <vector>
+
+#include "light-inl.h"
+#include "stages-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+// What a ray has gathered: three channels, of the wide datapath floats. The fourth makes them a vector.
+struct alignas(16) ColourSum {
+  std::array<std::int32_t, 4> channel{};
+};
+
+class SeenSamples {
+ public:
+  // `rays`: at most 2^18.
+  explicit SeenSamples(std::size_t rays) : sums_(rays) {}
+
+  ColourSum& sum(std::size_t ray) { return sums_[ray]; }
+
+  // Those of `seen`. `ray`: indices of their rays; `weight`: in the ray's colour, wide: floats.
+  template <bool kWide>
+  HWY_INLINE void add(const Place& at, V entry, V ray, V weight, V lit, Mask seen, const PacketField& field) {
+    const auto put = [&](Word word, V v) { hn::StoreU(hn::Compress(v, seen), D32(), columns_[word].data() + count_); };
+    const SmallPlace place = small(at);
+    put(kIndex, place.index);
+    put(kXAndY, place.x_and_y);
+    put(kZ, place.z);
+    put(kEntryAndRay, hn::Or(entry, hn::ShiftLeft<kEntryBits>(ray)));
+    put(kWeight, weight);
+    if (field.irradiance != nullptr) put(kLit, lit);
+    count_ += hn::CountTrue(D32(), seen);
+    if (count_ > kMost - hn::Lanes(D32())) shade_full<kWide>(field);
+  }
+
+  // Shades what waits.
+  template <bool kWide>
+  void finish(const PacketField& field) {
+    shade_full<kWide>(field);
+    if (count_ > 0) shade_from<kWide>(0, count_, field);
+    count_ = 0;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 128;  // chosen: a few KiB, and the rest is moved seldom
+  static constexpr int kEntryBits = 14;
+  static_assert(wire::kSegmentationEntries == 1 << kEntryBits);
+  enum Word : std::size_t { kIndex, kXAndY, kZ, kEntryAndRay, kWeight, kLit, kWords };
+
+  template <bool kWide>
+  void shade_full(const PacketField& field) {
+    const std::size_t lanes = hn::Lanes(D32());
+    std::size_t from = 0;
+    for (; from + lanes <= count_; from += lanes) shade_from<kWide>(from, lanes, field);
+    for (auto& column : columns_) hn::StoreU(hn::LoadU(D32(), column.data() + from), D32(), column.data());
+    count_ -= from;
+  }
+
+  template <bool kWide>
+  HWY_INLINE void shade_from(std::size_t from, std::size_t count, const PacketField& field) {
+    const auto get = [&](Word word) { return hn::LoadU(D32(), columns_[word].data() + from); };
+    const SmallPlace at{get(kIndex), get(kXAndY), get(kZ)};
+    const V entry_and_ray = get(kEntryAndRay), weight = get(kWeight);
+    const V entry = hn::And(entry_and_ray, set((1 << kEntryBits) - 1));
+    const Look look = look_of(entry, field);
+    const auto seen = field.irradiance != nullptr ? illuminated(look, entry, at, get(kLit), field)
+                      : field.shaded              ? shade(look, resample_gradient(at, field), field)
+                                                  : look.colour;
+    std::array<V, 3> part{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      if constexpr (kWide) {
+        part[c] = hn::BitCast(D32(), hn::Mul(hn::BitCast(DF(), weight), hn::ConvertTo(DF(), seen[c])));
+      } else {
+        part[c] = part_of(seen[c], weight);
+      }
+    }
+    alignas(64) std::array<ColourSum, 16> parts;
+    hn::StoreInterleaved4(part[0], part[1], part[2], hn::Zero(D32()), D32(), parts[0].channel.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto ray = static_cast<std::uint32_t>(columns_[kEntryAndRay][from + i]) >> kEntryBits;
+      add_to<kWide>(sums_[ray], parts[i]);
+    }
+  }
+
+  template <bool kWide>
+  static HWY_INLINE void add_to(ColourSum& sum, const ColourSum& part) {
+    const hn::FixedTag<std::int32_t, 4> d;
+    const hn::RebindToFloat<decltype(d)> df;
+    const auto a = hn::Load(d, sum.channel.data()), b = hn::Load(d, part.channel.data());
+    if constexpr (kWide) {
+      hn::Store(hn::BitCast(d, hn::Add(hn::BitCast(df, a), hn::BitCast(df, b))), d, sum.channel.data());
+    } else {
+      hn::Store(hn::Add(a, b), d, sum.channel.data());
+    }
+  }
+
+  std::vector<ColourSum> sums_;
+  std::size_t count_ = 0;
+  // Of those that wait. Where none does stands what one had before, or zero: a place that can be read.
+  alignas(64) std::array<std::array<std::int32_t, kMost + 16>, kWords> columns_{};
+};
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

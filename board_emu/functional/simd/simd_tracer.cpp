@@ -1,0 +1,267 @@
+// Compiled once for each instruction set that Highway knows (foreach_target); the host's best is chosen at run time.
+#include "words/vector_targets.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "functional/simd/simd_tracer.cpp"
+#include <hwy/foreach_target.h>  // includes this file again
+
+#include "simd_tracer.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "functional/functional.h"
+#include "datapath/ray_step.h"
+#include "datapath/interaction.h"
+#include "lane_scheduler-inl.h"
+#include "march-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR  // no vectors
+
+void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField&, RayCounters& counters,
+           std::span<std::int32_t> steps) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    integrate(rays[i], frame, counters, steps.empty() ? nullptr : &steps[i]);
+  }
+}
+
+#else
+
+template <Gathers kGathers, bool kJitter, bool kWide>
+void trace_with(Exchange& exchange, const PacketField& field, RayCounters& counters) {
+  const std::size_t count = hn::Lanes(D32());
+  Lanes lanes{};
+  while (true) {
+    exchange.serve(lanes, count);
+    if (exchange.busy() == 0) break;
+    // A few idle lanes cost less than an exchange for each; without new rays one of the busy ones must end.
+    const std::size_t enough = exchange.has_more() ? std::max<std::size_t>(count / 4, 1) : count - exchange.busy() + 1;
+    march<kGathers, kJitter, kWide>(lanes, exchange.seen(), field, enough, counters);
+  }
+  if constexpr (kGathers == Gathers::kColour) exchange.seen().finish<kWide>(field);
+  exchange.finish_colours();
+}
+
+template <Gathers kGathers>
+void trace_gathering(Exchange& exchange, const PacketField& field, RayCounters& counters) {
+  if (field.jitter) {
+    return field.wide ? trace_with<kGathers, true, true>(exchange, field, counters)
+                      : trace_with<kGathers, true, false>(exchange, field, counters);
+  }
+  return field.wide ? trace_with<kGathers, false, true>(exchange, field, counters)
+                    : trace_with<kGathers, false, false>(exchange, field, counters);
+}
+
+void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& field, RayCounters& counters,
+           std::span<std::int32_t> steps) {
+  Exchange exchange(rays, frame, counters, steps);
+  switch (field.gathers) {
+    case Gathers::kOpacity: return trace_gathering<Gathers::kOpacity>(exchange, field, counters);
+    case Gathers::kColour: return trace_gathering<Gathers::kColour>(exchange, field, counters);
+    case Gathers::kIntegral: return trace_with<Gathers::kIntegral, false, false>(exchange, field, counters);
+  }
+}
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace gicube::emu {
+
+HWY_EXPORT(trace);
+
+namespace {
+
+// The exponent of all the frame's samples (space()); 0: each ray has one of its own.
+std::uint32_t common_exponent(const Frame& frame) {
+  const auto& spacing = frame.spacing;
+  if (frame.jitter || frame.segments || spacing[0] != spacing[1] || spacing[1] != spacing[2]) return 0;
+  Traveller ray;
+  ray.length = spacing[0];
+  space(ray, frame.step);
+  return ray.exponent;
+}
+
+}  // namespace
+
+RayPackets::RayPackets(const OpacityCorrection& correction) : correction_(correction) {
+  for (std::size_t i = 0; i < tables_.exp2.size(); ++i) {
+    const std::uint64_t here = correction.exp2_at(i), next = correction.exp2_at(i + 1);
+    tables_.exp2[i] = here | (here - next) << 32;
+  }
+}
+
+void RayPackets::clear() {
+  copy_.clear();
+  irradiance_.clear();
+  ranges_.clear();
+  volume_ = rays_ = 0;
+  seen_lut_ = ~std::uint64_t{0};
+  lut_writes_ = ~std::uint64_t{0};
+}
+
+void RayPackets::read(std::span<const wire::SegmentationEntry> segmentation) {
+  for (std::size_t i = 0; i < tables_.depth.size(); ++i) {
+    const wire::SegmentationEntry& entry = segmentation[i];
+    tables_.depth[i] = entry.opacity == wire::kClassifiedOpacityOne ? ~0u : correction_.depth(entry.opacity);
+    const auto [red, green, blue] = entry.colour;
+    const std::uint32_t low = red | std::uint32_t{green} << 12 | std::uint32_t{entry.ambient} << 24;
+    const std::uint32_t high = blue | std::uint32_t{entry.reflect} << 12 | std::uint32_t{entry.knee} << 20;
+    tables_.look[i] = low | std::uint64_t{high} << 32;
+  }
+  tables_.specular.clear();
+  if (std::all_of(segmentation.begin(), segmentation.end(), [](const auto& entry) { return entry.specular == 0; }))
+    return;
+  for (const wire::SegmentationEntry& entry : segmentation) tables_.specular.push_back(entry.specular);
+  tables_.specular.resize(segmentation.size() + 3);  // four bytes are read from any place
+}
+
+void RayPackets::correct(const Frame& frame) {
+  const std::uint32_t exponent = common_exponent(frame);
+  const bool wide = gathers_wide(frame);
+  if (exponent_ == exponent && wide_ == wide && alpha_lut_ == lut_writes_) return;
+  exponent_ = exponent;
+  wide_ = wide;
+  alpha_lut_ = lut_writes_;
+  tables_.alpha.clear();
+  if (exponent == 0) return;
+  for (std::size_t i = 0; i < wire::kSegmentationEntries; ++i) {
+    const std::uint16_t opacity = frame.segmentation[i].opacity;
+    const bool seen = wide ? frame.wide_depths[i] != 0 : opacity != 0;
+    const std::uint32_t alpha = wide ? std::bit_cast<std::uint32_t>(wide_alpha(frame.wide_depths[i], exponent))
+                                     : correction_(opacity, exponent);
+    tables_.alpha.push_back(seen ? 1 + alpha : 0);
+  }
+}
+
+bool RayPackets::follow_irradiance(const Frame& frame) {
+  if (!frame.lit_by_irradiance) {
+    irradiance_.clear();
+    return true;
+  }
+  const std::size_t edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  irradiance_.follow(*frame.irradiance, frame.volume->block_count(), edge * edge * edge, frame.wide);
+  return irradiance_.words() != nullptr;
+}
+
+void RayPackets::find_seen(const Frame& frame, unsigned threads) {
+  if (seen_lut_ == lut_writes_) return;
+  seen_lut_ = lut_writes_;
+  ranges_.follow(*frame.volume, copy_.densities(), threads);
+  constexpr std::size_t kDensities = wire::kSegmentationEntries / wire::kTags;
+  // How many of a tag's entries below a density are seen. On the wide datapath all those that the paper's sees are.
+  std::array<std::array<std::uint16_t, kDensities + 1>, wire::kTags> below{};
+  for (std::size_t i = 0; i < wire::kSegmentationEntries; ++i) {
+    const bool seen = frame.segmentation[i].opacity != 0 || (!frame.wide_depths.empty() && frame.wide_depths[i] != 0);
+    auto& of_tag = below[i / kDensities];
+    of_tag[i % kDensities + 1] = static_cast<std::uint16_t>(of_tag[i % kDensities] + (seen ? 1 : 0));
+  }
+  const auto seen = [&below](const CellRange& cell) {
+    for (unsigned tags = cell.tags; tags != 0; tags &= tags - 1) {
+      const auto& of_tag = below[static_cast<std::size_t>(std::countr_zero(tags))];
+      if (of_tag[cell.most + 1u] != of_tag[cell.least]) return std::uint8_t{1};
+    }
+    return std::uint8_t{0};
+  };
+  seen_.resize(ranges_.cells().size());
+  std::transform(ranges_.cells().begin(), ranges_.cells().end(), seen_.begin(), seen);
+}
+
+void RayPackets::find_first(const Frame& frame) {
+  const VolumeMemory& volume = *frame.volume;
+  const std::array<int, 3>& size = ranges_.size();
+  const auto cells = static_cast<std::size_t>(volume.block_voxels()) >> CellRanges::kEdgeShift;  // a block's, along x
+  const auto blocks = static_cast<std::size_t>(volume.blocks()[0]), down = static_cast<std::size_t>(volume.blocks()[1]);
+  const auto rows = static_cast<std::size_t>(size[1]), slices = static_cast<std::size_t>(size[2]);
+  // The samples of a jittered ray have places of their own, and integrals take what is not seen too.
+  const bool passes = !frame.jitter && !frame.integral;
+  tables_.first.resize(seen_.size());
+  std::size_t cell = 0;
+  for (std::size_t row = 0; row < rows * slices; ++row) {
+    const std::size_t begin = blocks * (row % rows / cells + down * (row / rows / cells));
+    for (std::size_t block = begin; block < begin + blocks; ++block, cell += cells) {
+      std::int32_t* const out = tables_.first.data() + cell;
+      if (frame.leap && frame.empty[block] != 0) {
+        std::fill_n(out, cells, kLeapt);
+        continue;
+      }
+      const auto first = static_cast<std::int32_t>(volume.first()[block]);
+      for (std::size_t i = 0; i < cells; ++i) out[i] = passes && seen_[cell + i] == 0 ? kUnseen : first;
+    }
+  }
+}
+
+bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads) {
+  if (frame.lights || frame.scatter || frame.high_albedo || frame.backprojects) return false;
+  if (frame.jitter && (frame.segments || frame.integral)) return false;
+  const VolumeMemory& volume = *frame.volume;
+  if (volume_ != volume.decodings()) {
+    clear();
+    volume_ = volume.decodings();
+  }
+  rays_ += rays;
+  if (rays_ < volume.stored_blocks()) return false;  // chosen: a block's copy takes about as long as a long ray
+  copy_.follow(volume, threads);
+  if (copy_.densities() == nullptr || !follow_irradiance(frame)) return false;
+  if (lut_writes_ != lut_writes) read(frame.segmentation);
+  lut_writes_ = lut_writes;
+  correct(frame);
+  find_seen(frame, threads);
+  find_first(frame);
+  if (frame.jitter) {
+    for (std::size_t i = 0; i < kJitterEntries; ++i) {
+      tables_.distance[i] = static_cast<std::int32_t>(jittered(frame, kJitterLut[i]));
+    }
+  }
+  if (reads(frame).gradients) {
+    constexpr std::size_t kRow = wire::kReflectanceSize;
+    const auto texel = [&](std::size_t i) {  // of the last row and column nothing is asked
+      return i < wire::kReflectanceBytes ? std::uint32_t{frame.reflectance_map[i]} : 0;
+    };
+    tables_.reflectance_map.resize(wire::kReflectanceBytes);
+    for (std::size_t i = 0; i < wire::kReflectanceBytes; ++i) {
+      tables_.reflectance_map[i] = texel(i) | texel(i + 1) << 8 | texel(i + kRow) << 16 | texel(i + kRow + 1) << 24;
+    }
+  }
+  return true;
+}
+
+void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
+                       std::span<std::int32_t> steps) const {
+  const VolumeMemory& volume = *frame.volume;
+  PacketField field{};
+  field.densities = copy_.densities();
+  field.voxels = volume.decoded().data();
+  field.tags = volume.decoded_tags().empty() ? nullptr : volume.decoded_tags().data();
+  field.tables = &tables_;
+  field.wide = gathers_wide(frame);
+  field.corrected = !tables_.alpha.empty();
+  field.opacities = field.corrected ? static_cast<const void*>(tables_.alpha.data())
+                    : field.wide    ? static_cast<const void*>(frame.wide_depths.data())
+                                    : tables_.depth.data();
+  if (frame.lit_by_irradiance) {
+    field.irradiance = irradiance_.words();
+    field.irradiance_first = irradiance_.first();
+    field.specular = tables_.specular.empty() ? nullptr : tables_.specular.data();
+    field.exposure = frame.exposure;
+  }
+  field.threshold = static_cast<std::int32_t>(frame.opacity_threshold);
+  field.edge = volume.block_voxels() + 1;
+  field.block_shift = std::countr_zero(static_cast<unsigned>(volume.block_voxels())) + wire::kPositionFractionBits;
+  field.across = volume.blocks()[0];
+  field.slice = volume.blocks()[0] * volume.blocks()[1];
+  field.cells_across = ranges_.size()[0];
+  field.cells_slice = ranges_.size()[0] * ranges_.size()[1];
+  field.gathers = frame.integral ? Gathers::kIntegral : frame.colourless ? Gathers::kOpacity : Gathers::kColour;
+  field.extent = frame.extent;
+  field.cut_planes = frame.cut_planes;
+  field.shaded = frame.shade;
+  field.jitter = frame.jitter;
+  HWY_DYNAMIC_DISPATCH(trace)(rays, frame, field, counters, steps);
+}
+
+}  // namespace gicube::emu
+#endif

@@ -1,0 +1,101 @@
+// The functional level's fast way for rays that gather, lit by irradiance or not, and do nothing else: as many side by side
+// as the host's vectors have lanes. The same bits as integrate(), ray by ray (tests/board_emu/ray_packets_test).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "datapath/frame.h"
+#include "gicube/wire/ray.h"
+#include "functional/simd/cell_ranges.h"
+#include "functional/simd/density_copy.h"
+#include "functional/simd/irradiance_copy.h"
+#include "memory/large_array.h"
+#include "datapath/jitter.h"
+#include "datapath/opacity_correction.h"
+
+namespace gicube::emu {
+
+// The frame's tables as lanes read them.
+struct PacketTables {
+  std::array<std::uint32_t, wire::kSegmentationEntries>
+      depth{};                       // of one voxel length, 8.24 in base 2; all ones: opaque
+  std::vector<std::uint32_t> alpha;  // 1 + the corrected opacity, 24 bits, or the bits of the wide one; 0: not seen
+  std::array<std::uint64_t, wire::kSegmentationEntries>
+      look{};  // red, green 12 bits, ambient 8; in bits 32..: blue 12, reflect, knee 8
+  std::array<std::uint64_t, OpacityCorrection::kSegments> exp2{};  // value, and in bits 32.. the fall to the next
+  std::vector<std::uint8_t> specular;                              // of lit samples; none if all are 0
+  std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by what jitter() draws
+  std::vector<std::uint32_t> reflectance_map;                      // of each texel the square that begins there
+  LargeArray<std::int32_t> first;  // of each cell (CellRanges): its block's among the decoded ones; kLeapt, kUnseen
+};
+
+inline constexpr std::int32_t kLeapt = -1;   // in an empty block, which rays leap over
+inline constexpr std::int32_t kUnseen = -2;  // its samples count and add nothing
+
+enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
+
+// What lanes read beside them.
+struct PacketField {
+  const std::int16_t* densities;
+  const DecodedVoxel* voxels;
+  const std::uint8_t* tags;  // may be null
+  const PacketTables* tables;
+  const void* opacities;  // 32 bits an entry of the segmentation LUT; 0: not seen
+  bool corrected;         // they are tables->alpha, not tables->depth or Frame::wide_depths
+  // Of frames that are lit by irradiance; else null.
+  const std::int16_t* irradiance;
+  const std::int32_t* irradiance_first;
+  const std::uint8_t* specular;
+  std::uint32_t exposure;
+  std::int32_t threshold;
+  std::int32_t edge;  // voxels of a block with its +1 face
+  int block_shift;    // from position units to blocks
+  std::int32_t across, slice;
+  std::int32_t cells_across, cells_slice;
+  Point extent;
+  std::span<const Plane> cut_planes;
+  Gathers gathers;
+  bool shaded, jitter, wide;
+};
+
+class RayPackets {
+ public:
+  explicit RayPackets(const OpacityCorrection& correction);
+
+  // Makes ready for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is
+  // decoded. False if they must go the plain way: they scatter or deposit, too few have come to be worth a copy of the
+  // densities, or it would be too large.
+  bool prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads);
+  // Gives the copy's memory back.
+  void clear();
+
+  // Takes rays, at most 2^18, to their ends, in place, on the calling thread. `steps`, if there are any: of each ray, on its way there.
+  void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
+             std::span<std::int32_t> steps = {}) const;
+
+ private:
+  void read(std::span<const wire::SegmentationEntry> segmentation);
+  bool follow_irradiance(const Frame& frame);
+  void correct(const Frame& frame);
+  void find_seen(const Frame& frame, unsigned threads);
+  void find_first(const Frame& frame);
+
+  const OpacityCorrection& correction_;
+  DensityCopy copy_;
+  IrradianceCopy irradiance_;
+  CellRanges ranges_;
+  LargeArray<std::uint8_t> seen_;               // of each cell: one of its densities has an opacity
+  std::uint64_t seen_lut_ = ~std::uint64_t{0};  // of the LUT that was written so often
+  PacketTables tables_;
+  std::uint32_t exponent_ = 0;  // that tables_.alpha was made for, as were:
+  bool wide_ = false;
+  std::uint64_t alpha_lut_ = ~std::uint64_t{0};
+  std::uint64_t volume_ = 0;  // VolumeMemory::decodings()
+  std::uint64_t rays_ = 0;    // that have come since
+  std::uint64_t lut_writes_ = ~std::uint64_t{0};
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,31 @@
+// Pieces of backprojecting rays, each in one block, splatted by the host's vectors: the shares of spread.h for several samples
+// at once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "words/words.h"
+
+namespace gicube::emu {
+
+// A ray's samples in one block.
+struct Piece {
+  std::uint32_t block = 0;
+  std::uint32_t count = 0;
+  Point first{};  // from the block's corner
+  Point step{};
+  std::int32_t amount = 0;  // of each sample
+};
+
+// Adds all samples of the pieces to `pairs` (SumMemory::pairs()) of their block. `row`, `slice`: from a voxel to the next in y
+// and z.
+void splat(std::span<const Piece> pieces, std::int64_t* pairs, std::size_t row, std::size_t slice);
+// The same to words, which hold more.
+void splat_to_words(std::span<const Piece> pieces, std::int64_t* words, std::size_t row, std::size_t slice);
+
+// The first without vectors.
+void splat_one_by_one(std::span<const Piece> pieces, std::int64_t* pairs, std::size_t row, std::size_t slice);
+
+}  // namespace gicube::emu

@@ -1,0 +1,276 @@
+// The pipeline's stages for lanes of rays. Each says which scalar stage it repeats; the bits are the same.
+//
+// Words of 32 bits stand in 16 lanes. Products of more than 32 bits are made in 64-bit lanes, once for the even and once for
+// the odd ones.
+
+// Included once for each instruction set.
+#if defined(GICUBE_PACKET_STAGES) == defined(HWY_TARGET_TOGGLE)
+#ifdef GICUBE_PACKET_STAGES
+#undef GICUBE_PACKET_STAGES
+#else
+#define GICUBE_PACKET_STAGES
+#endif
+
+#include <hwy/highway.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "datapath/advance.h"
+#include "datapath/classify.h"
+#include "datapath/composite.h"
+#include "datapath/resample.h"
+#include "datapath/shade.h"
+#include "simd_tracer.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gicube::emu::HWY_NAMESPACE {
+#if HWY_TARGET != HWY_SCALAR
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D32 = hn::CappedTag<std::int32_t, 16>;
+using DU32 = hn::RebindToUnsigned<D32>;
+using DU64 = hn::Repartition<std::uint64_t, D32>;
+using D16 = hn::Repartition<std::int16_t, D32>;
+using DF = hn::RebindToFloat<D32>;
+using V = hn::Vec<D32>;
+using VF = hn::Vec<DF>;
+using VU = hn::Vec<DU32>;
+using VU64 = hn::Vec<DU64>;
+using V16 = hn::Vec<D16>;
+using Mask = hn::Mask<D32>;
+
+HWY_INLINE V set(std::int32_t x) { return hn::Set(D32(), x); }
+HWY_INLINE VU64 set64(std::uint64_t x) { return hn::Set(DU64(), x); }
+
+template <class Vector>
+HWY_INLINE VU64 evens(Vector v) {
+  return hn::And(hn::BitCast(DU64(), v), set64(0xFFFF'FFFF));
+}
+template <class Vector>
+HWY_INLINE VU64 odds(Vector v) {
+  return hn::ShiftRight<32>(hn::BitCast(DU64(), v));
+}
+// The low halves of both.
+HWY_INLINE V together(VU64 even, VU64 odd) {
+  return hn::BitCast(D32(), hn::Or(hn::And(even, set64(0xFFFF'FFFF)), hn::ShiftLeft<32>(odd)));
+}
+HWY_INLINE VU64 product(VU64 a, VU64 b) { return hn::MulEven(hn::BitCast(DU32(), a), hn::BitCast(DU32(), b)); }
+
+HWY_INLINE V gather(const void* base, V byte_offsets) {
+  return hn::GatherOffset(D32(), static_cast<const std::int32_t*>(base), byte_offsets);
+}
+HWY_INLINE VU64 gather64(const void* base, VU64 index) {
+  return hn::GatherIndex(DU64(), static_cast<const std::uint64_t*>(base),
+                         hn::BitCast(hn::RebindToSigned<DU64>(), index));
+}
+
+// lerp() of pipeline/resample.h on 16-bit lanes; `weight` 0.15.
+HWY_INLINE V16 lerp16(V16 a, V16 b, V16 weight) { return hn::Add(a, hn::MulFixedPoint15(hn::Sub(b, a), weight)); }
+
+// The same on the low halves of 32-bit lanes; what the high halves hold does not matter.
+HWY_INLINE V lerp(V a, V b, V weight) {
+  const D16 d;
+  return hn::BitCast(D32(), lerp16(hn::BitCast(d, a), hn::BitCast(d, b), hn::BitCast(d, weight)));
+}
+// Two neighbours along x in one word.
+HWY_INLINE V along_x(V pair, V weight) {
+  return lerp(pair, hn::BitCast(D32(), hn::ShiftRight<16>(hn::BitCast(DU32(), pair))), weight);
+}
+
+// A sample's place: the index of its cell among the decoded voxels, fractions of 14 and weights of 15 bits.
+struct Place {
+  V index;
+  std::array<V, 3> fraction, weight;
+};
+
+// The same place for what is resampled later: weights of x and y in a word's halves, and of z.
+struct SmallPlace {
+  V index, x_and_y, z;
+};
+
+HWY_INLINE SmallPlace small(const Place& at) {
+  return {at.index, hn::Or(at.weight[0], hn::ShiftLeft<16>(at.weight[1])), at.weight[2]};
+}
+
+// resample() of 16-bit words that stand alone: densities, 12.3, or irradiance.
+HWY_INLINE V resample_words(const std::int16_t* words, V index, const std::array<V, 3>& weight, std::int32_t edge) {
+  const V two = hn::ShiftLeft<1>(index);
+  const std::ptrdiff_t down = edge, deep = std::ptrdiff_t{edge} * edge;
+  const auto row = [&](std::ptrdiff_t offset) { return along_x(gather(words + offset, two), weight[0]); };
+  const V near = lerp(row(0), row(down), weight[1]), far = lerp(row(deep), row(deep + down), weight[1]);
+  return hn::And(lerp(near, far, weight[2]), set(0xFFFF));
+}
+
+// segmentation_index(), with the tag of the nearest voxel.
+HWY_INLINE V classify(V density, const Place& at, const PacketField& field) {
+  constexpr int kHalf = 1 << (kDensityFractionBits - 1);
+  const V entry = hn::ShiftRight<kDensityFractionBits>(hn::Add(density, set(kHalf)));
+  if (field.tags == nullptr) return entry;
+  constexpr int kToHalf = wire::kPositionFractionBits - 1;
+  const V nearest = hn::Add(hn::Add(at.index, hn::ShiftRight<kToHalf>(at.fraction[0])),
+                            hn::Add(hn::Mul(hn::ShiftRight<kToHalf>(at.fraction[1]), set(field.edge)),
+                                    hn::Mul(hn::ShiftRight<kToHalf>(at.fraction[2]), set(field.edge * field.edge))));
+  return hn::Or(entry, hn::ShiftLeft<12>(hn::And(gather(field.tags, nearest), set(0xFF))));
+}
+
+// OpacityCorrection of a voxel length's depth. 64-bit lanes.
+HWY_INLINE VU64 corrected(VU64 depth, VU64 exponent, const PacketField& field) {
+  constexpr int kFraction = OpacityCorrection::kFractionBits, kRest = kFraction - OpacityCorrection::kSegmentBits;
+  const VU64 one = set64(wire::kOpacityOne);
+  // Beyond 25 halvings nothing is left, and more would not fit a shift.
+  const VU64 x = hn::Min(hn::ShiftRight<16>(hn::Add(product(depth, exponent), set64(std::uint64_t{1} << 15))),
+                         set64(std::uint64_t{25} << kFraction));
+  const VU64 whole = hn::ShiftRight<kFraction>(x);
+  const VU64 fraction = hn::And(x, set64((std::uint64_t{1} << kFraction) - 1));
+  const VU64 segment = gather64(field.tables->exp2.data(), hn::ShiftRight<kRest>(fraction));
+  const VU64 fall = product(hn::ShiftRight<32>(segment), hn::And(fraction, set64((std::uint64_t{1} << kRest) - 1)));
+  const VU64 value = hn::Sub(hn::ShiftLeft<kRest>(hn::And(segment, set64(0xFFFF'FFFF))), fall);
+  const VU64 rounding = hn::Shl(set64(std::uint64_t{1} << (kRest - 1)), whole);
+  const VU64 through = hn::Shr(hn::ShiftRight<kRest>(hn::Add(value, rounding)), whole);
+  return hn::IfThenElse(hn::Eq(depth, set64(0xFFFF'FFFF)), one, hn::Sub(one, through));
+}
+
+// The weight of a sample of opacity `alpha` behind `opacity`: the first line of over(). 64-bit lanes.
+HWY_INLINE VU64 behind(VU64 opacity, VU64 alpha) {
+  const VU64 t = hn::Add(product(hn::Sub(set64(wire::kOpacityOne), opacity), alpha), set64(std::uint64_t{1} << 23));
+  return hn::ShiftRight<24>(hn::Add(t, hn::ShiftRight<24>(t)));  // divide_by_full_scale<24>
+}
+
+// The same of what the field has of an entry's opacity (PacketField::opacities).
+HWY_INLINE V weight_of(V word, V exponent, V opacity, const PacketField& field) {
+  if (field.corrected) {
+    const V alpha = hn::Max(hn::Sub(word, set(1)), hn::Zero(D32()));
+    return together(behind(evens(opacity), evens(alpha)), behind(odds(opacity), odds(alpha)));
+  }
+  return together(behind(evens(opacity), corrected(evens(word), evens(exponent), field)),
+                  behind(odds(opacity), corrected(odds(word), odds(exponent), field)));
+}
+
+// What over() adds to a channel: divide_by_full_scale<24> of a product whose halves, by those of the weight, fit 32 bits.
+HWY_INLINE V part_of(V colour, V weight) {
+  constexpr int kHalf = 12;
+  const V high = hn::Mul(colour, hn::ShiftRight<kHalf>(weight));
+  const V low = hn::Add(hn::Mul(colour, hn::And(weight, set((1 << kHalf) - 1))), set(1 << 23));
+  const auto upper = [&](V rest) { return hn::ShiftRight<kHalf>(hn::Add(high, hn::ShiftRight<kHalf>(rest))); };
+  return upper(hn::Add(low, upper(low)));
+}
+
+// reflectance(): bilinear in the cube map, 15 fraction bits.
+HWY_INLINE V reflectance(const std::array<V, 3>& gradient, const PacketField& field) {
+  std::array<V, 3> normal{}, size{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    normal[axis] = hn::Neg(gradient[axis]);
+    size[axis] = hn::Abs(normal[axis]);
+  }
+  const Mask y_first = hn::Gt(size[1], size[0]);
+  const V larger = hn::Max(size[0], size[1]);
+  const Mask z_major = hn::Gt(size[2], larger);
+  const Mask y_major = hn::AndNot(z_major, y_first);
+  const Mask x_major = hn::AndNot(z_major, hn::Not(y_first));
+  const V b = hn::IfThenElse(x_major, normal[1], normal[0]);
+  const V c = hn::IfThenElse(z_major, normal[1], normal[2]);
+  const V main = hn::IfThenElse(x_major, normal[0], hn::IfThenElse(y_major, normal[1], normal[2]));
+  const V axis2 = hn::IfThenElse(z_major, set(4), hn::IfThenElseZero(y_major, set(2)));
+  const V face = hn::Sub(axis2, hn::ShiftRight<31>(main));
+
+  const auto major = hn::ConvertTo(DF(), hn::Max(hn::Max(larger, size[2]), set(1)));
+  const auto to_texel = [&](V minor) {
+    const auto ratio = hn::Div(hn::ConvertTo(DF(), minor), major);
+    return hn::Add(hn::NearestInt(hn::Mul(ratio, hn::Set(DF(), 127 * 128))), set(127 * 128));
+  };
+  const V column = to_texel(b), row = to_texel(c), most = set(wire::kReflectanceSize - 2);
+  const V i = hn::Min(hn::ShiftRight<8>(column), most), j = hn::Min(hn::ShiftRight<8>(row), most);
+  const V s = hn::Sub(column, hn::ShiftLeft<8>(i)), t = hn::Sub(row, hn::ShiftLeft<8>(j));
+
+  constexpr int kRowBits = 7;
+  static_assert(wire::kReflectanceSize == 1 << kRowBits);
+  const V at = hn::Add(hn::ShiftLeft<kRowBits>(hn::Add(hn::ShiftLeft<kRowBits>(face), j)), i);
+  const VU square = hn::BitCast(DU32(), gather(field.tables->reflectance_map.data(), hn::ShiftLeft<2>(at)));
+  const auto texel = [&](VU bits) { return hn::BitCast(D32(), hn::And(bits, hn::Set(DU32(), 0xFF))); };
+  const V across = hn::Sub(set(256), s);
+  const V top = hn::Add(hn::Mul(texel(square), across), hn::Mul(texel(hn::ShiftRight<8>(square)), s));
+  const V bottom =
+      hn::Add(hn::Mul(texel(hn::ShiftRight<16>(square)), across), hn::Mul(texel(hn::ShiftRight<24>(square)), s));
+  const V sum = hn::Add(hn::Mul(top, hn::Sub(set(256), t)), hn::Mul(bottom, t));
+  return hn::ShiftRight<8>(hn::Add(sum, set(128)));
+}
+
+struct Look {
+  std::array<V, 3> colour;
+  V ambient, reflect, knee;
+};
+
+HWY_INLINE Look look_of(V entry, const PacketField& field) {
+  const VU64 even = gather64(field.tables->look.data(), evens(entry)),
+             odd = gather64(field.tables->look.data(), odds(entry));
+  const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));
+  const V colour = set(0xFFF), byte = set(0xFF);
+  return {{hn::And(low, colour), hn::And(hn::ShiftRight<12>(low), colour), hn::And(high, colour)},
+          hn::And(hn::ShiftRight<24>(low), byte),
+          hn::And(hn::ShiftRight<12>(high), byte),
+          hn::And(hn::ShiftRight<20>(high), byte)};
+}
+
+// Too short to be a direction.
+HWY_INLINE Mask is_flat(const std::array<V, 3>& gradient) {
+  const V square = hn::Add(hn::Mul(gradient[0], gradient[0]),
+                           hn::Add(hn::Mul(gradient[1], gradient[1]), hn::Mul(gradient[2], gradient[2])));
+  return hn::Lt(square, set(kShortestGradient * kShortestGradient));
+}
+
+// shade(). Its 64-bit sums stay below 2^30: colour <= 4095, base + highlight <= 3 * 255 * 2^8.
+HWY_INLINE std::array<V, 3> shade(const Look& look, const std::array<V, 3>& gradient, const PacketField& field) {
+  constexpr int kCoefficientShift = kShadeFractionBits - 7;
+  const Mask flat = is_flat(gradient);
+  const V intensity = reflectance(gradient, field);
+  const V total = hn::Add(hn::ShiftLeft<kCoefficientShift>(look.ambient),
+                          hn::ShiftRight<7>(hn::Add(hn::Mul(look.reflect, intensity), set(64))));
+  const V base = hn::Min(total, hn::ShiftLeft<kCoefficientShift>(look.knee));
+  const V highlight = hn::Mul(hn::Sub(total, base), set(static_cast<std::int32_t>(wire::kColourOne)));
+  std::array<V, 3> out{};
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    const V lit = hn::Add(hn::Mul(look.colour[channel], base), highlight);
+    const V shaded = hn::Min(hn::ShiftRight<kShadeFractionBits>(hn::Add(lit, set(kShadeUnit / 2))),
+                             set(static_cast<std::int32_t>(wire::kColourOne)));
+    out[channel] = hn::IfThenElse(flat, look.colour[channel], shaded);
+  }
+  return out;
+}
+
+// How rays run along the axes.
+struct Pace {
+  std::array<V, 3> turned;     // all ones where they run forward: what lies ahead is counted from the far end
+  std::array<VF, 3> per_unit;  // steps a position unit
+};
+
+HWY_INLINE Pace pace_of(const std::array<V, 3>& step) {
+  Pace out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto way = hn::ConvertTo(DF(), hn::Abs(step[axis]));
+    const auto stands = hn::Eq(way, hn::Zero(DF()));
+    out.turned[axis] = hn::VecFromMask(D32(), hn::Gt(step[axis], hn::Zero(D32())));
+    out.per_unit[axis] = hn::IfThenElse(stands, hn::Set(DF(), 0x1p24f), hn::Div(hn::Set(DF(), 1), way));
+  }
+  return out;
+}
+
+// leap_steps() out of cubes of `mask` + 1 units: the whole steps in what lies ahead, and one. The quotients are exact: with
+// half a unit added they are at least half a step's part away from whole numbers, and two roundings of dividends
+// below 2^22 are less.
+HWY_INLINE V steps_out(const std::array<V, 3>& position, V mask, const Pace& pace, std::int32_t most) {
+  auto least = hn::Set(DF(), static_cast<float>(most - 1));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto ahead = hn::ConvertTo(DF(), hn::And(hn::Xor(position[axis], pace.turned[axis]), mask));
+    least = hn::Min(least, hn::Mul(hn::Add(ahead, hn::Set(DF(), 0.5f)), pace.per_unit[axis]));
+  }
+  return hn::Add(hn::ConvertTo(D32(), least), set(1));
+}
+
+#endif
+}  // namespace gicube::emu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,106 @@
+#include "observe/observation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace gicube::emu {
+
+namespace {
+
+// Processes and threads of the trace; the machine's follow in machine_trace.h.
+constexpr Track kHost{1, 11}, kBusDown{2, 21}, kBusUp{2, 22}, kDsp{3, 31};
+
+void name_tracks(TraceFile& trace) {
+  trace.name_process(kHost.process, "host");
+  trace.name_track(kHost, "waits for the board");
+  trace.name_process(kBusDown.process, "host bus");
+  trace.name_track(kBusDown, "down, to the board");
+  trace.name_track(kBusUp, "up, to the host");
+  trace.name_process(kDsp.process, "DSP");
+  trace.name_track(kDsp, "commands");
+}
+
+}  // namespace
+
+ObservationOptions for_board(const ObservationOptions& options, std::uint32_t board) {
+  ObservationOptions own = options;
+  for (std::string* file : {&own.trace_file, &own.vcd_file}) {
+    if (board > 0 && !file->empty()) *file += '.' + std::to_string(board);
+  }
+  return own;
+}
+
+Observation::Observation(const ObservationOptions& options) : options_(options) {
+  if (!options.trace_file.empty()) {
+    trace_.emplace(options.trace_file);
+    name_tracks(*trace_);
+    cycles_.emplace(*trace_);
+    observers_.add(&*cycles_);
+  }
+  if (!options.vcd_file.empty()) {
+    waveform_.emplace(options.vcd_file, options.vcd_window);
+    observers_.add(&*waveform_);
+  }
+}
+
+void Observation::power_up(const v1::BoardConfig& config) {
+  end_command();
+  config_ = config;
+  if (trace_) {
+    origin_ps_ = host_free_ps_ = cycles_free_ps_ = trace_->latest();
+    trace_->instant(kDsp, "power-up", origin_ps_);
+    trace_->complete();
+  }
+  if (waveform_) {
+    waveform_->end_machine();
+    waveform_->set_clock(config.asic().core_khz());
+  }
+}
+
+void Observation::begin_command(Picoseconds begin) {
+  if (!cycles_) return;
+  // Only behind a command that broke off, whose turn is shorter than what was seen of it, is this not `begin`.
+  cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_), config_);
+}
+
+void Observation::end_command() {
+  if (!cycles_) return;
+  cycles_->end();
+  cycles_free_ps_ = cycles_->end_ps();
+}
+
+void Observation::host_waited(const char* what, Picoseconds begin, Picoseconds end) {
+  if (!trace_) return;
+  const Picoseconds from = std::max(origin_ps_ + begin, host_free_ps_), to = origin_ps_ + end;
+  if (to <= from) return;
+  trace_->slice(kHost, what, from, to, "");
+  host_free_ps_ = to;
+}
+
+void Observation::transferred(const BusDelivery& delivery) {
+  if (!trace_) return;
+  trace_->slice(delivery.direction == Direction::kDown ? kBusDown : kBusUp,
+                kCargoNames[static_cast<std::size_t>(delivery.cargo)], origin_ps_ + delivery.begin_ps,
+                origin_ps_ + delivery.time_ps, fmt::format(R"("bytes":{})", delivery.bytes));
+}
+
+void Observation::served(const Errand& errand, Picoseconds begin, Picoseconds end) {
+  if (!trace_ || end == begin) return;
+  constexpr Picoseconds kMillisecond = 1'000'000'000;
+  const std::uint64_t khz = config_.asic().core_khz();
+  // To the nearest: asic_ps was rounded down.
+  const std::uint64_t cycles =
+      errand.asic_ps / kMillisecond * khz + (errand.asic_ps % kMillisecond * khz + kMillisecond / 2) / kMillisecond;
+  trace_->slice(kDsp, errand.name, origin_ps_ + begin, origin_ps_ + end,
+                fmt::format(R"("dsp_cycles":{},"core_cycles":{})", errand.dsp_cycles, cycles));
+}
+
+std::string Observation::fault() const {
+  const auto incomplete = [](const TextFile& file) { return "could not write all of " + file.path(); };
+  if (trace_ && !trace_->file().good()) return incomplete(trace_->file());
+  if (waveform_ && !waveform_->file().good()) return incomplete(waveform_->file());
+  return {};
+}
+
+}  // namespace gicube::emu

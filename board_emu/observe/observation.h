@@ -1,0 +1,82 @@
+// What a board shows of its inside while it works: a trace for Perfetto and a waveform for GTKWave, each if asked for.
+//
+// A board tells it of power-ups, of what its timeline decides, and of commands; the machine is seen through observer().
+// Time goes on in the trace where a power-up sets the board's time back to 0.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cycle/machine.h"
+#include "board/timeline.h"
+#include "observe/machine_trace.h"
+#include "observe/trace_file.h"
+#include "observe/waveform.h"
+
+namespace gicube::emu {
+
+struct ObservationOptions {
+  std::string trace_file;  // empty = none
+  std::string vcd_file;    // empty = none
+  CycleWindow vcd_window;
+
+  bool any() const { return !trace_file.empty() || !vcd_file.empty(); }
+};
+
+// Board 0 writes the files as they are named, board i > 0 to FILE.i.
+ObservationOptions for_board(const ObservationOptions& options, std::uint32_t board);
+
+// Passes each cycle on to all of `observers`.
+class FanOut : public Observer {
+ public:
+  void add(Observer* observer) { observers_.push_back(observer); }
+  bool empty() const { return observers_.empty(); }
+  void see(Cycle now, const Machine& machine) override {
+    for (Observer* observer : observers_) observer->see(now, machine);
+  }
+
+ private:
+  std::vector<Observer*> observers_;
+};
+
+class Observation : public TimelineWatcher {
+ public:
+  // Opens the files; throws std::runtime_error that names the one that can't be.
+  explicit Observation(const ObservationOptions& options);
+
+  const ObservationOptions& options() const { return options_; }
+
+  // A board of this configuration begins anew, at time 0.
+  void power_up(const v1::BoardConfig& config);
+
+  // For the machine; null if no file shows cycles.
+  Observer* observer() { return observers_.empty() ? nullptr : &observers_; }
+  // Whether begin_command() needs to know the time.
+  bool places_cycles() const { return cycles_.has_value(); }
+  // The machine's next cycles belong to a command whose turn at the DSP begins at `begin`, until end_command().
+  void begin_command(Picoseconds begin);
+  void end_command();
+
+  // The host waited for the board: "read register", "wait".
+  void host_waited(const char* what, Picoseconds begin, Picoseconds end);
+  void transferred(const BusDelivery& delivery) override;
+  void served(const Errand& errand, Picoseconds begin, Picoseconds end) override;
+
+  // Which of the files could not be written to its end; empty if all is well.
+  std::string fault() const;
+
+ private:
+  const ObservationOptions options_;
+  v1::BoardConfig config_;
+  std::optional<TraceFile> trace_;
+  std::optional<MachineTrace> cycles_;
+  std::optional<Waveform> waveform_;
+  FanOut observers_;
+  Picoseconds origin_ps_ = 0;  // of the board's time in the trace
+  Picoseconds host_free_ps_ = 0;
+  Picoseconds cycles_free_ps_ = 0;
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,73 @@
+// Writes the signals of the board's clocked parts to a value change dump, for a window of core cycles.
+//
+// The value of a signal at a cycle is what the parts hold at the clock edge that ends it, or what they did in it (cause,
+// active queue, busy). The window is written once: when
+// a machine's clock first passes through it, up to its end or the end of that machine.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cycle/machine.h"
+#include "observe/active_queue.h"
+#include "observe/vcd_file.h"
+
+namespace gicube::emu {
+
+// Core cycles of the machine's clock, begin <= cycle < end.
+struct CycleWindow {
+  Cycle begin = 0;
+  Cycle end = 0;
+};
+
+class Waveform : public Observer {
+ public:
+  // Throws std::runtime_error that names the file.
+  Waveform(const std::string& path, const CycleWindow& window) : vcd_(path), window_(window) {}
+  ~Waveform() override;
+
+  Waveform(const Waveform&) = delete;
+  Waveform& operator=(const Waveform&) = delete;
+
+  // Of the machines from now on.
+  void set_clock(std::uint64_t core_khz) { core_khz_ = core_khz; }
+  void see(Cycle now, const Machine& machine) override {
+    if (now + 1 < window_.begin || state_ == State::kEnded) [[likely]]
+      return;
+    record(now, machine);
+  }
+  // There is no such machine any more.
+  void end_machine();
+
+  const TextFile& file() const { return vcd_.file(); }
+
+ private:
+  enum class State : std::uint8_t { kWaiting, kWriting, kEnded };
+  struct ProcessorSignals {
+    VcdFile::Signal cause, active_queue, rays_waiting, prefetch, compute, packets;
+    VcdFile::Signal from_bus, from_left, from_right, out_links, done, overflow;
+  };
+  struct BoardSignals {
+    VcdFile::Signal dsp_busy, ray_bus_busy, down, runs, up, link_rays;
+  };
+
+  void record(Cycle now, const Machine& machine);
+  void begin(Cycle now, const Machine& machine);
+  void declare(std::size_t processors);
+  void set(std::size_t number, const Processor& processor);
+  std::uint64_t time(Cycle cycle) const;
+
+  VcdFile vcd_;
+  CycleWindow window_;
+  State state_ = State::kWaiting;
+  std::uint64_t core_khz_ = 1;
+  std::uint64_t unit_ps_ = 1;
+  Cycle next_ = 0;
+  std::uint64_t bus_cycles_ = 0;  // in which the ray bus was busy, so far
+  BoardSignals board_{};
+  std::vector<ProcessorSignals> processors_;
+  std::vector<ActiveQueue> active_;  // by processor
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,139 @@
+// One board of this process with its configuration and its owner: what the bus server and the management plane share.
+//
+// A board has at most one owner, either a session or the management plane while it resets or rebuilds the board. Only
+// the owner touches the board's state; counters can be read at any time. Who wants a board that has an owner stands in
+// line. An owner whose client is away makes way for the first in line. All calls from any thread.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/thread_pool.hpp>
+
+#include "board/board.h"
+#include "config/config.h"
+#include "firmware/routines/routine_table.h"
+#include "server/faults/fault_point.h"
+#include "observe/observation.h"
+
+namespace gicube::emu {
+
+enum class Claim { kGranted, kBusy, kSoonFree };  // kSoonFree: the owner is about to let go
+
+// Asks a session to end, with what its client is told. Must not block.
+using EndSession = std::function<void(wire::ErrorCode error, std::string text)>;
+
+struct Claimant {
+  EndSession end_session{};  // called at most once, from any thread
+  std::string name{};        // as others are told who owns the board
+  std::uint64_t place = 0;   // in line; 0 = beside it, which is only good if nobody stands there
+  bool force = false;        // take the board from its owner
+};
+
+class BoardSlot {
+ public:
+  // `config` must be checked; it is resolved here. `observation`: for this board alone, or null. `routines`: as Board's.
+  BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation = nullptr,
+            const RoutineTable* routines = nullptr);
+  ~BoardSlot();
+
+  BoardSlot(const BoardSlot&) = delete;
+  BoardSlot& operator=(const BoardSlot&) = delete;
+
+  std::uint32_t index() const { return index_; }
+
+  // A place in line, at its end or at its head; it must be left again.
+  std::uint64_t stand_in_line(bool at_head);
+  void leave_line(std::uint64_t place);
+  // For a session.
+  Claim claim(const Claimant& who);
+  // The owner, and since when; empty if there is none.
+  std::string owner() const;
+  // The session's client is away, or back again. While it is away the board counts as free.
+  void set_away(bool away);
+  // The session still owns the board, but will release it as soon as the running work has ended.
+  void announce_release();
+  // The board must have been reset.
+  void release();
+
+  // Only for the owner, and only from work on compute().
+  Board& board() { return *board_; }
+  // The thread on which all of this board's work is done.
+  boost::asio::thread_pool& compute() { return compute_; }
+  // Returns when all work given to compute() so far has ended. Not from compute() itself.
+  void settle();
+
+  void set_endpoint(std::string endpoint);
+
+  // Answers are held back until the wall clock has come to their simulated time.
+  bool realtime() const;
+
+  // What goes wrong between a driver and this board; any thread.
+  FaultPoint& faults() { return faults_; }
+
+  struct Info {
+    std::uint32_t index = 0;
+    std::string endpoint;
+    bool in_use = false;
+    v1::BoardConfig config;  // resolved
+    std::vector<RoutineInfo> routines{};
+  };
+  Info info() const;
+
+  struct Snapshot {
+    std::uint64_t simulated_ps = 0;
+    std::vector<wire::Counter> counters;
+  };
+  Snapshot counters() const;
+
+  enum class Configured { kDone, kInUse, kFaulty };
+  // Merges configuration text and builds the board anew. On anything but kDone nothing has changed.
+  Configured configure(std::string_view text, std::vector<Fault>& faults);
+
+  // The file that the board writes its trace to; empty: none.
+  std::string trace_file() const;
+  // Builds the board anew, to write its trace to a file that is not there yet; empty: to none, and the former file is
+  // completed. On anything but kDone nothing has changed; kFaulty: `fault` says why.
+  Configured set_trace_file(const std::string& file, std::string& fault);
+
+  // The power button: ends the owning session and resets the board. False if the session did not end in time.
+  bool power_reset();
+
+ private:
+  enum class Owner { kNone, kSession, kManagement };
+
+  // A session whose client is away makes way.
+  void end_away(std::unique_lock<std::mutex>& lock);
+  void ask_to_end(wire::ErrorCode error, const std::string& text);
+
+  const std::uint32_t index_;
+  mutable std::mutex mutex_;  // guards everything below but faults_ and compute_
+  std::condition_variable released_;
+  Owner owner_ = Owner::kNone;
+  bool releasing_ = false;
+  bool away_ = false;
+  std::string owner_name_;
+  std::chrono::system_clock::time_point owner_since_;
+  std::deque<std::uint64_t> line_;
+  std::uint64_t last_place_ = 0;
+  std::uint64_t sessions_ = 0;  // so far
+  EndSession end_session_;
+  std::string endpoint_;
+  v1::BoardConfig config_;
+  const RoutineTable* const routines_;
+  std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
+  std::unique_ptr<Board> board_;
+  FaultPoint faults_;  // has a lock of its own
+  boost::asio::thread_pool compute_{1};
+};
+
+}  // namespace gicube::emu

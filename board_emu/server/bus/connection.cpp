@@ -1,0 +1,187 @@
+#include "connection.h"
+
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/asio/write.hpp>
+
+#include "server/faults/fault_point.h"
+#include "gicube/wire/checksum.h"
+
+namespace gicube::emu {
+
+namespace asio = boost::asio;
+using asio::awaitable;
+using asio::use_awaitable;
+using boost::system::error_code;
+using wire::ErrorCode;
+using wire::FrameHeader;
+
+namespace {
+
+constexpr std::chrono::seconds kLinger{1};  // chosen: what a client gets to read the last word
+
+std::string name_of_peer(Connection::Socket& socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getpeername(socket.native_handle(), reinterpret_cast<sockaddr*>(&address), &size) != 0) return "a client";
+  if (address.ss_family == AF_UNIX) {
+    ucred who{};
+    socklen_t who_size = sizeof who;
+    const bool known = ::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &who_size) == 0;
+    return known && who.pid > 0 ? fmt::format("process {}", who.pid) : "a client";
+  }
+  asio::ip::tcp::endpoint endpoint;
+  if (size > endpoint.capacity()) return "a client";
+  std::copy_n(reinterpret_cast<const char*>(&address), size, reinterpret_cast<char*>(endpoint.data()));
+  endpoint.resize(size);
+  return fmt::format("{}:{}", endpoint.address().to_string(), endpoint.port());
+}
+
+Connection::Incoming damaged_frame(std::uint32_t id, std::string text) {
+  Connection::Incoming incoming;
+  incoming.fault = LastWord{ErrorCode::kCorrupted, id, std::move(text)};
+  return incoming;
+}
+
+}  // namespace
+
+Connection::Connection(Socket socket)
+    : socket_(std::move(socket)), linger_(socket_.get_executor()), peer_(name_of_peer(socket_)) {}
+
+awaitable<error_code> Connection::read_exactly(std::span<std::uint8_t> bytes) {
+  error_code error;
+  co_await asio::async_read(socket_, asio::buffer(bytes.data(), bytes.size()),
+                            asio::redirect_error(use_awaitable, error));
+  co_return error;
+}
+
+awaitable<Connection::Incoming> Connection::read(std::uint32_t max_payload) {
+  if (closing_) co_return Incoming{};
+  reading_ = true;
+  Incoming incoming = co_await read_one(max_payload);
+  reading_ = false;
+  if (hanging_ || closing_) {
+    co_await drop_input();
+    co_return Incoming{};
+  }
+  co_return incoming;
+}
+
+awaitable<Connection::Incoming> Connection::read_one(std::uint32_t max_payload) {
+  std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
+  const error_code header_error = co_await read_exactly(bytes);
+  if (header_error) co_return Incoming{};
+  const std::optional<FrameHeader> header = wire::decode_frame_header(bytes);
+  if (!header) {
+    co_return damaged_frame(
+        0, fmt::format("expected a frame header (magic 0x{:08x}), got 0x{:08x} and type {}", wire::kFrameMagic,
+                       wire::load<std::uint32_t>(bytes, 0), wire::load<std::uint16_t>(bytes, 4)));
+  }
+  if (header->size > max_payload) {
+    Incoming incoming =
+        damaged_frame(header->id, fmt::format("expected at most {} payload bytes, got {}", max_payload, header->size));
+    incoming.fault->error = ErrorCode::kTooLarge;
+    co_return incoming;
+  }
+  Frame frame{*header, std::vector<std::uint8_t>(header->size)};
+  if (header->size > 0) {
+    const error_code payload_error = co_await read_exactly(frame.payload);
+    if (payload_error) co_return Incoming{};
+  }
+  const std::uint32_t checksum = wire::frame_checksum(bytes, frame.payload);
+  if (checksum != header->checksum) {
+    co_return damaged_frame(header->id,
+                            fmt::format("expected the checksum 0x{:08x}, got 0x{:08x}", checksum, header->checksum));
+  }
+  Incoming incoming;
+  incoming.frame = std::move(frame);
+  co_return incoming;
+}
+
+void Connection::send(FrameHeader header, Payload payload, std::optional<std::uint32_t> flipped_bit) {
+  if (closing_ || hanging_) return;
+  header.size = static_cast<std::uint32_t>(payload->size());
+  Outgoing frame;
+  wire::encode_sealed(header, *payload, frame.header);
+  if (flipped_bit) {
+    std::vector<std::uint8_t> damaged = *payload;
+    flip_bit(*flipped_bit, frame.header, damaged);
+    payload = std::make_shared<const std::vector<std::uint8_t>>(std::move(damaged));
+  }
+  frame.payload = std::move(payload);
+  queued_.push_back(std::move(frame));
+  if (writing_) return;
+  writing_ = true;
+  asio::co_spawn(executor(), write_queued(shared_from_this()), asio::detached);
+}
+
+awaitable<void> Connection::write_queued(std::shared_ptr<Connection> self) {
+  constexpr std::size_t kMostFrames = 64;  // chosen: two buffers each; the system takes 1024
+  while (!self->queued_.empty()) {
+    std::vector<asio::const_buffer> buffers;
+    while (!self->queued_.empty() && self->in_flight_.size() < kMostFrames) {
+      Outgoing& frame = self->in_flight_.emplace_back(std::move(self->queued_.front()));
+      self->queued_.pop_front();
+      buffers.push_back(asio::buffer(frame.header));
+      if (!frame.payload->empty()) buffers.push_back(asio::buffer(*frame.payload));
+    }
+    error_code error;
+    co_await asio::async_write(self->socket_, buffers, asio::redirect_error(use_awaitable, error));
+    self->in_flight_.clear();
+    if (error) self->close();  // the reader sees it end
+  }
+  self->writing_ = false;
+  error_code ignored;
+  if (self->closing_ && self->socket_.is_open()) self->socket_.shutdown(Socket::shutdown_send, ignored);
+}
+
+void Connection::refuse(const LastWord& word) {
+  if (closing_) return;
+  FrameHeader header{wire::FrameType::kVersion, wire::kResponse, word.id};
+  header.error = word.error;
+  send(header, std::make_shared<const std::vector<std::uint8_t>>(word.text.begin(), word.text.end()));
+  closing_ = true;
+  linger_.expires_after(kLinger);
+  linger_.async_wait([self = shared_from_this()](const error_code& cancelled) {
+    if (!cancelled) self->close();
+  });
+  if (reading_) return;  // its reader drops what still comes
+  asio::co_spawn(
+      executor(), [self = shared_from_this()]() { return self->drop_input(); }, asio::detached);
+}
+
+awaitable<void> Connection::drop_input() {
+  const auto self = shared_from_this();
+  std::vector<std::uint8_t> scrap(std::size_t{16} << 10);
+  error_code ended;
+  while (!ended && socket_.is_open()) {
+    co_await socket_.async_read_some(asio::buffer(scrap), asio::redirect_error(use_awaitable, ended));
+  }
+  linger_.cancel();
+  close();
+}
+
+void Connection::close() {
+  closing_ = true;
+  queued_.clear();
+  linger_.cancel();
+  error_code ignored;
+  socket_.close(ignored);
+}
+
+bool Connection::client_has_left() {
+  if (!socket_.is_open()) return true;
+  char byte = 0;
+  return ::recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
+}  // namespace gicube::emu

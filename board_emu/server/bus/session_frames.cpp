@@ -1,0 +1,363 @@
+// The owned part of a session: frames in, the board's work, frames out.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <exception>
+
+#include "server/faults/fault_point.h"
+#include "gicube/wire/checksum.h"
+#include "session.h"
+
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+namespace gicube::emu {
+
+namespace asio = boost::asio;
+using asio::awaitable;
+using boost::system::error_code;
+using wire::ErrorCode;
+using wire::FrameHeader;
+using wire::FrameType;
+
+namespace {
+
+constexpr std::chrono::hours kUntilWoken{24};
+constexpr std::uint64_t kCommandOverhead = 1024;  // chosen: bytes of bookkeeping for one command
+
+enum class Manner { kNotFromHost, kPosted, kNonPosted };
+
+Manner manner_of(FrameType type) {
+  switch (type) {
+    case FrameType::kCredit:
+    case FrameType::kRegisterWrite:
+    case FrameType::kMemoryWrite:
+    case FrameType::kCommand: return Manner::kPosted;
+    case FrameType::kConfigRead:
+    case FrameType::kConfigWrite:
+    case FrameType::kRegisterRead:
+    case FrameType::kMemoryRead:
+    case FrameType::kWait:
+    case FrameType::kPoll:
+    case FrameType::kCancel:
+    case FrameType::kCounters: return Manner::kNonPosted;
+    default: return Manner::kNotFromHost;
+  }
+}
+
+// The length that a kMemoryRead asks for; 0 if its payload is malformed, which the board reports.
+std::uint64_t requested_bytes(const FrameHeader& header, std::span<const std::uint8_t> payload) {
+  if (header.type != FrameType::kMemoryRead || payload.size() != 16) return 0;
+  return wire::load<std::uint64_t>(payload, 8);
+}
+
+Payload nothing() {
+  static const Payload kNothing = std::make_shared<const std::vector<std::uint8_t>>();
+  return kNothing;
+}
+
+}  // namespace
+
+// ---- reader
+
+awaitable<void> Session::read_frames(std::shared_ptr<Session> self, Connected connection) {
+  try {
+    bool more = true;
+    while (more && !self->stopped_) {
+      Connection::Incoming incoming = co_await connection->read(self->agreed_.max_payload_bytes);
+      if (self->connection_ != connection) co_return;  // another one has taken its place, or the session has ended
+      if (!incoming.frame) {
+        self->lose(connection, incoming.fault);
+        co_return;
+      }
+      more = co_await self->take(connection, std::move(*incoming.frame));
+    }
+  } catch (const std::exception& error) {  // no memory for a payload
+    self->fail(ErrorCode::kInternal, 0, error.what());
+  }
+}
+
+// False once nothing more is to be read from this connection.
+awaitable<bool> Session::take(const Connected& connection, Connection::Frame frame) {
+  const FrameHeader header = frame.header;
+  if (!wire::is_free(header.type)) {
+    const bool more = co_await take_numbered(connection, std::move(frame));
+    co_return more;
+  }
+  if (header.type == FrameType::kVersion && header.flags == wire::kPosted && header.error == ErrorCode::kNone) {
+    stop();  // the client's goodbye
+    co_return false;
+  }
+  if (!admit(header)) co_return false;
+  if (wire::sequence_step(taken_, header.id) > 0) {
+    lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
+                              fmt::format("expected the frame number {}, it was sent and did not come", taken_ + 1)});
+    co_return false;
+  }
+  // A client that waits in vain asks what we have sent. While something is on its way it need not know.
+  if (header.flags != wire::kPosted && connection->idle() && !delivering_) {
+    put(FrameHeader{FrameType::kCredit, wire::kResponse, sent_}, nothing());
+  }
+  co_return true;
+}
+
+awaitable<bool> Session::take_numbered(const Connected& connection, Connection::Frame frame) {
+  const FrameHeader header = frame.header;
+  const std::int32_t step = wire::sequence_step(taken_, header.sequence);
+  if (step <= 0) co_return true;  // it came twice
+  if (step > 1) {
+    lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
+                              fmt::format("expected the frame number {}, got {}: frames are missing", taken_ + 1,
+                                          header.sequence)});
+    co_return false;
+  }
+  FaultAction action;
+  if (wire::sequence_step(judged_, header.sequence) > 0) {
+    judged_ = header.sequence;
+    action = slot_.faults().taken(wire::kFrameHeaderBytes + header.size);
+  }
+  if (action.any()) {
+    std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
+    wire::encode(header, bytes);
+    if (action.kill) ::raise(SIGKILL);
+    co_await pause(action.pause);
+    if (connection_ != connection) co_return false;
+    if (action.hang) connection->hang();
+    if (action.hang || action.drop) co_return true;
+    if (action.flipped_bit) {
+      flip_bit(*action.flipped_bit, bytes, frame.payload);
+      const std::uint32_t expected = wire::frame_checksum(bytes, frame.payload);
+      const auto got = wire::load<std::uint32_t>(bytes, wire::kFrameHeaderBytes - sizeof(std::uint32_t));
+      lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
+                                fmt::format("expected the checksum 0x{:08x}, got 0x{:08x}", expected, got)});
+    } else if (action.cut) {
+      lose(connection, std::nullopt);
+    }
+    if (connection_ != connection) co_return false;
+  }
+  ++taken_;
+  if (!admit(header)) co_return false;
+  if (requested_bytes(header, frame.payload) > agreed_.max_payload_bytes) {
+    fail(ErrorCode::kTooLarge, header.id,
+         fmt::format("expected a read of at most {} bytes, got {}", agreed_.max_payload_bytes,
+                     requested_bytes(header, frame.payload)));
+    co_return false;
+  }
+  inbox_.push_back(Frame{header, std::move(frame.payload), action.memory_error});
+  wake_.cancel();
+  co_return true;
+}
+
+// Judges a whole frame by its header.
+bool Session::admit(const FrameHeader& header) {
+  const Manner manner = manner_of(header.type);
+  const int type = static_cast<int>(header.type);
+  if (manner == Manner::kNotFromHost || header.error != ErrorCode::kNone) {
+    fail(ErrorCode::kProtocol, header.id,
+         fmt::format("expected a request, got a frame of type {} with error {}", type,
+                     static_cast<std::uint32_t>(header.error)));
+    return false;
+  }
+  const unsigned flags = manner == Manner::kPosted ? unsigned{wire::kPosted} : 0u;
+  // kCredit has no flags to tell apart: it is always posted.
+  if (header.flags != flags && header.type != FrameType::kCredit) {
+    fail(ErrorCode::kProtocol, header.id,
+         fmt::format("expected flags {} on a frame of type {}, got {}", flags, type, header.flags));
+    return false;
+  }
+  if (header.type == FrameType::kCredit && header.size != 0) {
+    fail(ErrorCode::kTooLarge, header.id, fmt::format("expected no payload with credit, got {} bytes", header.size));
+    return false;
+  }
+  if (!take_credit(header)) return false;
+  if (header.type == FrameType::kCredit || receive_credits_.accept(header.size)) return true;
+  fail(ErrorCode::kProtocol, header.id,
+       fmt::format("expected at most {} frames and {} bytes in flight, got a frame of {} bytes beyond that",
+                   options_.version.window_slots, options_.version.window_bytes, header.size));
+  return false;
+}
+
+// Credit comes back in the order in which frames were sent, so it also says which of them need not be kept.
+bool Session::take_credit(const FrameHeader& header) {
+  std::uint64_t bytes = 0;
+  const bool fits = header.credit_slots <= kept_.size();
+  for (std::size_t i = 0; fits && i < header.credit_slots; ++i) bytes += kept_[i].payload->size();
+  if (!fits || header.credit_bytes != bytes) {
+    fail(ErrorCode::kProtocol, header.id,
+         fmt::format("expected credit for at most {} frames and {} bytes, got {} and {}", kept_.size(),
+                     fits ? bytes : kept_bytes_, header.credit_slots, header.credit_bytes));
+    return false;
+  }
+  if (header.credit_slots == 0) return true;
+  forget_consumed(header.credit_slots);
+  send_credits_.give_back(header.credit_slots, header.credit_bytes);
+  wake_.cancel();
+  return true;
+}
+
+void Session::forget_consumed(std::uint32_t slots) {
+  for (; slots > 0; --slots) {
+    kept_bytes_ -= kept_.front().payload->size();
+    kept_.pop_front();
+  }
+}
+
+// ---- worker
+
+awaitable<void> Session::work() {
+  while (!stopped_) {
+    if (inbox_.empty()) {
+      co_await wait(kUntilWoken);
+      continue;
+    }
+    const Frame frame = std::move(inbox_.front());
+    inbox_.pop_front();
+    if (!book_command(frame.header)) break;
+    Outcome outcome = co_await transact(frame);
+    receive_credits_.consume(frame.header.size);
+    ++unreturned_slots_;
+    unreturned_bytes_ += frame.header.size;
+    if (stopped_) break;
+    co_await send_outcome(frame.header, std::move(outcome));
+    const bool is_tight = unreturned_bytes_ + agreed_.max_payload_bytes > options_.version.window_bytes;
+    if (!stopped_ && (receive_credits_.due() || is_tight)) return_credit();
+  }
+}
+
+// False if the client piles up results that it never fetches.
+bool Session::book_command(const FrameHeader& header) {
+  if (header.type != FrameType::kCommand) return true;
+  const std::uint64_t bytes = kCommandOverhead + header.size;  // rays come back in as many bytes as they were sent
+  unclaimed_[header.id] += bytes;
+  unclaimed_bytes_ += bytes;
+  if (unclaimed_bytes_ <= options_.max_unclaimed_bytes) return true;
+  fail(ErrorCode::kTooLarge, header.id,
+       fmt::format("expected at most {} bytes of commands before their completions are waited or polled for, got {}",
+                   options_.max_unclaimed_bytes, unclaimed_bytes_));
+  return false;
+}
+
+void Session::settle_command(std::uint32_t ticket) {
+  const auto found = unclaimed_.find(ticket);
+  if (found == unclaimed_.end()) return;
+  unclaimed_bytes_ -= found->second;
+  unclaimed_.erase(found);
+}
+
+awaitable<Outcome> Session::transact(const Frame& frame) {
+  Outcome outcome;
+  work_.all = 0;
+  work_.done = 0;
+  work_.ticket = frame.header.id;
+  std::function<void()> job = [this, &frame, &outcome] {
+    if (frame.memory_error) slot_.board().add_memory_error(*frame.memory_error);
+    outcome = slot_.board().transact(frame.header, frame.payload, work_);
+  };
+  const bool shows_progress = (agreed_.capabilities & wire::kProgressFrames) != 0;
+  const std::exception_ptr fault = co_await run_on_compute(std::move(job), shows_progress);
+  if (fault) std::rethrow_exception(fault);
+  co_return outcome;
+}
+
+awaitable<void> Session::send_outcome(const FrameHeader& request, Outcome outcome) {
+  for (Completion& completion : outcome.completions) {
+    FrameHeader header{FrameType::kCompletion, wire::kPosted, completion.ticket};
+    header.error = completion.error;
+    settle_command(completion.ticket);
+    header.time_ps = completion.time_ps;
+    co_await keep_pace(completion.time_ps);
+    co_await send(header, std::move(completion.payload));
+  }
+  if (!outcome.reply) co_return;
+  FrameHeader header{request.type, wire::kResponse, request.id};
+  header.error = outcome.reply->error;
+  header.time_ps = outcome.reply->time_ps;
+  co_await keep_pace(header.time_ps);
+  co_await send(header, std::move(outcome.reply->payload));
+}
+
+// A board in real time says nothing before its simulated time has come.
+awaitable<void> Session::keep_pace(std::uint64_t time_ps) {
+  if (!realtime_) co_return;
+  const auto due = begin_ + std::chrono::nanoseconds(time_ps / 1000);
+  while (!stopped_ && std::chrono::steady_clock::now() < due) {
+    wake_.expires_at(due);
+    error_code ignored;
+    co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+  }
+}
+
+void Session::send_progress() {
+  const std::uint32_t all = work_.all, done = work_.done;
+  if (all == 0 || !connection_ || !connection_->idle()) return;
+  std::vector<std::uint8_t> payload(8);
+  wire::store(std::span(payload), 0, std::min(done, all));
+  wire::store(std::span(payload), 4, all);
+  FrameHeader header{FrameType::kProgress, wire::kPosted, work_.ticket};
+  header.time_ps = slot_.board().simulated_ps();
+  put(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+}
+
+// Most credit travels on other frames. It goes by itself when half the window waits, when the client could not send its
+// largest frame without it, or when it may be waiting for our credit as we are for its.
+void Session::return_credit() {
+  if (unreturned_slots_ == 0) return;
+  put(FrameHeader{FrameType::kCredit, wire::kPosted, sent_}, nothing());
+}
+
+// Waits until the client has room. False if the session ends instead.
+awaitable<bool> Session::send(FrameHeader header, std::vector<std::uint8_t> payload) {
+  if (payload.size() > agreed_.max_payload_bytes) {
+    fail(ErrorCode::kInternal, header.id,
+         fmt::format("the answer has {} bytes, {} are agreed", payload.size(), agreed_.max_payload_bytes));
+    co_return false;
+  }
+  while (!stopped_ && !send_credits_.can_send(payload.size())) {
+    return_credit();
+    co_await wait(kUntilWoken);
+  }
+  if (stopped_) co_return false;
+  send_credits_.take(payload.size());
+  header.sequence = ++sent_;
+  kept_.push_back({header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload))});
+  kept_bytes_ += kept_.back().payload->size();
+  const Kept sent = kept_.back();
+  co_await deliver(sent);
+  co_return true;
+}
+
+// Sends a frame for the first time. If the connection ends, the next one will bring it.
+awaitable<void> Session::deliver(const Kept& kept) {
+  const FaultAction action = slot_.faults().sent(wire::kFrameHeaderBytes + kept.payload->size());
+  const Connected connection = connection_;
+  if (action.any()) {
+    delivering_ = true;
+    // What was sent before must not be lost with the process: the log would not be that of the plan and the traffic.
+    while (action.kill && connection && !connection->idle()) co_await pause(std::chrono::milliseconds(1));
+    if (action.kill) ::raise(SIGKILL);
+    co_await pause(action.pause);
+    delivering_ = false;
+    if (!connection || connection_ != connection) co_return;
+    if (action.cut) lose(connection, std::nullopt);
+    if (action.hang) connection->hang();
+    if (action.drop) co_return;
+  }
+  put(kept.header, kept.payload, action.flipped_bit);
+  if (action.twice) put(kept.header, kept.payload);
+}
+
+// Queues one frame, with all the credit that the client has earned.
+void Session::put(FrameHeader header, Payload payload, std::optional<std::uint32_t> flipped_bit) {
+  if (!connection_) return;
+  const auto returned = receive_credits_.give_back();
+  header.credit_slots = returned.slots;
+  header.credit_bytes = returned.bytes;
+  returned_ += returned.slots;
+  unreturned_slots_ = 0;
+  unreturned_bytes_ = 0;
+  connection_->send(header, std::move(payload), flipped_bit);
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,100 @@
+// Where a board's fault plan meets its traffic: counts the messages of both directions, says what becomes of each, and
+// keeps the log. All calls from any thread.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "board/board.h"
+#include "fault_engine.h"
+#include "config/textproto_reader.h"
+
+namespace gicube::emu {
+
+// What becomes of one message. Only frames with a sequence number are messages, each the first time that it is taken or
+// sent: what is sent again after a resume is not asked for a second time.
+struct FaultAction {
+  std::chrono::microseconds pause{0};  // first of all
+  bool drop = false;                   // as if it had been lost on its way
+  bool twice = false;                  // it comes a second time
+  bool hang = false;                   // neither it nor anything else passes until the connection ends
+  bool cut = false;                    // the connection ends now, without a last word
+  bool kill = false;                   // the process ends now, once all messages before this one have been written
+  std::optional<std::uint32_t> flipped_bit;  // of the frame, header first, as it is on the wire
+  std::optional<MemoryError> memory_error;   // to be given to the board before the message is carried out
+
+  bool any() const {
+    return pause.count() > 0 || drop || twice || hang || cut || kill || flipped_bit.has_value() ||
+           memory_error.has_value();
+  }
+};
+
+// Flips bit `bit` of a frame's header and payload.
+inline void flip_bit(std::size_t bit, std::span<std::uint8_t> header, std::span<std::uint8_t> payload) {
+  const std::size_t at = bit / 8;
+  std::uint8_t& byte = at < header.size() ? header[at] : payload[at - header.size()];
+  byte = static_cast<std::uint8_t>(byte ^ (1u << bit % 8));
+}
+
+class FaultLogFile;
+
+class FaultPoint {
+ public:
+  FaultPoint();
+  ~FaultPoint();
+  FaultPoint(const FaultPoint&) = delete;
+  FaultPoint& operator=(const FaultPoint&) = delete;
+
+  // The host's next message has come undamaged and in order; `frame_bytes` with the header.
+  FaultAction taken(std::size_t frame_bytes) { return next(v1::PlannedFault::down, frame_bytes); }
+  // The board is about to send its next message.
+  FaultAction sent(std::size_t frame_bytes) { return next(v1::PlannedFault::up, frame_bytes); }
+
+  // Replaces the plan and clears the log. An empty text is no plan. Returns what is wrong with it; then nothing changes.
+  std::vector<Fault> set_plan(std::string_view text);
+
+  struct Info {
+    std::string plan_text;
+    std::uint64_t messages_down = 0;
+    std::uint64_t messages_up = 0;
+    std::uint64_t faults = 0;
+  };
+  Info info() const;
+
+  // The faults that have happened; down before up, then by message.
+  std::vector<v1::PlannedFault> log(bool clear);
+
+  // From now on each fault is also appended to that file, as a line of plan text, before it takes effect. Throws
+  // std::runtime_error that names the file.
+  void append_log_to(const std::string& path);
+
+ private:
+  struct Slow {
+    std::uint64_t bytes_per_second = 0;
+    std::uint64_t messages = 0;  // still to come
+  };
+
+  FaultAction next(v1::PlannedFault::Direction direction, std::size_t frame_bytes);
+  FaultAction act(const v1::PlannedFault& fault);
+
+  std::atomic<bool> has_plan_{false};
+  mutable std::mutex mutex_;  // guards all below
+  std::string plan_text_;
+  FaultEngine engine_;
+  std::array<Slow, 2> slow_;  // down, up
+  std::uint64_t faults_ = 0;
+  std::vector<v1::PlannedFault> log_;
+  std::unique_ptr<FaultLogFile> file_;
+};
+
+}  // namespace gicube::emu

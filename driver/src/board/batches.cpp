@@ -1,0 +1,278 @@
+#include "batches.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "gicube/wire/command.h"
+#include "gicube/wire/ray.h"
+#include "lighting_ledger.h"
+#include "transport/link_error.h"
+
+namespace gicube {
+namespace {
+
+constexpr std::size_t kRaysPerCommand = 4096;  // chosen: 128 KB, so that the board's work and the bus overlap
+
+// Walks through rays that lie in several places.
+class Gather {
+ public:
+  explicit Gather(std::span<const std::span<const HostRay>> parts) : parts_(parts) {}
+
+  const HostRay& peek() {
+    while (at_ == parts_.front().size()) {
+      parts_ = parts_.subspan(1);
+      at_ = 0;
+    }
+    return parts_.front()[at_];
+  }
+  void take() { ++at_; }
+
+ private:
+  std::span<const std::span<const HostRay>> parts_;
+  std::size_t at_ = 0;
+};
+
+struct TraceCommand {
+  std::vector<std::uint8_t> bytes;
+  std::size_t rays = 0;
+  std::vector<double> units;  // kIntegral
+};
+
+// Of `most` rays, or of as many as may move the sums in one command, and at least one.
+TraceCommand trace_command(Gather& rays, std::size_t most, const RaySetup& setup) {
+  constexpr std::uint64_t kMostMoved = std::uint64_t{1} << 34;  // command.h
+  TraceCommand command;
+  command.bytes.resize(wire::kTraceHeaderBytes + most * wire::kRayBytes);
+  std::uint64_t moved = 0;
+  for (; command.rays < most; ++command.rays) {
+    const HostRay& ray = rays.peek();
+    const wire::Ray packet = to_wire(ray, setup);
+    moved += most_moved(packet, setup);
+    if (moved > kMostMoved && command.rays > 0) break;
+    if (setup.request.type == RayType::kIntegral) command.units.push_back(integral_unit(ray, setup));
+    const std::size_t at = wire::kTraceHeaderBytes + command.rays * wire::kRayBytes;
+    wire::encode(packet, std::span(command.bytes).subspan(at).first<wire::kRayBytes>());
+    rays.take();
+  }
+  command.bytes.resize(wire::kTraceHeaderBytes + command.rays * wire::kRayBytes);
+  wire::encode(trace_header(setup.request, command.rays), std::span(command.bytes).first<wire::kTraceHeaderBytes>());
+  return command;
+}
+
+bool refused(const CommandResult& result) {
+  return result.error != wire::ErrorCode::kNone && result.error != wire::ErrorCode::kCancelled;
+}
+
+std::size_t bytes_of_result(RayType type, std::size_t rays) {
+  switch (type) {
+    case RayType::kDeposit: return wire::kLightingLedgerBytes;
+    case RayType::kBackproject: return wire::kDepositLedgerBytes;
+    default: return rays * wire::kRayBytes;
+  }
+}
+
+}  // namespace
+
+bool Batches::Batch::complete() const {
+  return std::all_of(parts.begin(), parts.end(), [](const Part& part) { return part.result.has_value(); });
+}
+
+Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
+                       std::vector<std::size_t> lines) {
+  Batch batch;
+  for (const auto& part : rays) batch.rays += part.size();
+  if (limits_.back_pressure == BackPressure::kThrow) make_room(batch.rays);
+  const std::size_t limit = (device_.agreed().max_payload_bytes - wire::kTraceHeaderBytes) / wire::kRayBytes;
+  const std::size_t most = std::min(kRaysPerCommand, limit);
+  batch.lines = std::move(lines);
+  batch.type = setup.request.type;
+  batch.energy_unit = setup.energy_unit;
+  batch.sampling = setup.sampling;
+  batch.towards_eye = setup.towards_eye;
+  do {
+    ++last_ticket_;
+  } while (last_ticket_ == 0 || batches_.contains(last_ticket_));
+  const std::uint32_t ticket = last_ticket_;
+  Batch& kept = batches_.emplace(ticket, std::move(batch)).first->second;
+  Gather from(rays);
+  for (std::size_t left = kept.rays; left > 0;) {
+    const std::size_t count = std::min(left, most);
+    if (limits_.back_pressure == BackPressure::kWait) make_room(count);
+    TraceCommand made = trace_command(from, count, setup);
+    auto encoded = std::make_shared<const std::vector<std::uint8_t>>(std::move(made.bytes));
+    const std::uint32_t command = device_.command(encoded);
+    kept.parts.push_back({command, made.rays, std::move(encoded), std::move(made.units), std::nullopt});
+    rays_under_way_ += made.rays;
+    left -= made.rays;
+  }
+  kept.completed = device_.clock().now();
+  return {ticket};
+}
+
+// Sees to it that `rays` more may be under way.
+void Batches::make_room(std::size_t rays) {
+  if (rays_under_way_ + rays <= limits_.most_rays) return;
+  if (limits_.back_pressure == BackPressure::kThrow) {
+    device_.poll();
+    for (auto& [ticket, batch] : batches_) collect(batch);
+    if (rays_under_way_ + rays <= limits_.most_rays) return;
+    throw WouldBlock("rays: expected at most " + std::to_string(limits_.most_rays) + " under way (most_rays), got " +
+                     std::to_string(rays) + " more to " + std::to_string(rays_under_way_));
+  }
+  for (auto& [ticket, batch] : batches_) {
+    for (Part& part : batch.parts) {
+      if (part.result) continue;
+      part.result = device_.finish(part.command, {});
+      collect(batch);
+      if (rays_under_way_ + rays <= limits_.most_rays) return;
+    }
+  }
+}
+
+// Takes the results that have come.
+void Batches::collect(Batch& batch) {
+  for (Part& part : batch.parts) {
+    if (!part.result) part.result = device_.take(part.command);
+    if (!part.result || !part.encoded) continue;
+    part.encoded.reset();
+    rays_under_way_ -= part.rays;
+    batch.completed = std::max(batch.completed, part.result->time_ps);
+  }
+}
+
+Batches::Entry Batches::find(Ticket ticket) {
+  const auto entry = batches_.find(ticket.id);
+  if (entry == batches_.end()) {
+    throw BadArgument("ticket", "one that was submitted and not received yet", std::to_string(ticket.id));
+  }
+  return entry;
+}
+
+void Batches::complete(Batch& batch, Picoseconds deadline) {
+  collect(batch);
+  // The last part completes last, so that there is one wait; were it otherwise, the others would be waited for too.
+  for (auto part = batch.parts.rbegin(); part != batch.parts.rend(); ++part) {
+    if (part->result) continue;
+    part->result = device_.finish(part->command, {}, deadline);
+    collect(batch);
+  }
+  if (batch.completed > deadline) {  // the results were known before
+    device_.clock().wait_until(deadline);
+    throw DeadlinePassed("the batch arrives after its deadline");
+  }
+  device_.clock().wait_until(batch.completed);
+}
+
+RayBatch Batches::receive(Ticket ticket, Picoseconds deadline) {
+  const Entry entry = find(ticket);
+  complete(entry->second, deadline);
+  return release(entry);
+}
+
+BatchReport Batches::receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline) {
+  const Entry entry = find(ticket);
+  if (rays.size() != entry->second.rays) {
+    throw BadArgument("rays", std::to_string(entry->second.rays) + " of them, as were submitted",
+                      std::to_string(rays.size()));
+  }
+  complete(entry->second, deadline);
+  return release(entry, rays);
+}
+
+std::vector<RayBatch> Batches::poll() {
+  device_.poll();
+  std::vector<Entry> arrived;
+  for (Entry entry = batches_.begin(); entry != batches_.end(); ++entry) {
+    collect(entry->second);
+    if (entry->second.complete() && entry->second.completed <= device_.clock().now()) arrived.push_back(entry);
+  }
+  std::stable_sort(arrived.begin(), arrived.end(),
+                   [](Entry a, Entry b) { return a->second.completed < b->second.completed; });
+  // A refused batch comes first: what it throws must not take the rays of the others along.
+  const auto bad = std::find_if(arrived.begin(), arrived.end(), [](Entry entry) {
+    return std::any_of(entry->second.parts.begin(), entry->second.parts.end(),
+                       [](const Part& part) { return refused(*part.result); });
+  });
+  if (bad != arrived.end()) release(*bad, {});
+  std::vector<RayBatch> batches;
+  for (const Entry entry : arrived) batches.push_back(release(entry));
+  return batches;
+}
+
+bool Batches::cancel(Ticket ticket) {
+  Batch& batch = find(ticket)->second;
+  if (!batch.comes_back()) {
+    throw Unsupported(std::string("a batch of type ") +
+                      (batch.type == RayType::kDeposit
+                           ? "kDeposit can't be cancelled: its energy may be spent"
+                           : "kBackproject can't be cancelled: it may have left something"));
+  }
+  bool any = false;
+  // From the end: the part in work, if any, is found last.
+  for (auto part = batch.parts.rbegin(); part != batch.parts.rend(); ++part) {
+    if (!part->result && device_.cancel(part->command)) any = true;
+  }
+  return any;
+}
+
+void Batches::send_again(const std::function<void(const View&, Vec3)>& set_sampling) {
+  for (auto& [ticket, batch] : batches_) {
+    if (batch.complete()) continue;
+    set_sampling(batch.sampling, batch.towards_eye);
+    for (Part& part : batch.parts) {
+      if (!part.result) part.command = device_.command(part.encoded);
+    }
+  }
+}
+
+RayBatch Batches::release(Entry entry) {
+  const bool cancelled = std::any_of(entry->second.parts.begin(), entry->second.parts.end(), [](const Part& part) {
+    return part.result->error == wire::ErrorCode::kCancelled;
+  });
+  RayBatch batch;
+  if (!cancelled && entry->second.comes_back()) batch.rays.resize(entry->second.rays);
+  static_cast<BatchReport&>(batch) = release(entry, batch.rays);
+  return batch;
+}
+
+BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
+  const Batch batch = std::move(entry->second);
+  BatchReport report{{entry->first}, batch.completed, false, std::nullopt, std::nullopt};
+  batches_.erase(entry);
+  const bool deposits = batch.type == RayType::kDeposit, backprojects = batch.type == RayType::kBackproject;
+  if (deposits) report.lighting.emplace().unit = batch.energy_unit;
+  if (backprojects) report.deposits.emplace().unit = batch.energy_unit;
+  for (const Part& part : batch.parts) {
+    if (refused(*part.result)) throw_error(part.result->error, error_text(part.result->payload));
+    if (part.result->error == wire::ErrorCode::kCancelled) report.cancelled = true;
+  }
+  if (report.cancelled) return report;
+  std::size_t at = 0;
+  for (const Part& part : batch.parts) {
+    const std::span<const std::uint8_t> bytes = part.result->payload;
+    if (bytes.size() != bytes_of_result(batch.type, part.rays)) {
+      device_.give_up("the board returned " + std::to_string(bytes.size()) + " bytes for " + std::to_string(part.rays) +
+                      " rays");
+    }
+    if (backprojects) {
+      add(wire::decode_deposit_ledger(bytes.first<wire::kDepositLedgerBytes>()), *report.deposits);
+      continue;
+    }
+    if (deposits) {
+      add(wire::decode_lighting_ledger(bytes.first<wire::kLightingLedgerBytes>()), *report.lighting);
+      continue;
+    }
+    for (std::size_t i = 0; i < part.rays; ++i) {
+      const wire::Ray ray = wire::decode_ray(bytes.subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
+      rays[at++] = batch.type == RayType::kIntegral ? integral_from_wire(ray, part.units[i]) : from_wire(ray);
+    }
+  }
+  for (const std::size_t legs : batch.lines) {
+    add_up(rays.first(legs));
+    rays = rays.subspan(legs);
+  }
+  return report;
+}
+
+}  // namespace gicube

@@ -1,0 +1,83 @@
+// The ray batches that are under way: what was submitted and not received yet.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "device.h"
+#include "gicube/ray.h"
+#include "encode/host_ray.h"
+
+namespace gicube {
+
+// What bounds the rays under way.
+struct BatchLimits {
+  std::size_t most_rays = 0;
+  BackPressure back_pressure = BackPressure::kWait;
+};
+
+class Batches {
+ public:
+  Batches(Device& device, const BatchLimits& limits) : device_(device), limits_(limits) {}
+
+  // The rays, part by part, have passed their checks. `lines`: how many of them each polyline has, or nothing.
+  // Throws WouldBlock.
+  Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
+                std::vector<std::size_t> lines = {});
+  // Throws BadArgument for an unknown ticket; DeadlinePassed; Rejected or Unsupported if the board refused the batch,
+  // which is gone then.
+  RayBatch receive(Ticket ticket, Picoseconds deadline);
+  BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline);
+  // Throws Rejected or Unsupported for one batch that the board refused, which is gone then; the others stay.
+  std::vector<RayBatch> poll();
+  bool cancel(Ticket ticket);
+
+  bool empty() const { return batches_.empty(); }
+  // The link goes to a new board: everything that has not come back is sent again, in its order.
+  // `set_sampling(view, towards_eye)` is called before each, with what it was submitted with.
+  void send_again(const std::function<void(const View&, Vec3)>& set_sampling);
+
+ private:
+  // As many rays as one command holds.
+  struct Part {
+    std::uint32_t command = 0;
+    std::size_t rays = 0;
+    Payload encoded;            // until the result has come
+    std::vector<double> units;  // kIntegral: of each ray's sum
+    std::optional<CommandResult> result;
+  };
+  struct Batch {
+    Picoseconds completed = 0;
+    std::size_t rays = 0;
+    RayType type = RayType::kIntegrate;
+    double energy_unit = 0;
+    View sampling;
+    Vec3 towards_eye;
+    std::vector<std::size_t> lines;
+    std::vector<Part> parts;
+
+    bool complete() const;
+    bool comes_back() const { return type != RayType::kDeposit && type != RayType::kBackproject; }
+  };
+  using Entry = std::map<std::uint32_t, Batch>::iterator;
+
+  Entry find(Ticket ticket);
+  void make_room(std::size_t rays);
+  void collect(Batch& batch);
+  void complete(Batch& batch, Picoseconds deadline);
+  // Takes a complete batch out of the list and decodes its rays, into as much room as it has rays.
+  BatchReport release(Entry entry, std::span<TracedRay> rays);
+  RayBatch release(Entry entry);
+
+  Device& device_;
+  const BatchLimits limits_;
+  std::uint32_t last_ticket_ = 0;
+  std::size_t rays_under_way_ = 0;
+  std::map<std::uint32_t, Batch> batches_;
+};
+
+}  // namespace gicube

@@ -1,0 +1,105 @@
+// Loading a volume: samples to densities and gradient codes, to blocks, to the board.
+#include <cmath>
+#include <utility>
+
+#include "gicube/wire/checksum.h"
+#include "gicube/wire/memory_map.h"
+#include "gicube/wire/registers.h"
+#include "state.h"
+#include "encode/volume/density.h"
+#include "encode/volume/gradients.h"
+#include "encode/volume/volume_check.h"
+
+namespace gicube {
+namespace {
+
+namespace reg = wire::reg;
+
+std::uint32_t spacing_word(double relative) {
+  return static_cast<std::uint32_t>(std::lround(relative * wire::kSpacingOne));
+}
+
+}  // namespace
+
+wire::Spacing Board::State::spacing_words(Vec3 relative) {
+  return {spacing_word(relative.x), spacing_word(relative.y), spacing_word(relative.z)};
+}
+
+void Board::load_volume(const VolumeView& view, const Progress& progress) {
+  const auto lock = state_->begin();
+  check_volume(view, state_->info.max_volume_voxels);
+  LoadedVolume loaded;
+  loaded.dims = view.dims;
+  loaded.range = resolve_range(view);
+  loaded.relative_spacing = relative_spacing(view.spacing);
+  loaded.least_spacing = std::min({view.spacing.x, view.spacing.y, view.spacing.z});
+  loaded.gradients = view.find_gradients || !view.gradients.empty();
+  const auto densities = to_densities(view, loaded.range);
+  const auto codes = gradient_codes(view, loaded.range, state_->tables.codebook(), state_->threads);
+  const VoxelBlocks blocks(view.dims, state_->info.block_voxels, densities, codes, view.tags);
+  loaded.blocks = blocks.blocks();
+  loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
+
+  state_->volume.reset();
+  state_->irradiance_unit = state_->sum_unit = 0;  // clearing the volume clears them
+  state_->tables.forget_flags();
+  state_->send_volume(blocks, loaded, state_->watched(progress));
+  state_->tables.send_segmentation(loaded.range);
+  state_->find_flags(loaded);
+  state_->check_fence();
+  state_->volume = std::move(loaded);
+  if (std::exchange(state_->batches_wait, false)) state_->send_batches_again();
+}
+
+void Board::State::begin_volume(const LoadedVolume& of) {
+  device.write_register(reg::kControl, wire::kControlClearVolume);
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {  // also where nothing changes: a new size clears the volume
+    device.write_register(reg::kVolumeX + 4 * axis, static_cast<std::uint32_t>(of.dims[axis]));
+  }
+  const wire::Spacing spacing = spacing_words(of.relative_spacing);
+  for (std::uint32_t axis = 0; axis < 3; ++axis) device.set_register(reg::kSpacingX + 4 * axis, spacing[axis]);
+  tables.send_gradients();
+}
+
+void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of, const Progress& progress) {
+  kept_blocks.clear();
+  begin_volume(of);
+  std::vector<std::size_t> stored;
+  for (std::size_t block = 0; block < blocks.count(); ++block) {
+    if (blocks.stored(block)) stored.push_back(block);
+  }
+  const auto all = static_cast<std::uint32_t>(stored.size());
+  const auto n = static_cast<std::uint64_t>(info.block_voxels);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(n * n * n * wire::kVoxelBits / 8));
+  block_sums.assign(blocks.count(), wire::crc32c(bytes));  // zeros: what a block holds that is not sent
+  for (std::uint32_t done = 0; done < all; ++done) {
+    if (progress) progress(done, all);
+    blocks.pack(stored[done], bytes);
+    write_block(stored[done], bytes);
+  }
+  if (progress) progress(all, all);
+}
+
+void Board::State::write_block(std::size_t block, std::span<const std::uint8_t> packed) {
+  if (keep_volume) kept_blocks[block].assign(packed.begin(), packed.end());
+  block_sums[block] = wire::crc32c(packed);
+  device.write_memory(block_address(block), packed);
+}
+
+std::uint64_t Board::State::block_address(std::size_t block) const {
+  const auto n = static_cast<std::uint64_t>(info.block_voxels);
+  return wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8;
+}
+
+// Waits for all that was written and asks whether the board took it.
+void Board::State::check_fence() {
+  constexpr std::uint32_t kFaults = wire::kStatusBadAddress | wire::kStatusBadValue;
+  const std::uint32_t faults = device.read_register(reg::kStatus) & kFaults;
+  if (faults == 0) return;
+  const std::uint32_t address = device.read_register(reg::kErrorAddress);
+  device.write_register(reg::kStatusClear, faults);
+  throw Rejected("the board did not take what was written to it: STATUS " + std::to_string(faults) +
+                 ", ERROR_ADDRESS " + std::to_string(address));
+}
+
+}  // namespace gicube

@@ -1,0 +1,112 @@
+// Rays of the host application.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "gicube/wire/command.h"
+#include "gicube/wire/registers.h"
+#include "state.h"
+#include "encode/argument.h"
+#include "encode/host_ray.h"
+
+namespace gicube {
+
+Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
+                            std::vector<std::size_t> lines) {
+  if (!info.host_rays) throw Unsupported("this board takes no host rays");
+  check(request);
+  const LoadedVolume& of = loaded("submit()");
+  const bool deposits = request.type == RayType::kDeposit;
+  if (deposits && irradiance_unit <= 0) {
+    throw Rejected("rays that deposit need a unit of energy: clear_irradiance() or illuminate() first");
+  }
+  const bool backprojects = request.type == RayType::kBackproject, sums = request.words == SumWords::kSums;
+  if (backprojects && (sums ? sum_unit : irradiance_unit) <= 0) {
+    throw Rejected(std::string("rays that backproject need a unit of what they leave: ") +
+                   (sums ? "clear_sums()" : "clear_irradiance()") + " first");
+  }
+  View sampled = sampling;
+  if (request.step != 0) sampled.step = request.step;
+  const RaySetup setup{request,
+                       of.dims,
+                       backprojects && sums ? sum_unit : irradiance_unit,
+                       info.wide,
+                       sampled,
+                       sampling_towards_eye,
+                       of.least_spacing * of.relative_spacing,
+                       of.range};
+  std::size_t index = 0;
+  for (const auto& part : rays) {
+    for (const HostRay& ray : part) check(ray, index++, setup);
+  }
+  set_sampling(sampled);
+  if (deposits || backprojects) device.set_register(wire::reg::kSeed, sampling.seed);
+  const bool gathers_colour = request.type == RayType::kIntegrate || request.type == RayType::kSegment;
+  if (gathers_colour && sampling.shade) tables.send_reflectance(sampling_towards_eye);
+  return batches.submit(rays, setup, std::move(lines));
+}
+
+void Board::State::send_batches_again() {
+  batches.send_again([this](const View& view, Vec3 towards_eye) {
+    set_sampling(view);
+    if (view.shade) tables.send_reflectance(towards_eye);
+  });
+}
+
+Ticket Board::submit(std::span<const HostRay> rays, const RayRequest& request) {
+  const auto lock = state_->begin();
+  return state_->submit(std::span(&rays, 1), request, {});
+}
+
+Ticket Board::submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request) {
+  const auto lock = state_->begin();
+  return state_->submit(rays, request, {});
+}
+
+Ticket Board::submit(std::span<const Polyline> lines) {
+  const auto lock = state_->begin();
+  const LoadedVolume& volume = state_->loaded("submit()");
+  std::vector<HostRay> legs;
+  std::vector<std::size_t> legs_of;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Polyline& line = lines[i];
+    check(line, i, volume.dims);
+    for (std::size_t p = 1; p < line.points.size(); ++p) {
+      legs.push_back(ray_between(line.id, line.points[p - 1], line.points[p]));
+    }
+    legs_of.push_back(line.points.size() - 1);
+  }
+  const std::span<const HostRay> all(legs);
+  return state_->submit(std::span(&all, 1), {.type = RayType::kSegment}, std::move(legs_of));
+}
+
+RayBatch Board::receive(Ticket ticket, Picoseconds deadline) {
+  const auto lock = state_->begin();
+  state_->need_batches();
+  return state_->batches.receive(ticket, deadline);
+}
+
+BatchReport Board::receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline) {
+  const auto lock = state_->begin();
+  state_->need_batches();
+  return state_->batches.receive(ticket, rays, deadline);
+}
+
+std::vector<RayBatch> Board::poll() {
+  const auto lock = state_->begin();
+  state_->need_batches();
+  return state_->batches.poll();
+}
+
+bool Board::cancel(Ticket ticket) {
+  const auto lock = state_->begin();
+  state_->need_batches();
+  return state_->batches.cancel(ticket);
+}
+
+void Board::set_time_limit(Picoseconds limit) {
+  const auto lock = state_->begin();
+  state_->time_limit = limit;
+}
+
+}  // namespace gicube

@@ -1,0 +1,101 @@
+// Pictures and rays.
+#include <algorithm>
+#include <cmath>
+
+#include "gicube/wire/memory_map.h"
+#include "gicube/wire/registers.h"
+#include "transport/link_error.h"
+#include "state.h"
+#include "encode/camera.h"
+
+namespace gicube {
+namespace {
+
+namespace reg = wire::reg;
+
+std::uint32_t pipeline_word(const View& view) {
+  return (view.jitter ? wire::kPipelineJitter : 0u) | (view.shade ? wire::kPipelineShade : 0u) |
+         (view.leap ? wire::kPipelineLeap : 0u) | (view.irradiance ? wire::kPipelineIrradiance : 0u) |
+         (view.scatter ? wire::kPipelineScatter : 0u) | (view.high_albedo ? wire::kPipelineHighAlbedo : 0u);
+}
+
+}  // namespace
+
+// Brightness of a unit of irradiance, 16.16. On the wide datapath the pipeline drops the words' low 16 bits first.
+std::uint32_t Board::State::exposure_word(const View& view) const {
+  constexpr double kFull = 0.8;  // chosen: of white, where the light of the volume's middle falls on a surface
+  const double chosen = bright_flux > 0 ? kFull / bright_flux : 0;
+  const double unit = irradiance_unit * (info.wide ? 65536.0 : 1.0);
+  const double word = (view.exposure > 0 ? view.exposure : chosen) * unit * 65536;
+  return static_cast<std::uint32_t>(std::clamp(std::round(word), 0.0, 4294967295.0));
+}
+
+void Board::State::set_sampling(const View& view) {
+  device.set_register(reg::kStep, step_word(view));
+  device.set_register(reg::kOpacityThreshold,
+                      static_cast<std::uint32_t>(std::lround(view.opacity_threshold * wire::kOpacityOne)));
+  device.set_register(reg::kPipeline, pipeline_word(view));
+  device.set_register(reg::kLifetime, static_cast<std::uint32_t>(view.lifetime));
+  device.set_register(reg::kSeed, view.seed);
+  if (view.irradiance) device.set_register(reg::kExposure, exposure_word(view));
+  tables.set_light(!view.irradiance ? SampleLight::kMap
+                   : view.incident  ? SampleLight::kIncident
+                                    : SampleLight::kAbsorbed);
+  if (volume) tables.send_segmentation(volume->range);
+  const auto planes = static_cast<std::uint32_t>(view.cut_planes.size());
+  for (std::uint32_t i = 0; i < planes; ++i) {
+    const auto words = cut_plane_words(view.cut_planes[i]);
+    for (std::uint32_t w = 0; w < words.size(); ++w) device.set_register(reg::kCutPlane0 + 16 * i + 4 * w, words[w]);
+  }
+  device.set_register(reg::kCutPlanes, planes);
+}
+
+void Board::render_to_framebuffer(const View& view, const Progress& progress) {
+  const auto lock = state_->begin();
+  check(view);
+  const LoadedVolume& volume = state_->loaded("rendering");
+  if (view.irradiance && state_->irradiance_unit <= 0) {
+    throw Rejected("View::irradiance needs light: illuminate() first");
+  }
+  if (view.scatter) state_->need_routine(false);
+  const Vec3 eye = towards_eye(view, volume.relative_spacing);
+  state_->set_sampling(view);
+  if (view.shade) state_->tables.send_reflectance(eye);
+  std::vector<std::uint8_t> command(wire::kRenderCommandBytes);
+  wire::encode(viewing_command(view, volume.relative_spacing),
+               std::span<std::uint8_t, wire::kRenderCommandBytes>(command));
+  const CommandResult result = state_->device.run(std::move(command), state_->watched(progress), state_->deadline());
+  if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+  state_->sampling = view;
+  state_->sampling_towards_eye = eye;
+  state_->framebuffer_size = {};  // no picture until all rays have come to their ends
+  state_->scatter_waiting(result.payload, {});
+  state_->framebuffer_size = {view.width, view.height};
+}
+
+Image Board::read_framebuffer() {
+  const auto lock = state_->begin();
+  const auto [width, height] = state_->framebuffer_size;
+  if (width == 0) throw Rejected("read_framebuffer() needs a picture: render first");
+  const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const std::size_t bytes = wire::packed36_bytes(count);
+  const std::size_t most = state_->device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
+  Image image{width, height, {}};
+  image.pixels.reserve(count);
+  for (std::size_t at = 0; at < bytes; at += most) {
+    const auto part = state_->device.read_memory(wire::kFramebuffer.base + at, std::min(most, bytes - at));
+    const std::size_t pixels = std::min(count - image.pixels.size(), most / 9 * 2);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const wire::Pixel pixel = wire::to_pixel(wire::load36(part, i));
+      image.pixels.push_back({pixel.red, pixel.green, pixel.blue, pixel.alpha});
+    }
+  }
+  return image;
+}
+
+Image Board::render(const View& view, const Progress& progress) {
+  render_to_framebuffer(view, progress);
+  return read_framebuffer();
+}
+
+}  // namespace gicube

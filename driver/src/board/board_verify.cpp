@@ -1,0 +1,43 @@
+// Comparing what the board's memory holds with what was written there.
+#include <algorithm>
+
+#include "gicube/wire/command.h"
+#include "transport/link_error.h"
+#include "state.h"
+
+namespace gicube {
+namespace {
+
+std::vector<std::uint8_t> verify_command(std::size_t first, std::size_t count) {
+  std::vector<std::uint8_t> payload(wire::kVerifyCommandBytes);
+  wire::store(std::span(payload), 0, static_cast<std::uint32_t>(wire::Opcode::kVerify));
+  wire::store(std::span(payload), 4, static_cast<std::uint32_t>(first));
+  wire::store(std::span(payload), 8, static_cast<std::uint32_t>(count));
+  return payload;
+}
+
+}  // namespace
+
+std::vector<std::size_t> Board::verify_volume() {
+  const auto lock = state_->begin();
+  state_->loaded("verify_volume()");
+  Device& device = state_->device;
+  const std::vector<std::uint32_t>& sums = state_->block_sums;
+  const std::size_t most = std::min<std::size_t>(wire::kMostVerifyBlocks, device.agreed().max_payload_bytes / 4);
+  std::vector<std::size_t> damaged;
+  for (std::size_t first = 0; first < sums.size(); first += most) {
+    const std::size_t count = std::min(most, sums.size() - first);
+    const CommandResult result = device.run(verify_command(first, count), {});
+    if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+    if (result.payload.size() != 4 * count) {
+      device.give_up("the board summed up " + std::to_string(count) + " blocks in " +
+                     std::to_string(result.payload.size()) + " bytes");
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (wire::load<std::uint32_t>(result.payload, 4 * i) != sums[first + i]) damaged.push_back(first + i);
+    }
+  }
+  return damaged;
+}
+
+}  // namespace gicube

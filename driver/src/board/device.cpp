@@ -1,0 +1,192 @@
+#include "device.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "transport/capture.h"
+#include "transport/connect.h"
+#include "gicube/wire/counter_list.h"
+#include "gicube/wire/registers.h"
+#include "transport/link_error.h"
+
+namespace gicube {
+namespace {
+
+constexpr std::chrono::seconds kObituary{1};  // chosen: what a child that has closed its socket gets to end and say why
+
+// A multiple of a dword, a segmentation entry (12 bytes) and two voxels (9): no piece ends within one.
+constexpr std::size_t kPiece = 36;
+
+std::vector<std::uint8_t> words(std::initializer_list<std::uint32_t> values) {
+  std::vector<std::uint8_t> bytes(4 * values.size());
+  std::size_t at = 0;
+  for (const std::uint32_t value : values) {
+    wire::store(std::span(bytes), at, value);
+    at += 4;
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Device::Device(const Uri& uri, const DeviceOptions& options)
+    : uri_(uri), capture_file_(options.capture.empty() ? uri.capture : options.capture) {
+  link_options_.watchdog = options.watchdog;
+  link_options_.reopen_attempts = options.reopen_attempts;
+  if (options.force) link_options_.mine.flags |= wire::kForce;
+  link_options_.mine.wait_ms = static_cast<std::uint32_t>(options.wait_for_board.count());
+  if (uri_.scheme != UriScheme::kEmu) {
+    link_options_.reconnect = [this] { return connect(uri_, link_options_.watchdog); };
+  }
+  link_ = open_link();
+}
+
+void Device::capture_next_session() {
+  const std::shared_ptr<Capture> capture = open_capture(capture_file_, captures_++);
+  if (!capture) return;
+  link_options_.tap = [capture](bool sent, auto header, auto payload) {
+    capture->write(sent ? wire::CaptureKind::kDown : wire::CaptureKind::kUp, header, payload);
+  };
+}
+
+std::unique_ptr<Link> Device::open_link() {
+  capture_next_session();
+  if (link_options_.reconnect) return std::make_unique<Link>(link_options_.reconnect(), link_options_);
+  child_ = std::make_unique<ChildProcess>(find_board_program(), uri_.board_arguments);
+  try {
+    return std::make_unique<Link>(child_->take_socket(), link_options_);
+  } catch (const OpenFailed&) {
+    if (!child_->ended(kObituary)) throw;
+    throw OpenFailed(child_->last_words());
+  }
+}
+
+bool Device::reopen() {
+  if (link_options_.reconnect) {
+    if (link_->resume()) return true;
+    link_ = open_link();
+    return false;
+  }
+  if (!link_->is_broken()) return true;
+  auto lost = std::move(child_);  // its end must not be waited for before the link is closed
+  auto fresh = open_link();
+  link_ = std::move(fresh);
+  return false;
+}
+
+// A private board that dies is the caller's own child: its last words say more than its silence.
+template <typename Call>
+auto Device::with_last_words(const Call& call) const {
+  try {
+    return call();
+  } catch (const DeviceLost& error) {
+    if (!child_ || !child_->ended(kObituary)) throw;
+    throw DeviceLost(std::string(error.what()) + "; " + child_->last_words(), error.cause());
+  }
+}
+
+void Device::check() {
+  with_last_words([&] { link_->check(); });
+}
+
+std::vector<std::uint8_t> Device::request(wire::FrameType type, std::vector<std::uint8_t> payload) {
+  Response response = with_last_words([&] { return link_->request(type, clock_.now(), std::move(payload)); });
+  clock_.wait_until(response.time_ps);
+  return std::move(response.payload);
+}
+
+std::uint32_t Device::read_word(wire::FrameType type, std::uint32_t offset) {
+  const auto payload = request(type, words({offset}));
+  if (payload.size() != 4)
+    give_up("the board answered a register read with " + std::to_string(payload.size()) + " bytes");
+  return wire::load<std::uint32_t>(payload, 0);
+}
+
+std::uint32_t Device::read_config(std::uint32_t offset) { return read_word(wire::FrameType::kConfigRead, offset); }
+
+std::uint32_t Device::read_register(std::uint32_t offset) { return read_word(wire::FrameType::kRegisterRead, offset); }
+
+void Device::write_register(std::uint32_t offset, std::uint32_t value) {
+  with_last_words([&] { link_->post(wire::FrameType::kRegisterWrite, clock_.now(), words({offset, value})); });
+  registers_[offset] = value;
+}
+
+void Device::set_register(std::uint32_t offset, std::uint32_t value) {
+  const auto last = registers_.find(offset);
+  if (last == registers_.end() || last->second != value) write_register(offset, value);
+}
+
+void Device::reset() {
+  write_register(wire::reg::kControl, wire::kControlReset);
+  registers_.clear();
+  for (const wire::RegisterInfo& info : wire::kRegisterTable) {
+    if (info.access == wire::Access::kReadWrite) registers_[info.offset] = info.reset;
+  }
+}
+
+void Device::write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kAddressBytes = 8;
+  const std::size_t piece = (agreed().max_payload_bytes - kAddressBytes) / kPiece * kPiece;
+  while (!bytes.empty()) {
+    const auto part = bytes.first(std::min(bytes.size(), piece));
+    std::vector<std::uint8_t> payload(kAddressBytes + part.size());
+    wire::store(std::span(payload), 0, address);
+    std::copy(part.begin(), part.end(), payload.begin() + kAddressBytes);
+    with_last_words([&] { link_->post(wire::FrameType::kMemoryWrite, clock_.now(), std::move(payload)); });
+    bytes = bytes.subspan(part.size());
+    address += part.size();
+  }
+}
+
+std::vector<std::uint8_t> Device::read_memory(std::uint64_t address, std::uint64_t length) {
+  std::vector<std::uint8_t> payload(16);
+  wire::store(std::span(payload), 0, address);
+  wire::store(std::span(payload), 8, length);
+  auto bytes = request(wire::FrameType::kMemoryRead, std::move(payload));
+  if (bytes.size() != length) {
+    give_up("the board answered a read of " + std::to_string(length) + " bytes with " + std::to_string(bytes.size()));
+  }
+  return bytes;
+}
+
+std::uint32_t Device::command(Payload payload) {
+  return with_last_words([&] { return link_->command_shared(clock_.now(), payload); });
+}
+
+CommandResult Device::finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline) {
+  const Response response = with_last_words([&] { return link_->wait(ticket, clock_.now(), deadline, progress); });
+  clock_.wait_until(response.time_ps);
+  if (response.error == wire::ErrorCode::kDeadline) throw DeadlinePassed(error_text(response.payload));
+  auto result = link_->take(ticket);
+  if (!result) give_up("the board says that a command has completed, but not how");
+  clock_.wait_until(result->time_ps);
+  return std::move(*result);
+}
+
+CommandResult Device::run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline) {
+  const std::uint32_t ticket = command(std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+  try {
+    return finish(ticket, progress, deadline);
+  } catch (...) {  // also what the progress callback throws
+    link_->forget(ticket);
+    throw;
+  }
+}
+
+bool Device::cancel(std::uint32_t ticket) {
+  const auto answer = request(wire::FrameType::kCancel, words({ticket}));
+  if (answer.size() != 4) give_up("the board answered a cancel with " + std::to_string(answer.size()) + " bytes");
+  return wire::load<std::uint32_t>(answer, 0) != 0;
+}
+
+void Device::poll() { request(wire::FrameType::kPoll, {}); }
+
+Counters Device::counters() {
+  const auto list = wire::decode_counters(request(wire::FrameType::kCounters, {}));
+  if (!list) give_up("the board sent a counter list that is cut short");
+  std::vector<Counter> counters;
+  for (const wire::Counter& counter : *list) counters.push_back({counter.name, counter.unit, counter.value});
+  return Counters(std::move(counters));
+}
+
+}  // namespace gicube

@@ -1,0 +1,98 @@
+// The board as a host sees it through its bus connector: configuration space, registers, memory, DSP commands; and the
+// simulated host's clock, which stamps each transaction and moves with each answer.
+//
+// One caller at a time, but clock().now(). All calls throw DeviceLost and TimedOut, and Rejected or
+// Unsupported where the board refuses.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gicube/board.h"
+#include "transport/host_clock.h"
+#include "transport/launch.h"
+#include "transport/link.h"
+#include "transport/payload.h"
+#include "transport/uri.h"
+
+namespace gicube {
+
+struct DeviceOptions {
+  std::chrono::milliseconds watchdog{0};  // 0 = none
+  int reopen_attempts = 0;
+  bool force = false;
+  std::chrono::milliseconds wait_for_board{0};
+  std::string capture{};
+};
+
+class Device {
+ public:
+  // Connects, or starts a private board. Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, BadArgument.
+  Device(const Uri& uri, const DeviceOptions& options);
+
+  // After DeviceLost or TimedOut, connects again. True: the session goes on, and nothing was lost. False: this is a board
+  // that knows nothing of us. Throws as the constructor and DeviceLost: the device is as lost as before.
+  bool reopen();
+
+  const wire::VersionInfo& agreed() const { return link_->agreed(); }
+  HostClock& clock() { return clock_; }
+  const HostClock& clock() const { return clock_; }
+  // Throws DeviceLost if the board is.
+  void check();
+  [[noreturn]] void give_up(const std::string& reason) { link_->give_up(reason); }
+
+  std::uint32_t read_config(std::uint32_t offset);
+  std::uint32_t read_register(std::uint32_t offset);
+  void write_register(std::uint32_t offset, std::uint32_t value);
+  // Writes it unless it holds that value already.
+  void set_register(std::uint32_t offset, std::uint32_t value);
+  // All of the board's state as at power-up.
+  void reset();
+  // What registers that can be read and written hold: all of them once reset() has been called.
+  const std::map<std::uint32_t, std::uint32_t>& registers() const { return registers_; }
+
+  // In pieces that the link's payload limit allows, each of whole dwords, LUT entries and pairs of voxels.
+  void write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes);
+  // At most agreed().max_payload_bytes.
+  std::vector<std::uint8_t> read_memory(std::uint64_t address, std::uint64_t length);
+
+  std::uint32_t command(Payload payload);
+  // Blocks the simulated host until the command has completed, but no longer than to the simulated time `deadline`:
+  // throws DeadlinePassed then. Its error is in the result, and not thrown. Whatever is thrown, the result can still come.
+  CommandResult finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline = kNoDeadline);
+  // Both; if it throws, nobody asks for the result any more.
+  CommandResult run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline = kNoDeadline);
+  // The result of a command if it has come; blocks nobody.
+  std::optional<CommandResult> take(std::uint32_t ticket) { return link_->take(ticket); }
+  // Nobody will ask for the result.
+  void forget(std::uint32_t ticket) { link_->forget(ticket); }
+  // Takes a command back whose turn has not begun: true, and it completes with kCancelled.
+  bool cancel(std::uint32_t ticket);
+  // Fetches the results of all commands that have completed by now.
+  void poll();
+
+  Counters counters();
+
+ private:
+  std::unique_ptr<Link> open_link();
+  void capture_next_session();
+  std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
+  std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);
+  template <typename Call>
+  auto with_last_words(const Call& call) const;
+
+  const Uri uri_;
+  const std::string capture_file_;
+  unsigned captures_ = 0;  // sessions that were begun
+  LinkOptions link_options_;
+  std::unique_ptr<ChildProcess> child_;  // before the link: it ends by itself once the link has closed
+  std::unique_ptr<Link> link_;
+  HostClock clock_;
+  std::map<std::uint32_t, std::uint32_t> registers_;  // as last written, for set_register()
+};
+
+}  // namespace gicube

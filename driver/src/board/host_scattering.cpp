@@ -1,0 +1,136 @@
+#include "host_scattering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "gicube/wire/command.h"
+#include "gicube/wire/registers.h"
+#include "transport/link_error.h"
+#include "state.h"
+
+namespace gicube {
+namespace {
+
+constexpr std::size_t kRaysPerRound = 4096;  // chosen: 256 KB up, so that neither side holds many
+
+Vec3 vec3(const wire::Triple& a) { return {a[0], a[1], a[2]}; }
+
+ScatterEvent event_of(const wire::TrappedRay& trapped, const Material& material, const wire::Spacing& spacing) {
+  ScatterEvent event;
+  wire::Triple position{};
+  for (std::size_t axis = 0; axis < 3; ++axis) position[axis] = trapped.ray.position[axis] / double{wire::kVoxel};
+  event.position = vec3(position);
+  event.direction = vec3(wire::physical_direction(trapped.ray.direction, spacing));
+  event.normal = vec3(wire::surface_normal(trapped.gradient));
+  event.opacity = trapped.opacity / wire::kTrapOpacityOne;
+  event.density = trapped.density / double{1 << wire::kTrapDensityFractionBits};
+  event.tag = trapped.tag;
+  event.lighting = (trapped.ray.flags & wire::kLightingRay) != 0;
+  event.generation = trapped.ray.generation;
+  for (std::size_t i = 0; i < 4; ++i) event.random[i] = trapped.random[i] * 0x1p-32;
+  event.parameters = material.parameters;
+  return event;
+}
+
+void check(const ScatterAnswer& answer) {
+  const Vec3& d = answer.direction;
+  const double length = std::hypot(d.x, d.y, d.z);
+  if (!(length >= wire::kShortestDirection && length <= wire::kLongestDirection)) {
+    throw ScatteringFailed("direction: the scattering routine must answer a length of 1e-6 to 1e6, but answered " +
+                           std::to_string(d.x) + ' ' + std::to_string(d.y) + ' ' + std::to_string(d.z));
+  }
+  if (!(answer.passes >= 0 && answer.passes <= 1)) {
+    throw ScatteringFailed("passes: the scattering routine must answer 0..1, but answered " +
+                           std::to_string(answer.passes));
+  }
+}
+
+}  // namespace
+
+bool asks_host(const Material& material) { return material.bsdf == Bsdf::kTrap && material.routine == kHostRoutine; }
+
+wire::Ray answer(const wire::TrappedRay& trapped, const Material& material, const wire::Spacing& spacing,
+                 const ScatteringRoutine& routine) {
+  const ScatterAnswer answered = routine(event_of(trapped, material, spacing));
+  check(answered);
+  wire::Ray ray = trapped.ray;
+  const Vec3& d = answered.direction;
+  ray.direction = wire::direction_words({d.x, d.y, d.z}, spacing);
+  wire::set_dropped_share(ray, wire::dropped_share(answered.passes));
+  return ray;
+}
+
+std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std::uint32_t most) {
+  std::vector<std::uint8_t> bytes(wire::kResumeHeaderBytes + answers.size() * wire::kRayBytes);
+  wire::store(std::span(bytes), 0, static_cast<std::uint32_t>(wire::Opcode::kResume));
+  wire::store(std::span(bytes), 4, static_cast<std::uint32_t>(answers.size()));
+  wire::store(std::span(bytes), 8, most);
+  std::size_t at = wire::kResumeHeaderBytes;
+  for (const wire::Ray& ray : answers) {
+    wire::encode(ray, std::span(bytes).subspan(at).first<wire::kRayBytes>());
+    at += wire::kRayBytes;
+  }
+  return bytes;
+}
+
+bool decode_trap_list(std::span<const std::uint8_t> bytes, TrapList& list) {
+  list = {};
+  if (bytes.empty()) return true;
+  if (bytes.size() < wire::kTrapListHeaderBytes) return false;
+  const auto count = wire::load<std::uint32_t>(bytes, 0);
+  list.waiting = wire::load<std::uint32_t>(bytes, 4);
+  bytes = bytes.subspan(wire::kTrapListHeaderBytes);
+  if (bytes.size() != std::uint64_t{count} * wire::kTrappedRayBytes) return false;
+  list.rays.reserve(count);
+  for (std::size_t at = 0; at < bytes.size(); at += wire::kTrappedRayBytes) {
+    list.rays.push_back(wire::decode_trapped_ray(bytes.subspan(at).first<wire::kTrappedRayBytes>()));
+    if (list.rays.back().tag >= wire::kTags) return false;
+  }
+  return true;
+}
+
+void Board::set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray) {
+  const auto lock = state_->begin();
+  state_->scattering = {std::move(routine), time_per_ray};
+}
+
+void Board::State::need_routine(bool lighting) const {
+  if (scattering.routine) return;
+  const auto& materials = tables.materials();
+  for (std::size_t tag = 0; tag < materials.size(); ++tag) {
+    if (!asks_host(materials[tag]) || !(lighting || materials[tag].seen_through_scattering)) continue;
+    throw Rejected("the material of tag " + std::to_string(tag) +
+                   " is the application's to scatter: call set_scattering_routine() first");
+  }
+}
+
+void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger) {
+  TrapList list;
+  if (!decode_trap_list(trap_list, list)) device.give_up("a list of trapped rays of wrong size");
+  if (list.rays.empty() && list.waiting == 0) return;
+  if (!scattering.routine) device.give_up("the board has rays for the application, which did not ask for them");
+  const wire::Spacing spacing = spacing_words(volume->relative_spacing);
+  const std::size_t ledger_bytes = take_ledger ? wire::kLightingLedgerBytes : 0;
+  const std::size_t room = device.agreed().max_payload_bytes - wire::kTrapListHeaderBytes - ledger_bytes;
+  const std::size_t most = std::min(kRaysPerRound, room / wire::kTrappedRayBytes);
+  std::vector<wire::Ray> answers;
+  while (!answers.empty() || list.waiting > 0) {
+    const CommandResult result = device.run(resume_command(answers, static_cast<std::uint32_t>(most)), {});
+    if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+    std::span<const std::uint8_t> payload = result.payload;
+    if (payload.size() < ledger_bytes) device.give_up("a lighting result of wrong size");
+    if (take_ledger) take_ledger(wire::decode_lighting_ledger(payload.first<wire::kLightingLedgerBytes>()));
+    if (!decode_trap_list(payload.subspan(ledger_bytes), list) || list.rays.size() > most) {
+      device.give_up("a list of trapped rays of wrong size");
+    }
+    answers.clear();
+    for (const wire::TrappedRay& trapped : list.rays) {
+      const InCallback mark(*this);
+      answers.push_back(answer(trapped, tables.materials()[trapped.tag], spacing, scattering.routine));
+    }
+    device.clock().work(scattering.time_per_ray * answers.size());
+  }
+}
+
+}  // namespace gicube

@@ -1,0 +1,119 @@
+// What stands behind a Board handle.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "batches.h"
+#include "device.h"
+#include "gicube/board.h"
+#include "gicube/wire/command.h"
+#include "host_scattering.h"
+#include "tables.h"
+#include "encode/volume/voxel_blocks.h"
+
+namespace gicube {
+
+// What the driver keeps of a loaded volume: enough to find the empty flags again.
+struct LoadedVolume {
+  Dims dims{};
+  Dims blocks{};
+  ValueRange range;
+  Vec3 relative_spacing;
+  double least_spacing = 1;  // of VolumeView::spacing, which relative_spacing is relative to
+  bool gradients = true;     // false: the application wanted none (VolumeView::find_gradients)
+  std::vector<BlockStatistics> statistics;
+  std::vector<std::uint8_t> flags;  // in force, one a block
+};
+
+struct GICUBE_HIDDEN Board::State {
+  State(const Uri& uri, const DeviceOptions& options, const BatchLimits& limits, bool keeps_volume)
+      : keep_volume(keeps_volume),
+        threads(uri.threads),
+        device(uri, options),
+        tables(device),
+        batches(device, limits) {}
+
+  // Throws Rejected while the batches wait for a volume.
+  void need_batches() const;
+  // Every public call but now() and info() is one transaction. Throws DeviceLost.
+  std::unique_lock<std::mutex> begin();
+  // While it lives, this Board takes no calls from the thread that made it: a callback of the application runs.
+  class InCallback {
+   public:
+    explicit InCallback(State& state) : who_(state.in_callback) { who_ = std::this_thread::get_id(); }
+    ~InCallback() { who_ = std::thread::id(); }
+    InCallback(const InCallback&) = delete;
+    InCallback& operator=(const InCallback&) = delete;
+
+   private:
+    std::atomic<std::thread::id>& who_;
+  };
+  // The caller's callback, during which this Board takes no calls from it; empty if `progress` is.
+  Progress watched(const Progress& progress);
+  // Throws Rejected if there is no volume; `what` needs one.
+  LoadedVolume& loaded(const char* what);
+
+  static wire::Spacing spacing_words(Vec3 relative);  // of the SPACING registers
+  // The board is a new one: brings it to where the lost one was, as far as the driver knows.
+  void restore();
+  void begin_volume(const LoadedVolume& volume);
+  void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
+  std::uint64_t block_address(std::size_t block) const;
+  void write_block(std::size_t block, std::span<const std::uint8_t> packed);
+  std::vector<float> read_irradiance(const VoxelBox& box);
+  void check_fence();
+  void find_flags(LoadedVolume& volume);
+  void set_sampling(const View& view);
+  Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
+                std::vector<std::size_t> lines);
+  std::vector<PairFactor> pairs_by_board(std::span<const Element> elements, std::span<const ElementPair> pairs,
+                                         const PairRequest& request, const Progress& progress);
+  std::vector<PairFactor> pairs_by_host(std::span<const Element> elements, std::span<const ElementPair> pairs,
+                                        const PairRequest& request, const Progress& progress);
+  void send_batches_again();
+  // Of a call that begins now.
+  Picoseconds deadline() const {
+    const Picoseconds now = device.clock().now();
+    return time_limit == 0 || time_limit > kNoDeadline - now ? kNoDeadline : now + time_limit;
+  }
+  void set_lighting(const Illumination& settings);
+  // Throws Rejected if a material that `rays` can meet needs the application's routine and there is none.
+  void need_routine(bool lighting) const;
+  // Answers the rays that wait on the board after a command with that result, until none does. Every answer's ledger
+  // goes to `take_ledger`; lighting rays have one.
+  using TakeLedger = std::function<void(const wire::LightingLedger&)>;
+  void scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger);
+  std::uint32_t exposure_word(const View& view) const;
+
+  const bool keep_volume;
+  const unsigned threads;  // for the driver's own work, 0 = one a core
+  std::mutex mutex;
+  std::atomic<std::thread::id> in_callback{};
+  BoardInfo info;
+  Device device;
+  Tables tables;
+  Batches batches;
+  HostScattering scattering;
+  Picoseconds time_limit = 0;  // of a rendering or an illumination; 0: none
+  std::optional<LoadedVolume> volume;
+  std::map<std::size_t, std::vector<std::uint8_t>> kept_blocks;  // packed, as last written; with keep_volume
+  bool batches_wait = false;                                     // for a volume on a new board, to be sent again
+  bool restoring = false;                                        // restore() has begun and not ended
+  std::map<std::uint32_t, std::uint32_t> registers_before;       // it
+  std::vector<std::uint32_t> block_sums;                         // CRC-32C of each block's words as they were written
+  double irradiance_unit = 0;                                    // power of one unit; 0 before the first illuminate()
+  double sum_unit = 0;                                           // of the sums; 0 before the first clear_sums()
+  double bright_flux = 0;                                        // power a voxel that full brightness is chosen for
+  View sampling;                                                 // the last view rendered
+  Vec3 sampling_towards_eye{0, 0, -1};     // chosen: rays before any picture are lit as if seen from the front
+  std::pair<int, int> framebuffer_size{};  // pixels; 0 before the first rendering
+};
+
+}  // namespace gicube

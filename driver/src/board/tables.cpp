@@ -1,0 +1,99 @@
+#include "tables.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "gicube/wire/memory_map.h"
+#include "encode/volume/empty_flags.h"
+#include "encode/lights.h"
+#include "encode/reflectance_map.h"
+#include "encode/volume/segmentation_lut.h"
+
+namespace gicube {
+
+void Tables::set_codebook(GradientCodebook codebook) {
+  codebook_ = std::move(codebook);
+  gradients_sent_ = false;
+}
+
+const GradientCodebook& Tables::codebook() {
+  if (!codebook_) codebook_.emplace();
+  return *codebook_;
+}
+
+void Tables::send_gradients() {
+  if (gradients_sent_) return;
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(wire::kGradientLut.bytes));
+  std::size_t at = 0;
+  for (const wire::GradientEntry& entry : codebook().entries()) {
+    wire::store(std::span(bytes), at, wire::to_word(entry));
+    at += wire::kGradientEntryBytes;
+  }
+  device_.write_memory(wire::kGradientLut.base, bytes);
+  gradients_sent_ = true;
+}
+
+void Tables::set_function(const TransferFunction& function, int tag) {
+  functions_[static_cast<std::size_t>(tag)] = function;
+  ++changes_;
+}
+
+void Tables::set_material(const Material& material, int tag) {
+  materials_[static_cast<std::size_t>(tag)] = material;
+  ++changes_;
+  std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
+  wire::encode(material_record(material), std::span<std::uint8_t, wire::kMaterialBytes>(bytes));
+  device_.write_memory(wire::kMaterials.base + static_cast<std::size_t>(tag) * wire::kMaterialBytes, bytes);
+}
+
+void Tables::restore() {
+  gradients_sent_ = false;
+  segmentation_.assign(wire::kSegmentationEntries, {});
+  reflectance_.clear();
+  flags_.clear();
+  ++changes_;
+  for (std::size_t tag = 0; tag < materials_.size(); ++tag) set_material(materials_[tag], static_cast<int>(tag));
+}
+
+void Tables::send_segmentation(ValueRange range) {
+  constexpr std::size_t kQuarter = wire::kSegmentationEntries / wire::kTags;
+  const Source source{changes_, light_, range, {}};
+  if (source == segmentation_source_) return;
+  for (std::size_t tag = 0; tag < functions_.size(); ++tag) {
+    if (!functions_[tag]) continue;
+    auto wanted = segmentation_entries(*functions_[tag], range, shading_.phong, wide_);
+    if (light_ == SampleLight::kAbsorbed) set_gains(wanted, materials_[tag].scattering);
+    if (light_ == SampleLight::kIncident) set_unit_gains(wanted);
+    const auto held = std::span(segmentation_).subspan(tag * kQuarter, kQuarter);
+    if (std::equal(wanted.begin(), wanted.end(), held.begin(), held.end())) continue;
+    std::vector<std::uint8_t> bytes(kQuarter * wire::kSegmentationEntryBytes);
+    for (std::size_t i = 0; i < kQuarter; ++i) {
+      const auto entry = std::span(bytes).subspan(i * wire::kSegmentationEntryBytes);
+      wire::encode(wanted[i], entry.first<wire::kSegmentationEntryBytes>());
+    }
+    device_.write_memory(wire::kSegmentationLut.base + tag * bytes.size(), bytes);
+    std::copy(wanted.begin(), wanted.end(), held.begin());
+  }
+  segmentation_source_ = source;
+}
+
+void Tables::send_reflectance(Vec3 towards_eye) {
+  const Source source{changes_, light_, {}, towards_eye};
+  if (source == reflectance_source_) return;
+  Phong phong = shading_.phong;
+  if (light_ != SampleLight::kMap) phong.diffuse = 0;
+  auto wanted = reflectance_map(phong, shading_.light, towards_eye);
+  if (wanted != reflectance_) device_.write_memory(wire::kReflectanceMap.base, wanted);
+  reflectance_ = std::move(wanted);
+  reflectance_source_ = source;
+}
+
+void Tables::send_flags(std::span<const std::uint8_t> flags) {
+  auto wanted = pack_flags(flags);
+  flags_.resize(wanted.size());
+  if (wanted == flags_) return;
+  device_.write_memory(wire::kEmptyFlags.base, wanted);
+  flags_ = std::move(wanted);
+}
+
+}  // namespace gicube

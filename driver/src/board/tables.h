@@ -1,0 +1,86 @@
+// The board's look-up tables: what they should hold, what they were last sent, and how the two are brought together.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "device.h"
+#include "gicube/material.h"
+#include "gicube/shading.h"
+#include "gicube/transfer_function.h"
+#include "gicube/volume.h"
+#include "gicube/wire/lut.h"
+#include "gicube/wire/voxel.h"
+#include "encode/volume/gradient_codebook.h"
+
+namespace gicube {
+
+// What makes a sample bright: the reflectance map, or the irradiance, whose words hold what a sample absorbed or what falls
+// on it.
+enum class SampleLight { kMap, kAbsorbed, kIncident };
+
+// For arguments that passed their checks. Only what has changed is sent.
+class Tables {
+ public:
+  explicit Tables(Device& device) : device_(device) {}
+
+  // The board has the wide datapath.
+  void set_wide(bool wide) { wide_ = wide; }
+
+  void set_codebook(GradientCodebook codebook);
+  // The codebook in force; the default one is made when it is first asked for.
+  const GradientCodebook& codebook();
+  void send_gradients();
+
+  void set_function(const TransferFunction& function, int tag);
+  void set_shading(const Shading& shading) {
+    shading_ = shading;
+    ++changes_;
+  }
+  void set_material(const Material& material, int tag);
+  const std::array<Material, wire::kTags>& materials() const { return materials_; }
+  // By irradiance entries hold gains instead of shading coefficients, and the reflectance map highlights alone (lut.h).
+  void set_light(SampleLight light) { light_ = light; }
+
+  // The segmentation LUT depends on the map from values to densities, and so on the volume.
+  void send_segmentation(ValueRange range);
+  // All 2^14 entries as last sent.
+  std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_; }
+
+  void send_reflectance(Vec3 towards_eye);
+
+  // One value a block. After forget_flags() the board's are known to be clear.
+  void send_flags(std::span<const std::uint8_t> flags);
+  void forget_flags() { flags_.clear(); }
+  // The board is a new one: what it was sent is forgotten, and the materials are sent again.
+  void restore();
+
+ private:
+  Device& device_;
+  bool wide_ = false;
+  std::optional<GradientCodebook> codebook_;
+  bool gradients_sent_ = false;
+  std::array<std::optional<TransferFunction>, wire::kTags> functions_;
+  std::vector<wire::SegmentationEntry> segmentation_ =
+      std::vector<wire::SegmentationEntry>(wire::kSegmentationEntries);  // a tag never set is invisible
+  Shading shading_;
+  std::array<Material, wire::kTags> materials_;
+  SampleLight light_ = SampleLight::kMap;
+  // What the tables were last made from: making them takes longer than sending a small batch of rays.
+  struct Source {
+    std::uint64_t changes = 0;
+    SampleLight light = SampleLight::kMap;
+    ValueRange range{};
+    Vec3 towards_eye;
+    friend constexpr bool operator==(const Source&, const Source&) = default;
+  };
+  std::uint64_t changes_ = 1;  // of functions, shading and materials
+  Source segmentation_source_, reflectance_source_;
+  std::vector<std::uint8_t> reflectance_;  // as last sent; empty = never
+  std::vector<std::uint8_t> flags_;        // packed, as last sent; empty = all clear
+};
+
+}  // namespace gicube

@@ -1,0 +1,145 @@
+#include "encode/camera.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "gicube/wire/ray.h"
+#include "gicube/wire/registers.h"
+#include "encode/argument.h"
+
+namespace gicube {
+namespace {
+
+constexpr double kFarthest = 1e9;    // chosen: a double still tells positions 1e-6 voxel apart there
+constexpr double kLeastSine = 1e-6;  // chosen: between up and the line of sight
+constexpr double kShortestStep = wire::kStepMin / double{wire::kStepOne};  // voxels
+constexpr double kLongestStep = wire::kStepMax / double{wire::kStepOne};
+constexpr double kOffsetLimit = 1 << 20;  // voxels; a signed register with 10 fraction bits holds twice that
+
+Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+Vec3 over(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
+std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
+
+void check_point(const std::string& field, Vec3 p) {
+  expect_within(field + ".x", p.x, -kFarthest, kFarthest);
+  expect_within(field + ".y", p.y, -kFarthest, kFarthest);
+  expect_within(field + ".z", p.z, -kFarthest, kFarthest);
+}
+
+void check_directions(const View& view) {
+  check_point("eye", view.eye);
+  check_point("look_at", view.look_at);
+  if (view.eye == view.look_at) {
+    throw BadArgument("look_at", "a point apart from the eye", "the eye itself");
+  }
+  expect_finite("up", view.up);
+  if (!(length(cross(unit(view.look_at - view.eye), unit(view.up))) > kLeastSine)) {
+    throw BadArgument("up", "a direction across the line of sight",
+                      view.up == Vec3{} ? "the zero vector" : "one along the line of sight");
+  }
+}
+
+void check_projection(const View& view) {
+  expect_within("orthographic_height", view.orthographic_height, 0, kFarthest);
+  if (view.orthographic_height == 0 && !(view.fov_degrees > 0 && view.fov_degrees < 180)) {
+    throw BadArgument("fov_degrees", "between 0 and 180, exclusive", number_text(view.fov_degrees));
+  }
+}
+
+void check_image(const View& view) {
+  expect_within("width", view.width, 1, wire::kMaxImageSize);
+  expect_within("height", view.height, 1, wire::kMaxImageSize);
+  const int samples = view.samples_per_axis;
+  if (samples != 1 && samples != 2 && samples != 4) {
+    throw BadArgument("samples_per_axis", "1, 2 or 4", fmt::format("{}", samples));
+  }
+  if (view.filter != PixelFilter::kBox && view.filter != PixelFilter::kTent) {
+    throw BadArgument("filter", "kBox or kTent", fmt::format("{}", static_cast<int>(view.filter)));
+  }
+}
+
+void check_cut_planes(const std::vector<CutPlane>& planes) {
+  if (planes.size() > wire::kMaxCutPlanes) {
+    throw BadArgument("cut_planes", fmt::format("at most {}", wire::kMaxCutPlanes), fmt::format("{}", planes.size()));
+  }
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const std::string field = fmt::format("cut_planes[{}]", i);
+    expect_finite(field + ".normal", planes[i].normal);
+    if (planes[i].normal == Vec3{}) throw BadArgument(field + ".normal", "any length but 0", "0");
+    expect_finite(field + ".offset", planes[i].offset);
+    const double distance = planes[i].offset / std::hypot(planes[i].normal.x, planes[i].normal.y, planes[i].normal.z);
+    if (!(std::abs(distance) < kOffsetLimit)) {
+      throw BadArgument(field + ".offset", fmt::format("a plane within {} voxels of the origin", kOffsetLimit),
+                        fmt::format("{} voxels", distance));
+    }
+  }
+}
+
+// Three axes at right angles in physical space.
+struct Axes {
+  Vec3 forward, right, up;
+};
+
+Axes physical_axes(const View& view, Vec3 spacing) {
+  const Vec3 forward = unit(times(spacing, view.look_at - view.eye));
+  const Vec3 right = unit(cross(forward, unit(times(spacing, view.up))));
+  return {forward, right, cross(right, forward)};
+}
+
+std::uint32_t to_register(double value, int fraction_bits) {
+  return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(std::ldexp(value, fraction_bits))));
+}
+
+}  // namespace
+
+void check(const View& view) {
+  check_directions(view);
+  check_projection(view);
+  check_image(view);
+  expect_within("step", view.step, kShortestStep, kLongestStep);
+  expect_within("opacity_threshold", view.opacity_threshold, 0, 1);
+  check_cut_planes(view.cut_planes);
+  expect_within("exposure", view.exposure, 0, std::numeric_limits<double>::max());
+  expect_within("lifetime", view.lifetime, 0, wire::kLifetimeMax);
+}
+
+wire::RenderCommand viewing_command(const View& view, Vec3 relative_spacing) {
+  const bool orthographic = view.orthographic_height > 0;
+  const Axes axes = physical_axes(view, relative_spacing);
+  const double image_height =
+      orthographic ? view.orthographic_height : 2 * std::tan(view.fov_degrees * std::numbers::pi / 360);
+  const double pixel = image_height / view.height;
+  // From the image's middle to its top left corner.
+  const Vec3 corner = (-0.5 * view.width * pixel) * axes.right + (0.5 * view.height * pixel) * axes.up;
+  const Vec3 forward = orthographic ? axes.forward : axes.forward + corner;
+  const Vec3 to_origin = orthographic ? corner : Vec3{};
+
+  wire::RenderCommand command;
+  command.width = static_cast<std::uint16_t>(view.width);
+  command.height = static_cast<std::uint16_t>(view.height);
+  command.projection = orthographic ? wire::Projection::kOrthographic : wire::Projection::kPerspective;
+  command.samples_per_axis = static_cast<std::uint8_t>(view.samples_per_axis);
+  command.filter = view.filter == PixelFilter::kTent ? wire::Filter::kTent : wire::Filter::kBox;
+  command.origin = to_array(view.eye + over(to_origin, relative_spacing));
+  command.forward = to_array(over(forward, relative_spacing));
+  command.du = to_array(over(pixel * axes.right, relative_spacing));
+  command.dv = to_array(over(-pixel * axes.up, relative_spacing));
+  return command;
+}
+
+Vec3 towards_eye(const View& view, Vec3 relative_spacing) {
+  return unit(times(relative_spacing, view.eye - view.look_at));
+}
+
+std::array<std::uint32_t, 4> cut_plane_words(const CutPlane& plane) {
+  const Vec3 normal = unit(plane.normal);
+  const double size = std::hypot(plane.normal.x, plane.normal.y, plane.normal.z);
+  return {to_register(normal.x, wire::kDirectionFractionBits), to_register(normal.y, wire::kDirectionFractionBits),
+          to_register(normal.z, wire::kDirectionFractionBits),
+          to_register(plane.offset / size, wire::kCutOffsetFractionBits)};
+}
+
+}  // namespace gicube

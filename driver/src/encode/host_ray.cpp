@@ -1,0 +1,231 @@
+#include "encode/host_ray.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "gicube/wire/registers.h"
+#include "gicube/wire/voxel.h"
+#include "encode/argument.h"
+
+namespace gicube {
+namespace {
+
+constexpr std::array<char, 3> kAxisNames{'x', 'y', 'z'};
+constexpr double kPositionOne = wire::kVoxel;
+constexpr double kDirectionOne = 1 << wire::kDirectionFractionBits;
+constexpr double kLengthOne = 65536;
+constexpr double kMostLength = wire::kMostLength / kLengthOne;
+constexpr int kEnergyFractionBits = 12;
+
+std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
+
+bool is_segment(RayType type) {
+  return type == RayType::kSegment || type == RayType::kOpacity || type == RayType::kIntegral ||
+         type == RayType::kBackproject;
+}
+
+bool has_threshold(RayType type) {
+  return type == RayType::kFirstHit || type == RayType::kSegment || type == RayType::kOpacity;
+}
+
+bool leaves_sums(const RaySetup& setup) {
+  return setup.request.type == RayType::kBackproject && setup.request.words == SumWords::kSums;
+}
+
+// As many bits as a ray's energy has [P §4.2].
+double most_energy(const RaySetup& setup) {
+  const int bits = setup.wide ? 24 : setup.request.albedo == Albedo::kHigh ? 4 : 8;
+  return std::ldexp(1, bits) - 1;
+}
+
+void check_position(Vec3 at, const char* what, std::size_t index, const char* field, Dims dims) {
+  const std::array<double, 3> position = to_array(at);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double last = dims[axis] - 1;
+    if (position[axis] >= 0 && position[axis] <= last) continue;  // the name is made only when it is needed
+    expect_within(fmt::format("{}[{}].{}.{}", what, index, field, kAxisNames[axis]), position[axis], 0, last);
+  }
+}
+
+void check_direction(const HostRay& ray, std::size_t index) {
+  const std::array<double, 3> direction = to_array(ray.direction);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (std::isfinite(direction[axis])) continue;
+    expect_finite(fmt::format("rays[{}].direction.{}", index, kAxisNames[axis]), direction[axis]);
+  }
+  if (ray.direction == Vec3{}) throw BadArgument(fmt::format("rays[{}].direction", index), "any length but 0", "0");
+}
+
+std::uint64_t length_word(const HostRay& ray) {
+  return static_cast<std::uint64_t>(std::llround(ray.length * kLengthOne));
+}
+
+std::uint64_t colour_word(const HostRay& ray, const RaySetup& setup) {
+  if (is_segment(setup.request.type)) return length_word(ray);
+  if (setup.request.type != RayType::kDeposit) return 0;
+  return static_cast<std::uint64_t>(std::llround(std::ldexp(ray.energy / setup.energy_unit, kEnergyFractionBits)));
+}
+
+// The usual length needs no care for squares that over- or underflow.
+Vec3 direction_of(Vec3 v) {
+  const double square = dot(v, v);
+  if (!(square > 1e-100 && square < 1e100)) return unit(v);
+  return (1 / std::sqrt(square)) * v;
+}
+
+// Physical length of a step; 0 of a ray of no length.
+double length_of_a_step(const HostRay& ray, const RaySetup& setup) {
+  const std::uint32_t steps = wire::steps_of(static_cast<std::uint32_t>(length_word(ray)), step_word(setup.sampling));
+  if (steps == 0) return 0;
+  const Vec3 along = direction_of(ray.direction);
+  const Vec3 physical{along.x * setup.spacing.x, along.y * setup.spacing.y, along.z * setup.spacing.z};
+  return ray.length / steps * std::sqrt(dot(physical, physical));
+}
+
+// What a backprojecting ray's step leaves, in units of its field in the packet.
+double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
+  const double units = ray.energy * length_of_a_step(ray, setup) / setup.energy_unit;
+  return leaves_sums(setup) ? units : std::ldexp(units, wire::kAmountFractionBits);
+}
+
+void check_energy_of_a_step(const HostRay& ray, std::size_t index, const RaySetup& setup) {
+  if (!std::isfinite(ray.energy)) expect_finite(fmt::format("rays[{}].energy", index), ray.energy);
+  const double units = units_of_a_step(ray, setup), least = leaves_sums(setup) ? -wire::kMostAmount : 0;
+  if (units >= least && units <= wire::kMostAmount) return;
+  const double one = ray.energy / units;
+  expect_within(fmt::format("rays[{}].energy", index), ray.energy, least * one, wire::kMostAmount * one);
+}
+
+}  // namespace
+
+HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to) {
+  const Vec3 way = to - from;
+  return {.id = id, .position = from, .direction = way == Vec3{} ? Vec3{0, 0, 1} : way, .length = length(way)};
+}
+
+std::uint32_t step_word(const View& view) {
+  return static_cast<std::uint32_t>(std::lround(view.step * wire::kStepOne));
+}
+
+void check(const RayRequest& request) {
+  if (request.type < RayType::kIntegrate || request.type > RayType::kBackproject) {
+    throw BadArgument("request.type", "one of RayType's", std::to_string(static_cast<int>(request.type)));
+  }
+  if (has_threshold(request.type) && !(request.opacity > 0 && request.opacity <= 1)) {
+    throw BadArgument("request.opacity", "more than 0, at most 1", number_text(request.opacity));
+  }
+  constexpr double kOne = wire::kStepOne;
+  if (request.step != 0) expect_within("request.step", request.step, wire::kStepMin / kOne, wire::kStepMax / kOne);
+  if (request.words != SumWords::kIrradiance && request.words != SumWords::kSums) {
+    throw BadArgument("request.words", "one of SumWords'", std::to_string(static_cast<int>(request.words)));
+  }
+  if (request.type == RayType::kDeposit) expect_within("request.lifetime", request.lifetime, 0, wire::kLifetimeMax);
+}
+
+void check(const HostRay& ray, std::size_t index, const RaySetup& setup) {
+  check_position(ray.position, "rays", index, "position", setup.dims);
+  check_direction(ray, index);
+  if (is_segment(setup.request.type) && !(ray.length >= 0 && ray.length <= kMostLength)) {
+    expect_within(fmt::format("rays[{}].length", index), ray.length, 0, kMostLength);
+  }
+  if (setup.request.type == RayType::kBackproject) check_energy_of_a_step(ray, index, setup);
+  if (setup.request.type != RayType::kDeposit) return;
+  const double least = std::ldexp(setup.energy_unit, -kEnergyFractionBits);
+  const double most = most_energy(setup) * setup.energy_unit;
+  if (!(ray.energy >= least && ray.energy <= most)) {
+    expect_within(fmt::format("rays[{}].energy", index), ray.energy, least, most);
+  }
+}
+
+void check(const Polyline& line, std::size_t index, Dims dims) {
+  if (line.points.size() < 2) {
+    throw BadArgument(fmt::format("lines[{}].points", index), "at least 2", std::to_string(line.points.size()));
+  }
+  for (std::size_t i = 0; i < line.points.size(); ++i) {
+    check_position(line.points[i], "lines", index, fmt::format("points[{}]", i).c_str(), dims);
+  }
+}
+
+std::uint32_t opacity_word(double opacity) {
+  return std::max(1u, static_cast<std::uint32_t>(std::lround(opacity * wire::kOpacityOne)));
+}
+
+wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays) {
+  wire::TraceHeader header;
+  header.count = static_cast<std::uint32_t>(rays);
+  header.type = static_cast<wire::RayType>(request.type);
+  if (has_threshold(request.type)) header.opacity = opacity_word(request.opacity);
+  if (request.type == RayType::kBackproject) {
+    header.words = request.words == SumWords::kSums ? wire::SumWords::kWhole : wire::SumWords::kIrradiance;
+  }
+  if (request.type != RayType::kDeposit) return header;
+  header.albedo = request.albedo == Albedo::kHigh ? wire::Albedo::kHigh : wire::Albedo::kLow;
+  header.rules =
+      request.rules == EnergyRules::kConserving ? wire::EnergyRules::kConserving : wire::EnergyRules::kAsPrinted;
+  return header;
+}
+
+wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
+  const std::array<double, 3> position = to_array(ray.position), direction = to_array(direction_of(ray.direction));
+  wire::Ray packet;
+  packet.set_host_id(ray.id);
+  packet.flags = wire::kHostRay;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    packet.position[axis] = wire::to_nearest(position[axis] * kPositionOne);
+    const double d = direction[axis] * kDirectionOne;
+    const auto size = static_cast<std::int16_t>(wire::to_nearest(d < 0 ? -d : d));
+    packet.direction[axis] = static_cast<std::int16_t>(d < 0 ? -size : size);
+  }
+  if (setup.request.type == RayType::kIntegrate || setup.request.type == RayType::kFirstHit) return packet;
+  packet.set_colour_word(colour_word(ray, setup));
+  if (setup.request.type == RayType::kBackproject) {
+    packet.opacity = static_cast<std::uint32_t>(std::llround(units_of_a_step(ray, setup))) & wire::kOpacityOne;
+  }
+  if (setup.request.type != RayType::kDeposit) return packet;
+  packet.flags |= wire::kLightingRay;
+  if (setup.request.albedo == Albedo::kHigh) packet.flags |= wire::kHighAlbedo;
+  packet.lifetime = static_cast<std::uint16_t>(setup.request.lifetime);
+  return packet;
+}
+
+double integral_unit(const HostRay& ray, const RaySetup& setup) {
+  constexpr double kDensitySteps = 8.0 * wire::kDensityMax;  // of a sample's 12.3 bits over the value range
+  return (setup.range.high - setup.range.low) / kDensitySteps * length_of_a_step(ray, setup);
+}
+
+std::uint64_t most_moved(const wire::Ray& packet, const RaySetup& setup) {
+  if (!leaves_sums(setup)) return 0;
+  const auto size = static_cast<std::uint32_t>(std::abs(wire::sign_extend(packet.opacity, 24)));
+  return wire::most_moved(size, static_cast<std::uint32_t>(packet.colour_word()), step_word(setup.sampling));
+}
+
+TracedRay integral_from_wire(const wire::Ray& ray, double unit) {
+  TracedRay traced = from_wire(ray);
+  traced.integral = static_cast<double>(ray.colour_word()) * unit;
+  traced.colour = {};
+  return traced;
+}
+
+TracedRay from_wire(const wire::Ray& ray) {
+  TracedRay traced;
+  traced.id = ray.host_id();
+  traced.position = {ray.position[0] / kPositionOne, ray.position[1] / kPositionOne, ray.position[2] / kPositionOne};
+  traced.direction = {ray.direction[0] / kDirectionOne, ray.direction[1] / kDirectionOne,
+                      ray.direction[2] / kDirectionOne};
+  for (std::size_t c = 0; c < 3; ++c) traced.colour[c] = ray.colour[c] / double{wire::kColourOne};
+  traced.opacity = ray.opacity / double{wire::kOpacityOne};
+  return traced;
+}
+
+void add_up(std::span<TracedRay> legs) {
+  for (std::size_t i = 1; i < legs.size(); ++i) {
+    const double seen = 1 - legs[i - 1].opacity;
+    for (std::size_t c = 0; c < 3; ++c) legs[i].colour[c] = legs[i - 1].colour[c] + seen * legs[i].colour[c];
+    legs[i].opacity = legs[i - 1].opacity + seen * legs[i].opacity;
+  }
+}
+
+}  // namespace gicube

@@ -1,0 +1,218 @@
+#include "encode/lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "gicube/wire/ray.h"
+#include "encode/argument.h"
+
+namespace gicube {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSmallest = 1e-12;  // of areas and lengths, smallest voxel edges
+
+std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
+
+Vec3 scaled(Vec3 a, Vec3 by) { return {a.x * by.x, a.y * by.y, a.z * by.z}; }
+
+double smallest_cell(const LitBox& box) {
+  const auto [a, b, c] = box.spacing;
+  return std::max({a * b, b * c, c * a});
+}
+
+// From a physical point to the nearest point of the box's surface.
+double distance_to_faces(Vec3 at, const LitBox& box) {
+  const auto p = to_array(at), e = to_array(box.extent);
+  double outside = 0, inside = std::numeric_limits<double>::infinity();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double beyond = std::max({-p[axis], p[axis] - e[axis], 0.0});
+    outside += beyond * beyond;
+    inside = std::min({inside, std::abs(p[axis]), std::abs(e[axis] - p[axis])});
+  }
+  return outside > 0 ? std::sqrt(outside) : inside;
+}
+
+double distance_to_middle(Vec3 at, const LitBox& box) {
+  const double least = 0.25 * std::min({box.extent.x, box.extent.y, box.extent.z});
+  return std::max(length(at - 0.5 * box.extent), least);
+}
+
+// Points that stand for the whole light; a point light has one.
+std::vector<Vec3> places(const Light& light, const LitBox& box) {
+  if (const auto* point = std::get_if<PointLight>(&light)) return {scaled(point->position, box.spacing)};
+  std::vector<Vec3> out;
+  if (const auto* area = std::get_if<RectangleLight>(&light)) {
+    constexpr int kSteps = 16;
+    const Vec3 corner = scaled(area->corner, box.spacing);
+    for (int i = 0; i <= kSteps; ++i) {
+      for (int j = 0; j <= kSteps; ++j) {
+        out.push_back(corner + (1.0 * i / kSteps) * area->edge_u + (1.0 * j / kSteps) * area->edge_v);
+      }
+    }
+  }
+  if (const auto* sphere = std::get_if<SphereLight>(&light)) {
+    const Vec3 centre = scaled(sphere->centre, box.spacing);
+    for (const double side : {-1.0, 1.0}) {
+      out.push_back(centre + Vec3{side * sphere->radius, 0, 0});
+      out.push_back(centre + Vec3{0, side * sphere->radius, 0});
+      out.push_back(centre + Vec3{0, 0, side * sphere->radius});
+    }
+  }
+  return out;
+}
+
+double power_of(const Light& light) {
+  return std::visit(
+      [](const auto& it) {
+        if constexpr (requires { it.irradiance; }) {
+          return it.irradiance;
+        } else {
+          return it.power;
+        }
+      },
+      light);
+}
+
+bool is_point(const Light& light) { return std::holds_alternative<PointLight>(light); }
+
+void expect_positive(const std::string& field, double value) {
+  expect_within(field, value, std::numeric_limits<double>::min(), std::numeric_limits<double>::max());
+}
+
+}  // namespace
+
+void check(const Material& material) {
+  expect_within("material.scattering", material.scattering, 0, 1);
+  expect_within("material.gloss", material.gloss, 0, 15.99);
+  if (material.bsdf < Bsdf::kNone || material.bsdf > Bsdf::kTrap) {
+    throw BadArgument("material.bsdf", "one of Bsdf", std::to_string(static_cast<int>(material.bsdf)));
+  }
+  if (material.routine < 0 || material.routine > kHostRoutine) {
+    throw BadArgument("material.routine", "0..255", std::to_string(material.routine));
+  }
+  if (material.parameters.size() > wire::kMaterialParameters) {
+    throw BadArgument("material.parameters", "at most 32", std::to_string(material.parameters.size()));
+  }
+  for (const float value : material.parameters) expect_finite("material.parameters", value);
+}
+
+void check(const Light& light, std::size_t index) {
+  const std::string name = "lights[" + std::to_string(index) + "].";
+  expect_positive(name + (std::holds_alternative<DirectionalLight>(light) ? "irradiance" : "power"), power_of(light));
+  if (const auto* point = std::get_if<PointLight>(&light)) expect_finite(name + "position", point->position);
+  if (const auto* sun = std::get_if<DirectionalLight>(&light)) {
+    expect_finite(name + "towards", sun->towards);
+    if (unit(sun->towards) == Vec3{}) throw BadArgument(name + "towards", "a direction", "the zero vector");
+  }
+  if (const auto* area = std::get_if<RectangleLight>(&light)) {
+    expect_finite(name + "corner", area->corner);
+    expect_finite(name + "edge_u", area->edge_u);
+    expect_finite(name + "edge_v", area->edge_v);
+    if (length(cross(area->edge_u, area->edge_v)) < kSmallest) {
+      throw BadArgument(name + "edge_u x edge_v", "a rectangle with an area", "none");
+    }
+  }
+  if (const auto* sphere = std::get_if<SphereLight>(&light)) {
+    expect_finite(name + "centre", sphere->centre);
+    expect_positive(name + "radius", sphere->radius);
+  }
+}
+
+void check(const Illumination& settings) {
+  expect_within("rays_per_face_voxel", settings.rays_per_face_voxel, 1, wire::kMostRaysPerVoxel);
+  expect_within("step", settings.step, 1.0 / 64, 16);
+  expect_within("lifetime", settings.lifetime, 0, wire::kLifetimeMax);
+}
+
+wire::Material material_record(const Material& material) {
+  wire::Material out;
+  out.bsdf = static_cast<wire::Bsdf>(material.bsdf);
+  if (material.seen_through_scattering) out.flags |= wire::kScattersRenderingRays;
+  if (material.surface) out.flags |= wire::kTrapAtSurface;
+  out.scattering = static_cast<std::uint16_t>(std::lround(material.scattering * wire::kScatteringOne));
+  out.gloss = static_cast<std::uint16_t>(std::lround(material.gloss * (1 << wire::kGlossFractionBits)));
+  out.routine = static_cast<std::uint8_t>(material.routine);
+  out.parameter_count = static_cast<std::uint8_t>(material.parameters.size());
+  std::copy(material.parameters.begin(), material.parameters.end(), out.parameters.begin());
+  return out;
+}
+
+RayEnergy most_energy(const Light& light, const Illumination& settings, const LitBox& box) {
+  const double cell = smallest_cell(box), power = power_of(light), k = settings.rays_per_face_voxel;
+  double to_cell = 0;  // share of the power that the nearest cell gets
+  if (std::holds_alternative<DirectionalLight>(light)) {
+    to_cell = cell;
+  } else {
+    for (const Vec3 place : places(light, box)) {
+      const double r = distance_to_faces(place, box),
+                   solid_angle = std::min(cell / std::max(r * r, kSmallest), 2 * kPi);
+      const bool printed = is_point(light) && settings.rules == EnergyRules::kAsPrinted;
+      const double share = solid_angle / (is_point(light) && !printed ? 4 * kPi : kPi);
+      to_cell = std::max(to_cell, share);
+    }
+  }
+  return {power * to_cell / k, power * to_cell};
+}
+
+double flux_in_the_middle(const Light& light, const Illumination& settings, const LitBox& box) {
+  const double power = power_of(light);
+  if (std::holds_alternative<DirectionalLight>(light)) return power;
+  if (const auto* area = std::get_if<RectangleLight>(&light)) {
+    const Vec3 centre = scaled(area->corner, box.spacing) + 0.5 * (area->edge_u + area->edge_v);
+    const Vec3 to = 0.5 * box.extent - centre;
+    const double r = distance_to_middle(centre, box), away = length(to);
+    const double facing = away > 0 ? dot(normalise(cross(area->edge_u, area->edge_v)), to) / away : 1;
+    return power * std::max(facing, 0.1) / (kPi * r * r);
+  }
+  const Vec3 centre = is_point(light) ? scaled(std::get<PointLight>(light).position, box.spacing)
+                                      : scaled(std::get<SphereLight>(light).centre, box.spacing);
+  const double r = distance_to_middle(centre, box);
+  const bool printed = is_point(light) && settings.rules == EnergyRules::kAsPrinted;
+  return power / ((printed ? 1 : 4) * kPi * r * r);
+}
+
+double energy_unit(std::span<const Light> lights, const Illumination& settings, const LitBox& box, bool wide) {
+  const double full = wide ? 16'777'215.0 : settings.albedo == Albedo::kHigh ? 15 : 255;
+  const double saturated = wide ? 4'294'967'295.0 : 2047;
+  double ray = 0, voxel = 0;
+  for (const Light& light : lights) {
+    const RayEnergy most = most_energy(light, settings, box);
+    ray = std::max(ray, most.ray);
+    voxel += most.voxel;
+  }
+  return std::max(ray / full, 2 * voxel / saturated);
+}
+
+wire::IlluminateCommand light_command(const Light& light, const Illumination& settings, double unit) {
+  wire::IlluminateCommand command;
+  command.albedo = settings.albedo == Albedo::kHigh ? wire::Albedo::kHigh : wire::Albedo::kLow;
+  command.rules =
+      settings.rules == EnergyRules::kAsPrinted ? wire::EnergyRules::kAsPrinted : wire::EnergyRules::kConserving;
+  command.rays_per_voxel = static_cast<std::uint32_t>(settings.rays_per_face_voxel);
+  command.count = command.rays_per_voxel;
+  command.energy = power_of(light) / unit;
+  if (const auto* point = std::get_if<PointLight>(&light)) {
+    command.kind = wire::LightKind::kPoint;
+    command.position = to_array(point->position);
+  } else if (const auto* sun = std::get_if<DirectionalLight>(&light)) {
+    command.kind = wire::LightKind::kDirectional;
+    command.u = to_array(gicube::unit(sun->towards));
+  } else if (const auto* area = std::get_if<RectangleLight>(&light)) {
+    command.kind = wire::LightKind::kRectangle;
+    command.position = to_array(area->corner);
+    command.u = to_array(area->edge_u);
+    command.v = to_array(area->edge_v);
+  } else {
+    const auto& sphere = std::get<SphereLight>(light);
+    command.kind = wire::LightKind::kSphere;
+    command.position = to_array(sphere.centre);
+    command.u = {sphere.radius, 0, 0};
+  }
+  return command;
+}
+
+}  // namespace gicube

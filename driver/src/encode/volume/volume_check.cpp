@@ -1,0 +1,140 @@
+#include "encode/volume/volume_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "gicube/wire/registers.h"
+#include "gicube/wire/voxel.h"
+#include "encode/argument.h"
+#include "encode/volume/samples.h"
+
+namespace gicube {
+namespace {
+
+constexpr unsigned kSpacingRatio = wire::kSpacingMax / wire::kSpacingOne;
+constexpr double kLargest = 1e300;  // chosen: 4095 times any difference is still finite
+
+const char* type_name(SampleType type) {
+  switch (type) {
+    case SampleType::kUint8: return "uint8";
+    case SampleType::kUint12: return "uint12";
+    case SampleType::kUint16: return "uint16";
+    case SampleType::kInt16: return "int16";
+    case SampleType::kFloat32: return "float32";
+  }
+  return nullptr;
+}
+
+std::string at_voxel(const char* field, std::size_t index, Dims dims) {
+  const auto nx = static_cast<std::size_t>(dims[0]), ny = static_cast<std::size_t>(dims[1]);
+  return fmt::format("{} at voxel ({}, {}, {})", field, index % nx, index / nx % ny, index / nx / ny);
+}
+
+void check_sizes(const VolumeView& view, int max_volume_voxels) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    expect_within(fmt::format("dims[{}]", axis), view.dims[axis], 2, max_volume_voxels);
+  }
+  if (type_name(view.type) == nullptr) {
+    throw BadArgument("type", "a SampleType", fmt::format("{}", static_cast<int>(view.type)));
+  }
+  const std::size_t count = voxel_count(view.dims), bytes = count * bytes_per_sample(view.type);
+  if (view.samples.size() != bytes) {
+    throw BadArgument("samples",
+                      fmt::format("{} bytes ({} x {} x {} of {})", bytes, view.dims[0], view.dims[1], view.dims[2],
+                                  type_name(view.type)),
+                      fmt::format("{}", view.samples.size()));
+  }
+  if (!view.gradients.empty() && view.gradients.size() != 3 * count) {
+    throw BadArgument("gradients", fmt::format("none or {} floats, 3 a voxel", 3 * count),
+                      fmt::format("{}", view.gradients.size()));
+  }
+  if (!view.tags.empty() && view.tags.size() != count) {
+    throw BadArgument("tags", fmt::format("none or {}, one a voxel", count), fmt::format("{}", view.tags.size()));
+  }
+}
+
+void check_spacing(Vec3 spacing) {
+  struct Axis {
+    const char* field;
+    double edge;
+  };
+  const std::array<Axis, 3> axes{Axis{"spacing.x", spacing.x}, {"spacing.y", spacing.y}, {"spacing.z", spacing.z}};
+  for (const auto& [field, edge] : axes) {
+    if (!(edge > 0) || !std::isfinite(edge)) throw BadArgument(field, "a finite length above 0", number_text(edge));
+  }
+  const double smallest = std::min({spacing.x, spacing.y, spacing.z});
+  for (const auto& [field, edge] : axes) {
+    if (edge / smallest <= kSpacingRatio) continue;
+    throw BadArgument(field, fmt::format("at most {} times the smallest edge {}", kSpacingRatio, smallest),
+                      number_text(edge));
+  }
+}
+
+void check_range(ValueRange range) {
+  expect_within("range.low", range.low, -kLargest, kLargest);
+  expect_within("range.high", range.high, -kLargest, kLargest);
+  if (!(range.low < range.high)) {
+    throw BadArgument("range.high", fmt::format("above range.low, {}", range.low), number_text(range.high));
+  }
+}
+
+void check_samples(const VolumeView& view) {
+  const std::size_t count = voxel_count(view.dims);
+  if (view.type == SampleType::kUint12) {
+    const Samples<std::uint16_t> samples(view);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (samples[i] > wire::kDensityMax)
+        expect_within(at_voxel("samples", i, view.dims), samples[i], 0, wire::kDensityMax);
+    }
+  }
+  if (view.type == SampleType::kFloat32) {
+    const Samples<float> samples(view);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!std::isfinite(samples[i])) expect_finite(at_voxel("samples", i, view.dims), samples[i]);
+    }
+  }
+  for (std::size_t i = 0; i < view.gradients.size(); ++i) {
+    if (!std::isfinite(view.gradients[i])) expect_finite(at_voxel("gradients", i / 3, view.dims), view.gradients[i]);
+  }
+  for (std::size_t i = 0; i < view.tags.size(); ++i) {
+    if (view.tags[i] >= wire::kTags) expect_within(at_voxel("tags", i, view.dims), view.tags[i], 0, wire::kTags - 1);
+  }
+}
+
+}  // namespace
+
+void check_volume(const VolumeView& view, int max_volume_voxels) {
+  check_sizes(view, max_volume_voxels);
+  check_spacing(view.spacing);
+  if (view.range) check_range(*view.range);
+  check_samples(view);
+}
+
+ValueRange resolve_range(const VolumeView& view) {
+  if (view.range) return *view.range;
+  if (view.type == SampleType::kUint8) return {0, 255};
+  if (view.type == SampleType::kUint12) return {0, wire::kDensityMax};
+  return with_samples(view, [count = voxel_count(view.dims)](auto samples) {
+    auto low = samples[0], high = samples[0];
+    for (std::size_t i = 1; i < count; ++i) {
+      const auto value = samples[i];
+      low = value < low ? value : low;
+      high = value > high ? value : high;
+    }
+    if (low < high) return ValueRange{static_cast<double>(low), static_cast<double>(high)};
+    const double value = low;
+    // Beyond 2^53 adding one changes nothing: the next number up has to do.
+    return ValueRange{value, std::max(value + 1, std::nextafter(value, std::numeric_limits<double>::infinity()))};
+  });
+}
+
+Vec3 relative_spacing(Vec3 spacing) {
+  const double smallest = std::min({spacing.x, spacing.y, spacing.z});
+  return {spacing.x / smallest, spacing.y / smallest, spacing.z / smallest};
+}
+
+}  // namespace gicube

@@ -1,0 +1,109 @@
+#include "encode/volume/voxel_blocks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "gicube/error.h"
+#include "gicube/wire/voxel.h"
+#include "encode/volume/samples.h"
+
+namespace gicube {
+namespace {
+
+void check_count(const char* field, std::size_t expected, std::size_t got) {
+  if (got != expected) throw BadArgument(field, fmt::format("{}, one a voxel", expected), fmt::format("{}", got));
+}
+
+}  // namespace
+
+VoxelBlocks::VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densities,
+                         std::span<const std::uint16_t> codes, std::span<const std::uint8_t> tags)
+    : dims_(dims), n_(n), densities_(densities), codes_(codes), tags_(tags) {
+  if (n < 2 || n % 2 != 0) throw BadArgument("block_voxels", "an even number of at least 2", fmt::format("{}", n));
+  check_count("densities", voxel_count(dims), densities.size());
+  if (!codes.empty()) check_count("codes", voxel_count(dims), codes.size());
+  if (!tags.empty()) check_count("tags", voxel_count(dims), tags.size());
+  for (std::size_t axis = 0; axis < 3; ++axis) blocks_[axis] = (dims[axis] + n - 1) / n;
+  statistics_.resize(voxel_count(blocks_));
+  stored_.resize(statistics_.size());
+  for (std::size_t block = 0; block < statistics_.size(); ++block) {
+    const Region touched = region(block, 1);
+    statistics_[block] = find_statistics(touched);
+    const BlockStatistics& found = statistics_[block];
+    stored_[block] = found.max_density != 0 || found.tags != 1 || has_gradient(touched);
+  }
+}
+
+VoxelBlocks::Region VoxelBlocks::region(std::size_t block, int overlap) const {
+  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
+  const std::array<std::size_t, 3> index{block % nx, block / nx % ny, block / nx / ny};
+  Region region{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    region.begin[axis] = index[axis] * static_cast<std::size_t>(n_);
+    region.end[axis] =
+        std::min(region.begin[axis] + static_cast<std::size_t>(n_ + overlap), static_cast<std::size_t>(dims_[axis]));
+  }
+  return region;
+}
+
+std::size_t VoxelBlocks::row(std::size_t y, std::size_t z) const {
+  return (z * static_cast<std::size_t>(dims_[1]) + y) * static_cast<std::size_t>(dims_[0]);
+}
+
+BlockStatistics VoxelBlocks::find_statistics(const Region& region) const {
+  // 12 bits fit in a signed word, whose minimum and maximum are single instructions on every x86-64.
+  std::int16_t least = wire::kDensityMax, greatest = 0;
+  unsigned tags = tags_.empty() ? 1 : 0;
+  for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
+    for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
+      const std::size_t begin = row(y, z) + region.begin[0], end = row(y, z) + region.end[0];
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto density = static_cast<std::int16_t>(densities_[i]);
+        least = std::min(least, density);
+        greatest = std::max(greatest, density);
+      }
+      for (std::size_t i = begin; !tags_.empty() && i < end; ++i) tags |= 1u << tags_[i];
+    }
+  }
+  return {static_cast<std::uint16_t>(least), static_cast<std::uint16_t>(greatest), static_cast<std::uint8_t>(tags)};
+}
+
+// A Sobel gradient reaches one voxel further than the values that it comes from.
+bool VoxelBlocks::has_gradient(const Region& region) const {
+  if (codes_.empty()) return false;
+  for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
+    for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
+      const auto codes = codes_.subspan(row(y, z) + region.begin[0], region.end[0] - region.begin[0]);
+      if (std::any_of(codes.begin(), codes.end(), [](std::uint16_t code) { return code != wire::kNoGradient; }))
+        return true;
+    }
+  }
+  return false;
+}
+
+std::uint64_t VoxelBlocks::word(std::size_t voxel) const {
+  const std::uint8_t tag = tags_.empty() ? std::uint8_t{0} : tags_[voxel];
+  const std::uint16_t code = codes_.empty() ? std::uint16_t{wire::kNoGradient} : codes_[voxel];
+  return wire::to_word(wire::Voxel{densities_[voxel], code, tag, 0});
+}
+
+void VoxelBlocks::pack(std::size_t block, std::vector<std::uint8_t>& out) const {
+  const auto n = static_cast<std::size_t>(n_);
+  out.assign(wire::packed36_bytes(n * n * n), 0);
+  const Region inside = region(block, 0);
+  for (std::size_t z = inside.begin[2]; z < inside.end[2]; ++z) {
+    for (std::size_t y = inside.begin[1]; y < inside.end[1]; ++y) {
+      // n is even, so a row begins on a whole byte, and its voxels travel in pairs of nine bytes.
+      std::size_t at = ((z - inside.begin[2]) * n + (y - inside.begin[1])) * n / 2 * 9;
+      const std::size_t end = row(y, z) + inside.end[0];
+      for (std::size_t i = row(y, z) + inside.begin[0]; i < end; i += 2, at += 9) {
+        const std::uint64_t first = word(i), second = i + 1 < end ? word(i + 1) : 0;
+        wire::store(std::span(out), at, first | second << wire::kVoxelBits);
+        out[at + 8] = static_cast<std::uint8_t>(second >> (64 - wire::kVoxelBits));
+      }
+    }
+  }
+}
+
+}  // namespace gicube

@@ -1,0 +1,183 @@
+#include "uri.h"
+
+#include <charconv>
+#include <optional>
+#include <set>
+#include <span>
+
+#include "gicube/error.h"
+
+namespace gicube {
+namespace {
+
+constexpr std::string_view kFidelities[] = {"functional", "approximate", "cycle"};
+constexpr std::string_view kPaces[] = {"as_fast_as_possible", "realtime"};
+constexpr std::string_view kBuses[] = {"pci33", "agp1x", "agp2x", "agp4x"};
+constexpr unsigned kMaxThreads = 1024;  // chosen: beyond any machine, so a slip of the pen is told from a wish
+
+std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
+
+std::optional<unsigned> hex_digit(char c) {
+  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
+  if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
+  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
+  return std::nullopt;
+}
+
+std::string percent_decode(std::string_view text, const std::string& field) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      if (text[i] == '\0') throw BadArgument(field, "text without zero bytes", "one at " + std::to_string(i));
+      decoded += text[i];
+      continue;
+    }
+    const auto high = i + 2 < text.size() ? hex_digit(text[i + 1]) : std::nullopt;
+    const auto low = i + 2 < text.size() ? hex_digit(text[i + 2]) : std::nullopt;
+    if (!high || !low) throw BadArgument(field, "two hexadecimal digits after each %", in_quotes(text));
+    if (*high == 0 && *low == 0) throw BadArgument(field, "no %00", in_quotes(text));
+    decoded += static_cast<char>(*high * 16 + *low);
+    i += 2;
+  }
+  return decoded;
+}
+
+template <typename Number>
+std::optional<Number> parse_number(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+void check_choice(const std::string& field, std::string_view value, std::span<const std::string_view> choices) {
+  std::string expected;
+  for (const std::string_view choice : choices) {
+    if (value == choice) return;
+    expected += (expected.empty() ? "" : ", ") + std::string(choice);
+  }
+  throw BadArgument(field, "one of " + expected, in_quotes(value));
+}
+
+unsigned parse_threads(const std::string& value) {
+  const auto threads = parse_number<unsigned>(value);
+  if (!threads || *threads > kMaxThreads) {
+    throw BadArgument("URI option threads", "a number from 0 to " + std::to_string(kMaxThreads), in_quotes(value));
+  }
+  return *threads;
+}
+
+// "path.to.field=value"; which fields there are is the board's to say.
+void check_set(const std::string& value) {
+  const std::size_t equals = value.find('=');
+  if (equals == 0 || equals == std::string::npos || equals + 1 == value.size()) {
+    throw BadArgument("URI option set", "path.to.field=value", in_quotes(value));
+  }
+}
+
+void take_option(const std::string& name, const std::string& value, Uri& uri) {
+  const std::string field = "URI option " + name;
+  if (name == "fidelity") {
+    check_choice(field, value, kFidelities);
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "fidelity=" + value});
+  } else if (name == "bus") {
+    check_choice(field, value, kBuses);
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "bus.model=" + value});
+  } else if (name == "pace") {
+    check_choice(field, value, kPaces);
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "pace=" + value});
+  } else if (name == "threads") {
+    uri.threads = parse_threads(value);
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "threads=" + std::to_string(uri.threads)});
+  } else if (name == "config") {
+    if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--config", value});
+  } else if (name == "set") {
+    check_set(value);
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", value});
+  } else if (name == "capture") {
+    if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
+    uri.capture = value;
+  } else if (name == "bsdf") {
+    if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
+    uri.board_arguments.insert(uri.board_arguments.end(), {"--bsdf", value});
+  } else if (name == "faults" || name == "fault_log") {
+    if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
+    uri.board_arguments.insert(uri.board_arguments.end(), {name == "faults" ? "--faults" : "--fault-log", value});
+  } else {
+    throw BadArgument("URI option",
+                      "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, capture",
+                      in_quotes(name));
+  }
+}
+
+Uri parse_emu(std::string_view rest) {
+  Uri uri;
+  if (rest.empty()) return uri;
+  if (rest.front() != '?') throw BadArgument("URI", "emu: or emu:?option=value", in_quotes("emu:" + std::string(rest)));
+  rest.remove_prefix(1);
+  std::set<std::string> seen;
+  while (!rest.empty()) {
+    const std::string_view item = rest.substr(0, rest.find('&'));
+    rest.remove_prefix(item.size() < rest.size() ? item.size() + 1 : item.size());
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) throw BadArgument("URI option", "option=value", in_quotes(item));
+    const std::string name = percent_decode(item.substr(0, equals), "URI option");
+    if (name != "set" && name != "bsdf" && !seen.insert(name).second) {
+      throw BadArgument("URI option " + name, "to be given once", "it twice");
+    }
+    take_option(name, percent_decode(item.substr(equals + 1), "URI option " + name), uri);
+  }
+  return uri;
+}
+
+Uri parse_unix(std::string_view rest) {
+  if (rest.empty()) throw BadArgument("URI", "unix:PATH", "no path");
+  if (rest.find('?') != std::string_view::npos) {
+    throw BadArgument("URI", "unix:PATH without options (they are for emu:; %3F stands for ? in a path)",
+                      in_quotes("unix:" + std::string(rest)));
+  }
+  Uri uri;
+  uri.scheme = UriScheme::kUnix;
+  uri.path = percent_decode(rest, "URI path");
+  return uri;
+}
+
+Uri parse_tcp(std::string_view rest) {
+  const auto fail = [&rest](const char* expected) -> BadArgument {
+    return {"URI", expected, in_quotes("tcp:" + std::string(rest))};
+  };
+  const std::size_t colon = rest.rfind(':');
+  const bool bracketed = rest.starts_with('[');
+  if (colon == std::string_view::npos || colon == 0) throw fail("tcp:HOST:PORT");
+  std::string_view host = rest.substr(0, colon);
+  if (bracketed) {
+    if (!host.ends_with(']') || host.size() < 3) throw fail("tcp:[IPV6]:PORT");
+    host = host.substr(1, host.size() - 2);
+  } else if (host.find(':') != std::string_view::npos) {
+    throw fail("an IPv6 address in brackets, tcp:[IPV6]:PORT");
+  }
+  const auto port = parse_number<std::uint16_t>(rest.substr(colon + 1));
+  if (!port || *port == 0) throw fail("a port from 1 to 65535 in tcp:HOST:PORT, and no options");
+  Uri uri;
+  uri.scheme = UriScheme::kTcp;
+  uri.host = percent_decode(host, "URI host");
+  uri.port = *port;
+  return uri;
+}
+
+}  // namespace
+
+Uri parse_uri(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const std::string_view scheme = text.substr(0, colon);
+  if (colon != std::string_view::npos) {
+    const std::string_view rest = text.substr(colon + 1);
+    if (scheme == "emu") return parse_emu(rest);
+    if (scheme == "unix") return parse_unix(rest);
+    if (scheme == "tcp") return parse_tcp(rest);
+  }
+  throw BadArgument("URI", "emu:, unix:PATH or tcp:HOST:PORT", in_quotes(text));
+}
+
+}  // namespace gicube

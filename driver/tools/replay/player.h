@@ -1,0 +1,31 @@
+// Plays the host's side of a capture to a board and compares what it answers.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "transport/fd.h"
+
+namespace gicube::replay {
+
+struct Report {
+  std::uint64_t sent_frames = 0;
+  std::uint64_t sent_bytes = 0;  // of payloads
+  std::uint64_t compared = 0;    // answers and completions
+  std::uint64_t missing = 0;     // that the captured board gave and this one did not
+  bool complete = false;         // the capture has its end
+  // Both boards have the same configuration: then times and counters are compared too.
+  bool same_machine = false;
+  std::uint64_t differences = 0;
+  std::string first_difference;  // in words; empty: none
+
+  bool good() const { return differences == 0 && missing == 0; }
+};
+
+// Throws CaptureError and BusError.
+Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog);
+
+}  // namespace gicube::replay

@@ -1,0 +1,108 @@
+#include "cone_beam/phantom/phantom.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "cone_beam/threads.h"
+
+namespace gicube::samples {
+namespace {
+
+struct Row {
+  double kak_slaney, yu_ye_wang;
+  Vec3 axes, centre;
+  double degrees;
+};
+
+constexpr std::array<Row, 10> kHead{{
+    {2.00, 1.0, {0.6900, 0.920, 0.900}, {0, 0, 0}, 0},
+    {-0.98, -0.8, {0.6624, 0.874, 0.880}, {0, 0, 0}, 0},
+    {-0.02, -0.2, {0.4100, 0.160, 0.210}, {-0.22, 0, -0.25}, 108},
+    {-0.02, -0.2, {0.3100, 0.110, 0.220}, {0.22, 0, -0.25}, 72},
+    {0.02, 0.2, {0.2100, 0.250, 0.500}, {0, 0.35, -0.25}, 0},
+    {0.02, 0.2, {0.0460, 0.046, 0.046}, {0, 0.1, -0.25}, 0},
+    {0.01, 0.1, {0.0460, 0.023, 0.020}, {-0.08, -0.65, -0.25}, 0},
+    {0.01, 0.1, {0.0460, 0.023, 0.020}, {0.06, -0.65, -0.25}, 90},
+    {0.02, 0.2, {0.0560, 0.040, 0.100}, {0.06, -0.105, 0.625}, 90},
+    {-0.02, -0.2, {0.0560, 0.056, 0.100}, {0, 0.1, 0.625}, 0},
+}};
+
+// In the ellipsoid's own axes, where it is the unit sphere; a vector if `place` is a difference.
+Vec3 to_unit_sphere(const Ellipsoid& ellipsoid, Vec3 place) {
+  const double c = std::cos(ellipsoid.turned), s = std::sin(ellipsoid.turned);
+  return {(c * place.x + s * place.y) / ellipsoid.axes.x, (c * place.y - s * place.x) / ellipsoid.axes.y,
+          place.z / ellipsoid.axes.z};
+}
+
+// The part of the way from `from` to `from + way` that lies in the ellipsoid.
+double part_inside(const Ellipsoid& ellipsoid, Vec3 from, Vec3 way) {
+  const Vec3 p = to_unit_sphere(ellipsoid, from - ellipsoid.centre), d = to_unit_sphere(ellipsoid, way);
+  const double a = dot(d, d), b = dot(p, d), c = dot(p, p) - 1, square = b * b - a * c;
+  return square <= 0 ? 0 : 2 * std::sqrt(square) / a;
+}
+
+Phantom head(double radius, double Row::*value) {
+  Phantom phantom;
+  for (const Row& row : kHead) {
+    phantom.push_back({row.*value, radius * row.axes, radius * row.centre, row.degrees * std::numbers::pi / 180});
+  }
+  return phantom;
+}
+
+}  // namespace
+
+Phantom shepp_logan(double radius) { return head(radius, &Row::kak_slaney); }
+Phantom high_contrast_shepp_logan(double radius) { return head(radius, &Row::yu_ye_wang); }
+Phantom uniform_sphere(double radius, double value) { return {{value, {radius, radius, radius}, {}, 0}}; }
+
+double value_at(const Phantom& phantom, Vec3 place) {
+  double sum = 0;
+  for (const Ellipsoid& ellipsoid : phantom) {
+    const Vec3 p = to_unit_sphere(ellipsoid, place - ellipsoid.centre);
+    if (dot(p, p) <= 1) sum += ellipsoid.value;
+  }
+  return sum;
+}
+
+double line_integral(const Phantom& phantom, Vec3 from, Vec3 to) {
+  const Vec3 way = to - from;
+  double sum = 0;
+  for (const Ellipsoid& ellipsoid : phantom) sum += ellipsoid.value * part_inside(ellipsoid, from, way);
+  return sum * length(way);
+}
+
+Projections project(const Phantom& phantom, const ConeGeometry& geometry) {
+  const Detector& detector = geometry.detector;
+  Projections out{detector.columns, detector.rows, {}};
+  out.values.resize(out.view_size() * geometry.angles.size());
+  in_parallel(geometry.angles.size(), [&](std::size_t view) {
+    const Pose at = pose(geometry, geometry.angles[view]);
+    float* value = out.view(view);
+    for (int row = 0; row < detector.rows; ++row) {
+      for (int column = 0; column < detector.columns; ++column) {
+        const Vec3 pixel = at.middle + u_of(detector, column) * at.along_u + v_of(detector, row) * at.along_v;
+        *value++ = static_cast<float>(line_integral(phantom, at.source, pixel));
+      }
+    }
+  });
+  return out;
+}
+
+std::vector<float> voxels(const Phantom& phantom, const Grid& grid) {
+  const auto [nx, ny, nz] = grid.dims;
+  const auto slice = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
+  std::vector<float> out(slice * static_cast<std::size_t>(nz));
+  in_parallel(static_cast<std::size_t>(nz), [&, nx = nx, ny = ny](std::size_t z) {
+    float* value = out.data() + z * slice;
+    for (int y = 0; y < ny; ++y) {
+      for (int x = 0; x < nx; ++x) {
+        const Vec3 voxel{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+        *value++ = static_cast<float>(value_at(phantom, to_space(grid, voxel)));
+      }
+    }
+  });
+  return out;
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,275 @@
+#include "cone_beam/plan/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "cone_beam/plan/plan_views.h"
+#include "gicube/error.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr double kFinestStep = 0.5;
+constexpr double kSteps[] = {1, 2};  // chosen
+constexpr int kMostEvery = 8;
+constexpr int kLeastSlices = 12, kMostSlices = 40;  // chosen: of a pilot; an eighth of the volume between them
+constexpr int kFaces = 2;                           // slices at a pilot's faces that have no neighbours
+constexpr int kTries = 12;                          // chosen
+// chosen: what other slices may err more than the pilot's worst one: all of a head err up to 1.6 times what its middle does
+// (docs/guide/plan.md has what was measured).
+constexpr double kMargin = 2;
+constexpr double kTimeMargin = 1.25;  // as of pictures
+
+struct SlabError {
+  double all = 0, bound = 0;
+};
+
+// Relative to the whole slab's values; of the slice that is worst with the margin.
+SlabError error_of(const Grid& grid, const std::vector<float>& values, const std::vector<float>& best, double radius) {
+  const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]);
+  double off = 0, power = 0, worst = 0;
+  int slices = 0;
+  for (int z = kFaces; z < grid.dims[2] - kFaces; ++z, ++slices) {
+    double slice = 0;
+    for (std::size_t y = 0; y < ny; ++y) {
+      for (std::size_t x = 0; x < nx; ++x) {
+        const Vec3 place = to_space(grid, {double(x), double(y), double(z)});
+        if (std::hypot(place.x, place.y) > radius) continue;
+        const std::size_t i = (static_cast<std::size_t>(z) * ny + y) * nx + x;
+        slice += std::pow(double{values[i]} - double{best[i]}, 2);
+        power += std::pow(double{best[i]}, 2);
+      }
+    }
+    off += slice;
+    worst = std::max(worst, slice);
+  }
+  if (!(power > 0)) return {0, std::numeric_limits<double>::infinity()};
+  return {std::sqrt(off / power), kMargin * std::sqrt(worst * slices / power)};
+}
+
+class Planner {
+ public:
+  Planner(Board& board, Board& timed, const ConeGeometry& geometry, const Projections& projections,
+          const FdkSettings& settings, const PlanTarget& target, const Progress& progress)
+      : board_(board),
+        timed_(timed),
+        geometry_(geometry),
+        projections_(projections),
+        settings_(settings),
+        progress_(progress),
+        slab_(slab_of(geometry, projections, std::clamp(geometry.volume.dims[2] / 8, kLeastSlices, kMostSlices))) {
+    plan_.target = target;
+    plan_.views = geometry.angles.size();
+    plan_.slices = slab_.geometry.volume.dims[2];
+    plan_.field = field_seen(geometry);
+    plan_.finest = {1, std::min(settings.rays + 1, 4), kFinestStep, true};
+  }
+
+  FdkPlan make() {
+    const auto start = std::chrono::steady_clock::now();
+    best_ = pilot(plan_.finest);
+    predict(plan_.finest);
+    for (const FdkPlanPoint& one : coarser_ones()) tried(one);
+    const auto singles = plan_.points;
+    plan_.kept = false;
+    plan_.target.max_error > 0 ? choose_cheapest(singles) : choose_within_time(singles);
+    plan_.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return std::move(plan_);
+  }
+
+ private:
+  // Of the slab.
+  std::vector<float> pilot(const FdkPlanPoint& point) {
+    FdkSettings settings = settings_;
+    settings.rays = point.rays;
+    settings.step = point.step;
+    settings.normalise = point.normalise;
+    const std::size_t views = slab_.geometry.angles.size();
+    const Reconstruction made = reconstruct_fdk(board_, some_views(slab_.geometry, point.every),
+                                                some_views(slab_.projections, views, point.every), settings);
+    ++plan_.pilots;
+    plan_.pilot_deposits += static_cast<double>(made.deposits);
+    if (progress_) progress_(static_cast<std::uint32_t>(std::min(plan_.pilots, kParts - 1)), kParts);
+    return made.values;
+  }
+
+  FdkPlanPoint tried(FdkPlanPoint point) {
+    const SlabError error = error_of(slab_.geometry.volume, pilot(point), best_, plan_.field.radius);
+    point.error = error.all;
+    point.error_bound = error.bound;
+    predict(point);
+    plan_.points.push_back(point);
+    return point;
+  }
+
+  // Each coarser in one way.
+  std::vector<FdkPlanPoint> coarser_ones() const {
+    std::vector<FdkPlanPoint> out;
+    FdkPlanPoint one = plan_.finest;
+    for (const int every : strides_of(geometry_, kMostEvery)) one.every = every, out.push_back(one);
+    one = plan_.finest;
+    for (int rays = plan_.finest.rays - 1; rays >= 1; --rays) one.rays = rays, out.push_back(one);
+    one = plan_.finest;
+    for (const double step : kSteps) one.step = step, out.push_back(one);
+    one = plan_.finest;
+    one.normalise = false;
+    out.push_back(one);
+    return out;
+  }
+
+  // What a view costs in the whole volume, from two views and from six of them.
+  struct Costs {
+    double deposits = 0, view = 0, rest = 0;  // of a view; picoseconds of a view, and of all that is done once
+  };
+  const Costs& costs(int rays, double step) {
+    const auto [known, is_new] = costs_.try_emplace({rays, step});
+    if (!is_new) return known->second;
+    FdkSettings settings = settings_;
+    settings.rays = rays;
+    settings.step = step;
+    settings.normalise = false;
+    // Spread over the turn, since caches and memory take rays along an axis better than others.
+    const int all = static_cast<int>(geometry_.angles.size());
+    double views[2] = {}, deposits[2] = {}, times[2] = {};
+    for (const std::size_t i : {0, 1}) {
+      const int every = std::max(1, all / (i == 0 ? 2 : 6));
+      const ConeGeometry few = some_views(geometry_, every);
+      const Reconstruction made =
+          reconstruct_fdk(timed_, few, some_views(projections_, geometry_.angles.size(), every), settings);
+      views[i] = static_cast<double>(few.angles.size());
+      deposits[i] = static_cast<double>(made.deposits);
+      times[i] = static_cast<double>(made.board_time);
+      plan_.pilot_deposits += deposits[i];
+    }
+    Costs& costs = known->second;
+    costs.deposits = deposits[1] / views[1];
+    costs.view = views[1] > views[0] ? std::max(0.0, times[1] - times[0]) / (views[1] - views[0]) : times[0] / views[0];
+    costs.rest = std::max(0.0, times[0] - views[0] * costs.view);
+    return costs;
+  }
+
+  void predict(FdkPlanPoint& point) {
+    const Costs& each = costs(point.rays, point.step);
+    const auto views = static_cast<double>(some_views(geometry_, point.every).angles.size());
+    const double twice = point.normalise ? 2 : 1;
+    point.deposits = twice * views * each.deposits;
+    point.time = static_cast<Picoseconds>(twice * (views * each.view + each.rest));
+  }
+
+  // Together, as the errors of each alone would add up if they knew nothing of each other.
+  std::vector<FdkPlanPoint> together(const std::vector<FdkPlanPoint>& singles) {
+    std::vector<FdkPlanPoint> all{plan_.finest};
+    const auto add = [&](auto FdkPlanPoint::*what) {
+      const std::vector<FdkPlanPoint> before = all;
+      for (const FdkPlanPoint& one : singles) {
+        if (one.*what == plan_.finest.*what) continue;
+        for (FdkPlanPoint point : before) {
+          point.*what = one.*what;
+          point.error = std::hypot(point.error, one.error);
+          point.error_bound = std::hypot(point.error_bound, one.error_bound);
+          all.push_back(point);
+        }
+      }
+    };
+    add(&FdkPlanPoint::every);
+    add(&FdkPlanPoint::rays);
+    add(&FdkPlanPoint::step);
+    add(&FdkPlanPoint::normalise);
+    for (FdkPlanPoint& point : all) predict(point);
+    return all;
+  }
+
+  void choose_cheapest(const std::vector<FdkPlanPoint>& singles) {
+    std::vector<FdkPlanPoint> all = together(singles);
+    std::stable_sort(all.begin(), all.end(),
+                     [](const FdkPlanPoint& a, const FdkPlanPoint& b) { return a.deposits < b.deposits; });
+    int tries = 0;
+    for (const FdkPlanPoint& point : all) {
+      if (point.error_bound > plan_.target.max_error || ++tries > kTries) continue;
+      plan_.chosen = tried(point);
+      plan_.kept = plan_.chosen.error_bound <= plan_.target.max_error;
+      if (plan_.kept) return;
+    }
+    plan_.chosen = plan_.finest;  // what all is told against, and so without an error
+    plan_.kept = true;
+  }
+
+  void choose_within_time(const std::vector<FdkPlanPoint>& singles) {
+    std::vector<FdkPlanPoint> all = together(singles);
+    const auto fits = [this](const FdkPlanPoint& point) {
+      return kTimeMargin * static_cast<double>(point.time) <= static_cast<double>(plan_.target.time_budget);
+    };
+    const auto better = [&](const FdkPlanPoint& a, const FdkPlanPoint& b) {
+      if (fits(a) != fits(b)) return fits(a);
+      return fits(a) ? a.error_bound < b.error_bound : a.time < b.time;
+    };
+    plan_.chosen = tried(*std::min_element(all.begin(), all.end(), better));
+    plan_.kept = plan_.chosen.time <= plan_.target.time_budget;
+  }
+
+  static constexpr int kParts = 24;  // of the progress
+
+  Board& board_;
+  Board& timed_;
+  const ConeGeometry& geometry_;
+  const Projections& projections_;
+  const FdkSettings& settings_;
+  const Progress& progress_;
+  Slab slab_;
+  std::vector<float> best_;
+  std::map<std::pair<int, double>, Costs> costs_;
+  FdkPlan plan_;
+};
+
+}  // namespace
+
+FdkSettings FdkPlan::settings(const FdkSettings& original) const {
+  FdkSettings settings = original;
+  settings.rays = chosen.rays;
+  settings.step = chosen.step;
+  settings.normalise = chosen.normalise;
+  return settings;
+}
+
+std::vector<std::string> FdkPlan::explain() const {
+  const auto words = [](const FdkPlanPoint& point) {
+    return fmt::format("{} x {} rays a pixel, step {:g}, ripples {}", point.rays, point.rays, point.step,
+                       point.normalise ? "divided out" : "left");
+  };
+  constexpr const char* kFinest = "the finest setting";
+  std::vector<std::string> lines{plan_headline("", target, kept)};
+  lines.push_back(chosen.every == 1 ? fmt::format("views: all {}", views)
+                                    : fmt::format("views: {} of {}, each {}th",
+                                                  (views + static_cast<std::size_t>(chosen.every) - 1) /
+                                                      static_cast<std::size_t>(chosen.every),
+                                                  views, chosen.every));
+  lines.push_back("rays: " + words(chosen));
+  lines.push_back(plan_error_line(chosen.error, fmt::format("in a pilot of {} slices around the middle", slices),
+                                  chosen.error_bound));
+  lines.push_back(fmt::format("that is within {:.4g} of the axis and {:.4g} of the middle plane, which all views see",
+                              field.radius, field.half_height));
+  lines.push_back(plan_cost_line("deposits", chosen.deposits, kFinest, finest.deposits));
+  lines.push_back(plan_time_line(chosen.time, kFinest, finest.time));
+  lines.push_back("the finest setting: all views, " + words(finest));
+  lines.push_back(fmt::format("the plan itself: {} pilots, {} deposits, {:.2f} s of the host", pilots,
+                              count_text(pilot_deposits), host_seconds));
+  return lines;
+}
+
+FdkPlan plan_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,
+                 const FdkSettings& settings, const PlanTarget& target, const Progress& progress, Board* timed) {
+  check(geometry);
+  check(projections, geometry);
+  if ((target.max_error > 0) == (target.time_budget > 0)) {
+    throw BadArgument("time_budget", "one of max_error and time_budget", target.max_error > 0 ? "both" : "none");
+  }
+  return Planner(board, timed != nullptr ? *timed : board, geometry, projections, settings, target, progress).make();
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,60 @@
+// The plan step of filtered backprojection: from a target to the views that are used (each, each second, ...), the rays a pixel, their
+// step, and whether ripples are divided out.
+//
+// A pilot is the same reconstruction of a slab around the middle plane, from the detector's rows that see it. That of the finest
+// setting (all views, one ray a pixel along each axis more than asked for, half a voxel, ripples divided out) is held against others: first
+// each coarser one alone, then what together promises to be the cheapest that is good enough, until one is. What settings cost in the
+// whole volume is told by two and by six of its views. "Error" is the root of the mean square difference over that of the finest
+// setting's values, of the voxels that all views see; it is what settings do to a volume, and nothing about what a scan can show.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cone_beam/phantom/comparison.h"
+#include "cone_beam/fdk.h"
+#include "gicube/plan_text.h"
+
+namespace gicube::samples {
+
+struct FdkPlanPoint {
+  int every = 1;  // which views: each so many'th
+  int rays = 1;
+  double step = 1;
+  bool normalise = false;
+  double error = 0, error_bound = 0;  // as found in the pilot; see plan.cpp
+  double deposits = 0;                // predicted, of the whole volume
+  Picoseconds time = 0;               // predicted, of the board
+};
+
+struct FdkPlan {
+  FdkPlanPoint chosen, finest;
+  bool kept = true;                  // false: nothing reaches the target, and `chosen` is what comes nearest
+  std::vector<FdkPlanPoint> points;  // every pilot, in that order
+  std::size_t views = 0;             // of the scan
+  int slices = 0;                    // of a pilot
+  FieldOfView field;                 // that all views see, as far as the volume goes
+  int pilots = 0;
+  double pilot_deposits = 0;
+  double host_seconds = 0;
+  PlanTarget target;
+
+  FdkSettings settings(const FdkSettings& original) const;
+  std::vector<std::string> explain() const;  // lines for people
+};
+
+// `settings`: what is not chosen; its rays are the least that leave no voxels out. Throws BadArgument (one of both targets; geometry,
+// projections, settings), what the board throws. The boards' volumes are lost.
+// `timed`: the board whose time counts, if pilots are made by another one (a functional board has the same bits much sooner).
+FdkPlan plan_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,
+                 const FdkSettings& settings, const PlanTarget& target, const Progress& progress = {},
+                 Board* timed = nullptr);
+
+// Each `every`th view alone.
+ConeGeometry some_views(const ConeGeometry& geometry, int every);
+Projections some_views(const Projections& projections, std::size_t views, int every);
+
+// The voxels that every view sees.
+FieldOfView field_seen(const ConeGeometry& geometry);
+
+}  // namespace gicube::samples

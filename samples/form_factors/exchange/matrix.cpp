@@ -1,0 +1,59 @@
+#include "form_factors/exchange/matrix.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <string>
+
+#include "scene/formats/file_error.h"
+#include "scene/formats/whole_file.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr const char* kFacings[] = {"-x", "+x", "-y", "+y", "-z", "+z", "medium"};
+
+void write_whole(const std::filesystem::path& path, const std::function<void(std::ofstream&)>& fill) {
+  const WholeFile file(path);
+  std::ofstream stream(file.path());
+  fill(stream);
+  stream.close();
+  if (!stream) throw FileError(path, "file", "a place to write to", "an error");
+  file.rename();
+}
+
+std::string row_of(const RadiosityResult& result, std::size_t i) {
+  const Cluster& cluster = result.clusters[i];
+  const bool outside = result.leaves[cluster.first].tag == kOutside;
+  return fmt::format("{},{},{},{},{},{},{},{},{},{:.9g},{:.9g},{},{},{}\n", i + 1, kFacings[cluster.facing],
+                     outside ? "outside" : std::to_string(result.leaves[cluster.first].tag), cluster.low[0],
+                     cluster.low[1], cluster.low[2], cluster.high[0], cluster.high[1], cluster.high[2], cluster.measure,
+                     cluster.weight, cluster.first + 1, cluster.last, cluster.parent == kNone ? 0 : cluster.parent + 1);
+}
+
+}  // namespace
+
+std::filesystem::path clusters_file(const std::filesystem::path& file) { return file.string() + ".clusters.csv"; }
+
+void write_factors(const RadiosityResult& result, const std::filesystem::path& file) {
+  write_whole(file, [&](std::ofstream& stream) {
+    stream << "%%MatrixMarket matrix coordinate real symmetric\n"
+              "% Exchange areas X of the links between clusters, smallest voxel edges squared; form factor F_ij = X_ij "
+              "/ w_i.\n"
+              "% Rows: "
+           << clusters_file(file.filename()).string() << '\n'
+           << fmt::format("{} {} {}\n", result.clusters.size(), result.clusters.size(), result.links.size());
+    for (const Link& link : result.links) {
+      stream << fmt::format("{} {} {:.9g}\n", std::max(link.a, link.b) + 1, std::min(link.a, link.b) + 1,
+                            link.exchange);
+    }
+  });
+  write_whole(clusters_file(file), [&](std::ofstream& stream) {
+    stream << "row,facing,tag,low_x,low_y,low_z,high_x,high_y,high_z,measure,weight,first_leaf,last_leaf,parent\n";
+    for (std::size_t i = 0; i < result.clusters.size(); ++i) stream << row_of(result, i);
+  });
+}
+
+}  // namespace gicube::samples

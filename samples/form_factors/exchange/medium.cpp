@@ -1,0 +1,207 @@
+#include "form_factors/exchange/medium.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "scene/program/input_error.h"
+#include "scene/visible_box.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kDensityMax = 4095;
+constexpr double kOpacityOne = 65535;  // of the board's segmentation table
+
+template <typename Sample>
+double sample_at(const Volume& volume, std::size_t index) {
+  Sample sample;
+  std::memcpy(&sample, volume.samples.data() + index * sizeof sample, sizeof sample);
+  return static_cast<double>(sample);
+}
+
+double value_at(const Volume& volume, std::size_t index) {
+  switch (volume.type) {
+    case SampleType::kUint8: return sample_at<std::uint8_t>(volume, index);
+    case SampleType::kUint12:
+    case SampleType::kUint16: return sample_at<std::uint16_t>(volume, index);
+    case SampleType::kInt16: return sample_at<std::int16_t>(volume, index);
+    case SampleType::kFloat32: return sample_at<float>(volume, index);
+  }
+  return 0;
+}
+
+double opacity_of(double most_kappa, int density) { return 1 - std::exp(-most_kappa * density / kDensityMax); }
+
+// The extinction that the board's table makes of a density.
+std::vector<double> table(double most_kappa) {
+  std::vector<double> kappas;
+  for (int density = 0; density <= kDensityMax; ++density) {
+    kappas.push_back(-std::log1p(-std::round(opacity_of(most_kappa, density) * kOpacityOne) / kOpacityOne));
+  }
+  return kappas;
+}
+
+// A solid voxel beside open ones gets the mean of theirs, so that what lies between is as in the open.
+void continue_into_solids(Medium& medium) {
+  const std::vector<std::uint16_t> open = medium.densities;
+  const auto& dims = medium.dims;
+  for (int z = 0; z < dims[2]; ++z) {
+    for (int y = 0; y < dims[1]; ++y) {
+      for (int x = 0; x < dims[0]; ++x) {
+        const std::size_t at = medium.at(x, y, z);
+        if (medium.solid[at] == 0) continue;
+        unsigned sum = 0, count = 0;
+        for (int k = std::max(z - 1, 0); k <= std::min(z + 1, dims[2] - 1); ++k) {
+          for (int j = std::max(y - 1, 0); j <= std::min(y + 1, dims[1] - 1); ++j) {
+            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, dims[0] - 1); ++i) {
+              const std::size_t near = medium.at(i, j, k);
+              if (medium.solid[near] == 0) sum += open[near], ++count;
+            }
+          }
+        }
+        medium.densities[at] = static_cast<std::uint16_t>(count > 0 ? (sum + count / 2) / count : 0);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Medium make_medium(const SceneSetup& setup, double solid_opacity) {
+  if (!(solid_opacity > 0 && solid_opacity <= 1)) {
+    throw InputError("settings.solid_opacity", "more than 0, at most 1", fmt::format("{}", solid_opacity));
+  }
+  const Volume& volume = setup.volume;
+  Medium medium;
+  medium.dims = volume.dims;
+  const std::size_t voxels = medium.at(0, 0, volume.dims[2]);
+  if (voxels == 0 || volume.samples.size() != voxels * bytes_per_sample(volume.type)) {
+    throw InputError("setup.volume", "its voxels", fmt::format("{} bytes", volume.samples.size()));
+  }
+  const Vec3 s = volume.spacing;
+  medium.edges = (1 / std::min({s.x, s.y, s.z})) * s;
+  medium.tags = setup.tags.empty() ? std::vector<std::uint8_t>(voxels) : setup.tags;
+  medium.solid.resize(voxels);
+  medium.densities.resize(voxels);
+  medium.kappa.resize(voxels);
+
+  const ValueRange range = value_range_of(volume);
+  Materials looks = setup.materials;
+  for (TransferFunctionFile& look : looks) look = {in_values_of(range, look), false};
+  for (std::size_t i = 0; i < voxels; ++i) {
+    const std::size_t tag = medium.tags[i];
+    const double value = std::clamp(value_at(volume, i), range.low, range.high);
+    const double opacity = tag < looks.size() ? looks[tag].function.opacity_at(value) : 0;
+    medium.solid[i] = opacity >= solid_opacity ? 1 : 0;
+    if (medium.solid[i] == 0) medium.kappa[i] = -std::log1p(-opacity);
+    medium.most_kappa = std::max(medium.most_kappa, medium.kappa[i]);
+  }
+  if (medium.most_kappa > 0) {
+    const double scale = kDensityMax / medium.most_kappa;
+    for (std::size_t i = 0; i < voxels; ++i) {
+      medium.densities[i] = static_cast<std::uint16_t>(std::lround(scale * medium.kappa[i]));
+    }
+  }
+  continue_into_solids(medium);
+  const std::vector<double> kappas = table(medium.most_kappa);
+  for (std::size_t i = 0; i < voxels; ++i) medium.kappa[i] = kappas[medium.densities[i]];
+  return medium;
+}
+
+void load(Board& board, const Medium& medium, double step) {
+  const int longest = *std::max_element(medium.dims.begin(), medium.dims.end());
+  if (longest > board.info().max_volume_voxels) {
+    throw InputError("setup.volume", fmt::format("at most {} voxels an edge", board.info().max_volume_voxels),
+                     fmt::format("{}", longest));
+  }
+  TransferFunction fog{{{0, {1, 1, 1}}}, {}};
+  for (int density = 0; density <= kDensityMax; ++density) {
+    fog.opacities.push_back({static_cast<double>(density), opacity_of(medium.most_kappa, density)});
+  }
+  board.set_transfer_function(fog, 0);
+  board.set_transfer_function({{{0, {1, 1, 1}}}, {{0, 1}}}, 1);
+  VolumeView view;
+  view.samples = std::as_bytes(std::span(medium.densities));
+  view.type = SampleType::kUint12;
+  view.dims = medium.dims;
+  view.spacing = medium.edges;
+  view.tags = medium.solid;
+  board.load_volume(view);
+  // Pairs are sampled as the last view was.
+  View pixel;
+  pixel.width = pixel.height = 1;
+  pixel.look_at = {medium.dims[0] - 1.0, medium.dims[1] - 1.0, medium.dims[2] - 1.0};
+  pixel.up = {0, 1, -1};
+  pixel.step = step;
+  pixel.shade = false;
+  board.render_to_framebuffer(pixel);
+}
+
+double mean_kappa(const Medium& medium, const std::array<int, 3>& voxel) {
+  // Means of the interpolation's three weights over half a voxel on both sides, or over what is left at an end.
+  std::array<std::array<double, 3>, 3> weights;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool first = voxel[axis] == 0, last = voxel[axis] == medium.dims[axis] - 1;
+    weights[axis] = {first ? 0 : last ? 0.25 : 0.125, 0.75, last ? 0 : first ? 0.25 : 0.125};
+  }
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) {
+        const double weight = weights[0][static_cast<std::size_t>(i)] * weights[1][static_cast<std::size_t>(j)] *
+                              weights[2][static_cast<std::size_t>(k)];
+        if (weight > 0) sum += weight * medium.kappa[medium.at(voxel[0] + i - 1, voxel[1] + j - 1, voxel[2] + k - 1)];
+      }
+    }
+  }
+  return sum;
+}
+
+Contents::Contents(const Medium& medium) : dims_(medium.dims) {
+  const auto count = [this](std::size_t axis) { return static_cast<std::size_t>(dims_[axis]) + 1; };
+  sums_.resize(count(0) * count(1) * count(2));
+  for (int z = 0; z < dims_[2]; ++z) {
+    for (int y = 0; y < dims_[1]; ++y) {
+      Sums row{};
+      for (int x = 0; x < dims_[0]; ++x) {
+        const std::size_t at = medium.at(x, y, z);
+        const double kappa = medium.kappa[at];
+        const Sums here{static_cast<double>(medium.solid[at]), kappa, kappa * kappa};
+        Sums& sums = sums_[place(x + 1, y + 1, z + 1)];
+        for (std::size_t i = 0; i < here.size(); ++i) {
+          row[i] += here[i];
+          sums[i] = row[i] + before(x + 1, y, z + 1)[i] + before(x + 1, y + 1, z)[i] - before(x + 1, y, z)[i];
+        }
+      }
+    }
+  }
+}
+
+std::size_t Contents::place(int x, int y, int z) const {
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  return at(x) + (at(dims_[0]) + 1) * (at(y) + (at(dims_[1]) + 1) * at(z));
+}
+
+Contents::Of Contents::box(const std::array<double, 3>& low, const std::array<double, 3>& high) const {
+  std::array<int, 3> first, last;  // a voxel is half of one around its centre
+  double voxels = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    first[axis] = std::clamp(static_cast<int>(std::floor(low[axis] + 0.5)), 0, dims_[axis] - 1);
+    last[axis] = std::clamp(static_cast<int>(std::ceil(high[axis] - 0.5)), first[axis], dims_[axis] - 1) + 1;
+    voxels *= last[axis] - first[axis];
+  }
+  Sums sums{};
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto end = [&](std::size_t axis) { return (corner >> axis & 1) != 0 ? last[axis] : first[axis]; };
+    const Sums& part = before(end(0), end(1), end(2));
+    const bool odd = ((corner ^ corner >> 1 ^ corner >> 2) & 1) != 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += odd ? part[i] : -part[i];
+  }
+  const double mean = sums[1] / voxels;
+  return {sums[0] > 0.5, mean, std::sqrt(std::max(sums[2] / voxels - mean * mean, 0.0))};
+}
+
+}  // namespace gicube::samples

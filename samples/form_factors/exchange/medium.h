@@ -1,0 +1,64 @@
+// The volume that the board measures form factors in: solids that are opaque to their very sides, and a medium.
+//
+// In a volume made for pictures a solid's opacity rises over a voxel or two: rays graze through the rise, reach what lies
+// behind, and count twice. Here a tag, which a sample takes from its nearest voxel, makes the voxel's whole box opaque, and
+// density is extinction alone. Within a solid it goes on as in the open voxels around, so that interpolation brings no
+// wall's density into the open.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "scene/scene.h"
+#include "gicube/board.h"
+
+namespace gicube::samples {
+
+struct Medium {
+  Dims dims{};
+  Vec3 edges{1, 1, 1};              // of a voxel, physical: in smallest voxel edges
+  std::vector<std::uint8_t> solid;  // 1 or 0 by voxel, x fastest
+  std::vector<std::uint8_t> tags;   // of the materials, by voxel
+  // Extinction a length, by voxel, as the board's tables hold it; in solids continued.
+  std::vector<double> kappa;
+  double most_kappa = 0;  // of density 4095
+  std::vector<std::uint16_t> densities;
+
+  std::size_t at(int x, int y, int z) const {
+    return static_cast<std::size_t>(x) +
+           static_cast<std::size_t>(dims[0]) *
+               (static_cast<std::size_t>(y) + static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(z));
+  }
+};
+
+// Takes voxels apart by the opacity of one voxel length. Throws InputError: no voxels, solid_opacity not within 0..1.
+Medium make_medium(const SceneSetup& setup, double solid_opacity);
+
+// Loads it and sets `step`, voxels. Throws InputError if it is larger than the board's volumes, and what Board throws.
+void load(Board& board, const Medium& medium, double step);
+
+// Mean extinction of the box of an open voxel: of the trilinear interpolation, exactly.
+double mean_kappa(const Medium& medium, const std::array<int, 3>& voxel);
+
+// What lies in a box of the volume, at once for any box: from running sums over all voxels before each.
+class Contents {
+ public:
+  explicit Contents(const Medium& medium);
+
+  struct Of {
+    bool solid = false;       // any
+    double mean_kappa = 0;    // of its voxels
+    double kappa_spread = 0;  // their standard deviation
+  };
+  Of box(const std::array<double, 3>& low, const std::array<double, 3>& high) const;
+
+ private:
+  using Sums = std::array<double, 3>;  // of solid, kappa, kappa squared
+  std::size_t place(int x, int y, int z) const;
+  const Sums& before(int x, int y, int z) const { return sums_[place(x, y, z)]; }
+
+  Dims dims_;
+  std::vector<Sums> sums_;
+};
+
+}  // namespace gicube::samples

@@ -1,0 +1,130 @@
+#include "form_factors/exchange/visibility.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "scene/program/board_run.h"
+#include "scene/program/run_json.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr double kHidden = 1e-3;
+
+nlohmann::ordered_json to_json(const Visibility& seen, const VisibilityOptions& options, const BoardInfo& board) {
+  const double seconds = to_ms(seen.duration) * 1e-3;
+  nlohmann::ordered_json json;
+  json["pairs"] = seen.pairs;
+  json["clear_pairs"] = seen.clear_pairs;
+  json["rays"] = seen.rays;
+  json["made"] = options.made == PairRays::kByHost ? "host" : "board";
+  json["transmittance"] = seen.transmittance;
+  json["standard_error"] = seen.standard_error;
+  json["hidden"] = seen.hidden;
+  json["board_ms"] = to_ms(seen.duration);
+  json["bus_ms"] = to_ms(seen.counters.value("bus.down.busy_ps") + seen.counters.value("bus.up.busy_ps"));
+  json["rays_per_simulated_second"] =
+      seconds > 0 ? nlohmann::ordered_json(static_cast<double>(seen.rays) / seconds) : nlohmann::ordered_json(nullptr);
+  json["host_seconds"] = seen.host_seconds;
+  json["rays_per_host_second"] = static_cast<double>(seen.rays) / seen.host_seconds;
+  json["utilisation"] = to_json(seen.utilisation);
+  json["seed"] = options.board.seed;
+  json["board"] = {{"fidelity", name_of(board.fidelity)}, {"config_hash", fmt::format("{:016x}", board.config_hash)}};
+  json["counters"] = gicube::samples::to_json(seen.counters);
+  return json;
+}
+
+void print(const Visibility& seen) {
+  fmt::print("{} pairs, {} of them clear by the empty flags, {} hidden; transmittance {:.5f} +- {:.5f}\n", seen.pairs,
+             seen.clear_pairs, seen.hidden, seen.transmittance, seen.standard_error);
+  const double ms = to_ms(seen.duration);
+  fmt::print("{} rays: {:.3f} ms simulated ({:.2f} M a second), {:.2f} s ({:.2f} M a second)\n", seen.rays, ms,
+             ms > 0 ? static_cast<double>(seen.rays) / ms * 1e-3 : 0, seen.host_seconds,
+             static_cast<double>(seen.rays) / seen.host_seconds * 1e-6);
+  const Utilisation& u = seen.utilisation;
+  std::string text =
+      fmt::format("busy: bus {:.0f}% down, {:.0f}% up, DSP {:.0f}%", 100 * u.bus_down, 100 * u.bus_up, 100 * u.dsp);
+  if (u.sorter) text += fmt::format(", sorter {:.0f}%", 100 * *u.sorter);
+  if (u.pipelines) text += fmt::format(", pipelines {:.0f}%", 100 * *u.pipelines);
+  if (u.memory) text += fmt::format(", memory {:.0f}%", 100 * *u.memory);
+  fmt::print("{}: bound by the {}\n", text, u.bound());
+}
+
+}  // namespace
+
+RandomPairs random_pairs(const Dims& dims, std::uint32_t count, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);  // its numbers are the same everywhere, those of distributions are not
+  RandomPairs out;
+  std::array<int, 3> last{-1, -1, -1};
+  while (out.pairs.size() < count) {
+    std::array<int, 3> cell{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      cell[axis] = static_cast<int>((engine() >> 32) * static_cast<std::uint64_t>(dims[axis]) >> 32);
+    }
+    if (out.elements.size() % 2 == 1 && cell == last) continue;
+    std::array<double, 3> low{}, edge{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low[axis] = std::max(0.0, cell[axis] - 0.5);
+      edge[axis] = std::min(dims[axis] - 1.0, cell[axis] + 0.5) - low[axis];
+    }
+    out.elements.push_back(
+        {ElementKind::kBox, {low[0], low[1], low[2]}, {edge[0], 0, 0}, {0, edge[1], 0}, {0, 0, edge[2]}});
+    last = cell;
+    const auto at = static_cast<std::uint32_t>(out.elements.size());
+    if (at % 2 == 0) out.pairs.push_back({at - 2, at - 1, at / 2 - 1});
+  }
+  return out;
+}
+
+Visibility look(Board& board, const RandomPairs& pairs, const PairRequest& request, const Progress& progress) {
+  RunWindow window(board);
+  const std::vector<PairFactor> factors = board.pair_factors(pairs.elements, pairs.pairs, request, progress);
+  Visibility out;
+  out.duration = window.simulated();
+  out.host_seconds = window.host_seconds();
+  out.counters = window.counters();
+  out.utilisation = utilisation_of(out.counters, out.duration, board.info());
+  out.pairs = factors.size();
+  out.rays = std::uint64_t{factors.size()} * request.rays;
+  double sum = 0, squares = 0;
+  for (const PairFactor& factor : factors) {
+    const double through = factor.geometric > 0 ? factor.transported / factor.geometric : 0;
+    out.transmittances.push_back(through);
+    sum += through;
+    squares += through * through;
+    out.clear_pairs += factor.clear ? 1 : 0;
+    out.hidden += through < kHidden ? 1 : 0;
+  }
+  const auto n = static_cast<double>(std::max<std::size_t>(factors.size(), 2));
+  out.transmittance = sum / n;
+  out.standard_error = std::sqrt(std::max(0.0, squares / n - out.transmittance * out.transmittance) / (n - 1));
+  return out;
+}
+
+void visibility(const VisibilityOptions& options, ProgressLine& progress) {
+  progress.show("reading the scene");
+  Scene scene = scene_of(options.input);
+  const SceneSetup setup = set_up(scene, options.board.threads);
+  Board board = open_board(options.board);
+  check_fits(setup.volume.dims, board.info(), setup.volume.source);
+  load(board, setup, false, progress.parts("loading the volume"));
+  View sampling = setup.view;  // rays between pairs take the step of the last picture
+  sampling.width = sampling.height = 1;
+  sampling.irradiance = sampling.scatter = sampling.high_albedo = false;
+  sampling.step = options.step;
+  board.render_to_framebuffer(sampling);
+  const RandomPairs pairs = random_pairs(setup.volume.dims, options.pairs, options.board.seed);
+  const PairRequest request{.rays = static_cast<std::uint32_t>(options.rays),
+                            .seed = static_cast<std::uint32_t>(options.board.seed),
+                            .made = options.made};
+  const Visibility seen = look(board, pairs, request, progress.parts("looking"));
+  progress.clear();
+  if (!options.board.quiet) print(seen);
+  if (!options.board.stats.empty()) write_json(to_json(seen, options, board.info()), options.board.stats);
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,192 @@
+#include "form_factors/plan/plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "scene/program/input_error.h"
+#include "form_factors/plan/study.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr double kFirst = 1e-2, kLast = 1e-7;  // chosen: thresholds
+constexpr double kStep = 3.1622776601683795;   // chosen: from one to the next; rays then grow about twofold
+constexpr int kVariantRays[] = {8, 32};        // chosen: beside 16
+constexpr int kVariantLeaves = 2;
+constexpr double kGain = 0.85;        // chosen: of error^2 x rays, what makes a variant worth taking
+constexpr double kTimeMargin = 1.25;  // as of pictures
+
+// chosen: the error of the later of two solutions over what they differ by. If their errors knew nothing of each other it would be
+// 0.6, where each solution errs by three quarters of the one before; if they erred alike, 3 (docs/guide/plan.md has what was measured).
+constexpr double kEstimate = 1, kBound = 2;
+
+class Planner {
+ public:
+  Planner(Board& board, const SceneSetup& setup, const Emissions& emissions, const RadiositySettings& settings,
+          const PlanTarget& target, const RadiosityProgress& progress)
+      : board_(board), setup_(setup), emissions_(emissions), progress_(progress), first_rays_(settings.rays) {
+    plan_.settings = settings;
+    plan_.settings.hierarchy = true;
+    plan_.settings.error = kFirst;
+    plan_.target = target;
+  }
+
+  RadiosityPlan make() {
+    const auto start = std::chrono::steady_clock::now();
+    const auto [first, first_point] = solve(plan_.settings);
+    RadiosityResult before = first;
+    RadiosityPlanPoint point_before = first_point;
+    plan_.kept = false;
+    for (int stage = 1; plan_.settings.error / kStep >= kLast; ++stage) {
+      if (plan_.target.time_budget > 0 && too_long(point_before)) break;
+      plan_.settings.error /= kStep;
+      plan_.settings.hierarchy =
+          2 * point_before.all_rays < plan_.finest_rays;  // chosen: else a full matrix does as well
+      auto [result, point] = solve(plan_.settings);
+      tell(point, difference(before, result));
+      plan_.points.push_back(point);
+      if (stage == 2) try_variants(result, point_before);
+      const bool over = plan_.target.time_budget > 0 && point.time > plan_.target.time_budget;
+      if (over) break;
+      before = std::move(result);
+      point_before = point;
+      if (plan_.target.max_error > 0 && point.error_bound <= plan_.target.max_error) {
+        plan_.kept = true;
+        break;
+      }
+      if (!plan_.settings.hierarchy) break;  // there is nothing finer
+    }
+    if (plan_.target.time_budget > 0) plan_.kept = point_before.time <= plan_.target.time_budget;
+    finish(std::move(before), point_before);
+    plan_.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return std::move(plan_);
+  }
+
+ private:
+  std::pair<RadiosityResult, RadiosityPlanPoint> solve(RadiositySettings settings) {
+    settings.seed += solutions_++;
+    settings.most_rays = std::max(settings.most_rays, settings.rays);
+    RadiosityResult result = solve_radiosity(board_, setup_, emissions_, settings, progress_);
+    const RadiosityStatistics& statistics = result.statistics;
+    RadiosityPlanPoint point;
+    point.hierarchy = settings.hierarchy;
+    point.threshold = settings.error;
+    point.rays = settings.rays;
+    point.leaf_voxels = settings.leaf_voxels;
+    point.seed = settings.seed;
+    point.all_rays = static_cast<double>(statistics.rays);
+    point.time = statistics.board_time;
+    plan_.all_rays += point.all_rays;
+    plan_.finest_rays = static_cast<double>(statistics.all_pairs) * first_rays_;
+    if (plan_.points.empty()) {
+      point.error = point.error_bound = 1;  // nothing is known of it
+      plan_.points.push_back(point);
+    }
+    return {std::move(result), point};
+  }
+
+  static void tell(RadiosityPlanPoint& point, double difference) {
+    point.difference = difference;
+    point.error = kEstimate * difference;
+    point.error_bound = kBound * difference;
+  }
+
+  // Those of the stage before, held against this one's solution as that stage's own was.
+  void try_variants(const RadiosityResult& better, const RadiosityPlanPoint& base) {
+    RadiositySettings settings = plan_.settings;
+    settings.hierarchy = true;
+    settings.error = base.threshold;
+    double best = kGain * std::pow(plan_.points.back().difference, 2) * base.all_rays;
+    const RadiositySettings original = settings;
+    const auto look_at = [&](const RadiositySettings& variant) {
+      auto [result, point] = solve(variant);
+      tell(point, difference(result, better));
+      plan_.points.push_back(point);
+      const double merit = point.difference * point.difference * point.all_rays;
+      if (merit >= best) return;
+      best = merit;
+      plan_.settings.rays = variant.rays;
+      plan_.settings.leaf_voxels = variant.leaf_voxels;
+    };
+    for (const int rays : kVariantRays) {
+      settings = original;
+      settings.rays = rays;
+      look_at(settings);
+    }
+    settings = original;
+    settings.leaf_voxels = original.leaf_voxels * kVariantLeaves;
+    look_at(settings);
+  }
+
+  // The next solution, as the last two make one expect.
+  bool too_long(const RadiosityPlanPoint& point) const {
+    constexpr double kGrowth = 2;  // of the rays, where there is only one
+    double growth = kGrowth;
+    const RadiosityPlanPoint* before = nullptr;
+    for (const RadiosityPlanPoint& other : plan_.points) {
+      if (other.threshold > point.threshold * 1.01) before = &other;
+    }
+    if (before != nullptr && before->time > 0) {
+      growth = std::max(1.0, static_cast<double>(point.time) / static_cast<double>(before->time));
+    }
+    const double next = growth * static_cast<double>(point.time);
+    return kTimeMargin * next > static_cast<double>(plan_.target.time_budget);
+  }
+
+  void finish(RadiosityResult result, const RadiosityPlanPoint& point) {
+    plan_.settings.hierarchy = point.hierarchy;
+    plan_.settings.error = point.threshold;
+    plan_.settings.rays = point.rays;
+    plan_.settings.leaf_voxels = point.leaf_voxels;
+    plan_.settings.seed = point.seed;
+    plan_.chosen = point;
+    plan_.result = std::move(result);
+    const double more = point.all_rays > 0 ? plan_.finest_rays / point.all_rays : 1;
+    plan_.finest_time = static_cast<Picoseconds>(more * static_cast<double>(point.time));
+  }
+
+  Board& board_;
+  const SceneSetup& setup_;
+  const Emissions& emissions_;
+  const RadiosityProgress& progress_;
+  const int first_rays_;
+  std::uint32_t solutions_ = 0;
+  RadiosityPlan plan_;
+};
+
+}  // namespace
+
+std::vector<std::string> RadiosityPlan::explain() const {
+  constexpr const char* kFinest = "a full matrix";
+  std::vector<std::string> lines{plan_headline("", target, kept)};
+  const std::string which =
+      chosen.hierarchy ? fmt::format("divided where they may misplace more than {:.2g} of all power", chosen.threshold)
+                       : std::string("one for each pair of elements");
+  lines.push_back(fmt::format("links: {}, {} rays a first guess", which, chosen.rays));
+  lines.push_back(chosen.leaf_voxels > 1 ? fmt::format("subdivision: to cubes of {} voxels", chosen.leaf_voxels)
+                                         : std::string("subdivision: to single voxels"));
+  lines.push_back(plan_error_line(
+      chosen.error,
+      fmt::format("of the light on all elements ({:.2g}% from a coarser solution)", 100 * chosen.difference),
+      chosen.error_bound));
+  lines.push_back(plan_cost_line("rays", chosen.all_rays, kFinest, finest_rays));
+  lines.push_back(plan_time_line(chosen.time, kFinest, finest_time));
+  lines.push_back(fmt::format("the plan itself: {} solutions, {} rays, {:.2f} s of the host; the last is used",
+                              points.size(), count_text(all_rays), host_seconds));
+  return lines;
+}
+
+RadiosityPlan plan_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
+                             const RadiositySettings& settings, const PlanTarget& target,
+                             const RadiosityProgress& progress) {
+  if ((target.max_error > 0) == (target.time_budget > 0)) {
+    throw InputError("target", "one of max_error and time_budget", target.max_error > 0 ? "both" : "none");
+  }
+  return Planner(board, setup, emissions, settings, target, progress).make();
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,271 @@
+#include "form_factors/program/charts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+#include "scene/program/board_run.h"
+#include "scene/program/input_error.h"
+#include "form_factors/exchange/closed_forms.h"
+#include "form_factors/program/solve.h"
+#include "form_factors/plan/study.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kEdge = 40;                          // voxels of the volume of the closed forms
+constexpr double kSide = 20;                       // voxels, of their squares
+constexpr std::uint32_t kEstimates = 16;           // chosen: independent ones, whose errors are averaged
+constexpr std::uint32_t kLeastRays = 8;            // of an estimate
+constexpr std::uint32_t kLeastRaysInAll = 32'768;  // chosen: of a point of the trade
+constexpr std::uint32_t kReference = 4096;         // rays a pair that the trade's errors are measured from
+
+// A medium in which light falls by e^-kappa over a side.
+void fill(Board& board, double kappa) {
+  const std::vector<std::byte> samples(std::size_t{kEdge} * kEdge * kEdge, std::byte{100});
+  board.load_volume({.samples = samples, .dims = {kEdge, kEdge, kEdge}});
+  board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, 1 - std::exp(-kappa / kSide)}}});
+}
+
+// Two elements, cut into parts: all pairs of parts make one estimate.
+struct Form {
+  std::vector<Element> a, b;
+  std::vector<double> weights_a, weights_b;  // shares of the whole
+  double unit = 1;                           // F of a mean of G of 1
+};
+
+Form two(const Element& a, const Element& b, double unit) { return {{a}, {b}, {1}, {1}, unit}; }
+
+const Element kFloor{ElementKind::kPatch, {5, 5, 5}, {kSide, 0, 0}, {0, kSide, 0}, {}};
+const Element kCeiling{ElementKind::kPatch, {5, 5, 25}, {0, kSide, 0}, {kSide, 0, 0}, {}};
+const Element kWall{ElementKind::kPatch, {5, 5, 5}, {0, kSide, 0}, {0, 0, kSide}, {}};
+
+// Floor and wall in strips that grow with their distance from the common edge.
+Form strips() {
+  Form form;
+  form.unit = kSide * kSide;
+  double begin = 0, width = kSide / 128;
+  while (begin < kSide) {
+    form.a.push_back({ElementKind::kPatch, {5 + begin, 5, 5}, {width, 0, 0}, {0, kSide, 0}, {}});
+    form.b.push_back({ElementKind::kPatch, {5, 5, 5 + begin}, {0, kSide, 0}, {0, 0, width}, {}});
+    form.weights_a.push_back(width / kSide);
+    form.weights_b.push_back(width / kSide);
+    begin += width;
+    width = begin;
+  }
+  return form;
+}
+
+// Estimates by so many rays each, shared out among the pairs of parts; the first of each pair's samples is `first`.
+std::vector<double> estimates(Board& board, const Form& form, std::uint32_t rays) {
+  const auto parts = static_cast<std::uint32_t>(form.a.size() * form.b.size());
+  std::vector<Element> elements = form.a;
+  elements.insert(elements.end(), form.b.begin(), form.b.end());
+  std::vector<ElementPair> pairs;
+  const auto of_a = static_cast<std::uint32_t>(form.a.size());
+  for (std::uint32_t e = 0; e < kEstimates; ++e) {
+    for (std::uint32_t i = 0; i < parts; ++i) {
+      pairs.push_back({i % of_a, of_a + i / of_a, e * parts + i});
+    }
+  }
+  const auto factors = board.pair_factors(elements, pairs, {.rays = std::max(1u, rays / parts)});
+  std::vector<double> sums(kEstimates);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    sums[i / parts] +=
+        factors[i].transported * form.weights_a[pairs[i].a] * form.weights_b[pairs[i].b - of_a] * form.unit;
+  }
+  return sums;
+}
+
+double slope_of(const ErrorCurve& curve) {
+  double x = 0, y = 0, xx = 0, xy = 0;
+  const auto n = static_cast<double>(curve.rays.size());
+  for (std::size_t i = 0; i < curve.rays.size(); ++i) {
+    const double lx = std::log(curve.rays[i]), ly = std::log(curve.errors[i]);
+    x += lx, y += ly, xx += lx * lx, xy += lx * ly;
+  }
+  return (n * xy - x * y) / (n * xx - x * x);
+}
+
+bool wanted(const std::string& point, const std::string& name) { return point.empty() || point == name; }
+
+// Words of a command have no blanks.
+std::string point_of(const ErrorCurve& curve, std::uint32_t rays) {
+  std::string name = fmt::format("error/{}/{}", curve.name, rays);
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+}
+
+ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, double exact, std::uint32_t most_rays,
+                    const std::string& point) {
+  ErrorCurve curve{.name = name, .exact = exact, .rays = {}, .errors = {}};
+  const auto parts = static_cast<std::uint32_t>(form.a.size() * form.b.size());
+  for (std::uint32_t rays = kLeastRays; rays <= most_rays; rays *= 2) {
+    if (rays < parts || !wanted(point, point_of(curve, rays / parts * parts))) continue;
+    double squares = 0;
+    for (const double estimate : estimates(board, form, rays)) squares += std::pow(estimate / exact - 1, 2);
+    curve.rays.push_back(rays / parts * parts);
+    curve.errors.push_back(std::sqrt(squares / kEstimates));
+  }
+  curve.slope = slope_of(curve);
+  return curve;
+}
+
+// A table as a file, or as it is if it is of one point.
+void write(const ChartOptions& options, const char* name, const std::string& text) {
+  if (!options.point.empty()) {
+    if (text.find(" --point " + options.point + "\n") == std::string::npos)
+      throw InputError("--point", "a point's name, as in the tables", in_quotes(options.point));
+    fmt::print("{}", text);
+    return;
+  }
+  const std::filesystem::path file = options.folder / name;
+  std::ofstream stream(file);
+  stream << text;
+  stream.close();
+  if (!stream) throw InputError(file.string(), "a file that can be written", "an error");
+}
+
+void write_errors(const std::vector<ErrorCurve>& curves, const ChartOptions& options) {
+  std::string errors = "form,rays,error,command\n", slopes = "form,exact,slope,error at most rays\n";
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const ErrorCurve& curve = curves[i];
+    for (std::size_t k = 0; k < curve.rays.size(); ++k) {
+      errors += fmt::format("{},{},{:.4g},{} --point {}\n", curve.name, curve.rays[k], curve.errors[k], options.command,
+                            point_of(curve, curve.rays[k]));
+    }
+    if (curve.rays.empty()) continue;
+    if (i + 1 < curves.size() && options.point.empty()) errors += "\n\n";  // gnuplot's next block
+    slopes += fmt::format("{},{:.7g},{:.2f},{:.3g}\n", curve.name, curve.exact, curve.slope, curve.errors.back());
+  }
+  write(options, "form_factors_error.csv", errors);
+  if (options.point.empty()) write(options, "form_factors_slopes.csv", slopes);
+}
+
+double rms(const std::vector<double>& a, const std::vector<double>& b) {
+  double squares = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) squares += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(squares / static_cast<double>(a.size()));
+}
+
+const char* name_of(PairRays made) { return made == PairRays::kByHost ? "host" : "board"; }
+
+std::string point_of(const char* bus, PairRays made, std::uint32_t rays) {
+  return fmt::format("trade/{}/{}/{}", bus, name_of(made), rays);
+}
+
+std::string trade_row(const TradePoint& point, const std::string& command) {
+  const Visibility& seen = point.seen;
+  const Utilisation& u = seen.utilisation;
+  const double ms = to_ms(seen.duration);
+  return fmt::format(
+      "{},{},{},{},{:.4g},{:.4f},{:.4f},{:.0f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{} --point {}\n", point.bus,
+      name_of(point.made), point.rays, seen.pairs, point.error, ms,
+      to_ms(seen.counters.value("bus.down.busy_ps") + seen.counters.value("bus.up.busy_ps")),
+      static_cast<double>(seen.rays) / ms * 1e3, u.bus_down, u.bus_up, u.dsp, u.pipelines.value_or(0),
+      u.sorter.value_or(0), u.memory.value_or(0), u.bound(), command,
+      point_of(point.bus.c_str(), point.made, point.rays));
+}
+
+void write_trade(const ChartOptions& options, ProgressLine& progress) {
+  InputOptions input = options.trade;
+  const SceneSetup setup = set_up(scene_of(input), options.board.threads);
+  const RandomPairs pairs = random_pairs(setup.volume.dims, options.pairs, options.board.seed);
+  std::string text =
+      "bus,made,rays a pair,pairs,error,board_ms,bus_ms,rays_per_second,bus_down,bus_up,dsp,pipelines,sorter,memory,"
+      "bound,command\n";
+  std::vector<double> reference;
+  for (const char* bus : {"pci33", "agp2x"}) {
+    BoardOptions chosen = options.board;
+    chosen.board = fmt::format("emu:?bus={}", bus);
+    if (chosen.fidelity.empty()) chosen.fidelity = "cycle";
+    Board board = open_board(chosen);
+    check_fits(setup.volume.dims, board.info(), setup.volume.source);
+    load(board, setup, false);
+    for (const PairRays made : {PairRays::kByHost, PairRays::kByBoard}) {
+      if (reference.empty()) {
+        BoardOptions fast = options.board;
+        fast.fidelity = "functional";
+        Board exact = open_board(fast);
+        load(exact, setup, false);
+        reference = look(exact, pairs, {.rays = kReference, .seed = 1}).transmittances;
+      }
+      for (std::uint32_t rays = 1; rays <= options.most_rays_a_pair; rays *= 4) {
+        if (!wanted(options.point, point_of(bus, made, rays))) continue;
+        progress.show(fmt::format("trade: {}, {} rays a pair", bus, rays));
+        const PairRequest request{.rays = rays, .made = made};
+        // Enough of them that the parts of the board overlap; the first ones tell the error.
+        const std::uint32_t count = std::max(options.pairs, kLeastRaysInAll / rays);
+        const RandomPairs more = random_pairs(setup.volume.dims, count, options.board.seed);
+        TradePoint point{bus, made, rays, 0, look(board, more, request)};
+        point.seen.transmittances.resize(options.pairs);
+        point.error = rms(point.seen.transmittances, reference);
+        text += trade_row(point, options.command);
+      }
+    }
+    text += std::string(bus) == "pci33" && options.point.empty() ? "\n\n" : "";
+  }
+  write(options, "form_factors_trade.csv", text);
+}
+
+void write_hierarchy(const ChartOptions& options, ProgressLine& progress) {
+  Scene scene = scene_of(options.hierarchy);
+  scene.lighting.on = false;
+  const SceneSetup setup = set_up(scene, options.board.threads);
+  Board board = open_board(options.board);
+  check_fits(setup.volume.dims, board.info(), setup.volume.source);
+  RadiositySettings settings;
+  settings.leaf_voxels = options.leaf_voxels;
+  std::vector<double> errors;
+  std::copy_if(options.errors.begin(), options.errors.end(), std::back_inserter(errors), [&](double error) {
+    return wanted(options.point, name_of(StudyPoint{true, error, 0, 0, {}}));
+  });
+  const bool full = wanted(options.point, name_of(StudyPoint{false, 0, 0, 0, {}}));
+  const auto points = study_hierarchy(board, setup, emissions_of(scene, setup), settings, errors, full,
+                                      [&progress](std::string_view what, double share) {
+                                        progress.show(fmt::format("hierarchy: {} {:.0f}%", what, 100 * share));
+                                      });
+  write(options, "form_factors_hierarchy.csv", csv_of(points, options.command));
+}
+
+}  // namespace
+
+std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays, const std::string& point) {
+  const double area = kSide * kSide;
+  const Element low{ElementKind::kBox, {5, 5, 5}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
+  const Element high{ElementKind::kBox, {5, 5, 13}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
+  std::vector<ErrorCurve> curves;
+  for (const double kappa : {0.0, 1.0, 3.0}) {
+    fill(board, kappa);
+    curves.push_back(curve_of(board, kappa == 0 ? "parallel" : fmt::format("parallel kappa {:g}", kappa),
+                              two(kFloor, kCeiling, area), parallel_squares(kappa), most_rays, point));
+  }
+  fill(board, 0);
+  curves.push_back(curve_of(board, "boxes two apart", two(low, high, 16 * std::numbers::pi), mean_inverse_square(2),
+                            most_rays, point));
+  curves.push_back(curve_of(board, "common edge in strips", strips(), perpendicular_squares(), most_rays, point));
+  curves.push_back(curve_of(board, "common edge", two(kFloor, kWall, area), perpendicular_squares(), most_rays, point));
+  return curves;
+}
+
+void charts(const ChartOptions& options, ProgressLine& progress) {
+  const auto asked = [&options](const char* table) {
+    return options.point.empty() || options.point.starts_with(table);
+  };
+  if (!asked("error/") && !asked("trade/") && !asked("hierarchy/"))
+    throw InputError("--point", "error/..., trade/... or hierarchy/..., as in the tables", in_quotes(options.point));
+  if (asked("error/")) {
+    progress.show("closed forms");
+    Board board = open_board(options.board);
+    write_errors(closed_form_curves(board, options.most_rays, options.point), options);
+  }
+  if (asked("trade/")) write_trade(options, progress);
+  if (asked("hierarchy/")) write_hierarchy(options, progress);
+}
+
+}  // namespace gicube::samples

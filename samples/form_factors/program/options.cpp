@@ -1,0 +1,314 @@
+#include "form_factors/program/options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ostream>
+
+#include "scene/program/input_error.h"
+#include "scene/program/option_group.h"
+#include "scene/scene_file.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr const char* kBuiltin = "builtin:";
+const char* const kFooter =
+    "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, limits and figures: docs/guide/form_factors.md.";
+
+void add_input(CLI::App& app, InputOptions& options) {
+  const char* group = "Scene";
+  app.add_option("INPUT", options.input,
+                 "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, or a volume file with a header")
+      ->required();
+  app.add_option("--volume-size", options.volume_size, "voxels along the longest edge of a world or built-in volume")
+      ->check(CLI::Range(kMinWorldSize, kMaxWorldSize))
+      ->group(group);
+  app.add_option("--transfer-function", options.transfer_function,
+                 "of all materials: a file, or a preset: " + preset_names())
+      ->type_name("FILE|NAME")
+      ->group(group);
+}
+
+// "2=5" or "2=5,4,3".
+SolveOptions::ByTag by_tag(const std::string& option, const std::string& text, double most) {
+  const auto bad = [&] {
+    return CLI::ValidationError(option,
+                                fmt::format("expected TAG=VALUE or TAG=RED,GREEN,BLUE with a tag from 0 to 3 and "
+                                            "numbers from 0{}, got {}",
+                                            most < 1e300 ? fmt::format(" to {}", most) : "", in_quotes(text)));
+  };
+  const std::size_t equals = text.find('=');
+  if (equals != 1 || text[0] < '0' || text[0] > '3') throw bad();
+  const std::string numbers = text.substr(2);
+  const bool coloured = numbers.find(',') != std::string::npos;
+  const std::vector<double> values = parse_numbers(option, numbers, coloured ? 3 : 1);
+  for (const double value : values) {
+    if (!(value >= 0 && value <= most)) throw bad();
+  }
+  return {text[0] - '0', {values[0], values[coloured ? 1 : 0], values[coloured ? 2 : 0]}};
+}
+
+void add_materials(CLI::App& app, SolveOptions& options) {
+  OptionGroup group(app, "Scene");
+  group
+      .parsed("--emission", "TAG=POWER",
+              "light from a unit of a tag's surface (or of a fog's volume), as 2=5 or 2=5,4,3 for red, green and blue; "
+              "in place of the scene's; repeatable",
+              [&](const std::string& name, const std::string& text) {
+                options.emissions.push_back(by_tag(name, text, std::numeric_limits<double>::infinity()));
+              })
+      ->take_all();
+  group
+      .parsed(
+          "--albedo", "TAG=SHARE", "what a tag scatters of the light that meets it, 0..1; likewise",
+          [&](const std::string& name, const std::string& text) { options.albedos.push_back(by_tag(name, text, 1)); })
+      ->take_all();
+}
+
+void add_made(CLI::App& app, const char* group, PairRays& made) {
+  app.add_option_function<std::string>(
+         "--made", [&made](const std::string& text) { made = text == "host" ? PairRays::kByHost : PairRays::kByBoard; },
+         "who makes the rays: board (its DSP, from pair lists) or host (sent over the bus); never changes a result "
+         "(board)")
+      ->check(CLI::IsMember({"board", "host"}))
+      ->group(group);
+}
+
+void add_method(CLI::App& app, SolveOptions& options) {
+  const char* group = "Method";
+  RadiositySettings& settings = options.settings;
+  app.add_option("--error", settings.error, "a link that may misplace more than this share of all power is refined")
+      ->check(CLI::Range(1e-12, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--rays", settings.rays, "of a link's first guess")
+      ->check(CLI::Range(8, 65536))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--most-rays", settings.most_rays, "of a link that can't be divided")
+      ->check(CLI::Range(8, 1 << 24))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--step", settings.step, "of the rays, voxels")
+      ->check(CLI::Range(1.0 / 64, 16.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--solid-opacity", settings.solid_opacity,
+                 "of one voxel length from which a voxel is solid, not medium")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--leaf-voxels", settings.leaf_voxels, "edge of the voxel cubes that are not divided: 1, 2, 4, ...")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option_function<std::string>(
+         "--solver",
+         [&settings](const std::string& text) {
+           settings.solver = text == "shooting" ? Solver::kShooting : Solver::kGathering;
+         },
+         "gathering or shooting (gathering)")
+      ->check(CLI::IsMember({"gathering", "shooting"}))
+      ->group(group);
+  app.add_option("--convergence", settings.convergence,
+                 "share of all power that may be under way when the solver stops")
+      ->check(CLI::Range(1e-12, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--iterations", settings.most_iterations, "at most so many")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str()
+      ->group(group);
+  app.add_flag_callback(
+         "--full-matrix", [&settings] { settings.hierarchy = false; }, "a link for each pair of elements: no hierarchy")
+      ->group(group);
+  add_made(app, group, settings.made);
+}
+
+void add_output(CLI::App& app, SolveOptions& options) {
+  const char* group = "Output";
+  OptionGroup values(app, group);
+  app.add_option("--factors", options.factors, "exchange areas as Matrix Market, their rows in FILE.clusters.csv")
+      ->type_name("FILE")
+      ->group(group);
+  app.add_option("--solution", options.solution,
+                 "the light that falls on each voxel, NRRD of three channels: for gicube-render --irradiance")
+      ->type_name("FILE")
+      ->group(group);
+  app.add_option("-o,--output", options.picture, "a picture by the board in that light, PNG or EXR")
+      ->type_name("FILE")
+      ->group(group);
+  app.add_option("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")
+      ->type_name("NAME")
+      ->group(group);
+  values.parsed("--size", "WxH", "pixels of the picture (the scene's)",
+                [&options](const std::string& name, const std::string& text) {
+                  const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
+                  options.size = {sizes[0], sizes[1]};
+                });
+  app.add_option("--exposure", options.exposure, "brightness of a unit of light on a unit of area; 0: chosen")
+      ->check(CLI::Range(0.0, 1e12))
+      ->capture_default_str()
+      ->group(group);
+}
+
+void add_visibility(CLI::App& app, VisibilityOptions& options) {
+  const char* group = "Pairs";
+  app.add_option("--pairs", options.pairs, "of random voxels")
+      ->check(CLI::Range(1u, 100'000'000u))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--rays", options.rays, "a pair, between random points of both voxels")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--step", options.step, "of the rays, voxels")
+      ->check(CLI::Range(1.0 / 64, 16.0))
+      ->capture_default_str()
+      ->group(group);
+  add_made(app, group, options.made);
+}
+
+void add_charts(CLI::App& app, ChartOptions& options) {
+  app.add_option("SCENE", options.hierarchy.input, "whose light is solved with and without a hierarchy")->required();
+  CLI::Option_group* what = app.add_option_group("What");
+  what->add_option("-o,--output", options.folder, "gets the tables")
+      ->type_name("FOLDER")
+      ->check(CLI::ExistingDirectory);
+  what->add_option("--point", options.point, "one point again, by the name in the tables: its row is printed");
+  what->require_option(1);
+  app.add_option("--volume-size", options.hierarchy.volume_size, "its voxels along the longest edge")
+      ->check(CLI::Range(kMinWorldSize, kMaxWorldSize));
+  app.add_option("--leaf-voxels", options.leaf_voxels, "of its elements")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--errors", options.errors, "thresholds of its links")->delimiter(',')->capture_default_str();
+  app.add_option("--most-rays", options.most_rays, "of an estimate of a closed form")
+      ->check(CLI::Range(64u, 65'536u))
+      ->capture_default_str();
+  app.add_option("--pairs", options.pairs, "of random voxels between which the trade is measured")
+      ->check(CLI::Range(2u, 1'000'000u))
+      ->capture_default_str();
+  app.add_option("--most-rays-a-pair", options.most_rays_a_pair, "there")
+      ->check(CLI::Range(1u, 4096u))
+      ->capture_default_str();
+}
+
+// What was typed, without where its results go.
+std::string command_of(int argc, const char* const* argv) {
+  std::string text = "gicube-form-factors";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == "-o" || word == "--output" || word == "--point") {
+      ++i;
+    } else if (!word.starts_with("--output=") && !word.starts_with("--point=") && word != "--quiet") {
+      text.append(1, ' ').append(word);
+    }
+  }
+  return text;
+}
+
+void check_solve(SolveOptions& options) {
+  const std::string extension = options.picture.extension().string();
+  if (!options.picture.empty() && extension != ".png" && extension != ".exr") {
+    throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(options.picture.string()));
+  }
+  const RadiositySettings& settings = options.settings;
+  if (settings.most_rays < settings.rays) {
+    throw UsageError(
+        fmt::format("--most-rays: expected {} (--rays) or more, got {}", settings.rays, settings.most_rays));
+  }
+  if ((settings.leaf_voxels & (settings.leaf_voxels - 1)) != 0) {
+    throw UsageError(fmt::format("--leaf-voxels: expected a power of two, got {}", settings.leaf_voxels));
+  }
+  options.settings.seed = static_cast<std::uint32_t>(options.board.seed);
+}
+
+}  // namespace
+
+std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out) {
+  SolveOptions solve;
+  VisibilityOptions visibility;
+  ChartOptions charts;
+  CLI::App app("Radiosity in volumes, its form factors by a GI-Cube board.", "gicube-form-factors");
+  app.footer(kFooter);
+  app.set_version_flag("--version", std::string(GICUBE_VERSION));
+  app.require_subcommand(1);
+  CLI::App* const solving = app.add_subcommand("solve", "spread the light of a scene's emitters");
+  CLI::App* const looking = app.add_subcommand("visibility", "light between random voxels, and what it costs");
+  CLI::App* const charting =
+      app.add_subcommand("charts", "the tables of docs/studies/charts/form_factors_*.csv (script/charts)");
+  add_input(*solving, solve.input);
+  add_materials(*solving, solve);
+  add_method(*solving, solve);
+  add_output(*solving, solve);
+  add_plan_options(*solving, solve.plan, "the solution's pairs");
+  add_board_options(*solving, solve.board);
+  add_input(*looking, visibility.input);
+  add_visibility(*looking, visibility);
+  add_board_options(*looking, visibility.board);
+  add_charts(*charting, charts);
+  add_board_options(*charting, charts.board);
+  if (!parsed(app, argc, argv, out)) return std::nullopt;
+  if (looking->parsed()) return visibility;
+  if (charting->parsed()) {
+    charts.command = command_of(argc, argv);
+    return charts;
+  }
+  check_solve(solve);
+  check_plan(solve.plan);
+  if (solve.plan.wanted()) {
+    for (const char* chosen : {"--error", "--rays", "--leaf-voxels", "--full-matrix"})
+      refuse_with_plan(*solving, chosen);
+  }
+  return solve;
+}
+
+Scene scene_of(const InputOptions& options) {
+  Scene scene;
+  if (options.input.starts_with(kBuiltin)) {
+    scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
+  } else if (is_scene_path(options.input)) {
+    scene = at_time(read_scene(options.input), 0);
+  } else {
+    scene.volume.file = options.input;
+  }
+  if (options.volume_size && scene.world) {
+    scene.world->size = *options.volume_size;
+  } else if (options.volume_size && !scene.volume.builtin.empty()) {
+    scene.volume.size = *options.volume_size;
+  } else if (options.volume_size) {
+    throw UsageError("--volume-size: only for a built-in volume or a world; " + in_quotes(options.input) +
+                     " has its own size");
+  }
+  if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
+  return scene;
+}
+
+void set_materials(const SolveOptions& options, Scene& scene) {
+  const auto of_tag = [&scene](int tag) -> SceneMaterial& {
+    const auto found = std::find_if(scene.materials.begin(), scene.materials.end(),
+                                    [tag](const SceneMaterial& material) { return material.tag == tag; });
+    if (found != scene.materials.end()) return *found;
+    SceneMaterial made;
+    made.name = "tag " + std::to_string(tag);
+    made.tag = tag;
+    return scene.materials.emplace_back(std::move(made));
+  };
+  const auto put = [](const Power& value, double& most, Colour& colour) {
+    most = *std::max_element(value.begin(), value.end());
+    for (std::size_t c = 0; c < 3; ++c) colour[c] = most > 0 ? value[c] / most : 1;
+  };
+  for (const auto& emission : options.emissions) {
+    SceneMaterial& material = of_tag(emission.tag);
+    put(emission.value, material.emission, material.emission_colour);
+  }
+  for (const auto& albedo : options.albedos) {
+    SceneMaterial& material = of_tag(albedo.tag);
+    put(albedo.value, material.optics.scattering, material.scattering_colour);
+    if (material.optics.bsdf == Bsdf::kNone) material.optics.bsdf = Bsdf::kDiffuse;
+  }
+}
+
+}  // namespace gicube::samples

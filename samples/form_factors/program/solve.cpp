@@ -1,0 +1,118 @@
+#include "form_factors/program/solve.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "scene/program/board_run.h"
+#include "scene/image_file.h"
+#include "scene/program/input_error.h"
+#include "scene/program/run_json.h"
+#include "form_factors/radiosity/field.h"
+#include "form_factors/exchange/matrix.h"
+#include "form_factors/plan/plan.h"
+#include "form_factors/program/statistics.h"
+
+namespace gicube::samples {
+namespace {
+
+RadiosityProgress shown_by(ProgressLine& progress) {
+  return
+      [&progress](std::string_view what, double share) { progress.show(fmt::format("{} {:.0f}%", what, 100 * share)); };
+}
+
+void print(const RadiosityResult& result) {
+  const RadiosityStatistics& s = result.statistics;
+  fmt::print(
+      "{} faces, {} medium, {} of the volume's ends; {} links where a full matrix has {} ({:.1f} times as many)\n",
+      s.faces, s.medium, s.ends, s.links, s.all_pairs,
+      s.links > 0 ? static_cast<double>(s.all_pairs) / static_cast<double>(s.links) : 0);
+  fmt::print("{} pairs, {} rays; board {:.3f} ms simulated, bus {:.2f} MB down, {:.2f} MB up; {:.1f} s\n", s.pairs,
+             s.rays, to_ms(s.board_time), static_cast<double>(s.bus_down_bytes) * 1e-6,
+             static_cast<double>(s.bus_up_bytes) * 1e-6, s.host_seconds);
+  for (std::size_t i = 0; i < s.iterations.size(); ++i) {
+    const bool told = i < 3 || i + 1 == s.iterations.size() || s.iterations[i].links != s.iterations[i + 1].links;
+    if (told)
+      fmt::print("iteration {}: {} links, {:.2g} under way\n", i + 1, s.iterations[i].links, s.iterations[i].residual);
+  }
+  const EnergyBalance& e = s.energy;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!(e.emitted[c] > 0)) continue;
+    const auto percent = [&](double power) { return 100 * power / e.emitted[c]; };
+    fmt::print("{}: {:.2f}% in faces, {:.2f}% in medium, {:.2f}% escaped, {:.3f}% under way, {:.3f}% missing\n",
+               std::array{"red", "green", "blue"}[c], percent(e.absorbed_by_faces[c]), percent(e.absorbed_by_medium[c]),
+               percent(e.escaped[c]), percent(e.under_way[c]), percent(e.closure[c]));
+  }
+}
+
+void draw(const SolveOptions& options, const Scene& scene, const SceneSetup& setup, const LightField& field,
+          Board& board, ProgressLine& progress) {
+  load(board, setup, false, progress.parts("loading the volume"));
+  for (std::size_t tag = 0; tag < setup.optics.size(); ++tag) {
+    board.set_material(setup.optics[tag], static_cast<int>(tag));
+  }
+  board.set_shading({scene.phong.value_or(Phong{.ambient = 0, .diffuse = 1, .specular = 0}), setup.shading.light});
+  const double asked = options.exposure > 0 ? options.exposure : scene.lighting.exposure;
+  const double exposure = asked > 0 ? asked : exposure_for(field);
+  const bool own_alpha = options.picture.extension() == ".exr";
+  const auto background = own_alpha ? std::nullopt : setup.background;
+  const Image image = picture_of(board, field, setup.view, exposure, background, progress.parts("picture"));
+  write_image(image, options.picture, background);
+  progress.clear();
+  if (!options.board.quiet) fmt::print("{}: exposure {:.4g}\n", options.picture.string(), exposure);
+}
+
+}  // namespace
+
+Emissions emissions_of(const Scene& scene, const SceneSetup& setup) {
+  Emissions emissions(setup.emissions.size());
+  for (std::size_t tag = 0; tag < emissions.size(); ++tag) emissions[tag].power = setup.emissions[tag];
+  for (const SceneMaterial& material : scene.materials) {
+    if (look_as<FogLook>(material) == nullptr) continue;
+    for (double& part : emissions[static_cast<std::size_t>(material.tag)].power) part *= setup.grid.voxel;
+  }
+  return emissions;
+}
+
+void solve(const SolveOptions& options, ProgressLine& progress) {
+  progress.show("reading the scene");
+  Scene scene = scene_of(options.input);
+  set_materials(options, scene);
+  if (!options.camera_name.empty()) choose_camera(scene, options.camera_name);
+  if (options.size) scene.view.width = (*options.size)[0], scene.view.height = (*options.size)[1];
+  scene.lighting.on = false;
+  const SceneSetup setup = set_up(scene, options.board.threads);
+  Board board = open_board(board_for(options.plan, options.board));
+  check_fits(setup.volume.dims, board.info(), setup.volume.source);
+
+  RunWindow window(board);
+  RadiositySettings settings = options.settings;
+  std::optional<RadiosityPlan> plan;
+  RadiosityResult result;
+  if (options.plan.wanted()) {
+    plan =
+        plan_radiosity(board, setup, emissions_of(scene, setup), settings, options.plan.target(), shown_by(progress));
+    settings = plan->settings;
+    result = std::move(plan->result);
+  } else {
+    result = solve_radiosity(board, setup, emissions_of(scene, setup), settings, shown_by(progress));
+  }
+  const Counters counters = window.counters();
+  progress.clear();
+  if (plan && options.plan.explain) print_plan(plan->explain());
+  if (!options.board.quiet) print(result);
+  if (!options.factors.empty()) write_factors(result, options.factors);
+  const LightField field = field_of(result, setup);
+  if (!options.solution.empty()) write_light_field(field, setup.volume.spacing, options.solution);
+  if (!options.board.stats.empty()) {
+    const double voxel = setup.grid.voxel;
+    auto json = to_json(result, settings, voxel * voxel, counters, board.info());
+    json["plan"] = plan ? to_json(*plan) : nullptr;
+    write_json(json, options.board.stats);
+  }
+  if (!options.picture.empty()) draw(options, scene, setup, field, board, progress);
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,191 @@
+#include "form_factors/radiosity/field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "form_factors/radiosity/smooth.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kWindow = 2;            // chosen: voxels to each side: steps of slopes down to 1:5 are seen whole
+constexpr int kLayers = 2;            // chosen: of voxels that light is carried on to: samples touch so many
+constexpr double kLeastFacing = 0.1;  // chosen: of a face's axis and the surface's normal: below it is another surface
+
+using Cell = std::array<int, 3>;
+
+Vec3 axis_of(std::uint8_t facing) {
+  const double sign = facing % 2 == 0 ? -1 : 1;
+  return {facing / 2 == 0 ? sign : 0, facing / 2 == 1 ? sign : 0, facing / 2 == 2 ? sign : 0};
+}
+
+class Writer {
+ public:
+  Writer(const RadiosityResult& result, const SceneSetup& setup)
+      : result_(result),
+        incident_(smoothed(result)),
+        setup_(setup),
+        dims_(setup.volume.dims),
+        faces_(voxels(), kNone),
+        next_(result.leaves.size(), kNone),
+        state_(voxels(), kDark) {
+    field_.dims = dims_;
+    field_.channels = 3;
+    field_.values.assign(3 * voxels(), 0);
+    for (std::uint32_t i = 0; i < result.leaves.size(); ++i) {
+      const Leaf& leaf = result.leaves[i];
+      if (leaf.facing == kMedium || leaf.tag == kOutside) continue;
+      std::uint32_t& first = faces_[at(voxel_behind(leaf))];
+      next_[i] = first;
+      first = i;
+    }
+  }
+
+  LightField write() {
+    for (std::uint32_t i = 0; i < result_.leaves.size(); ++i) {
+      if (result_.leaves[i].facing == kMedium) set(at(result_.leaves[i].cell), sum(i), kMediumLight);
+    }
+    Cell cell{};
+    for (cell[2] = 0; cell[2] < dims_[2]; ++cell[2]) {
+      for (cell[1] = 0; cell[1] < dims_[1]; ++cell[1]) {
+        for (cell[0] = 0; cell[0] < dims_[0]; ++cell[0]) {
+          if (faces_[at(cell)] != kNone) set(at(cell), surface(cell), kSurface);
+        }
+      }
+    }
+    for (std::uint8_t layer = 0; layer < kLayers; ++layer) carry(static_cast<std::uint8_t>(kSurface + layer));
+    return std::move(field_);
+  }
+
+ private:
+  // Light of medium gives way to that of a surface beside it, whose samples are much more opaque.
+  static constexpr std::uint8_t kDark = 0, kMediumLight = 1, kSurface = 2;  // + layers
+
+  std::size_t voxels() const {
+    return static_cast<std::size_t>(dims_[0]) * static_cast<std::size_t>(dims_[1]) * static_cast<std::size_t>(dims_[2]);
+  }
+  std::size_t at(const Cell& cell) const {
+    return static_cast<std::size_t>(cell[0]) +
+           static_cast<std::size_t>(dims_[0]) *
+               (static_cast<std::size_t>(cell[1]) +
+                static_cast<std::size_t>(dims_[1]) * static_cast<std::size_t>(cell[2]));
+  }
+  bool inside(const Cell& cell) const {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (cell[axis] < 0 || cell[axis] >= dims_[axis]) return false;
+    }
+    return true;
+  }
+  template <typename Visit>
+  void around(const Cell& cell, int reach, const Visit& visit) const {
+    for (int z = -reach; z <= reach; ++z) {
+      for (int y = -reach; y <= reach; ++y) {
+        for (int x = -reach; x <= reach; ++x) {
+          const Cell other{cell[0] + x, cell[1] + y, cell[2] + z};
+          const int weight = (reach + 1 - std::abs(x)) * (reach + 1 - std::abs(y)) * (reach + 1 - std::abs(z));
+          if (inside(other)) visit(at(other), static_cast<double>(weight));
+        }
+      }
+    }
+  }
+
+  Power sum(std::uint32_t leaf) const {
+    Power all = incident_[leaf];
+    for (std::size_t c = 0; c < 3; ++c) all[c] += result_.leaves[leaf].emission[c];
+    return all;
+  }
+
+  void set(std::size_t voxel, const Power& light, std::uint8_t state) {
+    for (std::size_t c = 0; c < 3; ++c) field_.values[3 * voxel + c] = static_cast<float>(std::max(0.0, light[c]));
+    state_[voxel] = state;
+  }
+
+  // Outward; zero where nothing says.
+  Vec3 normal(const Cell& cell) const {
+    const std::size_t voxel = at(cell);
+    if (!setup_.gradients.empty()) {
+      const Vec3 inward{setup_.gradients[3 * voxel], setup_.gradients[3 * voxel + 1], setup_.gradients[3 * voxel + 2]};
+      if (length(inward) > 0.5) return (-1 / length(inward)) * inward;
+    }
+    Vec3 areas;
+    around(cell, kWindow, [&](std::size_t other, double weight) {
+      for (std::uint32_t i = faces_[other]; i != kNone; i = next_[i]) {
+        areas = areas + (weight * result_.leaves[i].weight) * axis_of(result_.leaves[i].facing);
+      }
+    });
+    const double size = length(areas);
+    return size > 0 ? (1 / size) * areas : Vec3{};
+  }
+
+  // Of the faces around that belong to the same surface. Light that they send out themselves has no direction, and is that
+  // of the voxel's own.
+  Power surface(const Cell& cell) const {
+    const Vec3 n = normal(cell);
+    Power flux{}, own{};
+    double area = 0, faces = 0, own_area = 0;
+    around(cell, kWindow, [&](std::size_t other, double weight) {
+      for (std::uint32_t i = faces_[other]; i != kNone; i = next_[i]) {
+        const double facing = dot(n, axis_of(result_.leaves[i].facing));
+        if (facing < kLeastFacing) continue;
+        const double of_face = weight * result_.leaves[i].weight;
+        for (std::size_t c = 0; c < 3; ++c) flux[c] += of_face * incident_[i][c];
+        area += of_face * facing;
+        faces += of_face;
+      }
+    });
+    for (std::uint32_t i = faces_[at(cell)]; i != kNone; i = next_[i]) {
+      const double of_face = result_.leaves[i].weight;
+      for (std::size_t c = 0; c < 3; ++c) {
+        own[c] += of_face * result_.leaves[i].emission[c];
+        if (area == 0) flux[c] += of_face * incident_[i][c];  // a sheet whose sides cancel
+      }
+      own_area += of_face;
+    }
+    for (std::size_t c = 0; c < 3; ++c) flux[c] = flux[c] / (area > 0 ? area : own_area) + own[c] / own_area;
+    return flux;
+  }
+
+  // Voxels without light, and those of medium, get the mean of the layer beside them.
+  void carry(std::uint8_t layer) {
+    std::vector<std::pair<std::size_t, Power>> found;
+    Cell cell{};
+    for (cell[2] = 0; cell[2] < dims_[2]; ++cell[2]) {
+      for (cell[1] = 0; cell[1] < dims_[1]; ++cell[1]) {
+        for (cell[0] = 0; cell[0] < dims_[0]; ++cell[0]) {
+          const std::uint8_t state = state_[at(cell)];
+          // Medium is seen through its own light but for the one layer that touches the surface.
+          if (state >= kSurface || (state == kMediumLight && layer > kSurface)) continue;
+          Power light{};
+          double weights = 0;
+          around(cell, 1, [&](std::size_t other, double weight) {
+            if (state_[other] != layer) return;
+            for (std::size_t c = 0; c < 3; ++c) light[c] += weight * double{field_.values[3 * other + c]};
+            weights += weight;
+          });
+          if (weights == 0) continue;
+          for (double& part : light) part /= weights;
+          found.emplace_back(at(cell), light);
+        }
+      }
+    }
+    for (const auto& [voxel, light] : found) set(voxel, light, static_cast<std::uint8_t>(layer + 1));
+  }
+
+  const RadiosityResult& result_;
+  const std::vector<Power> incident_;  // of it, without the edges of clusters
+  const SceneSetup& setup_;
+  const Dims dims_;
+  std::vector<std::uint32_t> faces_;  // by solid voxel: the first of its faces, and
+  std::vector<std::uint32_t> next_;   // by leaf: the next one of the same voxel
+  std::vector<std::uint8_t> state_;
+  LightField field_;
+};
+
+}  // namespace
+
+LightField field_of(const RadiosityResult& result, const SceneSetup& setup) { return Writer(result, setup).write(); }
+
+}  // namespace gicube::samples

@@ -1,0 +1,155 @@
+// Volumetric radiosity with the board's form factors: the zonal method (Hottel and Sarofim 1967; Rushmeier and Torrance
+// 1987) over a hierarchy of voxels (Hanrahan, Salzman and Aupperle 1991) [P §5.6].
+//
+//   RadiosityResult result = solve_radiosity(board, setup, emissions, {.error = 1e-4});
+//   result.leaves[i].cell, .facing      // which voxel, which of its faces
+//   result.outgoing[i]                  // its radiosity, red green blue
+//
+// Elements. A voxel is the box of half a voxel around its centre, cut off at the volume's ends. It is solid if its opacity
+// is at least RadiositySettings::solid_opacity, else open. Elements are
+//   - faces: where an open voxel meets a solid one, seen from the open one; Lambert's law, the solid's material;
+//   - medium: open voxels of some opacity; they absorb, and scatter alike in all directions;
+//   - the volume's ends, where an open voxel lies at one: black, they take what leaves the volume.
+//
+// Units. Lengths, areas and volumes are physical, in smallest voxel edges. kappa is extinction a length. The weight w of an
+// element is its area, or 4 kappa V of medium. Radiosity B is power leaving a unit of weight: of faces a unit of area; a
+// medium element radiates 4 kappa V B. Incident H is power arriving at a unit of weight, so that
+//
+//   B = E + albedo H,   w_i H_i = sum over j of X_ij B_j,   sum over j of X_ij = w_i (closure),   X_ij = X_ji (reciprocity)
+//
+// with X the exchange areas of the zonal method: double integrals of (cos or kappa) (cos or kappa) T / (pi r^2).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "scene/scene.h"
+#include "gicube/board.h"
+#include "gicube/pair.h"
+
+namespace gicube::samples {
+
+using Power = std::array<double, 3>;  // red, green, blue; linear, any unit, and all powers of a solution in the same
+
+enum class Solver {
+  kGathering,  // all clusters take over all links at once (Jacobi)
+  kShooting,   // the clusters with the most power that they have not sent yet send it (Southwell)
+};
+
+// What a material sends out by itself, in all directions alike.
+struct Emission {
+  Power power{};  // of a unit of a solid's surface, or of a unit of a medium's volume
+};
+using Emissions = std::vector<Emission>;  // by tag; missing ones are dark
+
+struct RadiositySettings {
+  double solid_opacity = 0.5;  // > 0..1, of one voxel length
+  double error = 1e-5;         // > 0: a link that may misplace more than this share of the emitted power is refined
+  int rays = 16;               // first guess of a link; 8..65536
+  int most_rays = 1024;        // of a link between elements that can't be divided; rays..2^24
+  // Voxels, of the rays; 1/64..16. A ray that cuts less than this of a solid's edge may miss it: a room with a block of two
+  // voxels closes within 0.6% at 0.25, 0.16% at 1/16.
+  double step = 0.125;
+  std::uint32_t seed = 0;  // another seed is an independent experiment
+  Solver solver = Solver::kGathering;
+  PairRays made = PairRays::kByBoard;
+  bool hierarchy = true;       // false: a link for each pair of leaves
+  double convergence = 1e-4;   // > 0: share of the emitted power that may be under way when the solver stops
+  int most_iterations = 1000;  // of a solve
+  bool balance = true;         // scales what is uncertain of the links until each element's sum closes
+  int leaf_voxels = 1;         // voxels an edge that are not divided further: 1, 2, 4, ...
+};
+
+constexpr std::uint8_t kMedium = 6;     // Leaf::facing: no face
+constexpr std::uint8_t kOutside = 255;  // Leaf::tag of the volume's ends
+
+// One element.
+struct Leaf {
+  Element element;            // voxels
+  std::uint8_t facing = 0;    // the normal of a face, into the open voxel: 0..5 = -x +x -y +y -z +z; or kMedium
+  std::uint8_t tag = 0;       // material: of a face the solid's, of medium its own; kOutside
+  std::array<int, 3> cell{};  // the open voxel; a face's solid voxel is one back along its normal
+  double weight = 0;          // w: area, or 4 kappa V
+  double kappa = 0;           // of medium: mean extinction
+  Power albedo{};
+  Power emission{};  // E: radiosity of its own
+};
+// The solid voxel behind a face; for the volume's ends one outside of it; of medium its own.
+std::array<int, 3> voxel_behind(const Leaf& leaf);
+
+constexpr std::uint32_t kNone = 0xFFFF'FFFF;
+
+// A part of one of seven trees: the leaves of one facing within a cube of voxels.
+struct Cluster {
+  std::uint32_t first = 0, last = 0;  // leaves [first, last)
+  std::uint32_t child = kNone;        // the first one; kNone: not divided
+  std::uint32_t children = 0;         // they follow each other
+  std::uint32_t parent = kNone;
+  std::uint8_t facing = 0;
+  bool full = false;                    // fills its box: it is one Element for the board
+  std::array<double, 3> low{}, high{};  // box around its leaves, voxels
+  double measure = 0;                   // physical area or volume
+  double weight = 0;                    // sum of its leaves' w
+};
+
+struct Link {
+  std::uint32_t a = 0, b = 0;  // clusters; a == b: within one
+  double exchange = 0;         // X, a unit of area
+  double standard_error = 0;   // of X, from the spread of its samples
+  double spread = 0;           // of X's samples: what a subdivision may find
+  std::uint32_t rays = 0;      // asked for
+};
+
+struct Iteration {
+  std::uint32_t links = 0;  // in force
+  double residual = 0;      // power still under way after it, a share of the emitted power
+};
+
+// Where the emitted power went, a channel each. emitted = absorbed_by_faces + absorbed_by_medium + escaped + under_way +
+// closure, the last being what the links' sums miss (positive) or have too much; about 0 if they were balanced.
+struct EnergyBalance {
+  Power emitted{}, absorbed_by_faces{}, absorbed_by_medium{}, escaped{}, under_way{}, closure{};
+  Power measured_closure{};  // what `closure` would be with the links as they were measured, not balanced
+};
+
+struct RadiosityStatistics {
+  std::uint64_t faces = 0, medium = 0, ends = 0, clusters = 0, links = 0;
+  std::uint64_t all_pairs = 0;        // of leaves that can see each other by their sides alone: a full matrix's links
+  std::uint64_t pairs = 0, rays = 0;  // asked of the board
+  std::uint64_t clear_pairs = 0;      // of them, with only empty blocks in between: no ray was sent
+  std::uint64_t refinements = 0;      // links that were divided
+  std::vector<Iteration> iterations;
+  EnergyBalance energy;
+  double closure_rms = 0;  // root mean square of (sum over j of X_ij) / w_i - 1 as measured, by weight
+  std::uint64_t bus_down_bytes = 0, bus_up_bytes = 0;
+  Picoseconds board_time = 0;  // simulated, of all its pairs
+  double host_seconds = 0;     // wall clock, of the whole solution
+};
+
+// `standard_error`: one sigma from the spread of the links' samples, in the units of `incident`, of its sum over channels;
+// of a leaf's own and its ancestors' links, which are taken as independent.
+struct RadiosityResult {
+  std::vector<Leaf> leaves;
+  std::vector<Power> incident;  // H by leaf
+  std::vector<Power> outgoing;  // B by leaf
+  std::vector<double> standard_error;
+  std::vector<Cluster> clusters;
+  std::vector<Link> links;
+  RadiosityStatistics statistics;
+};
+
+// What is being done, and how much of it (0..1).
+using RadiosityProgress = std::function<void(std::string_view what, double share)>;
+
+// Loads a volume of its own onto the board (solids as opaque tags, the medium's extinction as density) and sets its
+// transfer functions and step: load yours again for pictures. `setup` must still hold its voxels.
+// Throws InputError that names the field (settings, an emission below 0, a volume too large for the board, a scene without
+// elements or emission), and what Board throws.
+RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
+                                const RadiositySettings& settings, const RadiosityProgress& progress = {});
+
+}  // namespace gicube::samples

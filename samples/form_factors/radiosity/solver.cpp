@@ -1,0 +1,272 @@
+#include "form_factors/radiosity/solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gicube::samples {
+namespace {
+
+template <std::size_t N>
+void add(std::array<double, N>& to, double factor, const std::array<double, N>& what) {
+  for (std::size_t c = 0; c < N; ++c) to[c] += factor * what[c];
+}
+
+double total(const Power& power) { return power[0] + power[1] + power[2]; }
+
+}  // namespace
+
+double uncertain_part(const Link& link, const Forest& forest) {
+  if (!(link.exchange > 0)) return 0;
+  const bool leaves = forest.clusters[link.a].child == kNone && forest.clusters[link.b].child == kNone;
+  return std::min((leaves ? link.standard_error : link.spread) / link.exchange, 1.0);
+}
+
+RadiositySolver::RadiositySolver(const Forest& forest)
+    : forest_(forest),
+      leaf_in_(forest.leaves.size()),
+      factors_(forest.leaves.size(), 1),
+      raw_sums_(forest.leaves.size(), 1),
+      cluster_out_(forest.clusters.size()),
+      sent_(forest.clusters.size()),
+      received_(forest.clusters.size()),
+      reach_(forest.clusters.size()) {
+  for (const Leaf& leaf : forest.leaves) {
+    leaf_out_.push_back(leaf.emission);
+    add(emitted_, leaf.weight, leaf.emission);
+  }
+  push_pull();
+}
+
+Power RadiositySolver::outgoing(std::uint32_t cluster) const {
+  const Flow& out = cluster_out_[cluster];
+  return {out[0], out[1], out[2]};
+}
+
+// What clusters received goes down to their leaves; what leaves send out goes up as means.
+void RadiositySolver::push_pull() {
+  const auto& clusters = forest_.clusters;
+  std::vector<Flow> incident(clusters.size());
+  for (std::size_t i = 0; i < clusters.size(); ++i) {  // parents come before their children
+    const Cluster& cluster = clusters[i];
+    if (cluster.parent != kNone) incident[i] = incident[cluster.parent];
+    add(incident[i], 1 / cluster.weight, received_[i]);
+    if (cluster.child != kNone) continue;
+    for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        leaf_in_[leaf][c] = incident[i][c] + factors_[leaf] * incident[i][3 + c];
+        leaf_out_[leaf][c] = forest_.leaves[leaf].emission[c] + forest_.leaves[leaf].albedo[c] * leaf_in_[leaf][c];
+      }
+    }
+  }
+  std::fill(cluster_out_.begin(), cluster_out_.end(), Flow{});
+  for (std::size_t i = clusters.size(); i-- > 0;) {
+    const Cluster& cluster = clusters[i];
+    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+      const Power& out = leaf_out_[leaf];
+      const double d = factors_[leaf];
+      add(cluster_out_[i], forest_.leaves[leaf].weight / cluster.weight,
+          Flow{out[0], out[1], out[2], d * out[0], d * out[1], d * out[2]});
+    }
+    if (cluster.parent == kNone) continue;
+    add(cluster_out_[cluster.parent], cluster.weight / clusters[cluster.parent].weight, cluster_out_[i]);
+  }
+}
+
+void RadiositySolver::index(std::span<const Link> links) {
+  parts_.clear();
+  first_.assign(forest_.clusters.size() + 1, 0);
+  for (const Link& link : links) {
+    const double uncertain = balance_ ? uncertain_part(link, forest_) * link.exchange : 0;
+    parts_.push_back({link.exchange - uncertain, uncertain});
+    ++first_[link.a + 1];
+    if (link.a != link.b) ++first_[link.b + 1];
+  }
+  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  own_.resize(first_.back());
+  std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+  for (std::uint32_t i = 0; i < links.size(); ++i) {
+    own_[next[links[i].a]++] = i;
+    if (links[i].a != links[i].b) own_[next[links[i].b]++] = i;
+  }
+}
+
+void RadiositySolver::reach(std::span<const Link> links) {
+  const auto& clusters = forest_.clusters;
+  std::vector<double> taken(clusters.size());  // of what comes to a cluster by uncertain parts
+  for (std::size_t i = clusters.size(); i-- > 0;) {
+    const Cluster& cluster = clusters[i];
+    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+      taken[i] += factors_[leaf] * forest_.leaves[leaf].weight / cluster.weight;
+    }
+    if (cluster.parent != kNone) taken[cluster.parent] += taken[i] * cluster.weight / clusters[cluster.parent].weight;
+  }
+  reach_.assign(clusters.size(), {});
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const auto& [a, b] = std::pair(links[i].a, links[i].b);
+    reach_[a].certain += parts_[i].certain;
+    reach_[a].uncertain += parts_[i].uncertain * taken[b];
+    if (a == b) continue;
+    reach_[b].certain += parts_[i].certain;
+    reach_[b].uncertain += parts_[i].uncertain * taken[a];
+  }
+}
+
+// Sums of the leaves' exchange areas over their weights.
+std::vector<RadiositySolver::Parts> RadiositySolver::leaf_sums() const {
+  const auto& clusters = forest_.clusters;
+  std::vector<Parts> sums(clusters.size()), leaves(forest_.leaves.size());
+  for (std::size_t i = 0; i < clusters.size(); ++i) {
+    const Cluster& cluster = clusters[i];
+    if (cluster.parent != kNone) sums[i] = sums[cluster.parent];
+    sums[i].certain += reach_[i].certain / cluster.weight;
+    sums[i].uncertain += reach_[i].uncertain / cluster.weight;
+    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+      leaves[leaf] = {sums[i].certain, factors_[leaf] * sums[i].uncertain};
+    }
+  }
+  return leaves;
+}
+
+// Symmetric scaling to given sums (Sinkhorn 1964).
+void RadiositySolver::balance(std::span<const Link> links) {
+  constexpr int kMostTurns = 50;
+  constexpr double kClosed = 1e-5,
+                   kMostFactor = 4;  // chosen: what is further off was not seen well enough to be scaled
+  std::fill(factors_.begin(), factors_.end(), 1.0);
+  reach(links);
+  std::vector<Parts> sums = leaf_sums();
+  for (std::size_t i = 0; i < sums.size(); ++i) raw_sums_[i] = sums[i].certain + sums[i].uncertain;
+  if (!balance_) return;
+  for (int turn = 0; turn < kMostTurns; ++turn) {
+    double worst = 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      if (!(sums[i].uncertain > 0)) continue;
+      const double wished = std::max(1 - sums[i].certain, 0.0);
+      const double factor = factors_[i] * std::sqrt(wished / sums[i].uncertain);
+      const double kept = std::clamp(factor, 1 / kMostFactor, kMostFactor);
+      if (kept == factor) worst = std::max(worst, std::abs(sums[i].uncertain - wished));
+      factors_[i] = kept;
+    }
+    reach(links);
+    if (worst < kClosed) return;
+    sums = leaf_sums();
+  }
+}
+
+void RadiositySolver::carry(std::uint32_t link, std::uint32_t to, const Flow& what) {
+  Flow& received = received_[to];
+  for (std::size_t c = 0; c < 3; ++c) {
+    received[c] += parts_[link].certain * what[c];
+    received[3 + c] += parts_[link].uncertain * what[3 + c];
+  }
+}
+
+void RadiositySolver::gather(std::span<const Link> links) {
+  sent_ = cluster_out_;
+  std::fill(received_.begin(), received_.end(), Flow{});
+  for (std::uint32_t i = 0; i < links.size(); ++i) {
+    carry(i, links[i].a, sent_[links[i].b]);
+    if (links[i].a != links[i].b) carry(i, links[i].b, sent_[links[i].a]);
+  }
+  push_pull();
+}
+
+// All clusters that have at least half as much to send as the one that has most.
+void RadiositySolver::shoot(std::span<const Link> links) {
+  std::vector<double> unsent(forest_.clusters.size());
+  for (std::uint32_t i = 0; i < unsent.size(); ++i) {
+    for (const double part : under_way(i)) unsent[i] += std::abs(part);
+  }
+  const double least = 0.5 * *std::max_element(unsent.begin(), unsent.end());
+  for (std::uint32_t i = 0; i < unsent.size(); ++i) {
+    if (unsent[i] < least || unsent[i] == 0) continue;
+    Flow shot = cluster_out_[i];
+    add(shot, -1, sent_[i]);
+    for (std::uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
+      const Link& link = links[own_[k]];
+      carry(own_[k], link.a == i ? link.b : link.a, shot);
+    }
+    sent_[i] = cluster_out_[i];
+  }
+  push_pull();
+}
+
+// Power that the cluster has not sent yet along its own links.
+RadiositySolver::Flow RadiositySolver::under_way(std::uint32_t cluster) const {
+  Flow flow = cluster_out_[cluster];
+  add(flow, -1, sent_[cluster]);
+  for (std::size_t c = 0; c < 3; ++c) flow[c] *= reach_[cluster].certain, flow[3 + c] *= reach_[cluster].uncertain;
+  return flow;
+}
+
+double RadiositySolver::residual() const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < reach_.size(); ++i) {
+    for (const double part : under_way(i)) sum += std::abs(part);
+  }
+  return sum / total(emitted_);
+}
+
+void RadiositySolver::solve(std::span<const Link> links, const RadiositySettings& settings, bool balanced,
+                            std::vector<Iteration>& iterations) {
+  balance_ = balanced;
+  index(links);
+  balance(links);
+  push_pull();
+  gather(links);  // all links may be new
+  for (int i = 0;; ++i) {
+    iterations.push_back({static_cast<std::uint32_t>(links.size()), residual()});
+    if (iterations.back().residual <= settings.convergence || i >= settings.most_iterations) return;
+    settings.solver == Solver::kGathering ? gather(links) : shoot(links);
+  }
+}
+
+void RadiositySolver::results(RadiosityResult& result) const {
+  result.incident = leaf_in_;
+  result.outgoing = leaf_out_;
+  EnergyBalance& energy = result.statistics.energy;
+  energy = {};
+  energy.emitted = emitted_;
+  double squares = 0, weight = 0;
+  for (std::size_t i = 0; i < leaf_in_.size(); ++i) {
+    const Leaf& leaf = forest_.leaves[i];
+    Power& where = leaf.tag == kOutside     ? energy.escaped
+                   : leaf.facing == kMedium ? energy.absorbed_by_medium
+                                            : energy.absorbed_by_faces;
+    for (std::size_t c = 0; c < 3; ++c) where[c] += (1 - leaf.albedo[c]) * leaf.weight * leaf_in_[i][c];
+    const double off = 1 - raw_sums_[i];
+    add(energy.closure, leaf.weight, leaf_out_[i]);
+    add(energy.measured_closure, leaf.weight * off, leaf_out_[i]);
+    squares += leaf.weight * off * off;
+    weight += leaf.weight;
+  }
+  result.statistics.closure_rms = std::sqrt(squares / weight);
+
+  const auto& clusters = forest_.clusters;
+  std::vector<double> variance(clusters.size());
+  for (std::uint32_t i = 0; i < clusters.size(); ++i) {
+    const Flow late = under_way(i), &out = cluster_out_[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+      energy.under_way[c] += late[c] + late[3 + c];
+      energy.closure[c] -= reach_[i].certain * out[c] + reach_[i].uncertain * out[3 + c];
+    }
+  }
+  for (const Link& link : result.links) {
+    const auto error = [&](std::uint32_t from, std::uint32_t to) {
+      const double off = link.standard_error * total(outgoing(from)) / clusters[to].weight;
+      return off * off;
+    };
+    variance[link.a] += error(link.b, link.a);
+    if (link.a != link.b) variance[link.b] += error(link.a, link.b);
+  }
+  result.standard_error.assign(forest_.leaves.size(), 0);
+  for (std::uint32_t i = 0; i < clusters.size(); ++i) {
+    const Cluster& cluster = clusters[i];
+    if (cluster.parent != kNone) variance[i] += variance[cluster.parent];
+    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+      result.standard_error[leaf] = std::sqrt(variance[i]);
+    }
+  }
+}
+
+}  // namespace gicube::samples

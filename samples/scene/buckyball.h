@@ -1,0 +1,48 @@
+// A procedural scene: a C60 buckyball (60 atom spheres, 90 bond cylinders) hovers above a tiled floor.
+// z is up. Analytic signed distances make densities, material tags and normals, so any size shows the same scene.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "scene/scene.h"
+#include "scene/formats/volume_file.h"
+#include "gicube/shading.h"
+#include "gicube/transfer_function.h"
+
+namespace gicube::samples {
+
+// The material tag of each part.
+enum BuckyballTag : std::uint8_t { kAtom = 0, kBond = 1, kFloor = 2, kFloorDark = 3 };
+
+// Lengths as parts of the volume's edge, which is size - 1 voxels.
+struct BuckyballShape {
+  Vec3 centre{0.5, 0.5, 0.545};
+  double circumradius = 0.355;
+  double atom_radius = 0.05;
+  double bond_radius = 0.021;
+  Vec3 floor_low{0.015, 0.015, 0.03};
+  Vec3 floor_high{0.985, 0.985, 0.075};
+  double floor_rounding = 0.012;
+  int floor_tiles = 8;      // along x and along y
+  double turn_degrees = 9;  // about the vertical axis, so that no bond hides another from the default camera
+};
+
+struct Buckyball {
+  // size^3 samples of kUint12: 4095 inside, 0 outside, linear over two voxels across the surface.
+  Volume volume;
+  std::vector<std::uint8_t> tags;  // one a voxel, BuckyballTag
+  // 3 floats a voxel, pointing inwards (growing density), zero further than 3 voxels from the surface. Empty if not asked for.
+  std::vector<float> gradients;
+};
+
+constexpr int kMinBuckyballSize = 16, kMaxBuckyballSize = 1024;  // voxels an edge
+
+// The same voxels for any number of threads (0 = one a core). Throws InputError if the size is out of range.
+Buckyball make_buckyball(int size, bool gradients, int threads = 0, const BuckyballShape& shape = {});
+
+// How the scene likes to be seen: absolute transfer functions by tag, light, camera (in voxels) and background.
+Appearance buckyball_appearance(int size);
+
+}  // namespace gicube::samples

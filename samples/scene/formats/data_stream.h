@@ -1,0 +1,56 @@
+// Bytes of a file, as they are or out of a gzip or zlib stream.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/formats/file_error.h"
+
+namespace gicube::samples {
+
+// Where the samples of a volume lie.
+struct DataPlace {
+  std::filesystem::path file;
+  std::uint64_t offset = 0;    // bytes of the file before the data, or before its compressed stream
+  bool compressed = false;     // gzip or zlib; the stream says which
+  std::uint64_t skip = 0;      // uncompressed bytes before the first sample
+  bool nothing_after = false;  // bytes behind the samples are an error
+};
+
+// Reads forward. Damage in the compressed stream, its checksum included, throws FileError.
+class DataStream {
+ public:
+  // Throws FileError when the file is missing, unreadable, no regular file, or shorter than the offset.
+  DataStream(const std::filesystem::path& file, std::uint64_t offset, bool compressed);
+  DataStream(DataStream&&) noexcept;
+  ~DataStream();
+
+  // Fills `bytes`, or as much of it as there is; how many bytes came.
+  std::size_t read(std::span<std::byte> bytes);
+
+  // No more than this many bytes can come in all, however they are compressed.
+  std::uint64_t most_bytes() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// The size of a regular file. Throws FileError when it is missing or not regular.
+std::uint64_t file_bytes(const std::filesystem::path& file);
+
+// The first bytes of a file as they lie there, at most `most`.
+std::string file_start(const std::filesystem::path& file, std::size_t most);
+
+bool starts_as_gzip(const std::filesystem::path& file);
+
+// Exactly `bytes` bytes. Nothing is allocated before the file's size has shown that they can be there, and for
+// compressed data not much more than has come. Throws FileError (truncated, damaged, too long).
+std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes);
+
+}  // namespace gicube::samples

@@ -1,0 +1,51 @@
+#include "scene/formats/header_lines.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "scene/formats/data_stream.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;  // chosen
+
+}  // namespace
+
+HeaderLines read_header_lines(const std::filesystem::path& file, const std::function<bool(std::string_view)>& is_last) {
+  const std::string text = file_start(file, kMostHeaderBytes);
+  HeaderLines header;
+  while (header.end < text.size() && !header.complete) {
+    const std::size_t line_end = std::min(text.find('\n', header.end), text.size());
+    std::string_view line(text.data() + header.end, line_end - header.end);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    header.end = std::min(line_end + 1, text.size());
+    header.lines.emplace_back(line);
+    header.complete = is_last(line);
+  }
+  if (!header.complete && text.size() == kMostHeaderBytes) {
+    throw FileError(file, "header", fmt::format("its end within {} bytes", kMostHeaderBytes), "none");
+  }
+  return header;
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
+  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
+std::filesystem::path beside(const std::filesystem::path& header, std::string_view name) {
+  return header.parent_path() / std::filesystem::path(name);
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,213 @@
+#include "scene/formats/slices.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cstring>
+#include <memory>
+#include <system_error>
+#include <vector>
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include "scene/formats/header_lines.h"
+#include "scene/formats/stored_samples.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr std::array kExtensions = {".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".exr"};
+
+bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
+
+// Cuts the run of digits off the front of `text`, without its leading zeros.
+std::string_view take_number(std::string_view& text) {
+  std::size_t end = 0;
+  while (end < text.size() && is_digit(text[end])) ++end;
+  std::string_view number = text.substr(0, end);
+  text.remove_prefix(end);
+  while (number.size() > 1 && number.front() == '0') number.remove_prefix(1);
+  return number;
+}
+
+std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  std::error_code fault;
+  for (std::filesystem::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault)) {
+    const std::string extension = lower_case(entry->path().extension().string());
+    std::error_code unreadable;
+    if (std::ranges::find(kExtensions, extension) == kExtensions.end()) continue;
+    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());
+  }
+  if (fault) throw FileError(folder, "folder", "a readable folder", fault.message());
+  if (files.empty()) throw FileError(folder, "folder", "image slices", "no image file");
+  if (files.size() > kMaxFileDim) {
+    throw FileError(folder, "folder", fmt::format("at most {} slices", kMaxFileDim), fmt::format("{}", files.size()));
+  }
+  std::ranges::sort(
+      files, [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  return files;
+}
+
+struct Slice {
+  int width = 0, height = 0;
+  SampleType type = SampleType::kUint8;
+  std::vector<std::byte> samples;
+};
+
+SampleType type_of(const std::filesystem::path& file, OIIO::TypeDesc format) {
+  if (format == OIIO::TypeDesc::UINT8) return SampleType::kUint8;
+  if (format == OIIO::TypeDesc::UINT16) return SampleType::kUint16;
+  if (format == OIIO::TypeDesc::INT16) return SampleType::kInt16;
+  if (format == OIIO::TypeDesc::FLOAT || format == OIIO::TypeDesc::HALF) return SampleType::kFloat32;
+  throw FileError(file, "sample type", "8 or 16 bits or float", format.c_str());
+}
+
+OIIO::TypeDesc read_as(SampleType type) {
+  switch (type) {
+    case SampleType::kUint8: return OIIO::TypeDesc::UINT8;
+    case SampleType::kInt16: return OIIO::TypeDesc::INT16;
+    case SampleType::kFloat32: return OIIO::TypeDesc::FLOAT;
+    default: return OIIO::TypeDesc::UINT16;
+  }
+}
+
+// One sample a pixel from `channels`: grey, grey alpha, RGB or RGBA.
+std::vector<std::byte> grey(const std::filesystem::path& file, std::vector<std::byte> pixels, std::size_t channels,
+                            std::size_t sample_bytes) {
+  if (channels == 1) return pixels;
+  const std::size_t count = pixels.size() / (channels * sample_bytes);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::byte* pixel = pixels.data() + i * channels * sample_bytes;
+    const bool colourless = channels == 2 || (std::memcmp(pixel, pixel + sample_bytes, sample_bytes) == 0 &&
+                                              std::memcmp(pixel, pixel + 2 * sample_bytes, sample_bytes) == 0);
+    if (!colourless) throw FileError(file, "colour", "a grey image", fmt::format("a coloured pixel (number {})", i));
+    std::memmove(pixels.data() + i * sample_bytes, pixel, sample_bytes);
+  }
+  pixels.resize(count * sample_bytes);
+  return pixels;
+}
+
+void check_size(const std::filesystem::path& file, const OIIO::ImageSpec& spec) {
+  if (spec.width < 1 || spec.width > kMaxFileDim || spec.height < 1 || spec.height > kMaxFileDim || spec.depth > 1) {
+    throw FileError(file, "size", fmt::format("1..{} pixels a side", kMaxFileDim),
+                    fmt::format("{} x {} x {}", spec.width, spec.height, spec.depth));
+  }
+  if (spec.nchannels < 1 || spec.nchannels > 4) {
+    throw FileError(file, "channels", "1 to 4", fmt::format("{}", spec.nchannels));
+  }
+}
+
+std::unique_ptr<OIIO::ImageInput> open(const std::filesystem::path& file) {
+  OIIO::ImageSpec config;
+  config["oiio:UnassociatedAlpha"] = 1;  // the colours as stored, not premultiplied
+  auto input = OIIO::ImageInput::open(file.string(), &config);
+  if (!input) throw FileError(file, "image", "an image that OpenImageIO can read", OIIO::geterror());
+  return input;
+}
+
+Slice read_page(const std::filesystem::path& file, OIIO::ImageInput& input, int page) {
+  const OIIO::ImageSpec spec = input.spec();
+  check_size(file, spec);
+  Slice slice{spec.width, spec.height, type_of(file, spec.format), {}};
+  const auto channels = static_cast<std::size_t>(spec.nchannels);
+  const std::size_t sample_bytes = bytes_per_sample(slice.type);
+  const std::size_t pixels = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height);
+  slice.samples.resize(pixels * channels * sample_bytes);
+  if (!input.read_image(page, 0, 0, spec.nchannels, read_as(slice.type), slice.samples.data())) {
+    throw FileError(file, "image", "a whole image", input.geterror());
+  }
+  slice.samples = grey(file, std::move(slice.samples), channels, sample_bytes);
+  return slice;
+}
+
+Slice read_slice(const std::filesystem::path& file) {
+  const auto input = open(file);
+  Slice slice = read_page(file, *input, 0);
+  if (input->seek_subimage(1, 0)) throw FileError(file, "image", "one image a file", "several");
+  return slice;
+}
+
+void check_same(const std::filesystem::path& file, const Slice& slice, const Slice& first) {
+  if (slice.width != first.width || slice.height != first.height) {
+    throw FileError(file, "size", fmt::format("{} x {} as in the first slice", first.width, first.height),
+                    fmt::format("{} x {}", slice.width, slice.height));
+  }
+  if (slice.type != first.type) throw FileError(file, "sample type", "that of the first slice", "another");
+}
+
+}  // namespace
+
+bool natural_less(std::string_view a, std::string_view b) {
+  const std::string_view whole_a = a, whole_b = b;
+  while (!a.empty() && !b.empty()) {
+    if (is_digit(a.front()) && is_digit(b.front())) {
+      const std::string_view x = take_number(a), y = take_number(b);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+    } else if (a.front() != b.front()) {
+      return a.front() < b.front();
+    } else {
+      a.remove_prefix(1);
+      b.remove_prefix(1);
+    }
+  }
+  if (a.empty() != b.empty()) return a.empty();
+  return whole_a < whole_b;  // "1" and "01"
+}
+
+namespace {
+
+// Slices on their way into a volume.
+class Pile {
+ public:
+  Pile(const std::filesystem::path& source, Slice first)
+      : first_(std::move(first)), samples_(std::move(first_.samples)) {
+    layout_.file = source;
+    layout_.dims = {first_.width, first_.height, 1};
+    layout_.type = stored_type(first_.type);
+    layout_.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
+  }
+
+  void expect(int slices) const {
+    StoredLayout all = layout_;
+    all.dims[2] = slices;
+    checked_bytes(all);
+  }
+  void add(const std::filesystem::path& file, const Slice& slice) {
+    check_same(file, slice, first_);
+    ++layout_.dims[2];
+    samples_.insert(samples_.end(), slice.samples.begin(), slice.samples.end());
+  }
+  Volume volume() && { return to_volume(std::move(samples_), layout_); }
+
+ private:
+  Slice first_;
+  StoredLayout layout_;
+  std::vector<std::byte> samples_;
+};
+
+}  // namespace
+
+Volume read_slices(const std::filesystem::path& folder) {
+  const auto files = slice_files(folder);
+  Pile pile(folder, read_slice(files.front()));
+  pile.expect(static_cast<int>(files.size()));
+  for (std::size_t z = 1; z < files.size(); ++z) pile.add(files[z], read_slice(files[z]));
+  return std::move(pile).volume();
+}
+
+Volume read_pages(const std::filesystem::path& file) {
+  const auto input = open(file);
+  Pile pile(file, read_page(file, *input, 0));
+  for (int page = 1; input->seek_subimage(page, 0); ++page) {
+    if (page == kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
+    pile.expect(page + 1);
+    pile.add(file, read_page(file, *input, page));
+  }
+  return std::move(pile).volume();
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,167 @@
+#include "scene/formats/stored_samples.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace gicube::samples {
+namespace {
+
+// The driver's type that holds `type` unchanged, if there is one.
+std::optional<SampleType> same_type(StoredType type) {
+  switch (type) {
+    case StoredType::kUint8: return SampleType::kUint8;
+    case StoredType::kUint12: return SampleType::kUint12;
+    case StoredType::kUint16: return SampleType::kUint16;
+    case StoredType::kInt16: return SampleType::kInt16;
+    case StoredType::kFloat32: return SampleType::kFloat32;
+    default: return std::nullopt;
+  }
+}
+
+std::optional<SampleType> kept_type(const StoredLayout& layout) {
+  return layout.slope == 1 && layout.intercept == 0 ? same_type(layout.type) : std::nullopt;
+}
+
+std::size_t voxels(Dims dims) {
+  return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+}
+
+void to_machine_order(std::span<std::byte> samples, const StoredLayout& layout) {
+  const std::size_t size = bytes_of(layout.type);
+  if (size == 1 || layout.big_endian == (std::endian::native == std::endian::big)) return;
+  for (std::size_t i = 0; i < samples.size(); i += size) std::ranges::reverse(samples.subspan(i, size));
+}
+
+template <typename Sample>
+std::vector<std::byte> scaled_floats(std::span<const std::byte> stored, const StoredLayout& layout) {
+  const std::size_t count = stored.size() / sizeof(Sample);
+  std::vector<std::byte> floats(count * sizeof(float));
+  for (std::size_t i = 0; i < count; ++i) {
+    Sample sample;
+    std::memcpy(&sample, stored.data() + i * sizeof(Sample), sizeof(Sample));
+    const double exact = layout.slope * static_cast<double>(sample) + layout.intercept;
+    const float value = static_cast<float>(exact);
+    if (!std::isfinite(value)) {
+      throw FileError(layout.file, fmt::format("sample {}", i), "a finite 32-bit float", fmt::format("{}", exact));
+    }
+    std::memcpy(floats.data() + i * sizeof(float), &value, sizeof(float));
+  }
+  return floats;
+}
+
+std::vector<std::byte> as_floats(std::span<const std::byte> stored, const StoredLayout& layout) {
+  switch (layout.type) {
+    case StoredType::kInt8: return scaled_floats<std::int8_t>(stored, layout);
+    case StoredType::kUint8: return scaled_floats<std::uint8_t>(stored, layout);
+    case StoredType::kInt16: return scaled_floats<std::int16_t>(stored, layout);
+    case StoredType::kUint12:
+    case StoredType::kUint16: return scaled_floats<std::uint16_t>(stored, layout);
+    case StoredType::kInt32: return scaled_floats<std::int32_t>(stored, layout);
+    case StoredType::kUint32: return scaled_floats<std::uint32_t>(stored, layout);
+    case StoredType::kInt64: return scaled_floats<std::int64_t>(stored, layout);
+    case StoredType::kUint64: return scaled_floats<std::uint64_t>(stored, layout);
+    case StoredType::kFloat32: return scaled_floats<float>(stored, layout);
+    case StoredType::kFloat64: return scaled_floats<double>(stored, layout);
+  }
+  return {};
+}
+
+void check_12_bits(std::span<const std::byte> samples, const StoredLayout& layout) {
+  for (std::size_t i = 0; i < samples.size() / 2; ++i) {
+    std::uint16_t sample;
+    std::memcpy(&sample, samples.data() + 2 * i, 2);
+    if (sample > 4095) throw FileError(layout.file, fmt::format("sample {}", i), "0..4095", fmt::format("{}", sample));
+  }
+}
+
+double usable_spacing(double spacing) {
+  const double edge = std::abs(spacing);
+  return std::isfinite(edge) && edge > 0 ? edge : 1;
+}
+
+}  // namespace
+
+std::size_t bytes_of(StoredType type) {
+  switch (type) {
+    case StoredType::kInt8:
+    case StoredType::kUint8: return 1;
+    case StoredType::kUint12:
+    case StoredType::kInt16:
+    case StoredType::kUint16: return 2;
+    case StoredType::kInt32:
+    case StoredType::kUint32:
+    case StoredType::kFloat32: return 4;
+    case StoredType::kInt64:
+    case StoredType::kUint64:
+    case StoredType::kFloat64: return 8;
+  }
+  return 0;
+}
+
+StoredType stored_type(SampleType type) {
+  switch (type) {
+    case SampleType::kUint8: return StoredType::kUint8;
+    case SampleType::kUint12: return StoredType::kUint12;
+    case SampleType::kUint16: return StoredType::kUint16;
+    case SampleType::kInt16: return StoredType::kInt16;
+    case SampleType::kFloat32: return StoredType::kFloat32;
+  }
+  return StoredType::kUint8;
+}
+
+Dims checked_dims(const std::filesystem::path& file, const std::string& field, std::span<const std::int64_t> sizes) {
+  const std::string got = fmt::format("{}", fmt::join(sizes, " x "));
+  if (sizes.size() < 3) throw FileError(file, field, "three axes", sizes.empty() ? "none" : got);
+  Dims dims{};
+  for (std::size_t axis = 0; axis < sizes.size(); ++axis) {
+    const std::int64_t most = axis < 3 ? kMaxFileDim : 1;
+    if (sizes[axis] < 1 || sizes[axis] > most) {
+      throw FileError(file, field, fmt::format("three axes of 1..{} voxels, any further of 1", kMaxFileDim), got);
+    }
+    if (axis < 3) dims[axis] = static_cast<int>(sizes[axis]);
+  }
+  return dims;
+}
+
+std::size_t checked_bytes(const StoredLayout& layout) {
+  // At most 2^36 voxels of 8 bytes: no overflow.
+  const std::uint64_t count = voxels(layout.dims);
+  const std::size_t kept = kept_type(layout) ? bytes_of(layout.type) : sizeof(float);
+  const std::uint64_t bytes = count * std::max(kept, bytes_of(layout.type));
+  if (bytes > kMaxVolumeBytes) {
+    throw FileError(layout.file, "size", fmt::format("at most {} bytes of samples", kMaxVolumeBytes),
+                    fmt::format("{} ({})", bytes, fmt::join(layout.dims, " x ")));
+  }
+  return count * bytes_of(layout.type);
+}
+
+Volume to_volume(std::vector<std::byte> stored, const StoredLayout& layout) {
+  Volume volume;
+  volume.dims = layout.dims;
+  volume.source = layout.file.string();
+  volume.spacing = {usable_spacing(layout.spacing.x), usable_spacing(layout.spacing.y),
+                    usable_spacing(layout.spacing.z)};
+  to_machine_order(stored, layout);
+  if (layout.type == StoredType::kUint12) check_12_bits(stored, layout);
+  if (const auto kept = kept_type(layout)) {
+    volume.type = *kept;
+    volume.samples = std::move(stored);
+    return volume;
+  }
+  volume.type = SampleType::kFloat32;
+  volume.samples = as_floats(stored, layout);
+  if (layout.type == StoredType::kUint8) {
+    // Bytes keep the whole range that they have unscaled, 0..255, so that volumes of one series agree.
+    const double ends[2] = {layout.intercept, 255 * layout.slope + layout.intercept};
+    volume.range = ValueRange{std::min(ends[0], ends[1]), std::max(ends[0], ends[1])};
+  }
+  return volume;
+}
+
+}  // namespace gicube::samples

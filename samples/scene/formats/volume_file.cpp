@@ -1,0 +1,99 @@
+#include "scene/formats/volume_file.h"
+
+#include <array>
+#include <cstring>
+#include <span>
+#include <system_error>
+
+#include "scene/formats/data_stream.h"
+#include "scene/formats/header_lines.h"
+#include "scene/formats/meta_image.h"
+#include "scene/formats/nifti.h"
+#include "scene/formats/nrrd.h"
+#include "scene/formats/slices.h"
+#include "scene/formats/stored_samples.h"
+
+namespace gicube::samples {
+namespace {
+
+using Reader = Volume (*)(const std::filesystem::path&);
+
+struct Format {
+  const char* extension;  // lower case, at the end of the name
+  Reader read;
+};
+
+constexpr std::array kFormats = {Format{".nrrd", read_nrrd},      Format{".nhdr", read_nrrd},
+                                 Format{".mhd", read_meta_image}, Format{".mha", read_meta_image},
+                                 Format{".nii", read_nifti},      Format{".nii.gz", read_nifti}};
+
+// Null: the name says nothing.
+Reader reader_by_name(const std::filesystem::path& path) {
+  const std::string name = lower_case(path.filename().string());
+  for (const Format& format : kFormats) {
+    if (name.ends_with(format.extension)) return format.read;
+  }
+  return nullptr;
+}
+
+Reader reader_by_contents(const std::filesystem::path& path) {
+  if (is_nrrd(path)) return read_nrrd;
+  if (is_meta_image(path)) return read_meta_image;
+  if (is_nifti(path)) return read_nifti;
+  throw FileError(path, "format", "NRRD, MetaImage, NIfTI, a folder of slices, or the layout of raw samples",
+                  "an unknown format and no layout");
+}
+
+Volume read_raw(const std::filesystem::path& path, const RawLayout& raw) {
+  StoredLayout layout;
+  layout.file = path;
+  const std::array<std::int64_t, 3> sizes{raw.dims[0], raw.dims[1], raw.dims[2]};
+  layout.dims = checked_dims(path, "dims", sizes);
+  layout.type = stored_type(raw.type);
+  layout.spacing = raw.spacing;
+  layout.big_endian = raw.big_endian;
+  DataPlace place;
+  place.file = path;
+  place.compressed = lower_case(path.extension().string()) == ".gz";
+  place.skip = raw.skip_bytes;
+  place.nothing_after = true;
+  return to_volume(read_data(place, checked_bytes(layout)), layout);
+}
+
+template <typename Sample>
+std::vector<float> as_floats(std::span<const std::byte> bytes) {
+  std::vector<float> out(bytes.size() / sizeof(Sample));
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    Sample sample;
+    std::memcpy(&sample, bytes.data() + i * sizeof(Sample), sizeof(Sample));
+    out[i] = static_cast<float>(sample);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<float> values_of(const Volume& volume) {
+  switch (volume.type) {
+    case SampleType::kUint8: return as_floats<std::uint8_t>(volume.samples);
+    case SampleType::kUint12:
+    case SampleType::kUint16: return as_floats<std::uint16_t>(volume.samples);
+    case SampleType::kInt16: return as_floats<std::int16_t>(volume.samples);
+    case SampleType::kFloat32: return as_floats<float>(volume.samples);
+  }
+  return {};
+}
+
+Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {
+  std::error_code fault;
+  const bool folder = std::filesystem::is_directory(path, fault);
+  Reader read = folder ? read_slices : reader_by_name(path);
+  if (read != nullptr && layout) {
+    throw FileError(path, "layout", "none: the file says its own", "the layout of raw samples");
+  }
+  if (layout) return read_raw(path, *layout);
+  if (read == nullptr) read = reader_by_contents(path);
+  return read(path);
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,66 @@
+// Reads a volume from a file, or from a folder of image slices, into memory.
+//
+//   .nrrd .nhdr     NRRD, header attached or detached, one data file; encodings raw, gzip, ascii, hex
+//   .mhd .mha       MetaImage, data in the same or in one other file; plain, zlib-compressed or text
+//   .nii .nii.gz    NIfTI-1 and NIfTI-2 in one file
+//   a folder        its images in natural order (slice-2 before slice-10), the first at z = 0
+//   anything else   raw samples when a RawLayout says how they lie, also gzipped (.gz); else the contents decide
+//
+// Axes stay as the file stores them: voxel (x, y, z) is the x-th sample of the y-th row of the z-th slice. Orientation
+// and origin (NIfTI's qform, NRRD's space) are ignored. Spacing is the voxel's edge on each axis; a zero, missing or
+// non-finite one counts as 1, a negative one as its absolute value.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/formats/file_error.h"
+#include "gicube/volume.h"
+
+namespace gicube::samples {
+
+constexpr int kMaxFileDim = 4096;  // chosen: voxels an axis, far above what a board holds
+constexpr std::uint64_t kMaxVolumeBytes = std::uint64_t{8} << 30;  // chosen: of the samples, stored or converted
+
+struct Volume {
+  std::vector<std::byte> samples;  // dims[0] * dims[1] * dims[2], x fastest, the machine's byte order
+  SampleType type = SampleType::kUint8;
+  Dims dims{};                      // voxels, 1..kMaxFileDim
+  Vec3 spacing{1, 1, 1};            // the file's unit of length
+  std::optional<ValueRange> range;  // unset: the driver's default for the type
+  std::string source;               // the file or folder, for messages
+
+  // Points into this Volume.
+  VolumeView view() const { return {samples, type, dims, spacing, range, {}, {}}; }
+};
+
+// How the samples of a file without a header lie.
+struct RawLayout {
+  Dims dims{};
+  SampleType type = SampleType::kUint8;  // kUint12: 0..4095 in 16 bits
+  Vec3 spacing{1, 1, 1};
+  bool big_endian = false;
+  std::uint64_t skip_bytes = 0;  // before the first sample
+
+  friend bool operator==(const RawLayout&, const RawLayout&) = default;
+};
+
+// Types int8, int32, uint32, int64, uint64 and float64 become float32, and so does every NIfTI volume with a slope and
+// intercept other than 1 and 0: its values are the scaled ones. float32 samples are taken as they are, NaNs included.
+//
+// Memory is taken only as far as the file's real size can back it. A file may be longer than its header says (the rest
+// is ignored); a raw file may not, since a wrong layout shows just there.
+//
+// Throws FileError: the file can't be read, is truncated or damaged, has a field of no or impossible meaning, or
+// exceeds kMaxFileDim or kMaxVolumeBytes. A layout for a file that has a header of its own is refused too.
+// Not to be called from two threads at once: teem keeps its error texts in one place.
+Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
+
+// The samples as numbers.
+std::vector<float> values_of(const Volume& volume);
+
+}  // namespace gicube::samples

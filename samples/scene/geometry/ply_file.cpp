@@ -1,0 +1,279 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string>
+
+#include "scene/geometry/mesh_file.h"
+#include "scene/program/input_error.h"
+
+// G. Turk, "The PLY Polygon File Format", 1994.
+namespace gicube::samples {
+namespace {
+
+enum class Format { kAscii, kLittle, kBig };
+enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+std::size_t bytes_of(Type type) {
+  constexpr std::array<std::size_t, 8> kBytes{1, 1, 2, 2, 4, 4, 4, 8};
+  return kBytes[static_cast<std::size_t>(type)];
+}
+
+struct Property {
+  std::string name;
+  Type type = Type::kInt8;
+  std::optional<Type> count;  // of a list's length
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+};
+
+std::optional<Type> type_named(std::string_view name) {
+  constexpr std::array<std::array<std::string_view, 2>, 8> kNames{{{"char", "int8"},
+                                                                   {"uchar", "uint8"},
+                                                                   {"short", "int16"},
+                                                                   {"ushort", "uint16"},
+                                                                   {"int", "int32"},
+                                                                   {"uint", "uint32"},
+                                                                   {"float", "float32"},
+                                                                   {"double", "float64"}}};
+  for (std::size_t i = 0; i < kNames.size(); ++i) {
+    if (name == kNames[i][0] || name == kNames[i][1]) return static_cast<Type>(i);
+  }
+  return std::nullopt;
+}
+
+class PlyReader {
+ public:
+  PlyReader(std::string_view bytes, const std::filesystem::path& name) : rest_(bytes), name_(name) {}
+
+  Mesh read() {
+    header();
+    for (const Element& element : elements_) {
+      check_size(element);
+      for (std::uint64_t i = 0; i < element.count; ++i) item(element, i);
+    }
+    const std::size_t points = mesh_.points.size();
+    for (const auto& triangle : mesh_.triangles) {
+      for (const std::uint32_t corner : triangle) {
+        if (corner >= points) {
+          fail("face", "a vertex from 0 to " + std::to_string(points - 1), std::to_string(corner));
+        }
+      }
+    }
+    if (mesh_.triangles.empty()) fail("faces", "at least one", "none");
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& field, const std::string& expected, const std::string& got) const {
+    throw FileError(name_, field, expected, got);
+  }
+
+  std::vector<std::string> header_line() {
+    const std::size_t end = rest_.find('\n');
+    if (end == std::string_view::npos || end > 4096) fail("header", "end_header", "the end of the file");
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(end + 1);
+    std::vector<std::string> words;
+    while (true) {
+      line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
+      if (line.empty()) return words;
+      words.emplace_back(line.substr(0, line.find_first_of(" \t\r")));
+      line.remove_prefix(words.back().size());
+    }
+  }
+
+  void header() {
+    if (header_line() != std::vector<std::string>{"ply"}) fail("header", "ply in the first line", "something else");
+    bool format = false;
+    while (true) {
+      const std::vector<std::string> words = header_line();
+      if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (words[0] == "end_header") break;
+      if (words[0] == "format") {
+        set_format(words);
+        format = true;
+      } else if (words[0] == "element") {
+        add_element(words);
+      } else if (words[0] == "property") {
+        add_property(words);
+      } else {
+        fail("header", "format, element, property, comment or end_header", in_quotes(words[0]));
+      }
+    }
+    if (!format) fail("header", "a format", "none");
+    for (const Element& element : elements_) check_element(element);
+  }
+
+  void set_format(const std::vector<std::string>& words) {
+    const std::string name = words.size() > 1 ? words[1] : "";
+    if (name != "ascii" && name != "binary_little_endian" && name != "binary_big_endian") {
+      fail("format", "ascii, binary_little_endian or binary_big_endian", in_quotes(name));
+    }
+    format_ = name == "ascii" ? Format::kAscii : name == "binary_big_endian" ? Format::kBig : Format::kLittle;
+  }
+
+  void add_element(const std::vector<std::string>& words) {
+    Element element;
+    if (words.size() == 3) {
+      element.name = words[1];
+      const std::string& count = words[2];
+      const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
+      if (error == std::errc{} && end == count.data() + count.size()) {
+        elements_.push_back(element);
+        return;
+      }
+    }
+    fail("element", "a name and a count", words.size() > 1 ? in_quotes(words.back()) : "nothing");
+  }
+
+  void add_property(const std::vector<std::string>& words) {
+    if (elements_.empty()) fail("property", "an element before it", "none");
+    Property property;
+    const bool list = words.size() == 5 && words[1] == "list";
+    if (!list && words.size() != 3) fail("property", "TYPE NAME or list COUNT_TYPE TYPE NAME", "something else");
+    const auto type = type_named(words[list ? 3 : 1]);
+    if (list) property.count = type_named(words[2]);
+    if (!type || (list && !property.count)) fail("property", "a type, char to double", in_quotes(words[list ? 3 : 1]));
+    if (list && (*property.count == Type::kFloat32 || *property.count == Type::kFloat64)) {
+      fail("property", "a whole number as a list's count", in_quotes(words[2]));
+    }
+    property.type = *type;
+    property.name = words.back();
+    elements_.back().properties.push_back(property);
+  }
+
+  void check_element(const Element& element) const {
+    if (element.count > 0 && element.properties.empty()) fail("element " + element.name, "properties", "none");
+    if (element.name == "vertex") {
+      for (const char* axis : {"x", "y", "z"}) {
+        const bool there =
+            std::any_of(element.properties.begin(), element.properties.end(),
+                        [axis](const Property& property) { return property.name == axis && !property.count; });
+        if (!there) fail("element vertex", std::string("property ") + axis, "none");
+      }
+    }
+    if (element.name == "face" && std::none_of(element.properties.begin(), element.properties.end(), is_corner_list)) {
+      fail("element face", "a list vertex_indices or vertex_index", "none");
+    }
+  }
+
+  static bool is_corner_list(const Property& property) {
+    return property.count && (property.name == "vertex_indices" || property.name == "vertex_index");
+  }
+
+  // What the header claims must fit into what is there: each value takes at least a digit and a blank, or its bytes.
+  void check_size(const Element& element) const {
+    std::uint64_t least = 0;
+    for (const Property& property : element.properties) {
+      least += format_ == Format::kAscii ? 2 : bytes_of(property.count.value_or(property.type));
+    }
+    if (element.count == 0 || element.count <= (rest_.size() + 1) / least) return;
+    fail("element " + element.name, "at most " + std::to_string((rest_.size() + 1) / least) + " that fit into the file",
+         std::to_string(element.count));
+  }
+
+  double value(Type type, const std::string& field) {
+    return format_ == Format::kAscii ? ascii_value(field) : binary_value(type, field);
+  }
+
+  double ascii_value(const std::string& field) {
+    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size()));
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t\r\n"));
+    if (word.empty()) fail(field, "a number", "the end of the file");
+    double number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc{} || end != word.data() + word.size()) {
+      fail(field, "a number", in_quotes(word.substr(0, 40)));
+    }
+    rest_.remove_prefix(word.size());
+    return number;
+  }
+
+  double binary_value(Type type, const std::string& field) {
+    std::array<char, 8> bytes{};
+    const std::size_t size = bytes_of(type);
+    if (rest_.size() < size) fail(field, std::to_string(size) + " bytes", "the end of the file");
+    std::memcpy(bytes.data(), rest_.data(), size);
+    rest_.remove_prefix(size);
+    if ((format_ == Format::kBig) == (std::endian::native == std::endian::little)) {
+      std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    }
+    const auto as = [&bytes](auto sample) {
+      std::memcpy(&sample, bytes.data(), sizeof sample);
+      return static_cast<double>(sample);
+    };
+    switch (type) {
+      case Type::kInt8: return as(std::int8_t{});
+      case Type::kUint8: return as(std::uint8_t{});
+      case Type::kInt16: return as(std::int16_t{});
+      case Type::kUint16: return as(std::uint16_t{});
+      case Type::kInt32: return as(std::int32_t{});
+      case Type::kUint32: return as(std::uint32_t{});
+      case Type::kFloat32: return as(float{});
+      case Type::kFloat64: return as(double{});
+    }
+    return 0;
+  }
+
+  void item(const Element& element, std::uint64_t index) {
+    const std::string field = element.name + " " + std::to_string(index);
+    Vec3 point;
+    for (const Property& property : element.properties) {
+      if (property.count) {
+        list(property, field, element.name == "face" && is_corner_list(property));
+        continue;
+      }
+      const double number = value(property.type, field);
+      if (property.name == "x") point.x = number;
+      if (property.name == "y") point.y = number;
+      if (property.name == "z") point.z = number;
+    }
+    if (element.name != "vertex") return;
+    if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) {
+      fail(field, "finite numbers", "another");
+    }
+    mesh_.points.push_back(point);
+  }
+
+  void list(const Property& property, const std::string& field, bool corners) {
+    const double count = value(*property.count, field);
+    if (!(count >= (corners ? 3 : 0)) || count > 1e9 || count != std::floor(count)) {
+      fail(field, corners ? "at least 3 corners" : "a count", std::to_string(count));
+    }
+    std::uint32_t first = 0, last = 0;
+    for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {  // ends with the file, whatever the count
+      const double number = value(property.type, field);
+      if (!corners) continue;
+      if (!(number >= 0) || number >= 4294967295.0 || number != std::floor(number)) {
+        fail(field, "the number of a vertex", std::to_string(number));
+      }
+      const auto next = static_cast<std::uint32_t>(number);
+      if (i == 0) first = next;
+      if (i >= 2) {
+        if (mesh_.triangles.size() >= kMaxTriangles) fail(field, "at most " + std::to_string(kMaxTriangles), "more");
+        mesh_.triangles.push_back({first, last, next});
+      }
+      last = next;
+    }
+  }
+
+  std::string_view rest_;
+  const std::filesystem::path& name_;
+  Format format_ = Format::kAscii;
+  std::vector<Element> elements_;
+  Mesh mesh_;
+};
+
+}  // namespace
+
+Mesh parse_ply(std::string_view bytes, const std::filesystem::path& name) { return PlyReader(bytes, name).read(); }
+
+}  // namespace gicube::samples

@@ -1,0 +1,190 @@
+#include "scene/geometry/voxeliser.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <thread>
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kCell = 8;  // voxels; solids are looked up a cell at a time
+constexpr double kFar = std::numeric_limits<double>::infinity();
+// Inside fog a solid's tag ends here: visible samples of the solid, within half a ramp of the surface, have no nearer voxel.
+constexpr double kTagInFogVoxels = 1.3;
+
+double ramp(double distance) { return std::clamp(0.5 - distance / kRampVoxels, 0.0, 1.0); }
+
+// A solid as seen from the voxels.
+struct Seen {
+  const PlacedSolid* solid;
+  Affine to_local;
+  double stretch;  // voxels a local unit, at least
+
+  explicit Seen(const PlacedSolid& placed)
+      : solid(&placed), to_local(inverse(placed.to_voxels)), stretch(least_stretch(placed.to_voxels)) {}
+
+  // Never further from 0 than the distance in voxels.
+  double bound(Vec3 p) const { return stretch * solid->field(to_local.point(p)).distance; }
+  // The distance to first order: exact for similar maps of exact fields, and always at the surface.
+  Distance distance(Vec3 p) const {
+    const Distance local = solid->field(to_local.point(p));
+    const Vec3 gradient = to_local.transposed(local.away);
+    const double slope = length(gradient);
+    if (!(slope > 0)) return {stretch * local.distance, {}};
+    return {local.distance / slope, (1 / slope) * gradient};
+  }
+};
+
+// A solid in a cell: evaluated voxel by voxel, or known to fill it.
+struct Candidate {
+  const Seen* seen;
+  bool fills;
+};
+
+// What solids of one kind do at a voxel.
+struct Found {
+  double distance = kFar;  // of the union
+  Vec3 away;
+  double tag_distance = kFar;
+  std::uint8_t tag = 0;
+
+  void add(const Distance& d, std::uint8_t own) {
+    if (d.distance < distance) distance = d.distance, away = d.away;
+    if (d.distance <= 0 || d.distance < tag_distance) tag_distance = d.distance, tag = own;
+  }
+};
+
+class Voxeliser {
+ public:
+  Voxeliser(const WorldGrid& grid, const std::vector<PlacedSolid>& solids, const std::vector<PlacedScan>& scans,
+            VoxelWorld& target)
+      : dims_(grid.dims), seen_(solids.begin(), solids.end()), scans_(scans), target_(target) {}
+
+  int layers() const { return (dims_[2] + kCell - 1) / kCell; }
+
+  void fill_layer(int layer) {
+    std::vector<Candidate> near;
+    for (int y = 0; y < dims_[1]; y += kCell) {
+      for (int x = 0; x < dims_[0]; x += kCell) fill_cell({x, y, layer * kCell}, near);
+    }
+  }
+
+ private:
+  void fill_cell(const Dims& first, std::vector<Candidate>& near) {
+    const double reach = kNearVoxels + (kCell - 1) * std::numbers::sqrt3 / 2;
+    const Vec3 middle = Vec3{double(first[0]), double(first[1]), double(first[2])} + 0.5 * (kCell - 1) * Vec3{1, 1, 1};
+    near.clear();
+    for (const Seen& seen : seen_) {
+      const double bound = seen.bound(middle);
+      if (bound < reach) near.push_back({&seen, bound < -reach});
+    }
+    if (near.empty() && scans_.empty()) return;
+    for (int z = first[2]; z < std::min(first[2] + kCell, dims_[2]); ++z) {
+      for (int y = first[1]; y < std::min(first[1] + kCell, dims_[1]); ++y) {
+        for (int x = first[0]; x < std::min(first[0] + kCell, dims_[0]); ++x) fill_voxel(x, y, z, near);
+      }
+    }
+  }
+
+  void fill_voxel(int x, int y, int z, const std::vector<Candidate>& near) {
+    const Vec3 p{double(x), double(y), double(z)};
+    Found solid, fog;
+    for (const Candidate& candidate : near) {
+      const Distance distance = candidate.fills ? Distance{-kFar, {}} : candidate.seen->distance(p);
+      (candidate.seen->solid->fog ? fog : solid).add(distance, candidate.seen->solid->tag);
+    }
+    const auto across = static_cast<std::size_t>(dims_[0]), down = static_cast<std::size_t>(dims_[1]);
+    const std::size_t index =
+        (static_cast<std::size_t>(z) * down + static_cast<std::size_t>(y)) * across + static_cast<std::size_t>(x);
+    const double of_solid = ramp(solid.distance), of_fog = kFogDensity * ramp(fog.distance);
+    double density = std::max(of_solid, of_fog);
+    const bool free = solid.distance >= (of_fog > 0 ? kTagInFogVoxels : kNearVoxels);
+    if (!free) {
+      target_.tags[index] = solid.tag;
+    } else if (fog.distance < kNearVoxels) {
+      target_.tags[index] = fog.tag;
+    }
+    if (std::abs(solid.distance) < kNearVoxels) set_gradient(index, -1 * solid.away);
+    if (solid.distance >= kTagInFogVoxels) take_scans(p, index, density);
+    const auto word = static_cast<std::uint16_t>(std::lround(kMaxDensity * density));
+    std::memcpy(&target_.volume.samples[2 * index], &word, sizeof word);
+  }
+
+  void take_scans(Vec3 p, std::size_t index, double& density) {
+    for (const PlacedScan& scan : scans_) {
+      if (p.x < scan.low.x || p.y < scan.low.y || p.z < scan.low.z || p.x > scan.high.x || p.y > scan.high.y ||
+          p.z > scan.high.z) {
+        continue;
+      }
+      const double value = scan.density(p);
+      if (value < 0 || (value < scan.visible && density > 0)) continue;
+      density = std::min(value, 1.0);
+      target_.tags[index] = scan.tag;
+      set_gradient(index, sobel(scan, p));
+    }
+  }
+
+  // As the driver would find it, but of this scan alone.
+  static Vec3 sobel(const PlacedScan& scan, Vec3 p) {
+    constexpr double kWeight[] = {1, 2, 1};
+    Vec3 sum;
+    for (int k = -1; k <= 1; ++k) {
+      for (int j = -1; j <= 1; ++j) {
+        for (int i = -1; i <= 1; ++i) {
+          if (i == 0 && j == 0 && k == 0) continue;
+          const double value = std::max(scan.density(p + Vec3{double(i), double(j), double(k)}), 0.0);
+          sum.x += i * kWeight[j + 1] * kWeight[k + 1] * value;
+          sum.y += j * kWeight[k + 1] * kWeight[i + 1] * value;
+          sum.z += k * kWeight[i + 1] * kWeight[j + 1] * value;
+        }
+      }
+    }
+    constexpr double kFlat = 16.0 / 4095;  // chosen: half a density step a voxel; below it noise alone would be shaded
+    return length(sum) > kFlat ? normalise(sum) : Vec3{};
+  }
+
+  void set_gradient(std::size_t index, Vec3 g) {
+    if (!std::isfinite(g.x + g.y + g.z)) return;
+    float* gradient = &target_.gradients[3 * index];
+    gradient[0] = static_cast<float>(g.x), gradient[1] = static_cast<float>(g.y), gradient[2] = static_cast<float>(g.z);
+  }
+
+  Dims dims_;
+  std::vector<Seen> seen_;
+  const std::vector<PlacedScan>& scans_;
+  VoxelWorld& target_;
+};
+
+}  // namespace
+
+VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solids, const std::vector<PlacedScan>& scans,
+                    int threads) {
+  VoxelWorld world;
+  std::size_t voxels = 1;
+  for (const int dim : grid.dims) voxels *= static_cast<std::size_t>(dim);
+  world.volume.type = SampleType::kUint12;
+  world.volume.dims = grid.dims;
+  world.volume.range = ValueRange{0, kMaxDensity};
+  world.volume.source = "world";
+  world.volume.samples.resize(voxels * bytes_per_sample(SampleType::kUint12));
+  world.tags.resize(voxels);
+  world.gradients.resize(voxels * 3);
+
+  Voxeliser voxeliser(grid, solids, scans, world);
+  std::atomic<int> next{0};
+  const int workers = threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  std::vector<std::jthread> pool;
+  for (int i = 0; i < std::min(workers, voxeliser.layers()); ++i) {
+    pool.emplace_back([&] {
+      for (int layer = next++; layer < voxeliser.layers(); layer = next++) voxeliser.fill_layer(layer);
+    });
+  }
+  pool.clear();
+  return world;
+}
+
+}  // namespace gicube::samples

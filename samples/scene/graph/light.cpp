@@ -1,0 +1,100 @@
+#include "scene/graph/light.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "scene/program/input_error.h"
+
+namespace gicube::samples {
+namespace {
+
+void require_power(const char* field, double value) {
+  if (!(value > 0) || !std::isfinite(value)) throw InputError(field, "a number above 0", fmt::format("{}", value));
+}
+
+void require_finite(const char* field, Vec3 v) {
+  if (std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) return;
+  throw InputError(field, "finite numbers", fmt::format("{} {} {}", v.x, v.y, v.z));
+}
+
+void check_light(const PointLight& light) {
+  require_finite("point.position", light.position);
+  require_power("power", light.power);
+}
+
+void check_light(const DirectionalLight& light) {
+  require_finite("towards", light.towards);
+  if (!(length(light.towards) > 0)) throw InputError("towards", "a direction", "0 0 0");
+  require_power("power", light.irradiance);
+}
+
+void check_light(const RectangleLight& light) {
+  require_finite("rectangle.corner", light.corner);
+  require_finite("rectangle.edge_u", light.edge_u);
+  require_finite("rectangle.edge_v", light.edge_v);
+  const double area = length(cross(light.edge_u, light.edge_v));
+  if (!(area > 1e-9 * length(light.edge_u) * length(light.edge_v))) {
+    throw InputError("rectangle.edge_v", "an edge across edge_u, so that there is an area", "none");
+  }
+  require_power("power", light.power);
+}
+
+void check_light(const SphereLight& light) {
+  require_finite("sphere.centre", light.centre);
+  require_power("sphere.radius", light.radius);
+  require_power("power", light.power);
+}
+
+PointLight placed(PointLight light, const WorldGrid& grid) {
+  light.position = grid.voxel_of(light.position);
+  return light;
+}
+
+DirectionalLight placed(DirectionalLight light, const WorldGrid& grid) {
+  light.irradiance *= grid.voxel * grid.voxel;  // of a unit area, which is now a voxel's face
+  return light;
+}
+
+RectangleLight placed(RectangleLight light, const WorldGrid& grid) {
+  light.corner = grid.voxel_of(light.corner);
+  light.edge_u = (1 / grid.voxel) * light.edge_u;
+  light.edge_v = (1 / grid.voxel) * light.edge_v;
+  return light;
+}
+
+SphereLight placed(SphereLight light, const WorldGrid& grid) {
+  light.centre = grid.voxel_of(light.centre);
+  light.radius /= grid.voxel;
+  return light;
+}
+
+double& power_of(DirectionalLight& light) { return light.irradiance; }
+template <typename AnyLight>
+double& power_of(AnyLight& light) {
+  return light.power;
+}
+
+}  // namespace
+
+void check(const SceneLight& light) {
+  std::visit([](const auto& l) { check_light(l); }, light.light);
+  for (const double part : light.colour) {
+    if (!(part >= 0 && part <= 1)) throw InputError("colour", "numbers from 0 to 1", fmt::format("{}", part));
+  }
+}
+
+Light in_voxels(const Light& light, const WorldGrid& grid) {
+  return std::visit([&grid](const auto& l) -> Light { return placed(l, grid); }, light);
+}
+
+Light scaled(const Light& light, double factor) {
+  return std::visit(
+      [factor](auto l) -> Light {
+        power_of(l) *= factor;
+        return l;
+      },
+      light);
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,141 @@
+#include "scene/program/board_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <ostream>
+
+#include "scene/program/input_error.h"
+
+namespace gicube::samples {
+namespace {
+
+constexpr int kMaxThreads = 1024;  // as the driver's URI option
+
+// & ends an option of the URI and % starts an escape.
+std::string percent_encoded(const std::string& text) {
+  std::string encoded;
+  for (const char c : text) {
+    if (c == '%') {
+      encoded += "%25";
+    } else if (c == '&') {
+      encoded += "%26";
+    } else {
+      encoded += c;
+    }
+  }
+  return encoded;
+}
+
+template <typename Number>
+std::vector<Number> split_numbers(const std::string& text, char separator) {
+  std::vector<Number> numbers;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, start), text.size());
+    Number value{};
+    const auto [stop, error] = std::from_chars(text.data() + start, text.data() + end, value);
+    if (error != std::errc{} || stop != text.data() + end) return {};
+    numbers.push_back(value);
+    start = end + 1;
+  }
+  return numbers;
+}
+
+CLI::ValidationError bad_value(const std::string& option, const std::string& expected, const std::string& text) {
+  return CLI::ValidationError(option, "expected " + expected + ", got " + in_quotes(text));
+}
+
+}  // namespace
+
+bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out) {
+  try {
+    app.parse(argc, argv);
+    return true;
+  } catch (const CLI::CallForHelp&) {
+    out << app.help();
+  } catch (const CLI::CallForVersion& version) {
+    out << app.get_name() << ' ' << version.what() << '\n';
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(error.what());
+  }
+  return false;
+}
+
+void add_board_options(CLI::App& app, BoardOptions& options) {
+  const char* group = "Board and run";
+  app.add_option("--board", options.board, "emu: (a private emulated board), unix:PATH or tcp:HOST:PORT")
+      ->group(group)
+      ->capture_default_str();
+  app.add_option("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle")
+      ->group(group);
+  app.add_option("--config", options.config, "configuration of the emulated board (protobuf text)")
+      ->check(CLI::ExistingFile)
+      ->group(group);
+  app.add_option("--set", options.settings, "one field of it, as asic.processors=8; repeatable")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->type_name("FIELD=VALUE")
+      ->group(group);
+  app.add_option("--stats", options.stats, "write the statistics of the frame as JSON")
+      ->type_name("FILE")
+      ->group(group);
+  app.add_option("--seed", options.seed,
+                 "of the random choices of scattered rays; 0: the scene's own. Recorded in the statistics")
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--threads", options.threads,
+                 "host threads for scene and emulator, 0 = one a core; never changes a result")
+      ->check(CLI::Range(0, kMaxThreads))
+      ->capture_default_str()
+      ->group(group);
+  app.add_flag("--quiet", options.quiet, "print nothing but errors")->group(group);
+}
+
+std::string board_uri(const BoardOptions& options) {
+  if (!options.board.starts_with("emu:")) {
+    const char* given = !options.fidelity.empty()   ? "--fidelity"
+                        : !options.config.empty()   ? "--config"
+                        : !options.settings.empty() ? "--set"
+                                                    : nullptr;
+    if (given != nullptr) {
+      throw UsageError(std::string(given) + ": only for an emu: board; the own configuration of the running board at " +
+                       options.board + " holds");
+    }
+    return options.board;
+  }
+  std::string uri = options.board;
+  const auto add = [&uri](const char* name, const std::string& value) {
+    const char* separator = uri.find('?') == std::string::npos         ? "?"
+                            : uri.ends_with('?') || uri.ends_with('&') ? ""
+                                                                       : "&";
+    uri += separator + std::string(name) + '=' + percent_encoded(value);
+  };
+  if (!options.fidelity.empty()) add("fidelity", options.fidelity);
+  if (!options.config.empty()) add("config", options.config.string());
+  if (options.threads != 0) add("threads", std::to_string(options.threads));
+  for (const std::string& setting : options.settings) add("set", setting);
+  return uri;
+}
+
+std::vector<double> parse_numbers(const std::string& option, const std::string& text, std::size_t count) {
+  const std::vector<double> numbers = split_numbers<double>(text, ',');
+  bool good = numbers.size() == count;
+  for (const double number : numbers) good = good && std::isfinite(number);
+  if (!good) throw bad_value(option, std::to_string(count) + " numbers with commas between", text);
+  return numbers;
+}
+
+Vec3 parse_vector(const std::string& option, const std::string& text) {
+  const std::vector<double> numbers = parse_numbers(option, text, 3);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+std::vector<int> parse_sizes(const std::string& option, const std::string& text, std::size_t count, char separator) {
+  const std::vector<int> numbers = split_numbers<int>(text, separator);
+  bool good = numbers.size() == count;
+  for (const int number : numbers) good = good && number >= 1;
+  if (!good) throw bad_value(option, std::string(count == 2 ? "WxH" : "X,Y,Z") + ", whole numbers from 1", text);
+  return numbers;
+}
+
+}  // namespace gicube::samples

@@ -1,0 +1,42 @@
+// What every program does with a board: opens it as its user wishes, brings a scene onto it, and measures a part of its work.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "scene/program/board_options.h"
+#include "scene/scene.h"
+#include "gicube/board.h"
+
+namespace gicube::samples {
+
+// Throws UsageError (options that make no URI) and what Board::open() throws.
+Board open_board(const BoardOptions& options);
+
+// Throws InputError that says how an emulated board is made larger.
+void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source);
+
+// The scene's voxels and how they look. With `own_codebook` a world's normals get a codebook of their own, which only a
+// board without a volume can take.
+void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress = {});
+
+// Wall and simulated time of a part of the work, and what the board counted in it.
+class RunWindow {
+ public:
+  explicit RunWindow(Board& board)
+      : board_(board), counters_(board.counters()), begin_(board.now()), start_(std::chrono::steady_clock::now()) {}
+
+  Picoseconds simulated() const { return board_.now() - begin_; }
+  double host_seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  Counters counters() { return board_.counters() - counters_; }
+
+ private:
+  Board& board_;
+  Counters counters_;
+  Picoseconds begin_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace gicube::samples

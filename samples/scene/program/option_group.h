@@ -1,0 +1,56 @@
+// Command line options of one group of the help text.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/program/board_options.h"
+#include "scene/program/input_error.h"
+
+namespace gicube::samples {
+
+// Adds options whose text is parsed by a function of ours.
+class OptionGroup {
+ public:
+  OptionGroup(CLI::App& app, std::string name) : app_(app), name_(std::move(name)) {}
+
+  template <typename Value>
+  CLI::Option* value(const std::string& option, std::optional<Value>& target, const std::string& help) {
+    return app_.add_option(option, target, help)->group(name_);
+  }
+  CLI::Option* flag(const std::string& option, bool& target, const std::string& help) {
+    return app_.add_flag(option, target, help)->group(name_);
+  }
+  // `parse` takes the option's name and its text.
+  template <typename Parse>
+  CLI::Option* parsed(const std::string& option, const std::string& type, const std::string& help, const Parse& parse) {
+    return app_
+        .add_option_function<std::vector<std::string>>(
+            option,
+            [option, parse](const std::vector<std::string>& texts) {
+              for (const std::string& text : texts) parse(option, text);
+            },
+            help)
+        ->type_name(type)
+        ->expected(1)
+        ->group(name_);
+  }
+  CLI::Option* vector(const std::string& option, std::optional<Vec3>& target, const std::string& help) {
+    return parsed(option, "X,Y,Z", help,
+                  [&target](const std::string& name, const std::string& text) { target = parse_vector(name, text); });
+  }
+  CLI::Option* direction(const std::string& option, std::optional<Vec3>& target, const std::string& help) {
+    return parsed(option, "X,Y,Z", help, [&target](const std::string& name, const std::string& text) {
+      target = parse_vector(name, text);
+      if (length(*target) == 0) throw CLI::ValidationError(name, "expected a direction, got " + in_quotes(text));
+    });
+  }
+
+ private:
+  CLI::App& app_;
+  std::string name_;
+};
+
+}  // namespace gicube::samples

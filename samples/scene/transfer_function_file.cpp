@@ -1,0 +1,177 @@
+#include "scene/transfer_function_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+namespace gicube::samples {
+namespace {
+
+constexpr std::uintmax_t kMaxFileBytes = 1 << 20;  // chosen: far above any transfer function
+
+std::vector<std::string> words_of(std::string_view line) {
+  std::istringstream stream{std::string(line.substr(0, line.find('#')))};
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+std::optional<double> number(const std::string& word) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+// Reads one statement a call; gathers the faults of all.
+class Parser {
+ public:
+  explicit Parser(std::string name) : name_(std::move(name)) {}
+
+  void statement(int line, const std::vector<std::string>& words) {
+    line_ = line;
+    if (words.empty()) return;
+    if (words[0] == "values") return scale(words);
+    if (words[0] == "colour" || words[0] == "color") return colour_point(words);
+    if (words[0] == "opacity") return opacity_point(words);
+    fault("statement", "values, colour or opacity", in_quotes(words[0]));
+  }
+
+  TransferFunctionFile finish() {
+    line_ = 0;
+    if (faults_.empty() && file_.function.colours.empty()) fault("colour", "at least one point", "none");
+    if (faults_.empty() && file_.function.opacities.empty()) fault("opacity", "at least one point", "none");
+    if (!faults_.empty()) throw InputError(faults_);
+    return std::move(file_);
+  }
+
+ private:
+  void fault(const std::string& field, const std::string& expected, const std::string& got) {
+    const std::string place = line_ > 0 ? fmt::format("{}:{}", name_, line_) : name_;
+    faults_ += fmt::format("{}{}: {}: expected {}, got {}", faults_.empty() ? "" : "\n", place, field, expected, got);
+  }
+
+  void scale(const std::vector<std::string>& words) {
+    if (!file_.function.colours.empty() || !file_.function.opacities.empty() || scaled_) {
+      return fault("values", "one such statement, before all points", "another");
+    }
+    scaled_ = true;
+    if (words.size() != 2 || (words[1] != "normalised" && words[1] != "absolute")) {
+      return fault("values", "normalised or absolute", words.size() < 2 ? "nothing" : in_quotes(words.back()));
+    }
+    file_.normalised = words[1] == "normalised";
+  }
+
+  // The numbers behind the statement's name, or nothing if there is a fault.
+  std::optional<std::vector<double>> numbers(const std::vector<std::string>& words, std::size_t count,
+                                             const char* form) {
+    if (words.size() != count + 1) {
+      fault(words[0], form, std::to_string(words.size() - 1) + " values");
+      return std::nullopt;
+    }
+    std::vector<double> values;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      const auto value = number(words[i]);
+      const bool unit = i > 1;
+      if (!value || (unit && (*value < 0 || *value > 1))) {
+        fault(words[0] + (unit ? "" : " value"), unit ? "a number from 0 to 1" : "a finite number",
+              in_quotes(words[i]));
+        return std::nullopt;
+      }
+      values.push_back(*value);
+    }
+    return values;
+  }
+
+  template <typename Point>
+  bool rises(const std::vector<Point>& points, double value, const std::string& kind) {
+    const std::size_t n = points.size();
+    if (n == 0 || value > points[n - 1].value) return true;
+    if (value == points[n - 1].value && (n == 1 || points[n - 2].value < value)) return true;
+    fault(kind + " value", fmt::format("a number above {}", points[n - 1].value), fmt::format("{}", value));
+    return false;
+  }
+
+  void colour_point(const std::vector<std::string>& words) {
+    const auto values = numbers(words, 4, "VALUE RED GREEN BLUE");
+    if (!values || !rises(file_.function.colours, (*values)[0], words[0])) return;
+    file_.function.colours.push_back({(*values)[0], {(*values)[1], (*values)[2], (*values)[3]}});
+  }
+
+  void opacity_point(const std::vector<std::string>& words) {
+    const auto values = numbers(words, 2, "VALUE ALPHA");
+    if (!values || !rises(file_.function.opacities, (*values)[0], words[0])) return;
+    file_.function.opacities.push_back({(*values)[0], (*values)[1]});
+  }
+
+  std::string name_;
+  std::string faults_;
+  int line_ = 0;
+  bool scaled_ = false;
+  TransferFunctionFile file_;
+};
+
+}  // namespace
+
+TransferFunctionFile parse_transfer_function(std::string_view text, const std::string& name) {
+  Parser parser(name);
+  for (int line = 1; !text.empty(); ++line) {
+    const std::string_view row = text.substr(0, text.find('\n'));
+    parser.statement(line, words_of(row));
+    text.remove_prefix(std::min(row.size() + 1, text.size()));
+  }
+  return parser.finish();
+}
+
+TransferFunctionFile read_transfer_function(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    throw InputError(path.string(), "a transfer function file", "no such file");
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (bytes > kMaxFileBytes) {
+    throw InputError(path.string(), "a transfer function file of at most 1 MiB", std::to_string(bytes) + " bytes");
+  }
+  std::ifstream stream(path);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (!stream) throw InputError(path.string(), "a transfer function file", "one that can't be read");
+  return parse_transfer_function(text.str(), path.string());
+}
+
+TransferFunction in_values_of(const ValueRange& range, const TransferFunctionFile& file) {
+  TransferFunction function = file.function;
+  if (!file.normalised) return function;
+  const auto scaled = [&range](double value) { return range.low + value * (range.high - range.low); };
+  for (ColourPoint& point : function.colours) point.value = scaled(point.value);
+  for (OpacityPoint& point : function.opacities) point.value = scaled(point.value);
+  return function;
+}
+
+std::string preset_names() {
+  std::string names;
+  for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + std::string(preset.name);
+  return names;
+}
+
+TransferFunctionFile find_preset(std::string_view name) {
+  for (const Preset& preset : presets()) {
+    if (preset.name == name) return parse_transfer_function(preset.text, std::string(name));
+  }
+  throw InputError("preset", "one of " + preset_names(), in_quotes(name));
+}
+
+TransferFunctionFile find_transfer_function(const std::string& preset_or_path) {
+  for (const Preset& preset : presets()) {
+    if (preset.name == preset_or_path) return find_preset(preset_or_path);
+  }
+  std::error_code error;
+  if (std::filesystem::exists(preset_or_path, error)) return read_transfer_function(preset_or_path);
+  throw InputError("transfer function", "a file, or one of the presets " + preset_names(), in_quotes(preset_or_path));
+}
+
+}  // namespace gicube::samples

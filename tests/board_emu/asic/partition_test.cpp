@@ -1,0 +1,61 @@
+#include "asic/partition.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace gicube::emu {
+namespace {
+
+std::size_t block(int x, int y, int z) { return static_cast<std::size_t>(x + 8 * (y + 8 * z)); }
+
+TEST(Partition, SimpleSlabsAtTheDesignPointNumberQueuesAsThePaperDoes) {
+  const Partition partition(v1::simple_slab, 4, {8, 8, 8});
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) {
+        const Home& home = partition.home(block(x, y, z));
+        EXPECT_EQ(home.processor, x / 2);
+        EXPECT_EQ(home.number, static_cast<std::uint32_t>(((x % 2) << 6) + (y << 3) + z));
+      }
+    }
+  }
+}
+
+TEST(Partition, RepeatedSlabsGoRoundTheProcessors) {
+  const Partition partition(v1::repeated_slab, 4, {8, 8, 8});
+  for (int x = 0; x < 8; ++x) EXPECT_EQ(partition.home(block(x, 3, 5)).processor, x % 4);
+}
+
+TEST(Partition, SkewedBlocksGiveEveryRowOfBlocksToAllProcessorsInTurn) {
+  const Partition partition(v1::skewed_block, 4, {8, 8, 8});
+  EXPECT_EQ(partition.home(block(1, 2, 3)).processor, 6 % 4);
+  for (const auto& step : {std::array{1, 0, 0}, std::array{0, 1, 0}, std::array{0, 0, 1}}) {
+    std::set<int> owners;
+    for (int i = 0; i < 4; ++i) owners.insert(partition.home(block(i * step[0], i * step[1], i * step[2])).processor);
+    EXPECT_EQ(owners.size(), 4u);
+  }
+}
+
+TEST(Partition, EveryBlockHasOneNumberOfItsProcessor) {
+  for (const auto kind : {v1::simple_slab, v1::repeated_slab, v1::skewed_block}) {
+    for (const unsigned processors : {1u, 3u, 4u, 7u, 16u}) {
+      const std::array<int, 3> blocks{5, 3, 9};
+      const Partition partition(kind, processors, blocks);
+      std::size_t all = 0;
+      for (unsigned p = 0; p < processors; ++p) {
+        EXPECT_LE(partition.blocks_of(p), partition.most_blocks());
+        all += partition.blocks_of(p);
+        for (std::uint32_t number = 0; number < partition.blocks_of(p); ++number) {
+          const Home& home = partition.home(partition.block(p, number));
+          EXPECT_EQ(home.processor, p);
+          EXPECT_EQ(home.number, number);
+        }
+      }
+      EXPECT_EQ(all, 5u * 3 * 9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gicube::emu

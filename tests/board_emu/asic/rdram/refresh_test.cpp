@@ -1,0 +1,93 @@
+#include <gtest/gtest.h>
+
+#include "asic/rdram/channel.h"
+#include "rdram_traffic.h"
+
+namespace gicube::emu::rdram {
+namespace {
+
+using test_traffic::at;
+using test_traffic::without_refresh;
+
+std::vector<IssuedCommand> only(const std::vector<IssuedCommand>& trace, Command command) {
+  std::vector<IssuedCommand> commands;
+  for (const IssuedCommand& c : trace) {
+    if (c.command == command) commands.push_back(c);
+  }
+  return commands;
+}
+
+TEST(RdramRefresh, ComesEveryIntervalToEveryBankInTurn) {
+  std::vector<IssuedCommand> trace;
+  Channel channel(v1::RdramConfig(), 1);
+  channel.set_trace(&trace);
+  channel.advance(781 * 70);
+  const auto refreshes = only(trace, Command::kRefresh), precharges = only(trace, Command::kPrecharge);
+  ASSERT_EQ(refreshes.size(), 70u);
+  for (std::size_t i = 0; i < refreshes.size(); ++i) {
+    EXPECT_EQ(refreshes[i].begin, 781 * (i + 1));
+    EXPECT_EQ(refreshes[i].bank, i % 32);
+  }
+  ASSERT_EQ(precharges.size(), 69u);
+  for (std::size_t i = 0; i < precharges.size(); ++i) EXPECT_EQ(precharges[i].begin, 781 * (i + 1) + 20);
+  EXPECT_EQ(channel.counters().refreshes, 70u);
+}
+
+TEST(RdramRefresh, GivesEachDeviceItsOwnEveryInterval) {
+  std::vector<IssuedCommand> trace;
+  Channel channel(v1::RdramConfig(), 2);
+  channel.set_trace(&trace);
+  channel.advance(781 * 40);
+  const auto refreshes = only(trace, Command::kRefresh);
+  ASSERT_EQ(refreshes.size(), 80u);
+  for (std::size_t i = 0; i < refreshes.size(); ++i) {
+    EXPECT_EQ(refreshes[i].device, i % 2);
+    EXPECT_EQ(refreshes[i].bank, i / 2 % 32);
+    EXPECT_EQ(refreshes[i].begin, 781 * (i + 1) / 2);
+  }
+}
+
+TEST(RdramRefresh, ClosesWhatStandsInItsWay) {
+  std::vector<IssuedCommand> trace;
+  Channel channel(v1::RdramConfig(), 1);
+  channel.read(at(1, 7), 0);  // a neighbour of bank 0
+  channel.set_trace(&trace);
+  channel.advance(781);
+  ASSERT_EQ(trace.size(), 2u);
+  EXPECT_EQ(trace[0].command, Command::kPrecharge);
+  EXPECT_EQ(trace[0].begin, 781u);
+  EXPECT_EQ(trace[1].command, Command::kRefresh);
+  EXPECT_EQ(trace[1].begin, 781u + 8);
+}
+
+TEST(RdramRefresh, DelaysAReadOfItsBankByATurn) {
+  Channel channel(v1::RdramConfig(), 1);
+  const Access access = channel.read(at(0, 7), 781);
+  // REFA 781, PRE 801, ACT 809, RD 816.
+  EXPECT_EQ(access.data_begin, 781u + 28 + 7 + 12);
+  EXPECT_EQ(access.cause, Delay::kRefresh);
+}
+
+TEST(RdramRefresh, DelaysAnActivationElsewhereByTheDevicesGap) {
+  Channel channel(v1::RdramConfig(), 1);
+  const Access access = channel.read(at(9, 7), 781);
+  EXPECT_EQ(access.data_begin, 781u + 8 + 7 + 12);
+  EXPECT_EQ(access.cause, Delay::kRefresh);
+}
+
+TEST(RdramRefresh, LeavesAnOpenRowElsewhereAlone) {
+  Channel channel(v1::RdramConfig(), 1);
+  channel.read(at(9, 7), 0);
+  const Access access = channel.read(at(9, 7), 781);
+  EXPECT_EQ(access.data_begin, 781u + 12);
+  EXPECT_EQ(access.cause, Delay::kTransfer);
+}
+
+TEST(RdramRefresh, CanBeSwitchedOff) {
+  Channel channel(without_refresh(), 1);
+  channel.advance(1'000'000);
+  EXPECT_EQ(channel.counters().refreshes, 0u);
+}
+
+}  // namespace
+}  // namespace gicube::emu::rdram

@@ -1,0 +1,219 @@
+#include "config/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace gicube::emu {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> texts(const std::vector<Fault>& faults) {
+  std::vector<std::string> all;
+  for (const Fault& fault : faults) all.push_back(to_string(fault));
+  return all;
+}
+
+v1::BoardConfig with(std::initializer_list<const char*> overrides) {
+  v1::BoardConfig config;
+  for (const char* each : overrides) EXPECT_THAT(texts(apply_override(config, each)), IsEmpty());
+  return config;
+}
+
+TEST(Config, EmptyTextIsTheDesignPoint) {
+  const ParsedConfig parsed = parse_config("");
+  EXPECT_THAT(texts(parsed.faults), IsEmpty());
+  EXPECT_THAT(texts(check(parsed.config)), IsEmpty());
+  EXPECT_EQ(parsed.config.asic().processors(), 4u);
+}
+
+TEST(Config, ReportsEveryFaultOfATextInOneGo) {
+  const ParsedConfig parsed = parse_config(
+      "fidelity: fast\n"
+      "asic {\n"
+      "  processors: \"eight\"\n"
+      "\tqueue_rays: -1 block_voxel: 32\n"
+      "  core_khz: 100000 core_khz: 200000\n"
+      "}\n"
+      "asik { processors: 8 }\n"
+      "bus { model: pci66 }\n");
+  EXPECT_THAT(
+      texts(parsed.faults),
+      testing::ElementsAre("line 1: fidelity: expected one of functional, approximate, cycle, got fast",
+                           "line 3: asic.processors: expected a whole number from 0 to 4294967295, got \"eight\"",
+                           "line 4: asic.queue_rays: expected a whole number from 0 to 4294967295, got -1",
+                           AllOf(HasSubstr("line 4: asic.block_voxel: expected one of processors, block_voxels"),
+                                 HasSubstr("got \"block_voxel\"")),
+                           "line 5: asic.core_khz: expected to be set once, got it a second time",
+                           "line 7: asik: expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
+                           "rdram, ideal, pace, threads, got \"asik\"",
+                           "line 8: bus.model: expected one of pci33, agp1x, agp2x, agp4x, got pci66"));
+}
+
+TEST(Config, ReportsARepeatedMessage) {
+  const ParsedConfig parsed = parse_config("dsp { clock_khz: 1000 }\ndsp { framebuffer_mb: 64 }\n");
+  EXPECT_THAT(texts(parsed.faults), testing::ElementsAre("line 2: dsp: expected to be set once, got it a second time"));
+  EXPECT_EQ(parsed.config.dsp().clock_khz(), 1000u);
+}
+
+TEST(Config, ReportsAScalarWhereAMessageBelongs) {
+  EXPECT_THAT(texts(parse_config("asic: 4\n").faults),
+              testing::ElementsAre(HasSubstr("line 1: asic: expected a message")));
+  EXPECT_THAT(texts(parse_config("threads { }\n").faults),
+              testing::ElementsAre(HasSubstr("line 1: threads: expected")));
+}
+
+TEST(Config, ReportsBrokenStructureWithItsLine) {
+  EXPECT_THAT(texts(parse_config("asic {\n  processors: 4\n").faults), testing::ElementsAre(HasSubstr("got Expected")));
+  EXPECT_THAT(texts(parse_config("asic {}\n}\n").faults),
+              testing::ElementsAre(HasSubstr("line 2: expected protobuf text")));
+  EXPECT_FALSE(parse_config(std::string("\x00\xff\x07{{{", 6)).faults.empty());
+  EXPECT_FALSE(parse_config("threads: \"never closed").faults.empty());
+}
+
+TEST(Config, RefusesAHugeText) {
+  EXPECT_THAT(texts(parse_config(std::string(std::size_t{2} << 20, ' ')).faults),
+              testing::ElementsAre(HasSubstr("at most")));
+}
+
+TEST(Config, EndsOnATextFullOfFaults) {
+  std::string text;
+  for (int i = 0; i < 500; ++i) text += "threads: \"many\"\n";
+  EXPECT_THAT(parse_config(text).faults.size(), testing::AllOf(testing::Ge(2u), testing::Le(500u)));
+}
+
+TEST(Config, ChecksEveryRangeAtOnceWithItsLine) {
+  const ParsedConfig parsed =
+      parse_config("asic {\n processors: 17\n block_voxels: 48\n}\nbus { latency_timer_clocks: 7 }\n");
+  ASSERT_THAT(texts(parsed.faults), IsEmpty());
+  EXPECT_THAT(texts(check(parsed.config, parsed.lines)),
+              testing::UnorderedElementsAre("line 2: asic.processors: expected 1 to 16 processors, got 17",
+                                            "line 3: asic.block_voxels: expected 8, 16, 32 or 64 voxels, got 48",
+                                            "line 5: bus.latency_timer_clocks: expected 8 to 255 bus clocks, got 7"));
+}
+
+TEST(Config, AcceptsTheEndsOfEveryRange) {
+  EXPECT_THAT(texts(check(with({"asic.processors=1", "asic.queue_rays=1", "asic.core_khz=1000", "dsp.clock_khz=1000",
+                                "asic.max_volume_voxels=32", "asic.block_voxels=8", "dsp.framebuffer_mb=1",
+                                "bus.max_burst_dwords=1", "bus.latency_timer_clocks=8", "bus.read_latency_clocks=0"}))),
+              IsEmpty());
+  EXPECT_THAT(texts(check(with({"asic.processors=16", "asic.queue_rays=4096", "asic.core_khz=1000000",
+                                "dsp.clock_khz=2000000", "asic.max_volume_voxels=1024", "asic.block_voxels=64",
+                                "dsp.framebuffer_mb=1024", "bus.max_burst_dwords=1024", "bus.latency_timer_clocks=255",
+                                "bus.read_latency_clocks=64", "bus.model=agp4x", "threads=1024"}))),
+              IsEmpty());
+}
+
+TEST(Config, RefusesAVolumeThatIsNoPowerOfTwoOrSmallerThanABlock) {
+  EXPECT_THAT(texts(check(with({"asic.max_volume_voxels=96"}))),
+              testing::ElementsAre("asic.max_volume_voxels: expected a power of two, got 96"));
+  EXPECT_THAT(texts(check(with({"asic.max_volume_voxels=32", "asic.block_voxels=64"}))),
+              testing::ElementsAre("asic.max_volume_voxels: expected at least asic.block_voxels, 64 voxels, got 32"));
+  EXPECT_THAT(texts(check(with({"asic.max_volume_voxels=2048"}))),
+              testing::ElementsAre("asic.max_volume_voxels: expected 32 to 1024 voxels, got 2048"));
+}
+
+TEST(Config, ChecksThePartsOfTheCycleLevel) {
+  EXPECT_THAT(texts(check(with({"cache.ways=3", "link.bits=48", "link.rays=1", "rdram.device_mbit=128",
+                                "rdram.processors_per_rdram=3", "pipeline.prefetch_stages=0", "ideal.memory=2"}))),
+              testing::UnorderedElementsAre("cache.ways: expected 1, 2, 4 or 8 ways, got 3",
+                                            "link.bits: expected a power of two from 1 to 256 bits, got 48",
+                                            "link.rays: expected 2 to 64 rays, got 1",
+                                            "rdram.device_mbit: expected 144 or 288 Mbit, got 128",
+                                            "rdram.processors_per_rdram: expected 1 to 2 processors, got 3",
+                                            "pipeline.prefetch_stages: expected 1 to 256 core cycles, got 0",
+                                            "ideal.memory: expected 0 to 1 (0 or 1), got 2"));
+  EXPECT_THAT(texts(check(with({"asic.partition=PARTITION_UNSPECIFIED", "sorter.policy=POLICY_UNSPECIFIED"}))),
+              testing::UnorderedElementsAre(HasSubstr("asic.partition: expected one of simple_slab, repeated_slab"),
+                                            HasSubstr("sorter.policy: expected one of most_rays, most_contribution")));
+}
+
+TEST(Config, RefusesACycleLevelVolumeThatItsMemoryChannelsCannotHold) {
+  EXPECT_THAT(
+      texts(check(with({"fidelity=cycle", "asic.max_volume_voxels=1024", "asic.processors=1"}))),
+      testing::ElementsAre("asic.max_volume_voxels: expected a volume whose share of one RDRAM channel fits its 32 "
+                           "devices, got 1024, which takes 180"));
+  EXPECT_THAT(texts(check(with({"fidelity=cycle", "asic.max_volume_voxels=1024", "asic.processors=16"}))), IsEmpty());
+  EXPECT_THAT(texts(check(with({"asic.max_volume_voxels=1024", "asic.processors=1"}))), IsEmpty());
+  EXPECT_THAT(texts(check(with({"rdram.refresh_interval=63"}))),
+              testing::ElementsAre("rdram.refresh_interval: expected 0 or at least 64 tCYCLE, got 63"));
+}
+
+TEST(Config, HasThreeLevels) {
+  EXPECT_THAT(texts(check(with({"fidelity=cycle"}))), IsEmpty());
+  EXPECT_THAT(texts(check(with({"fidelity=approximate"}))), IsEmpty());
+  EXPECT_THAT(
+      texts(check(with({"fidelity=approximate", "sorter.queues=single"}))),
+      testing::ElementsAre("fidelity: expected functional or cycle with sorter.queues=single, got approximate"));
+  EXPECT_THAT(texts(check(with({"fidelity=FIDELITY_UNSPECIFIED", "bus.model=BUS_UNSPECIFIED"}))), testing::SizeIs(2));
+}
+
+TEST(Config, AnOverrideSetsOneField) {
+  v1::BoardConfig config = with({"asic.processors=8", "bus.model=agp2x", "threads=3"});
+  EXPECT_EQ(config.asic().processors(), 8u);
+  EXPECT_EQ(config.bus().model(), v1::agp2x);
+  EXPECT_EQ(config.threads(), 3u);
+  EXPECT_FALSE(config.asic().has_queue_rays());
+}
+
+TEST(Config, AFaultyOverrideChangesNothingAndListsWhatIsKnown) {
+  v1::BoardConfig config = with({"asic.processors=8"});
+  const std::string before = config_text(config);
+  EXPECT_THAT(texts(apply_override(config, "asic.procesors=4")),
+              testing::ElementsAre(AllOf(HasSubstr("asic.procesors: expected one of processors, block_voxels, "),
+                                         HasSubstr("got \"procesors\""))));
+  EXPECT_THAT(texts(apply_override(config, "chip.processors=4")),
+              testing::ElementsAre(HasSubstr("expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
+                                             "rdram, ideal, pace, threads, got \"chip\"")));
+  for (const char* bad :
+       {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
+        "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {
+    EXPECT_THAT(apply_override(config, bad), testing::SizeIs(1)) << bad;
+  }
+  EXPECT_EQ(config_text(config), before);
+}
+
+// Walks the messages of a configuration: is every scalar present?
+bool is_complete(const google::protobuf::Message& message) {
+  for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+    const auto* field = message.GetDescriptor()->field(i);
+    if (!message.GetReflection()->HasField(message, field)) return false;
+    const bool nested = field->message_type() != nullptr;
+    if (nested && !is_complete(message.GetReflection()->GetMessage(message, field))) return false;
+  }
+  return true;
+}
+
+TEST(Config, ResolvingSetsEveryFieldAndKeepsWhatWasSet) {
+  const v1::BoardConfig resolved = resolve(with({"asic.queue_rays=7"}));
+  EXPECT_TRUE(is_complete(resolved));
+  EXPECT_EQ(resolved.asic().queue_rays(), 7u);
+  EXPECT_EQ(resolved.asic().block_voxels(), 32u);
+  EXPECT_EQ(resolved.fidelity(), v1::functional);
+}
+
+TEST(Config, TheResolvedTextReadsBackAsTheSameConfiguration) {
+  const v1::BoardConfig config = with({"asic.queue_rays=7", "bus.model=agp1x"});
+  const ParsedConfig again = parse_config(config_text(config));
+  EXPECT_THAT(texts(again.faults), IsEmpty());
+  EXPECT_EQ(again.config.SerializeAsString(), resolve(config).SerializeAsString());
+}
+
+TEST(Config, TheHashIgnoresOrderOfFieldsSpelledOutDefaultsAndThreads) {
+  const ParsedConfig one = parse_config("asic { processors: 8 queue_rays: 64 } bus { model: agp2x }");
+  const ParsedConfig two =
+      parse_config("threads: 7 bus { model: agp2x } asic { queue_rays: 64 processors: 8 block_voxels: 32 }");
+  EXPECT_EQ(config_hash(one.config), config_hash(two.config));
+  EXPECT_EQ(config_hash(one.config), config_hash(resolve(one.config)));
+  EXPECT_NE(config_hash(one.config), config_hash(v1::BoardConfig()));
+}
+
+// The hash stands in result files: it may change only with the schema or its defaults.
+TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "ad1e0c514abf30c0"); }
+
+}  // namespace
+}  // namespace gicube::emu

@@ -1,0 +1,84 @@
+#include "config/hardware_cost.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace gicube::emu {
+namespace {
+
+constexpr std::uint64_t kMegabit = 1 << 20;
+
+HardwareCost cost_with(std::uint32_t processors, std::uint32_t block, std::uint32_t volume, std::uint32_t rays) {
+  v1::BoardConfig config;
+  config.mutable_asic()->set_processors(processors);
+  config.mutable_asic()->set_block_voxels(block);
+  config.mutable_asic()->set_max_volume_voxels(volume);
+  config.mutable_asic()->set_queue_rays(rays);
+  return hardware_cost(config);
+}
+
+TEST(HardwareCost, IsTable1AtTheDesignPoint) {
+  const HardwareCost cost = hardware_cost({});
+  EXPECT_EQ(cost.ray_queues.bits, 512u * 256 * 256);
+  EXPECT_EQ(cost.ray_queues.formula, "512 x 256 x 256");
+  EXPECT_EQ(paper_units(cost.ray_queues.bits), "32.0 Mb");
+  EXPECT_EQ(cost.volume_cache.bits, 4u * 33 * 33 * 33 * 36);
+  EXPECT_EQ(paper_units(cost.volume_cache.bits), "4.9 Mb");
+  EXPECT_EQ(cost.gradient_lut.bits, 4u * 2048 * 8 * 30);
+  EXPECT_EQ(paper_units(cost.gradient_lut.bits), "1.9 Mb");
+  EXPECT_EQ(cost.segmentation_lut.bits, 4u * 16384 * 84);
+  EXPECT_EQ(paper_units(cost.segmentation_lut.bits), "5.3 Mb");
+  EXPECT_EQ(cost.reflectance_map.bits, 4u * 128 * 128 * 6 * 8);
+  EXPECT_EQ(paper_units(cost.reflectance_map.bits), "3.0 Mb");
+  // The paper prints 10 Kb beside a formula that gives 9.1.
+  EXPECT_EQ(cost.registers.formula, "32 x 256 + 20 x 55");
+  EXPECT_EQ(paper_units(cost.registers.bits), "9.1 Kb");
+  EXPECT_EQ((cost.sram.bits + kMegabit / 2) / kMegabit, 15u);
+}
+
+TEST(HardwareCost, EachProcessorHasItsOwnSramAndSharesTheQueues) {
+  const HardwareCost four = hardware_cost({}), eight = cost_with(8, 32, 256, 256);
+  EXPECT_EQ(eight.ray_queues.bits, four.ray_queues.bits);
+  EXPECT_EQ(eight.volume_cache.bits, 2 * four.volume_cache.bits);
+  EXPECT_EQ(eight.gradient_lut.bits, 2 * four.gradient_lut.bits);
+  EXPECT_EQ(eight.segmentation_lut.bits, 2 * four.segmentation_lut.bits);
+  EXPECT_EQ(eight.reflectance_map.bits, 2 * four.reflectance_map.bits);
+  EXPECT_EQ(eight.registers.bits, four.registers.bits);
+  EXPECT_EQ(eight.sram.bits, 2 * four.sram.bits);
+}
+
+TEST(HardwareCost, QueuesGrowWithTheVolumeTheirLengthAndSmallerBlocks) {
+  EXPECT_EQ(cost_with(4, 32, 512, 256).ray_queues.bits, 8 * 32 * kMegabit);
+  EXPECT_EQ(cost_with(4, 16, 256, 256).ray_queues.bits, 8 * 32 * kMegabit);
+  EXPECT_EQ(cost_with(4, 32, 256, 64).ray_queues.bits, 8 * kMegabit);
+  EXPECT_EQ(cost_with(4, 64, 32, 256).ray_queues.bits, 256u * 256);  // a volume within one block
+  EXPECT_EQ(cost_with(4, 16, 256, 256).volume_cache.bits, 4u * 17 * 17 * 17 * 36);
+}
+
+TEST(HardwareCost, TheBaselineHasOneQueueAProcessor) {
+  v1::BoardConfig config;
+  config.mutable_sorter()->set_queues(v1::single);
+  EXPECT_EQ(hardware_cost(config).ray_queues.bits, 4u * 256 * 256);
+}
+
+TEST(HardwareCost, RegistersHoldARayAStage) {
+  v1::BoardConfig config;
+  config.mutable_pipeline()->set_prefetch_stages(32);
+  EXPECT_EQ(hardware_cost(config).registers.bits, 48u * 256 + 20 * 55);
+}
+
+TEST(HardwareCost, TheLargestConfigurationFitsItsWords) {
+  const HardwareCost cost = cost_with(16, 8, 1024, 4096);
+  EXPECT_EQ(cost.ray_queues.bits, (std::uint64_t{1} << 21) * 4096 * 256);
+  EXPECT_EQ(paper_units(cost.ray_queues.bits), "2097152.0 Mb");
+}
+
+TEST(HardwareCost, PrintsOneItemALine) {
+  const std::string text = to_string(hardware_cost({}));
+  EXPECT_THAT(text, testing::HasSubstr("4 x 33^3 x 36"));
+  EXPECT_THAT(text, testing::ContainsRegex("Segmentation LUT +4 x 16384 x 84 +5505024 bit +5.3 Mb SRAM\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("Total SRAM .* 15\\.1 Mb SRAM\n"));
+}
+
+}  // namespace
+}  // namespace gicube::emu

@@ -1,0 +1,235 @@
+// Hand-worked cycles of whole rays through the machine.
+#include "cycle/machine.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "bare_board.h"
+#include "machine_rig.h"
+#include "rdram_checker.h"
+
+namespace gicube::emu {
+namespace {
+
+std::uint64_t cycles(const Machine& machine, Cause cause, std::size_t processor = 0) {
+  return machine.processors()[processor]->causes()[static_cast<std::size_t>(cause)];
+}
+
+// Rays along z, one a voxel column of the block at the origin, samples at cell centres.
+std::vector<wire::Ray> columns(int across, int down, double start = 0.5) {
+  std::vector<wire::Ray> rays;
+  for (int y = 0; y < down; ++y) {
+    for (int x = 0; x < across; ++x) {
+      rays.push_back(host_ray(static_cast<std::uint32_t>(rays.size()), {x + 0.5, y + 0.5, start}, {0, 0, 1}));
+    }
+  }
+  return rays;
+}
+
+Ran run(Machine& machine, const Scene& scene, const v1::BoardConfig& config, std::vector<wire::Ray> rays) {
+  Work work;
+  const std::uint32_t both = config.dsp().host_ray_cycles();
+  return trace({rays, true, both / 2, both - both / 2}, scene.frame, machine, work);
+}
+
+// 1: DSP makes the ray; push 10; bus 11; sorter writes 12, issues 13; tag check 14. 16 + 16 stages; back at the sorter 47,
+// issued 48, next tag check 49: 35 cycles a turn. After the last turn's 32 stages: tree 33, DSP 34, and 4 cycles there.
+TEST(Machine, ALoneRayTakesThirtyFiveCyclesASampleWithPerfectMemory) {
+  const v1::BoardConfig config =
+      config_with({"asic.processors=1", "ideal.memory=1", "dsp.host_ray_cycles=28", "asic.block_voxels=32"});
+  for (const int samples : {1, 2, 7}) {
+    Scene scene({33, 33, 33}, 32);
+    Machine machine(config, scene.volume.blocks());
+    const Ran ran = run(machine, scene, config, {host_ray(0, {4.5, 4.5, 33 - samples - 0.5}, {0, 0, 1})});
+    // 14 DSP cycles = 7 core cycles each way.
+    EXPECT_EQ(ran.cycles, 7u + 4 + 35 * static_cast<unsigned>(samples - 1) + 34 + 7) << samples;
+    EXPECT_EQ(cycles(machine, Cause::kBusy), static_cast<unsigned>(samples));
+  }
+}
+
+TEST(Machine, FewerRaysThanATurnHasCyclesLeaveThePipelineWaitingAndMoreDoNot) {
+  const v1::BoardConfig config =
+      config_with({"asic.processors=1", "ideal.memory=1", "dsp.host_ray_cycles=0", "asic.block_voxels=32"});
+  Scene scene({33, 33, 33}, 32);
+  Machine few(config, scene.volume.blocks());
+  run(few, scene, config, columns(16, 1));
+  EXPECT_EQ(cycles(few, Cause::kBusy), 16u * 32);
+  // A turn takes 35 cycles and brings 16 samples; the first and the last are longer.
+  EXPECT_GE(few.now(), 32u * 35);
+  EXPECT_GT(cycles(few, Cause::kLatency), 31u * (35 - 16) * 9 / 10);
+  Machine many(config, scene.volume.blocks());
+  run(many, scene, config, columns(32, 4));
+  EXPECT_EQ(cycles(many, Cause::kBusy), 32u * 32 * 4);
+  EXPECT_LT(cycles(many, Cause::kLatency) + cycles(many, Cause::kSorter), 32u * 32 * 4 / 8);
+}
+
+TEST(Machine, ABlockAtOneSampleAVoxelIsFetchedOnce) {
+  for (const unsigned n : {8u, 16u, 32u}) {
+    const v1::BoardConfig config =
+        config_with({"asic.processors=1", "asic.block_voxels=" + std::to_string(n), "asic.queue_rays=64"});
+    const int edge = static_cast<int>(n) + 1;
+    Scene scene({edge, edge, edge}, static_cast<int>(n));
+    Machine machine(config, scene.volume.blocks());
+    run(machine, scene, config, columns(static_cast<int>(n), static_cast<int>(n)));
+    const CacheCounters& cache = machine.processors()[0]->cache().counters();
+    EXPECT_EQ(cache.checks, n * n * n);
+    EXPECT_EQ(cache.filled_voxels, (n + 1) * (n + 1) * (n + 1));
+    EXPECT_EQ(machine.memories()[0]->channel().counters().packets_read, (n / 2 + 1) * (n / 2 + 1) * (n + 1));
+    EXPECT_EQ(cycles(machine, Cause::kBusy), n * n * n);
+  }
+}
+
+TEST(Machine, CachesStayWarmFromCommandToCommandUntilTheVolumeChanges) {
+  const v1::BoardConfig config = config_with({"asic.processors=1", "asic.block_voxels=16"});
+  Scene scene({17, 17, 17}, 16);
+  Machine machine(config, scene.volume.blocks());
+  const auto packets = [&] { return machine.processors()[0]->cache().counters().packets; };
+  run(machine, scene, config, columns(16, 16));
+  const std::uint64_t cold = packets();
+  run(machine, scene, config, columns(16, 16));
+  EXPECT_EQ(packets(), cold);
+  machine.invalidate_caches();
+  run(machine, scene, config, columns(16, 16));
+  EXPECT_EQ(packets(), 2 * cold);
+}
+
+TEST(Machine, LeapingRaysTakeOneCycleABlockAndNoMemory) {
+  const v1::BoardConfig config = config_with({"asic.processors=2", "asic.block_voxels=16"});
+  Scene scene({64, 64, 64}, 16);
+  scene.frame.leap = true;
+  std::fill(scene.frame.empty.begin(), scene.frame.empty.end(), std::uint8_t{1});
+  Machine machine(config, scene.volume.blocks());
+  run(machine, scene, config, columns(20, 1));
+  EXPECT_EQ(cycles(machine, Cause::kLeap), 20u * 4);
+  EXPECT_EQ(cycles(machine, Cause::kBusy), 0u);
+  EXPECT_EQ(machine.memories()[0]->channel().counters().packets_read, 0u);
+}
+
+TEST(Machine, SlabsPassRaysToTheNeighbourAndOnlyToIt) {
+  const v1::BoardConfig config = config_with({"asic.processors=4", "asic.block_voxels=8"});
+  Scene scene({64, 64, 64}, 8);
+  Machine machine(config, scene.volume.blocks());
+  std::vector<wire::Ray> rays;
+  for (unsigned i = 0; i < 30; ++i) rays.push_back(host_ray(i, {0.5, i + 1.5, 20.5}, {1, 0, 0}));
+  run(machine, scene, config, rays);
+  for (std::uint32_t p = 0; p < 4; ++p) {
+    EXPECT_EQ(machine.links().counters(p).sent, p < 3 ? 30u : 0u);
+    EXPECT_EQ(machine.links().counters(p).hops(), p < 3 ? 30u : 0u);
+  }
+  EXPECT_EQ(machine.links().bisection_rays(), 30u);
+}
+
+TEST(Machine, AQueueOfOneRayOverflowsAndStillFinishesEveryRay) {
+  const v1::BoardConfig config =
+      config_with({"asic.processors=1", "asic.block_voxels=16", "asic.queue_rays=1", "dsp.host_ray_cycles=2"});
+  Scene scene({17, 17, 17}, 16);
+  Machine machine(config, scene.volume.blocks());
+  run(machine, scene, config, columns(16, 16));
+  EXPECT_EQ(machine.dsp().counters().taken, 256u);
+  EXPECT_GT(machine.dsp().counters().overflows, 0u);
+  EXPECT_EQ(machine.processors()[0]->sorter().counters().overflows, machine.dsp().counters().overflows);
+}
+
+// With nothing to hide the latency, one ray waits for each packet: the causes say so, and each cycle has one.
+TEST(Machine, CausesOfALoneRayInColdMemoryAreMissesAndFills) {
+  const v1::BoardConfig config =
+      config_with({"asic.processors=1", "rdram.refresh_interval=0", "pipeline.prefetch_stages=1"});
+  Scene scene({33, 33, 33}, 32);
+  Machine machine(config, scene.volume.blocks());
+  run(machine, scene, config, {host_ray(0, {4.5, 4.5, 30.5}, {0, 0, 1})});
+  EXPECT_EQ(cycles(machine, Cause::kBusy), 2u);
+  EXPECT_EQ(cycles(machine, Cause::kFill), 1u);  // two packets for the first sample, one for the second
+  EXPECT_GT(cycles(machine, Cause::kMiss) + cycles(machine, Cause::kBank), 6u);
+  EXPECT_EQ(cycles(machine, Cause::kRefresh), 0u);
+  const CauseCounts& causes = machine.processors()[0]->causes();
+  EXPECT_EQ(std::accumulate(causes.begin(), causes.end(), std::uint64_t{0}), machine.now());
+}
+
+TEST(Machine, RunsOfRaysTakeLessOfTheDspAndGiveTheSamePicture) {
+  Scene scene({33, 33, 33}, 8);
+  scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
+  for (auto& entry : scene.segmentation) entry.opacity = 900;
+  const auto picture = [&](const char* run_rays) {
+    const v1::BoardConfig config = config_with({"asic.block_voxels=8", run_rays});
+    Machine machine(config, scene.volume.blocks());
+    return cycle_picture(scene, corner_view({33, 33, 33}, 32), config, machine);
+  };
+  const Picture one_by_one = picture("dsp.run_rays=0"), in_runs = picture("dsp.run_rays=16");
+  EXPECT_EQ(one_by_one.pixels, in_runs.pixels);
+  EXPECT_LT(in_runs.ran.dsp_cycles, one_by_one.ran.dsp_cycles / 2);
+}
+
+TEST(Machine, CancellingStopsWithinTheProgressInterval) {
+  const v1::BoardConfig config = config_with({"asic.block_voxels=16"});
+  Scene scene({64, 64, 64}, 16);
+  Machine machine(config, scene.volume.blocks());
+  Framebuffer framebuffer;
+  Work work;
+  work.cancel = true;
+  const Ran ran = render(corner_view({64, 64, 64}, 128), scene.frame, framebuffer, config.dsp(), machine, work);
+  EXPECT_TRUE(ran.cancelled);
+  EXPECT_LE(ran.cycles, 3 * 4096u);
+}
+
+// Every command that the memories see in a whole frame is legal, by a judge that knows nothing of the controller.
+TEST(Machine, AWholeFramesMemoryCommandsAreLegalAndTight) {
+  Scene scene({70, 70, 70}, 16);
+  scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
+  for (auto& entry : scene.segmentation) entry.opacity = 500;
+  for (const char* sharing : {"rdram.processors_per_rdram=1", "rdram.processors_per_rdram=2"}) {
+    const v1::BoardConfig config =
+        config_with({"asic.block_voxels=16", "asic.partition=skewed_block", sharing, "rdram.device_mbit=144"});
+    Machine machine(config, scene.volume.blocks());
+    std::vector<std::vector<rdram::IssuedCommand>> traces(machine.memories().size());
+    for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
+    cycle_picture(scene, corner_view({70, 70, 70}, 64), config, machine);
+    for (std::size_t i = 0; i < traces.size(); ++i) {
+      const rdram::ChannelCounters counters = machine.memories()[i]->channel().counters();
+      ASSERT_GT(counters.packets_read, 3000u);
+      reference::RdramRules rules;
+      rules.refresh_interval = config.rdram().refresh_interval();
+      rules.devices = machine.memories()[i]->devices();
+      const reference::RdramVerdict verdict = reference::check_rdram_trace(rules, traces[i]);
+      EXPECT_THAT(verdict.faults, testing::IsEmpty());
+      EXPECT_EQ(verdict.data_begins.size(), counters.packets_read);
+      EXPECT_GT(verdict.tight_commands, traces[i].size() / 2);
+    }
+  }
+}
+
+// Takes the first ray off the bus's end: a ray that is lost.
+class Thief : public Observer {
+ public:
+  explicit Thief(Processor& processor) : processor_(processor) {}
+  void see(Cycle now, const Machine&) override {
+    if (!stolen_ && processor_.from_bus.can_pop(now + 1)) {
+      processor_.from_bus.pop(now + 1);
+      stolen_ = true;
+    }
+  }
+
+ private:
+  Processor& processor_;
+  bool stolen_ = false;
+};
+
+TEST(Machine, StopsWithADescriptionOfEveryPartWhenNothingMoves) {
+  const v1::BoardConfig config = config_with({"asic.processors=1", "asic.block_voxels=16"});
+  Scene scene({17, 17, 17}, 16);
+  Machine machine(config, scene.volume.blocks());
+  Thief thief(*machine.processors()[0]);
+  machine.set_observer(&thief);
+  try {
+    run(machine, scene, config, columns(4, 1));
+    FAIL() << "a ray is lost: the machine can't come to an end";
+  } catch (const Stall& stall) {
+    EXPECT_THAT(stall.what(), testing::HasSubstr("1 rays under way"));
+    EXPECT_THAT(stall.what(), testing::HasSubstr("processor 0"));
+  }
+  EXPECT_LE(machine.now(), Machine::kStallCycles + 2000);
+}
+
+}  // namespace
+}  // namespace gicube::emu

@@ -1,0 +1,176 @@
+// A whole board under observation: what its files say against its counters, and that they change nothing.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <stdexcept>
+
+#include "config/config.h"
+#include "observed_scene.h"
+#include "read_trace.h"
+#include "read_vcd.h"
+#include "temporary_directory.h"
+#include "observe/observation.h"
+
+namespace gicube::emu {
+namespace {
+
+// A picture, its pixels, four traced rays, and a second picture without waiting for the first.
+std::vector<wire::Pixel> session(BareBoard& board) {
+  board.load_volume(kObservedSize, observed_voxel);
+  board.write_segmentation([](unsigned, unsigned density) { return observed_material(density); });
+  const wire::RenderCommand view = corner_view(kObservedSize, 16);
+  board.render(view);
+  std::vector<wire::Ray> rays;
+  for (unsigned i = 0; i < 4; ++i) rays.push_back(host_ray(i, {2.0 + 4 * i, 9, 0.5}, {0, 0, 1}));
+  board.command(BareBoard::trace_payload(rays));
+  return board.render(view);
+}
+
+ReadTrace trace_of(const v1::BoardConfig& config, std::vector<wire::Counter>& counters) {
+  const reference::TemporaryDirectory folder;
+  {
+    Observation observation({folder.file("t"), "", {}});
+    BareBoard board(config, &observation);
+    session(board);
+    counters = board.counters();
+  }
+  return read_trace(read_text(folder.file("t")));
+}
+
+std::uint64_t value(const std::vector<wire::Counter>& counters, const std::string& name) {
+  for (const wire::Counter& counter : counters) {
+    if (counter.name == name) return counter.value;
+  }
+  throw std::runtime_error("no counter " + name);
+}
+
+v1::BoardConfig functional_config() {
+  v1::BoardConfig config = observed_config();
+  config.set_fidelity(v1::functional);
+  return config;
+}
+
+TEST(BoardObservation, BusBytesAndTransfersAreTheCounters) {
+  for (const v1::BoardConfig& config : {functional_config(), observed_config()}) {
+    std::vector<wire::Counter> counters;
+    const ReadTrace trace = trace_of(config, counters);
+    const std::string down = "host bus/down, to the board", up = "host bus/up, to the host";
+    EXPECT_EQ(trace.sum(down, "bytes"), value(counters, "bus.down.bytes"));
+    EXPECT_EQ(trace.sum(up, "bytes"), value(counters, "bus.up.bytes"));
+    EXPECT_EQ(trace.slices.at(down).size(), value(counters, "bus.down.transfers"));
+    EXPECT_EQ(trace.slices.at(up).size(), value(counters, "bus.up.transfers"));
+    std::uint64_t volume = 0;
+    for (const ReadSlice& slice : trace.slices.at(down)) {
+      if (slice.name == "volume") volume += slice.args.at("bytes").get<std::uint64_t>();
+    }
+    EXPECT_EQ(volume, value(counters, "bus.volume.bytes"));
+  }
+}
+
+TEST(BoardObservation, CommandsAreTheDspsTurns) {
+  std::vector<wire::Counter> counters;
+  const ReadTrace trace = trace_of(observed_config(), counters);
+  std::vector<std::string> names;
+  for (const ReadSlice& slice : trace.slices.at("DSP/commands")) names.push_back(slice.name);
+  EXPECT_THAT(names, testing::ElementsAre("render", "trace", "render"));
+  EXPECT_EQ(trace.sum("DSP/commands", "core_cycles"), value(counters, "asic.cycles"));
+  EXPECT_EQ(trace.sum("DSP/commands", "dsp_cycles"), value(counters, "dsp.busy_cycles"));
+  EXPECT_FALSE(trace.slices.at("host/waits for the board").empty());
+}
+
+TEST(BoardObservation, TheMachinesCyclesLieWithinTheirCommands) {
+  std::vector<wire::Counter> counters;
+  const ReadTrace trace = trace_of(observed_config(), counters);
+  const auto& commands = trace.slices.at("DSP/commands");
+  for (int processor = 0; processor < 3; ++processor) {
+    const auto& slices = trace.slices.at("processor " + std::to_string(processor) + "/pipeline");
+    std::size_t at = 0;
+    for (const ReadSlice& command : commands) {
+      ASSERT_LT(at, slices.size());
+      EXPECT_EQ(slices[at].begin_ns, command.begin_ns);
+      while (at < slices.size() && slices[at].end_ns <= command.end_ns) ++at;
+      EXPECT_EQ(slices[at - 1].end_ns, command.begin_ns + command.args.at("core_cycles").get<std::int64_t>() * 10);
+    }
+    EXPECT_EQ(at, slices.size());
+  }
+}
+
+TEST(BoardObservation, TimeGoesOnOverAReset) {
+  const reference::TemporaryDirectory folder;
+  {
+    Observation observation({folder.file("t"), "", {}});
+    std::uint64_t bytes = 0;
+    for (int i = 0; i < 3; ++i) {
+      BareBoard board(observed_config(), &observation);
+      // What came before a power-up is on disk, whole.
+      EXPECT_EQ(read_trace(read_text(folder.file("t"))).sum("host bus/down, to the board", "bytes"), bytes);
+      session(board);
+      bytes += board.counter("bus.down.bytes");
+    }
+  }
+  const ReadTrace trace = read_trace(read_text(folder.file("t")));  // throws if tracks overlap
+  const auto& power_ups = trace.instants.at("power-up");
+  ASSERT_EQ(power_ups.size(), 3u);
+  EXPECT_EQ(power_ups[0], 0);
+  EXPECT_GT(power_ups[1], 0);
+  EXPECT_NEAR(static_cast<double>(power_ups[2]), 2.0 * static_cast<double>(power_ups[1]), 1);
+  EXPECT_EQ(trace.slices.at("DSP/commands").size(), 9u);
+}
+
+TEST(BoardObservation, RefusedAndCancelledCommandsLeaveAReadableTrace) {
+  const reference::TemporaryDirectory folder;
+  {
+    Observation observation({folder.file("t"), folder.file("v"), {0, 100}});
+    BareBoard board(observed_config(), &observation);
+    board.wait(board.command({1, 2, 3}));
+    board.load_volume(kObservedSize, observed_voxel);
+    board.work.cancel = true;
+    std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
+    wire::encode(corner_view(kObservedSize, 64), std::span(payload).first<wire::kRenderCommandBytes>());
+    EXPECT_EQ(board.wait(board.command(payload)).completions.at(0).error, wire::ErrorCode::kCancelled);
+    board.work.cancel = false;
+    board.render(corner_view(kObservedSize, 8));
+  }
+  const ReadTrace trace = read_trace(read_text(folder.file("t")));
+  EXPECT_EQ(trace.slices.at("DSP/commands").size(), 1u);
+  EXPECT_EQ(read_vcd(read_text(folder.file("v"))).end, 100u);
+}
+
+TEST(BoardObservation, ChangesNoBitNoCycleAndNoCounter) {
+  const reference::TemporaryDirectory folder;
+  Observation observation({folder.file("t"), folder.file("v"), {100, 2000}});
+  BareBoard plain(observed_config()), observed(observed_config(), &observation);
+  EXPECT_EQ(session(plain), session(observed));
+  EXPECT_EQ(plain.now_ps, observed.now_ps);
+  EXPECT_EQ(plain.counters(), observed.counters());
+}
+
+TEST(BoardObservation, AFunctionalBoardShowsBusAndDsp) {
+  std::vector<wire::Counter> counters;
+  const ReadTrace trace = trace_of(functional_config(), counters);
+  EXPECT_EQ(trace.sum("DSP/commands", "core_cycles"), 0u);
+  EXPECT_EQ(trace.slices.count("processor 0/pipeline"), 0u);
+}
+
+TEST(BoardObservation, NamesTheFileThatCannotBeOpened) {
+  EXPECT_THROW(Observation({"/nowhere/t", "", {}}), std::runtime_error);
+  EXPECT_THROW(Observation({"", "/nowhere/v", {0, 1}}), std::runtime_error);
+}
+
+TEST(BoardObservation, TellsThatTheDiskIsFull) {
+  Observation observation({"/dev/full", "", {}});
+  BareBoard board(functional_config(), &observation);
+  EXPECT_THAT(observation.fault(), testing::HasSubstr("/dev/full"));
+}
+
+TEST(BoardObservation, FurtherBoardsWriteFilesWithTheirNumber) {
+  const ObservationOptions options{"a.json", "", {3, 4}};
+  EXPECT_EQ(for_board(options, 0).trace_file, "a.json");
+  EXPECT_EQ(for_board(options, 2).trace_file, "a.json.2");
+  EXPECT_EQ(for_board(options, 2).vcd_file, "");
+  EXPECT_EQ(for_board({"", "v", {3, 4}}, 5).vcd_file, "v.5");
+}
+
+}  // namespace
+}  // namespace gicube::emu

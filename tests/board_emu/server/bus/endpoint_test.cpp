@@ -1,0 +1,93 @@
+#include "server/bus/endpoint.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "temporary_directory.h"
+
+namespace gicube::emu {
+namespace {
+
+TEST(Endpoint, ReadsBackWhatItPrints) {
+  for (const char* text :
+       {"unix:/tmp/board", "unix:board", "tcp:127.0.0.1:5000", "tcp:[::1]:0", "tcp:10.1.2.3:65535", "fd:7"}) {
+    EXPECT_EQ(to_string(parse_endpoint(text)), text);
+  }
+  EXPECT_EQ(to_string(parse_endpoint("tcp:localhost:80")), "tcp:127.0.0.1:80");
+}
+
+TEST(Endpoint, RefusesWhatItCannotRead) {
+  const std::string long_path = "unix:" + std::string(108, 'x');
+  for (const std::string text :
+       {"", "unix:", "tcp:", "tcp:127.0.0.1", "tcp:127.0.0.1:", "tcp:127.0.0.1:65536", "tcp::1", "tcp:example.org:80",
+        "tcp:127.0.0.1:-1", "fd:", "fd:-1", "fd:one", "/tmp/board", "http:8080"}) {
+    EXPECT_THROW(parse_endpoint(text), std::invalid_argument) << text;
+  }
+  EXPECT_THROW(parse_endpoint(long_path), std::invalid_argument);
+}
+
+TEST(Endpoint, OnlyLoopbackUnixAndDescriptorsAreLocal) {
+  for (const char* text :
+       {"unix:/tmp/x", "fd:3", "tcp:127.0.0.1:1", "tcp:127.8.8.8:1", "tcp:[::1]:1", "tcp:localhost:1"}) {
+    EXPECT_TRUE(is_local(parse_endpoint(text))) << text;
+  }
+  for (const char* text : {"tcp:0.0.0.0:1", "tcp:[::]:1", "tcp:192.168.0.1:1", "tcp:128.0.0.1:1"}) {
+    EXPECT_FALSE(is_local(parse_endpoint(text))) << text;
+  }
+}
+
+TEST(Endpoint, EachBoardHasItsOwn) {
+  EXPECT_EQ(to_string(for_board(parse_endpoint("unix:/tmp/b"), 0)), "unix:/tmp/b");
+  EXPECT_EQ(to_string(for_board(parse_endpoint("unix:/tmp/b"), 2)), "unix:/tmp/b.2");
+  EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:80"), 3)), "tcp:127.0.0.1:83");
+  EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:0"), 3)), "tcp:127.0.0.1:0");
+  EXPECT_THROW(for_board(parse_endpoint("tcp:127.0.0.1:65535"), 1), std::invalid_argument);
+  EXPECT_THROW(for_board(parse_endpoint("fd:3"), 1), std::invalid_argument);
+}
+
+class Socket {
+ public:
+  explicit Socket(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    EXPECT_EQ(::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    EXPECT_EQ(::listen(fd_, 1), 0);
+  }
+  ~Socket() { ::close(fd_); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+ private:
+  int fd_ = ::socket(AF_UNIX, SOCK_STREAM, 0);
+};
+
+TEST(Endpoint, ASocketFileIsRemovedOnlyIfNobodyAnswers) {
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  remove_stale_socket(path);  // nothing there: nothing to do
+  {
+    const Socket alive(path);
+    EXPECT_THROW(remove_stale_socket(path), std::runtime_error);
+    EXPECT_TRUE(std::filesystem::exists(path));
+  }
+  remove_stale_socket(path);
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(Endpoint, AFileThatIsNoSocketIsLeftAlone) {
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("notes");
+  std::ofstream(path) << "keep me";
+  EXPECT_THROW(remove_stale_socket(path), std::runtime_error);
+  EXPECT_EQ(std::filesystem::file_size(path), 7u);
+}
+
+}  // namespace
+}  // namespace gicube::emu

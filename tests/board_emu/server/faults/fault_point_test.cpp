@@ -1,0 +1,136 @@
+#include "server/faults/fault_point.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "server/faults/fault_plan.h"
+#include "temporary_directory.h"
+
+namespace gicube::emu {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+
+std::vector<std::string> texts(const std::vector<v1::PlannedFault>& log) {
+  std::vector<std::string> lines;
+  for (const v1::PlannedFault& fault : log) lines.push_back(to_text(fault));
+  return lines;
+}
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(FaultPoint, WithoutAPlanNothingHappensAndNothingIsCounted) {
+  FaultPoint point;
+  EXPECT_FALSE(point.taken(100).any());
+  EXPECT_FALSE(point.sent(100).any());
+  EXPECT_EQ(point.info().messages_down, 0u);
+}
+
+TEST(FaultPoint, SaysWhatBecomesOfEachMessage) {
+  FaultPoint point;
+  ASSERT_EQ(to_string(point.set_plan(R"(
+      fault { direction: down message: 1 kind: drop }
+      fault { direction: down message: 2 kind: delay delay_ms: 20 }
+      fault { direction: down message: 3 kind: corrupt bit: 7 }
+      fault { direction: down message: 4 kind: duplicate }
+      fault { direction: down message: 5 kind: hang }
+      fault { direction: down message: 6 kind: link_loss }
+      fault { direction: down message: 7 kind: memory_silent block: 3 bit: 9 }
+      fault { direction: down message: 8 kind: memory_detected })")),
+            "");
+  EXPECT_TRUE(point.taken(100).drop);
+  EXPECT_EQ(point.taken(100).pause, 20ms);
+  EXPECT_EQ(point.taken(100).flipped_bit, 7u);
+  EXPECT_TRUE(point.taken(100).twice);
+  EXPECT_TRUE(point.taken(100).hang);
+  EXPECT_TRUE(point.taken(100).cut);
+  const auto silent = point.taken(100).memory_error;
+  ASSERT_TRUE(silent.has_value());
+  EXPECT_EQ(silent->block, 3u);
+  EXPECT_EQ(silent->bit, 9u);
+  EXPECT_FALSE(silent->detected);
+  EXPECT_TRUE(point.taken(100).memory_error.value().detected);
+  EXPECT_FALSE(point.taken(100).any());
+  EXPECT_FALSE(point.sent(100).any());
+  EXPECT_EQ(point.info().messages_down, 9u);
+  EXPECT_EQ(point.info().messages_up, 1u);
+  EXPECT_EQ(point.info().faults, 8u);
+}
+
+TEST(FaultPoint, ASlowClientHoldsUpTheMessagesOfItsDirection) {
+  FaultPoint point;
+  point.set_plan("fault { direction: up message: 2 kind: slow bytes_per_second: 10000 messages: 2 }");
+  EXPECT_EQ(point.sent(100).pause, 0us);
+  EXPECT_EQ(point.sent(100).pause, 10ms);
+  EXPECT_EQ(point.taken(100).pause, 0us);
+  EXPECT_EQ(point.sent(50).pause, 5ms);
+  EXPECT_EQ(point.sent(50).pause, 0us);
+}
+
+TEST(FaultPoint, TheLogIsSortedAndCanBeCleared) {
+  FaultPoint point;
+  const std::string down = "fault { direction: down message: 2 kind: drop }";
+  const std::string up = "fault { direction: up message: 1 kind: drop }";
+  point.set_plan(up + down);
+  point.sent(100);
+  point.taken(100);
+  point.taken(100);
+  EXPECT_THAT(texts(point.log(false)), ElementsAre(down, up));
+  EXPECT_THAT(texts(point.log(true)), ElementsAre(down, up));
+  EXPECT_THAT(texts(point.log(false)), ElementsAre());
+  EXPECT_EQ(point.info().faults, 2u);
+  EXPECT_FALSE(point.taken(100).any());
+}
+
+TEST(FaultPoint, ANewPlanCountsFromOneAndAFaultyOneChangesNothing) {
+  FaultPoint point;
+  const std::string plan = "fault { direction: down message: 2 kind: drop }";
+  point.set_plan(plan);
+  point.taken(100);
+  EXPECT_FALSE(point.set_plan("fault { kind: oops }").empty());
+  EXPECT_EQ(point.info().plan_text, plan);
+  EXPECT_TRUE(point.taken(100).drop);
+  EXPECT_TRUE(point.set_plan(plan).empty());
+  EXPECT_FALSE(point.taken(100).drop);
+  EXPECT_TRUE(point.taken(100).drop);
+  EXPECT_EQ(point.log(false).size(), 1u);
+  EXPECT_TRUE(point.set_plan("").empty());
+  EXPECT_FALSE(point.taken(100).any());
+  EXPECT_EQ(point.info().plan_text, "");
+}
+
+TEST(FaultPoint, TheFileHasTheLogAsPlanTextAndIsAppendedTo) {
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("faults.log");
+  const std::string line = "fault { direction: up message: 1 kind: duplicate }";
+  for (int i = 0; i < 2; ++i) {
+    FaultPoint point;
+    point.set_plan(line);
+    point.append_log_to(path);
+    point.sent(100);
+  }
+  EXPECT_EQ(read_file(path), line + "\n" + line + "\n");
+  FaultPoint point;
+  EXPECT_THROW(point.append_log_to(folder.file("none/faults.log")), std::runtime_error);
+}
+
+TEST(FaultPoint, AKillIsInTheFileBeforeItTakesEffect) {
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("faults.log");
+  const std::string line = "fault { direction: down message: 1 kind: kill }";
+  FaultPoint point;
+  point.set_plan(line);
+  point.append_log_to(path);
+  EXPECT_TRUE(point.taken(100).kill);
+  EXPECT_EQ(read_file(path), line + "\n");
+}
+
+}  // namespace
+}  // namespace gicube::emu

@@ -1,0 +1,70 @@
+#include "machine_rig.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "config/config.h"
+
+namespace gicube::emu {
+
+v1::BoardConfig config_with(const std::vector<std::string>& assignments) {
+  v1::BoardConfig config;
+  config.set_fidelity(v1::cycle);
+  for (const std::string& assignment : assignments) {
+    if (const auto faults = apply_override(config, assignment); !faults.empty()) {
+      throw std::invalid_argument(to_string(faults));
+    }
+  }
+  if (const auto faults = check(config); !faults.empty()) throw std::invalid_argument(to_string(faults));
+  return resolve(config);
+}
+
+Scene::Scene(const std::array<int, 3>& size, int block_voxels)
+    : volume(block_voxels),
+      gradients(wire::kGradientCodes),
+      segmentation(wire::kSegmentationEntries),
+      reflectance_map(wire::kReflectanceBytes) {
+  volume.resize(size);
+  for (std::size_t code = 1; code < gradients.size(); ++code) {
+    const double angle = static_cast<double>(code) * 2.4, z = 1 - static_cast<double>(code) / 1024;
+    const double r = std::sqrt(1 - z * z) * wire::kGradientOne;
+    gradients[code] = {static_cast<std::int16_t>(r * std::cos(angle)), static_cast<std::int16_t>(r * std::sin(angle)),
+                       static_cast<std::int16_t>(z * wire::kGradientOne)};
+  }
+  for (std::size_t i = 0; i < reflectance_map.size(); ++i) reflectance_map[i] = static_cast<std::uint8_t>(i * 7 % 200);
+  frame.volume = &volume;
+  frame.segmentation = segmentation;
+  frame.reflectance_map = reflectance_map.data();
+  frame.opacity_correction = &opacity_correction;
+  frame.step = wire::kStepOne;
+  frame.empty.assign(volume.block_count(), 0);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    frame.extent[axis] = (size[axis] - 1) * wire::kVoxel;
+    frame.spacing[axis] = wire::kSpacingOne;
+  }
+  volume.decode(gradients, true, 1);  // clear air, until fill()
+}
+
+Picture functional_picture(const Scene& scene, const wire::RenderCommand& view) {
+  Picture picture;
+  Framebuffer framebuffer;
+  Work work;
+  const Rendered rendered = render(view, scene.frame, framebuffer, nullptr, 1, work);
+  picture.pixels = framebuffer.packed();
+  picture.rays = rendered.rays;
+  return picture;
+}
+
+Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const v1::BoardConfig& config,
+                      Machine& machine) {
+  Picture picture;
+  Framebuffer framebuffer;
+  Work work;
+  const RayCounters before = ray_counters(machine);
+  picture.ran = render(view, scene.frame, framebuffer, config.dsp(), machine, work);
+  picture.pixels = framebuffer.packed();
+  picture.rays = ray_counters(machine) - before;
+  return picture;
+}
+
+}  // namespace gicube::emu

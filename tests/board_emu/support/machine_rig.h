@@ -1,0 +1,74 @@
+// A machine with a volume and tables, without bus and board, for tests: the same scene through the functional level and
+// through machines of any configuration.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cycle/cycle_level.h"
+#include "functional/functional_level.h"
+#include "gicube/wire/registers.h"
+#include "gicube/wire/voxel.h"
+#include "cycle/machine.h"
+#include "cycle/machine_counters.h"
+
+namespace gicube::emu {
+
+// The resolved design point with assignments such as "asic.processors=2" applied.
+v1::BoardConfig config_with(const std::vector<std::string>& assignments);
+
+// A small scene in the frame's words. Tables live here, so a scene does not move.
+struct Scene {
+  Scene(const std::array<int, 3>& size, int block_voxels);
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
+
+  template <typename Field>
+  void fill(const Field& voxel_at) {
+    const auto n = static_cast<std::size_t>(volume.block_voxels());
+    const std::size_t block_bytes = wire::packed36_bytes(n * n * n);
+    for (std::size_t block = 0; block < volume.block_count(); ++block) {
+      const std::size_t nx = static_cast<std::size_t>(volume.blocks()[0]),
+                        ny = static_cast<std::size_t>(volume.blocks()[1]);
+      const std::array<std::size_t, 3> low{block % nx * n, block / nx % ny * n, block / (nx * ny) * n};
+      std::vector<std::uint8_t> bytes(block_bytes);
+      for (std::size_t i = 0; i < n * n * n; ++i) {
+        const std::array<int, 3> at{static_cast<int>(low[0] + i % n), static_cast<int>(low[1] + i / n % n),
+                                    static_cast<int>(low[2] + i / (n * n))};
+        if (at[0] >= volume.size()[0] || at[1] >= volume.size()[1] || at[2] >= volume.size()[2]) continue;
+        wire::store36(bytes, i, wire::to_word(voxel_at(at[0], at[1], at[2])));
+      }
+      volume.write(block * block_bytes, bytes);
+    }
+    volume.decode(gradients, true, 1);
+  }
+
+  // The wide datapath, for the segmentation as it is now.
+  void widen() {
+    wide_depths = emu::wide_depths(segmentation);
+    frame.wide = true;
+    frame.wide_depths = wide_depths;
+  }
+
+  VolumeMemory volume;
+  std::vector<wire::GradientEntry> gradients;
+  std::vector<wire::SegmentationEntry> segmentation;
+  std::vector<std::uint8_t> reflectance_map;
+  std::vector<float> wide_depths;
+  OpacityCorrection opacity_correction;
+  Frame frame;
+};
+
+struct Picture {
+  std::vector<std::uint8_t> pixels;
+  RayCounters rays;
+  Ran ran;  // of the cycle level
+};
+
+Picture functional_picture(const Scene& scene, const wire::RenderCommand& view);
+Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const v1::BoardConfig& config,
+                      Machine& machine);
+
+}  // namespace gicube::emu

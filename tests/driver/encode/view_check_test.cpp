@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "refusal.h"
+#include "encode/camera.h"
+
+namespace gicube {
+namespace {
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// The refusal of an otherwise good view after `edit`.
+template <typename Edit>
+std::string refusal_after(Edit&& edit) {
+  View view;
+  view.eye = {0, 0, 100};
+  edit(view);
+  return refusal([&view] { check(view); });
+}
+
+TEST(ViewCheck, AcceptsTheLimits) {
+  EXPECT_EQ(refusal_after([](View&) {}), "accepted");
+  EXPECT_EQ(refusal_after([](View& view) {
+              view.width = 1;
+              view.height = 4095;
+              view.samples_per_axis = 4;
+              view.step = 1.0 / 64;
+              view.opacity_threshold = 0;
+              view.cut_planes.assign(6, CutPlane{{0, 0, 1e-200}, 0});
+            }),
+            "accepted");
+  EXPECT_EQ(refusal_after([](View& view) {
+              view.step = 16;
+              view.opacity_threshold = 1;
+              view.orthographic_height = 1;
+              view.fov_degrees = 0;  // not used
+            }),
+            "accepted");
+}
+
+TEST(ViewCheck, NamesWhatIsWrongWithTheCamera) {
+  EXPECT_EQ(refusal_after([](View& view) { view.eye.x = kNan; }), "eye.x: expected -1000000000..1000000000, got nan");
+  EXPECT_EQ(refusal_after([](View& view) { view.look_at.z = 2e9; }),
+            "look_at.z: expected -1000000000..1000000000, got 2000000000");
+  EXPECT_EQ(refusal_after([](View& view) { view.look_at = view.eye; }),
+            "look_at: expected a point apart from the eye, got the eye itself");
+  EXPECT_EQ(refusal_after([](View& view) { view.up.y = kNan; }), "up.y: expected a finite number, got nan");
+  EXPECT_EQ(refusal_after([](View& view) { view.up = {}; }),
+            "up: expected a direction across the line of sight, got the zero vector");
+  EXPECT_EQ(refusal_after([](View& view) {
+              view.up = {0, 0, -3};
+            }),
+            "up: expected a direction across the line of sight, got one along the line of sight");
+  EXPECT_EQ(refusal_after([](View& view) { view.fov_degrees = 0; }),
+            "fov_degrees: expected between 0 and 180, exclusive, got 0");
+  EXPECT_EQ(refusal_after([](View& view) { view.fov_degrees = 180; }),
+            "fov_degrees: expected between 0 and 180, exclusive, got 180");
+  EXPECT_EQ(refusal_after([](View& view) { view.fov_degrees = kNan; }),
+            "fov_degrees: expected between 0 and 180, exclusive, got nan");
+  EXPECT_EQ(refusal_after([](View& view) { view.orthographic_height = -1; }),
+            "orthographic_height: expected 0..1000000000, got -1");
+}
+
+TEST(ViewCheck, NamesWhatIsWrongWithImageAndSampling) {
+  EXPECT_EQ(refusal_after([](View& view) { view.width = 0; }), "width: expected 1..4095, got 0");
+  EXPECT_EQ(refusal_after([](View& view) { view.height = 4096; }), "height: expected 1..4095, got 4096");
+  EXPECT_EQ(refusal_after([](View& view) { view.samples_per_axis = 3; }),
+            "samples_per_axis: expected 1, 2 or 4, got 3");
+  EXPECT_EQ(refusal_after([](View& view) { view.filter = static_cast<PixelFilter>(7); }),
+            "filter: expected kBox or kTent, got 7");
+  EXPECT_EQ(refusal_after([](View& view) { view.step = 0; }), "step: expected 0.015625..16, got 0");
+  EXPECT_EQ(refusal_after([](View& view) { view.step = kNan; }), "step: expected 0.015625..16, got nan");
+  EXPECT_EQ(refusal_after([](View& view) { view.opacity_threshold = 1.01; }),
+            "opacity_threshold: expected 0..1, got 1.01");
+}
+
+TEST(ViewCheck, NamesTheCutPlaneThatIsWrong) {
+  EXPECT_EQ(refusal_after([](View& view) {
+              view.cut_planes.assign(7, CutPlane{{0, 0, 1}, 0});
+            }),
+            "cut_planes: expected at most 6, got 7");
+  EXPECT_EQ(refusal_after([](View& view) {
+              view.cut_planes = {{{1, 0, 0}, 3}, {{0, 0, 0}, 3}};
+            }),
+            "cut_planes[1].normal: expected any length but 0, got 0");
+  EXPECT_EQ(refusal_after([](View& view) {
+              view.cut_planes = {{{1, kNan, 0}, 3}};
+            }),
+            "cut_planes[0].normal.y: expected a finite number, got nan");
+  EXPECT_EQ(refusal_after([](View& view) {
+              view.cut_planes = {{{1, 0, 0}, kNan}};
+            }),
+            "cut_planes[0].offset: expected a finite number, got nan");
+  EXPECT_EQ(refusal_after([](View& view) {
+              view.cut_planes = {{{0, 0.5, 0}, 524288}};
+            }),
+            "cut_planes[0].offset: expected a plane within 1048576 voxels of the origin, got 1048576 voxels");
+  EXPECT_EQ(refusal_after([](View& view) { view.cut_planes = {{{0, 0.5, 0}, 524287}}; }), "accepted");
+}
+
+}  // namespace
+}  // namespace gicube

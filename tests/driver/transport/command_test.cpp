@@ -1,0 +1,137 @@
+// Commands, their completions and their progress.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <thread>
+
+#include "fake_board.h"
+#include "gicube/error.h"
+#include "transport/link.h"
+
+namespace gicube {
+namespace {
+
+using reference::bytes_of;
+using reference::FakeBoard;
+using reference::Frame;
+using wire::FrameType;
+
+// Without the questions of a call that waits long: the scripts count frames.
+const LinkOptions kPatient{.watchdog = std::chrono::seconds(60), .probe = std::chrono::hours(1)};
+
+TEST(Command, TheTicketIsTheFramesId) {
+  std::uint32_t seen = 0;
+  std::uint32_t ticket = 0;
+  {
+    FakeBoard board([&seen](FakeBoard& self) {
+      self.shake_hands();
+      seen = self.receive()->header.id;
+      self.respond(*self.receive(), 0);
+      self.drain();
+    });
+    Link link(board.take_socket(), kPatient);
+    ticket = link.command(0, bytes_of("draw"));
+    link.request(FrameType::kPoll, 0, {});
+  }
+  EXPECT_NE(ticket, 0u);
+  EXPECT_EQ(seen, ticket);
+}
+
+TEST(Command, AResultIsKeptUntilItIsTakenOnce) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame first = *self.receive();
+    const Frame second = *self.receive();
+    const Frame poll = *self.receive();
+    self.complete(second.header.id, 20, bytes_of("two"));
+    self.complete(first.header.id, 30, bytes_of("one"));
+    self.respond(poll, 40);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const auto first = link.command(0, {});
+  const auto second = link.command(0, {});
+  EXPECT_FALSE(link.take(first));
+  link.request(FrameType::kPoll, 40, {});
+  EXPECT_EQ(link.take(first)->payload, bytes_of("one"));
+  const auto result = link.take(second);
+  EXPECT_EQ(result->payload, bytes_of("two"));
+  EXPECT_EQ(result->time_ps, 20u);
+  EXPECT_FALSE(link.take(second));
+}
+
+TEST(Command, ACompletionTwiceIsAFault) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame command = *self.receive();
+    self.complete(command.header.id, 20);
+    self.complete(command.header.id, 20);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const auto ticket = link.command(0, {});
+  EXPECT_THROW(link.wait(ticket, 0, kNoDeadline, {}), DeviceLost);
+}
+
+TEST(Command, AForgottenResultIsDroppedWhenItComes) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame command = *self.receive();
+    const Frame poll = *self.receive();
+    self.complete(command.header.id, 20, bytes_of("late"));
+    self.respond(poll, 40);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const auto ticket = link.command(0, {});
+  link.forget(ticket);
+  EXPECT_NO_THROW(link.request(FrameType::kPoll, 40, {}));
+  EXPECT_FALSE(link.take(ticket));
+}
+
+TEST(Command, ProgressReachesTheWaitingCallerOnItsOwnThread) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame command = *self.receive();
+    const Frame wait = *self.receive();
+    self.progress(command.header.id + 7, 99, 99);  // of a command that nobody waits for
+    self.progress(command.header.id, 3, 8);
+    self.complete(command.header.id, 20);
+    self.respond(wait, 20);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const auto ticket = link.command(0, {});
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
+  const auto caller = std::this_thread::get_id();
+  link.wait(ticket, 0, kNoDeadline, [&](std::uint32_t done, std::uint32_t all) {
+    EXPECT_EQ(std::this_thread::get_id(), caller);
+    heard.emplace_back(done, all);
+  });
+  EXPECT_THAT(heard, ::testing::ElementsAre(std::pair(3u, 8u)));
+}
+
+TEST(Command, WhatAProgressCallbackThrowsLeavesTheWaitAndTheLinkGoesOn) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame command = *self.receive();
+    const Frame wait = *self.receive();
+    self.progress(command.header.id, 1, 2);
+    const Frame next = *self.receive();
+    self.complete(command.header.id, 20);
+    self.respond(wait, 20);
+    self.respond(next, 30, bytes_of("fine"));
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const auto ticket = link.command(0, {});
+  EXPECT_THROW(
+      link.wait(ticket, 0, kNoDeadline, [](std::uint32_t, std::uint32_t) { throw std::runtime_error("enough"); }),
+      std::runtime_error);
+  EXPECT_EQ(link.request(FrameType::kCounters, 0, {}).payload, bytes_of("fine"));
+  EXPECT_TRUE(link.take(ticket));
+}
+
+}  // namespace
+}  // namespace gicube

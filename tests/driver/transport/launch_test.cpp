@@ -1,0 +1,163 @@
+#include "transport/launch.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "gicube/error.h"
+
+namespace gicube {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+
+// A folder with shell scripts that stand in for gicube-board; the environment is as before afterwards.
+class Launch : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "gicube-launch-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+    keep("GICUBE_BOARD");
+    keep("PATH");
+  }
+  void TearDown() override {
+    fs::remove_all(folder_);
+    for (const auto& [name, value] : kept_) {
+      if (value) {
+        ::setenv(name.c_str(), value->c_str(), 1);
+      } else {
+        ::unsetenv(name.c_str());
+      }
+    }
+  }
+
+  std::string script(const std::string& body) {
+    const fs::path path = folder_ / "gicube-board";
+    std::ofstream(path) << "#!/bin/sh\n" << body << "\n";
+    ::chmod(path.c_str(), 0700);
+    return path.string();
+  }
+
+  static std::string receive_all(const Fd& socket) {
+    std::string text;
+    std::array<char, 256> bytes{};
+    for (ssize_t got = 1; got > 0;) {
+      got = ::recv(socket.get(), bytes.data(), bytes.size(), 0);
+      if (got > 0) text.append(bytes.data(), static_cast<std::size_t>(got));
+    }
+    return text;
+  }
+
+  fs::path folder_;
+
+ private:
+  void keep(const std::string& name) {
+    const char* value = std::getenv(name.c_str());
+    kept_.emplace_back(name, value == nullptr ? std::nullopt : std::optional<std::string>(value));
+  }
+  std::vector<std::pair<std::string, std::optional<std::string>>> kept_;
+};
+
+TEST_F(Launch, TheEnvironmentVariableNamesTheProgram) {
+  const std::string program = script("exit 0");
+  ::setenv("GICUBE_BOARD", program.c_str(), 1);
+  EXPECT_EQ(find_board_program(), program);
+}
+
+TEST_F(Launch, AnEnvironmentVariableThatNamesNothingIsAFaultAndNotPassedOver) {
+  ::setenv("GICUBE_BOARD", "/nowhere/gicube-board", 1);
+  EXPECT_THAT([] { find_board_program(); }, ::testing::ThrowsMessage<OpenFailed>(HasSubstr("/nowhere/gicube-board")));
+}
+
+TEST_F(Launch, ThePathIsSearched) {
+  const std::string program = script("exit 0");
+  ::unsetenv("GICUBE_BOARD");
+  ::setenv("PATH", ("/nowhere::" + folder_.string()).c_str(), 1);
+  EXPECT_EQ(find_board_program(), program);
+}
+
+TEST_F(Launch, AMissingProgramNamesEveryPlaceLookedAt) {
+  ::unsetenv("GICUBE_BOARD");
+  ::setenv("PATH", ("/nowhere:" + folder_.string()).c_str(), 1);
+  const fs::path self = fs::read_symlink("/proc/self/exe").parent_path();
+  EXPECT_THAT([] { find_board_program(); },
+              ::testing::ThrowsMessage<OpenFailed>(::testing::AllOf(
+                  HasSubstr("GICUBE_BOARD"), HasSubstr((self / "gicube-board").string()),
+                  HasSubstr("/nowhere/gicube-board"), HasSubstr((folder_ / "gicube-board").string()))));
+}
+
+TEST_F(Launch, TheChildGetsItsArgumentsAndTheSocketAsFileThree) {
+  ChildProcess child(script("echo \"$@\" >&3"), {"--set", "threads=2"});
+  const Fd socket = child.take_socket();
+  EXPECT_EQ(receive_all(socket), "--set threads=2 --listen fd:3 --private --quiet\n");
+}
+
+TEST_F(Launch, TheChildInheritsNoOtherFile) {
+  const Fd leak(::fcntl(0, F_DUPFD, 50));  // not closed on exec, as a careless application's files
+  ChildProcess child(script("ls /proc/$$/fd | tr '\\n' ' ' >&3"), {});
+  const Fd socket = child.take_socket();
+  const std::string files = receive_all(socket);
+  EXPECT_THAT(files, HasSubstr("0 1 "));
+  EXPECT_THAT(files, ::testing::Not(HasSubstr("50")));
+}
+
+TEST_F(Launch, AChildThatFailsLeavesItsExitCodeAndLastLines) {
+  ChildProcess child(script("echo 'asic.processors: expected 1..16, got 99' >&2; exit 2"), {});
+  ASSERT_TRUE(child.ended(std::chrono::seconds(20)));
+  EXPECT_EQ(child.last_words(), "gicube-board ended with exit code 2:\nasic.processors: expected 1..16, got 99");
+}
+
+TEST_F(Launch, LongLastWordsAreCutToTheirLastLines) {
+  ChildProcess child(script("i=0; while [ $i -lt 3000 ]; do echo line $i >&2; i=$((i+1)); done; exit 1"), {});
+  ASSERT_TRUE(child.ended(std::chrono::seconds(20)));
+  const std::string text = child.last_words();
+  EXPECT_THAT(text, HasSubstr("line 2999"));
+  EXPECT_LT(text.size(), 4200u);
+}
+
+TEST_F(Launch, AChildThatWasKilledSaysByWhichSignal) {
+  ChildProcess child(script("kill -9 $$"), {});
+  ASSERT_TRUE(child.ended(std::chrono::seconds(20)));
+  EXPECT_THAT(child.last_words(), HasSubstr("by signal 9"));
+}
+
+TEST_F(Launch, ARunningChildHasNoLastWords) {
+  ChildProcess child(script("read line <&3"), {});
+  EXPECT_EQ(child.last_words(), "");
+}
+
+TEST_F(Launch, AProgramThatCannotRunIsAnOpenFailure) {
+  EXPECT_THROW(ChildProcess((folder_ / "missing").string(), {}), OpenFailed);
+}
+
+TEST_F(Launch, TheChildIsGoneWhenItsObjectIs) {
+  std::string id;
+  {
+    ChildProcess child(script("echo $$ >&3; read line <&3"), {});
+    Fd socket = child.take_socket();
+    std::array<char, 32> bytes{};
+    const ssize_t got = ::recv(socket.get(), bytes.data(), bytes.size(), 0);
+    ASSERT_GT(got, 0);
+    id.assign(bytes.data(), static_cast<std::size_t>(got));
+    socket.reset();
+  }
+  EXPECT_EQ(::kill(std::stoi(id), 0), -1);
+  EXPECT_EQ(errno, ESRCH);
+}
+
+}  // namespace
+}  // namespace gicube

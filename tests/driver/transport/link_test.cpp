@@ -1,0 +1,326 @@
+#include "transport/link.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+
+#include "fake_board.h"
+#include "gicube/error.h"
+
+namespace gicube {
+namespace {
+
+using reference::bytes_of;
+using reference::FakeBoard;
+using reference::Frame;
+using ::testing::HasSubstr;
+using wire::FrameType;
+
+// Without the questions of a call that waits long: the scripts count frames.
+const LinkOptions kPatient{.watchdog = std::chrono::seconds(60), .probe = std::chrono::hours(1)};
+
+template <typename Call>
+std::string what_of(const Call& call) {
+  try {
+    call();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(Link, ARequestCarriesTypeTimeAndPayloadAndReturnsTheResponse) {
+  Frame seen;
+  FakeBoard board([&seen](FakeBoard& self) {
+    self.shake_hands();
+    seen = *self.receive();
+    self.respond(seen, 777, bytes_of("four"));
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const Response response = link.request(FrameType::kRegisterRead, 123, bytes_of("abcd"));
+  EXPECT_EQ(response.time_ps, 777u);
+  EXPECT_EQ(response.payload, bytes_of("four"));
+  EXPECT_EQ(seen.header.type, FrameType::kRegisterRead);
+  EXPECT_EQ(seen.header.flags & wire::kPosted, 0);
+  EXPECT_EQ(seen.header.time_ps, 123u);
+  EXPECT_EQ(seen.payload, bytes_of("abcd"));
+}
+
+TEST(Link, APostedFrameSaysThatNoResponseFollows) {
+  std::uint16_t flags = 0;
+  {
+    FakeBoard board([&flags](FakeBoard& self) {
+      self.shake_hands();
+      flags = self.receive()->header.flags;
+      self.respond(*self.receive(), 0);
+      self.drain();
+    });
+    Link link(board.take_socket(), kPatient);
+    link.post(FrameType::kRegisterWrite, 0, bytes_of("12345678"));
+    link.request(FrameType::kCounters, 0, {});
+  }
+  EXPECT_EQ(flags, wire::kPosted);
+}
+
+TEST(Link, ResponsesFindTheirRequestsByIdWhateverTheirOrder) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    std::vector<Frame> requests;
+    for (int i = 0; i < 4; ++i) requests.push_back(*self.receive());
+    for (auto request = requests.rbegin(); request != requests.rend(); ++request) {
+      self.respond(*request, 0, request->payload);
+    }
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  std::vector<std::thread> callers;
+  std::atomic<int> right = 0;
+  for (int i = 0; i < 4; ++i) {
+    callers.emplace_back([&link, &right, i] {
+      const auto payload = bytes_of("caller " + std::to_string(i));
+      if (link.request(FrameType::kRegisterRead, 0, payload).payload == payload) ++right;
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(right, 4);
+}
+
+TEST(Link, ManyConcurrentCallersGetTheirOwnAnswers) {
+  FakeBoard board([](FakeBoard& self) {
+    wire::VersionInfo mine;
+    mine.window_slots = 3;
+    self.shake_hands(mine);
+    while (const auto request = self.receive()) {
+      self.return_credit(1, request->payload.size());
+      if ((request->header.flags & wire::kPosted) == 0) self.respond(*request, 0, request->payload);
+    }
+  });
+  Link link(board.take_socket(), kPatient);
+  std::atomic<int> right = 0;
+  std::vector<std::thread> callers;
+  for (int caller = 0; caller < 4; ++caller) {
+    callers.emplace_back([&link, &right, caller] {
+      for (int i = 0; i < 100; ++i) {
+        const auto payload = bytes_of(std::to_string(caller) + " " + std::to_string(i));
+        link.post(FrameType::kMemoryWrite, 0, payload);
+        if (link.request(FrameType::kMemoryRead, 0, payload).payload == payload) ++right;
+      }
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(right, 400);
+}
+
+TEST(Link, ErrorRepliesBecomeTypedErrorsInTheBoardsWordsAndTheLinkGoesOn) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    self.refuse(*self.receive(), wire::ErrorCode::kBadAddress, "no register at 0xfff");
+    self.refuse(*self.receive(), wire::ErrorCode::kBadValue, "step 0");
+    self.refuse(*self.receive(), wire::ErrorCode::kInternal, "a fault");
+    self.refuse(*self.receive(), wire::ErrorCode::kUnsupported, "no cycles here");
+    self.respond(*self.receive(), 0);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const auto request = [&link] { return link.request(FrameType::kRegisterRead, 0, {}); };
+  EXPECT_THAT([&] { request(); }, ::testing::ThrowsMessage<Rejected>(HasSubstr("no register at 0xfff")));
+  EXPECT_THROW(request(), Rejected);
+  EXPECT_THROW(request(), Rejected);
+  EXPECT_THROW(request(), Unsupported);
+  EXPECT_NO_THROW(request());
+}
+
+TEST(Link, AnErrorThatEndsTheSessionLosesTheDevice) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    self.refuse(*self.receive(), wire::ErrorCode::kCancelled, "going down");
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  EXPECT_THROW(link.request(FrameType::kRegisterRead, 0, {}), DeviceLost);
+  EXPECT_THROW(link.check(), DeviceLost);
+}
+
+TEST(Link, TheBoardsLastWordIsTheReasonOfTheLoss) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    Frame goodbye = *self.receive();
+    goodbye.header.type = FrameType::kVersion;
+    goodbye.header.id = 0;
+    self.refuse(goodbye, wire::ErrorCode::kCancelled, "somebody has reset the board");
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  EXPECT_THAT([&] { link.request(FrameType::kRegisterRead, 0, {}); },
+              ::testing::ThrowsMessage<DeviceLost>(HasSubstr("somebody has reset the board")));
+  EXPECT_THROW(link.check(), DeviceLost);
+}
+
+TEST(Link, EveryWaiterLearnsThatTheBoardVanished) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    for (int i = 0; i < 3; ++i) self.receive();
+  });
+  Link link(board.take_socket(), kPatient);
+  std::atomic<int> lost = 0;
+  std::vector<std::thread> callers;
+  for (int i = 0; i < 3; ++i) {
+    callers.emplace_back([&link, &lost] {
+      try {
+        link.request(FrameType::kCounters, 0, {});
+      } catch (const DeviceLost&) {
+        ++lost;
+      }
+    });
+  }
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(lost, 3);
+  EXPECT_THROW(link.post(FrameType::kRegisterWrite, 0, {}), DeviceLost);
+  EXPECT_THROW(link.request(FrameType::kCounters, 0, {}), DeviceLost);
+  EXPECT_THROW(link.command(0, {}), DeviceLost);
+}
+
+TEST(Link, ABoardThatVanishesInTheMiddleOfAResponseIsLost) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame request = *self.receive();
+    wire::FrameHeader header;
+    header.type = request.header.type;
+    header.flags = wire::kResponse;
+    header.id = request.header.id;
+    header.size = 1000;
+    std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
+    encode(header, bytes);
+    self.send_bytes(bytes);
+    self.send_bytes(bytes_of("only this"));
+  });
+  Link link(board.take_socket(), kPatient);
+  EXPECT_THAT([&] { link.request(FrameType::kCounters, 0, {}); },
+              ::testing::ThrowsMessage<DeviceLost>(HasSubstr("middle of a frame")));
+}
+
+TEST(Link, ABoardThatVanishesWhileTheDriverWritesIsLost) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    self.receive();
+  });
+  Link link(board.take_socket(), kPatient);
+  EXPECT_THROW(
+      {
+        for (int i = 0; i < 1000; ++i) {
+          link.post(FrameType::kMemoryWrite, 0, std::vector<std::uint8_t>(1 << 20));
+        }
+      },
+      DeviceLost);
+}
+
+TEST(Link, AResponseThatClaimsFourGigabytesEndsTheSessionBeforeMemoryIsTaken) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame request = *self.receive();
+    wire::FrameHeader header;
+    header.type = request.header.type;
+    header.flags = wire::kResponse;
+    header.id = request.header.id;
+    header.size = 0xFFFF'FFFF;
+    std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
+    encode(header, bytes);
+    self.send_bytes(bytes);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  EXPECT_THAT([&] { link.request(FrameType::kCounters, 0, {}); },
+              ::testing::ThrowsMessage<DeviceLost>(HasSubstr("4294967295")));
+}
+
+TEST(Link, WhatTheBoardDoesNotOweIsAFault) {
+  const auto reason_after = [](const FakeBoard::Script& misbehave) {
+    FakeBoard board([&misbehave](FakeBoard& self) {
+      self.shake_hands();
+      misbehave(self);
+      self.drain();
+    });
+    Link link(board.take_socket(), kPatient);
+    return what_of([&] { link.request(FrameType::kCounters, 0, {}); });
+  };
+  EXPECT_THAT(reason_after([](FakeBoard& self) {
+                self.receive();
+                self.complete(99, 0);
+              }),
+              HasSubstr("unknown command 99"));
+  EXPECT_THAT(reason_after([](FakeBoard& self) {
+                self.receive();
+                self.return_credit(5, 0);
+              }),
+              HasSubstr("credit that it never took"));
+  EXPECT_THAT(reason_after([](FakeBoard& self) {
+                Frame request = *self.receive();
+                request.header.id += 5;
+                self.respond(request, 0);
+              }),
+              HasSubstr("not made"));
+  EXPECT_THAT(reason_after([](FakeBoard& self) {
+                Frame request = *self.receive();
+                request.header.type = FrameType::kPoll;
+                self.respond(request, 0);
+              }),
+              HasSubstr("not made"));
+  EXPECT_THAT(reason_after([](FakeBoard& self) {
+                self.receive();
+                self.send_bytes(std::vector<std::uint8_t>(wire::kFrameHeaderBytes, 'x'));
+              }),
+              HasSubstr("no frame"));
+}
+
+TEST(Link, APayloadBeyondTheAgreedLimitIsNeverSent) {
+  FakeBoard board([](FakeBoard& self) {
+    wire::VersionInfo mine;
+    mine.max_payload_bytes = 5000;
+    self.shake_hands(mine);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  EXPECT_NO_THROW(link.post(FrameType::kMemoryWrite, 0, std::vector<std::uint8_t>(5000)));
+  EXPECT_THROW(link.post(FrameType::kMemoryWrite, 0, std::vector<std::uint8_t>(5001)), BadArgument);
+  EXPECT_NO_THROW(link.check());
+}
+
+TEST(Link, WithoutAnAnswerTheWatchdogClosesTheLink) {
+  bool closed = false;
+  {
+    FakeBoard board([&closed](FakeBoard& self) {
+      self.shake_hands();
+      self.drain();
+      closed = true;
+    });
+    Link link(board.take_socket(), {.watchdog = std::chrono::milliseconds(50)});
+    EXPECT_THROW(link.request(FrameType::kCounters, 0, {}), TimedOut);
+    EXPECT_THROW(link.request(FrameType::kCounters, 0, {}), DeviceLost);
+  }
+  EXPECT_TRUE(closed);
+}
+
+TEST(Link, ProgressKeepsTheWatchdogQuiet) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame command = *self.receive();
+    const Frame wait = *self.receive();
+    for (std::uint32_t i = 0; i < 10; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      self.progress(command.header.id, i, 10);
+    }
+    self.complete(command.header.id, 5);
+    self.respond(wait, 5);
+    self.drain();
+  });
+  Link link(board.take_socket(), {.watchdog = std::chrono::milliseconds(800)});
+  const auto ticket = link.command(0, bytes_of("draw"));
+  EXPECT_NO_THROW(link.wait(ticket, 0, kNoDeadline, {}));
+}
+
+}  // namespace
+}  // namespace gicube

@@ -1,0 +1,230 @@
+// Links whose connection breaks, against scripted boards: one for each connection.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <memory>
+
+#include "fake_board.h"
+#include "gicube/error.h"
+#include "gicube/wire/checksum.h"
+#include "transport/link.h"
+
+namespace gicube {
+namespace {
+
+using reference::bytes_of;
+using reference::FakeBoard;
+using reference::Frame;
+using wire::FrameType;
+
+constexpr std::uint64_t kToken = 77;
+
+wire::VersionInfo board_with_session(std::uint32_t taken = 0, std::uint32_t consumed = 0) {
+  wire::VersionInfo info;
+  info.session = kToken;
+  info.taken = taken;
+  info.consumed = consumed;
+  return info;
+}
+
+// Scripts for one connection after the other.
+class Boards {
+ public:
+  explicit Boards(std::deque<FakeBoard::Script> scripts) : scripts_(std::move(scripts)) {}
+  Fd connect() {
+    if (scripts_.empty()) throw OpenFailed("no board is left");
+    boards_.push_back(std::make_unique<FakeBoard>(std::move(scripts_.front())));
+    scripts_.pop_front();
+    return boards_.back()->take_socket();
+  }
+  LinkOptions options(int attempts = 0) {
+    LinkOptions options;
+    options.watchdog = std::chrono::seconds(60);
+    options.reconnect = [this] { return connect(); };
+    options.reopen_attempts = attempts;
+    return options;
+  }
+
+ private:
+  std::deque<FakeBoard::Script> scripts_;
+  std::vector<std::unique_ptr<FakeBoard>> boards_;
+};
+
+Loss cause_of_loss(Link& link) {
+  try {
+    link.request(FrameType::kCounters, 0, {});
+  } catch (const DeviceLost& error) {
+    return error.cause();
+  }
+  ADD_FAILURE() << "the link was not lost";
+  return Loss::kEnded;
+}
+
+TEST(Resume, SendsAgainWhatTheBoardHasNotTakenAndNothingElse) {
+  std::vector<Frame> again;
+  wire::VersionInfo said;
+  Boards boards({[](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   self.receive();
+                   self.receive();
+                   self.receive();
+                 },
+                 [&](FakeBoard& self) {
+                   said = self.shake_hands(board_with_session(1, 1));
+                   for (int i = 0; i < 3; ++i) again.push_back(*self.receive());
+                   self.respond(again.back(), 5);
+                   self.drain();
+                 }});
+  Link link(boards.connect(), boards.options());
+  link.post(FrameType::kRegisterWrite, 1, bytes_of("aaaaaaaa"));
+  link.post(FrameType::kRegisterWrite, 2, bytes_of("bbbbbbbb"));
+  EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
+  EXPECT_TRUE(link.resume());
+  EXPECT_EQ(link.request(FrameType::kPoll, 3, {}).time_ps, 5u);
+  EXPECT_EQ(said.session, kToken);
+  ASSERT_EQ(again.size(), 3u);
+  EXPECT_EQ(again[0].payload, bytes_of("bbbbbbbb"));
+  EXPECT_EQ(again[0].header.sequence, 2u);
+  EXPECT_EQ(again[0].header.time_ps, 2u);
+  EXPECT_EQ(again[1].header.type, FrameType::kCounters) << "the request whose call failed";
+  EXPECT_EQ(again[1].header.sequence, 3u);
+  EXPECT_EQ(again[2].header.sequence, 4u);
+}
+
+TEST(Resume, ByItselfLetsTheCallGoOn) {
+  Boards boards({[](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   self.receive();
+                 },
+                 [](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   self.respond(*self.receive(), 9, bytes_of("four"));
+                   self.drain();
+                 }});
+  Link link(boards.connect(), boards.options(1));
+  const Response response = link.request(FrameType::kRegisterRead, 0, bytes_of("abcd"));
+  EXPECT_EQ(response.time_ps, 9u);
+  EXPECT_EQ(response.payload, bytes_of("four"));
+}
+
+TEST(Resume, ByItselfEndsAfterSoManyAttemptsWithoutProgress) {
+  const FakeBoard::Script hangs_up = [](FakeBoard& self) {
+    self.shake_hands(board_with_session());
+    self.receive();
+  };
+  Boards boards({hangs_up, hangs_up, hangs_up, hangs_up});
+  Link link(boards.connect(), boards.options(2));
+  EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
+  EXPECT_NO_THROW(boards.connect()) << "the fourth was not asked for";
+}
+
+TEST(Resume, FramesThatComeAgainAreTakenOnce) {
+  Boards boards({[](FakeBoard& self) {
+    self.shake_hands(board_with_session());
+    const Frame request = *self.receive();
+    self.respond(request, 4);
+    self.continue_from(0);
+    self.respond(request, 4);  // number 1 again: not an answer to nothing
+    self.respond(*self.receive(), 6);
+    self.drain();
+  }});
+  Link link(boards.connect(), boards.options());
+  EXPECT_EQ(link.request(FrameType::kPoll, 0, {}).time_ps, 4u);
+  EXPECT_EQ(link.request(FrameType::kPoll, 0, {}).time_ps, 6u);
+}
+
+TEST(Resume, AMissingFrameAndADamagedOneAreCorruption) {
+  Boards gap({[](FakeBoard& self) {
+    self.shake_hands(board_with_session());
+    const Frame request = *self.receive();
+    self.continue_from(1);
+    self.respond(request, 4);
+    self.drain();
+  }});
+  Link first(gap.connect(), gap.options());
+  EXPECT_EQ(cause_of_loss(first), Loss::kCorrupted);
+
+  Boards damage({[](FakeBoard& self) {
+    self.shake_hands(board_with_session());
+    wire::FrameHeader header;
+    header.type = FrameType::kCounters;
+    header.flags = wire::kResponse;
+    header.id = self.receive()->header.id;
+    header.sequence = 1;
+    std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
+    wire::encode_sealed(header, {}, bytes);
+    bytes[30] ^= 4;  // of the time
+    self.send_bytes(bytes);
+    self.drain();
+  }});
+  Link second(damage.connect(), damage.options());
+  EXPECT_EQ(cause_of_loss(second), Loss::kCorrupted);
+}
+
+TEST(Resume, ABoardThatSaysThatItSentMoreHasLostAFrame) {
+  Boards boards({[](FakeBoard& self) {
+    self.shake_hands(board_with_session());
+    self.receive();
+    wire::FrameHeader credit;
+    credit.type = FrameType::kCredit;
+    credit.flags = wire::kResponse;
+    credit.id = 1;
+    self.send(credit);
+    self.drain();
+  }});
+  Link link(boards.connect(), boards.options());
+  EXPECT_EQ(cause_of_loss(link), Loss::kCorrupted);
+}
+
+TEST(Resume, NeedsASessionThatTheBoardKnows) {
+  const FakeBoard::Script nameless = [](FakeBoard& self) {
+    self.shake_hands();
+    self.receive();
+  };
+  Boards without({nameless, nameless});
+  Link first(without.connect(), without.options(3));
+  EXPECT_EQ(cause_of_loss(first), Loss::kClosed);
+  EXPECT_FALSE(first.resume());
+
+  Boards forgotten({[](FakeBoard& self) {
+                      self.shake_hands(board_with_session());
+                      self.receive();
+                    },
+                    [](FakeBoard& self) {
+                      self.refuse(*self.receive(), wire::ErrorCode::kNoSession, "never heard of it");
+                      self.drain();
+                    }});
+  Link second(forgotten.connect(), forgotten.options());
+  EXPECT_EQ(cause_of_loss(second), Loss::kClosed);
+  EXPECT_FALSE(second.resume());
+}
+
+TEST(Resume, ACompletionThatCameBeforeTheBoardKnewOfTheSecondWaitCounts) {
+  Boards boards({[](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   self.receive();
+                   self.receive();
+                 },
+                 [](FakeBoard& self) {
+                   self.shake_hands(board_with_session(2, 0));
+                   self.complete(1, 50, bytes_of("rays"));
+                   wire::FrameHeader answer;
+                   answer.type = FrameType::kWait;
+                   answer.flags = wire::kResponse;
+                   answer.id = 2;
+                   answer.time_ps = 50;
+                   self.send(answer);
+                   self.refuse(*self.receive(), wire::ErrorCode::kBadValue, "it has completed already");
+                   self.drain();
+                 }});
+  Link link(boards.connect(), boards.options());
+  const std::uint32_t ticket = link.command(0, bytes_of("render"));
+  EXPECT_THROW(link.wait(ticket, 0, kNoDeadline, {}), DeviceLost);
+  EXPECT_TRUE(link.resume());
+  EXPECT_EQ(link.wait(ticket, 0, kNoDeadline, {}).time_ps, 50u);
+  EXPECT_EQ(link.take(ticket)->payload, bytes_of("rays"));
+}
+
+}  // namespace
+}  // namespace gicube

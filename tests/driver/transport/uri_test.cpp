@@ -1,0 +1,116 @@
+#include "transport/uri.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "gicube/error.h"
+
+namespace gicube {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+std::string error_of(const char* text) {
+  try {
+    parse_uri(text);
+  } catch (const BadArgument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Uri, EmuStandsForABoardWithItsDefaults) {
+  for (const char* text : {"emu:", "emu:?"}) {
+    const Uri uri = parse_uri(text);
+    EXPECT_EQ(uri.scheme, UriScheme::kEmu);
+    EXPECT_THAT(uri.board_arguments, IsEmpty());
+  }
+}
+
+TEST(Uri, EmuOptionsBecomeTheBoardsArgumentsInTheirOrder) {
+  const Uri uri = parse_uri(
+      "emu:?fidelity=cycle&bus=agp2x&threads=2&config=a%20b%26c.txt&set=asic.processors=8&set=dsp.clock_khz=1000");
+  EXPECT_THAT(uri.board_arguments,
+              ElementsAre("--set", "fidelity=cycle", "--set", "bus.model=agp2x", "--set", "threads=2", "--config",
+                          "a b&c.txt", "--set", "asic.processors=8", "--set", "dsp.clock_khz=1000"));
+  EXPECT_EQ(uri.threads, 2u);
+}
+
+TEST(Uri, ThePaceIsOneOfTwo) {
+  EXPECT_THAT(parse_uri("emu:?pace=realtime").board_arguments, ElementsAre("--set", "pace=realtime"));
+  EXPECT_EQ(error_of("emu:?pace=fast"), "URI option pace: expected one of as_fast_as_possible, realtime, got \"fast\"");
+}
+
+TEST(Uri, UnixTakesThePathWithItsPercentEscapes) {
+  const Uri uri = parse_uri("unix:/run/a%3fb/board%25.sock");
+  EXPECT_EQ(uri.scheme, UriScheme::kUnix);
+  EXPECT_EQ(uri.path, "/run/a?b/board%.sock");
+}
+
+TEST(Uri, TcpTakesHostAndPort) {
+  const Uri name = parse_uri("tcp:localhost:7000");
+  EXPECT_EQ(name.scheme, UriScheme::kTcp);
+  EXPECT_EQ(name.host, "localhost");
+  EXPECT_EQ(name.port, 7000);
+  const Uri six = parse_uri("tcp:[fe80::1]:65535");
+  EXPECT_EQ(six.host, "fe80::1");
+  EXPECT_EQ(six.port, 65535);
+}
+
+TEST(Uri, AnUnknownSchemeIsNamed) {
+  EXPECT_THAT(error_of("usb:0"), HasSubstr("usb:0"));
+  EXPECT_THAT(error_of("emu"), HasSubstr("emu:"));
+  EXPECT_THAT(error_of(""), HasSubstr("URI"));
+}
+
+TEST(Uri, AnUnknownOptionOrValueIsNamedWithWhatIsAllowed) {
+  EXPECT_THAT(error_of("emu:?speed=9"), HasSubstr("\"speed\""));
+  EXPECT_THAT(error_of("emu:?fidelity=perfect"), HasSubstr("fidelity: expected one of functional, approximate, cycle"));
+  EXPECT_THAT(error_of("emu:?bus=isa"), HasSubstr("pci33, agp1x, agp2x, agp4x"));
+  EXPECT_THAT(error_of("emu:?threads=-1"), HasSubstr("threads"));
+  EXPECT_THAT(error_of("emu:?threads=2x"), HasSubstr("2x"));
+  EXPECT_THAT(error_of("emu:?threads=5000"), HasSubstr("1024"));
+  EXPECT_THAT(error_of("emu:?config="), HasSubstr("config"));
+  EXPECT_THAT(error_of("emu:?set=asic.processors"), HasSubstr("path.to.field=value"));
+  EXPECT_THAT(error_of("emu:?fidelity"), HasSubstr("option=value"));
+  EXPECT_THAT(error_of("emu:?bus=pci33&bus=agp1x"), HasSubstr("twice"));
+  EXPECT_THAT(error_of("emu:0"), HasSubstr("emu:0"));
+}
+
+TEST(Uri, BrokenEscapesAreRefused) {
+  for (const char* text : {"unix:/a%", "unix:/a%4", "unix:/a%zz", "unix:/a%00b", "emu:?config=%g1"}) {
+    EXPECT_THAT(error_of(text), HasSubstr("%")) << text;
+  }
+}
+
+TEST(Uri, PlacesThatAreNoneAreRefused) {
+  for (const char* text :
+       {"unix:", "unix:/a?bus=pci33", "tcp:", "tcp:host", "tcp::7000", "tcp:host:0", "tcp:host:65536",
+        "tcp:host:7000?bus=pci33", "tcp:::1:7000", "tcp:[::1:7000", "tcp:[]:7000"}) {
+    EXPECT_NE(error_of(text), "accepted") << text;
+  }
+}
+
+TEST(Uri, AFaultPlanAndItsLogGoToTheBoard) {
+  const Uri uri = parse_uri("emu:?faults=a%20plan&fault_log=log");
+  EXPECT_EQ(uri.board_arguments, (std::vector<std::string>{"--faults", "a plan", "--fault-log", "log"}));
+  EXPECT_THROW(parse_uri("emu:?faults="), BadArgument);
+  EXPECT_THROW(parse_uri("emu:?faults=a&faults=b"), BadArgument);
+}
+
+TEST(Uri, ACaptureIsTheDriversOwnAffair) {
+  const Uri uri = parse_uri("emu:?capture=a%20session");
+  EXPECT_EQ(uri.capture, "a session");
+  EXPECT_TRUE(uri.board_arguments.empty());
+  EXPECT_THROW(parse_uri("emu:?capture="), BadArgument);
+}
+
+TEST(Uri, HoldsNoZeroByte) {
+  EXPECT_THROW(parse_uri(std::string_view("emu:?config=a\0b", 15)), BadArgument);
+  EXPECT_THROW(parse_uri(std::string_view("unix:/tmp/a\0b", 13)), BadArgument);
+}
+
+}  // namespace
+}  // namespace gicube

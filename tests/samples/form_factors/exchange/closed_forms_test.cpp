@@ -1,0 +1,44 @@
+#include "form_factors/exchange/closed_forms.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "scene/program/board_run.h"
+#include "form_factors/program/charts.h"
+
+namespace gicube::samples {
+namespace {
+
+// The shared design's table (docs/studies/accuracy.md), to its last digit.
+TEST(ClosedForms, AreThoseOfTheTable) {
+  EXPECT_NEAR(parallel_squares(0), 0.199825, 5e-7);
+  EXPECT_NEAR(perpendicular_squares(), 0.200044, 5e-7);
+  EXPECT_NEAR(parallel_squares(0.1), 0.1789, 1e-4);
+  EXPECT_NEAR(parallel_squares(1), 0.0662, 5e-5);
+  EXPECT_NEAR(parallel_squares(3), 0.0074, 5e-5);
+  EXPECT_NEAR(parallel_squares(1e-12), parallel_squares(0), 1e-8);  // quadrature and closed form
+  EXPECT_NEAR(mean_inverse_square(2), 0.260, 5e-4);
+  EXPECT_NEAR(mean_inverse_square(50) * 2500, 1, 1e-3);
+}
+
+TEST(ErrorCurves, FallFasterThanThoseOfRandomPointsAndReachHalfAPercent) {
+  setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
+  Board board = open_board({});
+  const auto curves = closed_form_curves(board, 16'384);
+  ASSERT_EQ(curves.size(), 6u);
+  for (const ErrorCurve& curve : curves) {
+    ASSERT_EQ(curve.rays.size(), curve.errors.size());
+    EXPECT_GT(curve.rays.back(), 10'000u) << curve.name;
+    if (curve.name == "common edge") {  // 1/r^2 without a bound
+      EXPECT_GT(curve.errors.back(), 0.005);
+      continue;
+    }
+    EXPECT_LT(curve.slope, -0.5) << curve.name;
+    EXPECT_LT(curve.errors.back(), curve.name == "common edge in strips" ? 0.015 : 0.001) << curve.name;
+  }
+}
+
+}  // namespace
+}  // namespace gicube::samples

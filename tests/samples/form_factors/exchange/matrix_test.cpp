@@ -1,0 +1,73 @@
+#include "form_factors/exchange/matrix.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "scene/formats/file_error.h"
+#include "temporary_directory.h"
+
+namespace gicube::samples {
+namespace {
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+RadiosityResult three_clusters() {
+  RadiosityResult result;
+  result.leaves.resize(3);
+  result.leaves[1].facing = kMedium;
+  result.leaves[2].tag = kOutside;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    Cluster cluster;
+    cluster.first = i, cluster.last = i + 1;
+    cluster.facing = result.leaves[i].facing;
+    cluster.high = {1, 2, 3};
+    cluster.weight = 0.5;
+    result.clusters.push_back(cluster);
+  }
+  result.clusters[1].parent = 0;
+  result.links = {{0, 1, 0.25, 0, 0, 8}, {2, 1, 1.0 / 3, 0, 0, 8}, {1, 1, 2e-9, 0, 0, 8}};
+  return result;
+}
+
+TEST(Matrix, IsTheLowerHalfOfASymmetricOneWithItsRowsBesideIt) {
+  const reference::TemporaryDirectory folder;
+  const std::filesystem::path file = folder.file("factors.mtx");
+  write_factors(three_clusters(), file);
+  std::istringstream lines(text_of(file));
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "%%MatrixMarket matrix coordinate real symmetric");
+  while (lines.peek() == '%') std::getline(lines, line);
+  EXPECT_EQ(line, "% Rows: factors.mtx.clusters.csv");
+  std::size_t rows = 0, columns = 0, entries = 0;
+  lines >> rows >> columns >> entries;
+  EXPECT_EQ(rows, 3u);
+  EXPECT_EQ(columns, 3u);
+  ASSERT_EQ(entries, 3u);
+  const double expected[3][3] = {{2, 1, 0.25}, {3, 2, 1.0 / 3}, {2, 2, 2e-9}};
+  for (const auto& entry : expected) {
+    double row = 0, column = 0, value = 0;
+    lines >> row >> column >> value;
+    EXPECT_EQ(row, entry[0]);
+    EXPECT_EQ(column, entry[1]);
+    EXPECT_NEAR(value, entry[2], 1e-8 * entry[2]);
+  }
+  const std::string table = text_of(clusters_file(file));
+  EXPECT_THAT(table, testing::HasSubstr("\n1,-x,0,0,0,0,1,2,3,0,0.5,1,1,0\n"));
+  EXPECT_THAT(table, testing::HasSubstr("\n2,medium,0,0,0,0,1,2,3,0,0.5,2,2,1\n"));
+  EXPECT_THAT(table, testing::HasSubstr("\n3,-x,outside,"));
+}
+
+TEST(Matrix, SaysWhereItCouldNotBeWritten) {
+  EXPECT_THROW(write_factors(three_clusters(), "/nowhere/factors.mtx"), FileError);
+}
+
+}  // namespace
+}  // namespace gicube::samples

@@ -1,0 +1,71 @@
+#include "form_factors/plan/plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "scene/program/board_run.h"
+#include "scene/program/input_error.h"
+#include "scene/scene_file.h"
+#include "form_factors/program/solve.h"
+#include "form_factors/plan/study.h"
+
+namespace gicube::samples {
+namespace {
+
+struct Room {
+  Scene scene = read_scene(GICUBE_SOURCE_DIR "/samples/scenes/radiosity/glowing_room.scene");
+  SceneSetup setup;
+  Emissions emissions;
+
+  Room() {
+    ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);  // this program does not stand beside it
+    scene.world->size = 8;
+    scene.lighting.on = false;
+    setup = set_up(scene);
+    emissions = emissions_of(scene, setup);
+  }
+};
+
+TEST(RadiosityPlan, TakesMoreRaysForLessErrorAndKeepsItsBound) {
+  const Room room;
+  Board board = open_board({});
+  const RadiosityPlan rough = plan_radiosity(board, room.setup, room.emissions, {}, {0.5, 0});
+  const RadiosityPlan fine = plan_radiosity(board, room.setup, room.emissions, {}, {0.15, 0});
+  EXPECT_TRUE(rough.kept && fine.kept);
+  EXPECT_LE(fine.chosen.error_bound, 0.15);
+  EXPECT_GT(fine.chosen.all_rays, rough.chosen.all_rays);
+  RadiositySettings exact{.rays = 64, .seed = 99, .hierarchy = false};
+  const RadiosityResult reference = solve_radiosity(board, room.setup, room.emissions, exact);
+  EXPECT_LE(difference(fine.result, reference), fine.chosen.error_bound);
+  EXPECT_LE(difference(rough.result, reference), rough.chosen.error_bound);
+  EXPECT_GT(difference(rough.result, reference), 0.1 * rough.chosen.error_bound);
+}
+
+TEST(RadiosityPlan, ItsSettingsMakeTheSameSolutionAgain) {
+  const Room room;
+  Board board = open_board({});
+  const RadiosityPlan plan = plan_radiosity(board, room.setup, room.emissions, {.seed = 7}, {0.5, 0});
+  const RadiosityResult again = solve_radiosity(board, room.setup, room.emissions, plan.settings);
+  EXPECT_EQ(again.incident, plan.result.incident);
+}
+
+TEST(RadiosityPlan, EndsWithAFullMatrixAndSaysSoWhereThatIsNotEnough) {
+  const Room room;
+  Board board = open_board({});
+  const RadiosityPlan plan = plan_radiosity(board, room.setup, room.emissions, {}, {1e-4, 0});
+  EXPECT_FALSE(plan.kept);
+  EXPECT_THAT(plan.explain().front(), testing::HasSubstr("NOT REACHED"));
+  EXPECT_FALSE(plan.chosen.hierarchy);
+}
+
+TEST(RadiosityPlan, NeedsOneTarget) {
+  const Room room;
+  Board board = open_board({});
+  EXPECT_THROW(plan_radiosity(board, room.setup, room.emissions, {}, {}), InputError);
+  EXPECT_THROW(plan_radiosity(board, room.setup, room.emissions, {}, {0.1, 1'000'000'000}), InputError);
+}
+
+}  // namespace
+}  // namespace gicube::samples

@@ -1,0 +1,59 @@
+#include "scene/program/board_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace gicube::samples {
+namespace {
+
+TEST(BoardOptions, MakeAPlainUriByDefault) { EXPECT_EQ(board_uri({}), "emu:"); }
+
+TEST(BoardOptions, BecomeTheQueryOfAnEmulatedBoard) {
+  BoardOptions options;
+  options.fidelity = "functional";
+  options.config = "boards/50%&more.cfg";
+  options.settings = {"asic.processors=8", "bus.model=agp2x"};
+  options.threads = 3;
+  EXPECT_EQ(
+      board_uri(options),
+      "emu:?fidelity=functional&config=boards/50%25%26more.cfg&threads=3&set=asic.processors=8&set=bus.model=agp2x");
+}
+
+TEST(BoardOptions, AreAppendedToAQueryThatIsThere) {
+  BoardOptions options;
+  options.board = "emu:?bus=agp4x";
+  options.settings = {"asic.processors=8"};
+  EXPECT_EQ(board_uri(options), "emu:?bus=agp4x&set=asic.processors=8");
+  options.board = "emu:?";
+  EXPECT_EQ(board_uri(options), "emu:?set=asic.processors=8");
+}
+
+TEST(BoardOptions, DoNotConfigureABoardThatRunsAlready) {
+  BoardOptions options;
+  options.board = "unix:/run/board";
+  options.threads = 2;
+  options.seed = 7;
+  EXPECT_EQ(board_uri(options), "unix:/run/board") << "threads and seed are no settings of the board";
+  options.settings = {"asic.processors=8"};
+  try {
+    board_uri(options);
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("--set"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("own configuration"));
+  }
+}
+
+TEST(ParseNumbers, TakesExactlyTheNumbersAskedFor) {
+  EXPECT_EQ(parse_vector("--eye", "-1,2.5,3e2"), (Vec3{-1, 2.5, 300}));
+  EXPECT_EQ(parse_sizes("--size", "640x480", 2, 'x'), (std::vector<int>{640, 480}));
+  for (const char* text : {"", "1,2", "1,2,3,4", "1,2,", "1,2,x", "1, 2,3", "1,2,nan", "1,2,inf"}) {
+    EXPECT_THROW(parse_vector("--eye", text), CLI::ValidationError) << text;
+  }
+  for (const char* text : {"640", "640x", "0x480", "640x-1", "640X480", "99999999999x1"}) {
+    EXPECT_THROW(parse_sizes("--size", text, 2, 'x'), CLI::ValidationError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace gicube::samples
