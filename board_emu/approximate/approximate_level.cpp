@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "datapath/ray_step.h"
 #include "firmware/viewing_rays.h"
 #include "functional/functional_level.h"
-#include "datapath/ray_step.h"
 
 namespace gicube::emu {
 
@@ -15,7 +15,7 @@ constexpr std::uint64_t kSubPixels = 16;  // u and v are 12.4 pixels
 // Values of a chunk of rays, and the way of each as the turn machine goes it again.
 class Chunk {
  public:
-  Chunk(const Frame& frame, const RayPackets* packets, unsigned threads, RayCounters& counters)
+  Chunk(const Frame& frame, const SimdTracer* packets, unsigned threads, RayCounters& counters)
       : frame_(frame), packets_(packets), threads_(threads), counters_(counters) {}
 
   // Ray `i` of the chunk takes part.
@@ -25,11 +25,11 @@ class Chunk {
   }
 
   // Traces them and says how far each goes; result(k) is the k-th that was added.
-  void trace(std::span<TurnRay> out) {
-    for (TurnRay& ray : out) ray = {};
+  void trace(std::span<PassRay> out) {
+    for (PassRay& ray : out) ray = {};
     for (std::size_t k = 0; k < rays_.size(); ++k) {
-      const Traveller start = set_out(rays_[k], frame_);
-      TurnRay& way = out[places_[k]];
+      const RayState start = unpack(rays_[k], frame_);
+      PassRay& way = out[places_[k]];
       way.position = start.position;
       way.step = frame_.jitter ? drawn_from(start.direction, start.u, start.v) : start.step;
     }
@@ -46,7 +46,7 @@ class Chunk {
 
  private:
   const Frame& frame_;
-  const RayPackets* packets_;
+  const SimdTracer* packets_;
   unsigned threads_;
   RayCounters& counters_;
   std::vector<wire::Ray> rays_;
@@ -54,10 +54,10 @@ class Chunk {
   std::vector<std::int32_t> steps_;
 };
 
-class ViewingTurns : public TurnWork {
+class ViewingTurns : public PassRaySource {
  public:
   ViewingTurns(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-               const v1::DspConfig& dsp, const RayPackets* packets, unsigned threads, RayCounters& counters)
+               const v1::DspConfig& dsp, const SimdTracer* packets, unsigned threads, RayCounters& counters)
       : command_(command),
         frame_(frame),
         framebuffer_(framebuffer),
@@ -73,7 +73,7 @@ class ViewingTurns : public TurnWork {
   std::uint32_t make_cycles() const override { return dsp_.viewing_ray_cycles(); }
   std::uint32_t take_cycles() const override { return dsp_.returned_ray_cycles(); }
 
-  void make(std::uint64_t begin, std::span<TurnRay> out) override {
+  void make(std::uint64_t begin, std::span<PassRay> out) override {
     Chunk chunk(frame_, packets_, threads_, counters_);
     for (std::size_t i = 0; i < out.size(); ++i) {
       wire::Ray miss;
@@ -97,16 +97,16 @@ class ViewingTurns : public TurnWork {
   const Frame& frame_;
   Framebuffer& framebuffer_;
   const v1::DspConfig& dsp_;
-  const RayPackets* packets_;
+  const SimdTracer* packets_;
   unsigned threads_;
   RayCounters& counters_;
   std::uint64_t across_;  // rays in a row
   std::uint64_t spacing_;
 };
 
-class GivenTurns : public TurnWork {
+class GivenTurns : public PassRaySource {
  public:
-  GivenTurns(const GivenRays& given, const Frame& frame, const RayPackets* packets, unsigned threads,
+  GivenTurns(const GivenRayBatch& given, const Frame& frame, const SimdTracer* packets, unsigned threads,
              RayCounters& counters)
       : given_(given), frame_(frame), packets_(packets), threads_(threads), counters_(counters) {}
 
@@ -115,7 +115,7 @@ class GivenTurns : public TurnWork {
   std::uint32_t make_cycles() const override { return given_.make_cycles; }
   std::uint32_t take_cycles() const override { return given_.take_cycles; }
 
-  void make(std::uint64_t begin, std::span<TurnRay> out) override {
+  void make(std::uint64_t begin, std::span<PassRay> out) override {
     const auto rays = given_.rays.subspan(static_cast<std::size_t>(begin), out.size());
     Chunk chunk(frame_, packets_, threads_, counters_);
     for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -127,24 +127,25 @@ class GivenTurns : public TurnWork {
   }
 
  private:
-  const GivenRays& given_;
+  const GivenRayBatch& given_;
   const Frame& frame_;
-  const RayPackets* packets_;
+  const SimdTracer* packets_;
   unsigned threads_;
   RayCounters& counters_;
 };
 
 }  // namespace
 
-Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
-           const RayPackets* packets, unsigned threads, TurnMachine& machine, RayCounters& counters, Work& work) {
+RunResult render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
+                 const v1::DspConfig& dsp, const SimdTracer* packets, unsigned threads, PassMachine& machine,
+                 RayCounters& counters, Progress& work) {
   framebuffer.clear(command.width, command.height, command.filter);
   ViewingTurns turns(command, frame, framebuffer, dsp, packets, threads, counters);
   return machine.run(turns, frame, work, threads > 1);
 }
 
-Ran trace(const GivenRays& rays, const Frame& frame, const RayPackets* packets, unsigned threads, TurnMachine& machine,
-          RayCounters& counters, Work& work) {
+RunResult trace(const GivenRayBatch& rays, const Frame& frame, const SimdTracer* packets, unsigned threads,
+                PassMachine& machine, RayCounters& counters, Progress& work) {
   GivenTurns turns(rays, frame, packets, threads, counters);
   return machine.run(turns, frame, work, threads > 1);
 }

@@ -15,19 +15,19 @@ constexpr std::size_t kPlacesToEnter = 2;  // link/ring.h
 
 }  // namespace
 
-TurnProcessor& TurnProcessor::neighbour(Direction way) const {
+PassProcessor& PassProcessor::neighbour(Direction way) const {
   const std::size_t count = with_.processors->size();
   return *(*with_.processors)[(number_ + (way == kRight ? 1 : count - 1)) % count];
 }
 
 // The shorter way round the ring.
-TurnProcessor::Direction TurnProcessor::way_to(std::uint8_t processor) const {
+PassProcessor::Direction PassProcessor::way_to(std::uint8_t processor) const {
   const std::size_t count = with_.processors->size(), right = (processor + count - number_) % count;
   return right <= count - right ? kRight : kLeft;
 }
 
 // Rays out of the pipeline go on to their links' entries in their order.
-void TurnProcessor::enter_links() {
+void PassProcessor::enter_links() {
   while (!out_.empty()) {
     Crossing next = out_.front();
     const Direction way = way_to(next.to);
@@ -43,7 +43,7 @@ void TurnProcessor::enter_links() {
 }
 
 // The pipeline, and all in it, is later by as long as it stood.
-void TurnProcessor::line_goes_on(Cycle moved) {
+void PassProcessor::line_goes_on(Cycle moved) {
   link_stands_ = false;
   const std::size_t first = out_.begin() + kLeaving - 1;  // the one for which it stood
   const Cycle out = out_[first].at, stood = std::max(moved + 1, out) - out;
@@ -53,7 +53,7 @@ void TurnProcessor::line_goes_on(Cycle moved) {
   computing_ += stood;
 }
 
-void TurnProcessor::run_link(Direction way) {
+void PassProcessor::run_link(Direction way) {
   bool moved = false;
   while (pass_on(way)) moved = true;
   if (!moved) return;
@@ -62,15 +62,15 @@ void TurnProcessor::run_link(Direction way) {
 }
 
 // There is a place beyond the link to `way`.
-void TurnProcessor::feed_on(Direction way) {
+void PassProcessor::feed_on(Direction way) {
   if (links_[way].blocked) run_link(way);
 }
 
 // The first ray on the link to `way`; false if it has to stay.
-bool TurnProcessor::pass_on(Direction way) {
+bool PassProcessor::pass_on(Direction way) {
   Link& link = links_[way];
   if (link.entry.empty()) return false;
-  TurnProcessor& next = neighbour(way);
+  PassProcessor& next = neighbour(way);
   Crossing first = link.entry.front();
   const bool arrives = first.to == next.number_;
   const auto input = static_cast<std::size_t>(way == kRight ? From::kLeft : From::kRight);

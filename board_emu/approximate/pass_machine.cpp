@@ -17,16 +17,16 @@ constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked o
 
 }  // namespace
 
-Maker::Maker(TurnWork& work, bool ahead) : work_(work), ahead_(ahead) { begin_chunk(); }
+RayPrefetcher::RayPrefetcher(PassRaySource& work, bool ahead) : work_(work), ahead_(ahead) { begin_chunk(); }
 
-void Maker::begin_chunk() {
+void RayPrefetcher::begin_chunk() {
   coming_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kChunk, work_.count() - begun_)));
   const std::uint64_t begin = std::exchange(begun_, begun_ + coming_.size());
   const auto make = [this, begin] { work_.make(begin, coming_); };
   if (!coming_.empty()) making_ = std::async(ahead_ ? std::launch::async : std::launch::deferred, make);
 }
 
-TurnRay& Maker::next() {
+PassRay& RayPrefetcher::next() {
   if (at_ == chunk_.size()) {
     making_.get();
     chunk_.swap(coming_);
@@ -36,37 +36,37 @@ TurnRay& Maker::next() {
   return chunk_[at_++];
 }
 
-TurnMachine::TurnMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
+PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
     : config_(config),
       blocks_(blocks),
       partition_(config.asic().partition(), config.asic().processors(), blocks),
       core_khz_(config.asic().core_khz()),
       dsp_khz_(config.dsp().clock_khz()),
       up_(config.asic().processors()),
-      layout_(static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.most_blocks())),
+      layout_(static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.max_blocks())),
               config.asic().block_voxels(), config.rdram().device_mbit()),
       listeners_(config.asic().processors()) {
   for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
-    memories_.push_back(std::make_unique<TurnMemory>(config_, layout_));
-    const TurnProcessor::Surroundings with{&config_, &partition_, blocks_, &processors_, memories_.back().get(),
+    memories_.push_back(std::make_unique<PassMemory>(config_, layout_));
+    const PassProcessor::Surroundings with{&config_, &partition_, blocks_, &processors_, memories_.back().get(),
                                            &rays_,   &up_};
-    processors_.push_back(std::make_unique<TurnProcessor>(static_cast<std::uint8_t>(i), with));
+    processors_.push_back(std::make_unique<PassProcessor>(static_cast<std::uint8_t>(i), with));
   }
 }
 
-void TurnMachine::invalidate_caches() {
+void PassMachine::invalidate_caches() {
   for (const auto& processor : processors_) processor->invalidate_cache();
 }
 
 // It begins one thing a core cycle at most, at the clock's edge.
-void TurnMachine::dsp_works(std::uint64_t cycles) {
+void PassMachine::dsp_works(std::uint64_t cycles) {
   dsp_.now += std::max<Cycle>((cycles * core_khz_ + dsp_khz_ - 1) / dsp_khz_, 1);
   dsp_.busy += cycles;
 }
 
 // A run is two packets, and each processor extrapolates one of its rays a cycle.
-void TurnMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
-  TurnRay& ray = rays_[handle];
+void PassMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
+  PassRay& ray = rays_[handle];
   const Home& home = partition_.home(ray.block);
   Cycle ready = dsp_.now + kToProcessor;
   if (run != 0) {
@@ -80,8 +80,8 @@ void TurnMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
 }
 
 // The processor that can't take what is next on the bus, if there is one. A run waits until all have a buffer for it.
-TurnProcessor* TurnMachine::holds(const OnBus& next) const {
-  TurnProcessor* const to = processors_[next.processor].get();
+PassProcessor* PassMachine::holds(const OnBus& next) const {
+  PassProcessor* const to = processors_[next.processor].get();
   if (next.run == 0) return to->holds_bus() && to->from_bus() >= kOnTheWay ? to : nullptr;
   for (std::size_t i = 0; next.first && i < processors_.size(); ++i) {
     const std::uint64_t taken = listeners_[i].sent - processors_[i]->from_bus();
@@ -90,7 +90,7 @@ TurnProcessor* TurnMachine::holds(const OnBus& next) const {
   return nullptr;
 }
 
-void TurnMachine::hand_on(const OnBus& next) {
+void PassMachine::hand_on(const OnBus& next) {
   Listener& listener = listeners_[next.processor];
   ++listener.sent;
   if (next.run != 0) {
@@ -98,13 +98,13 @@ void TurnMachine::hand_on(const OnBus& next) {
     listener.ends[1] = listener.sent;
   }
   sends_ -= next.first ? 1 : 0;
-  processors_[next.processor]->send(TurnProcessor::From::kBus, next.ray);
+  processors_[next.processor]->send(PassProcessor::From::kBus, next.ray);
 }
 
 // Hands rays on in their order.
-void TurnMachine::run_bus() {
+void PassMachine::run_bus() {
   while (!bus_.empty()) {
-    TurnProcessor* const held_by = holds(bus_.front());
+    PassProcessor* const held_by = holds(bus_.front());
     if (held_by != nullptr) {
       holding_ = held_by;
       return;
@@ -116,7 +116,7 @@ void TurnMachine::run_bus() {
 }
 
 // One ray, or a run of them.
-void TurnMachine::make_rays(TurnWork& work) {
+void PassMachine::make_rays(PassRaySource& work) {
   const std::uint64_t row = work.row_end(dsp_.made);
   const bool in_run = config_.dsp().run_rays() > 1 && row > dsp_.made + 1;
   const std::uint64_t last = in_run ? std::min(row, dsp_.made + config_.dsp().run_rays()) : dsp_.made + 1;
@@ -124,7 +124,7 @@ void TurnMachine::make_rays(TurnWork& work) {
   dsp_works(in_run ? config_.dsp().run_cycles() : work.make_cycles());
   bool first = true;
   for (; dsp_.made < last; ++dsp_.made) {
-    TurnRay& ray = maker_->next();
+    PassRay& ray = maker_->next();
     if (ray.left <= 0) continue;
     ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
     for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
@@ -134,7 +134,7 @@ void TurnMachine::make_rays(TurnWork& work) {
 }
 
 // What comes back goes first, then new rays, then overflowed ones. False if there is nothing to be done yet.
-bool TurnMachine::dsp_acts(TurnWork& work) {
+bool PassMachine::dsp_acts(PassRaySource& work) {
   const std::uint32_t overflow = config_.dsp().overflow_ray_cycles();
   if (up_.ready() <= dsp_.now) {
     const Coming back = up_.pop(dsp_.now);
@@ -163,7 +163,7 @@ bool TurnMachine::dsp_acts(TurnWork& work) {
   return true;
 }
 
-Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress, bool ahead) {
+RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead) {
   const Cycle begin = now_;
   const std::uint64_t busy = dsp_.busy, taken = dsp_.taken;
   count_ = work.count();
@@ -174,7 +174,7 @@ Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress, bool ah
   for (const auto& processor : processors_) processor->begin(now_, frame);
   progress.all = static_cast<std::uint32_t>(count_);
   while (true) {
-    TurnProcessor* behind = nullptr;
+    PassProcessor* behind = nullptr;
     Cycle least = kNoCycle, second = kNoCycle;
     for (const auto& processor : processors_) {
       const Cycle next = processor->next();
@@ -207,7 +207,7 @@ Ran TurnMachine::run(TurnWork& work, const Frame& frame, Work& progress, bool ah
   return {now_ - begin, dsp_.busy - busy, false};
 }
 
-void TurnMachine::count(std::vector<wire::Counter>& list) const {
+void PassMachine::count(std::vector<wire::Counter>& list) const {
   const auto sum = [&](const std::string& name, const char* unit, const auto& of, const auto& parts) {
     std::uint64_t value = 0;
     for (const auto& part : parts) value += of(*part);
@@ -218,9 +218,9 @@ void TurnMachine::count(std::vector<wire::Counter>& list) const {
   };
   const auto memories = [&](const std::string& name, const char* unit, std::uint64_t rdram::ChannelCounters::*field) {
     sum(
-        "rdram." + name, unit, [field](const TurnMemory& m) { return m.channel.counters().*field; }, memories_);
+        "rdram." + name, unit, [field](const PassMemory& m) { return m.channel.counters().*field; }, memories_);
   };
-  using P = TurnProcessor;
+  using P = PassProcessor;
   list.push_back({"asic.cycles", "cycle", now_});
   processors("cycles.busy", "cycle", [](const P& p) { return p.samples(); });
   processors("cycles.leap", "cycle", [](const P& p) { return p.counters().leaps; });

@@ -1,7 +1,7 @@
 // The board's time at the approximate level: DSP, processors, links and memories in turns and rays instead of cycles.
 //
 // Each part has a clock of its own; the one that is furthest behind goes on, up to a little beyond the next. So what one
-// part sends another may come a little late in its order; that, and what turn_processor.h leaves out, is the error.
+// part sends another may come a little late in its order; that, and what pass_processor.h leaves out, is the error.
 #pragma once
 
 #include <array>
@@ -13,54 +13,54 @@
 #include <span>
 #include <vector>
 
-#include "board/board.h"
-#include "gicube/wire/counter_list.h"
-#include "cycle/machine.h"
 #include "asic/partition.h"
+#include "board/board.h"
+#include "cycle/machine.h"
+#include "gicube/wire/counter_list.h"
 #include "pass_processor.h"
 
 namespace gicube::emu {
 
 // Rays whose values are known, and what they cost the DSP.
-class TurnWork {
+class PassRaySource {
  public:
-  virtual ~TurnWork() = default;
+  virtual ~PassRaySource() = default;
 
   virtual std::uint64_t count() const = 0;
   // Rays [begin, begin + out.size()) with their positions in the volume, called once for each, in order. One without steps is made, but not sent.
-  virtual void make(std::uint64_t begin, std::span<TurnRay> out) = 0;
-  // As RayWork.
+  virtual void make(std::uint64_t begin, std::span<PassRay> out) = 0;
+  // As RaySource.
   virtual std::uint64_t row_end(std::uint64_t i) const = 0;
   virtual std::uint32_t make_cycles() const = 0;
   virtual std::uint32_t take_cycles() const = 0;
 };
 
 // The rays of a work, made in chunks.
-class Maker {
+class RayPrefetcher {
  public:
-  Maker(TurnWork& work, bool ahead);
-  TurnRay& next();
+  RayPrefetcher(PassRaySource& work, bool ahead);
+  PassRay& next();
 
  private:
   void begin_chunk();
 
-  TurnWork& work_;
+  PassRaySource& work_;
   bool ahead_;
   std::uint64_t begun_ = 0;  // rays in all chunks until now
   std::size_t at_ = 0;
-  std::vector<TurnRay> chunk_, coming_;
+  std::vector<PassRay> chunk_, coming_;
   std::future<void> making_;  // of what is coming; waits for it when it goes
 };
 
-class TurnMachine {
+class PassMachine {
  public:
   // For volumes of `blocks` along x, y, z.
-  TurnMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
-  TurnMachine(const TurnMachine&) = delete;  // its processors point at it
-  TurnMachine& operator=(const TurnMachine&) = delete;
+  PassMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
+  PassMachine(const PassMachine&) = delete;  // its processors point at it
+  PassMachine& operator=(const PassMachine&) = delete;
 
   // `ahead`: rays are made on a thread of their own while turns are gone.
-  Ran run(TurnWork& work, const Frame& frame, Work& progress, bool ahead);
+  RunResult run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead);
 
   void invalidate_caches();
   const std::array<int, 3>& blocks() const { return blocks_; }
@@ -90,30 +90,30 @@ class TurnMachine {
   };
 
   void dsp_works(std::uint64_t cycles);
-  void make_rays(TurnWork& work);
+  void make_rays(PassRaySource& work);
   void send(std::uint32_t handle, std::uint32_t run, bool first);
-  TurnProcessor* holds(const OnBus& next) const;
+  PassProcessor* holds(const OnBus& next) const;
   void hand_on(const OnBus& next);
   void run_bus();
-  bool dsp_acts(TurnWork& work);
+  bool dsp_acts(PassRaySource& work);
 
   v1::BoardConfig config_;
   std::array<int, 3> blocks_;
   Partition partition_;
   std::uint64_t core_khz_, dsp_khz_;
-  TurnTree up_;
-  TurnRays rays_;
+  PassTree up_;
+  PassRays rays_;
   rdram::Layout layout_;  // of each memory
-  std::vector<std::unique_ptr<TurnMemory>> memories_;
-  std::vector<std::unique_ptr<TurnProcessor>> processors_;
+  std::vector<std::unique_ptr<PassMemory>> memories_;
+  std::vector<std::unique_ptr<PassProcessor>> processors_;
   Dsp dsp_;
-  std::uint64_t count_ = 0;     // of the work in hand
-  std::optional<Maker> maker_;  // of it
+  std::uint64_t count_ = 0;             // of the work in hand
+  std::optional<RayPrefetcher> maker_;  // of it
   std::uint32_t runs_ = 0;
   std::vector<Listener> listeners_;   // by processor
   LongQueue<OnBus> bus_;              // behind what a processor can't take yet
   std::size_t sends_ = 0;             // on it: rays alone and runs
-  TurnProcessor* holding_ = nullptr;  // that processor
+  PassProcessor* holding_ = nullptr;  // that processor
   Cycle bus_free_ = 0;                // when the last that was held left
   BlockGrid grid_;
   Cycle now_ = 0;

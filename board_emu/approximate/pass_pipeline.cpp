@@ -14,7 +14,7 @@ constexpr Cycle kToQueue = 3;  // from the end of the pipeline by the sorter to 
 }  // namespace
 
 // Counts rays that come (+1) and go (-1).
-void TurnProcessor::hold(int rays, Cycle when) {
+void PassProcessor::hold(int rays, Cycle when) {
   if (holds_ == 0) held_since_ = std::max(when, held_until_);
   holds_ += static_cast<std::uint64_t>(rays);
   if (holds_ != 0 || when <= held_since_) return;
@@ -23,7 +23,7 @@ void TurnProcessor::hold(int rays, Cycle when) {
 }
 
 // A ray at its last step needs a place in the tree, which may come to be free at a time that is not known yet.
-bool TurnProcessor::finds_place() {
+bool PassProcessor::finds_place() {
   if (in_tree_ + 1 <= tree_places_ / 2) return true;
   stands_ = in_tree_ >= tree_places_;
   if (!stands_ && tree_free_ > compute_) computing_ = std::max(computing_, tree_free_ - compute_);
@@ -32,9 +32,9 @@ bool TurnProcessor::finds_place() {
 
 // When the packets are there of a sample that could be resampled in cycle `first`: each is written in a cycle of its own,
 // and the last is handed on in that cycle.
-Cycle TurnProcessor::fetch(const Misses& misses, Cycle first) {
+Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
   if (ideal_memory_) return first;
-  TurnMemory& memory = *with_.memory;
+  PassMemory& memory = *with_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
     const rdram::Location where = memory.layout->locate(active_, misses.tiles[i]);
@@ -46,14 +46,14 @@ Cycle TurnProcessor::fetch(const Misses& misses, Cycle first) {
   return first;
 }
 
-void TurnProcessor::release(std::uint32_t queue, Cycle out) {
+void PassProcessor::release(std::uint32_t queue, Cycle out) {
   const Cycle when = out + 1 + kSorter;
   released_.push({when, queue});
   if (waits_[0] || waits_[1] || waits_[2]) others_ = std::min(others_, when);
 }
 
 // A ray of the active queue is at its end when it comes out of the pipeline in cycle `out`.
-void TurnProcessor::finish(std::uint32_t handle, Cycle out) {
+void PassProcessor::finish(std::uint32_t handle, Cycle out) {
   release(active_, out);
   hold(-1, out);
   with_.up->push(number_, {out + to_dsp_, handle, number_, false});
@@ -61,7 +61,7 @@ void TurnProcessor::finish(std::uint32_t handle, Cycle out) {
 }
 
 // A ray of the active queue has come out of its block, to `at` from its corner.
-void TurnProcessor::change_block(Going ray, Point at, Cycle out) {
+void PassProcessor::change_block(LaneState ray, Point at, Cycle out) {
   const auto blocks = [&](std::size_t axis) { return static_cast<std::uint32_t>(at[axis] >> block_shift_); };
   const std::uint32_t block = block_ + blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
   for (std::int32_t& coordinate : at) coordinate &= grid_.size() - 1;
@@ -82,7 +82,7 @@ void TurnProcessor::change_block(Going ray, Point at, Cycle out) {
   if (!out_blocked_) enter_links();
 }
 
-inline Point TurnProcessor::drawn_step(const Going& ray) const {
+inline Point PassProcessor::drawn_step(const LaneState& ray) const {
   const auto words = std::bit_cast<std::array<std::uint16_t, 6>>((*with_.rays)[ray.ray].step);
   const std::array<std::int16_t, 3> direction{static_cast<std::int16_t>(words[0]), static_cast<std::int16_t>(words[1]),
                                               static_cast<std::int16_t>(words[2])};
@@ -92,7 +92,7 @@ inline Point TurnProcessor::drawn_step(const Going& ray) const {
   return step_vector(direction, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame_->step} * factor)));
 }
 
-inline Point TurnProcessor::step_of(const Going& ray) const {
+inline Point PassProcessor::step_of(const LaneState& ray) const {
   if (jitter_) return drawn_step(ray);
   if (!short_steps_) return (*with_.rays)[ray.ray].step;
   // What a field borrowed from is added to it again.
@@ -107,12 +107,12 @@ inline Point TurnProcessor::step_of(const Going& ray) const {
 
 // One turn of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
 // pipeline. False if the pipeline stands instead.
-bool TurnProcessor::turn_out(Cycle& now) {
+bool PassProcessor::turn_out(Cycle& now) {
   if ((going_.front().left == 1 && !finds_place()) || stands_for_link(now)) {
     arrive(now, now);
     return false;
   }
-  Going ray = going_.pop();
+  LaneState ray = going_.pop();
   before_ = now;
   // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
   now_ = std::max({now, started_[(turns_ - prefetch_) % kRemembered], oldest_taken()});
@@ -144,7 +144,7 @@ bool TurnProcessor::turn_out(Cycle& now) {
 }
 
 // When the first of those that were not of the active queue, and now are, is back.
-inline Cycle TurnProcessor::own_return() const {
+inline Cycle PassProcessor::own_return() const {
   if (returning_[active_] == 0) return kNoCycle;
   std::size_t first = returned_.begin();
   while (returned_[first].queue != active_) ++first;
@@ -154,7 +154,7 @@ inline Cycle TurnProcessor::own_return() const {
 // Turns of the active queue's rays one after the other, until it is empty or something else happens. In most a ray takes a step
 // within the block and comes back, and nothing is asked for; what they change is kept in registers.
 template <bool kJitter, bool kPlain>
-void TurnProcessor::rotate(Cycle& ends, Cycle until) {
+void PassProcessor::rotate(Cycle& ends, Cycle until) {
   const std::uint32_t* const tags = cache_.plain_tags();
   const std::uint32_t block = block_;
   const bool leaps = empty_ != nullptr && empty_[block] != 0;
@@ -167,14 +167,14 @@ void TurnProcessor::rotate(Cycle& ends, Cycle until) {
   while (!going_.empty()) {
     // How far it may go: until something comes. What returns to other queues can wait.
     const Cycle last = std::min({until, others_ - 1, own_return() - 1});
-    Going* const places = going_.places();
+    LaneState* const places = going_.places();
     const std::size_t mask = going_.mask(), size = going_.size(), begin = going_.begin();
     std::size_t first = begin;
     const std::uint64_t turns = turns_ - begin;
     Cycle now = ends, computing = computing_, entered = now_, taken = oldest_taken(), before = before_;
     bool goes_out = leaps || out_.size() > kLeaving;
     for (; now <= last; ++first) {
-      const Going& ray = places[first & mask];
+      const LaneState& ray = places[first & mask];
       if (ray.ready > now) break;
       const std::uint64_t at = ray.at, step = ray.step, to = at + (kJitter ? packed(drawn_step(ray)) : step);
       goes_out = goes_out || (to & leaving) != 0 || ray.left == 1;
@@ -219,9 +219,9 @@ void TurnProcessor::rotate(Cycle& ends, Cycle until) {
   }
 }
 
-template void TurnProcessor::rotate<false, false>(Cycle&, Cycle);
-template void TurnProcessor::rotate<false, true>(Cycle&, Cycle);
-template void TurnProcessor::rotate<true, false>(Cycle&, Cycle);
-template void TurnProcessor::rotate<true, true>(Cycle&, Cycle);
+template void PassProcessor::rotate<false, false>(Cycle&, Cycle);
+template void PassProcessor::rotate<false, true>(Cycle&, Cycle);
+template void PassProcessor::rotate<true, false>(Cycle&, Cycle);
+template void PassProcessor::rotate<true, true>(Cycle&, Cycle);
 
 }  // namespace gicube::emu

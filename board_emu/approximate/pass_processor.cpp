@@ -8,13 +8,13 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::uint32_t kMostPackets = 8;  // of one neighbourhood
-constexpr auto kBus = static_cast<std::size_t>(TurnProcessor::From::kBus);
+constexpr std::uint32_t kMaxPackets = 8;  // of one neighbourhood
+constexpr auto kBus = static_cast<std::size_t>(PassProcessor::From::kBus);
 constexpr std::uint32_t kRayBits = 256;
 
 }  // namespace
 
-TurnProcessor::TurnProcessor(std::uint8_t number, const Surroundings& surroundings)
+PassProcessor::PassProcessor(std::uint8_t number, const Surroundings& surroundings)
     : number_(number),
       with_(surroundings),
       prefetch_(with_.config->pipeline().prefetch_stages()),
@@ -22,7 +22,7 @@ TurnProcessor::TurnProcessor(std::uint8_t number, const Surroundings& surroundin
       capacity_(with_.config->ideal().queues() != 0 ? kNone : with_.config->asic().queue_rays()),
       ratio_(with_.config->rdram().clocks_per_core_cycle()),
       ratio_bits_(std::has_single_bit(ratio_) ? std::countr_zero(ratio_) : -1),
-      room_(with_.config->cache().miss_packets() - kMostPackets),
+      room_(with_.config->cache().miss_packets() - kMaxPackets),
       link_cycles_((kRayBits + with_.config->link().bits() - 1) / with_.config->link().bits()),
       link_rays_(with_.config->link().rays()),
       rac_latency_(with_.config->rdram().rac_latency()),
@@ -37,15 +37,15 @@ TurnProcessor::TurnProcessor(std::uint8_t number, const Surroundings& surroundin
       cache_(
           {static_cast<int>(with_.config->asic().block_voxels()), with_.config->cache().ways(), false, with_.blocks}) {}
 
-void TurnProcessor::begin(Cycle now, const Frame& frame) {
+void PassProcessor::begin(Cycle now, const Frame& frame) {
   now_ = std::max(now_, now);
   computing_ = std::max(computing_, now);
   frame_ = &frame;
   jitter_ = frame.jitter;
   short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare
   const bool plain = cache_.plain_tags() != nullptr;
-  rotate_ = jitter_ ? (plain ? &TurnProcessor::rotate<true, true> : &TurnProcessor::rotate<true, false>)
-                    : (plain ? &TurnProcessor::rotate<false, true> : &TurnProcessor::rotate<false, false>);
+  rotate_ = jitter_ ? (plain ? &PassProcessor::rotate<true, true> : &PassProcessor::rotate<true, false>)
+                    : (plain ? &PassProcessor::rotate<false, true> : &PassProcessor::rotate<false, false>);
   empty_ = frame.leap ? frame.empty.data() : nullptr;
   grid_ = BlockGrid(*frame.volume);
   block_shift_ = std::countr_zero(static_cast<std::uint32_t>(grid_.size()));
@@ -54,7 +54,7 @@ void TurnProcessor::begin(Cycle now, const Frame& frame) {
 }
 
 // What stood goes on when the place that is free has come down the tree.
-void TurnProcessor::taken_from_tree(Cycle now) {
+void PassProcessor::taken_from_tree(Cycle now) {
   --in_tree_;
   const bool waits = waits_[0] || waits_[1] || waits_[2];
   if (!std::exchange(stands_, false) && !waits) return;
@@ -63,14 +63,14 @@ void TurnProcessor::taken_from_tree(Cycle now) {
 }
 
 // Slots that were given up are only counted when one is needed.
-inline bool TurnProcessor::has_slot(std::uint32_t queue, Cycle now) {
+inline bool PassProcessor::has_slot(std::uint32_t queue, Cycle now) {
   if (slots_[queue] < capacity_) return true;
   while (!released_.empty() && released_.front().first <= now) --slots_[released_.pop().second];
   return slots_[queue] < capacity_;
 }
 
 // False if there is none: the ray goes to the DSP.
-inline bool TurnProcessor::take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready) {
+inline bool PassProcessor::take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready) {
   if (has_slot(queue, ready)) {
     ++slots_[queue];
     return true;
@@ -82,7 +82,7 @@ inline bool TurnProcessor::take_slot(std::uint32_t handle, std::uint32_t queue, 
 }
 
 // Into its queue, when it is ready.
-inline void TurnProcessor::write(const Going& ray, std::uint32_t queue) {
+inline void PassProcessor::write(const LaneState& ray, std::uint32_t queue) {
   if (queue == active_) {
     if (!stands()) arrive(ray.ready, ray.ready);
     going_.insert(arrived_++, ray);
@@ -97,7 +97,7 @@ inline void TurnProcessor::write(const Going& ray, std::uint32_t queue) {
 
 // What has come from elsewhere by now, as far as there is room beside `returned` rays in so many `cycles`: two are written a
 // cycle, but not to one queue [P §3.2]. A ray that must wait holds up what is behind it.
-void TurnProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written) {
+void PassProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written) {
   Cycle room = 2 * cycles - returned, beside = cycles - returned;  // of all, and of those for the same queue
   const auto comes = [&](std::size_t input) { return !from_[input].empty() && from_[input].front().ready <= now; };
   std::array<Cycle, 3> taken{};
@@ -138,21 +138,21 @@ void TurnProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
 }
 
 // The first cycle after `now` in which no ray comes back to the active queue, as far as it is known.
-Cycle TurnProcessor::next_gap(Cycle now) {
+Cycle PassProcessor::next_gap(Cycle now) {
   Cycle gap = now + 1;
   for (std::size_t i = std::max(arrived_, going_.begin()); i != going_.end() && going_[i].ready == gap; ++i) ++gap;
   return gap;
 }
 
 // When a ray without a slot may be tried again, as far as it is known.
-Cycle TurnProcessor::retry(Cycle now) const {
+Cycle PassProcessor::retry(Cycle now) const {
   const Cycle slot = released_.empty() ? kNoCycle : released_.front().first;
   const Cycle tree = in_tree_ < tree_places_ ? tree_free_ : kNoCycle;
   return std::max(now + 1, std::min(slot, tree));
 }
 
 // The sorter's insertions up to now. It made them on the way, but nobody asks before a queue is chosen.
-inline void TurnProcessor::take_in(Cycle now) {
+inline void PassProcessor::take_in(Cycle now) {
   Cycle cycles = now - sorted_;
   sorted_ = now;
   while (cycles > 0 && !modified_.empty()) {
@@ -165,7 +165,7 @@ inline void TurnProcessor::take_in(Cycle now) {
 }
 
 // The active queue gives way when it is empty. False if no ray waits.
-inline bool TurnProcessor::choose(Cycle now) {
+inline bool PassProcessor::choose(Cycle now) {
   const bool waits = !going_.empty() && going_.front().ready <= now;
   if (waits && !resting_) return true;
   resting_ = true;
@@ -183,11 +183,11 @@ inline bool TurnProcessor::choose(Cycle now) {
   return true;
 }
 
-void TurnProcessor::activate(std::uint32_t queue, Cycle now) {
+void PassProcessor::activate(std::uint32_t queue, Cycle now) {
   if (!going_.empty()) put_back(now);
   active_ = queue;
   most_.set(queue, 0);
-  LongQueue<Going>& from = queues_[queue];
+  LongQueue<LaneState>& from = queues_[queue];
   waiting_ -= from.size();
   block_ = static_cast<std::uint32_t>(with_.partition->block(number_, queue));
   if (jitter_) corner_ = grid_.corner(block_);
@@ -200,7 +200,7 @@ void TurnProcessor::activate(std::uint32_t queue, Cycle now) {
 }
 
 // The rays of the queue that was active: those that wait to their queue, and those in the pipeline to those on their way back.
-void TurnProcessor::put_back(Cycle now) {
+void PassProcessor::put_back(Cycle now) {
   arrive(now, now);
   const std::uint32_t queue = std::exchange(active_, kNone);
   for (; going_.begin() != arrived_; going_.drop()) write(going_.front(), queue);
@@ -210,7 +210,7 @@ void TurnProcessor::put_back(Cycle now) {
   for (std::size_t i = going_.begin(); i != going_.end(); ++i) returned_.push({});
   std::size_t place = returned_.end();
   for (std::size_t i = going_.end(); i != going_.begin();) {
-    const Going& ray = going_[--i];
+    const LaneState& ray = going_[--i];
     for (; other != returned_.begin() && returned_[other - 1].ray.ready >= ray.ready; --other) {
       returned_[--place] = returned_[other - 1];
     }
@@ -219,23 +219,23 @@ void TurnProcessor::put_back(Cycle now) {
   going_.clear();
 }
 
-TurnProcessor::Going TurnProcessor::going(std::uint32_t handle, Cycle ready) const {
-  const TurnRay& ray = (*with_.rays)[handle];
+PassProcessor::LaneState PassProcessor::going(std::uint32_t handle, Cycle ready) const {
+  const PassRay& ray = (*with_.rays)[handle];
   // A step of a block or more leaves it, however long it is.
   Point step{};
   for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = std::clamp(ray.step[axis], -kLongStep, kLongStep);
   return {packed(ray.position), packed(step), ready, handle, ray.left};
 }
 
-void TurnProcessor::put(const Going& ray, std::size_t block) {
-  TurnRay& to = (*with_.rays)[ray.ray];
+void PassProcessor::put(const LaneState& ray, std::size_t block) {
+  PassRay& to = (*with_.rays)[ray.ray];
   to.position = unpacked(ray.at);
   to.left = ray.left;
   to.block = static_cast<std::uint32_t>(block);
 }
 
 // How many rays of the active queue have come back from after `before` to `now`.
-Cycle TurnProcessor::arrive(Cycle now, Cycle before) {
+Cycle PassProcessor::arrive(Cycle now, Cycle before) {
   Cycle count = 0;
   for (arrived_ = std::max(arrived_, going_.begin()); arrived_ != going_.end() && going_[arrived_].ready <= now;
        ++arrived_) {
@@ -246,7 +246,7 @@ Cycle TurnProcessor::arrive(Cycle now, Cycle before) {
 
 // What is back from the pipeline by now, for other queues; returns how many came after `since`, and `written` is the queue
 // of the last of them.
-Cycle TurnProcessor::take_returned(Cycle now, Cycle since, std::uint32_t& written) {
+Cycle PassProcessor::take_returned(Cycle now, Cycle since, std::uint32_t& written) {
   Cycle count = 0;
   for (; !returned_.empty() && returned_.front().ray.ready <= now; returned_.drop()) {
     const Returning& next = returned_.front();
@@ -265,7 +265,7 @@ Cycle TurnProcessor::take_returned(Cycle now, Cycle since, std::uint32_t& writte
   return count;
 }
 
-void TurnProcessor::work(Cycle until, bool bus_waits) {
+void PassProcessor::work(Cycle until, bool bus_waits) {
   const std::size_t on_the_bus = from_bus();
   Cycle now = next();
   while (true) {

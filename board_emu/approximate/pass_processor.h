@@ -24,20 +24,20 @@
 #include <vector>
 
 #include "asic/cache/volume_cache.h"
-#include "datapath/frame.h"
-#include "gicube/v1/board_config.pb.h"
-#include "datapath/ray_step.h"
 #include "asic/partition.h"
 #include "asic/rdram/channel.h"
 #include "asic/rdram/layout.h"
-#include "words/clock.h"
 #include "asic/sorter/exact_maximum.h"
+#include "datapath/frame.h"
+#include "datapath/ray_step.h"
+#include "gicube/v1/board_config.pb.h"
 #include "pass_tree.h"
+#include "words/clock.h"
 
 namespace gicube::emu {
 
 // A ray under way. Of jittered rays `step` has the words from which each step is drawn.
-struct TurnRay {
+struct PassRay {
   Point position{};  // from its block's least corner
   Point step{};
   std::int32_t left = 0;  // steps to its end
@@ -45,9 +45,9 @@ struct TurnRay {
 };
 
 // All rays under way, each in one place; what goes from part to part is its handle.
-class TurnRays {
+class PassRays {
  public:
-  std::uint32_t add(const TurnRay& ray) {
+  std::uint32_t add(const PassRay& ray) {
     if (free_.empty()) {
       free_.push_back(static_cast<std::uint32_t>(rays_.size()));
       rays_.emplace_back();
@@ -58,10 +58,10 @@ class TurnRays {
     return handle;
   }
   void remove(std::uint32_t handle) { free_.push_back(handle); }
-  TurnRay& operator[](std::uint32_t handle) { return rays_[handle]; }
+  PassRay& operator[](std::uint32_t handle) { return rays_[handle]; }
 
  private:
-  std::vector<TurnRay> rays_;
+  std::vector<PassRay> rays_;
   std::vector<std::uint32_t> free_;
 };
 
@@ -73,8 +73,8 @@ inline Point drawn_from(const std::array<std::int16_t, 3>& direction, std::uint1
 }
 
 // A processor's RDRAM channel.
-struct TurnMemory {
-  TurnMemory(const v1::BoardConfig& config, const rdram::Layout& blocks)
+struct PassMemory {
+  PassMemory(const v1::BoardConfig& config, const rdram::Layout& blocks)
       : layout(&blocks), channel(config.rdram(), blocks.devices()) {}
 
   const rdram::Layout* layout;  // must outlive it
@@ -82,7 +82,7 @@ struct TurnMemory {
   Cycle asked = 0;  // in which it took the last packet on
 };
 
-struct TurnCounters {
+struct PassCounters {
   std::uint64_t leaps = 0;
   std::uint64_t overflows = 0, conflicts = 0;
   std::uint64_t activations = 0;
@@ -91,20 +91,20 @@ struct TurnCounters {
   std::uint64_t held = 0;  // cycles in which a ray was in the queues or the pipeline
 };
 
-class TurnProcessor {
+class PassProcessor {
  public:
   // What it shares with others. All must outlive it.
   struct Surroundings {
     const v1::BoardConfig* config;
     const Partition* partition;
     std::array<int, 3> blocks;  // of the volume
-    std::vector<std::unique_ptr<TurnProcessor>>* processors;
-    TurnMemory* memory;
-    TurnRays* rays;
-    TurnTree* up;  // to the DSP
+    std::vector<std::unique_ptr<PassProcessor>>* processors;
+    PassMemory* memory;
+    PassRays* rays;
+    PassTree* up;  // to the DSP
   };
 
-  TurnProcessor(std::uint8_t number, const Surroundings& surroundings);
+  PassProcessor(std::uint8_t number, const Surroundings& surroundings);
 
   // All turns until the next call are of this frame, and none is before cycle `now`.
   void begin(Cycle now, const Frame& frame);
@@ -129,7 +129,7 @@ class TurnProcessor {
   bool holds_bus() const { return waits_[static_cast<std::size_t>(From::kBus)]; }
   Cycle taken_from_bus() const { return taken_from_[static_cast<std::size_t>(From::kBus)]; }
 
-  const TurnCounters& counters() const { return counters_; }
+  const PassCounters& counters() const { return counters_; }
   std::uint64_t turns() const { return turns_; }
   std::uint64_t samples() const { return turns_ - counters_.leaps; }
   const CacheCounters& cache() const { return cache_.counters(); }
@@ -152,7 +152,7 @@ class TurnProcessor {
     return {field(0), field(1), field(2)};
   }
   // A ray in a queue, or on its way back to one.
-  struct Going {
+  struct LaneState {
     std::uint64_t at = 0;
     std::uint64_t step = 0;  // if it is not drawn
     Cycle ready = 0;         // when it is in the queue
@@ -161,7 +161,7 @@ class TurnProcessor {
   };
   // One on its way to a queue that is not the active one, or was not.
   struct Returning {
-    Going ray;
+    LaneState ray;
     std::uint32_t queue = 0;
     bool keeps_slot = false;
   };
@@ -184,14 +184,14 @@ class TurnProcessor {
   void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
   bool take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready);
-  void write(const Going& ray, std::uint32_t queue);
+  void write(const LaneState& ray, std::uint32_t queue);
   void take_in(Cycle now);
   bool choose(Cycle now);
   void activate(std::uint32_t queue, Cycle now);
   void put_back(Cycle now);
   Cycle arrive(Cycle now, Cycle before);
-  Going going(std::uint32_t handle, Cycle ready) const;
-  void put(const Going& ray, std::size_t block);
+  LaneState going(std::uint32_t handle, Cycle ready) const;
+  void put(const LaneState& ray, std::size_t block);
   template <bool kJitter, bool kPlain>
   void rotate(Cycle& now, Cycle until);
   [[gnu::noinline]] bool turn_out(Cycle& now);
@@ -199,10 +199,10 @@ class TurnProcessor {
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
   [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
   Cycle own_return() const;
-  Point drawn_step(const Going& ray) const;
-  Point step_of(const Going& ray) const;
+  Point drawn_step(const LaneState& ray) const;
+  Point step_of(const LaneState& ray) const;
   void finish(std::uint32_t handle, Cycle out);
-  void change_block(Going ray, Point at, Cycle out);
+  void change_block(LaneState ray, Point at, Cycle out);
   Cycle retry(Cycle now) const;
   Cycle next_gap(Cycle now);
   void release(std::uint32_t queue, Cycle out);
@@ -210,7 +210,7 @@ class TurnProcessor {
   void feed_on(Direction way);
   void run_link(Direction way);
   bool pass_on(Direction way);
-  TurnProcessor& neighbour(Direction way) const;
+  PassProcessor& neighbour(Direction way) const;
   Direction way_to(std::uint8_t processor) const;
   void line_goes_on(Cycle moved);
   bool stands() const { return stands_ || link_stands_; }
@@ -240,13 +240,13 @@ class TurnProcessor {
   const Frame* frame_ = nullptr;
   bool jitter_ = false;
   bool short_steps_ = false;                                // each fits in its fields
-  void (TurnProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
+  void (PassProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
   const std::uint8_t* empty_ = nullptr;                     // by block, if empty ones are leapt over
   BlockGrid grid_;
   int block_shift_ = 0;  // from positions to blocks
   std::uint32_t across_ = 0, slice_ = 0;
 
-  std::vector<LongQueue<Going>> queues_;
+  std::vector<LongQueue<LaneState>> queues_;
   std::vector<std::uint32_t> slots_;
   ExactMaximum most_;                  // by the importance that the sorter knows of
   LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
@@ -255,7 +255,7 @@ class TurnProcessor {
   bool resting_ = false;                  // it was empty since it became active: any other may take its place
   std::uint32_t block_ = 0;               // its
   Point corner_{};                        // of that
-  LongQueue<Going> going_;                // its rays, those that are in the pipeline behind those that wait
+  LongQueue<LaneState> going_;            // its rays, those that are in the pipeline behind those that wait
   std::size_t arrived_ = 0;               // the number of the first in the pipeline, as far as it was asked for
   Cycle sorted_ = 0;                      // up to which the sorter has taken in
   std::uint64_t waiting_ = 0;             // in all other queues
@@ -284,10 +284,10 @@ class TurnProcessor {
   std::array<Link, 2> links_;
   std::uint64_t holds_ = 0;  // rays
   Cycle held_since_ = 0, held_until_ = 0;
-  TurnCounters counters_;
+  PassCounters counters_;
 };
 
-inline Cycle TurnProcessor::next() const {
+inline Cycle PassProcessor::next() const {
   if (stands()) return others_ == kNoCycle ? kNoCycle : std::max(others_, now_ + 1);
   Cycle first = waiting_ > 0 ? now_ + 1 : others_;
   if (!going_.empty()) first = std::min(first, going_.front().ready);

@@ -12,10 +12,10 @@
 
 namespace gicube::emu {
 
-class TurnTree {
+class PassTree {
  public:
   // Two leaves each, for finished and for overflowed rays.
-  explicit TurnTree(std::size_t processors)
+  explicit PassTree(std::size_t processors)
       : leaves_(std::bit_ceil(2 * processors)), nodes_(2 * leaves_.size(), {kNoCycle, 0}) {}
 
   void push(std::uint8_t processor, const Coming& ray) {

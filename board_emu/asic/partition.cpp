@@ -32,7 +32,7 @@ Partition::Partition(v1::Partition kind, unsigned processors, const std::array<i
   }
 }
 
-std::size_t Partition::most_blocks() const {
+std::size_t Partition::max_blocks() const {
   std::size_t most = 0;
   for (const auto& blocks : blocks_) most = std::max(most, blocks.size());
   return most;

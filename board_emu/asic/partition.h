@@ -25,7 +25,7 @@ class Partition {
   // The block with that number.
   std::size_t block(unsigned processor, std::uint32_t number) const { return blocks_[processor][number]; }
   std::size_t blocks_of(unsigned processor) const { return blocks_[processor].size(); }
-  std::size_t most_blocks() const;  // of any processor
+  std::size_t max_blocks() const;  // of any processor
 
  private:
   std::vector<Home> homes_;

@@ -5,12 +5,12 @@
 #include <unordered_map>
 #include <utility>
 
+#include "firmware/commands/commands.h"
 #include "firmware/register_file.h"
 #include "firmware/routines/routine_table.h"
-#include "firmware/commands/commands.h"
 #include "gicube/wire/memory_map.h"
-#include "timeline.h"
 #include "observe/observation.h"
+#include "timeline.h"
 
 namespace gicube::emu {
 
@@ -38,8 +38,8 @@ Reply refuse(ErrorCode error, const std::string& text) {
 }
 
 // A processor's accesses, in dwords on the bus; a memory read is asked for by its address and length.
-constexpr Errand kRegisterWrite{.kind = TransferKind::kRegisterWrite, .down_bytes = 4};
-constexpr Errand kRegisterRead{.kind = TransferKind::kRegisterRead, .down_bytes = 4, .watched = true};
+constexpr BusTransaction kRegisterWrite{.kind = TransferKind::kRegisterWrite, .down_bytes = 4};
+constexpr BusTransaction kRegisterRead{.kind = TransferKind::kRegisterRead, .down_bytes = 4, .watched = true};
 constexpr std::uint64_t kReadRequestBytes = 16;
 
 // A stamp beyond this is refused, so that no sum of times can run over: 2^62 ps are 53 days.
@@ -101,12 +101,12 @@ struct Board::Parts {
   Reply transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   Reply read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   void write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
-  void command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work);
+  void command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
   Reply wait(std::span<const std::uint8_t> payload);
   Reply cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   void control(std::uint32_t bits);
 
-  Reply finish(const wire::FrameHeader& header, const Errand& errand, std::vector<std::uint8_t> payload) {
+  Reply finish(const wire::FrameHeader& header, const BusTransaction& errand, std::vector<std::uint8_t> payload) {
     const std::uint64_t id = next_errand++;
     timeline.add(header.time_ps, id, errand);
     return {.time_ps = timeline.finish(id), .payload = std::move(payload)};
@@ -172,13 +172,13 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
     return refuse(ErrorCode::kBadAddress,
                   "no memory of " + std::to_string(length) + " bytes at address " + std::to_string(address));
   // The DSP sends the bytes as bus master once the commands before are done.
-  const Errand errand{.kind = TransferKind::kRegisterWrite,
-                      .down_bytes = kReadRequestBytes,
-                      .dsp = true,
-                      .up_bytes = length,
-                      .up_cargo = cargo_at(address),
-                      .watched = true,
-                      .name = "read memory"};
+  const BusTransaction errand{.kind = TransferKind::kRegisterWrite,
+                              .down_bytes = kReadRequestBytes,
+                              .dsp = true,
+                              .up_bytes = length,
+                              .up_cargo = cargo_at(address),
+                              .watched = true,
+                              .name = "read memory"};
   return finish(header, errand, std::move(*bytes));
 }
 
@@ -192,7 +192,7 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
   }
 }
 
-void Board::Parts::command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work) {
+void Board::Parts::command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work) {
   if (observation != nullptr && observation->places_cycles()) {
     observation->begin_command(timeline.turn_of(header.time_ps, {.down_bytes = payload.size()}));
   }
@@ -308,8 +308,9 @@ void Board::reset() {
   publish();
 }
 
-Outcome Board::transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work) {
-  Outcome outcome;
+TransactionResult Board::transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload,
+                                  Progress& work) {
+  TransactionResult outcome;
   if (header.time_ps > kEndOfTime) {
     parts_->registers.raise(wire::kStatusBadCommand, 0);
     outcome.reply =

@@ -35,13 +35,13 @@ struct Completion {
 };
 
 // What one transaction brought about. Completions go to the host before the reply.
-struct Outcome {
+struct TransactionResult {
   std::vector<Completion> completions;
   std::optional<Reply> reply;  // nothing for posted transactions
 };
 
 // Shared by the thread that works and the threads that watch it.
-struct Work {
+struct Progress {
   std::atomic<bool> cancel{false};       // set by the watcher: finish as soon as possible, with ErrorCode::kCancelled
   std::atomic<std::uint32_t> ticket{0};  // the command in work, and how much of it is done
   std::atomic<std::uint32_t> done{0};
@@ -69,7 +69,7 @@ class Board {
 
   // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
   // host sends can throw: faults are error replies, error completions, or for posted writes STATUS bits.
-  Outcome transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Work& work);
+  TransactionResult transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
 
   // Called like transact(). Detected: the next command that reads the volume fails with ErrorCode::kMemory and changes
   // nothing; there is no other harm. Silent: that bit is wrong until it is written again; without a volume nothing happens.

@@ -12,7 +12,7 @@ constexpr std::uint64_t kCompletionWordBytes = 4;  // in the host's memory
 
 }  // namespace
 
-void Timeline::add(Picoseconds stamp, std::uint64_t id, const Errand& errand) {
+void Timeline::add(Picoseconds stamp, std::uint64_t id, const BusTransaction& errand) {
   advance(stamp);
   under_way_.emplace(id, Issued{errand, std::max(stamp, now_ps_)});
   bus_.enqueue(Direction::kDown, {id, errand.kind, errand.cargo, errand.down_bytes, std::max(stamp, now_ps_)});
@@ -55,7 +55,7 @@ void Timeline::end_turn() {
 }
 
 void Timeline::send_up(std::uint64_t id, Picoseconds ready) {
-  const Errand& errand = under_way_.at(id).errand;
+  const BusTransaction& errand = under_way_.at(id).errand;
   if (errand.up_bytes == 0) return end(id, ready);
   bus_.enqueue(Direction::kUp, {id, TransferKind::kBulk, errand.up_cargo, errand.up_bytes, ready});
 }
@@ -84,7 +84,7 @@ bool Timeline::take_back(Picoseconds stamp, std::uint64_t id) {
   const auto waits = [id](const Arrived& arrived) { return arrived.id == id; };
   const bool on_bus = bus_.carries(Direction::kDown, id);
   if (found == under_way_.end() || (!on_bus && std::none_of(dsp_queue_.begin(), dsp_queue_.end(), waits))) return false;
-  Errand& errand = found->second.errand;
+  BusTransaction& errand = found->second.errand;
   errand.dsp_cycles = 0;
   errand.asic_ps = 0;
   errand.up_bytes = kCompletionWordBytes;
@@ -92,7 +92,7 @@ bool Timeline::take_back(Picoseconds stamp, std::uint64_t id) {
   return true;
 }
 
-Picoseconds Timeline::turn_of(Picoseconds stamp, const Errand& errand) const {
+Picoseconds Timeline::turn_of(Picoseconds stamp, const BusTransaction& errand) const {
   constexpr std::uint64_t kAhead = ~std::uint64_t{0};
   Timeline ahead = *this;
   ahead.watcher_ = nullptr;

@@ -17,7 +17,7 @@
 
 namespace gicube::emu {
 
-struct Errand {
+struct BusTransaction {
   TransferKind kind = TransferKind::kBulk;
   Cargo cargo = Cargo::kRegister;
   std::uint64_t down_bytes = 0;
@@ -42,7 +42,7 @@ class TimelineWatcher {
   // In the order of their ends.
   virtual void transferred(const BusDelivery& delivery) = 0;
   // A turn at the DSP; in the order of their begins.
-  virtual void served(const Errand& errand, Picoseconds begin, Picoseconds end) = 0;
+  virtual void served(const BusTransaction& errand, Picoseconds begin, Picoseconds end) = 0;
 };
 
 class Timeline {
@@ -50,11 +50,11 @@ class Timeline {
   Timeline(const BusTiming& bus, std::uint64_t dsp_khz) : bus_(bus), dsp_khz_(dsp_khz) {}
 
   // The host issues an errand at `stamp` and names it `id` (unique). First advances to `stamp`.
-  void add(Picoseconds stamp, std::uint64_t id, const Errand& errand);
+  void add(Picoseconds stamp, std::uint64_t id, const BusTransaction& errand);
 
   // When the turn at the DSP of an errand like this will begin if it is added at `stamp`. No later errand can change it:
   // they all follow on the way down. (That one before it is taken back can.)
-  Picoseconds turn_of(Picoseconds stamp, const Errand& errand) const;
+  Picoseconds turn_of(Picoseconds stamp, const BusTransaction& errand) const;
 
   // Null for none.
   void set_watcher(TimelineWatcher* watcher) { watcher_ = watcher; }
@@ -97,7 +97,7 @@ class Timeline {
   Picoseconds dsp_busy_ps_ = 0;
   Picoseconds host_bus_wait_ps_ = 0;
   struct Issued {
-    Errand errand;
+    BusTransaction errand;
     Picoseconds stamp_ps = 0;
   };
   struct Arrived {

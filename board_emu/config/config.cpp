@@ -152,15 +152,15 @@ void check_volume(const v1::AsicConfig& asic, const FieldLines& lines, std::vect
 
 // The controller of a channel drives at most 32 devices [Direct RDRAM data book].
 void check_rdram(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Fault>& faults) {
-  constexpr std::uint32_t kMostDevices = 32;
+  constexpr std::uint32_t kMaxDevices = 32;
   const std::uint32_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
   const std::uint32_t processors = config.asic().processors(), sharing = config.rdram().processors_per_rdram();
   const std::uint32_t blocks = (edge * edge * edge + processors - 1) / processors * std::min(sharing, processors);
   const std::uint32_t devices =
       rdram::devices_needed(blocks, config.asic().block_voxels(), config.rdram().device_mbit());
-  if (devices <= kMostDevices) return;
+  if (devices <= kMaxDevices) return;
   faults.push_back({"asic.max_volume_voxels",
-                    fmt::format("a volume whose share of one RDRAM channel fits its {} devices", kMostDevices),
+                    fmt::format("a volume whose share of one RDRAM channel fits its {} devices", kMaxDevices),
                     fmt::format("{}, which takes {}", config.asic().max_volume_voxels(), devices),
                     line_of(lines, "asic.max_volume_voxels")});
 }

@@ -1,7 +1,7 @@
 #include "cycle_level.h"
 
-#include "firmware/viewing_rays.h"
 #include "datapath/interaction.h"
+#include "firmware/viewing_rays.h"
 
 namespace gicube::emu {
 
@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint64_t kSubPixels = 16;  // u and v are 12.4 pixels
 
-class ViewingRays : public RayWork {
+class ViewingRays : public RaySource {
  public:
   ViewingRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
               const v1::DspConfig& dsp)
@@ -37,9 +37,9 @@ class ViewingRays : public RayWork {
     return ray;
   }
 
-  void take(std::uint64_t i, const Traveller& traveller) override {
+  void take(std::uint64_t i, const RayState& ray_state) override {
     wire::Ray ray = destination(i);
-    finish(traveller, frame_, ray);
+    finish(ray_state, frame_, ray);
     framebuffer_.add(ray);
   }
 
@@ -59,9 +59,9 @@ class ViewingRays : public RayWork {
   std::uint64_t spacing_;
 };
 
-class RaysThatAreThere : public RayWork {
+class RaysThatAreThere : public RaySource {
  public:
-  RaysThatAreThere(const GivenRays& given, const Frame& frame) : given_(given), frame_(frame) {}
+  RaysThatAreThere(const GivenRayBatch& given, const Frame& frame) : given_(given), frame_(frame) {}
 
   std::uint64_t count() const override { return given_.rays.size(); }
   std::uint64_t row_end(std::uint64_t i) const override { return i + 1; }
@@ -73,16 +73,16 @@ class RaysThatAreThere : public RayWork {
     if (ray.flags == 0 || !enter(ray, frame_.extent, frame_.cut_planes)) return std::nullopt;
     return ray;
   }
-  void take(std::uint64_t i, const Traveller& traveller) override {
-    if (given_.come_back) finish(traveller, frame_, given_.rays[i]);
+  void take(std::uint64_t i, const RayState& ray_state) override {
+    if (given_.come_back) finish(ray_state, frame_, given_.rays[i]);
   }
 
  private:
-  const GivenRays& given_;
+  const GivenRayBatch& given_;
   const Frame& frame_;
 };
 
-class LightRays : public RayWork {
+class LightRays : public RaySource {
  public:
   LightRays(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Lit& lit)
       : rays_(rays), frame_(frame), dsp_(dsp), lit_(lit) {}
@@ -101,7 +101,7 @@ class LightRays : public RayWork {
     ++lit_.made;
     return ray;
   }
-  void take(std::uint64_t, const Traveller&) override {}
+  void take(std::uint64_t, const RayState&) override {}
 
  private:
   const LightingRays& rays_;
@@ -110,7 +110,7 @@ class LightRays : public RayWork {
   Lit& lit_;
 };
 
-class AnsweredRays : public RayWork {
+class AnsweredRays : public RaySource {
  public:
   AnsweredRays(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer,
                const v1::DspConfig& dsp, RayCounters& counters)
@@ -129,10 +129,10 @@ class AnsweredRays : public RayWork {
     if (!is_light(ray)) framebuffer_.add(ray);
     return std::nullopt;
   }
-  void take(std::uint64_t i, const Traveller& traveller) override {
+  void take(std::uint64_t i, const RayState& ray_state) override {
     wire::Ray ray = answers_[i];
     if (is_light(ray)) return;
-    finish(traveller, frame_, ray);
+    finish(ray_state, frame_, ray);
     framebuffer_.add(ray);
   }
 
@@ -148,26 +148,26 @@ class AnsweredRays : public RayWork {
 
 }  // namespace
 
-Ran resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
-           Machine& machine, RayCounters& counters, Work& work) {
+RunResult resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer,
+                 const v1::DspConfig& dsp, Machine& machine, RayCounters& counters, Progress& work) {
   AnsweredRays rays(answers, frame, framebuffer, dsp, counters);
   return machine.run(rays, frame, work);
 }
 
-Ran illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Lit& lit,
-               Work& work) {
+RunResult illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Lit& lit,
+                     Progress& work) {
   LightRays light(rays, frame, dsp, lit);
   return machine.run(light, frame, work);
 }
 
-Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
-           Machine& machine, Work& work) {
+RunResult render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
+                 const v1::DspConfig& dsp, Machine& machine, Progress& work) {
   framebuffer.clear(command.width, command.height, command.filter);
   ViewingRays rays(command, frame, framebuffer, dsp);
   return machine.run(rays, frame, work);
 }
 
-Ran trace(const GivenRays& rays, const Frame& frame, Machine& machine, Work& work) {
+RunResult trace(const GivenRayBatch& rays, const Frame& frame, Machine& machine, Progress& work) {
   RaysThatAreThere given(rays, frame);
   return machine.run(given, frame, work);
 }

@@ -11,8 +11,8 @@
 namespace gicube::emu {
 
 // Fills `framebuffer` with the image of `command`, rays in rows from the top. Throws Stall.
-Ran render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
-           Machine& machine, Work& work);
+RunResult render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
+                 const v1::DspConfig& dsp, Machine& machine, Progress& work);
 
 struct Lit {
   std::uint64_t made = 0;     // lighting rays
@@ -20,16 +20,16 @@ struct Lit {
 };
 
 // Sends the lighting rays of `rays` into the volume. Throws Stall and RoutineFault.
-Ran illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Lit& lit,
-               Work& work);
+RunResult illuminate(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp, Machine& machine, Lit& lit,
+                     Progress& work);
 
 // Rays that the host has scattered (trap.h) go on: lighting rays, or rendering rays into `framebuffer`. What their answers
 // alone did, and as emitted what they bring, is added to `counters`; the rest is the machine's. Throws Stall, RoutineFault.
-Ran resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp,
-           Machine& machine, RayCounters& counters, Work& work);
+RunResult resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer,
+                 const v1::DspConfig& dsp, Machine& machine, RayCounters& counters, Progress& work);
 
 // Rays that are there already, and what they cost the DSP.
-struct GivenRays {
+struct GivenRayBatch {
   std::span<wire::Ray> rays;  // one with no flags is not sent
   bool come_back = true;      // into their places; else nothing of them is kept
   std::uint32_t make_cycles = 0;
@@ -37,6 +37,6 @@ struct GivenRays {
 };
 
 // Takes them to their ends. A ray that lies behind a cut plane stays as it is.
-Ran trace(const GivenRays& rays, const Frame& frame, Machine& machine, Work& work);
+RunResult trace(const GivenRayBatch& rays, const Frame& frame, Machine& machine, Progress& work);
 
 }  // namespace gicube::emu

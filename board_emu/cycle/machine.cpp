@@ -31,7 +31,7 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
     for (unsigned i = first; i < std::min(first + sharing, count); ++i) {
       clients.push_back({&processors_[i]->misses(), &processors_[i]->writes()});
     }
-    memories_.push_back(std::make_unique<MemoryPort>(config, clients, partition_.most_blocks()));
+    memories_.push_back(std::make_unique<MemoryPort>(config, clients, partition_.max_blocks()));
   }
   std::vector<Fifo<RayToken>*> from_bus, leaves;
   std::vector<Ring::Port> ring;
@@ -84,7 +84,7 @@ bool Machine::tick() {
     std::vector<std::size_t> order(4 + memories_.size() + 2 * processors_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     for (std::size_t i = order.size() - 1; i > 0; --i) {
-      shuffle_ = mangle(shuffle_ + 1) | 1;
+      shuffle_ = mix64(shuffle_ + 1) | 1;
       std::swap(order[i], order[(shuffle_ >> 1) % (i + 1)]);
     }
     for (const std::size_t part : order) moved |= tick_part(part);
@@ -148,7 +148,7 @@ void Machine::stalled() const {
   throw Stall(text.str());
 }
 
-Ran Machine::run(RayWork& work, const Frame& frame, Work& progress) {
+RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress) {
   for (const auto& processor : processors_) processor->begin(frame);
   dsp_->begin(now_, work, frame, partition_);
   const Cycle begin = now_;

@@ -11,14 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "board/board.h"
 #include "asic/link/ring.h"
-#include "memory_port.h"
 #include "asic/partition.h"
-#include "processor.h"
-#include "ray_engine.h"
 #include "asic/raybus/merge_tree.h"
 #include "asic/raybus/ray_bus.h"
+#include "board/board.h"
+#include "memory_port.h"
+#include "processor.h"
+#include "ray_engine.h"
 #include "ray_store.h"
 
 namespace gicube::emu {
@@ -28,7 +28,7 @@ class Stall : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-struct Ran {
+struct RunResult {
   Cycle cycles = 0;
   std::uint64_t dsp_cycles = 0;  // of them, in which the DSP worked
   bool cancelled = false;
@@ -50,7 +50,7 @@ class Machine {
   Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
 
   // Carries `work` out. Progress is in rays that came back. Throws Stall.
-  Ran run(RayWork& work, const Frame& frame, Work& progress);
+  RunResult run(RaySource& work, const Frame& frame, Progress& progress);
 
   // The volume's words have changed.
   void invalidate_caches();

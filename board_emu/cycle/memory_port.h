@@ -9,9 +9,9 @@
 
 #include "asic/cache/miss_queue.h"
 #include "asic/cache/write_queue.h"
-#include "gicube/v1/board_config.pb.h"
 #include "asic/rdram/channel.h"
 #include "asic/rdram/layout.h"
+#include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu {
 

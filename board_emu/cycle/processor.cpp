@@ -10,7 +10,7 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::size_t kMostPackets = 8;  // of one neighbourhood
+constexpr std::size_t kMaxPackets = 8;  // of one neighbourhood
 
 SorterSetup sorter_setup(const ProcessorConfig& config) {
   const v1::BoardConfig& board = config.board;
@@ -20,7 +20,7 @@ SorterSetup sorter_setup(const ProcessorConfig& config) {
   setup.queues = static_cast<std::uint32_t>(std::max<std::size_t>(1, config.partition->blocks_of(config.number)));
   setup.capacity = board.asic().queue_rays();
   setup.policy =
-      board.sorter().policy() == v1::most_contribution ? QueuePolicy::kMostContribution : QueuePolicy::kMostRays;
+      board.sorter().policy() == v1::most_contribution ? QueuePolicy::kMaxContribution : QueuePolicy::kMaxRays;
   setup.ideal_queues = board.ideal().queues() != 0;
   setup.ideal_sorter = board.ideal().sorter() != 0;
   return setup;
@@ -68,10 +68,10 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
     return false;
   }
   Fifo<RayToken>* to = &returned_;
-  if (token.state == RayState::kGone) {
+  if (token.state == TokenStatus::kGone) {
     rays_.remove(token.ray);
     to = nullptr;
-  } else if (token.state != RayState::kUnderWay) {
+  } else if (token.state != TokenStatus::kUnderWay) {
     to = &done;
   } else if (token.processor != number_) {
     to = &out_links;
@@ -108,10 +108,10 @@ Cause Processor::enter_compute(Cycle now) {
 // One turn of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
 // same whenever they are worked out) the sample taken and the ray's next queue found.
 void Processor::check_tags(Cycle now, const RayToken& issued) {
-  constexpr std::size_t kMostCarriers = 8;
-  if (lit_) rays_.make_room(kMostCarriers);
+  constexpr std::size_t kMaxCarriers = 8;
+  if (lit_) rays_.make_room(kMaxCarriers);
   RayUnderWay& ray = rays_[issued.ray];
-  Traveller& traveller = ray.traveller;
+  RayState& ray_state = ray.ray_state;
   InFlight& entry = stages_.enter(now);
   // Changed in place: a token put together elsewhere and then copied would stall the host on its partial stores.
   RayToken& token = entry.token;
@@ -119,15 +119,15 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.from = issued.queue;
   entry.packets = 0;
   entry.splats = false;
-  const Point low = grid_.low(traveller.position);
+  const Point low = grid_.low(ray_state.position);
   const BlockView view = frame_->volume->view(ray.block);
-  const bool carries = lit_ && traveller.is(wire::kIrradianceCarrier);
-  jitter_step(traveller, *frame_);
+  const bool carries = lit_ && ray_state.is(wire::kIrradianceCarrier);
+  jitter_step(ray_state, *frame_);
   entry.sampled = !frame_->leap || frame_->empty[ray.block] == 0 || carries;
-  End how = End::kNot;
+  Termination how = Termination::kNot;
   std::int32_t steps = 1;
   if (entry.sampled) {
-    const Cell at = carries ? carrier_cell(ray) : cell(traveller.position, low);
+    const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
     const Misses& misses = cache_.check(ray.block, at.voxel);
     if (misses.count > 0 && !ideal_memory_) {
       entry.packets = static_cast<std::uint8_t>(misses.count);
@@ -138,32 +138,32 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       how = meet_sample(ray, wide_of(issued.ray), at, entry);
     } else {
       ++counts_.samples;
-      if (take_sample(traveller, wide_of(issued.ray), at, view, edge_, *frame_)) ++counts_.visible_samples;
-      advance(traveller, 1);
+      if (take_sample(ray_state, wide_of(issued.ray), at, view, edge_, *frame_)) ++counts_.visible_samples;
+      advance(ray_state, 1);
     }
   } else {
     ++counts_.leaps;
-    if (lit_) leave_surface(traveller);
-    steps = leap_steps(traveller, low, grid_.size(), *frame_);
-    advance(traveller, steps);
+    if (lit_) leave_surface(ray_state);
+    steps = leap_steps(ray_state, low, grid_.size(), *frame_);
+    advance(ray_state, steps);
   }
-  count_steps(traveller, steps, *frame_);
+  count_steps(ray_state, steps, *frame_);
 
-  token.contribution = contribution(traveller);
+  token.contribution = contribution(ray_state);
   // A trapped ray has its end looked for when it has its new direction.
-  if (how == End::kNot && token.state != RayState::kTrapped) how = end(traveller, *frame_);
-  if (how != End::kNot) {
-    token.state = carries ? RayState::kGone : RayState::kDone;
-    if (!carries) count_end(traveller, how, *frame_, counts_);
-  } else if (!grid_.same(traveller.position, low)) {
-    ray.block = static_cast<std::uint32_t>(grid_.block(traveller.position));
+  if (how == Termination::kNot && token.state != TokenStatus::kTrapped) how = end(ray_state, *frame_);
+  if (how != Termination::kNot) {
+    token.state = carries ? TokenStatus::kGone : TokenStatus::kDone;
+    if (!carries) count_end(ray_state, how, *frame_, counts_);
+  } else if (!grid_.same(ray_state.position, low)) {
+    ray.block = static_cast<std::uint32_t>(grid_.block(ray_state.position));
     const Home& home = partition_.home(ray.block);
     token.processor = home.processor;
     token.queue = single_queue_ ? 0 : home.number;
   } else {
-    prefetch(view, traveller.position, low);
+    prefetch(view, ray_state.position, low);
   }
-  token.keeps_slot = token.state == RayState::kUnderWay && token.processor == number_ && token.queue == entry.from;
+  token.keeps_slot = token.state == TokenStatus::kUnderWay && token.processor == number_ && token.queue == entry.from;
 }
 
 // Both halves of most conditions are always worked out: which of them fails is hard to predict.
@@ -188,7 +188,7 @@ bool Processor::tick_pipeline(Cycle now) {
     ++compute_clock_;
   }
   if (issue_.can_pop(now)) {
-    if (stages_.can_enter() & (misses_.room() >= kMostPackets)) {
+    if (stages_.can_enter() & (misses_.room() >= kMaxPackets)) {
       check_tags(now, issue_.front());
       issue_.pop(now);
       fed_ = moved = true;

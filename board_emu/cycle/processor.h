@@ -17,19 +17,19 @@
 #include "asic/cache/miss_queue.h"
 #include "asic/cache/volume_cache.h"
 #include "asic/cache/write_queue.h"
-#include "datapath/frame.h"
-#include "datapath/ray_step.h"
 #include "asic/partition.h"
-#include "cycle/stages.h"
-#include "ray_store.h"
 #include "asic/sim/causes.h"
 #include "asic/sim/fifo.h"
 #include "asic/sorter/sorter.h"
+#include "cycle/stages.h"
+#include "datapath/frame.h"
+#include "datapath/ray_step.h"
+#include "ray_store.h"
 #include "splat_unit.h"
 
 namespace gicube::emu {
 
-struct Met;
+struct Interaction;
 
 struct ProcessorConfig {
   std::uint8_t number = 0;
@@ -89,11 +89,11 @@ class Processor {
   bool deliver(Cycle now, const InFlight& ray);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
-  End meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry);
+  Termination meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry);
   WideWords* wide_of(std::uint32_t ray) const { return wide_ ? &rays_.wide(ray) : nullptr; }
   Splat& add_splat(std::uint32_t block, InFlight& entry);
   Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
-  RayToken carrier(const Traveller& from, const Met& met, std::uint32_t block);
+  RayToken carrier(const RayState& from, const Interaction& met, std::uint32_t block);
   Cell carrier_cell(const RayUnderWay& ray) const;
   bool tick_light(Cycle now);
   bool send_carrier(Cycle now);

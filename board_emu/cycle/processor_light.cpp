@@ -8,15 +8,15 @@
 namespace gicube::emu {
 
 // Takes the sample of a ray that does more than gather.
-End Processor::meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry) {
-  Traveller& traveller = ray.traveller;
-  if (traveller.is(wire::kIrradianceCarrier)) {
-    splat(ray.block, deposit_of(traveller, *frame_), entry);
-    return End::kSpent;
+Termination Processor::meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry) {
+  RayState& ray_state = ray.ray_state;
+  if (ray_state.is(wire::kIrradianceCarrier)) {
+    splat(ray.block, deposit_of(ray_state, *frame_), entry);
+    return Termination::kAbsorbed;
   }
   const std::uint32_t block = ray.block;
   ++counts_.samples;
-  const Met met = meet(traveller, wide, at, frame_->volume->view(block), block, edge_, *frame_, counts_);
+  const Interaction met = interact(ray_state, wide, at, frame_->volume->view(block), block, edge_, *frame_, counts_);
   if (met.visible) ++counts_.visible_samples;
   if (met.deposits) {
     const SharingBlocks sharing =
@@ -28,11 +28,11 @@ End Processor::meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, In
     for (std::size_t i = 0; i < sharing.count; ++i) {
       if (sharing.block[i] == block) continue;
       if (work == nullptr) work = &add_splat(block, entry);
-      work->carrier[work->carriers++] = carrier(traveller, met, sharing.block[i]);
+      work->carrier[work->carriers++] = carrier(ray_state, met, sharing.block[i]);
     }
   }
-  if (met.fate == Fate::kTrapped) entry.token.state = RayState::kTrapped;
-  return met.fate == Fate::kEnded ? End::kSpent : End::kNot;
+  if (met.outcome == Outcome::kTrapped) entry.token.state = TokenStatus::kTrapped;
+  return met.outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kNot;
 }
 
 Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
@@ -71,14 +71,14 @@ Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& e
 }
 
 // A ray that takes the deposit to a block that has copies of its voxels [P §3.4].
-RayToken Processor::carrier(const Traveller& from, const Met& met, std::uint32_t block) {
+RayToken Processor::carrier(const RayState& from, const Interaction& met, std::uint32_t block) {
   RayUnderWay ray;
-  ray.traveller.position = met.place;
-  ray.traveller.u = from.u;
-  ray.traveller.v = from.v;
-  ray.traveller.lifetime = met.lifetime;
-  ray.traveller.flags = wire::kLightingRay | wire::kIrradianceCarrier;
-  set_energy(ray.traveller.colour,
+  ray.ray_state.position = met.place;
+  ray.ray_state.u = from.u;
+  ray.ray_state.v = from.v;
+  ray.ray_state.lifetime = met.lifetime;
+  ray.ray_state.flags = wire::kLightingRay | wire::kIrradianceCarrier;
+  set_energy(ray.ray_state.colour,
              frame_->sums != nullptr ? met.units & 0xFF'FFFF : std::uint64_t{met.units} << kEnergyFractionBits);
   ray.block = block;
   RayToken token;
@@ -95,7 +95,7 @@ Cell Processor::carrier_cell(const RayUnderWay& ray) const {
   const std::array<std::int32_t, 3> corner = grid_.corner(ray.block);
   Cell out{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int32_t voxel = (ray.traveller.position[axis] >> wire::kPositionFractionBits) - corner[axis];
+    const std::int32_t voxel = (ray.ray_state.position[axis] >> wire::kPositionFractionBits) - corner[axis];
     out.voxel[axis] = static_cast<std::uint32_t>(std::clamp(voxel, 0, static_cast<std::int32_t>(edge_) - 2));
   }
   return out;

@@ -17,7 +17,7 @@ RayEngine::RayEngine(const v1::BoardConfig& config, RayStore& rays, const RayEng
       run_cycles_(config.dsp().run_cycles()),
       single_queue_(config.sorter().queues() == v1::single) {}
 
-void RayEngine::begin(Cycle now, RayWork& work, const Frame& frame, const Partition& partition) {
+void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, const Partition& partition) {
   work_ = &work;
   frame_ = &frame;
   partition_ = &partition;
@@ -40,20 +40,20 @@ RayToken RayEngine::launch(std::uint32_t handle) {
   token.ray = handle;
   token.processor = home.processor;
   token.queue = single_queue_ ? 0 : home.number;
-  token.contribution = contribution(ray.traveller);
+  token.contribution = contribution(ray.ray_state);
   return token;
 }
 
 void RayEngine::take_back(Cycle now) {
   RayToken token = ports_.up.pop(now);
-  if (token.state == RayState::kOverflowed) {
+  if (token.state == TokenStatus::kOverflowed) {
     ++counters_.overflows;
     work_for(now, overflow_cycles_ / 2);
-    token.state = RayState::kUnderWay;
+    token.state = TokenStatus::kUnderWay;
     kept_.push_back(token);
     return;
   }
-  if (token.state == RayState::kTrapped) {
+  if (token.state == TokenStatus::kTrapped) {
     const Scattered scattered = scatter(now, token);
     if (scattered == Scattered::kSentAgain) return;
     if (scattered == Scattered::kToHost) {
@@ -62,7 +62,7 @@ void RayEngine::take_back(Cycle now) {
       return;
     }
   }
-  work_->take(index_of_[token.ray], rays_[token.ray].traveller);
+  work_->take(index_of_[token.ray], rays_[token.ray].ray_state);
   rays_.remove(token.ray);
   ++counters_.taken;
   ++finished_;
@@ -72,21 +72,21 @@ void RayEngine::take_back(Cycle now) {
 RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
   RayUnderWay& ray = rays_[token.ray];
   std::uint32_t cycles = 0;
-  const Met met =
-      resolve_trap(ray.traveller, gathers_wide(*frame_) ? &rays_.wide(token.ray) : nullptr, *frame_, counts_, cycles);
+  const Interaction met =
+      resolve_trap(ray.ray_state, gathers_wide(*frame_) ? &rays_.wide(token.ray) : nullptr, *frame_, counts_, cycles);
   counts_.trap_cycles += cycles;
   work_for(now, overflow_cycles_ / 2 + cycles);
-  if (met.fate == Fate::kTrapped) return Scattered::kToHost;
-  if (met.fate == Fate::kEnded) {
-    count_end(ray.traveller, End::kSpent, *frame_, counts_);
+  if (met.outcome == Outcome::kTrapped) return Scattered::kToHost;
+  if (met.outcome == Outcome::kEnded) {
+    count_end(ray.ray_state, Termination::kAbsorbed, *frame_, counts_);
     return Scattered::kEnds;
   }
-  if (const End how = end(ray.traveller, *frame_); how != End::kNot) {
-    count_end(ray.traveller, how, *frame_, counts_);
+  if (const Termination how = end(ray.ray_state, *frame_); how != Termination::kNot) {
+    count_end(ray.ray_state, how, *frame_, counts_);
     return Scattered::kEnds;
   }
-  token.state = RayState::kUnderWay;
-  ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.traveller.position));
+  token.state = TokenStatus::kUnderWay;
+  ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.ray_state.position));
   kept_.push_back(token);
   return Scattered::kSentAgain;
 }
@@ -99,16 +99,17 @@ std::optional<RayToken> RayEngine::make() {
     ++finished_;
     return std::nullopt;
   }
-  RayUnderWay ray{set_out(*made, *frame_), 0};
-  if (const End how = end(ray.traveller, *frame_); how != End::kNot) {  // its clipping leaves nothing of it
-    count_end(ray.traveller, how, *frame_, counts_);
-    work_->take(index, ray.traveller);
+  RayUnderWay ray{unpack(*made, *frame_), 0};
+  if (const Termination how = end(ray.ray_state, *frame_);
+      how != Termination::kNot) {  // its clipping leaves nothing of it
+    count_end(ray.ray_state, how, *frame_, counts_);
+    work_->take(index, ray.ray_state);
     ++finished_;
     return std::nullopt;
   }
-  ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.traveller.position));
+  ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.ray_state.position));
   const std::uint32_t handle = rays_.add(ray);
-  if (gathers_wide(*frame_)) rays_.wide(handle) = wide_words(ray.traveller);
+  if (gathers_wide(*frame_)) rays_.wide(handle) = wide_words(ray.ray_state);
   if (index_of_.size() <= handle) index_of_.resize(handle + 1);
   index_of_[handle] = index;
   return launch(handle);

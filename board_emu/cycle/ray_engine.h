@@ -11,12 +11,12 @@
 #include <optional>
 #include <vector>
 
-#include "gicube/v1/board_config.pb.h"
 #include "asic/partition.h"
-#include "levels/ray_source.h"
 #include "asic/raybus/ray_run.h"
-#include "ray_store.h"
 #include "asic/sim/fifo.h"
+#include "gicube/v1/board_config.pb.h"
+#include "levels/ray_source.h"
+#include "ray_store.h"
 
 namespace gicube::emu {
 
@@ -39,7 +39,7 @@ class RayEngine {
   RayEngine(const v1::BoardConfig& config, RayStore& rays, const RayEnginePorts& ports);
 
   // Begins a command at core cycle `now`. `work`, `frame` and `partition` must live until done().
-  void begin(Cycle now, RayWork& work, const Frame& frame, const Partition& partition);
+  void begin(Cycle now, RaySource& work, const Frame& frame, const Partition& partition);
 
   bool tick(Cycle now);
 
@@ -86,7 +86,7 @@ class RayEngine {
   std::uint32_t run_cycles_;
   bool single_queue_;
 
-  RayWork* work_ = nullptr;
+  RaySource* work_ = nullptr;
   const Frame* frame_ = nullptr;
   const Partition* partition_ = nullptr;
   std::uint64_t count_ = 0;

@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "words/words.h"
 #include "words/clock.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

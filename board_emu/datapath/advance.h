@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "words/words.h"
 #include "datapath/fixed.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "words/words.h"
 #include "gicube/wire/lut.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "gicube/wire/ray.h"
 #include "datapath/fixed.h"
 #include "datapath/shade.h"
+#include "gicube/wire/ray.h"
 
 namespace gicube::emu {
 

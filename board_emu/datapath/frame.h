@@ -6,14 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "words/words.h"
+#include "datapath/opacity_correction.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/material.h"
 #include "gicube/wire/ray.h"
 #include "memory/irradiance_memory.h"
 #include "memory/volume_memory.h"
-#include "datapath/opacity_correction.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

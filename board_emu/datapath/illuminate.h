@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "gicube/wire/lut.h"
 #include "datapath/resample.h"
 #include "datapath/shade.h"
+#include "gicube/wire/lut.h"
 
 namespace gicube::emu {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "datapath/random_stream.h"
 #include "datapath/illuminate.h"
+#include "datapath/random_stream.h"
 #include "datapath/scatter.h"
 #include "datapath/splat.h"
 #include "datapath/trilinear_splat.h"
@@ -34,18 +34,19 @@ std::uint32_t product(std::uint32_t a, std::uint32_t b) {
 
 // Opacity at which the ray interacts, 24 bits; the packet has 12 of them, the wide datapath all. The printed rules keep one
 // value for the whole path [P §2.2], which correlates its flights.
-std::uint32_t interaction(const Traveller& ray, const Frame& frame) {
+std::uint32_t interaction(const RayState& ray, const Frame& frame) {
   const std::uint16_t flight = frame.rules == wire::EnergyRules::kAsPrinted ? std::uint16_t{0} : ray.lifetime;
-  const auto value = static_cast<std::uint32_t>(draw(Chance::kInteraction, ray.u, ray.v, flight, frame.seed) >> 40);
+  const auto value =
+      static_cast<std::uint32_t>(draw(RandomStream::kInteraction, ray.u, ray.v, flight, frame.seed) >> 40);
   return frame.wide ? value | 1u : (value & 0xFFF000u) | 0x800u;
 }
 
-std::uint64_t draw_here(Chance what, const Traveller& ray, const Frame& frame) {
+std::uint64_t draw_here(RandomStream what, const RayState& ray, const Frame& frame) {
   return draw_at(what, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
 }
 
 // A ray that has been scattered leaves a reflecting surface without meeting it again.
-bool leaves(const Traveller& ray, const wire::Material& material, const Sample& sample, const Frame& frame) {
+bool leaves(const RayState& ray, const wire::Material& material, const Sample& sample, const Frame& frame) {
   if (ray.generation == 0 || !reflects(material.bsdf)) return false;
   std::int64_t along = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -56,7 +57,7 @@ bool leaves(const Traveller& ray, const wire::Material& material, const Sample& 
 
 // The part of its step that a sample stands for, 0..1: with the conserving rules a lighting ray's last step ends where the
 // volume does, else it would absorb beyond.
-double part_of_step(const Traveller& ray, const Frame& frame) {
+double part_of_step(const RayState& ray, const Frame& frame) {
   if (!ray.is(wire::kLightingRay) || frame.rules == wire::EnergyRules::kAsPrinted) return 1;
   Point next = ray.position;
   for (std::size_t axis = 0; axis < 3; ++axis) next[axis] += ray.step[axis];
@@ -70,7 +71,7 @@ double part_of_step(const Traveller& ray, const Frame& frame) {
   return std::max(share, 0.0);
 }
 
-std::uint32_t step_opacity(const Traveller& ray, std::uint16_t opacity, const Frame& frame) {
+std::uint32_t step_opacity(const RayState& ray, std::uint16_t opacity, const Frame& frame) {
   const double part = part_of_step(ray, frame);
   const auto exponent = part == 1 ? ray.exponent : static_cast<std::uint32_t>(std::lround(ray.exponent * part));
   return (*frame.opacity_correction)(opacity, exponent);
@@ -89,7 +90,7 @@ std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material
 }
 
 // Accumulates `opacity`; true when the ray interacts within this step, `where` being the place in it, 0..1.
-bool interacts(Traveller& ray, std::uint32_t opacity, const Frame& frame, double& where) {
+bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double& where) {
   const std::uint32_t before = ray.interacted;
   ray.interacted = before + product(wire::kOpacityOne - before, opacity);
   const std::uint32_t value = interaction(ray, frame);
@@ -104,7 +105,7 @@ bool interacts(Traveller& ray, std::uint32_t opacity, const Frame& frame, double
 
 // A place in what the sample stands for, `where` 0..1: the paper's rules know only the sample's own. It may lie in
 // another block.
-Point along_step(const Traveller& ray, double where, const Frame& frame) {
+Point along_step(const RayState& ray, double where, const Frame& frame) {
   Point out = ray.position;
   if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
   where *= part_of_step(ray, frame);
@@ -124,7 +125,7 @@ Deposit split_at(const Point& place, std::uint32_t units, std::uint16_t u, std::
     out.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
     fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
   }
-  out.shares = split(units, fraction, draw_at(Chance::kSplat, place, u, v, lifetime, seed));
+  out.shares = split(units, fraction, draw_at(RandomStream::kSplat, place, u, v, lifetime, seed));
   return out;
 }
 
@@ -143,7 +144,7 @@ Deposit spread_at(const Point& place, std::int32_t amount) {
 }
 
 // Gives `units` to the voxels round `place`.
-void deposit(Met& met, const Traveller& ray, std::uint32_t units, const Point& place, const Frame& frame) {
+void deposit(Interaction& met, const RayState& ray, std::uint32_t units, const Point& place, const Frame& frame) {
   if (units == 0) return;
   met.deposits = true;
   met.place = place;
@@ -152,8 +153,8 @@ void deposit(Met& met, const Traveller& ray, std::uint32_t units, const Point& p
   met.deposit = split_at(place, units, ray.u, ray.v, ray.lifetime, frame.seed);
 }
 
-void give_up(Met& met, const Traveller& ray, const Frame& frame, RayCounters& counters) {
-  met.fate = Fate::kEnded;
+void give_up(Interaction& met, const RayState& ray, const Frame& frame, RayCounters& counters) {
+  met.outcome = Outcome::kEnded;
   if (!ray.is(wire::kLightingRay)) return;
   const std::uint32_t units = energy_units(ray, frame);
   counters.energy.scattered_away += units;
@@ -161,7 +162,7 @@ void give_up(Met& met, const Traveller& ray, const Frame& frame, RayCounters& co
 }
 
 // The ray interacts at `where` of its step and is scattered.
-void scatter(Met& met, Traveller& ray, double where, const wire::Material& material, const Sample& sample,
+void scatter(Interaction& met, RayState& ray, double where, const wire::Material& material, const Sample& sample,
              const Frame& frame, RayCounters& counters) {
   ray.position = along_step(ray, where, frame);
   if (ray.lifetime == 0) return give_up(met, ray, frame, counters);
@@ -169,22 +170,23 @@ void scatter(Met& met, Traveller& ray, double where, const wire::Material& mater
   if (material.bsdf == wire::Bsdf::kTrap) {
     ++counters.traps;
     ray.flags = static_cast<std::uint8_t>(ray.flags | wire::kTrapped | sample.tag << kTrapTagShift);
-    met.fate = Fate::kTrapped;
+    met.outcome = Outcome::kTrapped;
     return;
   }
   turn(ray,
-       scattered(material, ray.direction, sample.gradient(), frame.spacing, draw_here(Chance::kDirection, ray, frame)),
+       scattered(material, ray.direction, sample.gradient(), frame.spacing,
+                 draw_here(RandomStream::kDirection, ray, frame)),
        frame);
   if (frame.rules == wire::EnergyRules::kAsPrinted) advance(ray, 1);
 }
 
-bool draws_scattering(const Traveller& ray, const wire::Material& material, const Frame& frame) {
-  return (draw(Chance::kAbsorption, ray.u, ray.v, ray.lifetime, frame.seed) >> 48) *
+bool draws_scattering(const RayState& ray, const wire::Material& material, const Frame& frame) {
+  return (draw(RandomStream::kAbsorption, ray.u, ray.v, ray.lifetime, frame.seed) >> 48) *
              std::uint64_t{wire::kScatteringOne} <
          std::uint64_t{material.scattering} << 16;
 }
 
-void meet_photon(Met& met, Traveller& ray, std::uint32_t a, const wire::Material& material, const Sample& sample,
+void meet_photon(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material, const Sample& sample,
                  const Frame& frame, RayCounters& counters) {
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double where = 0;
@@ -193,29 +195,29 @@ void meet_photon(Met& met, Traveller& ray, std::uint32_t a, const wire::Material
     return scatter(met, ray, where, material, sample, frame, counters);
   }
   deposit(met, ray, energy_units(ray, frame), along_step(ray, where, frame), frame);
-  met.fate = Fate::kEnded;
+  met.outcome = Outcome::kEnded;
 }
 
-void meet_bundle(Met& met, Traveller& ray, std::uint32_t a, const wire::Material& material, const Sample& sample,
+void meet_bundle(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material, const Sample& sample,
                  const Frame& frame, RayCounters& counters) {
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
   const std::uint64_t before = energy(ray.colour), lost = printed ? a : absorption_opacity(a, material);
   const std::uint32_t units = energy_units(ray, frame);
   // Rounded at random: a small energy in thin fog would else never become less.
-  const std::uint64_t dither = (draw_here(Chance::kLoss, ray, frame) >> 40) * wire::kOpacityOne >> 24;
+  const std::uint64_t dither = (draw_here(RandomStream::kLoss, ray, frame) >> 40) * wire::kOpacityOne >> 24;
   set_energy(ray.colour, before - (before * lost + dither) / wire::kOpacityOne);
   const std::uint32_t left = energy_units(ray, frame);
   std::uint32_t given = units - left;
   if (printed && given != 0) {  // what was scattered is lost [P §2.2]
     const std::uint64_t share = std::uint64_t{given} * (wire::kScatteringOne - material.scattering);
-    const std::uint64_t chance = (draw_here(Chance::kShare, ray, frame) >> 48) * wire::kScatteringOne >> 16;
+    const std::uint64_t chance = (draw_here(RandomStream::kShare, ray, frame) >> 48) * wire::kScatteringOne >> 16;
     const auto absorbed = static_cast<std::uint32_t>((share + chance) / wire::kScatteringOne);
     counters.energy.scattered_away += given - absorbed;
     given = absorbed;
   }
   deposit(met, ray, given, along_step(ray, 0.5, frame), frame);
   if (left == 0) {
-    met.fate = Fate::kEnded;
+    met.outcome = Outcome::kEnded;
     return;
   }
   double where = 0;
@@ -241,7 +243,7 @@ Colour12 colour_of(const Sample& sample, const Cell& at, std::size_t block, std:
 }
 
 // Leaves the part of a sample's opacity that is absorbed, of `scattering` units of wire::kScatteringOne.
-void absorb(Traveller& ray, WideWords* wide, const Colour12& colour, std::uint32_t a, std::uint16_t scattering,
+void absorb(RayState& ray, WideWords* wide, const Colour12& colour, std::uint32_t a, std::uint16_t scattering,
             const Sample& sample, const Frame& frame) {
   constexpr float kOne = wire::kScatteringOne;
   if (wide == nullptr) {
@@ -253,9 +255,9 @@ void absorb(Traveller& ray, WideWords* wide, const Colour12& colour, std::uint32
   over(ray, *wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
 }
 
-void meet_rendering(Met& met, Traveller& ray, WideWords* wide, const Cell& at, std::size_t block, std::size_t edge,
-                    std::uint32_t a, const wire::Material& material, const Sample& sample, const Frame& frame,
-                    RayCounters& counters) {
+void meet_rendering(Interaction& met, RayState& ray, WideWords* wide, const Cell& at, std::size_t block,
+                    std::size_t edge, std::uint32_t a, const wire::Material& material, const Sample& sample,
+                    const Frame& frame, RayCounters& counters) {
   const bool scatters =
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
   double where = 0;
@@ -270,7 +272,7 @@ void meet_rendering(Met& met, Traveller& ray, WideWords* wide, const Cell& at, s
     } else {
       over(ray, colour, wire::kOpacityOne);
     }
-    met.fate = Fate::kEnded;
+    met.outcome = Outcome::kEnded;
     return;
   }
   absorb(ray, wide, colour_of(sample, at, block, edge, frame), a, scatters ? material.scattering : std::uint16_t{0},
@@ -280,8 +282,8 @@ void meet_rendering(Met& met, Traveller& ray, WideWords* wide, const Cell& at, s
 }
 
 // A ray that takes nothing from its energy leaves its amount at each sample.
-Met backproject(Traveller& ray, const Frame& frame, RayCounters& counters) {
-  Met met;
+Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters) {
+  Interaction met;
   met.visible = true;
   const std::int32_t amount = amount_of(ray);
   ++counters.deposits;
@@ -292,7 +294,8 @@ Met backproject(Traveller& ray, const Frame& frame, RayCounters& counters) {
     met.deposit = spread_at(ray.position, amount);
   } else {  // a fraction of a unit is rounded at random, and the place's own way
     constexpr int kFraction = wire::kAmountFractionBits;
-    const std::uint64_t chance = draw_at(Chance::kPhase, ray.position, ray.u, ray.v, 0, frame.seed) >> (64 - kFraction);
+    const std::uint64_t chance =
+        draw_at(RandomStream::kPhase, ray.position, ray.u, ray.v, 0, frame.seed) >> (64 - kFraction);
     deposit(met, ray, (static_cast<std::uint32_t>(amount) + static_cast<std::uint32_t>(chance)) >> kFraction,
             ray.position, frame);
     counters.energy.emitted += met.units;
@@ -303,7 +306,7 @@ Met backproject(Traveller& ray, const Frame& frame, RayCounters& counters) {
 
 }  // namespace
 
-void turn(Traveller& ray, const Direction& direction, const Frame& frame) {
+void turn(RayState& ray, const Direction& direction, const Frame& frame) {
   --ray.lifetime;
   if (ray.generation < 15) ++ray.generation;
   ray.interacted = 0;
@@ -318,21 +321,21 @@ Sample sample_at(const Point& position, const Frame& frame) {
   return classify(cell(position, grid.low(position)), frame.volume->view(grid.block(position)), edge, frame);
 }
 
-Deposit deposit_of(const Traveller& carrier, const Frame& frame) {
+Deposit deposit_of(const RayState& carrier, const Frame& frame) {
   if (frame.sums != nullptr) return spread_at(carrier.position, amount_of(carrier));
   const auto units = static_cast<std::uint32_t>(energy(carrier.colour) >> kEnergyFractionBits);
   return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, frame.seed);
 }
 
-std::uint32_t energy_units(const Traveller& ray, const Frame& frame) {
-  const std::uint64_t phase = draw(Chance::kPhase, ray.u, ray.v, 0, frame.seed) >> (64 - kEnergyFractionBits);
+std::uint32_t energy_units(const RayState& ray, const Frame& frame) {
+  const std::uint64_t phase = draw(RandomStream::kPhase, ray.u, ray.v, 0, frame.seed) >> (64 - kEnergyFractionBits);
   return static_cast<std::uint32_t>((energy(ray.colour) + phase) >> kEnergyFractionBits);
 }
 
-Met meet(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge,
-         const Frame& frame, RayCounters& counters) {
+Interaction interact(RayState& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block,
+                     std::size_t edge, const Frame& frame, RayCounters& counters) {
   if (frame.backprojects) return backproject(ray, frame, counters);
-  Met met;
+  Interaction met;
   const Sample sample = classify(at, view, edge, frame);
   const wire::Material& material = frame.materials[sample.tag];
   met.visible = visible(sample.index, wide, frame);
@@ -360,12 +363,12 @@ std::uint16_t opacity_at(const Point& position, const Frame& frame) {
   return sample_at(position, frame).entry->opacity;
 }
 
-void count_end(const Traveller& ray, End how, const Frame& frame, RayCounters& counters) {
+void count_end(const RayState& ray, Termination how, const Frame& frame, RayCounters& counters) {
   ++counters.rays;
-  if (how == End::kOpaque) ++counters.terminated;
+  if (how == Termination::kOpaque) ++counters.terminated;
   if (!ray.is(wire::kLightingRay)) return;
   ++counters.lighting_rays;
-  if (how == End::kLeft) counters.energy.escaped += energy_units(ray, frame);
+  if (how == Termination::kLeft) counters.energy.escaped += energy_units(ray, frame);
 }
 
 }  // namespace gicube::emu

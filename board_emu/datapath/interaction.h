@@ -8,9 +8,9 @@
 //                 probability Ks, else absorbed whole
 #pragma once
 
+#include "datapath/scatter.h"
 #include "gicube/wire/trap.h"
 #include "ray_step.h"
-#include "datapath/scatter.h"
 
 namespace gicube::emu {
 
@@ -26,10 +26,10 @@ struct Sample {
 
 Sample sample_at(const Point& position, const Frame& frame);
 
-enum class Fate : std::uint8_t { kGoesOn, kEnded, kTrapped };
+enum class Outcome : std::uint8_t { kGoesOn, kEnded, kTrapped };
 
-struct Met {
-  Fate fate = Fate::kGoesOn;
+struct Interaction {
+  Outcome outcome = Outcome::kGoesOn;
   bool visible = false;  // the sample has an opacity
   bool deposits = false;
   // If it does: where, not always in the block of the sample; how much; and on which flight.
@@ -40,17 +40,17 @@ struct Met {
 };
 
 // How the energy of an irradiance carrier falls to the voxels round its position: as that of the ray which sent it did.
-Deposit deposit_of(const Traveller& carrier, const Frame& frame);
+Deposit deposit_of(const RayState& carrier, const Frame& frame);
 
 // Takes the sample at `at` of the block `view`, and advances or scatters the ray. `wide`, here and below: as take_sample().
-Met meet(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block, std::size_t edge,
-         const Frame& frame, RayCounters& counters);
+Interaction interact(RayState& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block,
+                     std::size_t edge, const Frame& frame, RayCounters& counters);
 
 // A flight begins: the ray, scattered, runs along `direction`.
-void turn(Traveller& ray, const Direction& direction, const Frame& frame);
+void turn(RayState& ray, const Direction& direction, const Frame& frame);
 
 // A leap takes the ray through nothing: it is no longer at a surface.
-inline void leave_surface(Traveller& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
+inline void leave_surface(RayState& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
 
 // The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as finish() leaves
 // it, else ready to set out. What it brings counts as emitted.
@@ -58,16 +58,17 @@ bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
 
 // The DSP scatters a trapped ray: what its routine answers. `cycles`: what it took, of the DSP. Throws RoutineFault.
 // kTrapped: the host must answer, the frame's HostTraps have the ray, and it is gone without having come to an end.
-Met resolve_trap(Traveller& ray, WideWords* wide, const Frame& frame, RayCounters& counters, std::uint32_t& cycles);
+Interaction resolve_trap(RayState& ray, WideWords* wide, const Frame& frame, RayCounters& counters,
+                         std::uint32_t& cycles);
 
 // Whole energy units that the ray holds: its energy's fraction is rounded by one draw a ray, so that what it deposits on its
 // way sums exactly to what it had.
-std::uint32_t energy_units(const Traveller& ray, const Frame& frame);
+std::uint32_t energy_units(const RayState& ray, const Frame& frame);
 
 // Opacity of one voxel length at a place of the volume, 65535 = 1.
 std::uint16_t opacity_at(const Point& position, const Frame& frame);
 
 // Counts a ray that has come to its end, with the energy that leaves with it.
-void count_end(const Traveller& ray, End how, const Frame& frame, RayCounters& counters);
+void count_end(const RayState& ray, Termination how, const Frame& frame, RayCounters& counters);
 
 }  // namespace gicube::emu

@@ -12,7 +12,7 @@ inline constexpr std::size_t kJitterEntries = 256;  // chosen
 inline constexpr std::uint32_t kJitterOne = 1u << 16;
 
 // A full-avalanche mix of 64 bits (the finalizer of SplitMix64; Steele, Lea, Flood 2014).
-constexpr std::uint64_t mangle(std::uint64_t x) {
+constexpr std::uint64_t mix64(std::uint64_t x) {
   x ^= x >> 30;
   x *= 0xBF58476D1CE4E5B9u;
   x ^= x >> 27;
@@ -27,7 +27,7 @@ constexpr std::array<std::uint32_t, kJitterEntries> make_jitter_lut() {
     lut[i] = kJitterOne / 2 + static_cast<std::uint32_t>((2 * i + 1) * (kJitterOne / 2) / (2 * kJitterEntries));
   }
   for (std::size_t i = kJitterEntries - 1; i > 0; --i) {
-    const std::size_t j = mangle(i) % (i + 1);
+    const std::size_t j = mix64(i) % (i + 1);
     const std::uint32_t swapped = lut[i];
     lut[i] = lut[j];
     lut[j] = swapped;
@@ -42,7 +42,7 @@ constexpr std::uint32_t jitter(const std::array<std::int32_t, 3>& position, std:
   const std::uint64_t low =
       static_cast<std::uint32_t>(position[0]) | std::uint64_t{static_cast<std::uint32_t>(position[1])} << 24;
   const std::uint64_t high = static_cast<std::uint32_t>(position[2]) | std::uint64_t{u} << 24 | std::uint64_t{v} << 40;
-  return kJitterLut[mangle(mangle(low) ^ high) % kJitterEntries];
+  return kJitterLut[mix64(mix64(low) ^ high) % kJitterEntries];
 }
 
 }  // namespace gicube::emu

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "frame.h"
 #include "datapath/advance.h"
 #include "datapath/classify.h"
 #include "datapath/composite.h"
@@ -15,11 +14,12 @@
 #include "datapath/resample.h"
 #include "datapath/shade.h"
 #include "datapath/wide.h"
+#include "frame.h"
 
 namespace gicube::emu {
 
 // The ray packet's words as the pipeline's registers hold them, with what its direction fixes once and for all.
-struct Traveller {
+struct RayState {
   Point position{};
   Point step{};                // to the next sample
   std::uint32_t exponent = 0;  // what that distance means for opacity: 16.16 voxel lengths
@@ -39,7 +39,7 @@ struct Traveller {
 
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 };
-static_assert(sizeof(Traveller) == 60, "with its block it fills one of the host's cache lines (rays.h)");
+static_assert(sizeof(RayState) == 60, "with its block it fills one of the host's cache lines (ray_store.h)");
 
 inline constexpr int kTrapTagShift = 6;
 
@@ -53,7 +53,7 @@ constexpr void set_energy(std::array<std::uint16_t, 3>& colour, std::uint64_t en
 }
 
 // What each sample of a ray that backprojects leaves: the 24 bits that its packet has in place of opacity.
-inline std::int32_t amount_of(const Traveller& ray) {
+inline std::int32_t amount_of(const RayState& ray) {
   return wire::sign_extend(static_cast<std::uint32_t>(energy(ray.colour)), 24);
 }
 
@@ -62,14 +62,14 @@ std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
                               const std::array<std::uint32_t, 3>& spacing);
 
 // Sets the distance to the next sample, 16.16 voxels.
-inline void space(Traveller& ray, std::uint32_t distance) {
+inline void space(RayState& ray, std::uint32_t distance) {
   ray.step = step_vector(ray.direction, distance);
   ray.exponent =
       static_cast<std::uint32_t>(round_shift<16>(static_cast<std::int64_t>(std::uint64_t{distance} * ray.length)));
 }
 
 // Divides a segment's `length`, 16.16 voxels, into even steps of at most the frame's, and goes to the middle of the first.
-inline void divide(Traveller& ray, std::uint32_t length, const Frame& frame) {
+inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
   const std::uint32_t steps = (length + frame.step - 1) / frame.step;
   ray.interacted = steps;
   ray.colour = {};
@@ -79,8 +79,8 @@ inline void divide(Traveller& ray, std::uint32_t length, const Frame& frame) {
   for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += half[axis];
 }
 
-inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
-  Traveller out;
+inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
+  RayState out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.position[axis] = static_cast<std::int32_t>(ray.position[axis]);
     out.colour[axis] = ray.colour[axis];
@@ -103,7 +103,7 @@ inline Traveller set_out(const wire::Ray& ray, const Frame& frame) {
 }
 
 // Writes what the ray has gathered, and where it ended, clamped to the volume, into its packet.
-inline void finish(const Traveller& ray, const Frame& frame, wire::Ray& out) {
+inline void finish(const RayState& ray, const Frame& frame, wire::Ray& out) {
   const bool hit = frame.to_the_hit && ray.opacity >= frame.opacity_threshold;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     // Back from the next sample's place to that of the hit, or to a segment's end.
@@ -121,15 +121,15 @@ inline void finish(const Traveller& ray, const Frame& frame, wire::Ray& out) {
 
 // Whether the ray has come to its end: out of the volume, behind a cut plane, opaque enough, or absorbed or given up.
 // kWaits: for the host, which has the ray; it has not ended.
-enum class End : std::uint8_t { kNot, kLeft, kOpaque, kSpent, kWaits };
+enum class Termination : std::uint8_t { kNot, kLeft, kOpaque, kAbsorbed, kWaits };
 
-inline End end(const Traveller& ray, const Frame& frame) {
-  if (!inside(ray.position, frame.extent)) return End::kLeft;
-  if (frame.segments && ray.interacted == 0) return End::kLeft;
+inline Termination end(const RayState& ray, const Frame& frame) {
+  if (!inside(ray.position, frame.extent)) return Termination::kLeft;
+  if (frame.segments && ray.interacted == 0) return Termination::kLeft;
   for (const Plane& plane : frame.cut_planes) {
-    if (beyond(plane, ray.position, ray.step)) return End::kLeft;
+    if (beyond(plane, ray.position, ray.step)) return Termination::kLeft;
   }
-  return ray.opacity >= frame.opacity_threshold ? End::kOpaque : End::kNot;
+  return ray.opacity >= frame.opacity_threshold ? Termination::kOpaque : Termination::kNot;
 }
 
 // The block of a position, and its place there.
@@ -194,7 +194,7 @@ inline Channels resample_view(const BlockView& view, std::size_t first, const Ce
 }
 
 // Composites a sample of the classified opacity behind what the ray has gathered: in `wide` words, if there are any.
-inline void composite(Traveller& ray, WideWords* wide, const Colour12& colour, std::size_t index, const Frame& frame) {
+inline void composite(RayState& ray, WideWords* wide, const Colour12& colour, std::size_t index, const Frame& frame) {
   if (wide != nullptr) return over(ray, *wide, colour, wide_alpha(frame.wide_depths[index], ray.exponent));
   over(ray, colour, (*frame.opacity_correction)(frame.segmentation[index].opacity, ray.exponent));
 }
@@ -206,7 +206,7 @@ inline bool visible(std::size_t index, const WideWords* wide, const Frame& frame
 
 // Resamples, classifies, shades and composites at `at`, a place in the block `view` of (edge)^3 voxels. False if the
 // sample has no opacity. `wide`: the ray's, of a frame that gathers_wide(); else null.
-inline bool take_sample(Traveller& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t edge,
+inline bool take_sample(RayState& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t edge,
                         const Frame& frame) {
   const std::size_t row = edge, slice = edge * edge;
   const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
@@ -239,31 +239,31 @@ inline std::uint32_t jittered(const Frame& frame, std::uint32_t factor) {
 }
 
 // Draws the distance to the next sample, if the frame jitters.
-inline void jitter_step(Traveller& ray, const Frame& frame) {
+inline void jitter_step(RayState& ray, const Frame& frame) {
   if (!frame.jitter) return;
   space(ray, jittered(frame, jitter(ray.position, ray.u, ray.v)));
 }
 
 // What the sorter counts of the ray, 12 bits: what a rendering ray can still add to the image, and a lighting ray's energy.
 inline constexpr std::uint16_t kFullContribution = 4095;
-inline std::uint16_t contribution(const Traveller& ray) {
+inline std::uint16_t contribution(const RayState& ray) {
   if (!ray.is(wire::kLightingRay)) return contribution(ray.opacity);
   constexpr int kShift = kEnergyFractionBits - 4;  // 255 units fill 12 bits
   return static_cast<std::uint16_t>(std::min<std::uint64_t>(energy(ray.colour) >> kShift, kFullContribution));
 }
 
-inline void advance(Traveller& ray, std::int32_t steps) {
+inline void advance(RayState& ray, std::int32_t steps) {
   for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
 }
 
 // The steps that take the ray out of its empty block [low, low + size), or a segment to its end.
-inline std::int32_t leap_steps(const Traveller& ray, const Point& low, std::int32_t size, const Frame& frame) {
+inline std::int32_t leap_steps(const RayState& ray, const Point& low, std::int32_t size, const Frame& frame) {
   const std::int32_t steps = leap_steps(ray.position, ray.step, low, size);
   return frame.segments ? std::min(steps, static_cast<std::int32_t>(ray.interacted)) : steps;
 }
 
 // Counts the steps of a segment down.
-inline void count_steps(Traveller& ray, std::int32_t steps, const Frame& frame) {
+inline void count_steps(RayState& ray, std::int32_t steps, const Frame& frame) {
   if (frame.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
 }
 

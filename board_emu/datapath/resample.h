@@ -1,7 +1,7 @@
 // Trilinear resampling of density and gradient: seven linear interpolators a channel [P §3.4].
 //
 // What enters: the eight decoded voxels round a sample and the sample's fractions; what leaves: one word a channel.
-// Interpolator words have 16 bits (flow.h), weights are 0.15.
+// Interpolator words have 16 bits (words.h), weights are 0.15.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 #include <emmintrin.h>
 #endif
 
-#include "words/words.h"
 #include "gicube/wire/ray.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 
@@ -68,7 +68,7 @@ constexpr Channels resample_each(const Neighbourhood& at) {
 #if defined(__SSE2__)
 // lerp() in eight lanes: round((b - a) w / 2^15) from the product's high and low halves.
 inline __m128i lerp(__m128i a, __m128i b, __m128i w) {
-  const __m128i difference = _mm_sub_epi16(b, a);  // fits 16 bits (flow.h)
+  const __m128i difference = _mm_sub_epi16(b, a);  // fits 16 bits (words.h)
   const __m128i high = _mm_mulhi_epi16(difference, w), low = _mm_mullo_epi16(difference, w);
   // Bits 15 and 14 of the low half are the quotient's last bit and the one that rounds.
   const __m128i last = _mm_srli_epi16(_mm_add_epi16(_mm_srli_epi16(low, 14), _mm_set1_epi16(1)), 1);

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 
-#include "words/words.h"
 #include "gicube/wire/material.h"
 #include "gicube/wire/trap.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "words/words.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/ray.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "words/words.h"
 #include "gicube/wire/ray.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

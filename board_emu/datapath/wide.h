@@ -13,9 +13,9 @@
 #include <span>
 #include <vector>
 
+#include "datapath/shade.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/ray.h"
-#include "datapath/shade.h"
 
 namespace gicube::emu {
 
@@ -38,13 +38,13 @@ WideWords wide_words(const Ray& ray) {
 inline constexpr std::array<float, 7> kFall{0.693147182f,   -0.240226492f,    0.0555039123f,  -0.00961695053f,
                                             0.00132993993f, -0.000148892374f, 1.13038432e-05f};
 inline constexpr float kOpaqueDepth = 64;  // beyond what the table's bits can say
-inline constexpr float kMostDepth = 31;    // of a step; nothing is seen through it
+inline constexpr float kMaxDepth = 31;     // of a step; nothing is seen through it
 
 // Opacity of a sample whose voxel length has `depth` halvings of the light, and that stands for `exponent` (16.16) of them.
 inline float wide_alpha(float depth, std::uint32_t exponent) {
   if (depth >= kOpaqueDepth) return 1;
   const float lengths = static_cast<float>(static_cast<std::int32_t>(exponent)) * 0x1p-16f;
-  const float x = std::min(depth * lengths, kMostDepth);
+  const float x = std::min(depth * lengths, kMaxDepth);
   const auto whole = static_cast<std::int32_t>(x);
   const float rest = x - static_cast<float>(whole), left = std::bit_cast<float>((127 - whole) << 23);
   float fall = kFall.back();

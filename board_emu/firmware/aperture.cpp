@@ -19,11 +19,11 @@ std::vector<std::uint8_t> slice(std::span<const std::uint8_t> bytes, std::uint64
 
 }  // namespace
 
-Aperture::Aperture(int block_voxels, std::uint32_t most_irradiance)
+Aperture::Aperture(int block_voxels, std::uint32_t max_irradiance)
     : segmentation_(wire::kSegmentationEntries, wire::decode_segmentation),
       gradients_(wire::kGradientCodes, decode_gradient),
       materials_(wire::kTags, wire::decode_material),
-      irradiance_(block_voxels, most_irradiance),
+      irradiance_(block_voxels, max_irradiance),
       sums_(block_voxels),
       reflectance_map_(wire::kReflectanceBytes),
       empty_flags_(wire::kEmptyFlags.bytes),

@@ -48,8 +48,8 @@ class Table {
 
 class Aperture {
  public:
-  // `most_irradiance`: at which an irradiance word saturates.
-  Aperture(int block_voxels, std::uint32_t most_irradiance);
+  // `max_irradiance`: at which an irradiance word saturates.
+  Aperture(int block_voxels, std::uint32_t max_irradiance);
 
   // False, and nothing written, if no writable memory is there.
   bool write(std::uint64_t address, std::span<const std::uint8_t> bytes);

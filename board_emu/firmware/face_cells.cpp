@@ -8,7 +8,7 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr double kLeastSolidAngle = 1e-4;  // chosen: the arc cosines below are good to about 1e-8
+constexpr double kMinSolidAngle = 1e-4;  // chosen: the arc cosines below are good to about 1e-8
 
 // The angle between two planes through the origin with these normals (not unit), 0..pi.
 double angle(const Vector& a, const Vector& b) {
@@ -52,7 +52,7 @@ std::array<double, 2> point_seen(const SeenRectangle& seen, double s, double t) 
                above = cross(corner[2], corner[3]), left = cross(corner[3], corner[0]);
   const double rest = 2 * std::numbers::pi - angle(above, left) - angle(left, below);
   const double whole = angle(below, right) + angle(right, above) - rest;
-  if (!(whole > kLeastSolidAngle)) return plain;
+  if (!(whole > kMinSolidAngle)) return plain;
   // The part left of x has the solid angle s * whole.
   const double phi = s * whole + rest;
   const double b0 = below[2] / length(below), b1 = above[2] / length(above);

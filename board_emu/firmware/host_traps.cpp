@@ -17,8 +17,8 @@ void HostTraps::begin(bool light, wire::EnergyRules rules) {
 
 void HostTraps::add(const wire::TrappedRay& ray) {
   const std::lock_guard lock(mutex_);
-  if (added_.size() + waiting_.size() == kMost) {
-    throw RoutineFault("more than " + std::to_string(kMost) +
+  if (added_.size() + waiting_.size() == kMax) {
+    throw RoutineFault("more than " + std::to_string(kMax) +
                        " rays wait for the host: a smaller image or fewer lighting rays a command would help");
   }
   added_.push_back(ray);

@@ -15,7 +15,7 @@ namespace gicube::emu {
 
 class HostTraps {
  public:
-  static constexpr std::size_t kMost = std::size_t{1} << 22;  // chosen: 128 MB of packets in the DSP's SDRAM
+  static constexpr std::size_t kMax = std::size_t{1} << 22;  // chosen: 128 MB of packets in the DSP's SDRAM
 
   // Forgets all rays; `light` tells what the rays of the command to come are, and `rules` holds for lighting rays.
   void begin(bool light, wire::EnergyRules rules);

@@ -15,10 +15,10 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kFarthest = 1e9;      // chosen: squares and products of coordinates stay far from the doubles' ends
-constexpr double kLeastLength = 1e-6;  // chosen
-constexpr double kNearEdges = 4;       // chosen: eq. 1's error for a whole cell is about (edge / r)^2 / 2 there
-constexpr double kInFace = 1e-9;       // chosen: a light that close to a face's plane lies in it
+constexpr double kFarthest = 1e9;    // chosen: squares and products of coordinates stay far from the doubles' ends
+constexpr double kMinLength = 1e-6;  // chosen
+constexpr double kNearEdges = 4;     // chosen: eq. 1's error for a whole cell is about (edge / r)^2 / 2 there
+constexpr double kInFace = 1e-9;     // chosen: a light that close to a face's plane lies in it
 constexpr std::uint64_t kRoundingStream = 1;  // tells the hashes of roundings from those of points
 
 bool all_within(const Vector& v, double limit) {
@@ -44,14 +44,14 @@ std::optional<std::string> geometry_fault(const wire::IlluminateCommand& command
       if (command.u == Vector{}) return "u, towards the light, must not be 0";
       return std::nullopt;
     case wire::LightKind::kSphere:
-      if (!(command.u[0] >= kLeastLength && command.u[0] <= kFarthest))
+      if (!(command.u[0] >= kMinLength && command.u[0] <= kFarthest))
         return "u.x, the sphere's radius, must be 1e-6 to 1e9, not " + std::to_string(command.u[0]);
       break;
     case wire::LightKind::kRectangle: {
       if (!all_within(command.u, kFarthest)) return "u, an edge of the rectangle," + range;
       if (!all_within(command.v, kFarthest)) return "v, an edge of the rectangle," + range;
       const double lu = length(command.u), lv = length(command.v);
-      if (lu < kLeastLength || lv < kLeastLength) return "u and v, the rectangle's edges, must be at least 1e-6 long";
+      if (lu < kMinLength || lv < kMinLength) return "u and v, the rectangle's edges, must be at least 1e-6 long";
       if (length(cross(command.u, command.v)) < 1e-9 * lu * lv)
         return "u and v, the rectangle's edges, are parallel: it has no area";
       break;
@@ -72,7 +72,7 @@ std::optional<std::string> LightingRays::fault(const wire::IlluminateCommand& co
   if (command.rules > wire::EnergyRules::kConserving)
     return "rules must be 0 or 1, not " + std::to_string(static_cast<unsigned>(command.rules));
   const std::uint32_t k = command.rays_per_voxel;
-  if (k < 1 || k > wire::kMostRaysPerVoxel) return "rays_per_voxel must be 1 to 4096, not " + std::to_string(k);
+  if (k < 1 || k > wire::kMaxRaysPerVoxel) return "rays_per_voxel must be 1 to 4096, not " + std::to_string(k);
   if (command.count < 1) return "count must be at least 1";
   if (std::uint64_t{command.first} + command.count > k)
     return "first + count must be at most rays_per_voxel, " + std::to_string(k) + ", not " +

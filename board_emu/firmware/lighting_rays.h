@@ -19,9 +19,9 @@
 #include <string>
 
 #include "firmware/face_cells.h"
-#include "words/words.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

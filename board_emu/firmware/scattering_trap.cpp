@@ -1,10 +1,10 @@
 // Trapped rays: what a routine is told of them, and how they go on by its answer.
 #include <span>
 
-#include "firmware/routines.h"
-#include "host_traps.h"
 #include "datapath/interaction.h"
 #include "datapath/random_stream.h"
+#include "firmware/routines.h"
+#include "host_traps.h"
 
 namespace gicube::emu {
 
@@ -13,7 +13,7 @@ static_assert(wire::kTrapDensityFractionBits == kDensityFractionBits &&
 
 namespace {
 
-wire::Ray packet_of(const Traveller& ray, const Frame& frame) {
+wire::Ray packet_of(const RayState& ray, const Frame& frame) {
   wire::Ray out;
   out.u = ray.u;
   out.v = ray.v;
@@ -23,7 +23,7 @@ wire::Ray packet_of(const Traveller& ray, const Frame& frame) {
 }
 
 // The sample is taken anew: the ray has gone on within its step to where it met the material, maybe even out of it.
-wire::TrappedRay trapped_ray(const Traveller& ray, unsigned tag, const Frame& frame) {
+wire::TrappedRay trapped_ray(const RayState& ray, unsigned tag, const Frame& frame) {
   const Sample sample = sample_at(ray.position, frame);
   wire::TrappedRay out;
   out.ray = packet_of(ray, frame);
@@ -31,10 +31,10 @@ wire::TrappedRay trapped_ray(const Traveller& ray, unsigned tag, const Frame& fr
   out.density = static_cast<std::uint16_t>(sample.channels[0]);
   out.opacity = sample.entry->opacity;
   out.tag = static_cast<std::uint8_t>(tag);
-  std::uint64_t chance = draw_at(Chance::kRoutine, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
+  std::uint64_t chance = draw_at(RandomStream::kRoutine, ray.position, ray.u, ray.v, ray.lifetime, frame.seed);
   for (std::uint32_t& number : out.random) {
     number = static_cast<std::uint32_t>(chance >> 32);
-    chance = mangle(chance + 1);
+    chance = mix64(chance + 1);
   }
   return out;
 }
@@ -55,9 +55,9 @@ ScatterEvent event_of(const wire::TrappedRay& trapped, const wire::Material& mat
 }
 
 // The ray goes on along `direction`, or ends if all of it is dropped; `dropped`: 2^24 - 1 = all.
-Met answer_trap(Traveller& ray, WideWords* wide, const Direction& direction, std::uint32_t dropped, const Frame& frame,
-                RayCounters& counters) {
-  Met met;
+Interaction answer_trap(RayState& ray, WideWords* wide, const Direction& direction, std::uint32_t dropped,
+                        const Frame& frame, RayCounters& counters) {
+  Interaction met;
   if (dropped != 0) {
     const bool lighting = ray.is(wire::kLightingRay);
     if (lighting) {
@@ -71,7 +71,7 @@ Met answer_trap(Traveller& ray, WideWords* wide, const Direction& direction, std
       over(ray, {0, 0, 0}, dropped);
     }
     if (dropped == wire::kOpacityOne || (lighting && energy_units(ray, frame) == 0)) {
-      met.fate = Fate::kEnded;
+      met.outcome = Outcome::kEnded;
       return met;
     }
   }
@@ -82,18 +82,19 @@ Met answer_trap(Traveller& ray, WideWords* wide, const Direction& direction, std
 }  // namespace
 
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
-  Traveller traveller = set_out(ray, frame);
-  WideWords words = wide_words(traveller);
+  RayState ray_state = unpack(ray, frame);
+  WideWords words = wide_words(ray_state);
   WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
-  if (traveller.is(wire::kLightingRay)) counters.energy.emitted += energy_units(traveller, frame);
+  if (ray_state.is(wire::kLightingRay)) counters.energy.emitted += energy_units(ray_state, frame);
   const bool ends =
-      answer_trap(traveller, wide, ray.direction, wire::dropped_share(ray), frame, counters).fate == Fate::kEnded;
-  if (ends) count_end(traveller, End::kSpent, frame, counters);
-  ray = packet_of(traveller, frame);
+      answer_trap(ray_state, wide, ray.direction, wire::dropped_share(ray), frame, counters).outcome == Outcome::kEnded;
+  if (ends) count_end(ray_state, Termination::kAbsorbed, frame, counters);
+  ray = packet_of(ray_state, frame);
   return ends;
 }
 
-Met resolve_trap(Traveller& ray, WideWords* wide, const Frame& frame, RayCounters& counters, std::uint32_t& cycles) {
+Interaction resolve_trap(RayState& ray, WideWords* wide, const Frame& frame, RayCounters& counters,
+                         std::uint32_t& cycles) {
   const unsigned tag = ray.flags >> kTrapTagShift;
   const wire::Material& material = frame.materials[tag];
   ray.flags &= (1u << kTrapTagShift) - 1;
@@ -102,8 +103,8 @@ Met resolve_trap(Traveller& ray, WideWords* wide, const Frame& frame, RayCounter
   if (material.routine == wire::kHostRoutine) {
     frame.host_traps->add(trapped);
     cycles = 0;
-    Met met;
-    met.fate = Fate::kTrapped;
+    Interaction met;
+    met.outcome = Outcome::kTrapped;
     return met;
   }
   const ScatterAnswer answer = frame.routines->scatter(material.routine, event_of(trapped, material, frame));

@@ -7,9 +7,9 @@
 #include <optional>
 #include <span>
 
-#include "words/words.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "datapath/ray_step.h"
 #include "datapath/interaction.h"
-#include "memory/sum_memory.h"
+#include "datapath/ray_step.h"
 #include "functional/simd/splat_pieces.h"
+#include "memory/sum_memory.h"
 
 namespace gicube::emu {
 
@@ -28,7 +28,7 @@ struct Cut {
 };
 
 // How many samples of the ray lie in the volume, of those that it has left.
-std::int32_t samples_inside(const Traveller& ray, const Frame& frame) {
+std::int32_t samples_inside(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return 0;
   auto count = static_cast<std::int32_t>(ray.interacted);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -40,13 +40,13 @@ std::int32_t samples_inside(const Traveller& ray, const Frame& frame) {
 }
 
 void cut(const wire::Ray& packet, const Frame& frame, const BlockGrid& grid, Cut& out) {
-  Traveller ray = set_out(packet, frame);
+  RayState ray = unpack(packet, frame);
   std::int32_t left = samples_inside(ray, frame);
   ++out.counters.rays;
   out.counters.samples += static_cast<std::uint64_t>(left);
   const std::int32_t amount = amount_of(ray);
   const auto size = static_cast<std::uint32_t>(std::abs(amount));
-  const std::uint64_t moves = wire::most_moved(size, static_cast<std::uint32_t>(packet.colour_word()), frame.step);
+  const std::uint64_t moves = wire::max_moved(size, static_cast<std::uint32_t>(packet.colour_word()), frame.step);
   out.counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{amount} * left);
   while (left > 0) {
     const Point low = grid.low(ray.position);
@@ -108,8 +108,8 @@ class SortedPieces {
 }  // namespace
 
 RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, unsigned threads) {
-  constexpr std::size_t kLeastRays = 16;  // chosen: a thread costs as much as some dozen rays
-  threads = static_cast<unsigned>(std::clamp<std::size_t>(rays.size() / kLeastRays, 1, std::max(threads, 1u)));
+  constexpr std::size_t kMinRays = 16;  // chosen: a thread costs as much as some dozen rays
+  threads = static_cast<unsigned>(std::clamp<std::size_t>(rays.size() / kMinRays, 1, std::max(threads, 1u)));
   const BlockGrid grid(*frame.volume);
   std::vector<Cut> cuts(threads, Cut(frame.volume->block_count()));
   on_threads(threads, [&](unsigned t) {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "datapath/ray_step.h"
 #include "datapath/interaction.h"
+#include "datapath/ray_step.h"
 
 namespace gicube::emu {
 
@@ -22,72 +22,73 @@ std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
 namespace {
 
 // A ray that gathers and does nothing else.
-End gather(Traveller& traveller, WideWords* wide, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
+Termination gather(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters,
+                   std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   std::size_t block = ~std::size_t{0};
   Point low{};
   BlockView view;
-  End how = End::kNot;
-  while ((how = end(traveller, frame)) == End::kNot) {
-    jitter_step(traveller, frame);
-    if (const std::size_t next = grid.block(traveller.position); next != block) {
+  Termination how = Termination::kNot;
+  while ((how = end(ray_state, frame)) == Termination::kNot) {
+    jitter_step(ray_state, frame);
+    if (const std::size_t next = grid.block(ray_state.position); next != block) {
       block = next;
-      low = grid.low(traveller.position);
+      low = grid.low(ray_state.position);
       view = frame.volume->view(block);
     }
     if (frame.leap && frame.empty[block] != 0) {
       ++counters.leaps;
-      const std::int32_t steps = leap_steps(traveller, low, grid.size(), frame);
-      advance(traveller, steps);
-      count_steps(traveller, steps, frame);
+      const std::int32_t steps = leap_steps(ray_state, low, grid.size(), frame);
+      advance(ray_state, steps);
+      count_steps(ray_state, steps, frame);
       taken += steps;
       continue;
     }
     ++counters.samples;
-    if (take_sample(traveller, wide, cell(traveller.position, low), view, edge, frame)) ++counters.visible_samples;
-    advance(traveller, 1);
-    count_steps(traveller, 1, frame);
+    if (take_sample(ray_state, wide, cell(ray_state.position, low), view, edge, frame)) ++counters.visible_samples;
+    advance(ray_state, 1);
+    count_steps(ray_state, 1, frame);
     ++taken;
   }
   return how;
 }
 
 // The DSP's routine scatters the ray; kTrapped if it is the host's to do.
-Fate scatter_trapped(Traveller& traveller, WideWords* wide, const Frame& frame, RayCounters& counters) {
+Outcome scatter_trapped(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters) {
   std::uint32_t cycles = 0;
-  const Met met = resolve_trap(traveller, wide, frame, counters, cycles);
+  const Interaction met = resolve_trap(ray_state, wide, frame, counters, cycles);
   counters.trap_cycles += cycles;
-  return met.fate;
+  return met.outcome;
 }
 
 // A ray that also deposits, or is scattered.
-End travel(Traveller& traveller, WideWords* wide, const Frame& frame, RayCounters& counters) {
+Termination travel(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  End how = End::kNot;
-  while ((how = end(traveller, frame)) == End::kNot) {
-    jitter_step(traveller, frame);
-    const std::size_t block = grid.block(traveller.position);
-    const Point low = grid.low(traveller.position);
+  Termination how = Termination::kNot;
+  while ((how = end(ray_state, frame)) == Termination::kNot) {
+    jitter_step(ray_state, frame);
+    const std::size_t block = grid.block(ray_state.position);
+    const Point low = grid.low(ray_state.position);
     if (frame.leap && frame.empty[block] != 0) {
       ++counters.leaps;
-      leave_surface(traveller);
-      const std::int32_t steps = leap_steps(traveller, low, grid.size(), frame);
-      advance(traveller, steps);
-      count_steps(traveller, steps, frame);
+      leave_surface(ray_state);
+      const std::int32_t steps = leap_steps(ray_state, low, grid.size(), frame);
+      advance(ray_state, steps);
+      count_steps(ray_state, steps, frame);
       continue;
     }
     ++counters.samples;
-    const Met met =
-        meet(traveller, wide, cell(traveller.position, low), frame.volume->view(block), block, edge, frame, counters);
+    const Interaction met = interact(ray_state, wide, cell(ray_state.position, low), frame.volume->view(block), block,
+                                     edge, frame, counters);
     if (met.visible) ++counters.visible_samples;
     if (met.deposits) counters.energy.deposited += frame.irradiance->add(met.deposit);
-    Fate fate = met.fate;
-    if (fate == Fate::kTrapped) fate = scatter_trapped(traveller, wide, frame, counters);
-    if (fate == Fate::kEnded) return End::kSpent;
-    if (fate == Fate::kTrapped) return End::kWaits;
-    count_steps(traveller, 1, frame);
+    Outcome outcome = met.outcome;
+    if (outcome == Outcome::kTrapped) outcome = scatter_trapped(ray_state, wide, frame, counters);
+    if (outcome == Outcome::kEnded) return Termination::kAbsorbed;
+    if (outcome == Outcome::kTrapped) return Termination::kWaits;
+    count_steps(ray_state, 1, frame);
   }
   return how;
 }
@@ -95,16 +96,16 @@ End travel(Traveller& traveller, WideWords* wide, const Frame& frame, RayCounter
 }  // namespace
 
 bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps) {
-  Traveller traveller = set_out(ray, frame);
+  RayState ray_state = unpack(ray, frame);
   std::int32_t taken = 0;
-  WideWords words = wide_words(traveller);
+  WideWords words = wide_words(ray_state);
   WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
-  const End how =
-      frame.plain ? gather(traveller, wide, frame, counters, taken) : travel(traveller, wide, frame, counters);
+  const Termination how =
+      frame.plain ? gather(ray_state, wide, frame, counters, taken) : travel(ray_state, wide, frame, counters);
   if (steps != nullptr) *steps = taken;
-  if (how == End::kWaits) return false;
-  count_end(traveller, how, frame, counters);
-  finish(traveller, frame, ray);
+  if (how == Termination::kWaits) return false;
+  count_end(ray_state, how, frame, counters);
+  finish(ray_state, frame, ray);
   return true;
 }
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "datapath/interaction.h"
+#include "datapath/ray_step.h"
 #include "firmware/viewing_rays.h"
 #include "functional.h"
-#include "datapath/ray_step.h"
-#include "datapath/interaction.h"
 #include "words/parallel_for.h"
 
 namespace gicube::emu {
@@ -25,7 +25,7 @@ struct Counts : RayCounters {
 }  // namespace
 
 Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-                const RayPackets* packets, unsigned threads, Work& work) {
+                const SimdTracer* packets, unsigned threads, Progress& work) {
   constexpr int kSubPixels = 16;
   constexpr int kTile = 16;  // pixels an edge; chosen: the rays of a tile share the voxels that fit a core's cache
   framebuffer.clear(command.width, command.height, command.filter);
@@ -45,7 +45,7 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
   const int across = (command.width + kTile - 1) / kTile, down = (command.height + kTile - 1) / kTile;
   const auto tiles = static_cast<std::size_t>(across * down);
   work.all = static_cast<std::uint32_t>(tiles);
-  const auto counts = spread<Counts>(tiles, threads, [&](std::size_t tile, Counts& tile_counts) {
+  const auto counts = parallel_for<Counts>(tiles, threads, [&](std::size_t tile, Counts& tile_counts) {
     if (work.cancel) return;
     const int left = static_cast<int>(tile) % across * kTile, top = static_cast<int>(tile) / across * kTile;
     const int right = std::min(left + kTile, int{command.width}), bottom = std::min(top + kTile, int{command.height});
@@ -65,28 +65,29 @@ Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuf
   return {made, counts.returned, counts, work.cancel};
 }
 
-Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Work& work) {
+Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Progress& work) {
   constexpr std::uint64_t kRun = 4096;  // chosen: neighbours on a face, which share voxels
   const std::uint64_t runs = (rays.count() + kRun - 1) / kRun;
   work.all = static_cast<std::uint32_t>(runs);
-  const auto counts = spread<Counts>(static_cast<std::size_t>(runs), threads, [&](std::size_t run, Counts& counters) {
-    if (work.cancel) return;
-    const std::uint64_t last = std::min(rays.count(), (run + 1) * kRun);
-    for (std::uint64_t i = run * kRun; i < last; ++i) {
-      auto ray = rays.make(i);
-      if (!ray) continue;
-      ray->lifetime = frame.lifetime;
-      counters.energy.emitted += energy(ray->colour) >> kEnergyFractionBits;
-      ++counters.returned;
-      integrate(*ray, frame, counters);
-    }
-    ++work.done;
-  });
+  const auto counts =
+      parallel_for<Counts>(static_cast<std::size_t>(runs), threads, [&](std::size_t run, Counts& counters) {
+        if (work.cancel) return;
+        const std::uint64_t last = std::min(rays.count(), (run + 1) * kRun);
+        for (std::uint64_t i = run * kRun; i < last; ++i) {
+          auto ray = rays.make(i);
+          if (!ray) continue;
+          ray->lifetime = frame.lifetime;
+          counters.energy.emitted += energy(ray->colour) >> kEnergyFractionBits;
+          ++counters.returned;
+          integrate(*ray, frame, counters);
+        }
+        ++work.done;
+      });
   return {counts.returned, counts.returned, counts, work.cancel};
 }
 
 Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
-                Work& work) {
+                Progress& work) {
   constexpr std::size_t kRun = 64;
   const std::size_t runs = (answers.size() + kRun - 1) / kRun;
   work.all = static_cast<std::uint32_t>(runs);
@@ -97,7 +98,7 @@ Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuf
     ++counts.returned;
     framebuffer.add(ray);
   };
-  const auto counts = spread<Counts>(runs, threads, [&](std::size_t run, Counts& run_counts) {
+  const auto counts = parallel_for<Counts>(runs, threads, [&](std::size_t run, Counts& run_counts) {
     if (work.cancel) return;
     const std::size_t last = std::min(answers.size(), (run + 1) * kRun);
     for (std::size_t i = run * kRun; i < last; ++i) take(answers[i], run_counts);
@@ -109,7 +110,7 @@ Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuf
 namespace {
 
 // Those of the rays that a cut plane leaves something of.
-void trace_cut(std::span<wire::Ray> rays, const Frame& frame, const RayPackets& packets, RayCounters& counters,
+void trace_cut(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer& packets, RayCounters& counters,
                std::span<std::int32_t> steps) {
   std::vector<wire::Ray> entering;
   std::vector<std::size_t> places;
@@ -128,11 +129,11 @@ void trace_cut(std::span<wire::Ray> rays, const Frame& frame, const RayPackets& 
 
 }  // namespace
 
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads,
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* packets, unsigned threads,
                   std::span<std::int32_t> steps) {
   const std::size_t run_rays = packets != nullptr ? 512 : 64;  // chosen: that a thread takes at a time
   const std::size_t runs = (rays.size() + run_rays - 1) / run_rays;
-  return spread<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counters) {
+  return parallel_for<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counters) {
     const std::size_t begin = run * run_rays, count = std::min(run_rays, rays.size() - begin);
     const auto part = rays.subspan(begin, count);
     const auto their_steps = steps.empty() ? steps : steps.subspan(begin, count);
@@ -141,7 +142,7 @@ RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPacket
     for (std::size_t i = 0; i < count; ++i) {
       wire::Ray& ray = part[i];
       if (!frame.cut_planes.empty() && !enter(ray, frame.extent, frame.cut_planes)) continue;
-      if ((ray.flags & wire::kLightingRay) != 0) counters.energy.emitted += energy_units(set_out(ray, frame), frame);
+      if ((ray.flags & wire::kLightingRay) != 0) counters.energy.emitted += energy_units(unpack(ray, frame), frame);
       integrate(ray, frame, counters, steps.empty() ? nullptr : &their_steps[i]);
     }
   });

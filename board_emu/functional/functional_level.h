@@ -7,11 +7,11 @@
 #include <span>
 
 #include "board/board.h"
+#include "datapath/frame.h"
 #include "firmware/framebuffer.h"
 #include "firmware/lighting_rays.h"
-#include "datapath/frame.h"
-#include "gicube/wire/command.h"
 #include "functional/simd/simd_tracer.h"
+#include "gicube/wire/command.h"
 
 namespace gicube::emu {
 
@@ -26,19 +26,19 @@ struct Rendered {
 
 // Fills `framebuffer` with the image of `command`. Progress is in tiles of pixels.
 Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-                const RayPackets* packets, unsigned threads, Work& work);
+                const SimdTracer* packets, unsigned threads, Progress& work);
 
 // Sends the lighting rays of `rays` into the volume, each with the frame's lifetime. Progress is in runs of rays.
-Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Work& work);
+Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Progress& work);
 
 // Rays that the host has scattered (trap.h) go on: lighting rays, or rendering rays into `framebuffer`. Of the counters
 // energy.emitted is what they bring.
 Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
-                Work& work);
+                Progress& work);
 
 // Takes rays to their ends, in place. One that lies behind a cut plane stays as it is. Of the counters
 // energy.emitted is what lighting rays bring. `steps`, if there are any, of a plain frame: of each ray, on its way.
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const RayPackets* packets, unsigned threads,
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* packets, unsigned threads,
                   std::span<std::int32_t> steps = {});
 
 }  // namespace gicube::emu

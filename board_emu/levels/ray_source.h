@@ -4,14 +4,14 @@
 #include <cstdint>
 #include <optional>
 
-#include "gicube/wire/ray.h"
 #include "datapath/ray_step.h"
+#include "gicube/wire/ray.h"
 
 namespace gicube::emu {
 
-class RayWork {
+class RaySource {
  public:
-  virtual ~RayWork() = default;
+  virtual ~RaySource() = default;
 
   virtual std::uint64_t count() const = 0;
   // Makes ray `i`; nothing if it misses the volume, and then it is dealt with already. Called once for each, in order.
@@ -19,7 +19,7 @@ class RayWork {
   // A ray that is not made has cost the DSP nothing: it passes over whole faces that the light does not reach.
   virtual bool misses_are_free() const { return false; }
   // Takes ray `i` back. Called once for each ray that was made.
-  virtual void take(std::uint64_t i, const Traveller& ray) = 0;
+  virtual void take(std::uint64_t i, const RayState& ray) = 0;
 
   // DSP cycles of each.
   virtual std::uint32_t make_cycles() const = 0;

@@ -49,9 +49,9 @@ std::int64_t* SumMemory::storage(std::size_t block) {
 }
 
 std::int64_t* SumMemory::pairs(std::size_t block, std::uint64_t by) {
-  constexpr std::uint64_t kMost = (std::uint64_t{1} << 31) - 1;
-  if (by > kMost) return nullptr;
-  if (pairs_bounds_[block] + by > kMost) join_pairs(block);
+  constexpr std::uint64_t kMax = (std::uint64_t{1} << 31) - 1;
+  if (by > kMax) return nullptr;
+  if (pairs_bounds_[block] + by > kMax) join_pairs(block);
   pairs_bounds_[block] += by;
   Words& pairs = blocks_pairs_[block];
   if (pairs == nullptr) pairs = std::make_unique<std::int64_t[]>(edge_ * edge_ * edge_);
@@ -138,7 +138,7 @@ bool SumMemory::can_overflow() const {
       for (std::size_t axis = 0; axis < 3; ++axis) from[axis] = std::max(at[axis] - static_cast<int>(i >> axis & 1), 0);
       sum += bounds_[block_at(from[0], from[1], from[2])];
     }
-    if (sum > static_cast<std::uint64_t>(wire::kMostSum)) return true;
+    if (sum > static_cast<std::uint64_t>(wire::kMaxSum)) return true;
   }
   return false;
 }
@@ -155,12 +155,12 @@ Overflow SumMemory::settle() {
     for (std::size_t i = 0; i < edge_ * edge_ * edge_; ++i) {
       const std::int64_t value = words[i];
       most = std::max(most, std::abs(value));
-      if (std::abs(value) <= wire::kMostSum) continue;
-      words[i] = std::clamp(value, -wire::kMostSum, wire::kMostSum);
+      if (std::abs(value) <= wire::kMaxSum) continue;
+      words[i] = std::clamp(value, -wire::kMaxSum, wire::kMaxSum);
       ++out.words;
       out.clipped += value - words[i];
     }
-    bounds_[block] = static_cast<std::uint64_t>(std::min(most, wire::kMostSum));
+    bounds_[block] = static_cast<std::uint64_t>(std::min(most, wire::kMaxSum));
   }
   return out;
 }

@@ -16,9 +16,9 @@
 #include <span>
 #include <vector>
 
-#include "words/words.h"
 #include "gicube/wire/command.h"
 #include "memory/irradiance_memory.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 
@@ -51,7 +51,7 @@ class SumMemory {
   void moved_anywhere(std::uint64_t by) {
     for (std::uint64_t& bound : bounds_) bound += by;
   }
-  // After a command: clips what is beyond +-kMostSum. Looks at the words only when one of them can be.
+  // After a command: clips what is beyond +-kMaxSum. Looks at the words only when one of them can be.
   Overflow settle();
 
   // Bytes of the address range (memory_map.h). `offset` and the length are multiples of nine, two words, within bytes().

@@ -11,9 +11,9 @@
 #include <span>
 #include <vector>
 
-#include "words/words.h"
 #include "gicube/wire/lut.h"
 #include "memory/large_array.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

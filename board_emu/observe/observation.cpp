@@ -85,7 +85,7 @@ void Observation::transferred(const BusDelivery& delivery) {
                 origin_ps_ + delivery.time_ps, fmt::format(R"("bytes":{})", delivery.bytes));
 }
 
-void Observation::served(const Errand& errand, Picoseconds begin, Picoseconds end) {
+void Observation::served(const BusTransaction& errand, Picoseconds begin, Picoseconds end) {
   if (!trace_ || end == begin) return;
   constexpr Picoseconds kMillisecond = 1'000'000'000;
   const std::uint64_t khz = config_.asic().core_khz();

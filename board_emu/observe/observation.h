@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "cycle/machine.h"
 #include "board/timeline.h"
+#include "cycle/machine.h"
 #include "observe/machine_trace.h"
 #include "observe/trace_file.h"
 #include "observe/waveform.h"
@@ -62,7 +62,7 @@ class Observation : public TimelineWatcher {
   // The host waited for the board: "read register", "wait".
   void host_waited(const char* what, Picoseconds begin, Picoseconds end);
   void transferred(const BusDelivery& delivery) override;
-  void served(const Errand& errand, Picoseconds begin, Picoseconds end) override;
+  void served(const BusTransaction& errand, Picoseconds begin, Picoseconds end) override;
 
   // Which of the files could not be written to its end; empty if all is well.
   std::string fault() const;

@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "words/clock.h"
 #include "observe/text_file.h"
+#include "words/clock.h"
 
 namespace gicube::emu {
 

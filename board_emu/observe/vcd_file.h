@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "words/clock.h"
 #include "observe/text_file.h"
+#include "words/clock.h"
 
 namespace gicube::emu {
 

@@ -14,13 +14,13 @@
 #include <utility>
 #include <vector>
 
-#include "server/bus/board_slot.h"
-#include "server/bus/bus_server.h"
+#include "config/hardware_cost.h"
 #include "firmware/routines/routine_table.h"
 #include "gicube/wire/register_markdown.h"
-#include "config/hardware_cost.h"
-#include "server/management/management.h"
 #include "options.h"
+#include "server/bus/board_slot.h"
+#include "server/bus/bus_server.h"
+#include "server/management/management.h"
 
 namespace gicube::emu {
 namespace {

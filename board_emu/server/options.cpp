@@ -76,8 +76,9 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->check(CLI::Range(0u, 86'400u))
       ->capture_default_str();
 
-  app.add_option("--faults", flags.fault_file,
-                 "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/guide/faults.md)")
+  app.add_option(
+         "--faults", flags.fault_file,
+         "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/guide/faults.md)")
       ->type_name("FILE")
       ->group("Faults");
   app.add_option("--fault-log", flags.fault_log_file,

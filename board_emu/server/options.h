@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "config/config.h"
-#include "server/bus/endpoint.h"
-#include "server/management/management.h"
-#include "server/bus/session.h"
 #include "observe/observation.h"
+#include "server/bus/endpoint.h"
+#include "server/bus/session.h"
+#include "server/management/management.h"
 
 namespace gicube::emu {
 

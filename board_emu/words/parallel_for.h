@@ -14,7 +14,7 @@ namespace gicube::emu {
 // Runs `job(i, counters)` for i in [0, count) on `threads` threads and adds their counters up. What one of them throws
 // ends all, and is thrown again.
 template <typename Counters, typename Job>
-Counters spread(std::size_t count, unsigned threads, const Job& job) {
+Counters parallel_for(std::size_t count, unsigned threads, const Job& job) {
   std::atomic<std::size_t> next{0};
   std::vector<Counters> each(std::max(threads, 1u));
   std::mutex fault_mutex;

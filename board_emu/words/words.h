@@ -39,7 +39,7 @@ constexpr std::int64_t dot(const Point& a, const Point& b) {
 }
 
 // kTrapped waits for a routine of the DSP; kGone was a carrier that has delivered its energy.
-enum class RayState : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone };
+enum class TokenStatus : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone };
 
 // Positions p with normal . p >= offset are kept.
 struct Plane {
@@ -57,14 +57,14 @@ struct Deposit {
   Shares shares{};
 };
 
-// A ray as the cycle level's FIFOs carry it. The 256-bit packet itself stays in one place (rays.h); what travels is its
+// A ray as the cycle level's FIFOs carry it. The 256-bit packet itself stays in one place (ray_store.h); what travels is its
 // handle and what the sorter's wires would read off it.
 struct RayToken {
   std::uint32_t ray = 0;           // handle
   std::uint32_t queue = 0;         // of its block, in its processor
   std::uint16_t contribution = 0;  // 12 bits
   std::uint8_t processor = 0;      // owner of its block
-  RayState state = RayState::kUnderWay;
+  TokenStatus state = TokenStatus::kUnderWay;
   // Set by the pipeline on a ray that goes back to the queue that issued it: it still has its slot there and cannot
   // overflow. A ray that goes anywhere else has this false, and the pipeline gives the old slot back (sorter/sorter.h).
   bool keeps_slot = false;

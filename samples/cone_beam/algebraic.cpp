@@ -63,8 +63,8 @@ class Loop {
     const std::size_t voxels =
         static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
     out_.values.resize(voxels);
-    constexpr std::size_t kMostBytes = std::size_t{1} << 30;  // chosen: else they are splatted again in each iteration
-    keeps_weights_ = subsets_.size() * voxels * sizeof(float) <= kMostBytes;
+    constexpr std::size_t kMaxBytes = std::size_t{1} << 30;  // chosen: else they are splatted again in each iteration
+    keeps_weights_ = subsets_.size() * voxels * sizeof(float) <= kMaxBytes;
   }
 
   Reconstruction run(const Progress& progress) {

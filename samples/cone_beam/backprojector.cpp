@@ -30,7 +30,7 @@ HostRay clipped_ray(const Grid& grid, Vec3 source, Vec3 pixel) {
           .length = (last - first) * length(way)};
 }
 
-double most_of_a_voxel(const ConeGeometry& geometry, int fine) {
+double max_of_a_voxel(const ConeGeometry& geometry, int fine) {
   const Vec3 edge = geometry.volume.spacing, corner = to_space(geometry.volume, {0, 0, 0});
   const Detector& detector = geometry.detector;
   const double longest = std::max({edge.x, edge.y, edge.z});
@@ -54,10 +54,10 @@ Backprojector::Backprojector(Board& board, const ConeGeometry& geometry, int fin
     : board_(board), geometry_(geometry), fine_(fine), step_(step) {
   // A voxel that gets the most from all rays of all views near it has half of what a sum holds; and a step's most is 2^17 - 1
   // units, so that thousands of rays fit one command [chosen].
-  constexpr double kMostUnits = (1 << 17) - 1, kMostSum = 8.0 * (1 << 30);
+  constexpr double kMaxUnits = (1 << 17) - 1, kMaxSum = 8.0 * (1 << 30);
   const Vec3 edge = geometry.volume.spacing;
-  const double of_a_step = std::max({edge.x, edge.y, edge.z}) * step / kMostUnits;
-  const double of_all = most_of_a_voxel(geometry, fine) * static_cast<double>(views) / kMostSum;
+  const double of_a_step = std::max({edge.x, edge.y, edge.z}) * step / kMaxUnits;
+  const double of_all = max_of_a_voxel(geometry, fine) * static_cast<double>(views) / kMaxSum;
   board_.clear_sums(std::max(most, 1e-30) * std::max(of_a_step, of_all));
 }
 

@@ -14,7 +14,7 @@ namespace gicube::samples {
 HostRay clipped_ray(const Grid& grid, Vec3 source, Vec3 pixel);
 
 // What a voxel near the source may get of one view that leaves a density of 1: of fine x fine rays a pixel.
-double most_of_a_voxel(const ConeGeometry& geometry, int fine);
+double max_of_a_voxel(const ConeGeometry& geometry, int fine);
 
 // Doubles the sums of voxels on the volume's faces (edges, corners: 4, 8 times), which only rays on one side of them reach.
 void make_up_for_faces(std::vector<float>& sums, const Dims& dims);

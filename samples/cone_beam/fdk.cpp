@@ -58,11 +58,11 @@ Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry,
                                      const FilteredView& filtered, const Progress& progress) {
   const std::size_t views = geometry.angles.size();
   // Filtered twice, since all views together would take more memory than the volume.
-  std::vector<double> most_of(views);
+  std::vector<double> max_of(views);
   in_parallel(views, [&](std::size_t view) {
-    for (const double value : filtered(view)) most_of[view] = std::max(most_of[view], std::abs(value));
+    for (const double value : filtered(view)) max_of[view] = std::max(max_of[view], std::abs(value));
   });
-  const double most = *std::max_element(most_of.begin(), most_of.end());
+  const double most = *std::max_element(max_of.begin(), max_of.end());
   Backprojector backprojector(board, geometry, settings.rays, settings.step, most, views);
   for (std::size_t view = 0; view < views; ++view) {
     if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));

@@ -34,10 +34,10 @@ class Passes {
     }
     if (most == 0) return;
     // Full words, and what a step may leave at once, which has 11 bits on any board.
-    constexpr double kMostUnits = 2047;
+    constexpr double kMaxUnits = 2047;
     const Vec3 edge = geometry_.volume.spacing;
-    const double of_a_step = most * std::max({edge.x, edge.y, edge.z}) * settings_.step / kMostUnits;
-    const double of_words = settings_.headroom * of_all * most_of_a_voxel(geometry_, settings_.rays) / full_;
+    const double of_a_step = most * std::max({edge.x, edge.y, edge.z}) * settings_.step / kMaxUnits;
+    const double of_words = settings_.headroom * of_all * max_of_a_voxel(geometry_, settings_.rays) / full_;
     board_.clear_irradiance(std::max(of_a_step, of_words));
     std::vector<Ticket> tickets;
     for (std::size_t i = 0; i < views.size(); ++i) tickets.push_back(send(geometry_.angles[first + i], views[i], sign));

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "scene/scene.h"
 #include "gicube/image.h"
+#include "scene/scene.h"
 
 namespace gicube::samples {
 

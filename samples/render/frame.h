@@ -4,11 +4,11 @@
 #include <functional>
 #include <optional>
 
-#include "scene/program/progress.h"
 #include "gicube/board.h"
 #include "gicube/image.h"
 #include "render/options.h"
 #include "render/statistics.h"
+#include "scene/program/progress.h"
 
 namespace gicube::samples {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "scene/image_file.h"
-#include "scene/program/program.h"
 #include "render/frame.h"
 #include "render/planning.h"
+#include "scene/image_file.h"
+#include "scene/program/program.h"
 
 namespace {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "render/lighting_options.h"
 #include "scene/program/board_options.h"
 #include "scene/program/plan_options.h"
 #include "scene/scene.h"
-#include "render/lighting_options.h"
 
 namespace gicube::samples {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "scene/program/board_run.h"
 #include "scene/geometry/codebook.h"
+#include "scene/program/board_run.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
@@ -124,7 +124,7 @@ LightPlan plan_pass(Board& board, const PlanOptions& wanted, const SceneSetup& s
   request.channel = pass.channel;
   if (wanted.max_error > 0) request.max_error = share_of_light(wanted.max_error);
   request.time_budget = wanted.time_budget / (2 * passes);
-  request.most_rays = std::max(request.most_rays, request.settings.rays_per_face_voxel);
+  request.max_rays = std::max(request.max_rays, request.settings.rays_per_face_voxel);
   return plan_light(board, request, progress);
 }
 

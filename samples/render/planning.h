@@ -5,12 +5,12 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include "scene/program/board_options.h"
-#include "scene/program/plan_options.h"
-#include "scene/scene.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
 #include "render/colour_passes.h"
+#include "scene/program/board_options.h"
+#include "scene/program/plan_options.h"
+#include "scene/scene.h"
 
 namespace gicube::samples {
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "scene/program/run_json.h"
 #include "render/planning.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {

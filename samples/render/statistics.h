@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "scene/program/host_usage.h"
 #include "gicube/board.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
+#include "scene/program/host_usage.h"
 
 namespace gicube::samples {
 

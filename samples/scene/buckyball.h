@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene/scene.h"
-#include "scene/formats/volume_file.h"
 #include "gicube/shading.h"
 #include "gicube/transfer_function.h"
+#include "scene/formats/volume_file.h"
+#include "scene/scene.h"
 
 namespace gicube::samples {
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "scene/formats/file_error.h"
 #include "gicube/image.h"
 #include "gicube/transfer_function.h"
+#include "scene/formats/file_error.h"
 
 namespace gicube::samples {
 

@@ -8,8 +8,8 @@
 
 #include "scene/formats/file_error.h"
 #include "scene/formats/nrrd.h"
-#include "scene/light_field.h"
 #include "scene/formats/whole_file.h"
+#include "scene/light_field.h"
 
 namespace gicube::samples {
 namespace {

@@ -8,6 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "gicube/shading.h"
+#include "gicube/transfer_function.h"
+#include "gicube/view.h"
+#include "gicube/volume.h"
 #include "scene/graph/engine.h"
 #include "scene/graph/light.h"
 #include "scene/graph/material.h"
@@ -15,10 +19,6 @@
 #include "scene/transfer_function_file.h"
 #include "scene/visible_box.h"
 #include "scene/volume_source.h"
-#include "gicube/shading.h"
-#include "gicube/transfer_function.h"
-#include "gicube/view.h"
-#include "gicube/volume.h"
 
 namespace gicube::samples {
 

@@ -7,11 +7,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "gicube/v1/scene.pb.h"
 #include "scene/buckyball.h"
 #include "scene/graph/faults.h"
 #include "scene/graph/graph_reader.h"
 #include "scene/program/input_error.h"
-#include "gicube/v1/scene.pb.h"
 
 namespace gicube::samples {
 namespace {

@@ -14,9 +14,9 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/program/input_error.h"
 #include "gicube/transfer_function.h"
 #include "gicube/volume.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 

@@ -1,8 +1,8 @@
 // Where a volume shows anything at all: most scans are mostly air.
 #pragma once
 
-#include "scene/transfer_function_file.h"
 #include "scene/formats/volume_file.h"
+#include "scene/transfer_function_file.h"
 
 namespace gicube::samples {
 

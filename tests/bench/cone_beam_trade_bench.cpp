@@ -7,8 +7,8 @@
 #include <numbers>
 #include <vector>
 
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
 

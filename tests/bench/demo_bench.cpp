@@ -1,8 +1,8 @@
 // The demo's own frame through driver, socket and board process: what a user waits for, on one core (threads=1).
 #include <benchmark/benchmark.h>
 
-#include "scene/scene.h"
 #include "gicube/board.h"
+#include "scene/scene.h"
 
 namespace gicube::samples {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <filesystem>
 
+#include "gicube/board.h"
 #include "scene/program/host_usage.h"
 #include "scene/scene.h"
-#include "gicube/board.h"
 
 namespace gicube::samples {
 namespace {

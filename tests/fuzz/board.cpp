@@ -27,7 +27,7 @@ class Impatience {
     return impatience;
   }
 
-  void begin(emu::Work& work) {
+  void begin(emu::Progress& work) {
     const std::lock_guard lock(mutex_);
     work_ = &work;
     end_ = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
@@ -57,7 +57,7 @@ class Impatience {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  emu::Work* work_ = nullptr;
+  emu::Progress* work_ = nullptr;
   std::chrono::steady_clock::time_point end_;
   bool over_ = false;
   std::thread thread_;  // last: it sees all of the others
@@ -70,17 +70,19 @@ struct Machine {
 
   static v1::BoardConfig resolved(const char* text) { return emu::resolve(emu::parse_config(text).config); }
 
-  emu::Outcome send(const Move& move, emu::Work& work) { return board.transact(move.header, move.payload, work); }
+  emu::TransactionResult send(const Move& move, emu::Progress& work) {
+    return board.transact(move.header, move.payload, work);
+  }
 
   // Everything that a small scene brings back, with its times.
   std::vector<std::uint8_t> known_scene() {
     board.reset();
-    emu::Work work;
+    emu::Progress work;
     std::vector<std::uint8_t> all;
     std::uint64_t now = 0;
     for (Move move : known_moves()) {
       move.header.time_ps = now;
-      const emu::Outcome outcome = send(move, work);
+      const emu::TransactionResult outcome = send(move, work);
       for (const emu::Completion& completion : outcome.completions) {
         all.insert(all.end(), completion.payload.begin(), completion.payload.end());
         append(all, completion.time_ps);
@@ -105,7 +107,7 @@ bool is_posted(FrameType type) {
   return type == FrameType::kRegisterWrite || type == FrameType::kMemoryWrite || type == FrameType::kCommand;
 }
 
-void play(Machine& machine, Input& input, emu::Work& work) {
+void play(Machine& machine, Input& input, emu::Progress& work) {
   std::uint64_t now = 0;
   std::map<std::uint32_t, int> issued;  // and not answered yet, by ticket
   for (std::uint32_t id = 1; !input.empty() && id < 200; ++id) {
@@ -113,7 +115,7 @@ void play(Machine& machine, Input& input, emu::Work& work) {
     const bool warps = move.header.time_ps != 0;
     if (!warps) move.header.time_ps = now;
     if (move.header.type == FrameType::kCommand) ++issued[move.header.id];
-    const emu::Outcome outcome = machine.send(move, work);
+    const emu::TransactionResult outcome = machine.send(move, work);
     expect(outcome.reply.has_value() != is_posted(move.header.type), "what is posted has no reply, all else has one");
     std::uint64_t last = 0;
     for (const emu::Completion& completion : outcome.completions) {
@@ -141,7 +143,7 @@ void board(Bytes bytes) {
   std::unique_ptr<Machine>& machine = machines[which];
   if (!machine) machine = std::make_unique<Machine>(kBoards[which]);
   machine->board.reset();
-  emu::Work work;
+  emu::Progress work;
   Impatience::instance().begin(work);
   try {
     play(*machine, input, work);

@@ -14,12 +14,12 @@
 #include <thread>
 
 #include "board_moves.h"
+#include "config/config.h"
+#include "frames.h"
 #include "server/bus/board_slot.h"
 #include "server/bus/bus_server.h"
-#include "config/config.h"
-#include "transport/fd.h"
-#include "frames.h"
 #include "temporary_directory.h"
+#include "transport/fd.h"
 
 namespace gicube::fuzz {
 namespace {

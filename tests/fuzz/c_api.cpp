@@ -6,10 +6,10 @@
 #include <memory>
 #include <thread>
 
-#include "server/bus/board_slot.h"
-#include "server/bus/bus_server.h"
 #include "config/config.h"
 #include "input.h"
+#include "server/bus/board_slot.h"
+#include "server/bus/bus_server.h"
 #include "temporary_directory.h"
 
 namespace gicube::fuzz {

@@ -1,14 +1,14 @@
 // Readers of cone-beam scans: a file becomes a description whose numbers are finite, or an error that names the file.
 #include <cmath>
 
-#include "scene/formats/file_error.h"
-#include "scene/program/input_error.h"
 #include "cone_beam/scan/ctsimu.h"
 #include "cone_beam/scan/pfm.h"
 #include "cone_beam/scan/projection_matrices.h"
 #include "cone_beam/scan/scan_file.h"
 #include "cone_beam/scan/views.h"
 #include "memory_file.h"
+#include "scene/formats/file_error.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::fuzz {
 namespace {

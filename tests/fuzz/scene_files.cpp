@@ -2,21 +2,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "encode/transfer_function_check.h"
+#include "encode/volume/segmentation_lut.h"
+#include "gicube/error.h"
 #include "scene/formats/file_error.h"
 #include "scene/geometry/mesh_distance.h"
 #include "scene/geometry/mesh_file.h"
 #include "scene/program/input_error.h"
 #include "scene/scene_file.h"
 #include "scene/transfer_function_file.h"
-#include "gicube/error.h"
 #include "targets.h"
-#include "encode/volume/segmentation_lut.h"
-#include "encode/transfer_function_check.h"
 
 namespace gicube::fuzz {
 namespace {
 
-constexpr std::size_t kMostTriangles = 500;  // chosen: keeps an input's distances below a millisecond
+constexpr std::size_t kMaxTriangles = 500;  // chosen: keeps an input's distances below a millisecond
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void mesh(Bytes input) {
     for (const auto& triangle : mesh.triangles) {
       for (const std::uint32_t corner : triangle) expect(corner < mesh.points.size(), "a corner is a point");
     }
-    if (mesh.triangles.size() > kMostTriangles) return;
+    if (mesh.triangles.size() > kMaxTriangles) return;
     const samples::MeshDistance distance(mesh, "input");
     expect(!std::isnan(distance.at({0.25, 0.5, 0.75}).distance), "a closed mesh has a distance everywhere");
   } catch (const samples::FileError&) {

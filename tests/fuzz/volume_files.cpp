@@ -1,10 +1,10 @@
 // The volume readers: a file becomes a volume whose samples are all there, or a FileError.
 #include <cmath>
 
+#include "memory_file.h"
 #include "scene/formats/meta_image.h"
 #include "scene/formats/nifti.h"
 #include "scene/formats/nrrd.h"
-#include "memory_file.h"
 
 namespace gicube::fuzz {
 namespace {

@@ -14,7 +14,9 @@ constexpr std::array<std::string_view, 5> kIncludeFolders{"proto", "driver/inclu
                                                           "samples"};
 
 // The part of the board between two FIFOs: knows itself, the records that flow, and the wire.
-Rule sibling(std::string_view folder) { return {folder, {folder, "board_emu/sim", "board_emu/words/words.h", "proto"}, {}}; }
+Rule sibling(std::string_view folder) {
+  return {folder, {folder, "board_emu/sim", "board_emu/words/words.h", "proto"}, {}};
+}
 
 bool fits(std::string_view path, std::string_view where) {
   if (!where.ends_with("/*")) {

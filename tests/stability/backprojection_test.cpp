@@ -9,8 +9,8 @@
 
 #include "../samples/cone_beam/small_scan.h"
 #include "cone_beam/algebraic.h"
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/phantom/noise.h"
 #include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"

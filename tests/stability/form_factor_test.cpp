@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "scene/program/input_error.h"
 #include "form_factors/exchange/box_factor.h"
 #include "form_factors/exchange/exchange.h"
+#include "scene/program/input_error.h"
 #include "stability.h"
 
 namespace gicube::stability {

@@ -10,7 +10,7 @@ namespace gicube::stability {
 namespace {
 
 constexpr int kSize = 32;
-constexpr double kMost = 4095;  // values are densities
+constexpr double kMax = 4095;  // values are densities
 
 class StabilityOfLevelBounds : public testing::Test {
  protected:
@@ -28,12 +28,12 @@ class StabilityOfLevelBounds : public testing::Test {
     const VolumeView fine{.samples = std::as_bytes(std::span(values)),
                           .type = SampleType::kFloat32,
                           .dims = {kSize, kSize, kSize},
-                          .range = ValueRange{0, kMost}};
+                          .range = ValueRange{0, kMax}};
     const DerivedVolume coarse = coarser(fine, number);
     Level out{.bound = level_error(fine, coarse, std::span(&look_, 1))};
     const auto rays = random_rays();
     const auto on_fine = traced(fine, look_, rays, Placement{});
-    const auto on_coarse = traced(coarse.view(), coarse.placement.look(look_, {0, kMost}), rays, coarse.placement);
+    const auto on_coarse = traced(coarse.view(), coarse.placement.look(look_, {0, kMax}), rays, coarse.placement);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const double longer = rays[i].length;
       out.integral = std::max(out.integral, std::abs(on_fine[i].integral - on_coarse[i].integral) / longer);

@@ -89,21 +89,21 @@ class StabilityOfMarching : public testing::TestWithParam<const char*> {
     const RayBatch batch = board_.receive(board_.submit(all));
     const Counters window = board_.counters() - before;
     ASSERT_EQ(batch.rays.size(), all.size());
-    std::uint64_t samples = 0, most_leaps = 0;
+    std::uint64_t samples = 0, max_leaps = 0;
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Expected ray = expected(all[i], step, visible);
-      const double most_steps = 40 * std::sqrt(3.0) / step + 1 + 15;
-      ASSERT_LE(static_cast<double>(ray.samples), most_steps);
+      const double max_steps = 40 * std::sqrt(3.0) / step + 1 + 15;
+      ASSERT_LE(static_cast<double>(ray.samples), max_steps);
       const double opacity = 1 - std::pow(1 - kAlpha, static_cast<double>(ray.samples) * step);
       ASSERT_NEAR(batch.rays[i].opacity, opacity, (1e-7 + 8e-8 * step) * static_cast<double>(ray.samples) + 1e-9)
           << i << " step " << step;
       const Vec3 end = batch.rays[i].position;
       ASSERT_TRUE(end.x >= 0 && end.x <= 39 && end.y >= 0 && end.y <= 32 && end.z >= 0 && end.z <= 19) << i;
       samples += static_cast<std::uint64_t>(ray.samples);
-      most_leaps += static_cast<std::uint64_t>(ray.blocks);
+      max_leaps += static_cast<std::uint64_t>(ray.blocks);
     }
     EXPECT_EQ(window.value("pipeline.samples"), samples) << "step " << step;
-    EXPECT_LE(window.value("pipeline.leaps"), most_leaps) << "step " << step;
+    EXPECT_LE(window.value("pipeline.leaps"), max_leaps) << "step " << step;
     EXPECT_GT(samples, 0u);
   }
 

@@ -33,8 +33,8 @@ class StabilityOfQueues : public testing::Test {
     return board;
   }
   // Runs `work` on a board and counts what it cost; `work` returns what must be the same on every board.
-  template <typename Work>
-  static auto measured(Board& board, const Work& work, Cost& run) {
+  template <typename Progress>
+  static auto measured(Board& board, const Progress& work, Cost& run) {
     const Counters before = board.counters();
     const Picoseconds begin = board.now();
     auto result = work(board);
@@ -42,8 +42,8 @@ class StabilityOfQueues : public testing::Test {
     return result;
   }
   // Queues of 8 rays lose none and do not stop; what the overflow costs stands in the counters.
-  template <typename Work>
-  static void expect_no_loss(const Work& work, const std::string& name) {
+  template <typename Progress>
+  static void expect_no_loss(const Progress& work, const std::string& name) {
     Board plain = functional(), ideal = cycle("ideal.queues=1"), narrow = cycle("asic.queue_rays=8");
     const auto expected = work(plain);
     Cost without, with;

@@ -18,7 +18,7 @@ namespace {
 constexpr double kStep = 0.5;  // voxels, the board's
 constexpr double kReferenceStep = 1 / 16.0;
 constexpr double kThinnest = 1 / 64.0;  // to which outliers are taken
-constexpr double kMostMean = 0.002, kMostEach = 0.05;
+constexpr double kMaxMean = 0.002, kMaxEach = 0.05;
 
 struct Case {
   std::string scene;
@@ -103,12 +103,12 @@ TEST_P(Visibility, OfRandomPairsOfVoxelsIsThatOfTheDoublePrecisionMarch) {
     const double error = std::abs(got[i] - expected[i]);
     sum += error;
     visible += expected[i];
-    if (error > kMostEach) outliers.push_back(i);
+    if (error > kMaxEach) outliers.push_back(i);
   }
   const auto count = static_cast<double>(pairs.size());
   EXPECT_GT(visible / count, 0.02);  // neither all clear nor all hidden
   EXPECT_LT(visible / count, 0.98);
-  EXPECT_LT(sum / count, kMostMean);
+  EXPECT_LT(sum / count, kMaxMean);
   RecordProperty("mean_error", std::to_string(sum / count));
   RecordProperty("outliers", std::to_string(outliers.size()));
 
@@ -119,7 +119,7 @@ TEST_P(Visibility, OfRandomPairsOfVoxelsIsThatOfTheDoublePrecisionMarch) {
     const auto thinner = by_board(again, step);
     std::vector<std::size_t> left;
     for (std::size_t k = 0; k < outliers.size(); ++k) {
-      if (std::abs(thinner[k] - expected[outliers[k]]) > kMostEach) left.push_back(outliers[k]);
+      if (std::abs(thinner[k] - expected[outliers[k]]) > kMaxEach) left.push_back(outliers[k]);
     }
     outliers = left;
     RecordProperty("outliers_at_step_" + std::to_string(step), std::to_string(outliers.size()));

@@ -11,8 +11,8 @@
 #include <iosfwd>
 #include <vector>
 
-#include "words/words.h"
 #include "asic/sim/fifo.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -15,9 +15,9 @@
 #include <iosfwd>
 #include <vector>
 
-#include "words/words.h"
 #include "asic/raybus/ray_run.h"
 #include "asic/sim/fifo.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

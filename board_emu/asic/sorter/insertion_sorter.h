@@ -38,7 +38,7 @@ class InsertionSorter {
       entering_ = false;
       move_down(moving_.back(), origin_ + 1);
     }
-    if (++behind_ == kMostBehind) catch_up();
+    if (++behind_ == kMaxBehind) catch_up();
   }
 
   // Whether the top's comparison buffer is free: one insert a cycle, and none where shift_up has filled it.
@@ -80,7 +80,7 @@ class InsertionSorter {
   using Key = std::uint64_t;
   static constexpr Key kHole = 0;
   // chosen: long enough that starting on an item costs little against its comparisons, short enough for few items.
-  static constexpr std::uint32_t kMostBehind = 10;
+  static constexpr std::uint32_t kMaxBehind = 10;
 
   // An item in a comparison buffer, or what it pushed down in its place.
   struct Moving {

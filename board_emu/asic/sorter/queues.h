@@ -14,7 +14,7 @@
 
 namespace gicube::emu {
 
-enum class QueuePolicy : std::uint8_t { kMostRays, kMostContribution };
+enum class QueuePolicy : std::uint8_t { kMaxRays, kMaxContribution };
 
 class Queues {
  public:
@@ -36,9 +36,9 @@ class Queues {
   // Rays in the queue, or the sum of their contributions (at least 1 each), by policy; 0 = empty.
   std::uint32_t importance(std::uint32_t queue) const {
     const State& state = states_[queue];
-    return policy_ == QueuePolicy::kMostRays
+    return policy_ == QueuePolicy::kMaxRays
                ? state.waiting
-               : static_cast<std::uint32_t>(std::min<std::uint64_t>(state.contribution, kMostImportant));
+               : static_cast<std::uint32_t>(std::min<std::uint64_t>(state.contribution, kMaxImportant));
   }
   std::uint32_t waiting(std::uint32_t queue) const { return states_[queue].waiting; }
   std::uint64_t waiting() const { return waiting_; }
@@ -47,7 +47,7 @@ class Queues {
 
  private:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr std::uint64_t kMostImportant = ~std::uint32_t{0} - 1;  // below the active queue's infinity
+  static constexpr std::uint64_t kMaxImportant = ~std::uint32_t{0} - 1;  // below the active queue's infinity
 
   struct State {
     std::uint32_t head = kNone;  // record
@@ -75,7 +75,7 @@ class Queues {
 
 inline std::uint32_t Queues::write(std::uint32_t queue, const RayToken& token) {
   State& state = states_[queue];
-  assert(token.state == RayState::kUnderWay);
+  assert(token.state == TokenStatus::kUnderWay);
   if (!token.keeps_slot) {
     assert(has_slot(queue));
     ++state.slots;

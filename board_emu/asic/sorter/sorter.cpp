@@ -78,7 +78,7 @@ inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow, st
   }
   if (!may_overflow || !out_.overflow.can_push(now)) return false;
   RayToken token = input.pop(now);
-  token.state = RayState::kOverflowed;
+  token.state = TokenStatus::kOverflowed;
   out_.overflow.push(now, token);
   ++counters_.overflows;
   return true;

@@ -22,18 +22,18 @@
 #include <optional>
 #include <vector>
 
-#include "words/words.h"
 #include "asic/sim/fifo.h"
 #include "asic/sorter/exact_maximum.h"
 #include "asic/sorter/insertion_sorter.h"
 #include "asic/sorter/queues.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 
 struct SorterSetup {
   std::uint32_t queues = 128;    // N³ / n³ / p
   std::uint32_t capacity = 256;  // rays a queue
-  QueuePolicy policy = QueuePolicy::kMostRays;
+  QueuePolicy policy = QueuePolicy::kMaxRays;
   // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their coming. RayToken::queue is carried
   // along and has no say here; a ray that stays in the processor keeps its slot.
   bool single = false;

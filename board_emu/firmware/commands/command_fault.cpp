@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware/framebuffer.h"
 #include "datapath/advance.h"
+#include "firmware/framebuffer.h"
 
 namespace gicube::emu {
 

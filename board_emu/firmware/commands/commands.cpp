@@ -8,13 +8,13 @@
 #include "approximate/approximate_level.h"
 #include "command_fault.h"
 #include "cycle/cycle_level.h"
+#include "cycle/machine_counters.h"
+#include "datapath/advance.h"
+#include "datapath/interaction.h"
 #include "firmware/lighting_rays.h"
 #include "firmware/routines.h"
 #include "functional/functional_level.h"
 #include "gicube/wire/command.h"
-#include "cycle/machine_counters.h"
-#include "datapath/interaction.h"
-#include "datapath/advance.h"
 
 namespace gicube::emu {
 
@@ -50,7 +50,7 @@ void add(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to)
   }
 }
 
-std::uint32_t most_irradiance(const v1::BoardConfig& config) {
+std::uint32_t max_irradiance(const v1::BoardConfig& config) {
   return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
 }
 
@@ -60,7 +60,7 @@ DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& regi
     : config_(config),
       registers_(registers),
       threads_(config.threads() != 0 ? config.threads() : std::max(1u, std::thread::hardware_concurrency())),
-      aperture_(static_cast<int>(config.asic().block_voxels()), most_irradiance(config)) {}
+      aperture_(static_cast<int>(config.asic().block_voxels()), max_irradiance(config)) {}
 
 void DspCommands::clear_volume() {
   std::array<int, 3> size{};
@@ -85,7 +85,7 @@ void DspCommands::reset() {
   drop_machine();
   host_traps_.begin(false, {});
   memory_errors_.clear();
-  aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), most_irradiance(config_));
+  aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), max_irradiance(config_));
   packets_.clear();
   wide_depths_of_ = ~std::uint64_t{0};
 }
@@ -102,19 +102,19 @@ void DspCommands::drop_machine() {
     keep_counters([&](auto& list) { emu::count(*machine_, list); });
     machine_.reset();
   }
-  if (turn_machine_) {
-    keep_counters([&](auto& list) { turn_machine_->count(list); });
-    turn_machine_.reset();
+  if (pass_machine_) {
+    keep_counters([&](auto& list) { pass_machine_->count(list); });
+    pass_machine_.reset();
   }
 }
 
-TurnMachine& DspCommands::turn_machine() {
+PassMachine& DspCommands::pass_machine() {
   const VolumeMemory& volume = aperture_.volume();
-  if (turn_machine_ && turn_machine_->blocks() != volume.blocks()) drop_machine();
-  if (!turn_machine_) turn_machine_ = std::make_unique<TurnMachine>(config_, volume.blocks());
-  if (turns_volume_ != aperture_.volume_writes()) turn_machine_->invalidate_caches();
+  if (pass_machine_ && pass_machine_->blocks() != volume.blocks()) drop_machine();
+  if (!pass_machine_) pass_machine_ = std::make_unique<PassMachine>(config_, volume.blocks());
+  if (turns_volume_ != aperture_.volume_writes()) pass_machine_->invalidate_caches();
   turns_volume_ = aperture_.volume_writes();
-  return *turn_machine_;
+  return *pass_machine_;
 }
 
 Machine& DspCommands::machine(bool sums) {
@@ -136,7 +136,7 @@ CommandResult DspCommands::cancelled() {
   return {.error = ErrorCode::kCancelled};
 }
 
-CommandResult DspCommands::timed(const Ran& ran) const {
+CommandResult DspCommands::timed(const RunResult& ran) const {
   return {.dsp_cycles = ran.dsp_cycles, .asic_ps = cycles_to_ps(ran.cycles, config_.asic().core_khz())};
 }
 
@@ -239,11 +239,11 @@ Frame DspCommands::frame() {
   return frame;
 }
 
-const RayPackets* DspCommands::packets(std::uint64_t rays, const Frame& frame) {
+const SimdTracer* DspCommands::packets(std::uint64_t rays, const Frame& frame) {
   return packets_.prepare(rays, frame, aperture_.segmentation_writes(), threads_) ? &packets_ : nullptr;
 }
 
-CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Work& work) {
+CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& work) {
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
   const auto first = static_cast<std::uint32_t>(wire::Opcode::kRender);
   const auto last = static_cast<std::uint32_t>(wire::Opcode::kPairs);
@@ -275,7 +275,7 @@ std::uint64_t viewing_rays(const wire::RenderCommand& command) {
 
 }  // namespace
 
-CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& work) {
+CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() != wire::kRenderCommandBytes) return refuse(expected("payload", "112 bytes", payload.size()));
   const auto command = wire::decode_render(payload.first<wire::kRenderCommandBytes>());
   if (const auto what = fault(command, config_.dsp().framebuffer_mb())) return refuse(*what);
@@ -288,12 +288,12 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   const v1::DspConfig& dsp = config_.dsp();
   CommandResult result;
   if (in_cycles(frame)) {
-    const Ran ran = emu::render(command, frame, aperture_.framebuffer(), dsp, machine(), work);
+    const RunResult ran = emu::render(command, frame, aperture_.framebuffer(), dsp, machine(), work);
     if (ran.cancelled) return cancelled();
     result = timed(ran);
   } else if (in_turns(frame)) {
-    const Ran ran = emu::render(command, frame, aperture_.framebuffer(), dsp, packets(viewing_rays(command), frame),
-                                threads_, turn_machine(), rays_, work);
+    const RunResult ran = emu::render(command, frame, aperture_.framebuffer(), dsp,
+                                      packets(viewing_rays(command), frame), threads_, pass_machine(), rays_, work);
     if (ran.cancelled) return cancelled();
     result = timed(ran);
   } else {
@@ -310,7 +310,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Work& w
   return result;
 }
 
-CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Work& work) {
+CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() != wire::kIlluminateCommandBytes) return refuse(expected("payload", "104 bytes", payload.size()));
   const auto command = wire::decode_illuminate(payload.first<wire::kIlluminateCommandBytes>());
   if (!has_volume()) return refuse(kNoVolume);
@@ -332,7 +332,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Wor
   if (in_cycles(frame)) {
     Lit lit;
     const RayCounters before = ray_counters(machine());
-    const Ran ran = emu::illuminate(rays, frame, config_.dsp(), machine(), lit, work);
+    const RunResult ran = emu::illuminate(rays, frame, config_.dsp(), machine(), lit, work);
     if (ran.cancelled) return cancelled();
     counts = ray_counters(machine()) - before;
     counts.energy.emitted = lit.emitted;
@@ -373,9 +373,9 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   }
   std::vector<wire::Counter> cycle_level;
   if (machine_) emu::count(*machine_, cycle_level);
-  if (turn_machine_) {
+  if (pass_machine_) {
     std::vector<wire::Counter> turns;
-    turn_machine_->count(turns);
+    pass_machine_->count(turns);
     add(turns, cycle_level);
   }
   add(past_, cycle_level);

@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "firmware/aperture.h"
-#include "board/board.h"
-#include "firmware/register_file.h"
-#include "datapath/frame.h"
-#include "gicube/v1/board_config.pb.h"
-#include "firmware/host_traps.h"
-#include "cycle/machine.h"
-#include "functional/simd/simd_tracer.h"
 #include "approximate/pass_machine.h"
+#include "board/board.h"
+#include "cycle/machine.h"
+#include "datapath/frame.h"
+#include "firmware/aperture.h"
+#include "firmware/host_traps.h"
+#include "firmware/register_file.h"
+#include "functional/simd/simd_tracer.h"
+#include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu {
 
@@ -40,7 +40,7 @@ class DspCommands {
  public:
   DspCommands(const v1::BoardConfig& config, const RegisterFile& registers);
 
-  CommandResult run(std::span<const std::uint8_t> payload, Work& work);
+  CommandResult run(std::span<const std::uint8_t> payload, Progress& work);
 
   // As Board::add_memory_error().
   void add_memory_error(const MemoryError& error);
@@ -61,19 +61,19 @@ class DspCommands {
   void count(std::vector<wire::Counter>& list) const;
 
  private:
-  CommandResult render(std::span<const std::uint8_t> payload, Work& work);
-  CommandResult trace(std::span<const std::uint8_t> payload, Work& work);
-  CommandResult illuminate(std::span<const std::uint8_t> payload, Work& work);
-  CommandResult resume(std::span<const std::uint8_t> payload, Work& work);
+  CommandResult render(std::span<const std::uint8_t> payload, Progress& work);
+  CommandResult trace(std::span<const std::uint8_t> payload, Progress& work);
+  CommandResult illuminate(std::span<const std::uint8_t> payload, Progress& work);
+  CommandResult resume(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult verify(std::span<const std::uint8_t> payload);
-  CommandResult pairs(std::span<const std::uint8_t> payload, Work& work);
+  CommandResult pairs(std::span<const std::uint8_t> payload, Progress& work);
   Picoseconds reading_time(std::size_t first, std::size_t count) const;
   CommandResult meet_memory_error();
   static void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid);
   void add_trap_list(CommandResult& result, std::size_t most);
   Frame frame();
   // Of the functional level, for so many rays; null if they go the plain way.
-  const RayPackets* packets(std::uint64_t rays, const Frame& frame);
+  const SimdTracer* packets(std::uint64_t rays, const Frame& frame);
   std::span<const float> current_wide_depths();
   std::optional<std::string> material_fault(bool host_answers = true) const;
   CommandResult cancelled();
@@ -84,8 +84,8 @@ class DspCommands {
   bool in_turns(const Frame& frame) const {
     return config_.fidelity() == v1::approximate && frame.plain && config_.rdram().processors_per_rdram() == 1;
   }
-  TurnMachine& turn_machine();
-  CommandResult timed(const Ran& ran) const;
+  PassMachine& pass_machine();
+  CommandResult timed(const RunResult& ran) const;
   // `sums`: its caches are to hold the sums' words.
   Machine& machine(bool sums = false);
   void drop_machine();
@@ -95,7 +95,7 @@ class DspCommands {
   const RegisterFile& registers_;
   unsigned threads_;
   OpacityCorrection opacity_correction_;
-  RayPackets packets_{opacity_correction_};
+  SimdTracer packets_{opacity_correction_};
   Aperture aperture_;
   std::vector<float> wide_depths_;                    // of the segmentation LUT, on the wide datapath
   std::uint64_t wide_depths_of_ = ~std::uint64_t{0};  // Aperture::segmentation_writes()
@@ -106,7 +106,7 @@ class DspCommands {
   std::unique_ptr<Machine> machine_;           // of the cycle level, as long as the volume keeps its size
   std::vector<wire::Ray> host_ray_room_;       // of the command in work
   std::uint64_t cached_volume_ = 0;            // Aperture::volume_writes() that the machine's caches belong to
-  std::unique_ptr<TurnMachine> turn_machine_;  // of the approximate level, as long
+  std::unique_ptr<PassMachine> pass_machine_;  // of the approximate level, as long
   std::uint64_t turns_volume_ = 0;             // as cached_volume_, of it
   bool cached_sums_ = false;                   // they hold sums, not voxels
   std::vector<wire::Counter> past_;            // counters of machines that were dropped

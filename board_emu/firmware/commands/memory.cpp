@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "asic/partition.h"
 #include "command_fault.h"
 #include "commands.h"
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/command.h"
-#include "asic/partition.h"
 
 namespace gicube::emu {
 
@@ -36,7 +36,7 @@ CommandResult DspCommands::verify(std::span<const std::uint8_t> payload) {
   if (!has_volume()) return refuse(kNoVolume);
   const VolumeMemory& volume = aperture_.volume();
   const std::size_t first = wire::load<std::uint32_t>(payload, 4), count = wire::load<std::uint32_t>(payload, 8);
-  if (count < 1 || count > wire::kMostVerifyBlocks) return refuse(expected("count", "1..65536", count));
+  if (count < 1 || count > wire::kMaxVerifyBlocks) return refuse(expected("count", "1..65536", count));
   if (first + count > volume.block_count()) {
     return refuse(
         expected("first + count", "at most " + std::to_string(volume.block_count()) + " blocks", first + count));

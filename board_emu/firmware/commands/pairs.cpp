@@ -5,11 +5,11 @@
 
 #include "approximate/approximate_level.h"
 #include "command_fault.h"
-#include "cycle/cycle_level.h"
 #include "commands.h"
+#include "cycle/cycle_level.h"
+#include "cycle/machine_counters.h"
 #include "functional/functional_level.h"
 #include "gicube/wire/pair.h"
-#include "cycle/machine_counters.h"
 #include "words/parallel_for.h"
 
 namespace gicube::emu {
@@ -29,8 +29,8 @@ std::optional<std::string> fault_of_header(const wire::PairsHeader& header, std:
                         std::to_string(header.pairs) + " pairs",
                     payload_bytes);
   }
-  if (header.rays < 1 || header.rays > wire::kMostRaysPerPair) return expected("rays", "1..65536", header.rays);
-  if (std::uint64_t{header.pairs} * header.rays > wire::kMostPairRays) {
+  if (header.rays < 1 || header.rays > wire::kMaxRaysPerPair) return expected("rays", "1..65536", header.rays);
+  if (std::uint64_t{header.pairs} * header.rays > wire::kMaxPairRays) {
     return expected("pairs x rays", "at most 2^22", std::uint64_t{header.pairs} * header.rays);
   }
   if (header.first > std::numeric_limits<std::uint32_t>::max() - header.rays) {
@@ -113,12 +113,12 @@ struct PairCounts : RayCounters {
 };
 
 // All of it on the host's threads, each with pairs of its own.
-PairCounts measure(const Job& job, const Frame& frame, const RayPackets* packets, unsigned threads, Work& work,
+PairCounts measure(const Job& job, const Frame& frame, const SimdTracer* packets, unsigned threads, Progress& work,
                    std::span<std::uint8_t> out) {
   constexpr std::size_t kRays = 2048;  // chosen: in a thread's cache
   const std::size_t run_pairs = std::max<std::size_t>(1, kRays / job.header.rays);
   const std::size_t runs = (job.pairs.size() + run_pairs - 1) / run_pairs;
-  return spread<PairCounts>(runs, threads, [&](std::size_t run, PairCounts& counts) {
+  return parallel_for<PairCounts>(runs, threads, [&](std::size_t run, PairCounts& counts) {
     if (work.cancel) return;
     const std::size_t begin = run * run_pairs, end = std::min(begin + run_pairs, job.pairs.size());
     PairRays made;
@@ -138,7 +138,7 @@ PairCounts measure(const Job& job, const Frame& frame, const RayPackets* packets
 
 }  // namespace
 
-CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Work& work) {
+CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() < wire::kPairsHeaderBytes) return refuse(expected("payload", "at least 32 bytes", payload.size()));
   Job job;
   job.header = wire::decode_pairs(payload.first<wire::kPairsHeaderBytes>());
@@ -185,10 +185,10 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Work& wo
   for (std::size_t begin = 0; begin < job.pairs.size(); begin += at_once) {
     const std::size_t end = std::min(begin + at_once, job.pairs.size());
     make(job, begin, end, made);
-    const GivenRays given{made.rays, true, make_cycles, take_cycles};
-    const Ran ran = in_turns(frame) ? emu::trace(given, frame, packets(made.rays.size(), frame), threads_,
-                                                 turn_machine(), rays_, work)
-                                    : emu::trace(given, frame, machine(), work);
+    const GivenRayBatch given{made.rays, true, make_cycles, take_cycles};
+    const RunResult ran = in_turns(frame) ? emu::trace(given, frame, packets(made.rays.size(), frame), threads_,
+                                                       pass_machine(), rays_, work)
+                                          : emu::trace(given, frame, machine(), work);
     if (ran.cancelled) return cancelled();
     const CommandResult part = timed(ran);
     result.dsp_cycles += part.dsp_cycles;

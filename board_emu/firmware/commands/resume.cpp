@@ -2,17 +2,17 @@
 #include <algorithm>
 
 #include "command_fault.h"
-#include "cycle/cycle_level.h"
 #include "commands.h"
+#include "cycle/cycle_level.h"
+#include "cycle/machine_counters.h"
 #include "functional/functional_level.h"
 #include "gicube/wire/trap.h"
-#include "cycle/machine_counters.h"
 
 namespace gicube::emu {
 
 namespace {
 
-constexpr std::uint32_t kMostInList = 1u << 16;  // chosen: 4 MiB, the largest payload
+constexpr std::uint32_t kMaxInList = 1u << 16;  // chosen: 4 MiB, the largest payload
 
 std::optional<std::string> fault_of_answer(const wire::Ray& ray, const Point& extent, bool light) {
   if (const auto what = fault(ray, extent)) return what;
@@ -65,7 +65,7 @@ void DspCommands::add_trap_list(CommandResult& result, std::size_t most) {
   host_traps_total_ += rays.size();
 }
 
-CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& work) {
+CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() < wire::kResumeHeaderBytes)
     return refuse(expected("payload", "at least 16 bytes", payload.size()));
   const auto count = wire::load<std::uint32_t>(payload, 4), most = wire::load<std::uint32_t>(payload, 8);
@@ -73,7 +73,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& w
     return refuse(
         expected("payload", "16 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
   }
-  if (most > kMostInList) return refuse(expected("most", "0..65536", most));
+  if (most > kMaxInList) return refuse(expected("most", "0..65536", most));
   if (count > host_traps_.out()) {
     return refuse(
         expected("count", "at most the rays handed out and not answered, " + std::to_string(host_traps_.out()), count));
@@ -110,7 +110,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Work& w
                         resumed.returned * config_.dsp().returned_ray_cycles();
   } else if (count > 0) {
     const RayCounters before = ray_counters(machine());
-    const Ran ran = emu::resume(answers, frame, aperture_.framebuffer(), config_.dsp(), machine(), counts, work);
+    const RunResult ran = emu::resume(answers, frame, aperture_.framebuffer(), config_.dsp(), machine(), counts, work);
     if (ran.cancelled) return cancelled();
     rays_ += counts;
     counts += ray_counters(machine()) - before;

@@ -3,14 +3,14 @@
 #include <cstdlib>
 
 #include "approximate/approximate_level.h"
-#include "functional/backproject.h"
 #include "command_fault.h"
-#include "cycle/cycle_level.h"
 #include "commands.h"
-#include "functional/functional_level.h"
-#include "gicube/wire/command.h"
+#include "cycle/cycle_level.h"
 #include "cycle/machine_counters.h"
 #include "datapath/interaction.h"
+#include "functional/backproject.h"
+#include "functional/functional_level.h"
+#include "gicube/wire/command.h"
 
 namespace gicube::emu {
 
@@ -27,7 +27,7 @@ bool is_segment(RayType type) {
          type == RayType::kBackproject;
 }
 
-constexpr std::uint64_t kMostMoved = std::uint64_t{1} << 34;
+constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;
 
 bool comes_back(RayType type) { return type != RayType::kDeposit && type != RayType::kBackproject; }
 
@@ -64,18 +64,18 @@ std::uint8_t flags_of(const wire::TraceHeader& header) {
 }
 
 // As many bits as a ray's energy has [P §4.2].
-std::uint64_t most_energy(const wire::TraceHeader& header, bool wide) {
+std::uint64_t max_energy(const wire::TraceHeader& header, bool wide) {
   const unsigned bits = wide ? 24 : header.albedo == wire::Albedo::kHigh ? 4 : 8;
   return ((std::uint64_t{1} << bits) - 1) << kEnergyFractionBits;
 }
 
 std::optional<std::string> fault_of_words(const wire::Ray& ray, const wire::TraceHeader& header, std::uint64_t most) {
   const std::uint64_t word = ray.colour_word();
-  if (is_segment(header.type) && word > wire::kMostLength) return expected("length", "0..4096 voxels in 16.16", word);
+  if (is_segment(header.type) && word > wire::kMaxLength) return expected("length", "0..4096 voxels in 16.16", word);
   if (header.type == RayType::kBackproject) {
     const std::int32_t amount = wire::sign_extend(ray.opacity, 24);
     const bool whole = header.words == wire::SumWords::kWhole;
-    if (amount <= wire::kMostAmount && amount >= (whole ? -wire::kMostAmount : 0)) return std::nullopt;
+    if (amount <= wire::kMaxAmount && amount >= (whole ? -wire::kMaxAmount : 0)) return std::nullopt;
     return expected("opacity", whole ? "an amount of at least -(2^23 - 1)" : "an amount of 0..2^23 - 1", ray.opacity);
   }
   if (is_segment(header.type) && ray.opacity != 0) return expected("opacity", "0 of a segment", ray.opacity);
@@ -86,11 +86,11 @@ std::optional<std::string> fault_of_words(const wire::Ray& ray, const wire::Trac
 }
 
 // How far the rays can move one sum.
-std::uint64_t most_moved(std::span<const wire::Ray> rays, const Frame& frame) {
+std::uint64_t max_moved(std::span<const wire::Ray> rays, const Frame& frame) {
   std::uint64_t sum = 0;
   for (const wire::Ray& ray : rays) {
     const auto size = static_cast<std::uint32_t>(std::abs(wire::sign_extend(ray.opacity, 24)));
-    sum += wire::most_moved(size, static_cast<std::uint32_t>(ray.colour_word()), frame.step);
+    sum += wire::max_moved(size, static_cast<std::uint32_t>(ray.colour_word()), frame.step);
   }
   return sum;
 }
@@ -140,7 +140,7 @@ void set_opacity_rays(Frame& frame, std::uint32_t opacity) {
   set_type(frame, {.type = RayType::kOpacity, .opacity = opacity});
 }
 
-CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& work) {
+CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() < wire::kTraceHeaderBytes) return refuse(expected("payload", "at least 16 bytes", payload.size()));
   const auto header = wire::decode_trace(payload.first<wire::kTraceHeaderBytes>());
   if (const auto what = fault(header, payload.size())) return refuse(*what);
@@ -154,7 +154,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
   }
   if (deposit || (frame.backprojects && frame.sums == nullptr)) aperture_.irradiance().expect_deposits();
   const std::size_t count = header.count;
-  const std::uint64_t most = most_energy(header, frame.wide);
+  const std::uint64_t most = max_energy(header, frame.wide);
   std::vector<wire::Ray>& rays = host_ray_room_;
   rays.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -167,27 +167,27 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Work& wo
     if (const auto what = fault_of_words(rays[i], header, most)) return refuse(which() + *what);
   }
   if (frame.sums != nullptr) {
-    const std::uint64_t moved = most_moved(rays, frame);
-    if (moved > kMostMoved) return refuse(expected("rays", "that can move no sum by more than 2^34", moved));
+    const std::uint64_t moved = max_moved(rays, frame);
+    if (moved > kMaxMoved) return refuse(expected("rays", "that can move no sum by more than 2^34", moved));
     if (in_cycles(frame)) aperture_.sums().moved_anywhere(moved);
   }
   if (!frame.backprojects) aperture_.decode(threads_, reads(frame));
   CommandResult result;
   RayCounters counts;
   const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
-  const GivenRays given{rays, back, first, back ? both - first : 0};
+  const GivenRayBatch given{rays, back, first, back ? both - first : 0};
   if (in_cycles(frame)) {
     Machine& machine = this->machine(frame.sums != nullptr);
     const RayCounters before = ray_counters(machine);
     for (const wire::Ray& ray : rays) {  // the machine counts what becomes of it
-      if (deposit) counts.energy.emitted += energy_units(set_out(ray, frame), frame);
+      if (deposit) counts.energy.emitted += energy_units(unpack(ray, frame), frame);
     }
-    const Ran ran = emu::trace(given, frame, machine, work);
+    const RunResult ran = emu::trace(given, frame, machine, work);
     if (ran.cancelled) return cancelled();
     counts += ray_counters(machine) - before;
     result = timed(ran);
   } else if (in_turns(frame)) {
-    const Ran ran = emu::trace(given, frame, packets(count, frame), threads_, turn_machine(), counts, work);
+    const RunResult ran = emu::trace(given, frame, packets(count, frame), threads_, pass_machine(), counts, work);
     if (ran.cancelled) return cancelled();
     rays_ += counts;
     result = timed(ran);

@@ -7,13 +7,13 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr float kGlass = 1.5f;                             // chosen
-constexpr float kLeastIndex = 0.01f, kMostIndex = 100.0f;  // chosen: beyond any material
+constexpr float kGlass = 1.5f;                          // chosen
+constexpr float kMinIndex = 0.01f, kMaxIndex = 100.0f;  // chosen: beyond any material
 
 std::optional<std::string> fault(std::span<const float> parameters) {
   if (parameters.size() > 1) return "expected 1 parameter, got " + std::to_string(parameters.size());
   if (parameters.empty()) return std::nullopt;
-  if (parameters[0] >= kLeastIndex && parameters[0] <= kMostIndex) return std::nullopt;
+  if (parameters[0] >= kMinIndex && parameters[0] <= kMaxIndex) return std::nullopt;
   return "index of refraction: expected 0.01..100, got " + std::to_string(parameters[0]);
 }
 

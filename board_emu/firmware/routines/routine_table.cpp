@@ -25,8 +25,8 @@ const PlugIn* RoutineTable::user(std::uint8_t number) const {
 }
 
 void RoutineTable::add(std::unique_ptr<PlugIn> plug_in) {
-  if (user_.size() == kMostUserRoutines) {
-    throw PlugInFault(plug_in->file() + ": expected at most " + std::to_string(kMostUserRoutines) + " routines");
+  if (user_.size() == kMaxUserRoutines) {
+    throw PlugInFault(plug_in->file() + ": expected at most " + std::to_string(kMaxUserRoutines) + " routines");
   }
   user_.push_back(std::move(plug_in));
 }

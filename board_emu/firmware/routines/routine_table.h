@@ -13,7 +13,7 @@
 namespace gicube::emu {
 
 inline constexpr std::uint8_t kFirstUserRoutine = 8;
-inline constexpr std::size_t kMostUserRoutines = wire::kHostRoutine - kFirstUserRoutine;
+inline constexpr std::size_t kMaxUserRoutines = wire::kHostRoutine - kFirstUserRoutine;
 
 struct RoutineInfo {
   std::uint8_t number = 0;

@@ -65,13 +65,13 @@ HWY_INLINE void find_row(D d, const BlockCells& block, std::size_t first, CellRa
         }
       }
     }
-    alignas(64) std::array<std::int16_t, 32> least_of, most_of;
+    alignas(64) std::array<std::int16_t, 32> min_of, max_of;
     alignas(64) std::array<std::uint16_t, 32> tags_of;
-    hn::Store(hn::ShiftRight<kDensityFractionBits>(join_voxels(d, least, lowest)), d, least_of.data());
-    hn::Store(hn::ShiftRight<kDensityFractionBits>(join_voxels(d, most, highest)), d, most_of.data());
+    hn::Store(hn::ShiftRight<kDensityFractionBits>(join_voxels(d, least, lowest)), d, min_of.data());
+    hn::Store(hn::ShiftRight<kDensityFractionBits>(join_voxels(d, most, highest)), d, max_of.data());
     hn::Store(join_voxels(du, tags, either), du, tags_of.data());
     for (std::size_t i = 0; i < lanes; i += kCell) {
-      *out++ = {static_cast<std::uint16_t>(least_of[i]), static_cast<std::uint16_t>(most_of[i]),
+      *out++ = {static_cast<std::uint16_t>(min_of[i]), static_cast<std::uint16_t>(max_of[i]),
                 static_cast<std::uint8_t>(tags_of[i])};
     }
   }

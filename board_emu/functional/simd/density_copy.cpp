@@ -11,13 +11,13 @@ void DensityCopy::follow(const VolumeMemory& volume, unsigned threads) {
   if (decoded_ == volume.decodings()) return;
   clear();
   decoded_ = volume.decodings();
-  constexpr std::size_t kMost = std::size_t{1} << 30;
+  constexpr std::size_t kMax = std::size_t{1} << 30;
   if (const auto there = volume.decoded_densities(); !there.empty()) {
-    if (there.size() < kMost) place_ = there.data();
+    if (there.size() < kMax) place_ = there.data();
     return;
   }
   const std::span<const DecodedVoxel> voxels = volume.decoded();
-  if (voxels.size() >= kMost) return;
+  if (voxels.size() >= kMax) return;
   densities_.resize(voxels.size() + 1);  // a pair is read at the last voxel too
   densities_.back() = 0;
   const std::size_t part = voxels.size() / threads + 1;

@@ -12,9 +12,9 @@
 #include <bit>
 #include <span>
 
-#include "functional/functional.h"
-#include "datapath/ray_step.h"
 #include "datapath/interaction.h"
+#include "datapath/ray_step.h"
+#include "functional/functional.h"
 #include "march-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,7 +24,7 @@ namespace gicube::emu::HWY_NAMESPACE {
 constexpr std::int32_t kNoLimit = std::int32_t{1} << 29;
 
 // The even steps after which the ray is out of the volume, or beyond a cut plane.
-inline std::int32_t steps_inside(const Traveller& ray, const Frame& frame) {
+inline std::int32_t steps_inside(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return 0;
   std::int32_t least = kNoLimit;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -42,14 +42,14 @@ inline std::int32_t steps_inside(const Traveller& ray, const Frame& frame) {
 }
 
 // The rays of a span one after the other on the lanes.
-class Exchange {
+class LaneScheduler {
  public:
-  Exchange(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, std::span<std::int32_t> steps)
+  LaneScheduler(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, std::span<std::int32_t> steps)
       : rays_(rays), frame_(frame), counters_(counters), steps_(steps), seen_(gathers_colour() ? rays.size() : 0) {}
 
   bool has_more() const { return next_ < rays_.size(); }
   std::size_t busy() const { return busy_; }
-  SeenSamples& seen() { return seen_; }
+  ShadingQueue& seen() { return seen_; }
 
   // Takes ended rays off their lanes and puts new ones there.
   void serve(Lanes& lanes, std::size_t count) {
@@ -81,7 +81,7 @@ class Exchange {
 
  private:
   struct Slot {
-    Traveller traveller;
+    RayState ray_state;
     wire::Ray* ray = nullptr;
     std::int32_t steps = 0;  // as it set out
   };
@@ -116,10 +116,10 @@ class Exchange {
   void put(Lanes& lanes, std::size_t lane) {
     Slot& slot = slots_[lane];
     slot.ray = &rays_[next_];
-    slot.traveller = set_out(*slot.ray, frame_);
-    set_colour(next_, slot.traveller);
+    slot.ray_state = unpack(*slot.ray, frame_);
+    set_colour(next_, slot.ray_state);
     lanes.ray.lane[lane] = static_cast<std::int32_t>(next_++);
-    const Traveller& ray = slot.traveller;
+    const RayState& ray = slot.ray_state;
     const WideWords wide = wide_words(ray);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.position[axis].lane[lane] = ray.position[axis];
@@ -142,7 +142,7 @@ class Exchange {
 
   void take(const Lanes& lanes, std::size_t lane) {
     Slot& slot = slots_[lane];
-    Traveller& ray = slot.traveller;
+    RayState& ray = slot.ray_state;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ray.position[axis] = lanes.position[axis].lane[lane];
       ray.step[axis] = lanes.step[axis].lane[lane];
@@ -173,7 +173,7 @@ class Exchange {
   const bool wide_ = gathers_wide(frame_);
   std::array<Slot, 16> slots_{};
   std::size_t next_ = 0, busy_ = 0;
-  SeenSamples seen_;
+  ShadingQueue seen_;
 };
 
 #endif

@@ -9,11 +9,11 @@
 #define GICUBE_PACKET_LIGHT
 #endif
 
-#include "gradient-inl.h"
-#include "stages-inl.h"
 #include "datapath/illuminate.h"
 #include "datapath/jitter.h"
 #include "datapath/wide.h"
+#include "gradient-inl.h"
+#include "stages-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
@@ -26,8 +26,8 @@ HWY_INLINE VU64 times(VU64 a, std::uint64_t b) {
   return hn::Add(product(a, low), hn::ShiftLeft<32>(cross));
 }
 
-// mangle() of pipeline/jitter.h.
-HWY_INLINE VU64 mangle(VU64 x) {
+// mix64() of pipeline/jitter.h.
+HWY_INLINE VU64 mix64(VU64 x) {
   x = times(hn::Xor(x, hn::ShiftRight<30>(x)), 0xBF58476D1CE4E5B9u);
   x = times(hn::Xor(x, hn::ShiftRight<27>(x)), 0x94D049BB133111EBu);
   return hn::Xor(x, hn::ShiftRight<31>(x));
@@ -37,7 +37,7 @@ HWY_INLINE VU64 mangle(VU64 x) {
 HWY_INLINE V jitter_index(const std::array<V, 3>& position, V destination) {
   const auto half = [](VU64 x, VU64 y, VU64 z, VU64 uv) {
     const VU64 low = hn::Or(x, hn::ShiftLeft<24>(y)), high = hn::Or(z, hn::ShiftLeft<24>(uv));
-    return hn::And(mangle(hn::Xor(mangle(low), high)), set64(kJitterEntries - 1));
+    return hn::And(mix64(hn::Xor(mix64(low), high)), set64(kJitterEntries - 1));
   };
   return together(half(evens(position[0]), evens(position[1]), evens(position[2]), evens(destination)),
                   half(odds(position[0]), odds(position[1]), odds(position[2]), odds(destination)));
@@ -59,7 +59,7 @@ HWY_INLINE V exponent_of(V distance, V length) {
 HWY_INLINE VF wide_alpha(VF depth, V exponent) {
   const DF d;
   const VF lengths = hn::Mul(hn::ConvertTo(d, exponent), hn::Set(d, 0x1p-16f));
-  const VF x = hn::Min(hn::Mul(depth, lengths), hn::Set(d, kMostDepth));
+  const VF x = hn::Min(hn::Mul(depth, lengths), hn::Set(d, kMaxDepth));
   const V whole = hn::ConvertTo(D32(), x);
   const VF rest = hn::Sub(x, hn::ConvertTo(d, whole));
   const VF left = hn::BitCast(d, hn::ShiftLeft<23>(hn::Sub(set(127), whole)));

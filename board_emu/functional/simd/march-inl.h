@@ -45,7 +45,7 @@ struct Lanes {
 constexpr int kSumBits = 20;
 
 // What a turn changes of the rays, as long as they march.
-struct Going {
+struct LaneState {
   std::array<V, 3> position, step;
   std::array<V, 2> sum;
   V exponent, opacity, left;
@@ -53,8 +53,8 @@ struct Going {
 };
 
 template <bool kWide>
-HWY_INLINE Going begin(const Lanes& lanes) {
-  Going out{};
+HWY_INLINE LaneState begin(const Lanes& lanes) {
+  LaneState out{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.position[axis] = lanes.position[axis].load();
     out.step[axis] = lanes.step[axis].load();
@@ -68,7 +68,7 @@ HWY_INLINE Going begin(const Lanes& lanes) {
 }
 
 // What jitter_step() draws, of the lanes of `running`.
-HWY_INLINE void jitter_step(Going& ray, const Lanes& lanes, Mask running, const PacketField& field) {
+HWY_INLINE void jitter_step(LaneState& ray, const Lanes& lanes, Mask running, const PacketField& field) {
   const V drawn = jitter_index(ray.position, lanes.destination.load());
   const V distance = gather(field.tables->distance.data(), hn::ShiftLeft<2>(drawn));
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -78,7 +78,7 @@ HWY_INLINE void jitter_step(Going& ray, const Lanes& lanes, Mask running, const 
 }
 
 // Inside the volume, and not beyond a cut plane.
-HWY_INLINE Mask kept(const Going& ray, const PacketField& field) {
+HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
   const D32 d;
   Mask out = hn::FirstN(d, 0);
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -105,8 +105,8 @@ HWY_INLINE Mask kept(const Going& ray, const PacketField& field) {
 
 // Composites the samples of `taking` at `at`; `cell`: their places in the block. Their colour waits in `seen`.
 template <Gathers kGathers, bool kWide>
-HWY_INLINE void composite(Going& ray, V rays, const Place& at, V density, Mask taking, V block, V cell,
-                          SeenSamples& seen, const PacketField& field, RayCounters& counters) {
+HWY_INLINE void composite(LaneState& ray, V rays, const Place& at, V density, Mask taking, V block, V cell,
+                          ShadingQueue& seen, const PacketField& field, RayCounters& counters) {
   const D32 d;
   const V entry = classify(density, at, field);
   const V word = hn::IfThenElseZero(taking, gather(field.opacities, hn::ShiftLeft<2>(entry)));
@@ -133,7 +133,7 @@ HWY_INLINE void composite(Going& ray, V rays, const Place& at, V density, Mask t
 
 // Takes the samples of `samples`, of which those of `taking` count. `first`: of their blocks among the decoded ones.
 template <Gathers kGathers, bool kWide>
-HWY_INLINE void take_samples(Going& ray, V rays, V first, V block, Mask samples, Mask taking, SeenSamples& seen,
+HWY_INLINE void take_samples(LaneState& ray, V rays, V first, V block, Mask samples, Mask taking, ShadingQueue& seen,
                              const PacketField& field, RayCounters& counters) {
   const D32 d;
   Place at{};
@@ -161,13 +161,13 @@ HWY_INLINE void take_samples(Going& ray, V rays, V first, V block, Mask samples,
 
 // Takes all lanes on until at least `enough` of them have ended.
 template <Gathers kGathers, bool kJitter, bool kWide>
-HWY_INLINE void march(Lanes& lanes, SeenSamples& seen, const PacketField& field, std::size_t enough,
+HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field, std::size_t enough,
                       RayCounters& counters) {
   const D32 d;
-  Going ray = begin<kWide>(lanes);
+  LaneState ray = begin<kWide>(lanes);
   const V more = lanes.more.load(), zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
   const V rays = lanes.ray.load();
-  Pace pace = pace_of(ray.step);
+  InverseStep pace = pace_of(ray.step);
   V taken = zero, passed = zero;  // steps, and those of samples that are not seen
   Mask stepping{};
   while (true) {

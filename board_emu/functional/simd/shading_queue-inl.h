@@ -27,10 +27,10 @@ struct alignas(16) ColourSum {
   std::array<std::int32_t, 4> channel{};
 };
 
-class SeenSamples {
+class ShadingQueue {
  public:
   // `rays`: at most 2^18.
-  explicit SeenSamples(std::size_t rays) : sums_(rays) {}
+  explicit ShadingQueue(std::size_t rays) : sums_(rays) {}
 
   ColourSum& sum(std::size_t ray) { return sums_[ray]; }
 
@@ -46,7 +46,7 @@ class SeenSamples {
     put(kWeight, weight);
     if (field.irradiance != nullptr) put(kLit, lit);
     count_ += hn::CountTrue(D32(), seen);
-    if (count_ > kMost - hn::Lanes(D32())) shade_full<kWide>(field);
+    if (count_ > kMax - hn::Lanes(D32())) shade_full<kWide>(field);
   }
 
   // Shades what waits.
@@ -58,7 +58,7 @@ class SeenSamples {
   }
 
  private:
-  static constexpr std::size_t kMost = 128;  // chosen: a few KiB, and the rest is moved seldom
+  static constexpr std::size_t kMax = 128;  // chosen: a few KiB, and the rest is moved seldom
   static constexpr int kEntryBits = 14;
   static_assert(wire::kSegmentationEntries == 1 << kEntryBits);
   enum Word : std::size_t { kIndex, kXAndY, kZ, kEntryAndRay, kWeight, kLit, kWords };
@@ -113,7 +113,7 @@ class SeenSamples {
   std::vector<ColourSum> sums_;
   std::size_t count_ = 0;
   // Of those that wait. Where none does stands what one had before, or zero: a place that can be read.
-  alignas(64) std::array<std::array<std::int32_t, kMost + 16>, kWords> columns_{};
+  alignas(64) std::array<std::array<std::int32_t, kMax + 16>, kWords> columns_{};
 };
 
 #endif

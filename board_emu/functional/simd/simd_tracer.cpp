@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <bit>
 
-#include "functional/functional.h"
-#include "datapath/ray_step.h"
 #include "datapath/interaction.h"
+#include "datapath/ray_step.h"
+#include "functional/functional.h"
 #include "lane_scheduler-inl.h"
 #include "march-inl.h"
 
@@ -30,7 +30,7 @@ void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField&, Ra
 #else
 
 template <Gathers kGathers, bool kJitter, bool kWide>
-void trace_with(Exchange& exchange, const PacketField& field, RayCounters& counters) {
+void trace_with(LaneScheduler& exchange, const PacketField& field, RayCounters& counters) {
   const std::size_t count = hn::Lanes(D32());
   Lanes lanes{};
   while (true) {
@@ -45,7 +45,7 @@ void trace_with(Exchange& exchange, const PacketField& field, RayCounters& count
 }
 
 template <Gathers kGathers>
-void trace_gathering(Exchange& exchange, const PacketField& field, RayCounters& counters) {
+void trace_gathering(LaneScheduler& exchange, const PacketField& field, RayCounters& counters) {
   if (field.jitter) {
     return field.wide ? trace_with<kGathers, true, true>(exchange, field, counters)
                       : trace_with<kGathers, true, false>(exchange, field, counters);
@@ -56,7 +56,7 @@ void trace_gathering(Exchange& exchange, const PacketField& field, RayCounters& 
 
 void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& field, RayCounters& counters,
            std::span<std::int32_t> steps) {
-  Exchange exchange(rays, frame, counters, steps);
+  LaneScheduler exchange(rays, frame, counters, steps);
   switch (field.gathers) {
     case Gathers::kOpacity: return trace_gathering<Gathers::kOpacity>(exchange, field, counters);
     case Gathers::kColour: return trace_gathering<Gathers::kColour>(exchange, field, counters);
@@ -79,7 +79,7 @@ namespace {
 std::uint32_t common_exponent(const Frame& frame) {
   const auto& spacing = frame.spacing;
   if (frame.jitter || frame.segments || spacing[0] != spacing[1] || spacing[1] != spacing[2]) return 0;
-  Traveller ray;
+  RayState ray;
   ray.length = spacing[0];
   space(ray, frame.step);
   return ray.exponent;
@@ -87,14 +87,14 @@ std::uint32_t common_exponent(const Frame& frame) {
 
 }  // namespace
 
-RayPackets::RayPackets(const OpacityCorrection& correction) : correction_(correction) {
+SimdTracer::SimdTracer(const OpacityCorrection& correction) : correction_(correction) {
   for (std::size_t i = 0; i < tables_.exp2.size(); ++i) {
     const std::uint64_t here = correction.exp2_at(i), next = correction.exp2_at(i + 1);
     tables_.exp2[i] = here | (here - next) << 32;
   }
 }
 
-void RayPackets::clear() {
+void SimdTracer::clear() {
   copy_.clear();
   irradiance_.clear();
   ranges_.clear();
@@ -103,7 +103,7 @@ void RayPackets::clear() {
   lut_writes_ = ~std::uint64_t{0};
 }
 
-void RayPackets::read(std::span<const wire::SegmentationEntry> segmentation) {
+void SimdTracer::read(std::span<const wire::SegmentationEntry> segmentation) {
   for (std::size_t i = 0; i < tables_.depth.size(); ++i) {
     const wire::SegmentationEntry& entry = segmentation[i];
     tables_.depth[i] = entry.opacity == wire::kClassifiedOpacityOne ? ~0u : correction_.depth(entry.opacity);
@@ -119,7 +119,7 @@ void RayPackets::read(std::span<const wire::SegmentationEntry> segmentation) {
   tables_.specular.resize(segmentation.size() + 3);  // four bytes are read from any place
 }
 
-void RayPackets::correct(const Frame& frame) {
+void SimdTracer::correct(const Frame& frame) {
   const std::uint32_t exponent = common_exponent(frame);
   const bool wide = gathers_wide(frame);
   if (exponent_ == exponent && wide_ == wide && alpha_lut_ == lut_writes_) return;
@@ -137,7 +137,7 @@ void RayPackets::correct(const Frame& frame) {
   }
 }
 
-bool RayPackets::follow_irradiance(const Frame& frame) {
+bool SimdTracer::follow_irradiance(const Frame& frame) {
   if (!frame.lit_by_irradiance) {
     irradiance_.clear();
     return true;
@@ -147,7 +147,7 @@ bool RayPackets::follow_irradiance(const Frame& frame) {
   return irradiance_.words() != nullptr;
 }
 
-void RayPackets::find_seen(const Frame& frame, unsigned threads) {
+void SimdTracer::find_seen(const Frame& frame, unsigned threads) {
   if (seen_lut_ == lut_writes_) return;
   seen_lut_ = lut_writes_;
   ranges_.follow(*frame.volume, copy_.densities(), threads);
@@ -170,7 +170,7 @@ void RayPackets::find_seen(const Frame& frame, unsigned threads) {
   std::transform(ranges_.cells().begin(), ranges_.cells().end(), seen_.begin(), seen);
 }
 
-void RayPackets::find_first(const Frame& frame) {
+void SimdTracer::find_first(const Frame& frame) {
   const VolumeMemory& volume = *frame.volume;
   const std::array<int, 3>& size = ranges_.size();
   const auto cells = static_cast<std::size_t>(volume.block_voxels()) >> CellRanges::kEdgeShift;  // a block's, along x
@@ -194,7 +194,7 @@ void RayPackets::find_first(const Frame& frame) {
   }
 }
 
-bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads) {
+bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads) {
   if (frame.lights || frame.scatter || frame.high_albedo || frame.backprojects) return false;
   if (frame.jitter && (frame.segments || frame.integral)) return false;
   const VolumeMemory& volume = *frame.volume;
@@ -229,7 +229,7 @@ bool RayPackets::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t l
   return true;
 }
 
-void RayPackets::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
+void SimdTracer::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
                        std::span<std::int32_t> steps) const {
   const VolumeMemory& volume = *frame.volume;
   PacketField field{};

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "datapath/frame.h"
-#include "gicube/wire/ray.h"
+#include "datapath/jitter.h"
+#include "datapath/opacity_correction.h"
 #include "functional/simd/cell_ranges.h"
 #include "functional/simd/density_copy.h"
 #include "functional/simd/irradiance_copy.h"
+#include "gicube/wire/ray.h"
 #include "memory/large_array.h"
-#include "datapath/jitter.h"
-#include "datapath/opacity_correction.h"
 
 namespace gicube::emu {
 
@@ -61,9 +61,9 @@ struct PacketField {
   bool shaded, jitter, wide;
 };
 
-class RayPackets {
+class SimdTracer {
  public:
-  explicit RayPackets(const OpacityCorrection& correction);
+  explicit SimdTracer(const OpacityCorrection& correction);
 
   // Makes ready for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is
   // decoded. False if they must go the plain way: they scatter or deposit, too few have come to be worth a copy of the

@@ -11,8 +11,8 @@
 #include <algorithm>
 #include <array>
 
-#include "gicube/wire/ray.h"
 #include "datapath/trilinear_splat.h"
+#include "gicube/wire/ray.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gicube::emu::HWY_NAMESPACE {
@@ -84,9 +84,9 @@ HWY_INLINE void splat_in_vectors(const Piece& piece, std::int64_t* pairs, std::i
 }
 
 void splat(std::span<const Piece> pieces, std::int64_t* pairs, std::size_t row, std::size_t slice) {
-  constexpr std::int32_t kMost = (1 << (31 - wire::kPositionFractionBits)) - 1;  // whose products have 32 bits
+  constexpr std::int32_t kMax = (1 << (31 - wire::kPositionFractionBits)) - 1;  // whose products have 32 bits
   for (const Piece& piece : pieces) {
-    if (piece.amount > kMost || piece.amount < -kMost) {
+    if (piece.amount > kMax || piece.amount < -kMax) {
       splat_one_by_one({&piece, 1}, pairs, row, slice);
     } else {
       splat_in_vectors(piece, pairs, static_cast<std::int32_t>(row), static_cast<std::int32_t>(slice));

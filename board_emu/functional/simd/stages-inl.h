@@ -241,13 +241,13 @@ HWY_INLINE std::array<V, 3> shade(const Look& look, const std::array<V, 3>& grad
 }
 
 // How rays run along the axes.
-struct Pace {
+struct InverseStep {
   std::array<V, 3> turned;     // all ones where they run forward: what lies ahead is counted from the far end
   std::array<VF, 3> per_unit;  // steps a position unit
 };
 
-HWY_INLINE Pace pace_of(const std::array<V, 3>& step) {
-  Pace out{};
+HWY_INLINE InverseStep pace_of(const std::array<V, 3>& step) {
+  InverseStep out{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto way = hn::ConvertTo(DF(), hn::Abs(step[axis]));
     const auto stands = hn::Eq(way, hn::Zero(DF()));
@@ -260,7 +260,7 @@ HWY_INLINE Pace pace_of(const std::array<V, 3>& step) {
 // leap_steps() out of cubes of `mask` + 1 units: the whole steps in what lies ahead, and one. The quotients are exact: with
 // half a unit added they are at least half a step's part away from whole numbers, and two roundings of dividends
 // below 2^22 are less.
-HWY_INLINE V steps_out(const std::array<V, 3>& position, V mask, const Pace& pace, std::int32_t most) {
+HWY_INLINE V steps_out(const std::array<V, 3>& position, V mask, const InverseStep& pace, std::int32_t most) {
   auto least = hn::Set(DF(), static_cast<float>(most - 1));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto ahead = hn::ConvertTo(DF(), hn::And(hn::Xor(position[axis], pace.turned[axis]), mask));

@@ -22,8 +22,8 @@
 #include "board/board.h"
 #include "config/config.h"
 #include "firmware/routines/routine_table.h"
-#include "server/faults/fault_point.h"
 #include "observe/observation.h"
+#include "server/faults/fault_point.h"
 
 namespace gicube::emu {
 

@@ -13,8 +13,8 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 
-#include "server/faults/fault_point.h"
 #include "gicube/wire/checksum.h"
+#include "server/faults/fault_point.h"
 
 namespace gicube::emu {
 
@@ -125,10 +125,10 @@ void Connection::send(FrameHeader header, Payload payload, std::optional<std::ui
 }
 
 awaitable<void> Connection::write_queued(std::shared_ptr<Connection> self) {
-  constexpr std::size_t kMostFrames = 64;  // chosen: two buffers each; the system takes 1024
+  constexpr std::size_t kMaxFrames = 64;  // chosen: two buffers each; the system takes 1024
   while (!self->queued_.empty()) {
     std::vector<asio::const_buffer> buffers;
-    while (!self->queued_.empty() && self->in_flight_.size() < kMostFrames) {
+    while (!self->queued_.empty() && self->in_flight_.size() < kMaxFrames) {
       Outgoing& frame = self->in_flight_.emplace_back(std::move(self->queued_.front()));
       self->queued_.pop_front();
       buffers.push_back(asio::buffer(frame.header));

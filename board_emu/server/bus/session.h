@@ -88,8 +88,8 @@ class Session : public std::enable_shared_from_this<Session> {
   boost::asio::awaitable<void> work();
   bool book_command(const wire::FrameHeader& header);
   void settle_command(std::uint32_t ticket);
-  boost::asio::awaitable<Outcome> transact(const Frame& frame);
-  boost::asio::awaitable<void> send_outcome(const wire::FrameHeader& request, Outcome outcome);
+  boost::asio::awaitable<TransactionResult> transact(const Frame& frame);
+  boost::asio::awaitable<void> send_outcome(const wire::FrameHeader& request, TransactionResult outcome);
   boost::asio::awaitable<void> keep_pace(std::uint64_t time_ps);
   void send_progress();
   void return_credit();
@@ -129,7 +129,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint64_t unclaimed_bytes_ = 0;
 
   std::deque<Frame> inbox_;
-  Work work_;
+  Progress work_;
   bool job_done_ = false;
   bool delivering_ = false;  // a frame has its number and waits to be sent, by the fault plan
   bool stopped_ = false;

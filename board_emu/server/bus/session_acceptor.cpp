@@ -43,9 +43,9 @@ class PlaceInLine {
 
 }  // namespace
 
-class Reception::Guest {
+class SessionAcceptor::Guest {
  public:
-  Guest(Reception& reception, std::shared_ptr<Connection> connection)
+  Guest(SessionAcceptor& reception, std::shared_ptr<Connection> connection)
       : reception_(reception), connection_(std::move(connection)) {
     reception_.guests_.push_back(connection_);
   }
@@ -55,11 +55,11 @@ class Reception::Guest {
   void leave() { std::erase(reception_.guests_, connection_); }
 
  private:
-  Reception& reception_;
+  SessionAcceptor& reception_;
   std::shared_ptr<Connection> connection_;
 };
 
-awaitable<void> Reception::receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume) {
+awaitable<void> SessionAcceptor::receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume) {
   Guest guest(*this, connection);
   if (closed_) co_return connection->close();
   if (guests_.size() > options_.max_unowned) {
@@ -86,7 +86,7 @@ awaitable<void> Reception::receive(std::shared_ptr<Connection> connection, Board
 }
 
 // The client's first frame, if it is what it must be.
-awaitable<bool> Reception::read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs) {
+awaitable<bool> SessionAcceptor::read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs) {
   asio::steady_timer deadline(connection.executor(), options_.handshake_deadline);
   const auto come = std::make_shared<bool>(false);
   deadline.async_wait([self = connection.shared_from_this(), come, this](const error_code& cancelled) {
@@ -136,8 +136,8 @@ awaitable<bool> Reception::read_version(Connection& connection, std::uint32_t& i
   co_return false;
 }
 
-void Reception::resume(std::shared_ptr<Connection> connection, BoardSlot& slot, std::uint32_t id,
-                       const wire::VersionInfo& theirs) {
+void SessionAcceptor::resume(std::shared_ptr<Connection> connection, BoardSlot& slot, std::uint32_t id,
+                             const wire::VersionInfo& theirs) {
   const auto found = sessions_.find(theirs.session);
   if (found == sessions_.end() || found->second->ended() || !found->second->serves(slot)) {
     connection->refuse({ErrorCode::kNoSession, id, "the session to resume has ended, or never was"});
@@ -149,8 +149,8 @@ void Reception::resume(std::shared_ptr<Connection> connection, BoardSlot& slot, 
 }
 
 // Stands in line. An owner that is about to leave is waited for; one that stays, as long as the client wants.
-awaitable<bool> Reception::claim(std::shared_ptr<Connection> connection, std::shared_ptr<Session> session,
-                                 BoardSlot& slot, std::uint32_t id, const wire::VersionInfo& theirs) {
+awaitable<bool> SessionAcceptor::claim(std::shared_ptr<Connection> connection, std::shared_ptr<Session> session,
+                                       BoardSlot& slot, std::uint32_t id, const wire::VersionInfo& theirs) {
   Claimant who;
   who.name = connection->peer();
   who.force = (theirs.flags & wire::kForce) != 0;
@@ -184,7 +184,7 @@ awaitable<bool> Reception::claim(std::shared_ptr<Connection> connection, std::sh
 }
 
 // Not to be guessed by other clients, for whom it would be the key to this one's session.
-std::uint64_t Reception::new_token() const {
+std::uint64_t SessionAcceptor::new_token() const {
   std::random_device random;
   for (;;) {
     const std::uint64_t token = std::uint64_t{random()} << 32 | random();
@@ -192,7 +192,7 @@ std::uint64_t Reception::new_token() const {
   }
 }
 
-void Reception::close() {
+void SessionAcceptor::close() {
   closed_ = true;
   const LastWord word{ErrorCode::kCancelled, 0, "the board shuts down"};
   const auto guests = guests_;

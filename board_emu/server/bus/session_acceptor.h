@@ -19,10 +19,10 @@
 
 namespace gicube::emu {
 
-class Reception {
+class SessionAcceptor {
  public:
   // `options` must outlive it.
-  explicit Reception(const BusOptions& options) : options_(options) {}
+  explicit SessionAcceptor(const BusOptions& options) : options_(options) {}
 
   // Serves one connection. If it opens a session, returns when that has ended and the board is free again; `can_resume`:
   // the session may go on over other connections. If it resumes one, or is refused, returns at once.

@@ -6,8 +6,8 @@
 #include <csignal>
 #include <exception>
 
-#include "server/faults/fault_point.h"
 #include "gicube/wire/checksum.h"
+#include "server/faults/fault_point.h"
 #include "session.h"
 
 #include <boost/asio/redirect_error.hpp>
@@ -215,7 +215,7 @@ awaitable<void> Session::work() {
     const Frame frame = std::move(inbox_.front());
     inbox_.pop_front();
     if (!book_command(frame.header)) break;
-    Outcome outcome = co_await transact(frame);
+    TransactionResult outcome = co_await transact(frame);
     receive_credits_.consume(frame.header.size);
     ++unreturned_slots_;
     unreturned_bytes_ += frame.header.size;
@@ -246,8 +246,8 @@ void Session::settle_command(std::uint32_t ticket) {
   unclaimed_.erase(found);
 }
 
-awaitable<Outcome> Session::transact(const Frame& frame) {
-  Outcome outcome;
+awaitable<TransactionResult> Session::transact(const Frame& frame) {
+  TransactionResult outcome;
   work_.all = 0;
   work_.done = 0;
   work_.ticket = frame.header.id;
@@ -261,7 +261,7 @@ awaitable<Outcome> Session::transact(const Frame& frame) {
   co_return outcome;
 }
 
-awaitable<void> Session::send_outcome(const FrameHeader& request, Outcome outcome) {
+awaitable<void> Session::send_outcome(const FrameHeader& request, TransactionResult outcome) {
   for (Completion& completion : outcome.completions) {
     FrameHeader header{FrameType::kCompletion, wire::kPosted, completion.ticket};
     header.error = completion.error;

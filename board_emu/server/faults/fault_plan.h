@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "gicube/v1/fault_plan.pb.h"
 #include "config/textproto_reader.h"
+#include "gicube/v1/fault_plan.pb.h"
 
 namespace gicube::emu {
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "board/board.h"
-#include "fault_engine.h"
 #include "config/textproto_reader.h"
+#include "fault_engine.h"
 
 namespace gicube::emu {
 

@@ -54,7 +54,7 @@ struct BoardInfo {
   bool host_rays = false;  // submit() is offered
 };
 
-// What submit() does when OpenOptions::most_rays are under way.
+// What submit() does when OpenOptions::max_rays are under way.
 enum class BackPressure {
   kWait,   // the simulated host waits for the oldest batch to complete
   kThrow,  // throws WouldBlock, and nothing is sent
@@ -64,7 +64,7 @@ struct OpenOptions {
   // Wall-clock limit for one answer of the board; 0 = wait for ever.
   std::chrono::milliseconds watchdog{std::chrono::minutes{10}};
   // Rays that may be under way: submitted, and not yet completed by the simulated board. At least 4096.
-  std::size_t most_rays = std::size_t{1} << 22;
+  std::size_t max_rays = std::size_t{1} << 22;
   BackPressure back_pressure = BackPressure::kWait;
   // Keeps the volume's packed blocks in the host's memory, 4.5 bytes a stored voxel, so that reopen() can load them again.
   bool keep_volume = false;

@@ -45,7 +45,7 @@ typedef struct gicube_open_options {
   uint32_t size;
   int32_t back_pressure;
   uint64_t watchdog_ms;       /* wall clock; 0 = wait for ever */
-  uint64_t most_rays;         /* that may be under way */
+  uint64_t max_rays;          /* that may be under way */
   int32_t keep_volume;        /* so that gicube_reopen() can load it again */
   int32_t reopen_attempts;    /* how often in a row a call resumes a session that lost its connection */
   int32_t force;              /* takes the board from its owner */

@@ -31,7 +31,7 @@ struct LightPlanRequest {
   // One of both.
   double max_error = 0;         // relative, 0..1
   Picoseconds time_budget = 0;  // of the pass
-  int most_rays = 256;          // a face voxel, 1..4096: no more are chosen, however small the error
+  int max_rays = 256;           // a face voxel, 1..4096: no more are chosen, however small the error
   int pilot_pixels = 64;        // an edge of a pilot, 16..512
 };
 

@@ -41,15 +41,15 @@ struct TraceCommand {
 
 // Of `most` rays, or of as many as may move the sums in one command, and at least one.
 TraceCommand trace_command(Gather& rays, std::size_t most, const RaySetup& setup) {
-  constexpr std::uint64_t kMostMoved = std::uint64_t{1} << 34;  // command.h
+  constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;  // command.h
   TraceCommand command;
   command.bytes.resize(wire::kTraceHeaderBytes + most * wire::kRayBytes);
   std::uint64_t moved = 0;
   for (; command.rays < most; ++command.rays) {
     const HostRay& ray = rays.peek();
     const wire::Ray packet = to_wire(ray, setup);
-    moved += most_moved(packet, setup);
-    if (moved > kMostMoved && command.rays > 0) break;
+    moved += max_moved(packet, setup);
+    if (moved > kMaxMoved && command.rays > 0) break;
     if (setup.request.type == RayType::kIntegral) command.units.push_back(integral_unit(ray, setup));
     const std::size_t at = wire::kTraceHeaderBytes + command.rays * wire::kRayBytes;
     wire::encode(packet, std::span(command.bytes).subspan(at).first<wire::kRayBytes>());
@@ -112,12 +112,12 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
 
 // Sees to it that `rays` more may be under way.
 void Batches::make_room(std::size_t rays) {
-  if (rays_under_way_ + rays <= limits_.most_rays) return;
+  if (rays_under_way_ + rays <= limits_.max_rays) return;
   if (limits_.back_pressure == BackPressure::kThrow) {
     device_.poll();
     for (auto& [ticket, batch] : batches_) collect(batch);
-    if (rays_under_way_ + rays <= limits_.most_rays) return;
-    throw WouldBlock("rays: expected at most " + std::to_string(limits_.most_rays) + " under way (most_rays), got " +
+    if (rays_under_way_ + rays <= limits_.max_rays) return;
+    throw WouldBlock("rays: expected at most " + std::to_string(limits_.max_rays) + " under way (max_rays), got " +
                      std::to_string(rays) + " more to " + std::to_string(rays_under_way_));
   }
   for (auto& [ticket, batch] : batches_) {
@@ -125,7 +125,7 @@ void Batches::make_room(std::size_t rays) {
       if (part.result) continue;
       part.result = device_.finish(part.command, {});
       collect(batch);
-      if (rays_under_way_ + rays <= limits_.most_rays) return;
+      if (rays_under_way_ + rays <= limits_.max_rays) return;
     }
   }
 }

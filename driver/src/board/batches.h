@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "device.h"
-#include "gicube/ray.h"
 #include "encode/host_ray.h"
+#include "gicube/ray.h"
 
 namespace gicube {
 
 // What bounds the rays under way.
 struct BatchLimits {
-  std::size_t most_rays = 0;
+  std::size_t max_rays = 0;
   BackPressure back_pressure = BackPressure::kWait;
 };
 

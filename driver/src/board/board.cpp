@@ -1,9 +1,9 @@
 #include "gicube/board.h"
 
-#include "state.h"
-#include "encode/volume/empty_flags.h"
 #include "encode/reflectance_map.h"
 #include "encode/transfer_function_check.h"
+#include "encode/volume/empty_flags.h"
+#include "state.h"
 
 namespace gicube {
 

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "encode/lights.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
 #include "lighting_ledger.h"
-#include "transport/link_error.h"
 #include "state.h"
-#include "encode/lights.h"
+#include "transport/link_error.h"
 
 namespace gicube {
 namespace {

@@ -2,13 +2,13 @@
 #include <cmath>
 #include <utility>
 
+#include "encode/volume/density.h"
+#include "encode/volume/gradients.h"
+#include "encode/volume/volume_check.h"
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
-#include "encode/volume/density.h"
-#include "encode/volume/gradients.h"
-#include "encode/volume/volume_check.h"
 
 namespace gicube {
 namespace {
@@ -32,7 +32,7 @@ void Board::load_volume(const VolumeView& view, const Progress& progress) {
   loaded.dims = view.dims;
   loaded.range = resolve_range(view);
   loaded.relative_spacing = relative_spacing(view.spacing);
-  loaded.least_spacing = std::min({view.spacing.x, view.spacing.y, view.spacing.z});
+  loaded.min_spacing = std::min({view.spacing.x, view.spacing.y, view.spacing.z});
   loaded.gradients = view.find_gradients || !view.gradients.empty();
   const auto densities = to_densities(view, loaded.range);
   const auto codes = gradient_codes(view, loaded.range, state_->tables.codebook(), state_->threads);

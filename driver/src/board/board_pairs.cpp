@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <deque>
 
-#include "transport/link_error.h"
-#include "state.h"
 #include "encode/clear_paths.h"
 #include "encode/pairs.h"
+#include "state.h"
+#include "transport/link_error.h"
 
 namespace gicube {
 namespace {

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <string>
 
+#include "encode/argument.h"
+#include "encode/host_ray.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
-#include "encode/argument.h"
-#include "encode/host_ray.h"
 
 namespace gicube {
 
@@ -33,7 +33,7 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
                        info.wide,
                        sampled,
                        sampling_towards_eye,
-                       of.least_spacing * of.relative_spacing,
+                       of.min_spacing * of.relative_spacing,
                        of.range};
   std::size_t index = 0;
   for (const auto& part : rays) {

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gicube/wire/memory_map.h"
-#include "gicube/wire/registers.h"
-#include "state.h"
 #include "encode/argument.h"
 #include "encode/volume/density.h"
 #include "encode/volume/gradients.h"
+#include "gicube/wire/memory_map.h"
+#include "gicube/wire/registers.h"
+#include "state.h"
 
 namespace gicube {
 namespace {

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "encode/camera.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
-#include "transport/link_error.h"
 #include "state.h"
-#include "encode/camera.h"
+#include "transport/link_error.h"
 
 namespace gicube {
 namespace {

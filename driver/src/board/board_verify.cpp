@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "gicube/wire/command.h"
-#include "transport/link_error.h"
 #include "state.h"
+#include "transport/link_error.h"
 
 namespace gicube {
 namespace {
@@ -23,7 +23,7 @@ std::vector<std::size_t> Board::verify_volume() {
   state_->loaded("verify_volume()");
   Device& device = state_->device;
   const std::vector<std::uint32_t>& sums = state_->block_sums;
-  const std::size_t most = std::min<std::size_t>(wire::kMostVerifyBlocks, device.agreed().max_payload_bytes / 4);
+  const std::size_t most = std::min<std::size_t>(wire::kMaxVerifyBlocks, device.agreed().max_payload_bytes / 4);
   std::vector<std::size_t> damaged;
   for (std::size_t first = 0; first < sums.size(); first += most) {
     const std::size_t count = std::min(most, sums.size() - first);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "transport/capture.h"
-#include "transport/connect.h"
 #include "gicube/wire/counter_list.h"
 #include "gicube/wire/registers.h"
+#include "transport/capture.h"
+#include "transport/connect.h"
 #include "transport/link_error.h"
 
 namespace gicube {

@@ -6,8 +6,8 @@
 
 #include "gicube/wire/command.h"
 #include "gicube/wire/registers.h"
-#include "transport/link_error.h"
 #include "state.h"
+#include "transport/link_error.h"
 
 namespace gicube {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "batches.h"
 #include "device.h"
+#include "encode/volume/voxel_blocks.h"
 #include "gicube/board.h"
 #include "gicube/wire/command.h"
 #include "host_scattering.h"
 #include "tables.h"
-#include "encode/volume/voxel_blocks.h"
 
 namespace gicube {
 
@@ -26,8 +26,8 @@ struct LoadedVolume {
   Dims blocks{};
   ValueRange range;
   Vec3 relative_spacing;
-  double least_spacing = 1;  // of VolumeView::spacing, which relative_spacing is relative to
-  bool gradients = true;     // false: the application wanted none (VolumeView::find_gradients)
+  double min_spacing = 1;  // of VolumeView::spacing, which relative_spacing is relative to
+  bool gradients = true;   // false: the application wanted none (VolumeView::find_gradients)
   std::vector<BlockStatistics> statistics;
   std::vector<std::uint8_t> flags;  // in force, one a block
 };

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "gicube/wire/memory_map.h"
-#include "encode/volume/empty_flags.h"
 #include "encode/lights.h"
 #include "encode/reflectance_map.h"
+#include "encode/volume/empty_flags.h"
 #include "encode/volume/segmentation_lut.h"
+#include "gicube/wire/memory_map.h"
 
 namespace gicube {
 

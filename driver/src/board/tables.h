@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "device.h"
+#include "encode/volume/gradient_codebook.h"
 #include "gicube/material.h"
 #include "gicube/shading.h"
 #include "gicube/transfer_function.h"
 #include "gicube/volume.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/voxel.h"
-#include "encode/volume/gradient_codebook.h"
 
 namespace gicube {
 

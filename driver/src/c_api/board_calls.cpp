@@ -19,7 +19,7 @@ OpenOptions to_options(const gicube_open_options* given) {
   const gicube_open_options record = read_record("options", given, default_open_options());
   constexpr std::uint64_t kLongest = 1000ull * 60 * 60 * 24 * 365;  // chosen: as good as for ever, and fits the clock
   options.watchdog = std::chrono::milliseconds(std::min(record.watchdog_ms, kLongest));
-  options.most_rays = record.most_rays;
+  options.max_rays = record.max_rays;
   options.keep_volume = truth("options.keep_volume", record.keep_volume);
   options.reopen_attempts = record.reopen_attempts;
   options.force = truth("options.force", record.force);

@@ -42,8 +42,8 @@ T& checked(const char* name, T* pointer) {
 // `count` elements at `pointer`, which may be NULL only if there are none.
 template <typename T>
 T* checked(const char* name, T* pointer, std::size_t count) {
-  constexpr std::size_t kMost = PTRDIFF_MAX / sizeof(T);
-  if (count > kMost) throw BadArgument(name, "at most " + std::to_string(kMost) + " of them", std::to_string(count));
+  constexpr std::size_t kMax = PTRDIFF_MAX / sizeof(T);
+  if (count > kMax) throw BadArgument(name, "at most " + std::to_string(kMax) + " of them", std::to_string(count));
   if (pointer == nullptr && count > 0) throw BadArgument(name, "a pointer", "NULL");
   return pointer;
 }

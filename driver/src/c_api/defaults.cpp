@@ -11,7 +11,7 @@ gicube_open_options default_open_options() {
   gicube_open_options record{};
   record.back_pressure = static_cast<std::int32_t>(options.back_pressure);
   record.watchdog_ms = static_cast<std::uint64_t>(options.watchdog.count());
-  record.most_rays = options.most_rays;
+  record.max_rays = options.max_rays;
   record.keep_volume = options.keep_volume;
   record.reopen_attempts = options.reopen_attempts;
   record.force = options.force;

@@ -30,8 +30,8 @@ View to_view(const gicube_view& record) {
   view.high_albedo = truth("view.high_albedo", record.high_albedo);
   view.lifetime = record.lifetime;
   view.seed = record.seed;
-  constexpr std::uint32_t kMost = 6;
-  if (record.cut_plane_count > kMost) {
+  constexpr std::uint32_t kMax = 6;
+  if (record.cut_plane_count > kMax) {
     throw BadArgument("view.cut_plane_count", "at most 6", std::to_string(record.cut_plane_count));
   }
   checked("view.cut_planes", record.cut_planes, record.cut_plane_count);

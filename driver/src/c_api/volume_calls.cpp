@@ -29,8 +29,8 @@ Material to_material(const gicube_material& record) {
   material.seen_through_scattering = truth("material.seen_through_scattering", record.seen_through_scattering);
   material.routine = record.routine;
   material.surface = truth("material.surface", record.surface);
-  constexpr std::uint32_t kMost = 32;
-  if (record.parameter_count > kMost) {
+  constexpr std::uint32_t kMax = 32;
+  if (record.parameter_count > kMax) {
     throw BadArgument("material.parameter_count", "at most 32", std::to_string(record.parameter_count));
   }
   const float* parameters = checked("material.parameters", record.parameters, record.parameter_count);
@@ -188,8 +188,8 @@ gicube_status gicube_set_scattering_routine(gicube_board* board, gicube_scatteri
 gicube_status gicube_set_gradient_codebook(gicube_board* board, const double* codebook, size_t codes) {
   return call([&] {
     gicube_board& handle = checked_board(board);
-    constexpr std::size_t kMost = 2048;
-    if (codes > kMost) throw gicube::BadArgument("codes", "at most 2048", std::to_string(codes));
+    constexpr std::size_t kMax = 2048;
+    if (codes > kMax) throw gicube::BadArgument("codes", "at most 2048", std::to_string(codes));
     checked("codebook", codebook, 3 * codes);
     std::vector<gicube::Vec3> directions;
     for (std::size_t i = 0; i < codes; ++i) {

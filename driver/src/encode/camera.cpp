@@ -6,15 +6,15 @@
 #include <limits>
 #include <numbers>
 
+#include "encode/argument.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
-#include "encode/argument.h"
 
 namespace gicube {
 namespace {
 
-constexpr double kFarthest = 1e9;    // chosen: a double still tells positions 1e-6 voxel apart there
-constexpr double kLeastSine = 1e-6;  // chosen: between up and the line of sight
+constexpr double kFarthest = 1e9;  // chosen: a double still tells positions 1e-6 voxel apart there
+constexpr double kMinSine = 1e-6;  // chosen: between up and the line of sight
 constexpr double kShortestStep = wire::kStepMin / double{wire::kStepOne};  // voxels
 constexpr double kLongestStep = wire::kStepMax / double{wire::kStepOne};
 constexpr double kOffsetLimit = 1 << 20;  // voxels; a signed register with 10 fraction bits holds twice that
@@ -36,7 +36,7 @@ void check_directions(const View& view) {
     throw BadArgument("look_at", "a point apart from the eye", "the eye itself");
   }
   expect_finite("up", view.up);
-  if (!(length(cross(unit(view.look_at - view.eye), unit(view.up))) > kLeastSine)) {
+  if (!(length(cross(unit(view.look_at - view.eye), unit(view.up))) > kMinSine)) {
     throw BadArgument("up", "a direction across the line of sight",
                       view.up == Vec3{} ? "the zero vector" : "one along the line of sight");
   }

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "gicube/wire/ray.h"
 #include "encode/pairs.h"
+#include "gicube/wire/ray.h"
 
 namespace gicube {
 namespace {

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "encode/argument.h"
 #include "gicube/wire/registers.h"
 #include "gicube/wire/voxel.h"
-#include "encode/argument.h"
 
 namespace gicube {
 namespace {
@@ -17,7 +17,7 @@ constexpr std::array<char, 3> kAxisNames{'x', 'y', 'z'};
 constexpr double kPositionOne = wire::kVoxel;
 constexpr double kDirectionOne = 1 << wire::kDirectionFractionBits;
 constexpr double kLengthOne = 65536;
-constexpr double kMostLength = wire::kMostLength / kLengthOne;
+constexpr double kMaxLength = wire::kMaxLength / kLengthOne;
 constexpr int kEnergyFractionBits = 12;
 
 std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
@@ -36,7 +36,7 @@ bool leaves_sums(const RaySetup& setup) {
 }
 
 // As many bits as a ray's energy has [P §4.2].
-double most_energy(const RaySetup& setup) {
+double max_energy(const RaySetup& setup) {
   const int bits = setup.wide ? 24 : setup.request.albedo == Albedo::kHigh ? 4 : 8;
   return std::ldexp(1, bits) - 1;
 }
@@ -93,10 +93,10 @@ double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
 
 void check_energy_of_a_step(const HostRay& ray, std::size_t index, const RaySetup& setup) {
   if (!std::isfinite(ray.energy)) expect_finite(fmt::format("rays[{}].energy", index), ray.energy);
-  const double units = units_of_a_step(ray, setup), least = leaves_sums(setup) ? -wire::kMostAmount : 0;
-  if (units >= least && units <= wire::kMostAmount) return;
+  const double units = units_of_a_step(ray, setup), least = leaves_sums(setup) ? -wire::kMaxAmount : 0;
+  if (units >= least && units <= wire::kMaxAmount) return;
   const double one = ray.energy / units;
-  expect_within(fmt::format("rays[{}].energy", index), ray.energy, least * one, wire::kMostAmount * one);
+  expect_within(fmt::format("rays[{}].energy", index), ray.energy, least * one, wire::kMaxAmount * one);
 }
 
 }  // namespace
@@ -128,13 +128,13 @@ void check(const RayRequest& request) {
 void check(const HostRay& ray, std::size_t index, const RaySetup& setup) {
   check_position(ray.position, "rays", index, "position", setup.dims);
   check_direction(ray, index);
-  if (is_segment(setup.request.type) && !(ray.length >= 0 && ray.length <= kMostLength)) {
-    expect_within(fmt::format("rays[{}].length", index), ray.length, 0, kMostLength);
+  if (is_segment(setup.request.type) && !(ray.length >= 0 && ray.length <= kMaxLength)) {
+    expect_within(fmt::format("rays[{}].length", index), ray.length, 0, kMaxLength);
   }
   if (setup.request.type == RayType::kBackproject) check_energy_of_a_step(ray, index, setup);
   if (setup.request.type != RayType::kDeposit) return;
   const double least = std::ldexp(setup.energy_unit, -kEnergyFractionBits);
-  const double most = most_energy(setup) * setup.energy_unit;
+  const double most = max_energy(setup) * setup.energy_unit;
   if (!(ray.energy >= least && ray.energy <= most)) {
     expect_within(fmt::format("rays[{}].energy", index), ray.energy, least, most);
   }
@@ -196,10 +196,10 @@ double integral_unit(const HostRay& ray, const RaySetup& setup) {
   return (setup.range.high - setup.range.low) / kDensitySteps * length_of_a_step(ray, setup);
 }
 
-std::uint64_t most_moved(const wire::Ray& packet, const RaySetup& setup) {
+std::uint64_t max_moved(const wire::Ray& packet, const RaySetup& setup) {
   if (!leaves_sums(setup)) return 0;
   const auto size = static_cast<std::uint32_t>(std::abs(wire::sign_extend(packet.opacity, 24)));
-  return wire::most_moved(size, static_cast<std::uint32_t>(packet.colour_word()), step_word(setup.sampling));
+  return wire::max_moved(size, static_cast<std::uint32_t>(packet.colour_word()), step_word(setup.sampling));
 }
 
 TracedRay integral_from_wire(const wire::Ray& ray, double unit) {

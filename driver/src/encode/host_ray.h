@@ -46,7 +46,7 @@ wire::Ray to_wire(const HostRay& ray, const RaySetup& setup);
 // kIntegral: what one unit of the densities' sum is worth for this ray.
 double integral_unit(const HostRay& ray, const RaySetup& setup);
 // kBackproject: the most that a sum can move by a packet (command.h); 0 in other words.
-std::uint64_t most_moved(const wire::Ray& packet, const RaySetup& setup);
+std::uint64_t max_moved(const wire::Ray& packet, const RaySetup& setup);
 
 // The direction as the board holds it: of unit length to its rounding.
 TracedRay from_wire(const wire::Ray& ray);

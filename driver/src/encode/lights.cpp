@@ -6,8 +6,8 @@
 #include <numbers>
 #include <string>
 
-#include "gicube/wire/ray.h"
 #include "encode/argument.h"
+#include "gicube/wire/ray.h"
 
 namespace gicube {
 namespace {
@@ -123,7 +123,7 @@ void check(const Light& light, std::size_t index) {
 }
 
 void check(const Illumination& settings) {
-  expect_within("rays_per_face_voxel", settings.rays_per_face_voxel, 1, wire::kMostRaysPerVoxel);
+  expect_within("rays_per_face_voxel", settings.rays_per_face_voxel, 1, wire::kMaxRaysPerVoxel);
   expect_within("step", settings.step, 1.0 / 64, 16);
   expect_within("lifetime", settings.lifetime, 0, wire::kLifetimeMax);
 }
@@ -141,7 +141,7 @@ wire::Material material_record(const Material& material) {
   return out;
 }
 
-RayEnergy most_energy(const Light& light, const Illumination& settings, const LitBox& box) {
+RayEnergy max_energy(const Light& light, const Illumination& settings, const LitBox& box) {
   const double cell = smallest_cell(box), power = power_of(light), k = settings.rays_per_face_voxel;
   double to_cell = 0;  // share of the power that the nearest cell gets
   if (std::holds_alternative<DirectionalLight>(light)) {
@@ -180,7 +180,7 @@ double energy_unit(std::span<const Light> lights, const Illumination& settings, 
   const double saturated = wide ? 4'294'967'295.0 : 2047;
   double ray = 0, voxel = 0;
   for (const Light& light : lights) {
-    const RayEnergy most = most_energy(light, settings, box);
+    const RayEnergy most = max_energy(light, settings, box);
     ray = std::max(ray, most.ray);
     voxel += most.voxel;
   }

@@ -29,7 +29,7 @@ struct RayEnergy {
   double ray = 0;
   double voxel = 0;
 };
-RayEnergy most_energy(const Light& light, const Illumination& settings, const LitBox& box);
+RayEnergy max_energy(const Light& light, const Illumination& settings, const LitBox& box);
 
 // Power that passes a voxel's face in the middle of the volume, were nothing in its way.
 double flux_in_the_middle(const Light& light, const Illumination& settings, const LitBox& box);

@@ -20,7 +20,7 @@ Vec3 to_vec3(const wire::Vector& v) { return {v[0], v[1], v[2]}; }
 }  // namespace
 
 void check(const PairRequest& request) {
-  expect_within("request.rays", request.rays, 1, wire::kMostRaysPerPair);
+  expect_within("request.rays", request.rays, 1, wire::kMaxRaysPerPair);
   expect_within("request.first", request.first, 0, 4294967295.0 - request.rays);
   if (!(request.opacity > 0 && request.opacity <= 1)) {
     throw BadArgument("request.opacity", "more than 0, at most 1", number_text(request.opacity));

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gicube/wire/lut.h"
 #include "encode/argument.h"
+#include "gicube/wire/lut.h"
 
 namespace gicube {
 namespace {

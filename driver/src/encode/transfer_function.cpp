@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gicube/wire/voxel.h"
 #include "encode/argument.h"
 #include "encode/transfer_function_check.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube {
 namespace {

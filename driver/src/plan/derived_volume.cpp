@@ -4,16 +4,16 @@
 #include <cmath>
 #include <limits>
 
-#include "gicube/level_of_detail.h"
-#include "gicube/wire/voxel.h"
 #include "encode/argument.h"
 #include "encode/volume/samples.h"
 #include "encode/volume/volume_check.h"
+#include "gicube/level_of_detail.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube {
 namespace {
 
-constexpr int kMostLevels = 6;
+constexpr int kMaxLevels = 6;
 
 std::size_t index_of(const Dims& dims, int x, int y, int z) {
   return static_cast<std::size_t>(x) +
@@ -153,7 +153,7 @@ DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box) {
 
 DerivedVolume coarser(const VolumeView& volume, int level) {
   check_volume(volume, std::numeric_limits<int>::max());
-  expect_within("level", level, 1, kMostLevels);
+  expect_within("level", level, 1, kMaxLevels);
   const int edge = 1 << level;
   if (*std::min_element(volume.dims.begin(), volume.dims.end()) <= edge) {
     throw BadArgument("level", "two voxels left on each axis", std::to_string(level));

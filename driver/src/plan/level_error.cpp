@@ -5,10 +5,10 @@
 #include <cstring>
 #include <vector>
 
-#include "gicube/level_of_detail.h"
-#include "gicube/wire/voxel.h"
 #include "encode/volume/samples.h"
 #include "encode/volume/volume_check.h"
+#include "gicube/level_of_detail.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube {
 namespace {
@@ -114,7 +114,7 @@ Differences differences(const Grid& fine, const Grid& coarse, const Placement& p
 
 // The most by which opacities of two densities in low..high can differ that are at most `distance` apart. Where tags meet,
 // a coarse voxel may have taken either.
-double most_change(std::span<const TransferFunction> functions, ValueRange range, int low, int high, int distance) {
+double max_change(std::span<const TransferFunction> functions, ValueRange range, int low, int high, int distance) {
   std::vector<double> least(kDensities, 2), greatest(kDensities, -1);
   for (int d = low; d <= high; ++d) {
     const double value = range.low + d * (range.high - range.low) / wire::kDensityMax;
@@ -147,8 +147,8 @@ LevelError level_error(const VolumeView& volume, const DerivedVolume& coarse,
   if (functions.empty()) return error;
   const auto [least, greatest] = std::minmax_element(fine.densities.begin(), fine.densities.end());
   error.largest_opacity =
-      most_change(functions, range, static_cast<int>(std::floor(*least)), static_cast<int>(std::ceil(*greatest)),
-                  static_cast<int>(std::ceil(error.largest_density)));
+      max_change(functions, range, static_cast<int>(std::floor(*least)), static_cast<int>(std::ceil(*greatest)),
+                 static_cast<int>(std::ceil(error.largest_density)));
   return error;
 }
 

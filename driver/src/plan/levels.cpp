@@ -6,7 +6,7 @@ namespace gicube {
 namespace {
 
 constexpr double kWorthCropping = 0.9;  // chosen: of the voxels; what is left out must pay for the copy
-constexpr int kLeastEdge = 8;           // chosen: voxels
+constexpr int kMinEdge = 8;             // chosen: voxels
 
 double share_of(const VoxelBox& box, const Dims& dims) {
   double share = 1;
@@ -67,7 +67,7 @@ int Levels::most() const {
   if (!own_) return 0;
   const int least = *std::min_element(box_.size.begin(), box_.size.end());
   int level = 0;
-  while (least >> (level + 1) >= kLeastEdge) ++level;
+  while (least >> (level + 1) >= kMinEdge) ++level;
   return level;
 }
 

@@ -8,22 +8,23 @@
 #include <tuple>
 #include <utility>
 
-#include "plan/pilot.h"
 #include "encode/argument.h"
 #include "encode/camera.h"
 #include "encode/lights.h"
+#include "plan/pilot.h"
 
 namespace gicube {
 namespace {
 
-constexpr double kBestStep = 0.5;  // voxels, chosen: what longer steps are held against (docs/studies/charts.md, Lighting)
-constexpr double kLongStep = 1;    // chosen: at 2 low albedo leaves light in the wrong places
-constexpr int kFirstRays = 8;      // chosen: so many that pixels which clip are few
+constexpr double kBestStep =
+    0.5;  // voxels, chosen: what longer steps are held against (docs/studies/charts.md, Lighting)
+constexpr double kLongStep = 1;  // chosen: at 2 low albedo leaves light in the wrong places
+constexpr int kFirstRays = 8;    // chosen: so many that pixels which clip are few
 constexpr double kWorthIt =
     0.7;  // chosen: another albedo or step must cost less than this, for what its comparison costs
 constexpr double kMoreRays = 1.1;  // chosen: of what the noise makes one expect
 constexpr double kGrowth = 1.5;    // chosen: at least, where that was not enough: rounded words make noise fall slower
-constexpr int kMostGrowth = 4;     // chosen: at once, since noise may fall slower, or no more
+constexpr int kMaxGrowth = 4;      // chosen: at once, since noise may fall slower, or no more
 constexpr double kNoGain = 0.95;   // chosen: of the bound before; words that round have more to say than rays
 constexpr int kTries = 8;
 constexpr double kTimeMargin = 1.25;  // as of pictures
@@ -37,7 +38,7 @@ void check_request(const LightPlanRequest& request) {
     throw BadArgument("time_budget", "one of max_error and time_budget", request.max_error > 0 ? "both" : "none");
   }
   expect_within("channel", request.channel, -1, 2);
-  expect_within("most_rays", request.most_rays, 1, 4096);
+  expect_within("most_rays", request.max_rays, 1, 4096);
   expect_within("pilot_pixels", request.pilot_pixels, 16, 512);
 }
 
@@ -143,7 +144,7 @@ class LightPlanner {
   }
 
   void first_pilots() {
-    const int rays = std::min(kFirstRays, request_.most_rays);
+    const int rays = std::min(kFirstRays, request_.max_rays);
     for (const Mode& mode : modes()) {
       Pair pair = take(mode, rays);
       if (!firsts_.empty()) add_bias(pair, firsts_.front().a, firsts_.front().b);
@@ -178,9 +179,9 @@ class LightPlanner {
     return point;
   }
 
-  // Rays a face voxel for an error; more than most_rays if those don't do.
+  // Rays a face voxel for an error; more than max_rays if those don't do.
   int rays_for(const LightPoint& of, double error) const {
-    const double beyond = 2.0 * request_.most_rays;
+    const double beyond = 2.0 * request_.max_rays;
     const double factor = of.error > 0 ? of.error_bound / of.error : 1;  // how far the bound is above the error
     const double wished = error * error / (factor * factor) - of.bias * of.bias;
     if (!(wished > 0)) return static_cast<int>(beyond);
@@ -220,8 +221,8 @@ class LightPlanner {
     const Candidate best = out.front();
     std::erase_if(out, [&](const Candidate& one) {
       if (one.mode == best_) return false;
-      const bool within = one.rays <= request_.most_rays;
-      return !within || (best.rays <= request_.most_rays && one.cost > kWorthIt * best.cost);
+      const bool within = one.rays <= request_.max_rays;
+      return !within || (best.rays <= request_.max_rays && one.cost > kWorthIt * best.cost);
     });
     std::sort(out.begin(), out.end(), [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; });
     return out;
@@ -229,17 +230,17 @@ class LightPlanner {
 
   void choose_cheapest() {
     for (const Candidate& candidate : candidates()) {
-      int rays = std::min({candidate.rays, request_.most_rays, kMostGrowth * kFirstRays});
+      int rays = std::min({candidate.rays, request_.max_rays, kMaxGrowth * kFirstRays});
       double last = std::numeric_limits<double>::infinity();
       for (int attempt = 0; attempt < kTries; ++attempt) {
         plan_.chosen = decided(candidate.mode, rays);
         plan_.kept = plan_.chosen.error_bound <= request_.max_error;
         plan_.at_limit = !plan_.kept && plan_.chosen.error_bound > kNoGain * last;
-        if (plan_.kept || plan_.at_limit || rays == request_.most_rays) break;
+        if (plan_.kept || plan_.at_limit || rays == request_.max_rays) break;
         last = plan_.chosen.error_bound;
         const int more =
             std::max(rays_for(plan_.chosen, request_.max_error), static_cast<int>(std::ceil(kGrowth * rays)));
-        rays = std::min(std::min(more, kMostGrowth * rays), request_.most_rays);
+        rays = std::min(std::min(more, kMaxGrowth * rays), request_.max_rays);
       }
       if (plan_.kept) return;
     }
@@ -250,7 +251,7 @@ class LightPlanner {
     LightPoint best;
     for (const Pair& pair : firsts_) {
       const double one = static_cast<double>(pair.point.time) / pair.point.rays_per_face_voxel;
-      const int rays = static_cast<int>(std::clamp(std::floor(budget / one), 1.0, double(request_.most_rays)));
+      const int rays = static_cast<int>(std::clamp(std::floor(budget / one), 1.0, double(request_.max_rays)));
       const LightPoint point = expected(pair.point, rays);
       const auto better = [&](const LightPoint& a, const LightPoint& b) {
         const bool fits_a = static_cast<double>(a.time) <= budget, fits_b = static_cast<double>(b.time) <= budget;

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <optional>
 
-#include "plan/levels.h"
-#include "plan/pilot.h"
 #include "encode/argument.h"
 #include "encode/camera.h"
+#include "plan/levels.h"
+#include "plan/pilot.h"
 
 namespace gicube {
 namespace {
@@ -77,7 +77,7 @@ class Planner {
     plan_.request = request_;
     plan_.request.volume = {};
     plan_.request.looks = {};
-    if (progress_) progress_(most_pilots_, most_pilots_);
+    if (progress_) progress_(max_pilots_, max_pilots_);
     return std::move(plan_);
   }
 
@@ -92,8 +92,8 @@ class Planner {
       const bool deeper = request_.time_budget > 0 || request_.max_error >= kCoarse;
       deepest_ = std::min(plan_.level_for_pixels + (deeper ? 1 : 0), levels_.most());
     }
-    most_pilots_ = static_cast<std::uint32_t>(static_cast<std::size_t>(deepest_ + 1) * std::size(kSteps) *
-                                              (std::size(kThresholds) + 1));
+    max_pilots_ = static_cast<std::uint32_t>(static_cast<std::size_t>(deepest_ + 1) * std::size(kSteps) *
+                                             (std::size(kThresholds) + 1));
   }
 
   // The first pilot after a load sends the tables of this camera, which then cost no other one anything.
@@ -108,7 +108,7 @@ class Planner {
     Pilot pilot = take_pilot(board_, view);
     ++plan_.pilots;
     plan_.pilot_samples += pilot.samples;
-    if (progress_) progress_(std::min(plan_.pilots, most_pilots_ - 1), most_pilots_);
+    if (progress_) progress_(std::min(plan_.pilots, max_pilots_ - 1), max_pilots_);
     return pilot;
   }
 
@@ -254,7 +254,7 @@ class Planner {
   Levels levels_;
   int deepest_ = 0;
   int where_ = Levels::kWhole;  // the volume of what is chosen
-  std::uint32_t most_pilots_ = 0;
+  std::uint32_t max_pilots_ = 0;
   Image best_, larger_best_;
   Plan plan_;
 };

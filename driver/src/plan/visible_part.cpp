@@ -4,14 +4,14 @@
 #include <limits>
 #include <numbers>
 
-#include "gicube/level_of_detail.h"
+#include "encode/transfer_function_check.h"
 #include "encode/volume/density.h"
 #include "encode/volume/empty_flags.h"
 #include "encode/volume/samples.h"
 #include "encode/volume/segmentation_lut.h"
-#include "encode/transfer_function_check.h"
 #include "encode/volume/volume_check.h"
 #include "encode/volume/voxel_blocks.h"
+#include "gicube/level_of_detail.h"
 
 namespace gicube {
 namespace {
@@ -165,9 +165,9 @@ double voxels_a_pixel(const View& view, const VoxelBox& box, Vec3 spacing) {
 }
 
 int level_for(double voxels_a_pixel) {
-  constexpr int kMost = 6;  // as coarser()
+  constexpr int kMax = 6;  // as coarser()
   int level = 0;
-  while (level < kMost && voxels_a_pixel >= 2 << level) ++level;
+  while (level < kMax && voxels_a_pixel >= 2 << level) ++level;
   return level;
 }
 

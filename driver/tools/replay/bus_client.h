@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "transport/fd.h"
 #include "gicube/wire/credits.h"
 #include "gicube/wire/frame.h"
+#include "transport/fd.h"
 
 namespace gicube::replay {
 

@@ -11,8 +11,8 @@
 namespace gicube::replay {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 20;            // bytes that are read at a time
-constexpr std::uint32_t kMostPayload = std::uint32_t{1} << 28;  // chosen: far above what two peers agree on
+constexpr std::size_t kPiece = std::size_t{1} << 20;           // bytes that are read at a time
+constexpr std::uint32_t kMaxPayload = std::uint32_t{1} << 28;  // chosen: far above what two peers agree on
 
 }  // namespace
 
@@ -70,7 +70,7 @@ bool CaptureReader::next(CapturedFrame& frame) {
   std::array<std::uint8_t, wire::kFrameHeaderBytes> header{};
   if (read(header.data(), header.size()) < header.size()) return false;
   const auto frame_header = wire::decode_frame_header(header);
-  if (!frame_header || frame_header->size > kMostPayload) fail("expected a frame's header, got something else");
+  if (!frame_header || frame_header->size > kMaxPayload) fail("expected a frame's header, got something else");
   frame.record = *decoded;
   frame.header = *frame_header;
   frame.payload.clear();

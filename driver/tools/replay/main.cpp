@@ -10,10 +10,10 @@
 #include <string>
 
 #include "capture_reader.h"
-#include "transport/connect.h"
 #include "gicube/error.h"
-#include "transport/launch.h"
 #include "player.h"
+#include "transport/connect.h"
+#include "transport/launch.h"
 #include "transport/uri.h"
 
 namespace {

@@ -79,7 +79,7 @@ std::string summary(const v1::CounterSnapshot& now, const Window& window, bool i
   return text + table.text();
 }
 
-std::string counters(const v1::CounterSnapshot& now, const Window& window, bool all, std::size_t most_lines) {
+std::string counters(const v1::CounterSnapshot& now, const Window& window, bool all, std::size_t max_lines) {
   Table table({{"COUNTER"},
                {"VALUE", Align::kRight},
                {"SINCE THEN", Align::kRight},
@@ -89,7 +89,7 @@ std::string counters(const v1::CounterSnapshot& now, const Window& window, bool 
   for (const v1::Counter& counter : now.counters()) {
     const std::uint64_t delta = window.delta(counter);
     if (delta == 0 && !all) continue;
-    if (++lines > most_lines) {
+    if (++lines > max_lines) {
       ++left_out;
       continue;
     }

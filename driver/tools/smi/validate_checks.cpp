@@ -15,7 +15,7 @@ constexpr std::size_t kVoxels = kEdge * kEdge * kEdge;
 constexpr int kImageEdge = 64;  // pixels
 // FNV-1a of the pixels of picture(), the same on every board of a datapath.
 constexpr std::uint64_t kPaperPicture = 0x44fbf7347c2dc06f, kWidePicture = 0x3078e752ce468bcb;
-constexpr double kLeastBusShare = 0.5;  // chosen: of the bus's rate, while a volume is loaded
+constexpr double kMinBusShare = 0.5;  // chosen: of the bus's rate, while a volume is loaded
 
 void fail_if(bool wrong, const std::string& what) {
   if (wrong) throw CheckFailed(what);
@@ -161,7 +161,7 @@ std::string bandwidth(Board& board) {
   double peak = 133.4e6;  // PCI, and its multiples on AGP
   while (peak < rate && peak < 1e9) peak *= 2;
   const std::string seen = fmt::format("{}/s of the bus's {}/s", bytes_text(rate), bytes_text(peak));
-  fail_if(rate > peak * 1.01 || rate < kLeastBusShare * peak, seen);
+  fail_if(rate > peak * 1.01 || rate < kMinBusShare * peak, seen);
   return seen;
 }
 

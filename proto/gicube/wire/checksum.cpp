@@ -9,14 +9,14 @@ namespace gicube::wire {
 namespace {
 
 constexpr std::size_t kChecksumAt = 44;
-constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;  // the library counts in int
+constexpr std::size_t kMaxAtOnce = std::size_t{1} << 30;  // the library counts in int
 
 }  // namespace
 
 std::uint32_t crc32c(std::span<const std::uint8_t> bytes, std::uint32_t before) {
   std::uint32_t crc = ~before;
   while (!bytes.empty()) {
-    const auto part = bytes.first(std::min(bytes.size(), kMostAtOnce));
+    const auto part = bytes.first(std::min(bytes.size(), kMaxAtOnce));
     // The library only reads what it takes as a pointer to non-const.
     crc = crc32_iscsi(const_cast<unsigned char*>(part.data()), static_cast<int>(part.size()), crc);
     bytes = bytes.subspan(part.size());

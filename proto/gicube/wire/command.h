@@ -133,7 +133,7 @@ inline constexpr std::size_t kTraceHeaderBytes = 16;
 inline constexpr std::size_t kResumeHeaderBytes = 16;
 inline constexpr std::size_t kTrapListHeaderBytes = 8;
 inline constexpr std::size_t kVerifyCommandBytes = 16;
-inline constexpr std::uint32_t kMostVerifyBlocks = 65'536;  // chosen: their sums fit the smallest usual payload limit
+inline constexpr std::uint32_t kMaxVerifyBlocks = 65'536;  // chosen: their sums fit the smallest usual payload limit
 
 struct RenderCommand {
   std::uint16_t width = 0;
@@ -175,17 +175,17 @@ enum class RayType : std::uint8_t {
   kBackproject = 6,
 };
 enum class SumWords : std::uint8_t { kIrradiance = 0, kWhole = 1 };
-inline constexpr std::int32_t kMostAmount = (1 << 23) - 1;             // that a sample leaves
-inline constexpr int kAmountFractionBits = 12;                         // in irradiance words
-inline constexpr std::int64_t kMostSum = (std::int64_t{1} << 34) - 1;  // between commands
-inline constexpr std::uint32_t kMostLength = 4096u << 16;  // of a segment, 16.16 voxels: beyond any volume's diagonal
+inline constexpr std::int32_t kMaxAmount = (1 << 23) - 1;             // that a sample leaves
+inline constexpr int kAmountFractionBits = 12;                        // in irradiance words
+inline constexpr std::int64_t kMaxSum = (std::int64_t{1} << 34) - 1;  // between commands
+inline constexpr std::uint32_t kMaxLength = 4096u << 16;  // of a segment, 16.16 voxels: beyond any volume's diagonal
 
 enum class LightKind : std::uint8_t { kPoint = 0, kDirectional = 1, kRectangle = 2, kSphere = 3 };
 enum class Albedo : std::uint8_t { kLow = 0, kHigh = 1 };
 enum class EnergyRules : std::uint8_t { kAsPrinted = 0, kConserving = 1 };
 
 inline constexpr std::size_t kIlluminateCommandBytes = 104;
-inline constexpr std::uint32_t kMostRaysPerVoxel = 4096;
+inline constexpr std::uint32_t kMaxRaysPerVoxel = 4096;
 
 struct IlluminateCommand {
   LightKind kind = LightKind::kPoint;
@@ -300,7 +300,7 @@ constexpr std::uint32_t steps_of(std::uint32_t length, std::uint32_t step) { ret
 
 // The most that a backprojecting ray can add to one word: the samples along it that are less than a voxel from a place
 // on every axis lie on a piece shorter than 2 sqrt(3) voxels, and the weights of a piece of line sum to no more than this.
-constexpr std::uint64_t most_moved(std::uint32_t amount_size, std::uint32_t length, std::uint32_t step) {
+constexpr std::uint64_t max_moved(std::uint32_t amount_size, std::uint32_t length, std::uint32_t step) {
   const std::uint32_t steps = steps_of(length, step);
   if (steps == 0) return 0;
   const std::uint32_t each = length / steps;

@@ -37,8 +37,8 @@ inline constexpr std::size_t kElementBytes = 56;
 inline constexpr std::size_t kPairBytes = 12;
 inline constexpr std::size_t kPairsHeaderBytes = 32;
 inline constexpr std::size_t kPairResultBytes = 16;
-inline constexpr std::uint32_t kMostRaysPerPair = 65'536;
-inline constexpr std::uint32_t kMostPairRays = 1u << 22;  // of one command; chosen: a second of the DSP's work
+inline constexpr std::uint32_t kMaxRaysPerPair = 65'536;
+inline constexpr std::uint32_t kMaxPairRays = 1u << 22;  // of one command; chosen: a second of the DSP's work
 
 using Vector = std::array<double, 3>;
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "cone_beam/charts/case.h"
 #include "scene/program/board_options.h"
 #include "scene/program/progress.h"
-#include "cone_beam/charts/case.h"
 
 namespace gicube::samples {
 

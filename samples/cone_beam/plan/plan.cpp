@@ -17,10 +17,10 @@ namespace {
 
 constexpr double kFinestStep = 0.5;
 constexpr double kSteps[] = {1, 2};  // chosen
-constexpr int kMostEvery = 8;
-constexpr int kLeastSlices = 12, kMostSlices = 40;  // chosen: of a pilot; an eighth of the volume between them
-constexpr int kFaces = 2;                           // slices at a pilot's faces that have no neighbours
-constexpr int kTries = 12;                          // chosen
+constexpr int kMaxEvery = 8;
+constexpr int kMinSlices = 12, kMaxSlices = 40;  // chosen: of a pilot; an eighth of the volume between them
+constexpr int kFaces = 2;                        // slices at a pilot's faces that have no neighbours
+constexpr int kTries = 12;                       // chosen
 // chosen: what other slices may err more than the pilot's worst one: all of a head err up to 1.6 times what its middle does
 // (docs/guide/plan.md has what was measured).
 constexpr double kMargin = 2;
@@ -63,7 +63,7 @@ class Planner {
         projections_(projections),
         settings_(settings),
         progress_(progress),
-        slab_(slab_of(geometry, projections, std::clamp(geometry.volume.dims[2] / 8, kLeastSlices, kMostSlices))) {
+        slab_(slab_of(geometry, projections, std::clamp(geometry.volume.dims[2] / 8, kMinSlices, kMaxSlices))) {
     plan_.target = target;
     plan_.views = geometry.angles.size();
     plan_.slices = slab_.geometry.volume.dims[2];
@@ -112,7 +112,7 @@ class Planner {
   std::vector<FdkPlanPoint> coarser_ones() const {
     std::vector<FdkPlanPoint> out;
     FdkPlanPoint one = plan_.finest;
-    for (const int every : strides_of(geometry_, kMostEvery)) one.every = every, out.push_back(one);
+    for (const int every : strides_of(geometry_, kMaxEvery)) one.every = every, out.push_back(one);
     one = plan_.finest;
     for (int rays = plan_.finest.rays - 1; rays >= 1; --rays) one.rays = rays, out.push_back(one);
     one = plan_.finest;

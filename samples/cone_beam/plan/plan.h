@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
+#include "cone_beam/phantom/comparison.h"
 #include "gicube/plan_text.h"
 
 namespace gicube::samples {

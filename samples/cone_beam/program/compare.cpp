@@ -3,17 +3,17 @@
 #include <fstream>
 #include <iostream>
 
-#include "scene/program/input_error.h"
-#include "scene/program/program.h"
-#include "scene/program/run_json.h"
-#include "scene/formats/volume_output.h"
-#include "scene/formats/whole_file.h"
 #include "cone_beam/phantom/comparison.h"
 #include "cone_beam/program/commands.h"
 #include "cone_beam/program/object.h"
 #include "cone_beam/program/slices.h"
 #include "cone_beam/program/statistics.h"
 #include "cone_beam/scan/scan_file.h"
+#include "scene/formats/volume_output.h"
+#include "scene/formats/whole_file.h"
+#include "scene/program/input_error.h"
+#include "scene/program/program.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {

@@ -1,8 +1,8 @@
 // gicube-cone-beam: cone-beam tomography by a GI-Cube board.
 #include <iostream>
 
-#include "scene/program/program.h"
 #include "cone_beam/program/commands.h"
+#include "scene/program/program.h"
 
 namespace {
 

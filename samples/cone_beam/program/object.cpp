@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/program/input_error.h"
 #include "scene/formats/volume_file.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 

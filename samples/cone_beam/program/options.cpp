@@ -6,13 +6,13 @@
 #include <numbers>
 #include <ostream>
 
-#include "scene/formats/header_lines.h"
-#include "scene/program/input_error.h"
-#include "scene/program/option_group.h"
-#include "scene/formats/volume_output.h"
 #include "cone_beam/program/statistics.h"
 #include "cone_beam/scan/scan.h"
 #include "cone_beam/scan/scan_file.h"
+#include "scene/formats/header_lines.h"
+#include "scene/formats/volume_output.h"
+#include "scene/program/input_error.h"
+#include "scene/program/option_group.h"
 
 namespace gicube::samples {
 namespace {

@@ -8,13 +8,13 @@
 #include <variant>
 #include <vector>
 
-#include "scene/program/board_options.h"
-#include "scene/program/plan_options.h"
 #include "cone_beam/algebraic.h"
 #include "cone_beam/charts/charts.h"
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/scan/description.h"
+#include "scene/program/board_options.h"
+#include "scene/program/plan_options.h"
 
 namespace gicube::samples {
 

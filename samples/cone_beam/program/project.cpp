@@ -1,11 +1,5 @@
 #include <fmt/format.h>
 
-#include "scene/program/board_run.h"
-#include "scene/formats/header_lines.h"
-#include "scene/program/program.h"
-#include "scene/program/progress.h"
-#include "scene/program/run_json.h"
-#include "scene/formats/volume_output.h"
 #include "cone_beam/phantom/noise.h"
 #include "cone_beam/program/commands.h"
 #include "cone_beam/program/object.h"
@@ -16,6 +10,12 @@
 #include "cone_beam/scan/scan_file.h"
 #include "cone_beam/scan/stack.h"
 #include "cone_beam/scan/views.h"
+#include "scene/formats/header_lines.h"
+#include "scene/formats/volume_output.h"
+#include "scene/program/board_run.h"
+#include "scene/program/program.h"
+#include "scene/program/progress.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {

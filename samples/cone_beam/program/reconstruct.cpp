@@ -5,11 +5,6 @@
 #include <cstdio>
 #include <optional>
 
-#include "scene/program/board_run.h"
-#include "scene/program/program.h"
-#include "scene/program/progress.h"
-#include "scene/program/run_json.h"
-#include "scene/formats/volume_output.h"
 #include "cone_beam/algebraic.h"
 #include "cone_beam/plan/plan.h"
 #include "cone_beam/program/commands.h"
@@ -17,6 +12,11 @@
 #include "cone_beam/program/slices.h"
 #include "cone_beam/program/statistics.h"
 #include "cone_beam/scan/scan.h"
+#include "scene/formats/volume_output.h"
+#include "scene/program/board_run.h"
+#include "scene/program/program.h"
+#include "scene/program/progress.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {

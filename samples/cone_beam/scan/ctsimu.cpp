@@ -5,15 +5,15 @@
 #include <array>
 #include <cmath>
 
-#include "scene/formats/header_lines.h"
 #include "cone_beam/scan/json_part.h"
 #include "cone_beam/scan/view_frame.h"
+#include "scene/formats/header_lines.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr int kMostViews = 1 << 16;  // chosen
-constexpr double kMostBytes = 1e15;  // chosen: of a header
+constexpr int kMaxViews = 1 << 16;  // chosen
+constexpr double kMaxBytes = 1e15;  // chosen: of a header
 
 // x, y, z of lengths.
 Vec3 place(const JsonPart& part) { return {part.at("x").length(), part.at("y").length(), part.at("z").length()}; }
@@ -62,7 +62,7 @@ ViewFrame first_frame(const Stand& source, const Stand& stage, const Stand& dete
 // Degrees that the stage turns to, in the order of the views; radians.
 std::vector<double> stage_angles(const JsonPart& acquisition) {
   const double start = acquisition.at("start_angle").angle(), stop = acquisition.at("stop_angle").angle();
-  const int count = acquisition.at("number_of_projections").whole(2, kMostViews);
+  const int count = acquisition.at("number_of_projections").whole(2, kMaxViews);
   const bool last = acquisition.at("include_final_angle").boolean();
   const JsonPart direction = acquisition.at("direction");
   const std::string text = direction.text();
@@ -130,7 +130,7 @@ RawLayout layout_of(const JsonPart& projections, int columns, int rows) {
   if (header.has("image") && header.at("image").number() != 0) header.at("image").fault("0");
   if (header.has("file")) {
     const double bytes = header.at("file").number();
-    if (!(bytes >= 0 && bytes < kMostBytes)) header.at("file").fault("a number of bytes");
+    if (!(bytes >= 0 && bytes < kMaxBytes)) header.at("file").fault("a number of bytes");
     layout.skip_bytes = static_cast<std::uint64_t>(bytes);
   }
   return layout;
@@ -164,7 +164,7 @@ StackFiles correction_of(const JsonPart& projections, const char* key, const Raw
   const JsonPart field = projections.at(key);
   const bool corrected = field.has("projections_corrected") && field.at("projections_corrected").boolean();
   if (corrected || !field.has("filename") || !field.has("number")) return {};
-  const int count = field.at("number").whole(0, kMostViews);
+  const int count = field.at("number").whole(0, kMaxViews);
   return count == 0 ? StackFiles{} : files_of(field.at("filename"), count, layout);
 }
 
@@ -181,7 +181,7 @@ ScanDescription read_metadata(const JsonPart& json) {
                fmt::format("{} x {}", columns, rows));
   }
   const RawLayout layout = layout_of(projections, columns, rows);
-  out.projections = files_of(projections.at("filename"), projections.at("number").whole(1, kMostViews), layout);
+  out.projections = files_of(projections.at("filename"), projections.at("number").whole(1, kMaxViews), layout);
   out.intensities = true;
   out.flats = correction_of(projections, "flat_field", layout);
   out.darks = correction_of(projections, "dark_field", layout);

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "scene/formats/volume_file.h"
 #include "cone_beam/geometry.h"
+#include "scene/formats/volume_file.h"
 
 namespace gicube::samples {
 

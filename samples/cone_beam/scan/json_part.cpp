@@ -6,19 +6,19 @@
 #include <fstream>
 #include <numbers>
 
-#include "scene/formats/file_error.h"
 #include "scene/formats/data_stream.h"
+#include "scene/formats/file_error.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 16 << 20;  // chosen: far above any description of a scan
-constexpr int kMaxNesting = 100;                // chosen: copies and texts of deeper values would need much stack
+constexpr std::uint64_t kMaxBytes = 16 << 20;  // chosen: far above any description of a scan
+constexpr int kMaxNesting = 100;               // chosen: copies and texts of deeper values would need much stack
 
 }  // namespace
 
 JsonPart::JsonPart(const std::filesystem::path& file) : file_(file) {
-  if (const auto bytes = file_bytes(file); bytes > kMostBytes) {
+  if (const auto bytes = file_bytes(file); bytes > kMaxBytes) {
     throw FileError(file, "file", "at most 16 MiB", fmt::format("{} bytes", bytes));
   }
   std::ifstream stream(file);
@@ -97,10 +97,10 @@ double JsonPart::angle() const {
 }
 
 int JsonPart::pixels() const {
-  constexpr int kMost = 1 << 16;  // chosen
-  if (json_.is_number()) return whole(1, kMost);
+  constexpr int kMax = 1 << 16;  // chosen
+  if (json_.is_number()) return whole(1, kMax);
   if (has("unit") && at("unit").text() != "px") at("unit").fault("px");
-  return at("value").whole(1, kMost);
+  return at("value").whole(1, kMax);
 }
 
 void JsonPart::fault(const std::string& expected) const {

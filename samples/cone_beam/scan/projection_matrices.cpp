@@ -6,10 +6,10 @@
 #include <cmath>
 #include <fstream>
 
+#include "cone_beam/scan/stack.h"
 #include "scene/formats/header_lines.h"
 #include "scene/formats/slices.h"
 #include "scene/formats/whole_file.h"
-#include "cone_beam/scan/stack.h"
 
 namespace gicube::samples {
 namespace {

@@ -6,14 +6,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/formats/header_lines.h"
-#include "scene/program/input_error.h"
 #include "cone_beam/filter.h"
 #include "cone_beam/scan/ctsimu.h"
 #include "cone_beam/scan/projection_matrices.h"
 #include "cone_beam/scan/scan_file.h"
 #include "cone_beam/scan/stack.h"
 #include "cone_beam/scan/views.h"
+#include "scene/formats/header_lines.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {

@@ -8,16 +8,16 @@
 #include <numbers>
 #include <sstream>
 
-#include "scene/graph/faults.h"
 #include "gicube/v1/cone_scan.pb.h"
+#include "scene/graph/faults.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = 16 << 20;  // chosen: a million angles
-constexpr int kMaxNesting = 20;                  // chosen: of braces; bounds the parser's stack
-constexpr double kMostPixels = 65536;            // chosen: of a detector's edge
-constexpr int kMostViews = 1 << 20;              // chosen
+constexpr std::uintmax_t kMaxBytes = 16 << 20;  // chosen: a million angles
+constexpr int kMaxNesting = 20;                 // chosen: of braces; bounds the parser's stack
+constexpr double kMaxPixels = 65536;            // chosen: of a detector's edge
+constexpr int kMaxViews = 1 << 20;              // chosen
 constexpr double kRadians = std::numbers::pi / 180;
 
 // Turns the parsed message into a description; a fault leaves that part of it at its default.
@@ -59,10 +59,9 @@ class Translator {
     return value;
   }
   int pixels(const std::string& field, bool set, std::uint32_t value, double least) {
-    faults_.check(set && value >= least && value <= kMostPixels, field,
-                  fmt::format("a whole number from {} to {}", least, kMostPixels),
-                  set ? std::to_string(value) : "none");
-    return static_cast<int>(std::min(value, static_cast<std::uint32_t>(kMostPixels)));
+    faults_.check(set && value >= least && value <= kMaxPixels, field,
+                  fmt::format("a whole number from {} to {}", least, kMaxPixels), set ? std::to_string(value) : "none");
+    return static_cast<int>(std::min(value, static_cast<std::uint32_t>(kMaxPixels)));
   }
 
   Detector detector(const v1::ConeDetector& source) {
@@ -88,8 +87,8 @@ class Translator {
     if (listed || !source.has_even_angles()) return out;
     const v1::EvenAngles& even = source.even_angles();
     const auto count = even.count();
-    if (!even.has_count() || count < 2 || count > kMostViews) {
-      faults_.fault("even_angles.count", fmt::format("a whole number from 2 to {}", kMostViews), std::to_string(count));
+    if (!even.has_count() || count < 2 || count > kMaxViews) {
+      faults_.fault("even_angles.count", fmt::format("a whole number from 2 to {}", kMaxViews), std::to_string(count));
       return out;
     }
     const double first = finite("even_angles.first", even.first()), arc = finite("even_angles.arc", even.arc());
@@ -179,7 +178,7 @@ ScanDescription parse_scan(const std::string& text, const std::string& name, con
 ScanDescription read_scan_file(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError(path.string(), "a scan file", "no such file");
-  if (const auto bytes = std::filesystem::file_size(path, error); bytes > kMostBytes) {
+  if (const auto bytes = std::filesystem::file_size(path, error); bytes > kMaxBytes) {
     throw InputError(path.string(), "a scan file of at most 16 MiB", std::to_string(bytes) + " bytes");
   }
   std::ifstream stream(path, std::ios::binary);

@@ -3,9 +3,9 @@
 #include <fstream>
 #include <numbers>
 
-#include "scene/formats/whole_file.h"
 #include "cone_beam/scan/scan_file.h"
 #include "gicube/v1/cone_scan.pb.h"
+#include "scene/formats/whole_file.h"
 
 namespace gicube::samples {
 namespace {

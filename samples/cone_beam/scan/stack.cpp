@@ -9,12 +9,12 @@
 #include <fstream>
 #include <span>
 
+#include "cone_beam/scan/pfm.h"
 #include "scene/formats/data_stream.h"
 #include "scene/formats/header_lines.h"
 #include "scene/formats/slices.h"
 #include "scene/formats/volume_output.h"
 #include "scene/formats/whole_file.h"
-#include "cone_beam/scan/pfm.h"
 
 namespace gicube::samples {
 namespace {

@@ -140,7 +140,7 @@ class Integral {
   WayFactor& out_;
 };
 
-constexpr int kMostDepth = 12;  // chosen: about 2^-12 of the light between touching elements is summed without care
+constexpr int kMaxDepth = 12;  // chosen: about 2^-12 of the light between touching elements is summed without care
 
 }  // namespace
 
@@ -161,7 +161,7 @@ WayFactor::WayFactor(const AxisBox& a, const AxisBox& b) {
   const Integral integral(a.facing, b.facing, *this);
   for (const Interval& x : axes[0]) {
     for (const Interval& y : axes[1]) {
-      for (const Interval& z : axes[2]) integral.over({x, y, z}, kMostDepth);
+      for (const Interval& z : axes[2]) integral.over({x, y, z}, kMaxDepth);
     }
   }
 }

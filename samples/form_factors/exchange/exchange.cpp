@@ -73,7 +73,7 @@ class Division {
     while (true) {
       const Exchange sum = sum_up();
       const double wished = settings_.error * sum.value;
-      if (sum.value == 0 || sum.standard_error <= wished || sum.rays >= settings_.most_rays) return sum;
+      if (sum.value == 0 || sum.standard_error <= wished || sum.rays >= settings_.max_rays) return sum;
       divide_worst();
     }
   }

@@ -12,7 +12,7 @@ namespace gicube::samples {
 struct ExchangeSettings {
   double error = 0.002;  // > 0: standard error that is asked for, a share of the result
   int rays = 64;         // of each pair of parts; 8..65536
-  std::uint64_t most_rays = 1u << 23;
+  std::uint64_t max_rays = 1u << 23;
   std::uint32_t seed = 0;
   PairRays made = PairRays::kByBoard;
   Vec3 edges{1, 1, 1};  // of a voxel, physical: in smallest voxel edges
@@ -29,7 +29,7 @@ struct Exchange {
 
 // Of all of `a` to all of `b`, each the sum of its elements, which may touch, overlap or be the same: 1/r^2 has no bound then,
 // and the mean of few rays is too low. So parts that are near for their size are halved until little light goes between them,
-// and others where the rays' spread asks for it. Ends at most_rays with the standard error that it has come to.
+// and others where the rays' spread asks for it. Ends at max_rays with the standard error that it has come to.
 // Throws InputError (an element without area or volume, by list and index; settings), and what Board throws.
 Exchange exchange_between(Board& board, std::span<const Element> a, std::span<const Element> b,
                           const ExchangeSettings& settings = {});

@@ -33,13 +33,13 @@ double value_at(const Volume& volume, std::size_t index) {
   return 0;
 }
 
-double opacity_of(double most_kappa, int density) { return 1 - std::exp(-most_kappa * density / kDensityMax); }
+double opacity_of(double max_kappa, int density) { return 1 - std::exp(-max_kappa * density / kDensityMax); }
 
 // The extinction that the board's table makes of a density.
-std::vector<double> table(double most_kappa) {
+std::vector<double> table(double max_kappa) {
   std::vector<double> kappas;
   for (int density = 0; density <= kDensityMax; ++density) {
-    kappas.push_back(-std::log1p(-std::round(opacity_of(most_kappa, density) * kOpacityOne) / kOpacityOne));
+    kappas.push_back(-std::log1p(-std::round(opacity_of(max_kappa, density) * kOpacityOne) / kOpacityOne));
   }
   return kappas;
 }
@@ -97,16 +97,16 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
     const double opacity = tag < looks.size() ? looks[tag].function.opacity_at(value) : 0;
     medium.solid[i] = opacity >= solid_opacity ? 1 : 0;
     if (medium.solid[i] == 0) medium.kappa[i] = -std::log1p(-opacity);
-    medium.most_kappa = std::max(medium.most_kappa, medium.kappa[i]);
+    medium.max_kappa = std::max(medium.max_kappa, medium.kappa[i]);
   }
-  if (medium.most_kappa > 0) {
-    const double scale = kDensityMax / medium.most_kappa;
+  if (medium.max_kappa > 0) {
+    const double scale = kDensityMax / medium.max_kappa;
     for (std::size_t i = 0; i < voxels; ++i) {
       medium.densities[i] = static_cast<std::uint16_t>(std::lround(scale * medium.kappa[i]));
     }
   }
   continue_into_solids(medium);
-  const std::vector<double> kappas = table(medium.most_kappa);
+  const std::vector<double> kappas = table(medium.max_kappa);
   for (std::size_t i = 0; i < voxels; ++i) medium.kappa[i] = kappas[medium.densities[i]];
   return medium;
 }
@@ -119,7 +119,7 @@ void load(Board& board, const Medium& medium, double step) {
   }
   TransferFunction fog{{{0, {1, 1, 1}}}, {}};
   for (int density = 0; density <= kDensityMax; ++density) {
-    fog.opacities.push_back({static_cast<double>(density), opacity_of(medium.most_kappa, density)});
+    fog.opacities.push_back({static_cast<double>(density), opacity_of(medium.max_kappa, density)});
   }
   board.set_transfer_function(fog, 0);
   board.set_transfer_function({{{0, {1, 1, 1}}}, {{0, 1}}}, 1);

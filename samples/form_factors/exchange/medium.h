@@ -9,8 +9,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene/scene.h"
 #include "gicube/board.h"
+#include "scene/scene.h"
 
 namespace gicube::samples {
 
@@ -21,7 +21,7 @@ struct Medium {
   std::vector<std::uint8_t> tags;   // of the materials, by voxel
   // Extinction a length, by voxel, as the board's tables hold it; in solids continued.
   std::vector<double> kappa;
-  double most_kappa = 0;  // of density 4095
+  double max_kappa = 0;  // of density 4095
   std::vector<std::uint16_t> densities;
 
   std::size_t at(int x, int y, int z) const {

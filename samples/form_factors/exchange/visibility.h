@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "scene/program/progress.h"
 #include "form_factors/program/options.h"
 #include "form_factors/program/statistics.h"
+#include "scene/program/progress.h"
 
 namespace gicube::samples {
 

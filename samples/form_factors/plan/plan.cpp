@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "scene/program/input_error.h"
 #include "form_factors/plan/study.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {
@@ -69,7 +69,7 @@ class Planner {
  private:
   std::pair<RadiosityResult, RadiosityPlanPoint> solve(RadiositySettings settings) {
     settings.seed += solutions_++;
-    settings.most_rays = std::max(settings.most_rays, settings.rays);
+    settings.max_rays = std::max(settings.max_rays, settings.rays);
     RadiosityResult result = solve_radiosity(board_, setup_, emissions_, settings, progress_);
     const RadiosityStatistics& statistics = result.statistics;
     RadiosityPlanPoint point;

@@ -48,7 +48,7 @@ std::vector<StudyPoint> study_hierarchy(Board& board, const SceneSetup& setup, c
   RadiositySettings exact = settings;
   exact.hierarchy = false;
   exact.rays = settings.rays * kMoreRays;
-  exact.most_rays = std::max(settings.most_rays, exact.rays);
+  exact.max_rays = std::max(settings.max_rays, exact.rays);
   exact.seed = settings.seed + 1;
   const RadiosityResult reference = solve_radiosity(board, setup, emissions, exact, progress);
 

@@ -9,21 +9,21 @@
 #include <iterator>
 #include <numbers>
 
+#include "form_factors/exchange/closed_forms.h"
+#include "form_factors/plan/study.h"
+#include "form_factors/program/solve.h"
 #include "scene/program/board_run.h"
 #include "scene/program/input_error.h"
-#include "form_factors/exchange/closed_forms.h"
-#include "form_factors/program/solve.h"
-#include "form_factors/plan/study.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr int kEdge = 40;                          // voxels of the volume of the closed forms
-constexpr double kSide = 20;                       // voxels, of their squares
-constexpr std::uint32_t kEstimates = 16;           // chosen: independent ones, whose errors are averaged
-constexpr std::uint32_t kLeastRays = 8;            // of an estimate
-constexpr std::uint32_t kLeastRaysInAll = 32'768;  // chosen: of a point of the trade
-constexpr std::uint32_t kReference = 4096;         // rays a pair that the trade's errors are measured from
+constexpr int kEdge = 40;                        // voxels of the volume of the closed forms
+constexpr double kSide = 20;                     // voxels, of their squares
+constexpr std::uint32_t kEstimates = 16;         // chosen: independent ones, whose errors are averaged
+constexpr std::uint32_t kMinRays = 8;            // of an estimate
+constexpr std::uint32_t kMinRaysInAll = 32'768;  // chosen: of a point of the trade
+constexpr std::uint32_t kReference = 4096;       // rays a pair that the trade's errors are measured from
 
 // A medium in which light falls by e^-kappa over a side.
 void fill(Board& board, double kappa) {
@@ -101,11 +101,11 @@ std::string point_of(const ErrorCurve& curve, std::uint32_t rays) {
   return name;
 }
 
-ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, double exact, std::uint32_t most_rays,
+ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, double exact, std::uint32_t max_rays,
                     const std::string& point) {
   ErrorCurve curve{.name = name, .exact = exact, .rays = {}, .errors = {}};
   const auto parts = static_cast<std::uint32_t>(form.a.size() * form.b.size());
-  for (std::uint32_t rays = kLeastRays; rays <= most_rays; rays *= 2) {
+  for (std::uint32_t rays = kMinRays; rays <= max_rays; rays *= 2) {
     if (rays < parts || !wanted(point, point_of(curve, rays / parts * parts))) continue;
     double squares = 0;
     for (const double estimate : estimates(board, form, rays)) squares += std::pow(estimate / exact - 1, 2);
@@ -195,12 +195,12 @@ void write_trade(const ChartOptions& options, ProgressLine& progress) {
         load(exact, setup, false);
         reference = look(exact, pairs, {.rays = kReference, .seed = 1}).transmittances;
       }
-      for (std::uint32_t rays = 1; rays <= options.most_rays_a_pair; rays *= 4) {
+      for (std::uint32_t rays = 1; rays <= options.max_rays_a_pair; rays *= 4) {
         if (!wanted(options.point, point_of(bus, made, rays))) continue;
         progress.show(fmt::format("trade: {}, {} rays a pair", bus, rays));
         const PairRequest request{.rays = rays, .made = made};
         // Enough of them that the parts of the board overlap; the first ones tell the error.
-        const std::uint32_t count = std::max(options.pairs, kLeastRaysInAll / rays);
+        const std::uint32_t count = std::max(options.pairs, kMinRaysInAll / rays);
         const RandomPairs more = random_pairs(setup.volume.dims, count, options.board.seed);
         TradePoint point{bus, made, rays, 0, look(board, more, request)};
         point.seen.transmittances.resize(options.pairs);
@@ -235,7 +235,7 @@ void write_hierarchy(const ChartOptions& options, ProgressLine& progress) {
 
 }  // namespace
 
-std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays, const std::string& point) {
+std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t max_rays, const std::string& point) {
   const double area = kSide * kSide;
   const Element low{ElementKind::kBox, {5, 5, 5}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
   const Element high{ElementKind::kBox, {5, 5, 13}, {4, 0, 0}, {0, 4, 0}, {0, 0, 4}};
@@ -243,13 +243,13 @@ std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays
   for (const double kappa : {0.0, 1.0, 3.0}) {
     fill(board, kappa);
     curves.push_back(curve_of(board, kappa == 0 ? "parallel" : fmt::format("parallel kappa {:g}", kappa),
-                              two(kFloor, kCeiling, area), parallel_squares(kappa), most_rays, point));
+                              two(kFloor, kCeiling, area), parallel_squares(kappa), max_rays, point));
   }
   fill(board, 0);
   curves.push_back(curve_of(board, "boxes two apart", two(low, high, 16 * std::numbers::pi), mean_inverse_square(2),
-                            most_rays, point));
-  curves.push_back(curve_of(board, "common edge in strips", strips(), perpendicular_squares(), most_rays, point));
-  curves.push_back(curve_of(board, "common edge", two(kFloor, kWall, area), perpendicular_squares(), most_rays, point));
+                            max_rays, point));
+  curves.push_back(curve_of(board, "common edge in strips", strips(), perpendicular_squares(), max_rays, point));
+  curves.push_back(curve_of(board, "common edge", two(kFloor, kWall, area), perpendicular_squares(), max_rays, point));
   return curves;
 }
 
@@ -262,7 +262,7 @@ void charts(const ChartOptions& options, ProgressLine& progress) {
   if (asked("error/")) {
     progress.show("closed forms");
     Board board = open_board(options.board);
-    write_errors(closed_form_curves(board, options.most_rays, options.point), options);
+    write_errors(closed_form_curves(board, options.max_rays, options.point), options);
   }
   if (asked("trade/")) write_trade(options, progress);
   if (asked("hierarchy/")) write_hierarchy(options, progress);

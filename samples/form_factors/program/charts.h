@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "scene/program/progress.h"
-#include "form_factors/program/options.h"
 #include "form_factors/exchange/visibility.h"
+#include "form_factors/program/options.h"
+#include "scene/program/progress.h"
 
 namespace gicube::samples {
 
@@ -21,9 +21,9 @@ struct ErrorCurve {
 };
 
 // Parallel squares a side apart, clear and in a medium; perpendicular ones with a common edge, plain and cut into strips that grow
-// with their distance from it; boxes whose centres are two sides apart. `most_rays`: a power of two, 64 or more.
+// with their distance from it; boxes whose centres are two sides apart. `max_rays`: a power of two, 64 or more.
 // `point`: the name of the only point that is wanted, error/CURVE/RAYS; empty: all.
-std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t most_rays, const std::string& point = "");
+std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t max_rays, const std::string& point = "");
 
 // Light between random voxels by one board and one way to make its rays.
 struct TradePoint {

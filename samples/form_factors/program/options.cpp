@@ -86,7 +86,7 @@ void add_method(CLI::App& app, SolveOptions& options) {
       ->check(CLI::Range(8, 65536))
       ->capture_default_str()
       ->group(group);
-  app.add_option("--most-rays", settings.most_rays, "of a link that can't be divided")
+  app.add_option("--most-rays", settings.max_rays, "of a link that can't be divided")
       ->check(CLI::Range(8, 1 << 24))
       ->capture_default_str()
       ->group(group);
@@ -116,7 +116,7 @@ void add_method(CLI::App& app, SolveOptions& options) {
       ->check(CLI::Range(1e-12, 1.0))
       ->capture_default_str()
       ->group(group);
-  app.add_option("--iterations", settings.most_iterations, "at most so many")
+  app.add_option("--iterations", settings.max_iterations, "at most so many")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str()
       ->group(group);
@@ -184,13 +184,13 @@ void add_charts(CLI::App& app, ChartOptions& options) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   app.add_option("--errors", options.errors, "thresholds of its links")->delimiter(',')->capture_default_str();
-  app.add_option("--most-rays", options.most_rays, "of an estimate of a closed form")
+  app.add_option("--most-rays", options.max_rays, "of an estimate of a closed form")
       ->check(CLI::Range(64u, 65'536u))
       ->capture_default_str();
   app.add_option("--pairs", options.pairs, "of random voxels between which the trade is measured")
       ->check(CLI::Range(2u, 1'000'000u))
       ->capture_default_str();
-  app.add_option("--most-rays-a-pair", options.most_rays_a_pair, "there")
+  app.add_option("--most-rays-a-pair", options.max_rays_a_pair, "there")
       ->check(CLI::Range(1u, 4096u))
       ->capture_default_str();
 }
@@ -215,9 +215,9 @@ void check_solve(SolveOptions& options) {
     throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(options.picture.string()));
   }
   const RadiositySettings& settings = options.settings;
-  if (settings.most_rays < settings.rays) {
+  if (settings.max_rays < settings.rays) {
     throw UsageError(
-        fmt::format("--most-rays: expected {} (--rays) or more, got {}", settings.rays, settings.most_rays));
+        fmt::format("--most-rays: expected {} (--rays) or more, got {}", settings.rays, settings.max_rays));
   }
   if ((settings.leaf_voxels & (settings.leaf_voxels - 1)) != 0) {
     throw UsageError(fmt::format("--leaf-voxels: expected a power of two, got {}", settings.leaf_voxels));

@@ -8,10 +8,10 @@
 #include <variant>
 #include <vector>
 
+#include "form_factors/radiosity/radiosity.h"
 #include "scene/program/board_options.h"
 #include "scene/program/plan_options.h"
 #include "scene/scene.h"
-#include "form_factors/radiosity/radiosity.h"
 
 namespace gicube::samples {
 
@@ -48,13 +48,13 @@ struct VisibilityOptions {
 };
 
 struct ChartOptions {
-  std::filesystem::path folder;      // of the tables; or
-  std::string point;                 // one point's name, whose row is printed
-  std::string command;               // that asked for them, without --output and --point
-  std::uint32_t most_rays = 65'536;  // of an estimate of a closed form
+  std::filesystem::path folder;     // of the tables; or
+  std::string point;                // one point's name, whose row is printed
+  std::string command;              // that asked for them, without --output and --point
+  std::uint32_t max_rays = 65'536;  // of an estimate of a closed form
   InputOptions trade{.input = "builtin:buckyball", .volume_size = 128, .transfer_function = {}};
   std::uint32_t pairs = 500;                                                   // of random voxels, in the trade
-  std::uint32_t most_rays_a_pair = 256;                                        // there
+  std::uint32_t max_rays_a_pair = 256;                                         // there
   InputOptions hierarchy;                                                      // scene, and its resolution
   int leaf_voxels = 1;                                                         // there
   std::vector<double> errors{1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6};  // thresholds of its links

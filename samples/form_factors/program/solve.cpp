@@ -6,14 +6,14 @@
 #include <string>
 #include <utility>
 
-#include "scene/program/board_run.h"
-#include "scene/image_file.h"
-#include "scene/program/input_error.h"
-#include "scene/program/run_json.h"
-#include "form_factors/radiosity/field.h"
 #include "form_factors/exchange/matrix.h"
 #include "form_factors/plan/plan.h"
 #include "form_factors/program/statistics.h"
+#include "form_factors/radiosity/field.h"
+#include "scene/image_file.h"
+#include "scene/program/board_run.h"
+#include "scene/program/input_error.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {

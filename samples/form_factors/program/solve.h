@@ -1,9 +1,9 @@
 // gicube-form-factors solve: from a scene to its light, files and a picture of it.
 #pragma once
 
-#include "scene/program/progress.h"
 #include "form_factors/program/options.h"
 #include "form_factors/radiosity/radiosity.h"
+#include "scene/program/progress.h"
 
 namespace gicube::samples {
 

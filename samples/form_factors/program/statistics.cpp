@@ -60,14 +60,14 @@ Json settings_json(const RadiositySettings& settings) {
   json["solid_opacity"] = settings.solid_opacity;
   json["error"] = settings.error;
   json["rays"] = settings.rays;
-  json["most_rays"] = settings.most_rays;
+  json["most_rays"] = settings.max_rays;
   json["step"] = settings.step;
   json["seed"] = settings.seed;
   json["solver"] = settings.solver == Solver::kShooting ? "shooting" : "gathering";
   json["made"] = settings.made == PairRays::kByHost ? "host" : "board";
   json["hierarchy"] = settings.hierarchy;
   json["convergence"] = settings.convergence;
-  json["most_iterations"] = settings.most_iterations;
+  json["max_iterations"] = settings.max_iterations;
   json["leaf_voxels"] = settings.leaf_voxels;
   return json;
 }

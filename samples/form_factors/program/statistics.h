@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "form_factors/program/options.h"
 #include "form_factors/plan/plan.h"
+#include "form_factors/program/options.h"
 #include "form_factors/radiosity/radiosity.h"
 
 namespace gicube::samples {

@@ -11,9 +11,9 @@
 namespace gicube::samples {
 namespace {
 
-constexpr int kWindow = 2;            // chosen: voxels to each side: steps of slopes down to 1:5 are seen whole
-constexpr int kLayers = 2;            // chosen: of voxels that light is carried on to: samples touch so many
-constexpr double kLeastFacing = 0.1;  // chosen: of a face's axis and the surface's normal: below it is another surface
+constexpr int kWindow = 2;          // chosen: voxels to each side: steps of slopes down to 1:5 are seen whole
+constexpr int kLayers = 2;          // chosen: of voxels that light is carried on to: samples touch so many
+constexpr double kMinFacing = 0.1;  // chosen: of a face's axis and the surface's normal: below it is another surface
 
 using Cell = std::array<int, 3>;
 
@@ -129,7 +129,7 @@ class Writer {
     around(cell, kWindow, [&](std::size_t other, double weight) {
       for (std::uint32_t i = faces_[other]; i != kNone; i = next_[i]) {
         const double facing = dot(n, axis_of(result_.leaves[i].facing));
-        if (facing < kLeastFacing) continue;
+        if (facing < kMinFacing) continue;
         const double of_face = weight * result_.leaves[i].weight;
         for (std::size_t c = 0; c < 3; ++c) flux[c] += of_face * incident_[i][c];
         area += of_face * facing;

@@ -1,9 +1,9 @@
 // A solution of radiosity as the light that falls on a volume's voxels, ready for pictures.
 #pragma once
 
+#include "form_factors/radiosity/radiosity.h"
 #include "scene/light_field.h"
 #include "scene/scene.h"
-#include "form_factors/radiosity/radiosity.h"
 
 namespace gicube::samples {
 

@@ -7,13 +7,13 @@
 #include <chrono>
 #include <cmath>
 
-#include "scene/program/input_error.h"
 #include "form_factors/radiosity/refinement.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr int kMostPasses = 10;  // chosen: of refining and solving; light needs a pass for each bounce that matters
+constexpr int kMaxPasses = 10;  // chosen: of refining and solving; light needs a pass for each bounce that matters
 
 void require(bool good, const char* field, const char* expected, double got) {
   if (!good) throw InputError(std::string("settings.") + field, expected, fmt::format("{}", got));
@@ -22,11 +22,11 @@ void require(bool good, const char* field, const char* expected, double got) {
 void check(const RadiositySettings& settings) {
   require(settings.error > 0, "error", "a number above 0", settings.error);
   require(settings.rays >= 8 && settings.rays <= 65'536, "rays", "8 to 65536", settings.rays);
-  require(settings.most_rays >= settings.rays && settings.most_rays <= 1 << 24, "most_rays", "rays to 2^24",
-          settings.most_rays);
+  require(settings.max_rays >= settings.rays && settings.max_rays <= 1 << 24, "most_rays", "rays to 2^24",
+          settings.max_rays);
   require(settings.step >= 1.0 / 64 && settings.step <= 16, "step", "1/64 to 16", settings.step);
   require(settings.convergence > 0, "convergence", "a number above 0", settings.convergence);
-  require(settings.most_iterations > 0, "most_iterations", "1 or more", settings.most_iterations);
+  require(settings.max_iterations > 0, "max_iterations", "1 or more", settings.max_iterations);
   require(settings.leaf_voxels > 0 && std::has_single_bit(static_cast<unsigned>(settings.leaf_voxels)), "leaf_voxels",
           "a power of two", settings.leaf_voxels);
 }
@@ -69,13 +69,13 @@ RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emi
   LinkSampler sampler(board, forest, contents, settings, statistics);
   LinkSet links(forest, sampler, settings, statistics, progress);
   // Early passes need not be exact: each bounce of light shows where the next ones matter.
-  for (int pass = 0; pass < kMostPasses; ++pass) {
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
     const bool refined = links.refine(solver, settings.error);
     if (!refined && pass > 0) break;
     result.links = links.links();
     // Sums of early links may be so much too large that light would grow.
     solver.solve(result.links, settings, true, statistics.iterations);
-    if (progress) progress("passes", static_cast<double>(pass + 1) / kMostPasses);
+    if (progress) progress("passes", static_cast<double>(pass + 1) / kMaxPasses);
   }
   if (!settings.balance) solver.solve(result.links, settings, false, statistics.iterations);
   solver.results(result);

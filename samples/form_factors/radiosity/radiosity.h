@@ -27,9 +27,9 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/scene.h"
 #include "gicube/board.h"
 #include "gicube/pair.h"
+#include "scene/scene.h"
 
 namespace gicube::samples {
 
@@ -50,18 +50,18 @@ struct RadiositySettings {
   double solid_opacity = 0.5;  // > 0..1, of one voxel length
   double error = 1e-5;         // > 0: a link that may misplace more than this share of the emitted power is refined
   int rays = 16;               // first guess of a link; 8..65536
-  int most_rays = 1024;        // of a link between elements that can't be divided; rays..2^24
+  int max_rays = 1024;         // of a link between elements that can't be divided; rays..2^24
   // Voxels, of the rays; 1/64..16. A ray that cuts less than this of a solid's edge may miss it: a room with a block of two
   // voxels closes within 0.6% at 0.25, 0.16% at 1/16.
   double step = 0.125;
   std::uint32_t seed = 0;  // another seed is an independent experiment
   Solver solver = Solver::kGathering;
   PairRays made = PairRays::kByBoard;
-  bool hierarchy = true;       // false: a link for each pair of leaves
-  double convergence = 1e-4;   // > 0: share of the emitted power that may be under way when the solver stops
-  int most_iterations = 1000;  // of a solve
-  bool balance = true;         // scales what is uncertain of the links until each element's sum closes
-  int leaf_voxels = 1;         // voxels an edge that are not divided further: 1, 2, 4, ...
+  bool hierarchy = true;      // false: a link for each pair of leaves
+  double convergence = 1e-4;  // > 0: share of the emitted power that may be under way when the solver stops
+  int max_iterations = 1000;  // of a solve
+  bool balance = true;        // scales what is uncertain of the links until each element's sum closes
+  int leaf_voxels = 1;        // voxels an edge that are not divided further: 1, 2, 4, ...
 };
 
 constexpr std::uint8_t kMedium = 6;     // Leaf::facing: no face

@@ -123,7 +123,7 @@ std::uint32_t LinkSet::rays_for(const SampledLink& sampled, const RadiositySolve
   double rays = off > 1 ? settings_.rays * off * off : 0;
   // Something is in the way of two that touch, and few rays see too little of where they are nearest.
   if (sampler_.place_of(forest_.clusters[link.a], forest_.clusters[link.b]).near()) rays = std::max(rays, kNearRays);
-  const double most = std::max(settings_.most_rays, settings_.rays);
+  const double most = std::max(settings_.max_rays, settings_.rays);
   return rays > 0 ? std::bit_floor(static_cast<std::uint32_t>(std::clamp(2 * rays, double(settings_.rays), most))) : 0;
 }
 

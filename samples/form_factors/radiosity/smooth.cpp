@@ -10,7 +10,7 @@ namespace gicube::samples {
 namespace {
 
 constexpr double kSigma = 1.0 / 3;      // chosen: of a cluster's width
-constexpr double kMostVariance = 64;    // chosen: voxels^2; bounds the number of steps
+constexpr double kMaxVariance = 64;     // chosen: voxels^2; bounds the number of steps
 constexpr double kTimeStep = 1.0 / 12;  // of six neighbours' flows at most half of an element's light goes
 
 double width_of(const Cluster& cluster) {
@@ -63,7 +63,7 @@ std::vector<double> variances(const RadiosityResult& result) {
       all.light += brought[c].light;
       all.spread += brought[c].spread;
     }
-    const double variance = all.light > 0 ? std::min(all.spread / all.light, kMostVariance) : 0;
+    const double variance = all.light > 0 ? std::min(all.spread / all.light, kMaxVariance) : 0;
     for (std::uint32_t i = lowest.first; i < lowest.last; ++i) out[i] = variance;
   }
   return out;

@@ -129,21 +129,21 @@ std::vector<RadiositySolver::Parts> RadiositySolver::leaf_sums() const {
 
 // Symmetric scaling to given sums (Sinkhorn 1964).
 void RadiositySolver::balance(std::span<const Link> links) {
-  constexpr int kMostTurns = 50;
+  constexpr int kMaxTurns = 50;
   constexpr double kClosed = 1e-5,
-                   kMostFactor = 4;  // chosen: what is further off was not seen well enough to be scaled
+                   kMaxFactor = 4;  // chosen: what is further off was not seen well enough to be scaled
   std::fill(factors_.begin(), factors_.end(), 1.0);
   reach(links);
   std::vector<Parts> sums = leaf_sums();
   for (std::size_t i = 0; i < sums.size(); ++i) raw_sums_[i] = sums[i].certain + sums[i].uncertain;
   if (!balance_) return;
-  for (int turn = 0; turn < kMostTurns; ++turn) {
+  for (int turn = 0; turn < kMaxTurns; ++turn) {
     double worst = 0;
     for (std::size_t i = 0; i < sums.size(); ++i) {
       if (!(sums[i].uncertain > 0)) continue;
       const double wished = std::max(1 - sums[i].certain, 0.0);
       const double factor = factors_[i] * std::sqrt(wished / sums[i].uncertain);
-      const double kept = std::clamp(factor, 1 / kMostFactor, kMostFactor);
+      const double kept = std::clamp(factor, 1 / kMaxFactor, kMaxFactor);
       if (kept == factor) worst = std::max(worst, std::abs(sums[i].uncertain - wished));
       factors_[i] = kept;
     }
@@ -216,7 +216,7 @@ void RadiositySolver::solve(std::span<const Link> links, const RadiositySettings
   gather(links);  // all links may be new
   for (int i = 0;; ++i) {
     iterations.push_back({static_cast<std::uint32_t>(links.size()), residual()});
-    if (iterations.back().residual <= settings.convergence || i >= settings.most_iterations) return;
+    if (iterations.back().residual <= settings.convergence || i >= settings.max_iterations) return;
     settings.solver == Solver::kGathering ? gather(links) : shoot(links);
   }
 }

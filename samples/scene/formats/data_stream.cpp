@@ -14,7 +14,7 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::uint64_t kMostDeflateRatio = 1032;          // zlib's technical notes: no deflate stream does better
+constexpr std::uint64_t kMaxDeflateRatio = 1032;           // zlib's technical notes: no deflate stream does better
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;  // chosen: the first allocation for compressed data
 constexpr int kGzipOrZlib = MAX_WBITS + 32;                // zlib.h: detect the header
 
@@ -115,11 +115,11 @@ std::size_t DataStream::read(std::span<std::byte> bytes) {
   return state_->compressed ? state_->read_compressed(bytes) : state_->read_plain(bytes);
 }
 
-std::uint64_t DataStream::most_bytes() const {
+std::uint64_t DataStream::max_bytes() const {
   // A file system's sizes are below 2^63, but not 1032 times below.
   if (!state_->compressed) return state_->bytes;
-  constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max() / kMostDeflateRatio;
-  return std::min(state_->bytes, kMost) * kMostDeflateRatio;
+  constexpr std::uint64_t kMax = std::numeric_limits<std::uint64_t>::max() / kMaxDeflateRatio;
+  return std::min(state_->bytes, kMax) * kMaxDeflateRatio;
 }
 
 std::uint64_t file_bytes(const std::filesystem::path& file) {
@@ -137,7 +137,7 @@ std::uint64_t file_bytes(const std::filesystem::path& file) {
 
 std::string file_start(const std::filesystem::path& file, std::size_t most) {
   DataStream stream(file, 0, false);
-  std::string start(std::min<std::uint64_t>(most, stream.most_bytes()), '\0');
+  std::string start(std::min<std::uint64_t>(most, stream.max_bytes()), '\0');
   start.resize(stream.read(std::as_writable_bytes(std::span(start))));
   return start;
 }
@@ -146,7 +146,7 @@ bool starts_as_gzip(const std::filesystem::path& file) { return file_start(file,
 
 std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes) {
   DataStream stream(place.file, place.offset, place.compressed);
-  const std::uint64_t most = stream.most_bytes();
+  const std::uint64_t most = stream.max_bytes();
   if (place.skip > most || bytes > most - place.skip) {
     const std::uint64_t left = place.skip > most ? 0 : most - place.skip;
     throw_truncated(place, bytes,

@@ -34,7 +34,7 @@ class DataStream {
   std::size_t read(std::span<std::byte> bytes);
 
   // No more than this many bytes can come in all, however they are compressed.
-  std::uint64_t most_bytes() const;
+  std::uint64_t max_bytes() const;
 
  private:
   struct State;

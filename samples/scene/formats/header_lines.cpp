@@ -10,12 +10,12 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 20;  // chosen
+constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20;  // chosen
 
 }  // namespace
 
 HeaderLines read_header_lines(const std::filesystem::path& file, const std::function<bool(std::string_view)>& is_last) {
-  const std::string text = file_start(file, kMostHeaderBytes);
+  const std::string text = file_start(file, kMaxHeaderBytes);
   HeaderLines header;
   while (header.end < text.size() && !header.complete) {
     const std::size_t line_end = std::min(text.find('\n', header.end), text.size());
@@ -25,8 +25,8 @@ HeaderLines read_header_lines(const std::filesystem::path& file, const std::func
     header.lines.emplace_back(line);
     header.complete = is_last(line);
   }
-  if (!header.complete && text.size() == kMostHeaderBytes) {
-    throw FileError(file, "header", fmt::format("its end within {} bytes", kMostHeaderBytes), "none");
+  if (!header.complete && text.size() == kMaxHeaderBytes) {
+    throw FileError(file, "header", fmt::format("its end within {} bytes", kMaxHeaderBytes), "none");
   }
   return header;
 }

@@ -28,7 +28,7 @@ struct Header {
   int datatype = 0;
   Vec3 spacing;
   double data_offset = 0;
-  std::int64_t least_offset = 0;  // header and the four bytes that announce extensions
+  std::int64_t min_offset = 0;  // header and the four bytes that announce extensions
   double slope = 0, intercept = 0;
   bool swapped = false;
   bool gzipped = false;
@@ -44,7 +44,7 @@ Header from(const Raw& raw, bool swapped) {
   header.spacing = {static_cast<double>(raw.pixdim[1]), static_cast<double>(raw.pixdim[2]),
                     static_cast<double>(raw.pixdim[3])};
   header.data_offset = static_cast<double>(raw.vox_offset);
-  header.least_offset = sizeof(Raw) + 4;
+  header.min_offset = sizeof(Raw) + 4;
   header.slope = static_cast<double>(raw.scl_slope);
   header.intercept = static_cast<double>(raw.scl_inter);
   header.swapped = swapped;
@@ -119,8 +119,8 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
 DataPlace place_of(const std::filesystem::path& file, const Header& header) {
   // A float in NIfTI-1: exact up to 2^24, and a whole number always.
   const double offset = header.data_offset;
-  if (!(offset >= static_cast<double>(header.least_offset) && offset < 0x1p53) || offset != std::floor(offset)) {
-    throw FileError(file, "vox_offset", fmt::format("a whole number from {} on", header.least_offset),
+  if (!(offset >= static_cast<double>(header.min_offset) && offset < 0x1p53) || offset != std::floor(offset)) {
+    throw FileError(file, "vox_offset", fmt::format("a whole number from {} on", header.min_offset),
                     fmt::format("{}", offset));
   }
   DataPlace place;

@@ -157,8 +157,8 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header, 
   const std::vector<unsigned> axes = channels > 1 ? std::vector<unsigned>{1, 2, 3} : spatial_axes(nrrd);
   std::vector<std::int64_t> sizes;
   for (const unsigned axis : axes) {
-    constexpr std::size_t kMost = std::numeric_limits<std::int64_t>::max();
-    sizes.push_back(static_cast<std::int64_t>(std::min(nrrd.axis[axis].size, kMost)));
+    constexpr std::size_t kMax = std::numeric_limits<std::int64_t>::max();
+    sizes.push_back(static_cast<std::int64_t>(std::min(nrrd.axis[axis].size, kMax)));
   }
   if (channels > 1 && sizes[0] <= kMaxFileDim) sizes[0] *= static_cast<std::int64_t>(channels);
   StoredLayout layout;

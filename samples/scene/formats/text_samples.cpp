@@ -17,11 +17,11 @@ namespace {
 
 constexpr std::size_t kLongestNumber = 400;  // chosen: characters; a double written out in full has about 330
 
-std::ifstream open_text(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t least_bytes) {
+std::ifstream open_text(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t min_bytes) {
   const std::uint64_t all = file_bytes(file);
   const std::uint64_t left = all > offset ? all - offset : 0;
-  if (left < least_bytes) {
-    throw FileError(file, "data", fmt::format("at least {} characters", least_bytes),
+  if (left < min_bytes) {
+    throw FileError(file, "data", fmt::format("at least {} characters", min_bytes),
                     fmt::format("{} (truncated, or the header is wrong)", left));
   }
   std::ifstream input(file, std::ios::binary);

@@ -18,8 +18,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/formats/file_error.h"
 #include "gicube/volume.h"
+#include "scene/formats/file_error.h"
 
 namespace gicube::samples {
 

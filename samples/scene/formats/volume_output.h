@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <span>
 
-#include "scene/formats/file_error.h"
 #include "gicube/vector.h"
+#include "scene/formats/file_error.h"
 
 namespace gicube::samples {
 

@@ -47,7 +47,7 @@ Affine inverse(const Affine& map) {
   return result;
 }
 
-double least_stretch(const Affine& map) {
+double min_stretch(const Affine& map) {
   // The least eigenvalue of M M^T in closed form (O. K. Smith, Eigenvalues of a symmetric 3 x 3 matrix, CACM 1961).
   const auto& [p, q, r] = map.rows;
   const double xx = dot(p, p), yy = dot(q, q), zz = dot(r, r), xy = dot(p, q), xz = dot(p, r), yz = dot(q, r);

@@ -29,6 +29,6 @@ double determinant(const Affine& map);
 // Its determinant must not be 0.
 Affine inverse(const Affine& map);
 // The factor by which the shortest-grown vector grows: the linear part's least singular value.
-double least_stretch(const Affine& map);
+double min_stretch(const Affine& map);
 
 }  // namespace gicube::samples

@@ -9,9 +9,9 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kGrid = 511;              // of the decoded components' 10 bits: finer differences are not kept
-constexpr std::size_t kMostKinds = 32768;  // chosen: directions that are looked at; keeps the time under a second
-constexpr int kRounds = 3;                 // chosen: of Lloyd; more change little after a farthest-point choice
+constexpr double kGrid = 511;             // of the decoded components' 10 bits: finer differences are not kept
+constexpr std::size_t kMaxKinds = 32768;  // chosen: directions that are looked at; keeps the time under a second
+constexpr int kRounds = 3;                // chosen: of Lloyd; more change little after a farthest-point choice
 
 // The different directions, in a fixed order.
 std::vector<Vec3> kinds_of(std::span<const float> gradients) {
@@ -25,7 +25,7 @@ std::vector<Vec3> kinds_of(std::span<const float> gradients) {
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  const std::size_t stride = cells.size() / kMostKinds + 1;
+  const std::size_t stride = cells.size() / kMaxKinds + 1;
   std::vector<Vec3> kinds;
   for (std::size_t i = 0; i < cells.size(); i += stride) {
     kinds.push_back(normalise({double(cells[i][0]), double(cells[i][1]), double(cells[i][2])}));

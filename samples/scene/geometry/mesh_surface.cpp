@@ -12,7 +12,7 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kMostCoordinate = 1e9;  // chosen: squares and volumes of such meshes keep their digits
+constexpr double kMaxCoordinate = 1e9;  // chosen: squares and volumes of such meshes keep their digits
 
 using Triangle = std::array<std::uint32_t, 3>;
 
@@ -90,8 +90,8 @@ double volume_of(const std::vector<Vec3>& points, const std::vector<Triangle>& t
 
 std::vector<SurfaceTriangle> closed_surface(const Mesh& mesh, const std::string& name) {
   for (const Vec3& p : mesh.points) {
-    if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMostCoordinate)) {
-      throw InputError(name, fmt::format("coordinates up to {}", kMostCoordinate), shown(p));
+    if (!(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxCoordinate)) {
+      throw InputError(name, fmt::format("coordinates up to {}", kMaxCoordinate), shown(p));
     }
   }
   std::vector<Triangle> triangles = weld(mesh, name);

@@ -1,9 +1,9 @@
 // A scanned volume as a field that can be placed anywhere in a world.
 #pragma once
 
+#include "scene/formats/volume_file.h"
 #include "scene/geometry/affine.h"
 #include "scene/geometry/voxeliser.h"
-#include "scene/formats/volume_file.h"
 
 namespace gicube::samples {
 

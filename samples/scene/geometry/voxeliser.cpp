@@ -25,7 +25,7 @@ struct Seen {
   double stretch;  // voxels a local unit, at least
 
   explicit Seen(const PlacedSolid& placed)
-      : solid(&placed), to_local(inverse(placed.to_voxels)), stretch(least_stretch(placed.to_voxels)) {}
+      : solid(&placed), to_local(inverse(placed.to_voxels)), stretch(min_stretch(placed.to_voxels)) {}
 
   // Never further from 0 than the distance in voxels.
   double bound(Vec3 p) const { return stretch * solid->field(to_local.point(p)).distance; }

@@ -8,10 +8,10 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::uint32_t kMostRays = 4096;     // as Illumination::rays_per_face_voxel
-constexpr std::uint32_t kMostFlights = 1023;  // as its lifetime
-constexpr std::size_t kMostEngines = 1000;    // chosen
-constexpr int kMostMaterials = 4;             // tags
+constexpr std::uint32_t kMaxRays = 4096;     // as Illumination::rays_per_face_voxel
+constexpr std::uint32_t kMaxFlights = 1023;  // as its lifetime
+constexpr std::size_t kMaxEngines = 1000;    // chosen
+constexpr int kMaxMaterials = 4;             // tags
 
 }  // namespace
 
@@ -22,8 +22,8 @@ void GraphReader::read(const v1::Scene& source, Scene& scene) {
   lights(source, scene);
   engines(source, scene);
   if (source.has_background()) scene.background = read_colour(faults_, "background", source.background());
-  faults_.check(source.lifetime() <= kMostFlights, "lifetime", "0 to 1023", std::to_string(source.lifetime()));
-  scene.view.lifetime = static_cast<int>(std::min(source.lifetime(), kMostFlights));
+  faults_.check(source.lifetime() <= kMaxFlights, "lifetime", "0 to 1023", std::to_string(source.lifetime()));
+  scene.view.lifetime = static_cast<int>(std::min(source.lifetime(), kMaxFlights));
   scene.view.high_albedo = source.high_albedo();
   faults_.check(!source.high_albedo() || scene.lighting.on, "high_albedo", "an illumination with it", "none");
   scene.view.seed = source.seed();
@@ -32,7 +32,7 @@ void GraphReader::read(const v1::Scene& source, Scene& scene) {
 }
 
 void GraphReader::materials(const v1::Scene& source, Scene& scene) {
-  faults_.check(source.material_size() <= kMostMaterials, "material", "at most 4, one a tag",
+  faults_.check(source.material_size() <= kMaxMaterials, "material", "at most 4, one a tag",
                 std::to_string(source.material_size()));
   std::set<int> tags;
   std::set<std::string> names;
@@ -139,16 +139,16 @@ Lighting GraphReader::illumination(const v1::Illumination& source) {
     faults_.check(value >= low && value <= high, std::string("illumination.") + field,
                   shown(low) + " to " + shown(high), shown(value));
   };
-  range("rays_per_face_voxel", source.rays_per_face_voxel(), 1, kMostRays);
+  range("rays_per_face_voxel", source.rays_per_face_voxel(), 1, kMaxRays);
   range("step", source.step(), 1.0 / 64, 16);
-  range("lifetime", source.lifetime(), 0, kMostFlights);
+  range("lifetime", source.lifetime(), 0, kMaxFlights);
   faults_.check(source.exposure() >= 0 && std::isfinite(source.exposure()), "illumination.exposure",
                 "a number above 0, or 0 for the driver's choice", shown(source.exposure()));
   Illumination& settings = result.settings;
-  settings.rays_per_face_voxel = static_cast<int>(std::min(source.rays_per_face_voxel(), kMostRays));
+  settings.rays_per_face_voxel = static_cast<int>(std::min(source.rays_per_face_voxel(), kMaxRays));
   settings.step = source.step();
   settings.jitter = source.jitter();
-  settings.lifetime = static_cast<int>(std::min(source.lifetime(), kMostFlights));
+  settings.lifetime = static_cast<int>(std::min(source.lifetime(), kMaxFlights));
   settings.seed = source.seed();
   result.exposure = source.exposure();
   result.colour_passes = source.colour_passes();
@@ -156,7 +156,7 @@ Lighting GraphReader::illumination(const v1::Illumination& source) {
 }
 
 void GraphReader::engines(const v1::Scene& source, Scene& scene) {
-  faults_.check(static_cast<std::size_t>(source.engine_size()) <= kMostEngines, "engine", "at most 1000",
+  faults_.check(static_cast<std::size_t>(source.engine_size()) <= kMaxEngines, "engine", "at most 1000",
                 std::to_string(source.engine_size()));
   for (int i = 0; i < source.engine_size(); ++i) {
     const v1::Engine& from = source.engine(i);

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "scene/geometry/voxel_world.h"
 #include "gicube/illumination.h"
 #include "gicube/transfer_function.h"
+#include "scene/geometry/voxel_world.h"
 
 namespace gicube::samples {
 

@@ -12,8 +12,8 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kMostGloss = 15.99;  // as Material::gloss
-constexpr std::size_t kMostParameters = 32;
+constexpr double kMaxGloss = 15.99;  // as Material::gloss
+constexpr std::size_t kMaxParameters = 32;
 
 TransferFunctionFile look_of(const SolidLook& solid, double) {
   return {{{{0, solid.colour}}, {{0.3 * kMaxDensity, 0}, {0.7 * kMaxDensity, solid.opacity}}}, false};
@@ -58,7 +58,7 @@ void check(const SceneMaterial& material) {
   require(material.emission >= 0 && std::isfinite(material.emission), "emission", "a number, 0 or more",
           material.emission);
   check_colour("emission_colour", material.emission_colour);
-  require(optics.gloss >= 0 && optics.gloss <= kMostGloss, "gloss", "0 to 15.99", optics.gloss);
+  require(optics.gloss >= 0 && optics.gloss <= kMaxGloss, "gloss", "0 to 15.99", optics.gloss);
   require(optics.scattering == 0 || optics.bsdf != Bsdf::kNone, "bsdf", "another than none with scattering",
           optics.scattering);
   const bool dull = optics.bsdf == Bsdf::kDullReflection || optics.bsdf == Bsdf::kDullScattering;
@@ -67,7 +67,7 @@ void check(const SceneMaterial& material) {
   require(trap || (optics.routine == 0 && !optics.surface), "routine", "only with bsdf: \"trap\"", optics.routine);
   require(trap || optics.parameters.empty(), "parameter", "only with bsdf: \"trap\"",
           static_cast<double>(optics.parameters.size()));
-  require(optics.parameters.size() <= kMostParameters, "parameter", "at most 32 numbers",
+  require(optics.parameters.size() <= kMaxParameters, "parameter", "at most 32 numbers",
           static_cast<double>(optics.parameters.size()));
   for (const float parameter : optics.parameters) {
     require(std::isfinite(parameter), "parameter", "finite numbers", parameter);

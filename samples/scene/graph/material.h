@@ -6,8 +6,8 @@
 #include <variant>
 #include <vector>
 
-#include "scene/transfer_function_file.h"
 #include "gicube/material.h"
+#include "scene/transfer_function_file.h"
 
 namespace gicube::samples {
 

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "gicube/v1/scene.pb.h"
 #include "scene/graph/faults.h"
 #include "scene/transfer_function_file.h"
 #include "scene/volume_source.h"
-#include "gicube/v1/scene.pb.h"
 
 namespace gicube::samples {
 

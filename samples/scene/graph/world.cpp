@@ -13,10 +13,10 @@
 namespace gicube::samples {
 namespace {
 
-constexpr double kVisible = 0.005;    // chosen: as visible_box()
-constexpr int kMaxDepth = 64;         // chosen: of nodes within nodes
-constexpr double kLeastScale = 1e-9;  // chosen: of all transforms together; beyond it numbers lose their digits
-constexpr double kMostEdge = 1e9;     // chosen: of a world, likewise
+constexpr double kVisible = 0.005;  // chosen: as visible_box()
+constexpr int kMaxDepth = 64;       // chosen: of nodes within nodes
+constexpr double kMinScale = 1e-9;  // chosen: of all transforms together; beyond it numbers lose their digits
+constexpr double kMaxEdge = 1e9;    // chosen: of a world, likewise
 
 // Runs `call`, and puts the node's name before what it throws.
 template <typename Call>
@@ -60,8 +60,8 @@ class Walk {
   static Affine placed(const Affine& parent, const std::vector<Transform>& transforms) {
     const Affine map = compose(parent, map_of(transforms));
     const double size = std::cbrt(std::abs(determinant(map))), where = length(map.offset);
-    if (!(size >= kLeastScale && size <= 1 / kLeastScale) || !(where <= 1 / kLeastScale)) {
-      throw InputError("transform", fmt::format("a scale from {} to {}, no further away", kLeastScale, 1 / kLeastScale),
+    if (!(size >= kMinScale && size <= 1 / kMinScale) || !(where <= 1 / kMinScale)) {
+      throw InputError("transform", fmt::format("a scale from {} to {}, no further away", kMinScale, 1 / kMinScale),
                        fmt::format("{} at a distance of {}", size, where));
     }
     return map;
@@ -158,8 +158,8 @@ void check_materials(const std::vector<SceneMaterial>& materials) {
 WorldGrid grid_of(const World& world) {
   const Vec3 edge = world.high - world.low;
   for (const double length : {edge.x, edge.y, edge.z}) {
-    if (!(length >= 1 / kMostEdge && length <= kMostEdge)) {
-      throw InputError("world.high", fmt::format("{} to {} more than world.low on each axis", 1 / kMostEdge, kMostEdge),
+    if (!(length >= 1 / kMaxEdge && length <= kMaxEdge)) {
+      throw InputError("world.high", fmt::format("{} to {} more than world.low on each axis", 1 / kMaxEdge, kMaxEdge),
                        fmt::format("{} more", length));
     }
   }

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <string>
 
+#include "gicube/board.h"
 #include "scene/program/board_options.h"
 #include "scene/scene.h"
-#include "gicube/board.h"
 
 namespace gicube::samples {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "scene/program/board_options.h"
 #include "gicube/plan_text.h"
 #include "gicube/time.h"
+#include "scene/program/board_options.h"
 
 namespace gicube::samples {
 

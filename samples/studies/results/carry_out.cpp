@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "scene/program/board_options.h"
 #include "gicube/board.h"
+#include "scene/program/board_options.h"
 
 namespace gicube::samples::results {
 namespace {

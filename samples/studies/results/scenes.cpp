@@ -16,10 +16,10 @@
 namespace gicube::samples::results {
 namespace {
 
-constexpr double kMaxDensity = 4095;      // of kUint12
-constexpr int kMostGradientVoxels = 256;  // an edge: beyond it 12 bytes a voxel of normals cost too much memory
-constexpr double kFaint = 0.003;          // chosen: 443 voxels of opacity 0.003 let a quarter through
-constexpr double kDesignEdge = 256;       // voxels: opacities below are those of a volume of this edge
+constexpr double kMaxDensity = 4095;     // of kUint12
+constexpr int kMaxGradientVoxels = 256;  // an edge: beyond it 12 bytes a voxel of normals cost too much memory
+constexpr double kFaint = 0.003;         // chosen: 443 voxels of opacity 0.003 let a quarter through
+constexpr double kDesignEdge = 256;      // voxels: opacities below are those of a volume of this edge
 
 // density(x, y, z) is 0..1.
 using Density = std::function<double(Vec3)>;
@@ -55,7 +55,7 @@ double of_edge(double opacity, int edge) { return 1 - std::pow(1 - opacity, kDes
 
 SceneData make_ball(const Dims& dims, int threads) {
   SceneData scene;
-  Buckyball ball = make_buckyball(dims[0], dims[0] <= kMostGradientVoxels, threads);
+  Buckyball ball = make_buckyball(dims[0], dims[0] <= kMaxGradientVoxels, threads);
   scene.volume = std::move(ball.volume);
   scene.tags = std::move(ball.tags);
   scene.gradients = std::move(ball.gradients);

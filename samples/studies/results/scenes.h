@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
 #include "gicube/illumination.h"
 #include "gicube/material.h"
 #include "gicube/view.h"
 #include "gicube/volume.h"
+#include "scene/scene.h"
 
 namespace gicube::samples::results {
 

@@ -40,7 +40,7 @@ struct Case {
   bool cube = false, leap = true;
   std::uint16_t opacity = 800;
   bool jitter = false;
-  double most_error = 0.03;  // of time, packets and hit ratio
+  double max_error = 0.03;  // of time, packets and hit ratio
 };
 
 void set_up(Scene& scene, const Case& test) {
@@ -67,7 +67,7 @@ std::uint64_t value(const std::vector<wire::Counter>& list, const std::string& n
   return 0;
 }
 
-Figures figures(const Ran& ran, const std::vector<wire::Counter>& list) {
+Figures figures(const RunResult& ran, const std::vector<wire::Counter>& list) {
   const auto of = [&list](const std::string& name) { return static_cast<double>(value(list, name)); };
   return {static_cast<double>(ran.cycles), of("rdram.reads"),
           1 - of("processor.cache.missed_voxels") / (8 * of("processor.cache.checks"))};
@@ -95,11 +95,11 @@ TEST_P(ApproximateLevel, HasTheValuesAndAboutTheTimeAndTheTrafficOfTheCycleLevel
   count(machine, list);
   const Figures expected = figures(exact.ran, list);
 
-  TurnMachine turns(config_, scene_.volume.blocks());
+  PassMachine turns(config_, scene_.volume.blocks());
   Framebuffer framebuffer;
-  Work work;
+  Progress work;
   RayCounters rays;
-  const Ran ran = render(view, scene_.frame, framebuffer, config_.dsp(), nullptr, 1, turns, rays, work);
+  const RunResult ran = render(view, scene_.frame, framebuffer, config_.dsp(), nullptr, 1, turns, rays, work);
   std::vector<wire::Counter> turn_list;
   turns.count(turn_list);
   const Figures got = figures(ran, turn_list);
@@ -113,9 +113,9 @@ TEST_P(ApproximateLevel, HasTheValuesAndAboutTheTimeAndTheTrafficOfTheCycleLevel
     EXPECT_EQ(value(turn_list, "link.rays_sent"), value(list, "link.rays_sent"));
   }
   EXPECT_EQ(value(turn_list, "dsp.rays_taken"), value(list, "dsp.rays_taken"));
-  EXPECT_NEAR(got.cycles / expected.cycles, 1, GetParam().most_error);
-  EXPECT_NEAR(got.packets / expected.packets, 1, GetParam().most_error);
-  EXPECT_NEAR(got.hits / expected.hits, 1, GetParam().most_error);
+  EXPECT_NEAR(got.cycles / expected.cycles, 1, GetParam().max_error);
+  EXPECT_NEAR(got.packets / expected.packets, 1, GetParam().max_error);
+  EXPECT_NEAR(got.hits / expected.hits, 1, GetParam().max_error);
   std::printf("%-24s cycles %+.2f%%, packets %+.2f%%, hit ratio %.4f against %.4f\n", GetParam().name.c_str(),
               100 * (got.cycles / expected.cycles - 1), 100 * (got.packets / expected.packets - 1), got.hits,
               expected.hits);
@@ -176,7 +176,7 @@ TEST(ApproximateBoard, TakesTheCycleLevelsTimeWhereProcessorsShareAnRdram) {
   EXPECT_NE(time(kApproximate, "rdram.processors_per_rdram=1"), time(kCycle, "rdram.processors_per_rdram=1"));
 }
 
-TEST(TurnMachine, GoesOnFromFrameToFrameWithWarmCaches) {
+TEST(PassMachine, GoesOnFromFrameToFrameWithWarmCaches) {
   constexpr int kOneBlock = 15;  // which stays in its processor's cache
   Scene scene({kOneBlock, kOneBlock, kOneBlock}, kBlock);
   set_up(scene, {.name = "cube", .machine = {}, .cube = true});
@@ -186,17 +186,17 @@ TEST(TurnMachine, GoesOnFromFrameToFrameWithWarmCaches) {
     Cycle cycles = 0;
     std::uint64_t reads = 0, all_cycles = 0;
   };
-  const auto run = [&](TurnMachine& machine, unsigned threads) {
+  const auto run = [&](PassMachine& machine, unsigned threads) {
     std::vector<wire::Counter> before, after;
     machine.count(before);
     Framebuffer framebuffer;
-    Work work;
+    Progress work;
     RayCounters rays;
-    const Ran ran = render(view, scene.frame, framebuffer, config.dsp(), nullptr, threads, machine, rays, work);
+    const RunResult ran = render(view, scene.frame, framebuffer, config.dsp(), nullptr, threads, machine, rays, work);
     machine.count(after);
     return Frame{ran.cycles, value(after, "rdram.reads") - value(before, "rdram.reads"), value(after, "asic.cycles")};
   };
-  TurnMachine one(config, scene.volume.blocks()), other(config, scene.volume.blocks());
+  PassMachine one(config, scene.volume.blocks()), other(config, scene.volume.blocks());
   const Frame first = run(one, 1), second = run(one, 1);
   EXPECT_EQ(run(other, 3).cycles, first.cycles);
   EXPECT_EQ(second.all_cycles, first.cycles + second.cycles);
@@ -206,13 +206,13 @@ TEST(TurnMachine, GoesOnFromFrameToFrameWithWarmCaches) {
   EXPECT_EQ(run(one, 1).reads, first.reads);
 }
 
-TEST(TurnMachine, EndsWhenItIsCancelled) {
+TEST(PassMachine, EndsWhenItIsCancelled) {
   Scene scene({kEdge, kEdge, kEdge}, kBlock);
   set_up(scene, {});
   const v1::BoardConfig config = config_with({"asic.block_voxels=16", "asic.max_volume_voxels=128"});
-  TurnMachine machine(config, scene.volume.blocks());
+  PassMachine machine(config, scene.volume.blocks());
   Framebuffer framebuffer;
-  Work work;
+  Progress work;
   work.cancel = true;
   RayCounters rays;
   EXPECT_TRUE(render(corner_view({kEdge, kEdge, kEdge}, 48), scene.frame, framebuffer, config.dsp(), nullptr, 1,

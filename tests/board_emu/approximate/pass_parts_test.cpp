@@ -30,8 +30,8 @@ TEST(LongQueue, AnItemThatIsPutInMovesThoseBehindItBack) {
   EXPECT_EQ(queue[queue.end() - 1], 101);
 }
 
-TEST(TurnTree, IsReadyWhenTheFirstOfAllLeavesIs) {
-  TurnTree tree(3);
+TEST(PassTree, IsReadyWhenTheFirstOfAllLeavesIs) {
+  PassTree tree(3);
   EXPECT_EQ(tree.ready(), kNoCycle);
   tree.push(2, {40, 1, 2, false});
   EXPECT_EQ(tree.ready(), 40u);
@@ -44,8 +44,8 @@ TEST(TurnTree, IsReadyWhenTheFirstOfAllLeavesIs) {
 }
 
 // Processors 0 and 1 are on one side of the root of four, 2 on the other: it has every other turn.
-TEST(TurnTree, TakesFromBothSidesInTurns) {
-  TurnTree tree(4);
+TEST(PassTree, TakesFromBothSidesInTurns) {
+  PassTree tree(4);
   for (std::uint32_t i = 0; i < 4; ++i) {
     for (std::uint8_t processor = 0; processor < 3; ++processor) tree.push(processor, {10, processor, 0, false});
   }
@@ -54,8 +54,8 @@ TEST(TurnTree, TakesFromBothSidesInTurns) {
   EXPECT_EQ(order, (std::vector<std::uint32_t>{0, 2, 1, 2, 0, 2, 1, 2}));
 }
 
-TEST(TurnTree, ALaterRayWaitsForNoTurn) {
-  TurnTree tree(2);
+TEST(PassTree, ALaterRayWaitsForNoTurn) {
+  PassTree tree(2);
   tree.push(0, {50, 0, 0, false});
   tree.push(1, {20, 1, 1, false});
   tree.push(1, {21, 2, 1, false});

@@ -44,7 +44,7 @@ TEST(Partition, EveryBlockHasOneNumberOfItsProcessor) {
       const Partition partition(kind, processors, blocks);
       std::size_t all = 0;
       for (unsigned p = 0; p < processors; ++p) {
-        EXPECT_LE(partition.blocks_of(p), partition.most_blocks());
+        EXPECT_LE(partition.blocks_of(p), partition.max_blocks());
         all += partition.blocks_of(p);
         for (std::uint32_t number = 0; number < partition.blocks_of(p); ++number) {
           const Home& home = partition.home(partition.block(p, number));

@@ -236,7 +236,7 @@ TEST(BoardTime, PushesCompletionsInSimulatedOrderBeforeTheReply) {
   const auto first = board.command(BareBoard::trace_payload(rays));
   const auto second = board.command(BareBoard::trace_payload(rays));
   const auto third = board.command(BareBoard::trace_payload(rays));
-  const Outcome outcome = board.wait(second);
+  const TransactionResult outcome = board.wait(second);
   ASSERT_EQ(outcome.completions.size(), 2u);
   EXPECT_EQ(outcome.completions[0].ticket, first);
   EXPECT_EQ(outcome.completions[1].ticket, second);
@@ -259,7 +259,7 @@ TEST(BoardTime, PollsOnlyWhatHasArrivedByNow) {
 TEST(BoardMisuse, RefusesCommandsByFieldAndKeepsServing) {
   BareBoard board(small_blocks());
   const auto refusal = [&board](const std::vector<std::uint8_t>& payload) {
-    const Outcome outcome = board.wait(board.command(payload));
+    const TransactionResult outcome = board.wait(board.command(payload));
     const Completion& completion = outcome.completions.at(0);
     EXPECT_EQ(completion.error, ErrorCode::kBadValue);
     return std::string(completion.payload.begin(), completion.payload.end());
@@ -315,7 +315,7 @@ TEST(BoardMisuse, RefusesStampsFromWhichTimeCouldRunOver) {
   load_slab(board, 3000);
   for (const std::uint64_t stamp : {~std::uint64_t{0}, (std::uint64_t{1} << 62) + 1}) {
     const std::uint64_t now = std::exchange(board.now_ps, stamp);
-    const Outcome outcome = board.send(wire::FrameType::kPoll, {});
+    const TransactionResult outcome = board.send(wire::FrameType::kPoll, {});
     EXPECT_EQ(outcome.reply->error, ErrorCode::kBadValue);
     board.command(BareBoard::trace_payload({host_ray(0, {0, 8, 8}, {1, 0, 0})}));
     board.now_ps = now;

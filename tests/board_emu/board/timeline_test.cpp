@@ -78,7 +78,7 @@ TEST(Timeline, ReportsOnlyWatchedErrands) {
 
 TEST(Timeline, StopsAtADeadlineAndGoesOnFromThere) {
   Timeline timeline = pci_timeline(), other = pci_timeline();
-  const Errand errand{.down_bytes = 4 * 8, .dsp = true, .dsp_cycles = 50, .up_bytes = 4 * 16, .watched = true};
+  const BusTransaction errand{.down_bytes = 4 * 8, .dsp = true, .dsp_cycles = 50, .up_bytes = 4 * 16, .watched = true};
   timeline.add(100, 1, errand);
   other.add(100, 1, errand);
   const Picoseconds end = other.finish(1);
@@ -89,7 +89,7 @@ TEST(Timeline, StopsAtADeadlineAndGoesOnFromThere) {
 
 TEST(Timeline, AnErrandThatIsTakenBackCostsTheDspNothingAndOneWordGoesUp) {
   Timeline timeline = pci_timeline();
-  const Errand errand{.down_bytes = 4, .dsp = true, .dsp_cycles = 1000, .up_bytes = 4 * 16, .watched = true};
+  const BusTransaction errand{.down_bytes = 4, .dsp = true, .dsp_cycles = 1000, .up_bytes = 4 * 16, .watched = true};
   timeline.add(0, 1, errand);
   timeline.add(0, 2, errand);
   timeline.add(0, 3, errand);

@@ -41,7 +41,7 @@ TEST(CycleLevel, ACommandTakesAsLongAsItsCyclesOnTheAsic) {
   const std::uint64_t begin = board.now_ps;
   std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
   wire::encode(corner_view({30, 30, 30}, 24), std::span(payload).first<wire::kRenderCommandBytes>());
-  const Outcome outcome = board.wait(board.command(payload));
+  const TransactionResult outcome = board.wait(board.command(payload));
   const std::uint64_t cycles = board.counter("asic.cycles");
   EXPECT_GT(cycles, 3000u);
   // 10 ns a cycle; command down and completion up take less than 2 us.

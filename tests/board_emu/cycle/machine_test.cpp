@@ -28,8 +28,8 @@ std::vector<wire::Ray> columns(int across, int down, double start = 0.5) {
   return rays;
 }
 
-Ran run(Machine& machine, const Scene& scene, const v1::BoardConfig& config, std::vector<wire::Ray> rays) {
-  Work work;
+RunResult run(Machine& machine, const Scene& scene, const v1::BoardConfig& config, std::vector<wire::Ray> rays) {
+  Progress work;
   const std::uint32_t both = config.dsp().host_ray_cycles();
   return trace({rays, true, both / 2, both - both / 2}, scene.frame, machine, work);
 }
@@ -42,7 +42,7 @@ TEST(Machine, ALoneRayTakesThirtyFiveCyclesASampleWithPerfectMemory) {
   for (const int samples : {1, 2, 7}) {
     Scene scene({33, 33, 33}, 32);
     Machine machine(config, scene.volume.blocks());
-    const Ran ran = run(machine, scene, config, {host_ray(0, {4.5, 4.5, 33 - samples - 0.5}, {0, 0, 1})});
+    const RunResult ran = run(machine, scene, config, {host_ray(0, {4.5, 4.5, 33 - samples - 0.5}, {0, 0, 1})});
     // 14 DSP cycles = 7 core cycles each way.
     EXPECT_EQ(ran.cycles, 7u + 4 + 35 * static_cast<unsigned>(samples - 1) + 34 + 7) << samples;
     EXPECT_EQ(cycles(machine, Cause::kBusy), static_cast<unsigned>(samples));
@@ -166,9 +166,9 @@ TEST(Machine, CancellingStopsWithinTheProgressInterval) {
   Scene scene({64, 64, 64}, 16);
   Machine machine(config, scene.volume.blocks());
   Framebuffer framebuffer;
-  Work work;
+  Progress work;
   work.cancel = true;
-  const Ran ran = render(corner_view({64, 64, 64}, 128), scene.frame, framebuffer, config.dsp(), machine, work);
+  const RunResult ran = render(corner_view({64, 64, 64}, 128), scene.frame, framebuffer, config.dsp(), machine, work);
   EXPECT_TRUE(ran.cancelled);
   EXPECT_LE(ran.cycles, 3 * 4096u);
 }

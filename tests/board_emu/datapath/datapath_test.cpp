@@ -6,12 +6,12 @@
 #include <random>
 #include <vector>
 
-#include "datapath/ray_step.h"
 #include "datapath/advance.h"
 #include "datapath/classify.h"
 #include "datapath/composite.h"
 #include "datapath/jitter.h"
 #include "datapath/opacity_correction.h"
+#include "datapath/ray_step.h"
 #include "datapath/resample.h"
 #include "datapath/shade.h"
 
@@ -143,14 +143,14 @@ TEST(OpacityCorrection, KeepsTheTransmittanceOfThinFogOver512Steps) {
   const OpacityCorrection correct;
   for (const double alpha : {0.0004, 0.002, 0.01}) {
     const auto word = static_cast<std::uint16_t>(std::lround(alpha * 65535));
-    Traveller ray;
+    RayState ray;
     for (int step = 0; step < 512; ++step) over(ray, {0, 0, 0}, correct(word, 32768));
     EXPECT_NEAR(1 - ray.opacity / double{wire::kOpacityOne}, std::pow(1 - word / 65535.0, 256), 3e-5);
   }
 }
 
 TEST(Composite, MakesAFullSampleFullAndLeavesNothingForTheNext) {
-  Traveller ray;
+  RayState ray;
   over(ray, {4095, 2000, 0}, wire::kOpacityOne);
   EXPECT_EQ(ray.opacity, wire::kOpacityOne);
   EXPECT_EQ(ray.colour, (std::array<std::uint16_t, 3>{4095, 2000, 0}));
@@ -160,7 +160,7 @@ TEST(Composite, MakesAFullSampleFullAndLeavesNothingForTheNext) {
 }
 
 TEST(Composite, FollowsPorterAndDuffWithinTheRoundingOfItsWords) {
-  Traveller ray;
+  RayState ray;
   double colour = 0, opacity = 0;
   for (int i = 0; i < 100; ++i) {
     const std::uint32_t alpha = 300'000 + 1000u * static_cast<unsigned>(i);

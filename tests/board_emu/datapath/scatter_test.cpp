@@ -26,17 +26,17 @@ Direction direction(double x, double y, double z) { return wire::direction_words
 double along(const Direction& a, double x, double y, double z) { return (a[0] * x + a[1] * y + a[2] * z) / kOne; }
 
 struct Mean {
-  double z = 0, z_squared = 0, least_z = 1;
+  double z = 0, z_squared = 0, min_z = 1;
 };
 
 Mean mean_of(const wire::Material& of, const Direction& in, const Point& gradient) {
   Mean mean;
   constexpr int kDraws = 40'000;
   for (int i = 0; i < kDraws; ++i) {
-    const double z = along(scattered(of, in, gradient, kCubes, mangle(static_cast<std::uint64_t>(i))), 0, 0, 1);
+    const double z = along(scattered(of, in, gradient, kCubes, mix64(static_cast<std::uint64_t>(i))), 0, 0, 1);
     mean.z += z / kDraws;
     mean.z_squared += z * z / kDraws;
-    mean.least_z = std::min(mean.least_z, z);
+    mean.min_z = std::min(mean.min_z, z);
   }
   return mean;
 }
@@ -74,7 +74,7 @@ TEST(Scattering, ADiffuseSurfaceSendsRaysByTheCosineOfTheirAngleToTheNormal) {
   const Mean mean = mean_of(material(wire::Bsdf::kDiffuse), direction(0.6, 0, -0.8), {0, 0, -500});
   EXPECT_NEAR(mean.z, 2.0 / 3, 0.005);
   EXPECT_NEAR(mean.z_squared, 1.0 / 2, 0.005);
-  EXPECT_GE(mean.least_z, 0);
+  EXPECT_GE(mean.min_z, 0);
 }
 
 TEST(Scattering, GlossSpreadsAReflectionAndNoneGoesIntoTheSurface) {
@@ -83,13 +83,13 @@ TEST(Scattering, GlossSpreadsAReflectionAndNoneGoesIntoTheSurface) {
   const Mean much = mean_of(material(wire::Bsdf::kDullReflection, 1), in, {0, 0, -500});
   EXPECT_NEAR(little.z, 0.2, 0.01);
   EXPECT_GT(much.z_squared - much.z * much.z, 20 * (little.z_squared - little.z * little.z));
-  EXPECT_GE(much.least_z, 0);
+  EXPECT_GE(much.min_z, 0);
 }
 
 TEST(Scattering, DullScatteringKeepsItsDirectionAsFarAsItsGlossIsSmall) {
   const Mean mean = mean_of(material(wire::Bsdf::kDullScattering, 0.1), direction(0, 0, 1), {500, 0, 0});
   EXPECT_GT(mean.z, 0.99);
-  EXPECT_GT(mean.least_z, 0.99);
+  EXPECT_GT(mean.min_z, 0.99);
 }
 
 TEST(Scattering, DirectionsStayUnitVectors) {
@@ -99,7 +99,7 @@ TEST(Scattering, DirectionsStayUnitVectors) {
     const Direction in = direction(number() + 0.5, number() + 0.5, number() + 0.5);
     const auto bsdf = static_cast<wire::Bsdf>(dice() % 6);
     const Direction out = scattered(material(bsdf, static_cast<double>(dice() % 160) / 10), in,
-                                    {number(), number(), number()}, kCubes, mangle(dice()));
+                                    {number(), number(), number()}, kCubes, mix64(dice()));
     EXPECT_NEAR(std::hypot(out[0], out[1], out[2]) / kOne, 1, 1e-4);
   }
 }
@@ -111,7 +111,7 @@ TEST(Splat, SharesSumToTheDeposit) {
     const std::uint32_t units = i % 2 == 0 ? dice() % 256 : dice() % (1u << 24);
     const std::array<std::uint32_t, 3> fraction{dice() % 16384, dice() % 16384, dice() % 16384};
     std::uint64_t sum = 0;
-    for (const std::uint32_t share : split(units, fraction, mangle(dice()))) sum += share;
+    for (const std::uint32_t share : split(units, fraction, mix64(dice()))) sum += share;
     EXPECT_EQ(sum, units);
   }
 }
@@ -121,7 +121,7 @@ TEST(Splat, OneUnitGoesToAVoxelAsOftenAsItsWeightSays) {
   std::array<double, 8> got{};
   constexpr int kDraws = 40'000;
   for (int i = 0; i < kDraws; ++i) {
-    const Shares shares = split(1, fraction, mangle(static_cast<std::uint64_t>(i)));
+    const Shares shares = split(1, fraction, mix64(static_cast<std::uint64_t>(i)));
     for (std::size_t v = 0; v < 8; ++v) got[v] += shares[v] / double{kDraws};
   }
   for (std::size_t v = 0; v < 8; ++v) {

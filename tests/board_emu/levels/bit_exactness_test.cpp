@@ -55,7 +55,7 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   const std::vector<wire::Ray> rays = draw_rays(scene, dice);
   std::vector<wire::Ray> functional_rays = rays, cycle_rays = rays;
   trace(functional_rays, scene.frame, nullptr, 1);
-  Work work;
+  Progress work;
   trace({cycle_rays, true, 6, 6}, scene.frame, machine, work);
   EXPECT_EQ(cycle_rays, functional_rays);
 

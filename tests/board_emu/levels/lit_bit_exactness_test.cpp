@@ -151,13 +151,13 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   const LightingRays rays(light, frame.extent, frame.spacing, bits, frame.seed);
 
   Irradiance expected(scene, wide), held(scene, wide), shuffled_held(scene, wide);
-  Work work;
+  Progress work;
   frame.irradiance = &expected.memory;
   const RayCounters counts = illuminate(rays, frame, 2, work).rays;
   frame.irradiance = &held.memory;
   Machine machine(config, scene.volume.blocks());
   Lit lit;
-  const Ran ran = illuminate(rays, frame, config.dsp(), machine, lit, work);
+  const RunResult ran = illuminate(rays, frame, config.dsp(), machine, lit, work);
   EXPECT_EQ(held.words(scene), expected.words(scene));
   expect_equal_copies(scene, held.memory);
   expect_equal(ray_counters(machine), counts);

@@ -54,7 +54,7 @@ void load(BareBoard& board, Dice& dice, int n) {
 }
 
 std::vector<wire::Ray> draw_rays(Dice& dice, const wire::TraceHeader& header, bool wide) {
-  const int most_amount = dice.one_of({300, 20'000, 2'000'000});
+  const int max_amount = dice.one_of({300, 20'000, 2'000'000});
   std::vector<wire::Ray> rays;
   for (int i = dice.number(1, 80); i > 0; --i) {
     std::array<double, 3> position{}, direction{};
@@ -70,8 +70,8 @@ std::vector<wire::Ray> draw_rays(Dice& dice, const wire::TraceHeader& header, bo
       case wire::RayType::kBackproject:
         ray.set_colour_word(static_cast<std::uint64_t>(dice.one_of({0, 1, 700, dice.number(0, 60 << 16)})));
         if (header.type == wire::RayType::kBackproject) {
-          const int least = header.words == wire::SumWords::kWhole ? -most_amount : 0;
-          ray.opacity = static_cast<std::uint32_t>(dice.number(least, most_amount)) & wire::kOpacityOne;
+          const int least = header.words == wire::SumWords::kWhole ? -max_amount : 0;
+          ray.opacity = static_cast<std::uint32_t>(dice.number(least, max_amount)) & wire::kOpacityOne;
         }
         break;
       case wire::RayType::kDeposit:

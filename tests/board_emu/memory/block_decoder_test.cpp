@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "gicube/wire/voxel.h"
 #include "../functional/simd/instruction_sets.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube::emu {
 namespace {

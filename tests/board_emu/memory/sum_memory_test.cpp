@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "bare_board.h"
+#include "datapath/trilinear_splat.h"
 #include "gicube/wire/voxel.h"
 #include "machine_rig.h"
-#include "datapath/trilinear_splat.h"
 
 namespace gicube::emu {
 namespace {
@@ -20,7 +20,7 @@ std::int64_t sum_at(const SumMemory& sums, int n, std::size_t block, std::size_t
 }
 
 TEST(Spread, SharesSumToTheAmountAndFollowTheTrilinearWeights) {
-  for (const std::int32_t amount : {1, -1, 77, -4'000'003, wire::kMostAmount, -wire::kMostAmount}) {
+  for (const std::int32_t amount : {1, -1, 77, -4'000'003, wire::kMaxAmount, -wire::kMaxAmount}) {
     for (const std::array<std::uint32_t, 3> fraction :
          {std::array<std::uint32_t, 3>{0, 0, 0}, {8192, 8192, 8192}, {16383, 1, 5000}}) {
       const SignedShares shares = spread(amount, fraction);
@@ -62,29 +62,29 @@ TEST(SumMemory, ASumBeyondItsBitsIsClippedAndCounted) {
   SumMemory sums(8);
   sums.resize({8, 8, 8});
   Deposit much;
-  much.shares[0] = static_cast<std::uint32_t>(-wire::kMostAmount);
+  much.shares[0] = static_cast<std::uint32_t>(-wire::kMaxAmount);
   constexpr int kTimes = 2049;  // beyond 2^34 by a little
   std::int64_t added = 0;
   for (int i = 0; i < kTimes; ++i) added += sums.add(much, 0);
-  EXPECT_EQ(added, -std::int64_t{kTimes} * wire::kMostAmount);
+  EXPECT_EQ(added, -std::int64_t{kTimes} * wire::kMaxAmount);
   sums.moved(0, static_cast<std::uint64_t>(-added));
   const Overflow overflow = sums.settle();
   EXPECT_EQ(overflow.words, 1u);
-  EXPECT_EQ(overflow.clipped, added + wire::kMostSum);
-  EXPECT_EQ(sum_at(sums, 8, 0, 0), -wire::kMostSum);
+  EXPECT_EQ(overflow.clipped, added + wire::kMaxSum);
+  EXPECT_EQ(sum_at(sums, 8, 0, 0), -wire::kMaxSum);
   EXPECT_EQ(sums.settle().words, 0u);
 }
 
 TEST(SumMemory, WordsWhosePartsTogetherAreTooLargeAreFound) {
   SumMemory sums(8);
   sums.resize({16, 8, 8});
-  constexpr std::int64_t kMore = wire::kMostSum / 2 + 10;
+  constexpr std::int64_t kMore = wire::kMaxSum / 2 + 10;
   for (const std::size_t block : {0u, 1u}) {
     sums.storage(block)[block == 0 ? 8 : 0] = kMore;  // (8, 0, 0) of the volume
     sums.moved(block, kMore);
   }
   EXPECT_EQ(sums.settle().words, 1u);
-  EXPECT_EQ(sum_at(sums, 8, 1, 0), wire::kMostSum);
+  EXPECT_EQ(sum_at(sums, 8, 1, 0), wire::kMaxSum);
 }
 
 TEST(SumMemory, PairsAreReadTogetherWithTheWords) {
@@ -106,24 +106,24 @@ TEST(SumMemory, PairsAreReadTogetherWithTheWords) {
 TEST(SumMemory, PairsJoinTheWordsBeforeTheyAreFull) {
   SumMemory sums(8);
   sums.resize({8, 8, 8});
-  constexpr std::int64_t kMost = (std::int64_t{1} << 31) - 1, kBoth = 1 - (std::int64_t{1} << 32);
+  constexpr std::int64_t kMax = (std::int64_t{1} << 31) - 1, kBoth = 1 - (std::int64_t{1} << 32);
   for (int i = 0; i < 5; ++i) {
-    std::int64_t* const pairs = sums.pairs(0, kMost);
+    std::int64_t* const pairs = sums.pairs(0, kMax);
     ASSERT_NE(pairs, nullptr);
     EXPECT_EQ(pairs[0], 0) << i;
-    pairs[0] += kMost * kBoth;
-    sums.moved(0, kMost);
+    pairs[0] += kMax * kBoth;
+    sums.moved(0, kMax);
   }
-  EXPECT_EQ(sum_at(sums, 8, 0, 0), 5 * kMost);
-  EXPECT_EQ(sum_at(sums, 8, 0, 1), -5 * kMost);
-  EXPECT_EQ(sums.pairs(0, kMost + 1), nullptr);
+  EXPECT_EQ(sum_at(sums, 8, 0, 0), 5 * kMax);
+  EXPECT_EQ(sum_at(sums, 8, 0, 1), -5 * kMax);
+  EXPECT_EQ(sums.pairs(0, kMax + 1), nullptr);
   for (int i = 0; i < 4; ++i) {
-    sums.pairs(0, kMost)[0] += kMost * kBoth;
-    sums.moved(0, kMost);
+    sums.pairs(0, kMax)[0] += kMax * kBoth;
+    sums.moved(0, kMax);
   }
   EXPECT_EQ(sums.settle().words, 2u);
-  EXPECT_EQ(sum_at(sums, 8, 0, 0), wire::kMostSum);
-  EXPECT_EQ(sum_at(sums, 8, 0, 1), -wire::kMostSum);
+  EXPECT_EQ(sum_at(sums, 8, 0, 0), wire::kMaxSum);
+  EXPECT_EQ(sum_at(sums, 8, 0, 1), -wire::kMaxSum);
 }
 
 class Sums : public testing::TestWithParam<v1::FidelityLevel> {
@@ -169,11 +169,11 @@ TEST_P(Sums, EachStepOfARayLeavesItsAmountBetweenTheVoxels) {
 }
 
 TEST_P(Sums, ACommandThatCouldRunASumOverIsRefused) {
-  const Completion completion = deposit(wire::kMostAmount, 410);  // 5 a ray at most, by command.h
+  const Completion completion = deposit(wire::kMaxAmount, 410);  // 5 a ray at most, by command.h
   EXPECT_EQ(completion.error, wire::ErrorCode::kBadValue);
   EXPECT_EQ(std::string(completion.payload.begin(), completion.payload.end()),
             "rays: expected that can move no sum by more than 2^34, got 17196644350");
-  EXPECT_EQ(deposit(wire::kMostAmount, 400).error, wire::ErrorCode::kNone);
+  EXPECT_EQ(deposit(wire::kMaxAmount, 400).error, wire::ErrorCode::kNone);
 }
 
 TEST_P(Sums, OverflowIsReportedByTheCommandThatBringsIt) {
@@ -181,16 +181,16 @@ TEST_P(Sums, OverflowIsReportedByTheCommandThatBringsIt) {
   std::int64_t kept = 0, clipped = 0;
   constexpr int kCommands = 6;
   for (int i = 0; i < kCommands; ++i) {
-    const Completion completion = deposit(wire::kMostAmount, 400);
+    const Completion completion = deposit(wire::kMaxAmount, 400);
     const auto ledger = wire::decode_deposit_ledger(std::span(completion.payload).first<wire::kDepositLedgerBytes>());
     overflowed += ledger.overflowed;
     kept += ledger.kept;
     clipped += ledger.clipped;
   }
   EXPECT_EQ(overflowed, 14u);  // of the 16, two get half as much
-  EXPECT_EQ(kept + clipped, std::int64_t{wire::kMostAmount} * 400 * 15 * kCommands);
-  EXPECT_EQ(sum(7), wire::kMostSum);
-  EXPECT_EQ(sum(0), (std::int64_t{wire::kMostAmount} - wire::kMostAmount / 2 - 1) * 400 * kCommands);
+  EXPECT_EQ(kept + clipped, std::int64_t{wire::kMaxAmount} * 400 * 15 * kCommands);
+  EXPECT_EQ(sum(7), wire::kMaxSum);
+  EXPECT_EQ(sum(0), (std::int64_t{wire::kMaxAmount} - wire::kMaxAmount / 2 - 1) * 400 * kCommands);
 }
 
 TEST_P(Sums, AreNotVoxelsAndVoxelsAreNotSums) {

@@ -6,11 +6,11 @@
 #include <stdexcept>
 
 #include "config/config.h"
+#include "observe/observation.h"
 #include "observed_scene.h"
 #include "read_trace.h"
 #include "read_vcd.h"
 #include "temporary_directory.h"
-#include "observe/observation.h"
 
 namespace gicube::emu {
 namespace {

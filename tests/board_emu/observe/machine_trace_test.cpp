@@ -5,10 +5,10 @@
 
 #include <set>
 
+#include "observe/observation.h"
 #include "observed_scene.h"
 #include "read_trace.h"
 #include "temporary_directory.h"
-#include "observe/observation.h"
 
 namespace gicube::emu {
 namespace {

@@ -4,8 +4,8 @@
 #include <map>
 #include <random>
 
-#include "config/config.h"
 #include "board/timeline.h"
+#include "config/config.h"
 
 namespace gicube::emu {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 class Notes : public TimelineWatcher {
  public:
   void transferred(const BusDelivery& delivery) override { deliveries.push_back(delivery); }
-  void served(const Errand&, Picoseconds begin, Picoseconds end) override { turns.emplace_back(begin, end); }
+  void served(const BusTransaction&, Picoseconds begin, Picoseconds end) override { turns.emplace_back(begin, end); }
 
   std::vector<BusDelivery> deliveries;
   std::vector<std::pair<Picoseconds, Picoseconds>> turns;
@@ -70,7 +70,7 @@ TEST(Timeline, KnowsTheBeginOfATurnBeforeItsTime) {
     Picoseconds now = 0;
     for (std::uint64_t id = 1; id < 60; ++id) {
       now += engine() % 3 == 0 ? engine() % 20'000'000 : 0;
-      Errand errand;
+      BusTransaction errand;
       errand.kind = engine() % 2 == 0 ? TransferKind::kBulk : TransferKind::kRegisterWrite;
       errand.down_bytes = engine() % 2000;
       errand.dsp = engine() % 2 == 0;

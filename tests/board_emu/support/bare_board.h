@@ -28,7 +28,7 @@ class BareBoard {
                      const Routines* routines = nullptr)
       : board_(config, 0x1234, observation, routines), n_(static_cast<int>(config.asic().block_voxels())) {}
 
-  Outcome send(wire::FrameType type, std::vector<std::uint8_t> payload) {
+  TransactionResult send(wire::FrameType type, std::vector<std::uint8_t> payload) {
     wire::FrameHeader header;
     header.type = type;
     header.id = next_id_++;
@@ -46,7 +46,7 @@ class BareBoard {
   std::uint32_t read_register(std::uint32_t offset) {
     std::vector<std::uint8_t> payload(4);
     wire::store(std::span(payload), 0, offset);
-    const Outcome outcome = send(wire::FrameType::kRegisterRead, payload);
+    const TransactionResult outcome = send(wire::FrameType::kRegisterRead, payload);
     now_ps = outcome.reply->time_ps;
     return wire::load<std::uint32_t>(outcome.reply->payload, 0);
   }
@@ -62,7 +62,7 @@ class BareBoard {
     std::vector<std::uint8_t> payload(16);
     wire::store(std::span(payload), 0, address);
     wire::store(std::span(payload), 8, length);
-    Outcome outcome = send(wire::FrameType::kMemoryRead, payload);
+    TransactionResult outcome = send(wire::FrameType::kMemoryRead, payload);
     now_ps = outcome.reply->time_ps;
     return *outcome.reply;
   }
@@ -74,10 +74,10 @@ class BareBoard {
     return ticket;
   }
 
-  Outcome wait(std::uint32_t ticket) {
+  TransactionResult wait(std::uint32_t ticket) {
     std::vector<std::uint8_t> payload(4);
     wire::store(std::span(payload), 0, ticket);
-    Outcome outcome = send(wire::FrameType::kWait, payload);
+    TransactionResult outcome = send(wire::FrameType::kWait, payload);
     now_ps = outcome.reply->time_ps;
     return outcome;
   }
@@ -118,7 +118,7 @@ class BareBoard {
   std::vector<wire::Pixel> render(const wire::RenderCommand& view) {
     std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
     wire::encode(view, std::span(payload).first<wire::kRenderCommandBytes>());
-    const Outcome outcome = wait(command(payload));
+    const TransactionResult outcome = wait(command(payload));
     const Completion& completion = outcome.completions.at(0);
     if (completion.error != wire::ErrorCode::kNone)
       throw std::runtime_error(std::string(completion.payload.begin(), completion.payload.end()));
@@ -130,7 +130,7 @@ class BareBoard {
   }
 
   std::vector<wire::Ray> trace(const std::vector<wire::Ray>& rays, const wire::TraceHeader& header = {}) {
-    const Outcome outcome = wait(command(trace_payload(rays, header)));
+    const TransactionResult outcome = wait(command(trace_payload(rays, header)));
     return traced(outcome.completions.at(0));
   }
 
@@ -165,7 +165,7 @@ class BareBoard {
   }
 
   std::uint64_t now_ps = 0;  // the host's clock
-  Work work;
+  Progress work;
 
  private:
   Board board_;

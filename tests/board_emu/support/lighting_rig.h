@@ -6,10 +6,10 @@
 #include <cmath>
 #include <functional>
 
+#include "datapath/ray_step.h"
 #include "firmware/lighting_rays.h"
 #include "functional/functional.h"
 #include "machine_rig.h"
-#include "datapath/ray_step.h"
 
 namespace gicube::emu {
 
@@ -51,7 +51,7 @@ class LitScene {
   // The whole pass; adds to the irradiance.
   RayCounters light(const wire::IlluminateCommand& command, unsigned threads = 2) {
     scene.frame.rules = command.rules;
-    Work work;
+    Progress work;
     return illuminate(rays(command), scene.frame, threads, work).rays;
   }
   // The pass ray by ray on one thread: each ray as it ends, clamped to the volume, if it left it.

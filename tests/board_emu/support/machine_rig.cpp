@@ -48,7 +48,7 @@ Scene::Scene(const std::array<int, 3>& size, int block_voxels)
 Picture functional_picture(const Scene& scene, const wire::RenderCommand& view) {
   Picture picture;
   Framebuffer framebuffer;
-  Work work;
+  Progress work;
   const Rendered rendered = render(view, scene.frame, framebuffer, nullptr, 1, work);
   picture.pixels = framebuffer.packed();
   picture.rays = rendered.rays;
@@ -59,7 +59,7 @@ Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const
                       Machine& machine) {
   Picture picture;
   Framebuffer framebuffer;
-  Work work;
+  Progress work;
   const RayCounters before = ray_counters(machine);
   picture.ran = render(view, scene.frame, framebuffer, config.dsp(), machine, work);
   picture.pixels = framebuffer.packed();

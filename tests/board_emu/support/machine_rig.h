@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "cycle/cycle_level.h"
+#include "cycle/machine.h"
+#include "cycle/machine_counters.h"
 #include "functional/functional_level.h"
 #include "gicube/wire/registers.h"
 #include "gicube/wire/voxel.h"
-#include "cycle/machine.h"
-#include "cycle/machine_counters.h"
 
 namespace gicube::emu {
 
@@ -64,7 +64,7 @@ struct Scene {
 struct Picture {
   std::vector<std::uint8_t> pixels;
   RayCounters rays;
-  Ran ran;  // of the cycle level
+  RunResult ran;  // of the cycle level
 };
 
 Picture functional_picture(const Scene& scene, const wire::RenderCommand& view);

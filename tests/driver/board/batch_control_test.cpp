@@ -76,7 +76,7 @@ TEST(Deadline, OfARenderingLeavesABoardThatGoesOn) {
 }
 
 TEST(BackPressure, WaitsInSimulatedTimeUntilRaysHaveComeBack) {
-  Board board = loaded_board({.most_rays = 8192});
+  Board board = loaded_board({.max_rays = 8192});
   const auto sent = rays(4096);
   std::vector<Ticket> tickets;
   const Picoseconds before = board.now();
@@ -89,7 +89,7 @@ TEST(BackPressure, WaitsInSimulatedTimeUntilRaysHaveComeBack) {
 }
 
 TEST(BackPressure, ThrowsIfItIsAskedToAndNothingIsSent) {
-  Board board = loaded_board({.most_rays = 8192, .back_pressure = BackPressure::kThrow});
+  Board board = loaded_board({.max_rays = 8192, .back_pressure = BackPressure::kThrow});
   const auto sent = rays(4096);
   const Ticket first = board.submit(sent);
   board.submit(sent);
@@ -99,7 +99,7 @@ TEST(BackPressure, ThrowsIfItIsAskedToAndNothingIsSent) {
   EXPECT_EQ(board.counters().value("dsp.host_rays"), under_way);
   board.receive(first);
   EXPECT_NO_THROW(board.submit(std::span(sent).first(1)));
-  EXPECT_THROW(Board::open(kUri, {.most_rays = 100}), BadArgument);
+  EXPECT_THROW(Board::open(kUri, {.max_rays = 100}), BadArgument);
 }
 
 TEST(Cancel, TakesBackWhatTheDspHasNotBegun) {

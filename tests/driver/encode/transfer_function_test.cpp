@@ -4,8 +4,8 @@
 
 #include <limits>
 
-#include "refusal.h"
 #include "encode/transfer_function_check.h"
+#include "refusal.h"
 
 namespace gicube {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "refusal.h"
 #include "encode/camera.h"
+#include "refusal.h"
 
 namespace gicube {
 namespace {

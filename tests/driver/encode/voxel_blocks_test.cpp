@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <random>
 
+#include "encode/volume/samples.h"
 #include "gicube/wire/voxel.h"
 #include "refusal.h"
-#include "encode/volume/samples.h"
 
 namespace gicube {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "test_board.h"
 #include "plan/pilot.h"
+#include "test_board.h"
 
 namespace gicube {
 namespace {
@@ -69,7 +69,7 @@ TEST(LightPlan, SaysSoWhereNoNumberOfRaysThatItMayTakeIsEnough) {
   Board board = lamp.board();
   LightPlanRequest request = lamp.request();
   request.max_error = 1e-3;
-  request.most_rays = 12;
+  request.max_rays = 12;
   const LightPlan plan = plan_light(board, request);
   EXPECT_FALSE(plan.kept);
   EXPECT_EQ(plan.chosen.rays_per_face_voxel, 12);
@@ -117,7 +117,7 @@ TEST(LightPlan, NamesWhatIsWrongWithARequest) {
   EXPECT_THROW(plan_light(board, request), BadArgument);
   request = lamp.request();
   request.max_error = 0.1;
-  request.most_rays = 5000;
+  request.max_rays = 5000;
   EXPECT_THROW(plan_light(board, request), BadArgument);
 }
 

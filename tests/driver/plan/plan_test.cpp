@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "test_board.h"
 #include "plan/pilot.h"
+#include "test_board.h"
 
 namespace gicube {
 namespace {

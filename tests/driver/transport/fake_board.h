@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "transport/fd.h"
 #include "gicube/wire/frame.h"
+#include "transport/fd.h"
 
 namespace gicube::reference {
 

@@ -50,7 +50,9 @@ TEST(ProtocolDocument, HoldsTheRegisterTable) {
   EXPECT_EQ(marked(read("docs/reference/protocol.md"), "registers"), register_markdown());
 }
 
-TEST(ProtocolDocument, HoldsTheMemoryMap) { EXPECT_EQ(marked(read("docs/reference/protocol.md"), "memory"), memory_markdown()); }
+TEST(ProtocolDocument, HoldsTheMemoryMap) {
+  EXPECT_EQ(marked(read("docs/reference/protocol.md"), "memory"), memory_markdown());
+}
 
 TEST(ProtocolDocument, NamesThePciHeaderAsItIsAtReset) {
   const std::string text = read("docs/reference/protocol.md");

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/fdk.h"
+#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/phantom/noise.h"
 #include "cone_beam/phantom/phantom.h"
 #include "open_board.h"

@@ -83,7 +83,7 @@ TEST(ArcWeights, SumToHalfATurn) {
 }
 
 TEST(ShortScanWeights, OfARayThatIsMeasuredTwiceSumToOne) {
-  constexpr double kMost = 0.2, kArc = pi + 2 * kMost;
+  constexpr double kMax = 0.2, kArc = pi + 2 * kMax;
   for (const double fan : {-0.2, -0.13, 0.0, 0.05, 0.199}) {
     for (double angle = 0; angle <= kArc; angle += 0.01) {
       double weight = short_scan_weight(angle, fan, kArc);

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <iostream>
 
-#include "table.h"
 #include "scene/program/board_options.h"
+#include "table.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 #include "measure.h"
 
-#include "reference/march.h"
+#include "reference/ray_step.h"
 
 namespace gicube::accuracy {
 

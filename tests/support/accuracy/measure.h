@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "scenes.h"
 #include "gicube/board.h"
 #include "reference/compare.h"
+#include "scenes.h"
 
 namespace gicube::accuracy {
 

@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "scenes.h"
-#include "scene/image_file.h"
-#include "reference/march.h"
+#include "reference/ray_step.h"
 #include "render/options.h"
+#include "scene/image_file.h"
+#include "scenes.h"
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
 #include "reference/scene.h"
+#include "scene/scene.h"
 
 namespace gicube::accuracy {
 

@@ -2,9 +2,9 @@
 
 #include <numbers>
 
-#include "scene/program/board_run.h"
 #include "cone_beam/charts/scans.h"
 #include "cone_beam/phantom/noise.h"
+#include "scene/program/board_run.h"
 
 namespace gicube::plan_study {
 

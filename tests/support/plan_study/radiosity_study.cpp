@@ -1,8 +1,8 @@
 #include "radiosity_study.h"
 
-#include "scene/scene_file.h"
-#include "form_factors/program/solve.h"
 #include "form_factors/plan/study.h"
+#include "form_factors/program/solve.h"
+#include "scene/scene_file.h"
 
 namespace gicube::plan_study {
 namespace {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "reference/ray_step.h"
 #include "scene/program/board_run.h"
-#include "reference/march.h"
 
 namespace gicube::plan_study {
 namespace {
@@ -89,7 +89,8 @@ std::string uri_for(const StudyScene& study, const std::string& uri) {
   return uri + separator + "set=asic.max_volume_voxels=" + std::to_string(study.max_volume_voxels);
 }
 
-Outcome carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri, bool exact) {
+TransactionResult carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri,
+                            bool exact) {
   samples::Scene scene = study.scene;
   scene.view.width = scene.view.height = size;
   const samples::SceneSetup setup = samples::set_up(scene);
@@ -110,7 +111,7 @@ Outcome carry_out(const StudyScene& study, int size, const Target& target, const
     request.volume = setup.volume_view();
     request.looks = looks;
   }
-  Outcome outcome;
+  TransactionResult outcome;
   outcome.plan = make_plan(board, request);
   const Image image = render(board, outcome.plan.view(view), outcome.chosen);
   if (!scene.lighting.on) samples::load(board, setup, false);

@@ -9,9 +9,9 @@ namespace gicube::reference {
 namespace {
 
 constexpr double kDensityMax = 4095;
-constexpr double kLeastGradient = 1.0 / 8;  // density units a (smallest) voxel edge; less is no gradient
-constexpr double kDensityEighths = 8;       // the 12.3 word
-constexpr double kGradientFraction = 32;    // the five fraction bits of the interpolated gradient
+constexpr double kMinGradient = 1.0 / 8;  // density units a (smallest) voxel edge; less is no gradient
+constexpr double kDensityEighths = 8;     // the 12.3 word
+constexpr double kGradientFraction = 32;  // the five fraction bits of the interpolated gradient
 
 Vec3 over(Vec3 a, Vec3 b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
 bool is_zero(Vec3 v) { return v == Vec3{}; }
@@ -150,7 +150,7 @@ Vec3 Field::true_gradient(int x, int y, int z) const {
   }
   constexpr double kWeight = 32;  // two voxels times (1 + 2 + 1)^2
   const Vec3 slope = over(kDensityMax / (range_.high - range_.low) / kWeight * sum, spacing_);
-  return length(slope) < kLeastGradient ? Vec3{} : slope;
+  return length(slope) < kMinGradient ? Vec3{} : slope;
 }
 
 double Field::value(int x, int y, int z) const {

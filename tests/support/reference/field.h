@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "encode/volume/gradient_codebook.h"
 #include "gicube/volume.h"
 #include "scene.h"
-#include "encode/volume/gradient_codebook.h"
 
 namespace gicube::reference {
 

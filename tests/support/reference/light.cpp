@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gicube/wire/lut.h"
 #include "encode/reflectance_map.h"
+#include "gicube/wire/lut.h"
 
 namespace gicube::reference {
 

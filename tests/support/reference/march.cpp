@@ -1,4 +1,4 @@
-#include "march.h"
+#include "ray_step.h"
 
 #include <algorithm>
 #include <atomic>
@@ -35,8 +35,8 @@ Vec3 hold(Vec3 p, Dims dims) {
 }
 
 // Calls work(row) for every row.
-template <typename Work>
-void for_each_row(int rows, unsigned threads, const Work& work) {
+template <typename Progress>
+void for_each_row(int rows, unsigned threads, const Progress& work) {
   std::atomic<int> next{0};
   const auto take_rows = [&] {
     for (int row = next++; row < rows; row = next++) work(row);

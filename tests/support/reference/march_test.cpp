@@ -1,4 +1,4 @@
-#include "march.h"
+#include "ray_step.h"
 
 #include <gtest/gtest.h>
 

@@ -13,16 +13,16 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRouletteBelow = 0.01, kSurvivors = 0.1;
 
-enum Fate : std::size_t { kAbsorbed, kBack, kThrough, kSideways };
+enum Outcome : std::size_t { kAbsorbed, kBack, kThrough, kSideways };
 
 struct Exit {
   double distance = kInfinity;
-  Fate face = kSideways;
+  Outcome face = kSideways;
 };
 
 Exit find_exit(const Medium& medium, const Photon& photon) {
   Exit exit;
-  const auto wall = [&exit](double distance, Fate face) {
+  const auto wall = [&exit](double distance, Outcome face) {
     if (distance < exit.distance) exit = {distance, face};
   };
   const auto [p, d] = photon;
@@ -92,7 +92,7 @@ Fates follow(const Medium& medium, std::uint64_t photons, std::uint64_t seed, co
       }
       photon.direction = random.direction();
     }
-    for (std::size_t fate = 0; fate < tallies.size(); ++fate) tallies[fate].add(score[fate]);
+    for (std::size_t outcome = 0; outcome < tallies.size(); ++outcome) tallies[outcome].add(score[outcome]);
   }
   const auto n = static_cast<double>(photons);
   return {tallies[kAbsorbed].estimate(n), tallies[kBack].estimate(n), tallies[kThrough].estimate(n),

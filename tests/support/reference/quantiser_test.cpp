@@ -5,7 +5,7 @@
 #include <string>
 
 #include "compare.h"
-#include "march.h"
+#include "ray_step.h"
 #include "test_scene.h"
 
 namespace gicube::reference {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "march.h"
+#include "ray_step.h"
 #include "test_scene.h"
 
 namespace gicube::reference {

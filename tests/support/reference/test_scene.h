@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "march.h"
+#include "ray_step.h"
 
 namespace gicube::reference {
 

@@ -15,12 +15,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-enum class Met { kNothing, kTimedOut, kClosed, kCorrupted, kCorruptedOrTimedOut, kMemoryFault };
+enum class Interaction { kNothing, kTimedOut, kClosed, kCorrupted, kCorruptedOrTimedOut, kMemoryFault };
 
 struct Case {
   std::string name;
   std::string fault;  // all but its message
-  Met met;
+  Interaction met;
 
   friend void PrintTo(const Case& each, std::ostream* out) { *out << each.name; }
 };
@@ -49,19 +49,19 @@ class LinkFault : public testing::TestWithParam<Case> {
 
   // What the call throws.
   template <typename Call>
-  static Met meet(const Call& call) {
+  static Interaction interact(const Call& call) {
     try {
       call();
     } catch (const TimedOut&) {
-      return Met::kTimedOut;
+      return Interaction::kTimedOut;
     } catch (const MemoryFault&) {
-      return Met::kMemoryFault;
+      return Interaction::kMemoryFault;
     } catch (const DeviceLost& lost) {
-      if (lost.cause() == Loss::kCorrupted) return Met::kCorrupted;
-      if (lost.cause() == Loss::kClosed) return Met::kClosed;
+      if (lost.cause() == Loss::kCorrupted) return Interaction::kCorrupted;
+      if (lost.cause() == Loss::kClosed) return Interaction::kClosed;
       throw;
     }
-    return Met::kNothing;
+    return Interaction::kNothing;
   }
 
   const reference::TemporaryDirectory folder;
@@ -89,24 +89,24 @@ TEST_P(LinkFault, IsItsTypedErrorAndReopeningGoesOn) {
       prepared = true;
       work(*board);
     };
-    Met how = Met::kNothing;
+    Interaction how = Interaction::kNothing;
     try {
-      how = meet(everything);
+      how = interact(everything);
     } catch (const OpenFailed&) {
       EXPECT_FALSE(opened) << message;
       continue;  // so early that there is no board to reopen
     }
-    if (how == Met::kNothing && message > kWorking) continue;  // there were not so many
-    const Met wanted = GetParam().met;
-    if (wanted == Met::kMemoryFault && message < kWorking) continue;  // forgotten with the reset at opening
-    if (wanted == Met::kCorruptedOrTimedOut) {
-      EXPECT_TRUE(how == Met::kCorrupted || how == Met::kTimedOut) << message;
+    if (how == Interaction::kNothing && message > kWorking) continue;  // there were not so many
+    const Interaction wanted = GetParam().met;
+    if (wanted == Interaction::kMemoryFault && message < kWorking) continue;  // forgotten with the reset at opening
+    if (wanted == Interaction::kCorruptedOrTimedOut) {
+      EXPECT_TRUE(how == Interaction::kCorrupted || how == Interaction::kTimedOut) << message;
     } else {
       EXPECT_EQ(how, wanted) << message;
     }
     if (!opened) continue;
     ++met;
-    if (how != Met::kNothing && how != Met::kMemoryFault) {
+    if (how != Interaction::kNothing && how != Interaction::kMemoryFault) {
       if (GetParam().name == "kill") {
         EXPECT_EQ(process->exit_code(), 128 + SIGKILL);
         start(0);
@@ -121,7 +121,8 @@ TEST_P(LinkFault, IsItsTypedErrorAndReopeningGoesOn) {
 }
 
 TEST_P(LinkFault, IsNotNoticedByAnApplicationThatLetsTheDriverResume) {
-  if (GetParam().met == Met::kMemoryFault || GetParam().name == "kill") GTEST_SKIP() << "the link can't mend that";
+  if (GetParam().met == Interaction::kMemoryFault || GetParam().name == "kill")
+    GTEST_SKIP() << "the link can't mend that";
   start(0);
   std::optional<Board> board(open(0));
   prepare(*board);
@@ -137,21 +138,22 @@ TEST_P(LinkFault, IsNotNoticedByAnApplicationThatLetsTheDriverResume) {
 
 INSTANTIATE_TEST_SUITE_P(
     EveryKind, LinkFault,
-    testing::Values(Case{"drop_down", "direction: down kind: drop", Met::kCorruptedOrTimedOut},
-                    Case{"drop_up", "direction: up kind: drop", Met::kCorruptedOrTimedOut},
-                    Case{"delay_down", "direction: down kind: delay delay_ms: 30", Met::kNothing},
-                    Case{"delay_up", "direction: up kind: delay delay_ms: 30", Met::kNothing},
-                    Case{"corrupt_down", "direction: down kind: corrupt bit: 99", Met::kCorrupted},
-                    Case{"corrupt_up", "direction: up kind: corrupt bit: 99", Met::kCorrupted},
-                    Case{"duplicate_down", "direction: down kind: duplicate", Met::kNothing},
-                    Case{"duplicate_up", "direction: up kind: duplicate", Met::kNothing},
-                    Case{"hang_down", "direction: down kind: hang", Met::kTimedOut},
-                    Case{"hang_up", "direction: up kind: hang", Met::kTimedOut},
-                    Case{"link_loss_down", "direction: down kind: link_loss", Met::kClosed},
-                    Case{"link_loss_up", "direction: up kind: link_loss", Met::kClosed},
-                    Case{"kill", "direction: down kind: kill", Met::kClosed},
-                    Case{"slow", "direction: up kind: slow bytes_per_second: 100000 messages: 3", Met::kNothing},
-                    Case{"memory_detected", "direction: down kind: memory_detected", Met::kMemoryFault}),
+    testing::Values(Case{"drop_down", "direction: down kind: drop", Interaction::kCorruptedOrTimedOut},
+                    Case{"drop_up", "direction: up kind: drop", Interaction::kCorruptedOrTimedOut},
+                    Case{"delay_down", "direction: down kind: delay delay_ms: 30", Interaction::kNothing},
+                    Case{"delay_up", "direction: up kind: delay delay_ms: 30", Interaction::kNothing},
+                    Case{"corrupt_down", "direction: down kind: corrupt bit: 99", Interaction::kCorrupted},
+                    Case{"corrupt_up", "direction: up kind: corrupt bit: 99", Interaction::kCorrupted},
+                    Case{"duplicate_down", "direction: down kind: duplicate", Interaction::kNothing},
+                    Case{"duplicate_up", "direction: up kind: duplicate", Interaction::kNothing},
+                    Case{"hang_down", "direction: down kind: hang", Interaction::kTimedOut},
+                    Case{"hang_up", "direction: up kind: hang", Interaction::kTimedOut},
+                    Case{"link_loss_down", "direction: down kind: link_loss", Interaction::kClosed},
+                    Case{"link_loss_up", "direction: up kind: link_loss", Interaction::kClosed},
+                    Case{"kill", "direction: down kind: kill", Interaction::kClosed},
+                    Case{"slow", "direction: up kind: slow bytes_per_second: 100000 messages: 3",
+                         Interaction::kNothing},
+                    Case{"memory_detected", "direction: down kind: memory_detected", Interaction::kMemoryFault}),
     [](const testing::TestParamInfo<Case>& each) { return each.param.name; });
 
 }  // namespace

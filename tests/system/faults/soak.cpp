@@ -14,8 +14,8 @@
 #include <stdexcept>
 
 #include "board_process.h"
-#include "server/faults/fault_plan.h"
 #include "good_client.h"
+#include "server/faults/fault_plan.h"
 #include "temporary_directory.h"
 
 namespace gicube::system_test {

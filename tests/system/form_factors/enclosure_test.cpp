@@ -7,9 +7,9 @@
 #include <iostream>
 #include <numbers>
 
-#include "scene/program/input_error.h"
-#include "form_factors/radiosity/radiosity.h"
 #include "form_factors/plan/study.h"
+#include "form_factors/radiosity/radiosity.h"
+#include "scene/program/input_error.h"
 #include "test_board.h"
 #include "test_room.h"
 
@@ -188,7 +188,7 @@ TEST(Radiosity, IsTheSameBitsWhoeverMakesTheRays) {
 }
 
 TEST(Radiosity, StandardErrorsAreOfTheSizeOfTheErrors) {
-  const RadiositySettings settings{.rays = 8, .most_rays = 8, .hierarchy = false, .balance = false};
+  const RadiositySettings settings{.rays = 8, .max_rays = 8, .hierarchy = false, .balance = false};
   auto other = settings;
   other.seed = 1;
   const auto a = solve(furnished(6, 0.1), kCeilingLamp, settings), b = solve(furnished(6, 0.1), kCeilingLamp, other);

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <string>
 
-#include "scene/program/input_error.h"
 #include "form_factors/exchange/box_factor.h"
+#include "scene/program/input_error.h"
 #include "test_board.h"
 
 namespace gicube::samples {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "gicube/wire/voxel.h"
 #include "encode/volume/samples.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube {
 

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "gicube/wire/lut.h"
 #include "encode/volume/voxel_blocks.h"
+#include "gicube/wire/lut.h"
 
 namespace gicube {
 

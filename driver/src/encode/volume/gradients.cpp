@@ -13,7 +13,7 @@ namespace gicube {
 namespace {
 
 // Density units a voxel edge. chosen: well below a 12-bit density's own rounding, so that no visible slope is lost.
-constexpr double kLeastMagnitude = 1.0 / 8;
+constexpr double kMinMagnitude = 1.0 / 8;
 constexpr double kSobelWeight = 32;  // (1 + 2 + 1)^2 differences over two voxels each
 
 // The filter of one row after another, separably: along z while a row is read, then y, then x. Integers stay exact:
@@ -99,7 +99,7 @@ void sobel_slab(Samples<T> samples, Dims dims, Vec3 scale, const GradientCodeboo
       std::uint16_t* out = codes + (static_cast<std::size_t>(z) * ny + static_cast<std::size_t>(y)) * nx;
       for (std::size_t x = 0; x < nx; ++x) {
         const Vec3 gradient{scale.x * gx[x], scale.y * gy[x], scale.z * gz[x]};
-        const bool flat = dot(gradient, gradient) < kLeastMagnitude * kLeastMagnitude;
+        const bool flat = dot(gradient, gradient) < kMinMagnitude * kMinMagnitude;
         out[x] = flat ? wire::kNoGradient : codebook.nearest(gradient);
       }
     });

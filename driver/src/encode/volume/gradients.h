@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "gicube/volume.h"
 #include "encode/volume/gradient_codebook.h"
+#include "gicube/volume.h"
 
 namespace gicube {
 

@@ -45,13 +45,13 @@ std::vector<wire::SegmentationEntry> segmentation_entries(const TransferFunction
 }
 
 void set_gains(std::vector<wire::SegmentationEntry>& entries, double scattering) {
-  constexpr double kMost = 65535;
+  constexpr double kMax = 65535;
   for (wire::SegmentationEntry& entry : entries) {
     const double kept = entry.opacity / double{wire::kClassifiedOpacityOne} * (1 - scattering);
-    const double gain = kept > 0 ? (1 << wire::kGainFractionBits) / kept : kMost;
+    const double gain = kept > 0 ? (1 << wire::kGainFractionBits) / kept : kMax;
     entry.ambient = 0;
     entry.specular = wire::kShadeOne;
-    entry.set_gain(static_cast<std::uint32_t>(std::lround(std::min(gain, kMost))));
+    entry.set_gain(static_cast<std::uint32_t>(std::lround(std::min(gain, kMax))));
   }
 }
 

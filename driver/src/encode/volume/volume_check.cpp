@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 
-#include "gicube/wire/registers.h"
-#include "gicube/wire/voxel.h"
 #include "encode/argument.h"
 #include "encode/volume/samples.h"
+#include "gicube/wire/registers.h"
+#include "gicube/wire/voxel.h"
 
 namespace gicube {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "encode/volume/samples.h"
 #include "gicube/error.h"
 #include "gicube/wire/voxel.h"
-#include "encode/volume/samples.h"
 
 namespace gicube {
 namespace {

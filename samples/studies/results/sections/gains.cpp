@@ -25,7 +25,7 @@ std::string triple(const Spread& gain) {
 }
 
 // Scene and view of the greatest of values in the order of Bench::all().
-std::string most_of(const Bench& bench, const std::vector<double>& values) {
+std::string max_of(const Bench& bench, const std::vector<double>& values) {
   const auto at = std::max_element(values.begin(), values.end()) - values.begin();
   const Run run = bench.all()[static_cast<std::size_t>(at)];
   return name_of(run.scene) + ", " + name_of(run.view);
@@ -67,7 +67,7 @@ void gains_section(Bench& bench) {
               fmt::format("gains are the scenes': leaping gives nothing where no block is empty (cloud, rock) and most "
                           "in {}; termination gives nothing in the cloud "
                           "and most in {}, all of which is opaque",
-                          most_of(bench, leaps), most_of(bench, ends))});
+                          max_of(bench, leaps), max_of(bench, ends))});
   page.claim(
       {20, "VolumePro's 301 M samples/s at 100 MHz, beaten through leaping and termination (5.1)",
        "231 M taken, more than 301 M worth",

@@ -9,7 +9,7 @@ namespace gicube::samples::results {
 namespace {
 
 constexpr int kProcessors[] = {1, 2, 4, 8, 16};
-constexpr int kMost = 16;
+constexpr int kMax = 16;
 
 struct Machine {
   const char* name;
@@ -54,37 +54,37 @@ std::vector<double> speed_ups(Bench& bench, const Machine& machine, int processo
   return ups;
 }
 
-double mean_speed_up(Bench& bench, Kind kind) { return spread_of(speed_ups(bench, machines(bench)[kind], kMost)).mean; }
+double mean_speed_up(Bench& bench, Kind kind) { return spread_of(speed_ups(bench, machines(bench)[kind], kMax)).mean; }
 
-double most_possible(Bench& bench, Kind kind) {
-  return kMost * spread_of(bench.over(on_all(bench, machines(bench)[kind], kMost), work_balance)).mean;
+double max_possible(Bench& bench, Kind kind) {
+  return kMax * spread_of(bench.over(on_all(bench, machines(bench)[kind], kMax), work_balance)).mean;
 }
 
 bool measured(const Bench& bench, const Machine& machine, int processors) {
   const int slabs = bench.design().edge / bench.design().block();
   if (machine.settings.empty() && processors > slabs) return false;  // a slab is at least a block thick
-  return !machine.ends_only || processors == 1 || processors == kMost;
+  return !machine.ends_only || processors == 1 || processors == kMax;
 }
 
 void claim(Bench& bench) {
-  const auto lost = [&](Kind kind) { return lost_cycles(bench, on_all(bench, machines(bench)[kind], kMost)); };
+  const auto lost = [&](Kind kind) { return lost_cycles(bench, on_all(bench, machines(bench)[kind], kMax)); };
   const double plain = mean_speed_up(bench, kSkewed), best = mean_speed_up(bench, kSmallBlocks);
-  bench.page().claim({12, "speed-up at p = 16, 256^3 and 256^2 (5.2, Figure 16)", "within 14% of ideal: at least 13.8",
-                      fmt::format("{:.1f}; {:.1f} with ray differentials; {:.1f} with a DSP 8 times as fast; {:.1f} "
-                                  "with both and wide links; {:.1f} with "
-                                  "blocks of half the edge besides",
-                                  plain, mean_speed_up(bench, kRuns), mean_speed_up(bench, kFastDsp),
-                                  mean_speed_up(bench, kFast), best),
-                      differs(plain, 13.8, 16),
-                      fmt::format("two causes. The DSP makes and takes a ray in 28 of its cycles, which alone takes "
-                                  "most of the frame of 16 processors (cycles "
-                                  "without a sample: {}). And (i+j+k) mod 16 can't be even on an 8 x 8 x 8 grid of "
-                                  "blocks (the paper itself asks that N be a "
-                                  "multiple of p n): where the samples lie bounds the speed-up to {:.1f}. A 16 x 16 x "
-                                  "16 grid, which is even, is bound to {:.1f}; what is "
-                                  "lost then is {}",
-                                  lost(kSkewed), most_possible(bench, kFast), most_possible(bench, kSmallBlocks),
-                                  lost(kSmallBlocks))});
+  bench.page().claim(
+      {12, "speed-up at p = 16, 256^3 and 256^2 (5.2, Figure 16)", "within 14% of ideal: at least 13.8",
+       fmt::format("{:.1f}; {:.1f} with ray differentials; {:.1f} with a DSP 8 times as fast; {:.1f} "
+                   "with both and wide links; {:.1f} with "
+                   "blocks of half the edge besides",
+                   plain, mean_speed_up(bench, kRuns), mean_speed_up(bench, kFastDsp), mean_speed_up(bench, kFast),
+                   best),
+       differs(plain, 13.8, 16),
+       fmt::format("two causes. The DSP makes and takes a ray in 28 of its cycles, which alone takes "
+                   "most of the frame of 16 processors (cycles "
+                   "without a sample: {}). And (i+j+k) mod 16 can't be even on an 8 x 8 x 8 grid of "
+                   "blocks (the paper itself asks that N be a "
+                   "multiple of p n): where the samples lie bounds the speed-up to {:.1f}. A 16 x 16 x "
+                   "16 grid, which is even, is bound to {:.1f}; what is "
+                   "lost then is {}",
+                   lost(kSkewed), max_possible(bench, kFast), max_possible(bench, kSmallBlocks), lost(kSmallBlocks))});
 }
 
 }  // namespace

@@ -81,7 +81,7 @@ class ToyProcessor {
       return;
     }
     released.push(now, from.queue);
-    if (is_done) to.state = RayState::kDone;
+    if (is_done) to.state = TokenStatus::kDone;
     (is_done ? done : to.processor == number_ ? returned : out).push(now, to);
   }
 
@@ -140,11 +140,11 @@ class ToyBoard {
   void tick_dsp(Cycle now) {
     if (now % 5 != 0 && up_.can_pop(now)) {
       RayToken token = up_.pop(now);
-      if (token.state == RayState::kDone) {
+      if (token.state == TokenStatus::kDone) {
         ++finished_[token.ray];
         ++done_;
       } else {
-        token.state = RayState::kUnderWay;
+        token.state = TokenStatus::kUnderWay;
         again_.push_back(token);
         ++overflows_;
       }

@@ -16,7 +16,7 @@ RayToken token(std::uint32_t ray, std::uint16_t contribution = 4095) {
 }
 
 TEST(Queues, GiveRaysInTheOrderOfTheirComing) {
-  Queues queues(2, 8, QueuePolicy::kMostRays);
+  Queues queues(2, 8, QueuePolicy::kMaxRays);
   for (const std::uint32_t ray : {5u, 6u, 7u}) queues.write(0, token(ray));
   queues.write(1, token(9));
   EXPECT_EQ(queues.read(0).ray, 5u);
@@ -27,7 +27,7 @@ TEST(Queues, GiveRaysInTheOrderOfTheirComing) {
 }
 
 TEST(Queues, KeepASlotUntilItIsReleased) {
-  Queues queues(1, 2, QueuePolicy::kMostRays);
+  Queues queues(1, 2, QueuePolicy::kMaxRays);
   queues.write(0, token(1));
   EXPECT_TRUE(queues.has_slot(0));
   queues.write(0, token(2));
@@ -44,7 +44,7 @@ TEST(Queues, KeepASlotUntilItIsReleased) {
 }
 
 TEST(Queues, CountRaysOrContributionsAsImportance) {
-  Queues by_rays(1, 8, QueuePolicy::kMostRays), by_contribution(1, 8, QueuePolicy::kMostContribution);
+  Queues by_rays(1, 8, QueuePolicy::kMaxRays), by_contribution(1, 8, QueuePolicy::kMaxContribution);
   for (Queues* queues : {&by_rays, &by_contribution}) {
     queues->write(0, token(1, 100));
     queues->write(0, token(2, 0));  // counts as 1: a queue with a ray is never unimportant
@@ -60,7 +60,7 @@ TEST(Queues, CountRaysOrContributionsAsImportance) {
 
 TEST(Queues, HoldWhatPlainListsHoldUnderRandomUse) {
   constexpr std::uint32_t kQueues = 7, kCapacity = 9;
-  Queues queues(kQueues, kCapacity, QueuePolicy::kMostContribution);
+  Queues queues(kQueues, kCapacity, QueuePolicy::kMaxContribution);
   std::vector<std::deque<RayToken>> lists(kQueues);
   std::mt19937 random(3);
   for (std::uint32_t i = 0; i < 20'000; ++i) {

@@ -87,7 +87,7 @@ TEST(Sorter, SendsARayWithoutSlotToOverflow) {
   EXPECT_EQ(rig.sorter.waiting(0), 2u);
   EXPECT_EQ(rig.sorter.counters().overflows, 2u);
   ASSERT_TRUE(rig.overflow.can_pop(rig.now));
-  EXPECT_EQ(rig.overflow.front().state, RayState::kOverflowed);
+  EXPECT_EQ(rig.overflow.front().state, TokenStatus::kOverflowed);
   EXPECT_EQ(rig.overflowed(), (Rays{2, 3}));
 }
 
@@ -233,8 +233,8 @@ Rays order_of_queues(QueuePolicy policy, bool ideal) {
 
 TEST(Sorter, TakesTheQueueWithMostRaysOrMostContribution) {
   for (const bool ideal : {false, true}) {
-    EXPECT_EQ(order_of_queues(QueuePolicy::kMostRays, ideal), (Rays{0, 1, 2, 103, 104, 205}));
-    EXPECT_EQ(order_of_queues(QueuePolicy::kMostContribution, ideal), (Rays{103, 104, 205, 0, 1, 2}));
+    EXPECT_EQ(order_of_queues(QueuePolicy::kMaxRays, ideal), (Rays{0, 1, 2, 103, 104, 205}));
+    EXPECT_EQ(order_of_queues(QueuePolicy::kMaxContribution, ideal), (Rays{103, 104, 205, 0, 1, 2}));
   }
 }
 

@@ -8,9 +8,9 @@
 #include <thread>
 #include <vector>
 
+#include "fickle_bsdf.h"
 #include "firmware/routines/routine_table.h"
 #include "firmware/routines/time_limit.h"
-#include "fickle_bsdf.h"
 
 namespace gicube::emu {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "bare_board.h"
 #include "config/config.h"
+#include "firmware/host_traps.h"
 #include "firmware/routines.h"
 #include "gicube/wire/trap.h"
-#include "firmware/host_traps.h"
 
 namespace gicube::emu {
 namespace {
@@ -194,7 +194,7 @@ TEST(HostTraps, AreForgottenByTheNextCommandThatMakesRays) {
 TEST(HostTraps, HaveALimit) {
   HostTraps traps;
   traps.begin(true, {});
-  for (std::size_t i = 0; i < HostTraps::kMost; ++i) traps.add({});
+  for (std::size_t i = 0; i < HostTraps::kMax; ++i) traps.add({});
   EXPECT_THROW(traps.add({}), RoutineFault);
 }
 

@@ -9,8 +9,8 @@
 
 #include "bare_board.h"
 #include "config/config.h"
-#include "firmware/routines/routine_table.h"
 #include "fickle_bsdf.h"
+#include "firmware/routines/routine_table.h"
 
 namespace gicube::emu {
 namespace {

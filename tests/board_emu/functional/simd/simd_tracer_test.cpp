@@ -36,7 +36,7 @@ Rays plainly(std::vector<wire::Ray> rays, const Frame& frame) {
   return out;
 }
 
-Rays by_vectors(std::vector<wire::Ray> rays, const Frame& frame, const RayPackets& packets) {
+Rays by_vectors(std::vector<wire::Ray> rays, const Frame& frame, const SimdTracer& packets) {
   Rays out{std::move(rays), {}};
   packets.trace(out.rays, frame, out.counters);
   return out;
@@ -163,7 +163,7 @@ TEST_P(RayPacketsOfRandomScenes, GivesTheBitsOfThePlainWay) {
   Dice dice(GetParam());
   LitScene scene(kSize, dice.one_of({8, 16, 32}));
   draw_field(scene, dice);
-  RayPackets packets(scene.opacity_correction);
+  SimdTracer packets(scene.opacity_correction);
   ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 0, 2));
   const auto rays = draw_rays(dice, dice.one_of({1, 15, 16, 17, 300}), scene.frame);
   const Rays expected = plainly(rays, scene.frame);
@@ -172,11 +172,11 @@ TEST_P(RayPacketsOfRandomScenes, GivesTheBitsOfThePlainWay) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, RayPacketsOfRandomScenes, testing::Range(1u, 401u));
 
-TEST(RayPackets, FollowsTheVolumeAndTheLut) {
+TEST(SimdTracer, FollowsTheVolumeAndTheLut) {
   Dice dice(7);
   LitScene scene(kSize, 16);
   draw_field(scene, dice);
-  RayPackets packets(scene.opacity_correction);
+  SimdTracer packets(scene.opacity_correction);
   ASSERT_TRUE(packets.prepare(1 << 20, scene.frame, 0, 1));
   const auto rays = draw_rays(dice, 200, scene.frame);
   const Rays before = by_vectors(rays, scene.frame, packets);
@@ -193,14 +193,14 @@ TEST(RayPackets, FollowsTheVolumeAndTheLut) {
   expect_equal(by_vectors(rays, scene.frame, packets), plainly(rays, scene.frame));
 }
 
-TEST(RayPackets, FollowTheStepAndTheLutWhereAllSamplesHaveOneLength) {
+TEST(SimdTracer, FollowTheStepAndTheLutWhereAllSamplesHaveOneLength) {
   Dice dice(11);
   LitScene scene(kSize, 16);
   draw_field(scene, dice);
   Frame& frame = scene.frame;
   frame.jitter = frame.segments = frame.integral = frame.colourless = false;
   frame.opacity_threshold = wire::kOpacityOne;
-  RayPackets packets(scene.opacity_correction);
+  SimdTracer packets(scene.opacity_correction);
   const auto rays = draw_rays(dice, 200, frame);
   std::uint64_t lut_writes = 0;
   for (const std::uint32_t spacing : {65'536u, 90'000u}) {
@@ -218,11 +218,11 @@ TEST(RayPackets, FollowTheStepAndTheLutWhereAllSamplesHaveOneLength) {
   }
 }
 
-TEST(RayPackets, AreNotMadeForFewRaysNorForMoreThanGathering) {
+TEST(SimdTracer, AreNotMadeForFewRaysNorForMoreThanGathering) {
   Dice dice(3);
   LitScene scene(kSize, 8);
   draw_field(scene, dice);
-  RayPackets packets(scene.opacity_correction);
+  SimdTracer packets(scene.opacity_correction);
   EXPECT_FALSE(packets.prepare(1, scene.frame, 0, 1));  // a copy of the densities for one ray would be a bad bargain
   EXPECT_TRUE(packets.prepare(scene.volume.stored_blocks(), scene.frame, 0, 1));
   Frame scattered = scene.frame, photons = scene.frame, lights = scene.frame, backprojected = scene.frame;

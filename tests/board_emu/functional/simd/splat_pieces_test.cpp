@@ -42,7 +42,7 @@ TEST(SplatPieces, VectorsLeaveWhatOneSampleAfterTheOtherLeaves) {
   std::mt19937 random(5);
   constexpr std::int32_t kInVectors = (1 << 17) - 1;  // the largest whose products have 32 bits
   for (const std::int32_t amount : {1, -1, 999, -54'321, kInVectors, -kInVectors, kInVectors + 1, -kInVectors - 1,
-                                    wire::kMostAmount, -wire::kMostAmount}) {
+                                    wire::kMaxAmount, -wire::kMaxAmount}) {
     std::vector<Piece> pieces;
     for (int i = 0; i < 20; ++i) pieces.push_back(random_piece(random, amount));
     std::vector<std::int64_t> expected(kWords);

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "bare_board.h"
-#include "server/bus/bus_server.h"
 #include "raw_client.h"
+#include "server/bus/bus_server.h"
 #include "temporary_directory.h"
 
 namespace gicube::emu {

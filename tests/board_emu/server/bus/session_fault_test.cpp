@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/faults/fault_plan.h"
 #include "served_boards.h"
+#include "server/faults/fault_plan.h"
 
 namespace gicube::emu {
 namespace {

@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
+#include "../bus/served_boards.h"
 #include "gicube/v1/management.grpc.pb.h"
 #include "server/management/management.h"
-#include "../bus/served_boards.h"
 
 namespace gicube::emu {
 

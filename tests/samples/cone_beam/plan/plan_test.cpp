@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "cone_beam/phantom/phantom.h"
-#include "cone_beam/plan/plan_views.h"
 #include "../open_board.h"
 #include "../small_scan.h"
+#include "cone_beam/phantom/phantom.h"
+#include "cone_beam/plan/plan_views.h"
 
 namespace gicube::samples {
 namespace {

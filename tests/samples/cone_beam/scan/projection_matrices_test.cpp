@@ -9,8 +9,8 @@
 #include <fstream>
 #include <numbers>
 
-#include "scene/formats/file_error.h"
 #include "cone_beam/scan/stack.h"
+#include "scene/formats/file_error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

@@ -5,10 +5,10 @@
 
 #include <numbers>
 
-#include "scene/formats/file_error.h"
-#include "scene/program/input_error.h"
 #include "cone_beam/scan/stack.h"
 #include "gicube/error.h"
+#include "scene/formats/file_error.h"
+#include "scene/program/input_error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "scene/program/board_run.h"
 #include "form_factors/program/charts.h"
+#include "scene/program/board_run.h"
 
 namespace gicube::samples {
 namespace {

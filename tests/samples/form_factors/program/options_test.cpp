@@ -81,7 +81,7 @@ TEST(FormFactorOptions, OfASolutionSetItsMethodAndItsFiles) {
   EXPECT_EQ(options.input.volume_size, 40);
   EXPECT_EQ(options.settings.error, 1e-3);
   EXPECT_EQ(options.settings.rays, 32);
-  EXPECT_EQ(options.settings.most_rays, 4096);
+  EXPECT_EQ(options.settings.max_rays, 4096);
   EXPECT_EQ(options.settings.step, 0.5);
   EXPECT_EQ(options.settings.solid_opacity, 0.8);
   EXPECT_EQ(options.settings.solver, Solver::kShooting);
@@ -89,7 +89,7 @@ TEST(FormFactorOptions, OfASolutionSetItsMethodAndItsFiles) {
   EXPECT_FALSE(options.settings.hierarchy);
   EXPECT_EQ(options.settings.leaf_voxels, 2);
   EXPECT_EQ(options.settings.convergence, 1e-6);
-  EXPECT_EQ(options.settings.most_iterations, 50);
+  EXPECT_EQ(options.settings.max_iterations, 50);
   EXPECT_EQ(options.settings.seed, 7u);
   ASSERT_EQ(options.emissions.size(), 2u);
   EXPECT_EQ(options.emissions[0].tag, 2);

@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/light_field.h"
 #include "scene/formats/volume_file.h"
+#include "scene/light_field.h"
 #include "written_files.h"
 
 namespace gicube::samples {

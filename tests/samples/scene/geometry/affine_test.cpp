@@ -32,14 +32,14 @@ TEST(Affine, IsUndoneByItsInverse) {
 }
 
 TEST(Affine, KnowsTheLeastGrowthOfAllDirections) {
-  EXPECT_NEAR(least_stretch(scaling({3, 0.25, 7})), 0.25, 1e-12);
-  EXPECT_NEAR(least_stretch(rotation({1, 2, 3}, 40)), 1, 1e-12);
+  EXPECT_NEAR(min_stretch(scaling({3, 0.25, 7})), 0.25, 1e-12);
+  EXPECT_NEAR(min_stretch(rotation({1, 2, 3}, 40)), 1, 1e-12);
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 20; ++i) {
     Affine map;
     for (Vec3& row : map.rows) row = {normal(random), normal(random), normal(random)};
-    const double least = least_stretch(map);
+    const double least = min_stretch(map);
     double seen = 1e9;
     for (int k = 0; k < 5000; ++k) {
       const Vec3 direction = normalise({normal(random), normal(random), normal(random)});
