@@ -1,5 +1,5 @@
-// What the tests of accuracy.md's table "Where methods fail" share: each shows a failure, holds its bound, and checks what
-// the software does about it. docs/studies/stability.md reads them in words.
+// What the tests of docs/studies/stability.md share: each shows a failure, holds its bound, and checks what
+// the software does about it.
 #pragma once
 
 #include <cmath>

@@ -4,7 +4,7 @@
 // latency). A burst is at most `max_burst_dwords` long, and at most `latency_timer_clocks` once somebody else asks.
 // AGP: the card reads host memory in pipelined requests of up to 64 dwords (256 bytes, AGP 2.0's long read), each
 // ceil(n / rate) + 2 clocks of 66 2/3 MHz: half the peak at 16 bytes and 80% at 64 bytes on 2x. What it writes to the
-// host runs as PCI writes at the AGP clock, and so do register accesses (board.md's rule for cards of the year 2000).
+// host runs as PCI writes at the AGP clock, and so do register accesses (docs/reference/hardware.md, host bus).
 #pragma once
 
 #include <algorithm>

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kShadeMax = 1.99;        // 255/128, the largest shade on the board
 constexpr double kSumTolerance = 1e-9;    // 0.99 + 1.0 in doubles
-constexpr double kTerminatorWidth = 0.1;  // chosen: a hard edge at N.L = 0 errs by up to 0.49 there (board.md §2)
+constexpr double kTerminatorWidth = 0.1;  // chosen: a hard edge at N.L = 0 errs by up to 0.49 there
 
 void check_sum(const char* field, double sum) {
   if (sum > kShadeMax + kSumTolerance) throw BadArgument(field, fmt::format("at most {}", kShadeMax), number_text(sum));

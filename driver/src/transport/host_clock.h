@@ -1,5 +1,5 @@
-// The clock of the simulated host (board.md: simulated time). It moves when the host works and when it waits for the
-// board, never with the wall clock.
+// The clock of the simulated host (docs/reference/protocol.md, simulated time). It moves when the host works and when
+// it waits for the board, never with the wall clock.
 #pragma once
 
 #include <atomic>

@@ -205,7 +205,7 @@ TEST(Board, TerminatesEveryRayWithinItsBoundOnBoundariesAndWithTinyComponents) {
     }
   }
   board.trace(rays);
-  // N sqrt(3) / dr + blocks (accuracy.md), for the longest edge.
+  // N sqrt(3) / dr + blocks (docs/studies/stability.md), for the longest edge.
   EXPECT_LE(board.counter("pipeline.samples"), rays.size() * static_cast<std::uint64_t>(33 * 1.74 * 64 + 50));
 }
 

@@ -139,7 +139,7 @@ TEST(OpacityCorrection, GrowsWithOpacityAndWithTheExponent) {
 }
 
 TEST(OpacityCorrection, KeepsTheTransmittanceOfThinFogOver512Steps) {
-  // accuracy.md: 8-bit opacity would lose this fog; 24 bits must keep it.
+  // 8-bit opacity would lose this fog; 24 bits must keep it.
   const OpacityCorrection correct;
   for (const double alpha : {0.0004, 0.002, 0.01}) {
     const auto word = static_cast<std::uint16_t>(std::lround(alpha * 65535));

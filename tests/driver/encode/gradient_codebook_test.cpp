@@ -65,7 +65,8 @@ TEST(GradientCodebook, TheDefaultHas2038UnitDirections) {
   }
 }
 
-// The figures of board.md §2, over a Fibonacci sphere: an even cover, so the mean is the mean over all directions.
+// The errors that the design expects, over a Fibonacci sphere: an even cover, so the mean is the mean over all
+// directions.
 TEST(GradientCodebook, TheDefaultsErrorsAreThoseOfTheDesign) {
   const GradientCodebook codebook = GradientCodebook::latitude_rings();
   constexpr int count = 400'000;

@@ -18,7 +18,7 @@ class GradientCodebook {
  public:
   GradientCodebook() : GradientCodebook(latitude_rings()) {}
 
-  // The default: 40 latitude rings with 2,038 codes (board.md §2).
+  // The default: 40 latitude rings with 2,038 codes (docs/reference/hardware.md).
   static GradientCodebook latitude_rings();
 
   // At most 2048 directions; [0] is the zero vector and the others are unit vectors to 1e-3. Throws BadArgument naming

@@ -11,7 +11,7 @@
 namespace gicube::samples {
 namespace {
 
-// The shared design's table (docs/studies/accuracy.md), to its last digit.
+// Published values of these pairs, to their last digit; docs/guide/form_factors.md has the larger table.
 TEST(ClosedForms, AreThoseOfTheTable) {
   EXPECT_NEAR(parallel_squares(0), 0.199825, 5e-7);
   EXPECT_NEAR(perpendicular_squares(), 0.200044, 5e-7);
