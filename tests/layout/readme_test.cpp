@@ -29,7 +29,7 @@ TEST(Readme, AndTheDocumentsLinkOnlyToWhatExists) {
   const std::regex link(R"(\]\(([^)#:]+)\))");
   std::size_t links = 0;
   std::vector<std::filesystem::path> documents{kSource / "README.md", kSource / "proto/gicube/wire/README.md"};
-  for (const auto& entry : std::filesystem::directory_iterator(kSource / "docs")) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(kSource / "docs")) {
     if (entry.path().extension() == ".md") documents.push_back(entry.path());
   }
   for (const auto& document : documents) {

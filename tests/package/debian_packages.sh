@@ -28,7 +28,7 @@ dpkg-deb -x "$dev" "$scratch/root"
 unset GICUBE_BOARD
 export PATH=/usr/local/bin:/usr/bin:/bin PKG_CONFIG_PATH=$scratch/root/usr/lib/pkgconfig
 # shellcheck disable=SC2046
-c++ -std=c++20 "$source/samples/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
+c++ -std=c++20 "$source/samples/small/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
 LD_LIBRARY_PATH=$scratch/root/usr/lib "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
 
 echo "Debian packages: all is well"

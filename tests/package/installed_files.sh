@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the build into a scratch prefix and uses it as an outside project does: examples/ by find_package, their tests,
+# Installs the build into a scratch prefix and uses it as an outside project does: samples/installed by find_package, their tests,
 # a program by pkg-config, the board found beside the library.
 # Usage: installed_files.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
@@ -19,7 +19,7 @@ mv "$scratch/prefix" "$prefix"
 
 for program in board cone-beam form-factors render replay smi; do test -x "$prefix/bin/gicube-$program"; done
 
-cmake -S "$source/examples" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \
+cmake -S "$source/samples/installed" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" -DCMAKE_C_FLAGS="-Wall -Wextra -Werror"
 grep -q "^gicube_DIR:PATH=$prefix/" "$scratch/build/CMakeCache.txt"
 cmake --build "$scratch/build"
@@ -50,11 +50,11 @@ export PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$prefix/lib64/pkgconfig:$prefix/lib
 [[ $(pkg-config --modversion gicube) == "$(sed -nE 's/^project\(gicube VERSION ([0-9.]+).*/\1/p' "$source/CMakeLists.txt")" ]]
 libraries=$(pkg-config --variable=libdir gicube)
 # shellcheck disable=SC2046
-c++ -std=c++20 "$source/samples/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
+c++ -std=c++20 "$source/samples/small/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
 LD_LIBRARY_PATH=$libraries "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
 
 # And the C program, by a C compiler that knows nothing of C++.
-cc -std=c99 -Wall -Wextra -Wpedantic -Werror "$source/examples/c_host/c_host.c" $(pkg-config --cflags --libs gicube) \
+cc -std=c99 -Wall -Wextra -Wpedantic -Werror "$source/samples/installed/c_host/c_host.c" $(pkg-config --cflags --libs gicube) \
   -o "$scratch/c_host"
 LD_LIBRARY_PATH=$libraries "$scratch/c_host" | grep -E '^rays: 50 of 100 met the cube'
 

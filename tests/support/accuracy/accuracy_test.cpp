@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "measure.h"
-#include "reference/ray_step.h"
+#include "reference/march.h"
 
 namespace gicube::accuracy {
 namespace {

@@ -1,6 +1,6 @@
 #include "measure.h"
 
-#include "reference/ray_step.h"
+#include "reference/march.h"
 
 namespace gicube::accuracy {
 

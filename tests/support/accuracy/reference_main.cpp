@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "reference/ray_step.h"
+#include "reference/march.h"
 #include "render/options.h"
 #include "scene/image_file.h"
 #include "scenes.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "reference/ray_step.h"
+#include "reference/march.h"
 #include "scene/program/board_run.h"
 
 namespace gicube::plan_study {

@@ -1,4 +1,4 @@
-#include "ray_step.h"
+#include "march.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "compare.h"
-#include "ray_step.h"
+#include "march.h"
 #include "test_scene.h"
 
 namespace gicube::reference {

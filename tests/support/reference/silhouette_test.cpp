@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "ray_step.h"
+#include "march.h"
 #include "test_scene.h"
 
 namespace gicube::reference {

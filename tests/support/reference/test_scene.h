@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "ray_step.h"
+#include "march.h"
 
 namespace gicube::reference {
 
