@@ -61,7 +61,7 @@ const std::vector<Rule>& rules() {
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
       {"driver/src",         {"driver", "proto/gicube/wire"}, {kAnything}},
       {"driver/src/c_api",   {"driver/src/c_api", "driver/include"}, {}},
-      {"driver/src/upload",  {"driver/src/upload", "driver/include", "proto/gicube/wire"}, {"fmt"}},
+      {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/wire"}, {"fmt"}},
 
       // Siblings on a ray's way do not know each other; the files at the board's root know the map.
       {"board_emu/sim",      {"board_emu/sim", "proto"}, {}},
@@ -108,12 +108,12 @@ const std::vector<Rule>& rules() {
                               "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h"}, {kAnything}},
       // Speaks the bus below the driver's public headers.
       {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire"}, {kAnything}},
-      {"samples/studies/results",    {"samples/studies/results", "samples/scene", "driver/include"}, {kAnything}},
+      {"samples/studies",    {"samples/studies", "samples/scene", "driver/include"}, {kAnything}},
       // Outside applications, which know the installed headers only; C too.
-      {"examples",           {"examples", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
+      {"samples/installed",  {"samples/installed", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
       // The methods know neither files nor the program.
-      {"samples/cone_beam",  {"samples/cone_beam/*", "driver/include"}, {"fmt", "fftw3.h"}},
-      {"samples/cone_beam/charts", {"samples/cone_beam/charts", "samples/cone_beam/*", "samples/scene", "driver/include"},
+      {"samples/cone_beam",  {"samples/cone_beam/*", "samples/cone_beam/phantom", "samples/cone_beam/plan", "driver/include"}, {"fmt", "fftw3.h"}},
+      {"samples/cone_beam/charts", {"samples/cone_beam/charts", "samples/cone_beam/phantom", "samples/cone_beam/*", "samples/scene", "driver/include"},
                              {"fmt"}},
       {"samples/cone_beam/scan", {"samples/cone_beam/scan", "samples/cone_beam/*", "samples/scene", "driver/include",
                               "proto/gicube/v1/cone_scan.pb.h"},
