@@ -53,7 +53,7 @@ double bus_ms(const Counters& counters);
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
 // does not model is null. lighting: null without lighting rays, else passes, each with channel, reused, pass_ms, the energy
 // report in units of the lights' power, and its own counters. plan: null without one; its `light` has
-// that of each pass. host: of common/host_usage.h.
+// that of each pass. host: of program/host_usage.h.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 
 // Throws InputError if the file can't be written.

@@ -54,7 +54,7 @@ void add_options(CLI::App& app, SweepOptions& options, Texts& texts) {
   app.add_option("--jobs", options.jobs, "runs at once; 0 = one a core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  app.add_flag("--chart", options.chart, "draw NAME.svg and NAME.png by gnuplot");
+  app.add_flag("--chart", options.chart, "draw NAME.svg by gnuplot");
   app.add_flag("--quiet", options.quiet, "only errors");
 }
 

@@ -15,7 +15,7 @@ using Told = std::function<void(std::size_t done, std::size_t all)>;
 // Throws RunFailed, FileError, InputError (a figure that a run does not have).
 Table sweep(const SweepOptions& options, const std::filesystem::path& program, const Told& told);
 
-// Of the options' folder and name: CSV, JSON, the gnuplot script, and with `chart` its pictures. Throws FileError; RunFailed if
+// Of the options' folder and name: CSV, JSON, the gnuplot script, and with `chart` its picture. Throws FileError; RunFailed if
 // gnuplot fails.
 void write_files(const SweepOptions& options, const Table& table);
 

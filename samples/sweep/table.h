@@ -33,7 +33,7 @@ void mark_front(std::vector<Row>& rows);
 std::string csv(const Table& table);
 // The same, and the front by itself.
 std::string json(const Table& table);
-// A gnuplot script that draws NAME.csv beside it as NAME.svg and NAME.png.
+// A gnuplot script that draws NAME.csv beside it as NAME.svg.
 std::string chart(const Table& table, const std::string& name, const std::string& title);
 
 // Throws FileError.

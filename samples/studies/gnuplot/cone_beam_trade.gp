@@ -14,16 +14,14 @@ table(pattern) = sprintf("< grep '%s' cone_beam_trade.csv", pattern)
 $foreign << EOD
 23,0.17
 EOD
-do for [format in "svg png"] {
-  if (format eq "svg") { set terminal svg size 900,560 background 'white' } else { set terminal pngcairo size 900,560 }
-  set output 'cone_beam_trade.' . format
-  plot table('^"cone_beam_trade/views:[0-9]*/rays:1/half_steps:2/window:0') using cpu:error with linespoints lw 2 pt 7 \
-      title "board's rays, defaults: 90, 180, 360 views", \
-    table('^"cone_beam_trade/views:360/rays:1/half_steps:2/window:1') using cpu:error with points pt 5 ps 1.3 title "360 views, Shepp-Logan window", \
-    table('^"cone_beam_trade/views:360/rays:1/half_steps:4') using cpu:error with points pt 9 ps 1.3 title "360 views, steps of 2 voxels", \
-    table('^"cone_beam_trade/views:360/rays:1/half_steps:1') using cpu:error with points pt 11 ps 1.3 title "360 views, steps of 1/2 voxel", \
-    table('^"cone_beam_trade/views:360/rays:2') using cpu:error with points pt 13 ps 1.3 title "360 views, 2 x 2 rays a pixel", \
-    table('^"cone_beam_trade_reference') using cpu:error with linespoints lw 2 pt 6 \
-      title "double precision, voxel by voxel: 90, 180, 360 views", \
-    $foreign using 1:2 with points pt 3 ps 2 lw 2 title "plastimatch, nearest neighbours, 360 views (as its user measured it)"
-}
+set terminal svg size 900,560 background 'white'
+set output 'cone_beam_trade.svg'
+plot table('^"cone_beam_trade/views:[0-9]*/rays:1/half_steps:2/window:0') using cpu:error with linespoints lw 2 pt 7 \
+    title "board's rays, defaults: 90, 180, 360 views", \
+  table('^"cone_beam_trade/views:360/rays:1/half_steps:2/window:1') using cpu:error with points pt 5 ps 1.3 title "360 views, Shepp-Logan window", \
+  table('^"cone_beam_trade/views:360/rays:1/half_steps:4') using cpu:error with points pt 9 ps 1.3 title "360 views, steps of 2 voxels", \
+  table('^"cone_beam_trade/views:360/rays:1/half_steps:1') using cpu:error with points pt 11 ps 1.3 title "360 views, steps of 1/2 voxel", \
+  table('^"cone_beam_trade/views:360/rays:2') using cpu:error with points pt 13 ps 1.3 title "360 views, 2 x 2 rays a pixel", \
+  table('^"cone_beam_trade_reference') using cpu:error with linespoints lw 2 pt 6 \
+    title "double precision, voxel by voxel: 90, 180, 360 views", \
+  $foreign using 1:2 with points pt 3 ps 2 lw 2 title "plastimatch, nearest neighbours, 360 views (as its user measured it)"

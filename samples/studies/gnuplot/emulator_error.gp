@@ -15,12 +15,10 @@ floor = 1e-4
 error(text) = strlen(text) > 0 ? real(text) : floor  # a reference has none
 set xrange [0.01:5]
 set yrange [floor / 2:1]
-do for [format in "svg png"] {
-  if (format eq "svg") { set terminal svg size 900,560 background 'white' } else { set terminal pngcairo size 900,560 }
-  set output 'emulator_error.' . format
-  plot for [level in "functional approximate cycle"] for [p in "1 4 16"] 'emulator.csv' skip 1 \
-    using (strcol(fidelity) eq level && strcol(processors) eq p ? $1 : NaN):(level eq "cycle" ? floor : error(strcol(2)) < floor ? floor : error(strcol(2))) \
-    with points pt (p eq "1" ? 7 : p eq "4" ? 5 : 9) \
-    lc rgb (level eq "cycle" ? "#404040" : level eq "functional" ? "#0060ad" : "#c04000") \
-    title sprintf("%s, p = %s", level, p)
-}
+set terminal svg size 900,560 background 'white'
+set output 'emulator_error.svg'
+plot for [level in "functional approximate cycle"] for [p in "1 4 16"] 'emulator.csv' skip 1 \
+  using (strcol(fidelity) eq level && strcol(processors) eq p ? $1 : NaN):(level eq "cycle" ? floor : error(strcol(2)) < floor ? floor : error(strcol(2))) \
+  with points pt (p eq "1" ? 7 : p eq "4" ? 5 : 9) \
+  lc rgb (level eq "cycle" ? "#404040" : level eq "functional" ? "#0060ad" : "#c04000") \
+  title sprintf("%s, p = %s", level, p)

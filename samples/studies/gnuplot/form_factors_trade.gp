@@ -11,13 +11,11 @@ do for [time in "board bus"] {
   column = time eq "board" ? 6 : 7
   set title sprintf("Random voxel pairs: error by %s time of a pair", time eq "board" ? "simulated" : "the bus's")
   set xlabel "simulated microseconds a pair"
-  do for [format in "svg png"] {
-    if (format eq "svg") { set terminal svg size 800,480 background 'white' } else { set terminal pngcairo size 800,480 }
-    set output sprintf("form_factors_trade_%s.%s", time, format)
-    plot for [bus in "pci33 agp2x"] for [made in "host board"] 'form_factors_trade.csv' \
-      using (row(bus, made, column(column) / column(4) * 1000)):5 with linespoints lw 2 \
-      title sprintf("%s, rays made by the %s", bus, made eq "host" ? "host" : "DSP"), \
-      sprintf("< awk -F, 'NR > 1 && $%d == 1' form_factors_front.csv | sort -t, -g -k%d,%d", column - 1, column - 3, column - 3) \
-      using (column(column - 3) * 1000):2 with lines lw 4 dt 3 lc rgb "#c04000" title "Pareto front"
-  }
+  set terminal svg size 800,480 background 'white'
+  set output sprintf("form_factors_trade_%s.svg", time)
+  plot for [bus in "pci33 agp2x"] for [made in "host board"] 'form_factors_trade.csv' \
+    using (row(bus, made, column(column) / column(4) * 1000)):5 with linespoints lw 2 \
+    title sprintf("%s, rays made by the %s", bus, made eq "host" ? "host" : "DSP"), \
+    sprintf("< awk -F, 'NR > 1 && $%d == 1' form_factors_front.csv | sort -t, -g -k%d,%d", column - 1, column - 3, column - 3) \
+    using (column(column - 3) * 1000):2 with lines lw 4 dt 3 lc rgb "#c04000" title "Pareto front"
 }

@@ -17,12 +17,10 @@ level = column_of("level-of-detail")
 bits = column_of("asic.datapath")
 is(s, j, l, b) = strcol(step) eq s && strcol(jitter) eq j && strcol(level) eq l && strcol(bits) eq b
 mark(l, b) = l eq "1" ? 5 : b eq "wide" ? 9 : 7  # filled; one less is hollow
-do for [format in "svg png"] {
-  if (format eq "svg") { set terminal svg size 1000,640 background 'white' } else { set terminal pngcairo size 1000,640 }
-  set output 'rendering_error.' . format
-  plot for [i = 1:words(steps)] for [j in "off on"] for [l in "0 1"] for [b in "paper wide"] 'rendering.csv' skip 1 \
-      using (is(word(steps, i), j, l, b) ? $1 : NaN):2 with points pt mark(l, b) - (j eq "on") ps 0.9 lc i \
-      title (j eq "off" ? sprintf("step %s, level %s, %s", word(steps, i), l, b) : ""), \
-    "< awk -F, 'NR > 1 && $3 == 1' rendering.csv | sort -t, -g -k1,1" using 1:2 with lines lw 2 lc rgb "#c04000" \
-      title "Pareto front"
-}
+set terminal svg size 1000,640 background 'white'
+set output 'rendering_error.svg'
+plot for [i = 1:words(steps)] for [j in "off on"] for [l in "0 1"] for [b in "paper wide"] 'rendering.csv' skip 1 \
+    using (is(word(steps, i), j, l, b) ? $1 : NaN):2 with points pt mark(l, b) - (j eq "on") ps 0.9 lc i \
+    title (j eq "off" ? sprintf("step %s, level %s, %s", word(steps, i), l, b) : ""), \
+  "< awk -F, 'NR > 1 && $3 == 1' rendering.csv | sort -t, -g -k1,1" using 1:2 with lines lw 2 lc rgb "#c04000" \
+    title "Pareto front"

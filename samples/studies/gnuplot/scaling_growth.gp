@@ -30,21 +30,19 @@ do for [i = 1:4] {
     fit line(x) of(level) using (log(number(strcol(at)))):(log(column(m))) via a, b
     a_memory = a_memory . sprintf(" %.2f", b)
   }
-  do for [format in "svg png"] {
-    if (format eq "svg") { set terminal svg size 1100,460 background 'white' } else { set terminal pngcairo size 1100,460 }
-    set output sprintf("scaling_%s.%s", word(what, i), format)
-    set xlabel word(name, i)
-    set multiplot layout 1, 2
-    set title "host seconds (exponents fitted)"
-    set ylabel "s"
-    plot for [k = 1:3] of(word("functional approximate cycle", k)) using (number(strcol(at))):1 with linespoints pt 7 \
-      lc rgb colour(word("functional approximate cycle", k)) \
-      title sprintf("%s: %s", word("functional approximate cycle", k), word(a_seconds, k))
-    set title "peak memory of the board's process (exponents fitted)"
-    set ylabel "MiB"
-    plot for [k = 1:3] of(word("functional approximate cycle", k)) using (number(strcol(at))):m with linespoints pt 7 \
-      lc rgb colour(word("functional approximate cycle", k)) \
-      title sprintf("%s: %s", word("functional approximate cycle", k), word(a_memory, k))
-    unset multiplot
-  }
+  set terminal svg size 1100,460 background 'white'
+  set output sprintf("scaling_%s.svg", word(what, i))
+  set xlabel word(name, i)
+  set multiplot layout 1, 2
+  set title "host seconds (exponents fitted)"
+  set ylabel "s"
+  plot for [k = 1:3] of(word("functional approximate cycle", k)) using (number(strcol(at))):1 with linespoints pt 7 \
+    lc rgb colour(word("functional approximate cycle", k)) \
+    title sprintf("%s: %s", word("functional approximate cycle", k), word(a_seconds, k))
+  set title "peak memory of the board's process (exponents fitted)"
+  set ylabel "MiB"
+  plot for [k = 1:3] of(word("functional approximate cycle", k)) using (number(strcol(at))):m with linespoints pt 7 \
+    lc rgb colour(word("functional approximate cycle", k)) \
+    title sprintf("%s: %s", word("functional approximate cycle", k), word(a_memory, k))
+  unset multiplot
 }

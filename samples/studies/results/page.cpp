@@ -93,10 +93,8 @@ std::string to_gnuplot(const Chart& chart) {
     plots +=
         fmt::format("{}'{}.csv' using {} title \"{}\" lw 2", i == 0 ? "" : ", ", chart.name, columns, chart.series[i]);
   }
-  text += fmt::format("set terminal svg size 800,480 background 'white'\nset output '{}.svg'\nplot {}\n", chart.name,
-                      plots);
-  text += fmt::format("set terminal pngcairo size 800,480\nset output '{}.png'\nplot {}\n", chart.name, plots);
-  return text;
+  return text + fmt::format("set terminal svg size 800,480 background 'white'\nset output '{}.svg'\nplot {}\n",
+                            chart.name, plots);
 }
 
 void write_text(const std::filesystem::path& path, const std::string& text) {

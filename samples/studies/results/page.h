@@ -63,7 +63,7 @@ std::string to_markdown(const Table& table);
 // Cells with commas or quotes in quotes, as RFC 4180.
 std::string to_csv(const Table& table);
 std::string to_csv(const Chart& chart);
-// Reads NAME.csv and writes NAME.svg and NAME.png in the working folder.
+// Reads NAME.csv and writes NAME.svg in the working folder.
 std::string to_gnuplot(const Chart& chart);
 
 // Throws InputError.

@@ -35,7 +35,7 @@ TEST(ResultPage, ChartLeavesAMissingValueEmpty) {
   EXPECT_THAT(script, HasSubstr("set logscale x"));
   EXPECT_THAT(script, Not(HasSubstr("set logscale y")));
   EXPECT_THAT(script, HasSubstr("set output 'c.svg'"));
-  EXPECT_THAT(script, HasSubstr("set output 'c.png'"));
+  EXPECT_THAT(script, Not(HasSubstr("png")));
   EXPECT_THAT(script, HasSubstr("using 1:3"));
 }
 
