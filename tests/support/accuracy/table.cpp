@@ -60,19 +60,19 @@ std::string markdown(const std::vector<Row>& rows) {
 
 Made by `gicube-accuracy --output docs/studies/accuracy.md`; not edited by hand.
 
-The board's fixed-point pictures against the double-precision reference (`tests/support/reference`): the same scene,
-step and sampling, jitter off, nothing quantised. PSNR with peak 1 over red, green, blue (premultiplied) and alpha of
-all pixels; empty background counts, so the figure of the covered pixels stands beside it.
+The board's fixed-point pictures, compared with the double-precision reference (`tests/support/reference`): the same scene,
+step and sampling, without jitter and without quantisation. PSNR has peak 1 and includes red, green, blue (premultiplied) and alpha of
+all pixels. Empty background counts too, so there is another column for the covered pixels.
 
 )" + scene_table(rows) +
          R"(
-What each quantiser costs by itself: the reference with that quantiser alone against the reference without, PSNR in dB
-and in brackets the largest error. The last line is what the quantisers do not explain.
+The effect of each quantiser by itself: the reference with only that quantiser, compared with the reference without; PSNR in dB,
+and the largest error in brackets. The last line is the difference that the quantisers do not explain.
 
 )" + quantiser_table(rows) +
          R"(
-Two steps in the picture make single pixels' errors large. A ray that grazes a surface meets it or not by the last bit
-of its position. A ray near the opacity threshold ends one sample earlier or later, which is worth up to one less the
+Two discontinuities make the errors of single pixels large. The last bit of its position decides whether a grazing ray hits a
+surface. A ray near the opacity threshold ends one sample earlier or later, which changes up to one minus the
 threshold, 0.02.
 )";
 }
