@@ -9,10 +9,10 @@ namespace {
 
 using reference::BoxVolume;
 using reference::front_view;
+using reference::kSmallBlocks;
 using reference::open_board;
 using reference::step_function;
 
-constexpr const char* kUri = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 constexpr Picoseconds kSecond = 1'000'000'000'000;
 
 std::vector<HostRay> rays(std::uint32_t count) {
@@ -25,7 +25,7 @@ std::vector<HostRay> rays(std::uint32_t count) {
 
 Board loaded_board(const OpenOptions& options = {}) {
   open_board();  // sets where the board's program is
-  Board board = Board::open(kUri, options);
+  Board board = Board::open(kSmallBlocks, options);
   board.load_volume(BoxVolume(32, 8, 23).view());
   board.set_transfer_function(step_function(0.1));
   return board;
@@ -99,7 +99,7 @@ TEST(BackPressure, ThrowsIfItIsAskedToAndNothingIsSent) {
   EXPECT_EQ(board.counters().value("dsp.host_rays"), under_way);
   board.receive(first);
   EXPECT_NO_THROW(board.submit(std::span(sent).first(1)));
-  EXPECT_THROW(Board::open(kUri, {.max_rays = 100}), BadArgument);
+  EXPECT_THROW(Board::open(kSmallBlocks, {.max_rays = 100}), BadArgument);
 }
 
 TEST(Cancel, TakesBackWhatTheDspHasNotBegun) {

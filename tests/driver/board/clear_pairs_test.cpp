@@ -10,9 +10,8 @@ namespace gicube {
 namespace {
 
 using reference::BoxVolume;
+using reference::kSmallBlocks;
 using reference::open_board;
-
-constexpr const char* kUri = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 
 void load(Board& board) {
   const BoxVolume volume(40, 16, 22);  // fills part of the blocks 2 of each axis, and touches those before them
@@ -48,7 +47,7 @@ std::vector<PairFactor> unmarked(std::vector<PairFactor> factors) {
 }
 
 TEST(ClearPairs, AreTheSameBitsAsWithRaysWhoeverMakesThem) {
-  Board board = open_board(kUri);
+  Board board = open_board(kSmallBlocks);
   load(board);
   const Problem given = problem();
   for (const PairRays made : {PairRays::kByBoard, PairRays::kByHost}) {
@@ -67,7 +66,7 @@ TEST(ClearPairs, AreTheSameBitsAsWithRaysWhoeverMakesThem) {
 }
 
 TEST(ClearPairs, CostNeitherRaysNorBytesNorSimulatedTime) {
-  Board board = open_board(kUri);
+  Board board = open_board(kSmallBlocks);
   load(board);
   const Element low{ElementKind::kBox, {1, 1, 1}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   const Element high{ElementKind::kBox, {1, 1, 36}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
@@ -86,7 +85,7 @@ TEST(ClearPairs, CostNeitherRaysNorBytesNorSimulatedTime) {
 }
 
 TEST(ClearPairs, FollowTheFlagsInForceAsTheBoardDoesAndNoneWithoutLeaping) {
-  Board board = open_board(kUri);
+  Board board = open_board(kSmallBlocks);
   load(board);
   const Element low{ElementKind::kBox, {18, 18, 1}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   const Element high{ElementKind::kBox, {18, 18, 36}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
@@ -106,7 +105,7 @@ TEST(ClearPairs, FollowTheFlagsInForceAsTheBoardDoesAndNoneWithoutLeaping) {
 }
 
 TEST(ClearPairs, CountAsDoneInTheProgress) {
-  Board board = open_board(kUri);
+  Board board = open_board(kSmallBlocks);
   load(board);
   const Problem given = problem();
   std::uint32_t done = 0, all = 0;

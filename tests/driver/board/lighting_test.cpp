@@ -13,11 +13,10 @@ namespace {
 
 using reference::BoxVolume;
 using reference::front_view;
+using reference::kSmallBlocks;
 using reference::open_board;
 using reference::step_function;
 using testing::HasSubstr;
-
-constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 
 class Lighting : public ::testing::Test {
  protected:

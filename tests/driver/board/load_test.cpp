@@ -12,12 +12,11 @@ namespace {
 
 using reference::BoxVolume;
 using reference::front_view;
+using reference::kSmallBlocks;
 using reference::open_board;
 using reference::step_function;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
-
-constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 
 int sum(const std::vector<std::uint8_t>& flags) { return std::accumulate(flags.begin(), flags.end(), 0); }
 

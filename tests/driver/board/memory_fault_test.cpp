@@ -12,6 +12,7 @@ namespace {
 
 using reference::BoxVolume;
 using reference::front_view;
+using reference::kSmallBlocks;
 using reference::open_board;
 using reference::step_function;
 using reference::TemporaryDirectory;
@@ -19,8 +20,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 using testing::ThrowsMessage;
-
-constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 
 // A board with 4^3 blocks, of which the box touches the middle ones.
 Board loaded(const std::string& uri) {

@@ -11,12 +11,11 @@ namespace {
 
 using reference::BoxVolume;
 using reference::front_view;
+using reference::kSmallBlocks;
 using reference::open_board;
 using reference::step_function;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
-
-constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 
 // A box of opacity 0.1 a voxel at 8..23 of 32^3: its faces lie half a voxel further out, at 7.5 and 23.5, for the
 // step function falls between the samples.

@@ -10,12 +10,12 @@ namespace gicube {
 namespace {
 
 using reference::front_view;
+using reference::kSmallBlocks;
 using reference::open_board;
 using reference::step_function;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr const char* kUri = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 constexpr Dims kDims{29, 24, 35};
 
 std::vector<std::uint16_t> noise(std::size_t count, unsigned seed) {
@@ -60,7 +60,7 @@ class Regions : public ::testing::Test {
   }
 
   std::vector<std::uint16_t> values_ = noise(at(0, 0, kDims[2]), 1);
-  Board board_ = open_board(kUri);
+  Board board_ = open_board(kSmallBlocks);
 };
 
 TEST_F(Regions, AVolumeReadsBackAsItWasLoaded) {
@@ -77,7 +77,7 @@ TEST_F(Regions, AVolumeReadsBackAsItWasLoaded) {
 
 // Values, gradients of the neighbourhood, copies on shared faces and empty flags: as if the whole had been loaded.
 TEST_F(Regions, AVolumeThatWasChangedIsAsIfItHadBeenLoadedSo) {
-  Board other = open_board(kUri);
+  Board other = open_board(kSmallBlocks);
   other.set_transfer_function(step_function(0.1));
   const std::array<VoxelBox, 5> boxes{{{{0, 0, 0}, {1, 1, 1}},
                                        {{7, 8, 15}, {2, 1, 2}},

@@ -13,10 +13,9 @@ namespace {
 
 using reference::BoxVolume;
 using reference::front_view;
+using reference::kSmallBlocks;
 using reference::open_board;
 using reference::step_function;
-
-constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 
 class Render : public ::testing::Test {
  protected:

@@ -15,11 +15,11 @@
 namespace gicube {
 namespace {
 
+using reference::kSmallBlocks;
 using reference::open_board;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
 constexpr int kSize = 40;
 
 // A ball with a soft edge, 0 outside and 255 inside; radius 10 about the middle, where its value is 128.

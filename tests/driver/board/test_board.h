@@ -9,6 +9,9 @@
 
 namespace gicube::reference {
 
+// Small volumes then have several blocks.
+constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64";
+
 // Opens `uri` with the gicube-board of this build tree.
 Board open_board(const std::string& uri = "emu:");
 
