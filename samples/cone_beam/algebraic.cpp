@@ -27,7 +27,7 @@ void expect(bool holds, const char* name, const char* expected, double got) {
   if (!holds) throw BadArgument(name, expected, fmt::format("{}", got));
 }
 
-void check(const AlgebraicSettings& settings, const ConeGeometry& geometry, const Projections& projections) {
+void check_algebraic(const AlgebraicSettings& settings, const ConeGeometry& geometry, const Projections& projections) {
   check(geometry);
   expect(settings.iterations >= 1, "iterations", "at least 1", settings.iterations);
   if (settings.method == Method::kOsSart) {
@@ -251,7 +251,7 @@ std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettin
 
 Reconstruction reconstruct_algebraic(Board& board, const ConeGeometry& geometry, const Projections& projections,
                                      const AlgebraicSettings& settings, const Progress& progress) {
-  check(settings, geometry, projections);
+  check_algebraic(settings, geometry, projections);
   return Loop(board, geometry, projections, settings).run(progress);
 }
 

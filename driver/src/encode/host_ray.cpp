@@ -20,7 +20,7 @@ constexpr double kLengthOne = 65536;
 constexpr double kMaxLength = wire::kMaxLength / kLengthOne;
 constexpr int kEnergyFractionBits = 12;
 
-std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
+std::array<double, 3> components(Vec3 v) { return {v.x, v.y, v.z}; }
 
 bool is_segment(RayType type) {
   return type == RayType::kSegment || type == RayType::kOpacity || type == RayType::kIntegral ||
@@ -42,7 +42,7 @@ double max_energy(const RaySetup& setup) {
 }
 
 void check_position(Vec3 at, const char* what, std::size_t index, const char* field, Dims dims) {
-  const std::array<double, 3> position = to_array(at);
+  const std::array<double, 3> position = components(at);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double last = dims[axis] - 1;
     if (position[axis] >= 0 && position[axis] <= last) continue;  // the name is made only when it is needed
@@ -51,7 +51,7 @@ void check_position(Vec3 at, const char* what, std::size_t index, const char* fi
 }
 
 void check_direction(const HostRay& ray, std::size_t index) {
-  const std::array<double, 3> direction = to_array(ray.direction);
+  const std::array<double, 3> direction = components(ray.direction);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (std::isfinite(direction[axis])) continue;
     expect_finite(fmt::format("rays[{}].direction.{}", index, kAxisNames[axis]), direction[axis]);
@@ -169,7 +169,7 @@ wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays) {
 }
 
 wire::Ray to_wire(const HostRay& ray, const RaySetup& setup) {
-  const std::array<double, 3> position = to_array(ray.position), direction = to_array(direction_of(ray.direction));
+  const std::array<double, 3> position = components(ray.position), direction = components(direction_of(ray.direction));
   wire::Ray packet;
   packet.set_host_id(ray.id);
   packet.flags = wire::kHostRay;

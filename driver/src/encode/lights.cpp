@@ -15,7 +15,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kSmallest = 1e-12;  // of areas and lengths, smallest voxel edges
 
-std::array<double, 3> to_array(Vec3 v) { return {v.x, v.y, v.z}; }
+std::array<double, 3> coordinates(Vec3 v) { return {v.x, v.y, v.z}; }
 
 Vec3 scaled(Vec3 a, Vec3 by) { return {a.x * by.x, a.y * by.y, a.z * by.z}; }
 
@@ -26,7 +26,7 @@ double smallest_cell(const LitBox& box) {
 
 // From a physical point to the nearest point of the box's surface.
 double distance_to_faces(Vec3 at, const LitBox& box) {
-  const auto p = to_array(at), e = to_array(box.extent);
+  const auto p = coordinates(at), e = coordinates(box.extent);
   double outside = 0, inside = std::numeric_limits<double>::infinity();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double beyond = std::max({-p[axis], p[axis] - e[axis], 0.0});
@@ -197,19 +197,19 @@ wire::IlluminateCommand light_command(const Light& light, const Illumination& se
   command.energy = power_of(light) / unit;
   if (const auto* point = std::get_if<PointLight>(&light)) {
     command.kind = wire::LightKind::kPoint;
-    command.position = to_array(point->position);
+    command.position = coordinates(point->position);
   } else if (const auto* sun = std::get_if<DirectionalLight>(&light)) {
     command.kind = wire::LightKind::kDirectional;
-    command.u = to_array(gicube::unit(sun->towards));
+    command.u = coordinates(gicube::unit(sun->towards));
   } else if (const auto* area = std::get_if<RectangleLight>(&light)) {
     command.kind = wire::LightKind::kRectangle;
-    command.position = to_array(area->corner);
-    command.u = to_array(area->edge_u);
-    command.v = to_array(area->edge_v);
+    command.position = coordinates(area->corner);
+    command.u = coordinates(area->edge_u);
+    command.v = coordinates(area->edge_v);
   } else {
     const auto& sphere = std::get<SphereLight>(light);
     command.kind = wire::LightKind::kSphere;
-    command.position = to_array(sphere.centre);
+    command.position = coordinates(sphere.centre);
     command.u = {sphere.radius, 0, 0};
   }
   return command;

@@ -16,7 +16,7 @@
 namespace gicube {
 namespace {
 
-constexpr double kBestStep =
+constexpr double kBestLightStep =
     0.5;  // voxels, chosen: what longer steps are held against (docs/studies/charts.md, Lighting)
 constexpr double kLongStep = 1;  // chosen: at 2 low albedo leaves light in the wrong places
 constexpr int kFirstRays = 8;    // chosen: so many that pixels which clip are few
@@ -27,7 +27,7 @@ constexpr double kGrowth = 1.5;    // chosen: at least, where that was not enoug
 constexpr int kMaxGrowth = 4;      // chosen: at once, since noise may fall slower, or no more
 constexpr double kNoGain = 0.95;   // chosen: of the bound before; words that round have more to say than rays
 constexpr int kTries = 8;
-constexpr double kTimeMargin = 1.25;  // as of pictures
+constexpr double kLightTimeMargin = 1.25;  // as of pictures
 
 void check_request(const LightPlanRequest& request) {
   for (std::size_t i = 0; i < request.lights.size(); ++i) check(request.lights[i], i);
@@ -44,7 +44,7 @@ void check_request(const LightPlanRequest& request) {
 
 struct Mode {
   Albedo albedo = Albedo::kLow;
-  double step = kBestStep;
+  double step = kBestLightStep;
 
   bool operator==(const Mode&) const = default;
 };
@@ -63,7 +63,7 @@ class LightPlanner {
         progress_(progress),
         keeps_time_(board.info().fidelity != Fidelity::kFunctional),
         best_{request.settings.rules == EnergyRules::kConserving ? Albedo::kLow : request.settings.albedo,
-              std::min(request.settings.step, kBestStep)} {
+              std::min(request.settings.step, kBestLightStep)} {
     view_ = pilot_view(request.view, request.pilot_pixels);
     view_.irradiance = true;
   }
@@ -247,7 +247,7 @@ class LightPlanner {
   }
 
   void choose_within_time() {
-    const auto budget = static_cast<double>(request_.time_budget) / kTimeMargin;
+    const auto budget = static_cast<double>(request_.time_budget) / kLightTimeMargin;
     LightPoint best;
     for (const Pair& pair : firsts_) {
       const double one = static_cast<double>(pair.point.time) / pair.point.rays_per_face_voxel;

@@ -11,7 +11,7 @@
 namespace gicube::smi {
 namespace {
 
-constexpr std::chrono::seconds kWatchdog{5};  // chosen: a healthy board answers within milliseconds
+constexpr std::chrono::seconds kDoctorWatchdog{5};  // chosen: a healthy board answers within milliseconds
 
 // A Unix path may have %XX in it; what is wrong with the rest of a URI the driver says.
 std::string decoded(std::string_view text) {
@@ -36,7 +36,7 @@ bool look_at_place(const std::string& uri, Diagnosis& diagnosis) {
 void try_to_open(const std::string& uri, Diagnosis& diagnosis) {
   const std::string question = "can it be opened?";
   OpenOptions options;
-  options.watchdog = kWatchdog;
+  options.watchdog = kDoctorWatchdog;
   try {
     const Board board = Board::open(uri, options);
     const BoardInfo& info = board.info();

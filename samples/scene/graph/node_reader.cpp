@@ -6,7 +6,7 @@
 namespace gicube::samples {
 namespace {
 
-constexpr int kMaxDepth = 60;  // of nodes within nodes; below the limits of the text parser and of build()
+constexpr int kMaxReadDepth = 60;  // of nodes within nodes; below the limits of the text parser and of build()
 
 bool has_shape(const v1::Node& source) {
   return source.has_sphere() || source.has_box() || source.has_torus() || source.has_cylinder() || source.has_mesh() ||
@@ -44,8 +44,8 @@ Node GraphReader::node(const v1::Node& source, const std::string& place, int dep
   const int contents = contents_of(source) + (source.child_size() > 0 ? 1 : 0);
   faults_.check(contents == 1, field, "children, one shape or one volume", contents == 0 ? "nothing" : "several");
   result.content = content(source, field);
-  if (depth >= kMaxDepth) {
-    faults_.check(source.child_size() == 0, field, fmt::format("at most {} levels", kMaxDepth), "more");
+  if (depth >= kMaxReadDepth) {
+    faults_.check(source.child_size() == 0, field, fmt::format("at most {} levels", kMaxReadDepth), "more");
     return result;
   }
   for (int i = 0; i < source.child_size(); ++i) {
