@@ -1,5 +1,5 @@
 // The documents say what is there: the README's host program is the one that is built, links and anchors lead somewhere, and
-// no document names a file or folder that the tree does not have.
+// no document names a file or folder that the tree does not have. And the tree is as docs/design/architecture.md says.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <regex>
 #include <set>
 #include <string>
@@ -157,6 +158,26 @@ TEST(Sources, CiteOnlyDocumentsThatExist) {
       EXPECT_TRUE(paths().contains(cited)) << path << " cites " << cited;
     }
   }
+}
+
+TEST(Tree, ShowsTheProductAtItsRoot) {
+  std::vector<std::string> folders;
+  std::copy_if(paths().begin(), paths().end(), std::back_inserter(folders), [](const std::string& path) {
+    return path.find('/') == std::string::npos && fs::is_directory(kSource / path);
+  });
+  EXPECT_EQ(folders, (std::vector<std::string>{"board_emu", "docs", "driver", "proto", "samples", "script", "tests"}));
+}
+
+TEST(Tree, HasAtMostTwentyFiveSourceFilesInAFolderOfTheProduct) {
+  const std::set<std::string> extensions{".h", ".cpp", ".c", ".inc", ".proto"};
+  std::map<std::string, int> files;
+  for (const std::string& path : paths()) {
+    const bool product = path.starts_with("board_emu/") || path.starts_with("driver/") || path.starts_with("proto/") ||
+                         path.starts_with("samples/");
+    if (product && extensions.contains(fs::path(path).extension().string())) ++files[fs::path(path).parent_path()];
+  }
+  for (const auto& [folder, count] : files) EXPECT_LE(count, 25) << folder;
+  EXPECT_GT(files.size(), 30u);
 }
 
 }  // namespace
