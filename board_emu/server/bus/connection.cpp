@@ -107,7 +107,7 @@ awaitable<Connection::Incoming> Connection::read_one(std::uint32_t max_payload) 
   co_return incoming;
 }
 
-void Connection::send(FrameHeader header, Payload payload, std::optional<std::uint32_t> flipped_bit) {
+void Connection::send(FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit) {
   if (closing_ || hanging_) return;
   header.size = static_cast<std::uint32_t>(payload->size());
   Outgoing frame;
@@ -115,7 +115,7 @@ void Connection::send(FrameHeader header, Payload payload, std::optional<std::ui
   if (flipped_bit) {
     std::vector<std::uint8_t> damaged = *payload;
     flip_bit(*flipped_bit, frame.header, damaged);
-    payload = std::make_shared<const std::vector<std::uint8_t>>(std::move(damaged));
+    payload = wire::share(std::move(damaged));
   }
   frame.payload = std::move(payload);
   queued_.push_back(std::move(frame));
@@ -148,7 +148,7 @@ void Connection::refuse(const LastWord& word) {
   if (closing_) return;
   FrameHeader header{wire::FrameType::kVersion, wire::kResponse, word.id};
   header.error = word.error;
-  send(header, std::make_shared<const std::vector<std::uint8_t>>(word.text.begin(), word.text.end()));
+  send(header, wire::share({word.text.begin(), word.text.end()}));
   closing_ = true;
   linger_.expires_after(kLinger);
   linger_.async_wait([self = shared_from_this()](const error_code& cancelled) {

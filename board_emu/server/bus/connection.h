@@ -20,11 +20,9 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "gicube/wire/frame.h"
+#include "gicube/wire/reliable_window.h"
 
 namespace gicube::emu {
-
-// The bytes of a frame, shared by those that may have to send it again.
-using Payload = std::shared_ptr<const std::vector<std::uint8_t>>;
 
 // What a client is told before its connection is closed: a frame kVersion | kResponse, which costs no credit, with the id
 // of the frame at fault.
@@ -54,7 +52,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::awaitable<Incoming> read(std::uint32_t max_payload);
 
   // Queues a frame; `size` and `checksum` are set. With `flipped_bit` it is damaged on its way.
-  void send(wire::FrameHeader header, Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
+  void send(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
   // True if nothing waits to be written.
   bool idle() const { return queued_.empty() && !writing_; }
 
@@ -77,7 +75,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
  private:
   struct Outgoing {
     std::array<std::uint8_t, wire::kFrameHeaderBytes> header{};
-    Payload payload;
+    wire::Payload payload;
   };
 
   boost::asio::awaitable<boost::system::error_code> read_exactly(std::span<std::uint8_t> bytes);

@@ -33,12 +33,12 @@ Session::Session(const Connection::Executor& executor, BoardSlot& slot, const Bu
       options_(options),
       token_(token),
       agreed_(agreed),
-      theirs_(theirs),
       realtime_(slot.realtime()),
-      send_credits_(theirs.window_slots, theirs.window_bytes),
-      receive_credits_(options.version.window_slots, options.version.window_bytes),
+      window_(options.version),
       wake_(executor),
-      absence_(executor) {}
+      absence_(executor) {
+  window_.open(theirs);
+}
 
 awaitable<void> Session::run(bool can_resume) {
   const auto self = shared_from_this();
@@ -55,40 +55,23 @@ awaitable<void> Session::run(bool can_resume) {
 
 // Their numbers must fit what is kept here: what they have not taken must still be there.
 std::string Session::resume_fault(const wire::VersionInfo& theirs) const {
-  const std::uint32_t first_kept = kept_.empty() ? sent_ + 1 : kept_.front().header.sequence;
-  const bool fits = wire::sequence_step(first_kept - 1, theirs.consumed) >= 0 &&
-                    wire::sequence_step(theirs.consumed, theirs.taken) >= 0 &&
-                    wire::sequence_step(theirs.taken, sent_) >= 0;
-  if (fits) return {};
-  return fmt::format("expected {} <= consumed <= taken <= {}, got {} and {}", first_kept - 1, sent_, theirs.consumed,
-                     theirs.taken);
+  if (window_.fits(theirs)) return {};
+  return fmt::format("expected {} <= consumed <= taken <= {}, got {} and {}", window_.forgotten(), window_.sent(),
+                     theirs.consumed, theirs.taken);
 }
 
 void Session::attach(Connected connection, std::uint32_t id, const wire::VersionInfo& theirs) {
   if (connection_) connection_->close();  // it has left that one, whether or not we have noticed
   absence_.cancel();
   slot_.set_away(false);
-  while (!kept_.empty() && wire::sequence_step(kept_.front().header.sequence, theirs.consumed) >= 0) {
-    forget_consumed(1);
-  }
-  send_credits_ = wire::SendCredits(theirs_.window_slots - static_cast<std::uint32_t>(kept_.size()),
-                                    theirs_.window_bytes - kept_bytes_);
-  returned_ += receive_credits_.give_back().slots;
-  unreturned_slots_ = 0;
-  unreturned_bytes_ = 0;
   connection_ = std::move(connection);
 
   wire::VersionInfo answer = options_.version;
   answer.session = token_;
-  answer.taken = taken_;
-  answer.consumed = returned_;
-  std::vector<std::uint8_t> payload(wire::kVersionBytes);
-  wire::encode(answer, std::span(payload).first<wire::kVersionBytes>());
-  const FrameHeader header{FrameType::kVersion, wire::kResponse, id};
-  connection_->send(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
-  for (const Kept& kept : kept_) {
-    if (wire::sequence_step(theirs.taken, kept.header.sequence) > 0) connection_->send(kept.header, kept.payload);
-  }
+  window_.announce(answer);
+  connection_->send(FrameHeader{FrameType::kVersion, wire::kResponse, id}, wire::version_payload(answer));
+  window_.resume(
+      theirs, [this](const FrameHeader& header, const wire::Payload& payload) { connection_->send(header, payload); });
   asio::co_spawn(connection_->executor(), read_frames(shared_from_this(), connection_), asio::detached);
   wake_.cancel();
 }
@@ -126,7 +109,7 @@ void Session::fail(ErrorCode error, std::uint32_t id, std::string text) {
 void Session::stop() {
   if (stopped_) return;
   stopped_ = true;
-  work_.cancel = true;
+  progress_.cancel = true;
   absence_.cancel();
   wake_.cancel();
 }

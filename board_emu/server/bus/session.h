@@ -26,8 +26,8 @@
 
 #include "board_slot.h"
 #include "connection.h"
-#include "gicube/wire/credits.h"
 #include "gicube/wire/frame.h"
+#include "gicube/wire/reliable_window.h"
 
 namespace gicube::emu {
 
@@ -72,10 +72,6 @@ class Session : public std::enable_shared_from_this<Session> {
     std::vector<std::uint8_t> payload;
     std::optional<MemoryError> memory_error;  // of the fault plan
   };
-  struct Kept {
-    wire::FrameHeader header;
-    Payload payload;
-  };
   using Connected = std::shared_ptr<Connection>;
 
   static boost::asio::awaitable<void> read_frames(std::shared_ptr<Session> self, Connected connection);
@@ -83,19 +79,18 @@ class Session : public std::enable_shared_from_this<Session> {
   boost::asio::awaitable<bool> take_numbered(const Connected& connection, Connection::Frame frame);
   bool admit(const wire::FrameHeader& header);
   bool take_credit(const wire::FrameHeader& header);
-  void forget_consumed(std::uint32_t slots);
 
   boost::asio::awaitable<void> work();
   bool book_command(const wire::FrameHeader& header);
   void settle_command(std::uint32_t ticket);
   boost::asio::awaitable<TransactionResult> transact(const Frame& frame);
-  boost::asio::awaitable<void> send_outcome(const wire::FrameHeader& request, TransactionResult outcome);
+  boost::asio::awaitable<void> send_result(const wire::FrameHeader& request, TransactionResult result);
   boost::asio::awaitable<void> keep_pace(std::uint64_t time_ps);
   void send_progress();
   void return_credit();
   boost::asio::awaitable<bool> send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
-  boost::asio::awaitable<void> deliver(const Kept& kept);
-  void put(wire::FrameHeader header, Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
+  boost::asio::awaitable<void> deliver(const wire::ReliableWindow::Sent& frame);
+  void put(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
   boost::asio::awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress);
 
   boost::asio::awaitable<void> give_board_back();
@@ -109,27 +104,18 @@ class Session : public std::enable_shared_from_this<Session> {
   const BusOptions& options_;
   const std::uint64_t token_;
   const wire::VersionInfo agreed_;
-  const wire::VersionInfo theirs_;
   const bool realtime_;
   bool can_resume_ = true;
 
   Connected connection_;  // none while the client is away
-  wire::SendCredits send_credits_;
-  wire::ReceiveCredits receive_credits_;
-  std::uint32_t unreturned_slots_ = 0;  // of ours: consumed, and the client does not know yet
-  std::uint64_t unreturned_bytes_ = 0;
-  std::deque<Kept> kept_;  // sent, and the client has not given its credit back: it may have to be sent again
-  std::uint64_t kept_bytes_ = 0;
-  std::uint32_t sent_ = 0;      // sequence numbers: the last one that we used,
-  std::uint32_t taken_ = 0;     // that we took,
-  std::uint32_t returned_ = 0;  // whose credit we gave back,
-  std::uint32_t judged_ = 0;    // that the fault plan has had its say about
+  wire::ReliableWindow window_;
+  std::uint32_t judged_ = 0;  // the last number that the fault plan has had its say about
 
   std::unordered_map<std::uint32_t, std::uint64_t> unclaimed_;  // ticket -> bytes
   std::uint64_t unclaimed_bytes_ = 0;
 
   std::deque<Frame> inbox_;
-  Progress work_;
+  Progress progress_;
   bool job_done_ = false;
   bool delivering_ = false;  // a frame has its number and waits to be sent, by the fault plan
   bool stopped_ = false;

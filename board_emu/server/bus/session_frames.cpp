@@ -21,6 +21,7 @@ using boost::system::error_code;
 using wire::ErrorCode;
 using wire::FrameHeader;
 using wire::FrameType;
+using Arrival = wire::ReliableWindow::Arrival;
 
 namespace {
 
@@ -51,11 +52,6 @@ Manner manner_of(FrameType type) {
 std::uint64_t requested_bytes(const FrameHeader& header, std::span<const std::uint8_t> payload) {
   if (header.type != FrameType::kMemoryRead || payload.size() != 16) return 0;
   return wire::load<std::uint64_t>(payload, 8);
-}
-
-Payload nothing() {
-  static const Payload kNothing = std::make_shared<const std::vector<std::uint8_t>>();
-  return kNothing;
 }
 
 }  // namespace
@@ -91,26 +87,27 @@ awaitable<bool> Session::take(const Connected& connection, Connection::Frame fra
     co_return false;
   }
   if (!admit(header)) co_return false;
-  if (wire::sequence_step(taken_, header.id) > 0) {
-    lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
-                              fmt::format("expected the frame number {}, it was sent and did not come", taken_ + 1)});
+  if (window_.arrival(header) == Arrival::kGap) {
+    lose(connection,
+         LastWord{ErrorCode::kCorrupted, header.id,
+                  fmt::format("expected the frame number {}, it was sent and did not come", window_.taken() + 1)});
     co_return false;
   }
   // A client that waits in vain asks what we have sent. While something is on its way it need not know.
   if (header.flags != wire::kPosted && connection->idle() && !delivering_) {
-    put(FrameHeader{FrameType::kCredit, wire::kResponse, sent_}, nothing());
+    connection_->send(window_.credit_frame(wire::kResponse), wire::no_payload());
   }
   co_return true;
 }
 
 awaitable<bool> Session::take_numbered(const Connected& connection, Connection::Frame frame) {
   const FrameHeader header = frame.header;
-  const std::int32_t step = wire::sequence_step(taken_, header.sequence);
-  if (step <= 0) co_return true;  // it came twice
-  if (step > 1) {
+  const Arrival arrival = window_.arrival(header);
+  if (arrival == Arrival::kAgain) co_return true;
+  if (arrival == Arrival::kGap) {
     lose(connection, LastWord{ErrorCode::kCorrupted, header.id,
-                              fmt::format("expected the frame number {}, got {}: frames are missing", taken_ + 1,
-                                          header.sequence)});
+                              fmt::format("expected the frame number {}, got {}: frames are missing",
+                                          window_.taken() + 1, header.sequence)});
     co_return false;
   }
   FaultAction action;
@@ -137,7 +134,7 @@ awaitable<bool> Session::take_numbered(const Connected& connection, Connection::
     }
     if (connection_ != connection) co_return false;
   }
-  ++taken_;
+  window_.take();
   if (!admit(header)) co_return false;
   if (requested_bytes(header, frame.payload) > agreed_.max_payload_bytes) {
     fail(ErrorCode::kTooLarge, header.id,
@@ -172,36 +169,24 @@ bool Session::admit(const FrameHeader& header) {
     return false;
   }
   if (!take_credit(header)) return false;
-  if (header.type == FrameType::kCredit || receive_credits_.accept(header.size)) return true;
+  if (header.type == FrameType::kCredit || window_.accept(header.size)) return true;
   fail(ErrorCode::kProtocol, header.id,
        fmt::format("expected at most {} frames and {} bytes in flight, got a frame of {} bytes beyond that",
                    options_.version.window_slots, options_.version.window_bytes, header.size));
   return false;
 }
 
-// Credit comes back in the order in which frames were sent, so it also says which of them need not be kept.
 bool Session::take_credit(const FrameHeader& header) {
-  std::uint64_t bytes = 0;
-  const bool fits = header.credit_slots <= kept_.size();
-  for (std::size_t i = 0; fits && i < header.credit_slots; ++i) bytes += kept_[i].payload->size();
-  if (!fits || header.credit_bytes != bytes) {
+  if (!window_.take_credit(header)) {
+    const std::uint64_t bytes =
+        header.credit_slots <= window_.kept_frames() ? window_.bytes_of(header.credit_slots) : window_.kept_bytes();
     fail(ErrorCode::kProtocol, header.id,
-         fmt::format("expected credit for at most {} frames and {} bytes, got {} and {}", kept_.size(),
-                     fits ? bytes : kept_bytes_, header.credit_slots, header.credit_bytes));
+         fmt::format("expected credit for at most {} frames and {} bytes, got {} and {}", window_.kept_frames(), bytes,
+                     header.credit_slots, header.credit_bytes));
     return false;
   }
-  if (header.credit_slots == 0) return true;
-  forget_consumed(header.credit_slots);
-  send_credits_.give_back(header.credit_slots, header.credit_bytes);
-  wake_.cancel();
+  if (header.credit_slots > 0) wake_.cancel();
   return true;
-}
-
-void Session::forget_consumed(std::uint32_t slots) {
-  for (; slots > 0; --slots) {
-    kept_bytes_ -= kept_.front().payload->size();
-    kept_.pop_front();
-  }
 }
 
 // ---- worker
@@ -215,14 +200,12 @@ awaitable<void> Session::work() {
     const Frame frame = std::move(inbox_.front());
     inbox_.pop_front();
     if (!book_command(frame.header)) break;
-    TransactionResult outcome = co_await transact(frame);
-    receive_credits_.consume(frame.header.size);
-    ++unreturned_slots_;
-    unreturned_bytes_ += frame.header.size;
+    TransactionResult result = co_await transact(frame);
+    window_.consume(frame.header.size);
     if (stopped_) break;
-    co_await send_outcome(frame.header, std::move(outcome));
-    const bool is_tight = unreturned_bytes_ + agreed_.max_payload_bytes > options_.version.window_bytes;
-    if (!stopped_ && (receive_credits_.due() || is_tight)) return_credit();
+    co_await send_result(frame.header, std::move(result));
+    const bool is_due = window_.credit_is_due() || window_.may_keep_out(agreed_.max_payload_bytes);
+    if (!stopped_ && is_due) return_credit();
   }
 }
 
@@ -247,22 +230,22 @@ void Session::settle_command(std::uint32_t ticket) {
 }
 
 awaitable<TransactionResult> Session::transact(const Frame& frame) {
-  TransactionResult outcome;
-  work_.all = 0;
-  work_.done = 0;
-  work_.ticket = frame.header.id;
-  std::function<void()> job = [this, &frame, &outcome] {
+  TransactionResult result;
+  progress_.all = 0;
+  progress_.done = 0;
+  progress_.ticket = frame.header.id;
+  std::function<void()> job = [this, &frame, &result] {
     if (frame.memory_error) slot_.board().add_memory_error(*frame.memory_error);
-    outcome = slot_.board().transact(frame.header, frame.payload, work_);
+    result = slot_.board().transact(frame.header, frame.payload, progress_);
   };
   const bool shows_progress = (agreed_.capabilities & wire::kProgressFrames) != 0;
   const std::exception_ptr fault = co_await run_on_compute(std::move(job), shows_progress);
   if (fault) std::rethrow_exception(fault);
-  co_return outcome;
+  co_return result;
 }
 
-awaitable<void> Session::send_outcome(const FrameHeader& request, TransactionResult outcome) {
-  for (Completion& completion : outcome.completions) {
+awaitable<void> Session::send_result(const FrameHeader& request, TransactionResult result) {
+  for (Completion& completion : result.completions) {
     FrameHeader header{FrameType::kCompletion, wire::kPosted, completion.ticket};
     header.error = completion.error;
     settle_command(completion.ticket);
@@ -270,12 +253,12 @@ awaitable<void> Session::send_outcome(const FrameHeader& request, TransactionRes
     co_await keep_pace(completion.time_ps);
     co_await send(header, std::move(completion.payload));
   }
-  if (!outcome.reply) co_return;
+  if (!result.reply) co_return;
   FrameHeader header{request.type, wire::kResponse, request.id};
-  header.error = outcome.reply->error;
-  header.time_ps = outcome.reply->time_ps;
+  header.error = result.reply->error;
+  header.time_ps = result.reply->time_ps;
   co_await keep_pace(header.time_ps);
-  co_await send(header, std::move(outcome.reply->payload));
+  co_await send(header, std::move(result.reply->payload));
 }
 
 // A board in real time says nothing before its simulated time has come.
@@ -290,21 +273,20 @@ awaitable<void> Session::keep_pace(std::uint64_t time_ps) {
 }
 
 void Session::send_progress() {
-  const std::uint32_t all = work_.all, done = work_.done;
+  const std::uint32_t all = progress_.all, done = progress_.done;
   if (all == 0 || !connection_ || !connection_->idle()) return;
   std::vector<std::uint8_t> payload(8);
   wire::store(std::span(payload), 0, std::min(done, all));
   wire::store(std::span(payload), 4, all);
-  FrameHeader header{FrameType::kProgress, wire::kPosted, work_.ticket};
+  FrameHeader header{FrameType::kProgress, wire::kPosted, progress_.ticket};
   header.time_ps = slot_.board().simulated_ps();
-  put(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+  put(header, wire::share(std::move(payload)));
 }
 
 // Most credit travels on other frames. It goes by itself when half the window waits, when the client could not send its
 // largest frame without it, or when it may be waiting for our credit as we are for its.
 void Session::return_credit() {
-  if (unreturned_slots_ == 0) return;
-  put(FrameHeader{FrameType::kCredit, wire::kPosted, sent_}, nothing());
+  if (connection_ && window_.owes_credit()) connection_->send(window_.credit_frame(wire::kPosted), wire::no_payload());
 }
 
 // Waits until the client has room. False if the session ends instead.
@@ -314,23 +296,19 @@ awaitable<bool> Session::send(FrameHeader header, std::vector<std::uint8_t> payl
          fmt::format("the answer has {} bytes, {} are agreed", payload.size(), agreed_.max_payload_bytes));
     co_return false;
   }
-  while (!stopped_ && !send_credits_.can_send(payload.size())) {
+  while (!stopped_ && !window_.can_send(payload.size())) {
     return_credit();
     co_await wait(kUntilWoken);
   }
   if (stopped_) co_return false;
-  send_credits_.take(payload.size());
-  header.sequence = ++sent_;
-  kept_.push_back({header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload))});
-  kept_bytes_ += kept_.back().payload->size();
-  const Kept sent = kept_.back();
-  co_await deliver(sent);
+  const wire::ReliableWindow::Sent frame = window_.keep(header, wire::share(std::move(payload)));
+  co_await deliver(frame);
   co_return true;
 }
 
 // Sends a frame for the first time. If the connection ends, the next one will bring it.
-awaitable<void> Session::deliver(const Kept& kept) {
-  const FaultAction action = slot_.faults().sent(wire::kFrameHeaderBytes + kept.payload->size());
+awaitable<void> Session::deliver(const wire::ReliableWindow::Sent& frame) {
+  const FaultAction action = slot_.faults().sent(wire::kFrameHeaderBytes + frame.payload->size());
   const Connected connection = connection_;
   if (action.any()) {
     delivering_ = true;
@@ -344,19 +322,14 @@ awaitable<void> Session::deliver(const Kept& kept) {
     if (action.hang) connection->hang();
     if (action.drop) co_return;
   }
-  put(kept.header, kept.payload, action.flipped_bit);
-  if (action.twice) put(kept.header, kept.payload);
+  put(frame.header, frame.payload, action.flipped_bit);
+  if (action.twice) put(frame.header, frame.payload);
 }
 
 // Queues one frame, with all the credit that the client has earned.
-void Session::put(FrameHeader header, Payload payload, std::optional<std::uint32_t> flipped_bit) {
+void Session::put(FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit) {
   if (!connection_) return;
-  const auto returned = receive_credits_.give_back();
-  header.credit_slots = returned.slots;
-  header.credit_bytes = returned.bytes;
-  returned_ += returned.slots;
-  unreturned_slots_ = 0;
-  unreturned_bytes_ = 0;
+  window_.put_credit(header);
   connection_->send(header, std::move(payload), flipped_bit);
 }
 

@@ -39,13 +39,13 @@ struct TraceCommand {
   std::vector<double> units;  // kIntegral
 };
 
-// Of `most` rays, or of as many as may move the sums in one command, and at least one.
-TraceCommand trace_command(Gather& rays, std::size_t most, const RaySetup& setup) {
+// Of `max_rays` rays, or of as many as may move the sums in one command, and at least one.
+TraceCommand trace_command(Gather& rays, std::size_t max_rays, const RaySetup& setup) {
   constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;  // command.h
   TraceCommand command;
-  command.bytes.resize(wire::kTraceHeaderBytes + most * wire::kRayBytes);
+  command.bytes.resize(wire::kTraceHeaderBytes + max_rays * wire::kRayBytes);
   std::uint64_t moved = 0;
-  for (; command.rays < most; ++command.rays) {
+  for (; command.rays < max_rays; ++command.rays) {
     const HostRay& ray = rays.peek();
     const wire::Ray packet = to_wire(ray, setup);
     moved += max_moved(packet, setup);
@@ -84,7 +84,7 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   for (const auto& part : rays) batch.rays += part.size();
   if (limits_.back_pressure == BackPressure::kThrow) make_room(batch.rays);
   const std::size_t limit = (device_.agreed().max_payload_bytes - wire::kTraceHeaderBytes) / wire::kRayBytes;
-  const std::size_t most = std::min(kRaysPerCommand, limit);
+  const std::size_t max_rays = std::min(kRaysPerCommand, limit);
   batch.lines = std::move(lines);
   batch.type = setup.request.type;
   batch.energy_unit = setup.energy_unit;
@@ -97,10 +97,10 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   Batch& kept = batches_.emplace(ticket, std::move(batch)).first->second;
   Gather from(rays);
   for (std::size_t left = kept.rays; left > 0;) {
-    const std::size_t count = std::min(left, most);
+    const std::size_t count = std::min(left, max_rays);
     if (limits_.back_pressure == BackPressure::kWait) make_room(count);
     TraceCommand made = trace_command(from, count, setup);
-    auto encoded = std::make_shared<const std::vector<std::uint8_t>>(std::move(made.bytes));
+    auto encoded = wire::share(std::move(made.bytes));
     const std::uint32_t command = device_.command(encoded);
     kept.parts.push_back({command, made.rays, std::move(encoded), std::move(made.units), std::nullopt});
     rays_under_way_ += made.rays;

@@ -46,7 +46,7 @@ class Batches {
   struct Part {
     std::uint32_t command = 0;
     std::size_t rays = 0;
-    Payload encoded;            // until the result has come
+    wire::Payload encoded;      // until the result has come
     std::vector<double> units;  // kIntegral: of each ray's sum
     std::optional<CommandResult> result;
   };

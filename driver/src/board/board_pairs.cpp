@@ -74,11 +74,11 @@ std::vector<PairFactor> Board::State::pairs_by_board(std::span<const Element> el
     }
     if (progress) progress(static_cast<std::uint32_t>(factors.size()), static_cast<std::uint32_t>(pairs.size()));
   };
-  const std::size_t most = pairs_at_once(request, device.agreed().max_payload_bytes);
+  const std::size_t max_pairs = pairs_at_once(request, device.agreed().max_payload_bytes);
   try {
-    for (std::size_t begin = 0; begin < pairs.size(); begin += most) {
-      const auto part = pairs.subspan(begin, std::min(most, pairs.size() - begin));
-      auto command = std::make_shared<const std::vector<std::uint8_t>>(pairs_command(elements, part, request));
+    for (std::size_t begin = 0; begin < pairs.size(); begin += max_pairs) {
+      const auto part = pairs.subspan(begin, std::min(max_pairs, pairs.size() - begin));
+      auto command = wire::share(pairs_command(elements, part, request));
       sent.push_back({device.command(std::move(command)), part.size()});
       if (sent.size() > kUnderWay) take();
     }
@@ -107,9 +107,9 @@ std::vector<PairFactor> Board::State::pairs_by_host(std::span<const Element> ele
     factors.insert(factors.end(), part.begin(), part.end());
     if (progress) progress(static_cast<std::uint32_t>(factors.size()), static_cast<std::uint32_t>(pairs.size()));
   };
-  const std::size_t most = pairs_at_once(request, device.agreed().max_payload_bytes);
-  for (std::size_t begin = 0; begin < pairs.size(); begin += most) {
-    const auto part = pairs.subspan(begin, std::min(most, pairs.size() - begin));
+  const std::size_t max_pairs = pairs_at_once(request, device.agreed().max_payload_bytes);
+  for (std::size_t begin = 0; begin < pairs.size(); begin += max_pairs) {
+    const auto part = pairs.subspan(begin, std::min(max_pairs, pairs.size() - begin));
     Sent next{{}, make_rays(elements, part, request, loaded("pair_factors()").relative_spacing)};
     const std::span<const HostRay> rays(next.made.rays);
     next.ticket = submit(std::span(&rays, 1), {.type = RayType::kOpacity, .opacity = request.opacity}, {});

@@ -149,7 +149,7 @@ std::vector<std::uint8_t> Device::read_memory(std::uint64_t address, std::uint64
   return bytes;
 }
 
-std::uint32_t Device::command(Payload payload) {
+std::uint32_t Device::command(wire::Payload payload) {
   return with_last_words([&] { return link_->command_shared(clock_.now(), payload); });
 }
 
@@ -164,13 +164,16 @@ CommandResult Device::finish(std::uint32_t ticket, const Progress& progress, Pic
 }
 
 CommandResult Device::run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline) {
-  const std::uint32_t ticket = command(std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+  const std::uint32_t ticket = command(wire::share(std::move(payload)));
+  CommandResult result;
   try {
-    return finish(ticket, progress, deadline);
+    result = finish(ticket, progress, deadline);
   } catch (...) {  // also what the progress callback throws
     link_->forget(ticket);
     throw;
   }
+  if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+  return result;
 }
 
 bool Device::cancel(std::uint32_t ticket) {

@@ -16,7 +16,6 @@
 #include "transport/host_clock.h"
 #include "transport/launch.h"
 #include "transport/link.h"
-#include "transport/payload.h"
 #include "transport/uri.h"
 
 namespace gicube {
@@ -60,11 +59,11 @@ class Device {
   // At most agreed().max_payload_bytes.
   std::vector<std::uint8_t> read_memory(std::uint64_t address, std::uint64_t length);
 
-  std::uint32_t command(Payload payload);
+  std::uint32_t command(wire::Payload payload);
   // Blocks the simulated host until the command has completed, but no longer than to the simulated time `deadline`:
   // throws DeadlinePassed then. Its error is in the result, and not thrown. Whatever is thrown, the result can still come.
   CommandResult finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline = kNoDeadline);
-  // Both; if it throws, nobody asks for the result any more.
+  // Both, and throws what the result's error stands for. If it throws, nobody asks for the result any more.
   CommandResult run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline = kNoDeadline);
   // The result of a command if it has come; blocks nobody.
   std::optional<CommandResult> take(std::uint32_t ticket) { return link_->take(ticket); }

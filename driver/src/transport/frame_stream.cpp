@@ -56,7 +56,7 @@ void FrameStream::run() {
   }
 }
 
-void FrameStream::send(wire::FrameHeader header, Payload payload) {
+void FrameStream::send(wire::FrameHeader header, wire::Payload payload) {
   header.size = static_cast<std::uint32_t>(payload->size());
   Outgoing frame;
   wire::encode_sealed(header, *payload, frame.header);

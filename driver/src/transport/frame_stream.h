@@ -19,7 +19,7 @@
 #include "fd.h"
 #include "gicube/error.h"
 #include "gicube/wire/frame.h"
-#include "payload.h"
+#include "gicube/wire/reliable_window.h"
 
 namespace gicube {
 
@@ -60,7 +60,7 @@ class FrameStream {
 
   // Queues a frame; `size` and `checksum` are set. Any thread, never blocks. What is queued is bounded by the caller's
   // credits.
-  void send(wire::FrameHeader header, Payload payload);
+  void send(wire::FrameHeader header, wire::Payload payload);
 
   // Any thread.
   void close(const StreamFault& reason);
@@ -68,7 +68,7 @@ class FrameStream {
  private:
   struct Outgoing {
     std::array<std::uint8_t, wire::kFrameHeaderBytes> header;
-    Payload payload;
+    wire::Payload payload;
   };
 
   void run();

@@ -11,8 +11,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-const Payload kNothing = std::make_shared<const std::vector<std::uint8_t>>();
-
 }  // namespace
 
 wire::VersionInfo driver_version() {
@@ -22,8 +20,7 @@ wire::VersionInfo driver_version() {
   return info;
 }
 
-Link::Link(Fd socket, const LinkOptions& options)
-    : options_(options), agreed_(options.mine), receive_credits_(options.mine.window_slots, options.mine.window_bytes) {
+Link::Link(Fd socket, const LinkOptions& options) : options_(options), agreed_(options.mine), window_(options.mine) {
   const std::chrono::milliseconds waiting(options_.mine.wait_ms);
   Lock lock(mutex_);
   shake_hands(lock, std::move(socket),
@@ -37,7 +34,7 @@ Link::~Link() {
   wire::FrameHeader goodbye;
   goodbye.type = wire::FrameType::kVersion;
   goodbye.flags = wire::kPosted;
-  stream_->send(goodbye, kNothing);
+  stream_->send(goodbye, wire::no_payload());
 }
 
 void Link::refuse_to_open() {
@@ -86,14 +83,14 @@ void Link::post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uin
   header.flags = wire::kPosted;
   header.id = next_id();
   header.time_ps = now_ps;
-  send_with_credit(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+  send_with_credit(header, wire::share(std::move(payload)));
 }
 
 Response Link::request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
   return exchange(type, now_ps, std::move(payload), 0, {});
 }
 
-std::uint32_t Link::command_shared(std::uint64_t now_ps, Payload payload) {
+std::uint32_t Link::command_shared(std::uint64_t now_ps, wire::Payload payload) {
   Lock lock(mutex_);
   await_credit(lock, payload->size());
   wire::FrameHeader header;
@@ -107,7 +104,7 @@ std::uint32_t Link::command_shared(std::uint64_t now_ps, Payload payload) {
 }
 
 std::uint32_t Link::command(std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
-  return command_shared(now_ps, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+  return command_shared(now_ps, wire::share(std::move(payload)));
 }
 
 Response Link::wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds deadline, const OnProgress& on_progress) {
@@ -149,7 +146,7 @@ Response Link::exchange(wire::FrameType type, std::uint64_t now_ps, std::vector<
   Pending& pending = pending_[header.id];
   pending.type = type;
   pending.watched_ticket = watched_ticket;
-  send_with_credit(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+  send_with_credit(header, wire::share(std::move(payload)));
   await_response(lock, header.id, on_progress);
 
   const auto command = commands_.find(watched_ticket);
@@ -201,7 +198,7 @@ void Link::await_credit(Lock& lock, std::size_t payload) {
     throw BadArgument("payload", "at most " + std::to_string(agreed_.max_payload_bytes) + " bytes",
                       std::to_string(payload));
   }
-  await(lock, [this, payload] { return phase_ == Phase::kOpen && send_credits_.can_send(payload); });
+  await(lock, [this, payload] { return phase_ == Phase::kOpen && window_.can_send(payload); });
 }
 
 template <typename Ready>
@@ -253,29 +250,13 @@ void Link::break_off(const StreamFault& reason) {
 }
 
 // Only with credit; hands back on the way what has been consumed meanwhile.
-void Link::send_with_credit(wire::FrameHeader header, Payload payload) {
-  send_credits_.take(payload->size());
-  header.sequence = ++sent_;
-  kept_.push_back({header, payload});
-  kept_bytes_ += payload->size();
-  const auto returned = receive_credits_.give_back();
-  returned_ += returned.slots;
-  header.credit_slots = returned.slots;
-  header.credit_bytes = returned.bytes;
-  stream_->send(header, std::move(payload));
+void Link::send_with_credit(const wire::FrameHeader& header, wire::Payload payload) {
+  wire::ReliableWindow::Sent frame = window_.keep(header, std::move(payload));
+  window_.put_credit(frame.header);
+  stream_->send(frame.header, std::move(frame.payload));
 }
 
-void Link::send_credit(std::uint16_t flags) {
-  wire::FrameHeader header;
-  header.type = wire::FrameType::kCredit;
-  header.flags = flags;
-  header.id = sent_;
-  const auto returned = receive_credits_.give_back();
-  returned_ += returned.slots;
-  header.credit_slots = returned.slots;
-  header.credit_bytes = returned.bytes;
-  stream_->send(header, kNothing);
-}
+void Link::send_credit(std::uint16_t flags) { stream_->send(window_.credit_frame(flags), wire::no_payload()); }
 
 // Requests and tickets share the numbers; after 2^32 of them those still in use are passed over.
 std::uint32_t Link::next_id() {

@@ -9,7 +9,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -22,8 +21,8 @@
 #include "fd.h"
 #include "frame_stream.h"
 #include "gicube/time.h"
-#include "gicube/wire/credits.h"
 #include "gicube/wire/frame.h"
+#include "gicube/wire/reliable_window.h"
 
 namespace gicube {
 
@@ -89,7 +88,7 @@ class Link : private FrameSink {
   // Posts a DSP command; its result is kept until it is taken or forgotten. Returns the ticket, which is never 0.
   std::uint32_t command(std::uint64_t now_ps, std::vector<std::uint8_t> payload);
   // The same with bytes that the caller keeps too.
-  std::uint32_t command_shared(std::uint64_t now_ps, Payload payload);
+  std::uint32_t command_shared(std::uint64_t now_ps, wire::Payload payload);
 
   // Waits until the command has completed on the board, or simulated time has come to `deadline` (kNoDeadline: none): the
   // response's error says which. `on_progress` is called on this thread, with no lock held; what
@@ -104,11 +103,6 @@ class Link : private FrameSink {
 
  private:
   enum class Phase { kHandshake, kOpen, kBroken };
-
-  struct Kept {
-    wire::FrameHeader header;
-    Payload payload;
-  };
 
   struct Pending {
     wire::FrameType type{};
@@ -134,10 +128,7 @@ class Link : private FrameSink {
   [[noreturn]] void refuse_to_open();
   StreamFault take_version(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   StreamFault take_up_session(const wire::VersionInfo& theirs);
-  StreamFault take_number(const wire::FrameHeader& header, bool& is_new);
   StreamFault check_frame(const wire::FrameHeader& header);
-  StreamFault take_credit(const wire::FrameHeader& header);
-  void forget_consumed(std::uint32_t slots);
   void take_response(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
   void take_completion(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
   void take_progress(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
@@ -148,7 +139,7 @@ class Link : private FrameSink {
   void await_credit(Lock& lock, std::size_t payload);
   template <typename Ready>
   void await(Lock& lock, const Ready& ready);
-  void send_with_credit(wire::FrameHeader header, Payload payload);
+  void send_with_credit(const wire::FrameHeader& header, wire::Payload payload);
   void send_credit(std::uint16_t flags);
   std::uint32_t next_id();
   bool can_recover() const;
@@ -160,7 +151,6 @@ class Link : private FrameSink {
 
   const LinkOptions options_;
   wire::VersionInfo agreed_;  // written once, before the constructor returns
-  wire::VersionInfo theirs_;
 
   mutable std::mutex mutex_;  // guards all below
   std::condition_variable changed_;
@@ -173,13 +163,7 @@ class Link : private FrameSink {
   bool deaf_ = false;              // what the stream reports belongs to a connection that is given up
   std::chrono::steady_clock::time_point last_heard_;  // a sign of life
   std::chrono::steady_clock::time_point last_frame_;  // any frame either way that a probe would only repeat
-  wire::SendCredits send_credits_{0, 0};
-  std::deque<Kept> kept_;  // sent, and the board has not given its credit back: it may have to be sent again
-  std::uint64_t kept_bytes_ = 0;
-  wire::ReceiveCredits receive_credits_;
-  std::uint32_t sent_ = 0;      // sequence numbers: the last one that we used,
-  std::uint32_t taken_ = 0;     // that we took,
-  std::uint32_t returned_ = 0;  // whose credit we gave back
+  wire::ReliableWindow window_;
   std::uint32_t last_id_ = 0;
   std::map<std::uint32_t, Pending> pending_;
   std::map<std::uint32_t, Command> commands_;

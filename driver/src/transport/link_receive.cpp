@@ -42,7 +42,7 @@ StreamFault Link::check_frame(const wire::FrameHeader& header) {
                           pending->second.type == header.type && !pending->second.response;
     if (!expected) return {"the board answered a request that was not made, id " + id};
   }
-  if (!wire::is_free(header.type) && !receive_credits_.accept(header.size)) {
+  if (!wire::is_free(header.type) && !window_.accept(header.size)) {
     return {"the board sent more than it had credit for"};
   }
   return {};
@@ -55,10 +55,19 @@ StreamFault Link::take_frame(const wire::FrameHeader& header, std::vector<std::u
   if (header.type != wire::FrameType::kCredit) last_heard_ = last_frame_;  // credit flows while the work hangs, too
   changed_.notify_all();  // the waiters run once this frame is dealt with
   if (phase_ == Phase::kHandshake) return take_version(header, payload);
-  bool is_new = true;
-  if (StreamFault fault = take_number(header, is_new); !fault.text.empty() || !is_new) return fault;
+  const auto arrival = window_.arrival(header);
+  if (arrival == wire::ReliableWindow::Arrival::kGap) {
+    const std::uint32_t number = header.type == wire::FrameType::kCredit ? header.id : header.sequence;
+    return {"frames of the board are missing: expected number " + std::to_string(window_.taken() + 1) + ", got " +
+                std::to_string(number),
+            Loss::kCorrupted};
+  }
+  if (arrival == wire::ReliableWindow::Arrival::kAgain) return {};
+  const bool is_numbered = !wire::is_free(header.type);
+  if (is_numbered) window_.take();
+  if (is_numbered || header.credit_slots > 0) attempts_ = 0;
   if (StreamFault fault = check_frame(header); !fault.text.empty()) return fault;
-  if (StreamFault fault = take_credit(header); !fault.text.empty()) return fault;
+  if (!window_.take_credit(header)) return {"the board handed back credit that it never took"};
   const std::size_t bytes = payload.size();
   switch (header.type) {
     case wire::FrameType::kCredit: return {};
@@ -68,48 +77,9 @@ StreamFault Link::take_frame(const wire::FrameHeader& header, std::vector<std::u
     case wire::FrameType::kProgress: take_progress(header, payload); return {};
     default: take_response(header, std::move(payload)); break;
   }
-  receive_credits_.consume(bytes);
-  if (receive_credits_.due()) send_credit(wire::kPosted);
+  window_.consume(bytes);
+  if (window_.credit_is_due()) send_credit(wire::kPosted);
   return {};
-}
-
-// A frame that was taken before is not new. A credit frame tells the last number that was used before it.
-StreamFault Link::take_number(const wire::FrameHeader& header, bool& is_new) {
-  const bool is_credit = header.type == wire::FrameType::kCredit;
-  if (wire::is_free(header.type) && !is_credit) return {};
-  const std::uint32_t number = is_credit ? header.id : header.sequence;
-  const std::int32_t step = wire::sequence_step(taken_, number);
-  if (step > (is_credit ? 0 : 1)) {
-    return {"frames of the board are missing: expected number " + std::to_string(taken_ + 1) + ", got " +
-                std::to_string(number),
-            Loss::kCorrupted};
-  }
-  if (is_credit) return {};
-  is_new = step == 1;
-  if (!is_new) return {};
-  ++taken_;
-  attempts_ = 0;
-  return {};
-}
-
-// Credit comes back in the order in which frames were sent, so it also says which of them need not be kept.
-StreamFault Link::take_credit(const wire::FrameHeader& header) {
-  std::uint64_t bytes = 0;
-  const bool fits = header.credit_slots <= kept_.size();
-  for (std::size_t i = 0; fits && i < header.credit_slots; ++i) bytes += kept_[i].payload->size();
-  if (!fits || header.credit_bytes != bytes) return {"the board handed back credit that it never took"};
-  if (header.credit_slots == 0) return {};
-  forget_consumed(header.credit_slots);
-  send_credits_.give_back(header.credit_slots, header.credit_bytes);
-  attempts_ = 0;
-  return {};
-}
-
-void Link::forget_consumed(std::uint32_t slots) {
-  for (; slots > 0; --slots) {
-    kept_bytes_ -= kept_.front().payload->size();
-    kept_.pop_front();
-  }
 }
 
 void Link::take_response(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) {

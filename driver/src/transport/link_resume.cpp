@@ -13,9 +13,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kFirstPause{
-    5};  // chosen: before the second attempt in a row; each later one waits twice as long,
-constexpr milliseconds kLongestPause{1000};  // at most this
+// chosen: before the second attempt in a row; each later one waits twice as long, up to the longest pause.
+constexpr milliseconds kFirstPause{5};
+constexpr milliseconds kLongestPause{1000};
 
 }  // namespace
 
@@ -36,16 +36,12 @@ void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
 
   wire::VersionInfo mine = options_.mine;
   mine.session = session_;
-  mine.taken = taken_;
-  returned_ += receive_credits_.give_back().slots;
-  mine.consumed = returned_;
+  window_.announce(mine);
   if (session_ != 0) mine.flags = mine.wait_ms = 0;
-  std::vector<std::uint8_t> payload(wire::kVersionBytes);
-  encode(mine, std::span<std::uint8_t, wire::kVersionBytes>(payload));
   wire::FrameHeader header;
   header.type = wire::FrameType::kVersion;
   stream_->start();
-  stream_->send(header, std::make_shared<const std::vector<std::uint8_t>>(std::move(payload)));
+  stream_->send(header, wire::version_payload(mine));
 
   const auto deadline = Clock::now() + limit;
   while (phase_ == Phase::kHandshake) {
@@ -85,34 +81,24 @@ StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const 
   }
   if (session_ != 0) return take_up_session(theirs);
   agreed_ = *agreed;
-  theirs_ = theirs;
   session_ = theirs.session;
   known_taken_ = 0;
-  send_credits_ = wire::SendCredits(theirs.window_slots, theirs.window_bytes);
+  window_.open(theirs);
   phase_ = Phase::kOpen;
   return {};
 }
 
 // Sends again what the board has not taken.
 StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
-  const std::uint32_t first_kept = kept_.empty() ? sent_ + 1 : kept_.front().header.sequence;
-  const bool fits = theirs.session == session_ && wire::sequence_step(first_kept - 1, theirs.consumed) >= 0 &&
-                    wire::sequence_step(theirs.consumed, theirs.taken) >= 0 &&
-                    wire::sequence_step(theirs.taken, sent_) >= 0;
-  if (!fits) {
+  if (theirs.session != session_ || !window_.fits(theirs)) {
     session_ = 0;
     return {"the board does not know where the session stood", Loss::kEnded};
   }
   if (wire::sequence_step(known_taken_, theirs.taken) > 0) attempts_ = 0;
   known_taken_ = theirs.taken;
-  while (!kept_.empty() && wire::sequence_step(kept_.front().header.sequence, theirs.consumed) >= 0) {
-    forget_consumed(1);
-  }
-  send_credits_ = wire::SendCredits(theirs_.window_slots - static_cast<std::uint32_t>(kept_.size()),
-                                    theirs_.window_bytes - kept_bytes_);
-  for (const Kept& kept : kept_) {
-    if (wire::sequence_step(theirs.taken, kept.header.sequence) > 0) stream_->send(kept.header, kept.payload);
-  }
+  window_.resume(theirs, [this](const wire::FrameHeader& header, const wire::Payload& payload) {
+    stream_->send(header, payload);
+  });
   phase_ = Phase::kOpen;
   return {};
 }

@@ -1,15 +1,20 @@
-// The plainest client of the bus: sends a frame when it has credit, reads frames as they come.
+// The plainest client of the bus: sends frames in a captured order, with the numbers that they had.
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
+#include <deque>
 #include <functional>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "gicube/wire/credits.h"
 #include "gicube/wire/frame.h"
+#include "gicube/wire/reliable_window.h"
 #include "transport/fd.h"
+#include "transport/frame_stream.h"
 
 namespace gicube::replay {
 
@@ -19,39 +24,45 @@ class BusError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-class BusClient {
+class BusClient : private FrameSink {
  public:
   struct Frame {
     wire::FrameHeader header;
     std::vector<std::uint8_t> payload;
   };
-  // Everything that the board says but credit and progress; on the caller's thread, within send() and answer_to().
+  // Everything that the board says but credit and progress; on the caller's thread, within send() and await_answer().
   using OnFrame = std::function<void(const Frame&)>;
 
   // Takes a connected socket, shakes hands. `largest_payload`: that will be sent or received. Throws BusError.
   BusClient(Fd socket, std::uint32_t largest_payload, std::chrono::milliseconds watchdog, OnFrame on_frame);
 
   // Its credit and number are filled in, its id and time stay. Waits for credit. Throws BusError.
-  void send(wire::FrameHeader header, const std::vector<std::uint8_t>& payload);
+  void send(const wire::FrameHeader& header, const std::vector<std::uint8_t>& payload);
   // Reads up to the response with this id. Throws BusError.
   void await_answer(std::uint32_t id);
 
  private:
-  void shake_hands(std::uint32_t largest_payload);
+  StreamFault check_header(const wire::FrameHeader& header) override;
+  StreamFault take_frame(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) override;
+  void stream_ended(const StreamFault& reason) override;
+
+  void shake_hands();
   Frame receive();
   void take(const Frame& frame);
-  void write(const std::vector<std::uint8_t>& bytes);
-  void read(std::uint8_t* bytes, std::size_t count);
 
-  Fd socket_;
-  std::chrono::milliseconds watchdog_;
-  OnFrame on_frame_;
+  const std::chrono::milliseconds watchdog_;
+  const OnFrame on_frame_;
+  const wire::VersionInfo mine_;
+  wire::ReliableWindow window_;
   std::uint32_t max_payload_ = 0;
-  wire::SendCredits send_credits_{0, 0};
-  std::uint32_t owed_slots_ = 0;  // consumed, and not handed back
-  std::uint64_t owed_bytes_ = 0;
-  std::uint32_t sent_ = 0;
   std::uint32_t answered_ = 0;  // the id of the last response
+
+  std::mutex mutex_;  // guards what the stream's thread brings
+  std::condition_variable changed_;
+  std::deque<Frame> arrived_;
+  std::optional<std::string> ended_;
+
+  FrameStream stream_;  // last: its thread ends before what it reports to
 };
 
 }  // namespace gicube::replay

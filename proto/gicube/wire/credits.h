@@ -54,6 +54,11 @@ class ReceiveCredits {
     return 2 * std::uint64_t{consumed_slots_} >= window_slots_ || 2 * consumed_bytes_ >= window_bytes_;
   }
 
+  // Consumed, and not given back.
+  constexpr std::uint32_t consumed_slots() const { return consumed_slots_; }
+  constexpr std::uint64_t consumed_bytes() const { return consumed_bytes_; }
+  constexpr std::uint64_t window_bytes() const { return window_bytes_; }
+
   struct Returned {
     std::uint32_t slots;
     std::uint64_t bytes;

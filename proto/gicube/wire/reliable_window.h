@@ -1,0 +1,163 @@
+// One end of the bus's reliable traffic, the same for driver and board: numbered frames come once, in order and whole, over as
+// many connections as it takes (docs/reference/protocol.md).
+//
+// What is sent is kept until the peer has given its credit back. If the connection breaks, the handshake of the next one says
+// what each side has taken, and resume() sends the rest again. Nothing here is locked.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "gicube/wire/credits.h"
+#include "gicube/wire/frame.h"
+
+namespace gicube::wire {
+
+// The bytes of a frame, shared by those that may have to send it again. Never null.
+using Payload = std::shared_ptr<const std::vector<std::uint8_t>>;
+
+inline Payload share(std::vector<std::uint8_t> bytes) {
+  return std::make_shared<const std::vector<std::uint8_t>>(std::move(bytes));
+}
+
+inline const Payload& no_payload() {
+  static const Payload kNone = share({});
+  return kNone;
+}
+
+inline Payload version_payload(const VersionInfo& info) {
+  std::vector<std::uint8_t> bytes(kVersionBytes);
+  encode(info, std::span(bytes).first<kVersionBytes>());
+  return share(std::move(bytes));
+}
+
+class ReliableWindow {
+ public:
+  struct Sent {
+    FrameHeader header;
+    Payload payload;
+  };
+
+  // `mine`: what this side lets its peer send.
+  explicit ReliableWindow(const VersionInfo& mine) : receive_(mine.window_slots, mine.window_bytes) {}
+
+  // ---- sending. Only with what the peer's version says, from open() on.
+
+  void open(const VersionInfo& theirs) {
+    peer_slots_ = theirs.window_slots;
+    peer_bytes_ = theirs.window_bytes;
+    send_ = SendCredits(peer_slots_, peer_bytes_);
+  }
+  bool can_send(std::uint64_t payload) const { return send_.can_send(payload); }
+  // Takes credit for a frame, numbers it and keeps it. Only after can_send().
+  Sent keep(FrameHeader header, Payload payload) {
+    send_.take(payload->size());
+    header.sequence = ++sent_;
+    kept_bytes_ += payload->size();
+    kept_.push_back({header, std::move(payload)});
+    return kept_.back();
+  }
+  // Gives the peer all the credit that it has earned, by a header that is about to be sent.
+  void put_credit(FrameHeader& header) {
+    const auto returned = receive_.give_back();
+    returned_ += returned.slots;
+    header.credit_slots = returned.slots;
+    header.credit_bytes = returned.bytes;
+  }
+  // The frame that carries nothing but credit, and the last number that was used.
+  FrameHeader credit_frame(std::uint16_t flags) {
+    FrameHeader header{FrameType::kCredit, flags, sent_};
+    put_credit(header);
+    return header;
+  }
+  std::uint32_t sent() const { return sent_; }
+  std::size_t kept_frames() const { return kept_.size(); }
+  std::uint64_t kept_bytes() const { return kept_bytes_; }
+
+  // ---- receiving
+
+  enum class Arrival { kNext, kAgain, kGap };
+  // By its number. A frame without one is kNext; a credit frame tells the last number that was used before it.
+  Arrival arrival(const FrameHeader& header) const {
+    if (header.type == FrameType::kCredit) return sequence_step(taken_, header.id) > 0 ? Arrival::kGap : Arrival::kNext;
+    if (is_free(header.type)) return Arrival::kNext;
+    const std::int32_t step = sequence_step(taken_, header.sequence);
+    return step == 1 ? Arrival::kNext : step < 1 ? Arrival::kAgain : Arrival::kGap;
+  }
+  // The next numbered frame has come.
+  void take() { ++taken_; }
+  std::uint32_t taken() const { return taken_; }
+
+  // False if the peer sent more than it has credit for.
+  bool accept(std::uint64_t payload) { return receive_.accept(payload); }
+  void consume(std::uint64_t payload) { receive_.consume(payload); }
+  // Credit waits to be given back: so much that it should go by itself, any, or so much that a payload might not fit.
+  bool credit_is_due() const { return receive_.due(); }
+  bool owes_credit() const { return receive_.consumed_slots() > 0; }
+  bool may_keep_out(std::uint64_t payload) const {
+    return receive_.consumed_bytes() + payload > receive_.window_bytes();
+  }
+
+  // Credit comes back in the order in which frames were sent, so it also says which of them need not be kept. False if it is
+  // for more than was sent.
+  bool take_credit(const FrameHeader& header) {
+    if (header.credit_slots > kept_.size() || header.credit_bytes != bytes_of(header.credit_slots)) return false;
+    forget(header.credit_slots);
+    send_.give_back(header.credit_slots, header.credit_bytes);
+    return true;
+  }
+  // Of the oldest frames that are kept.
+  std::uint64_t bytes_of(std::size_t slots) const {
+    std::uint64_t bytes = 0;
+    for (std::size_t i = 0; i < slots && i < kept_.size(); ++i) bytes += kept_[i].payload->size();
+    return bytes;
+  }
+
+  // ---- resuming
+
+  // Says in a version frame what has been taken; the credit for it counts as given back.
+  void announce(VersionInfo& mine) {
+    returned_ += receive_.give_back().slots;
+    mine.taken = taken_;
+    mine.consumed = returned_;
+  }
+  // The last number whose credit has come back.
+  std::uint32_t forgotten() const { return sent_ - static_cast<std::uint32_t>(kept_.size()); }
+  // What the peer has not taken is still there.
+  bool fits(const VersionInfo& theirs) const {
+    return sequence_step(forgotten(), theirs.consumed) >= 0 && sequence_step(theirs.consumed, theirs.taken) >= 0 &&
+           sequence_step(theirs.taken, sent_) >= 0;
+  }
+  // Only if it fits: sends each frame again that the peer has not taken, by `send(header, payload)`.
+  template <typename Send>
+  void resume(const VersionInfo& theirs, const Send& send) {
+    forget(theirs.consumed - forgotten());
+    send_ = SendCredits(peer_slots_ - static_cast<std::uint32_t>(kept_.size()), peer_bytes_ - kept_bytes_);
+    for (const Sent& frame : kept_) {
+      if (sequence_step(theirs.taken, frame.header.sequence) > 0) send(frame.header, frame.payload);
+    }
+  }
+
+ private:
+  void forget(std::uint32_t slots) {
+    for (; slots > 0 && !kept_.empty(); --slots) {
+      kept_bytes_ -= kept_.front().payload->size();
+      kept_.pop_front();
+    }
+  }
+
+  std::uint32_t peer_slots_ = 0;
+  std::uint64_t peer_bytes_ = 0;
+  SendCredits send_{0, 0};
+  ReceiveCredits receive_;
+  std::deque<Sent> kept_;  // the peer has not given their credit back: they may have to be sent again
+  std::uint64_t kept_bytes_ = 0;
+  std::uint32_t sent_ = 0;      // numbers: the last one that was used,
+  std::uint32_t taken_ = 0;     // that was taken,
+  std::uint32_t returned_ = 0;  // whose credit was given back
+};
+
+}  // namespace gicube::wire
