@@ -1,7 +1,6 @@
 #include "config.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
 #include <algorithm>
@@ -96,25 +95,20 @@ void fill_in(Message& message) {
   }
 }
 
-class Silence : public google::protobuf::io::ErrorCollector {
- public:
-  void AddError(int, google::protobuf::io::ColumnNumber, const std::string&) override {}
-};
-
-void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Fault>& faults) {
+void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Diagnostic>& found) {
   if (config.fidelity() == v1::approximate && config.sorter().queues() == v1::single) {
-    faults.push_back(
+    found.push_back(
         {"fidelity", "functional or cycle with sorter.queues=single", "approximate", line_of(lines, "fidelity")});
   }
   for (const char* path : {"fidelity", "bus.model", "asic.partition", "sorter.queues", "sorter.policy", "pace"}) {
     const Place place = find_place(config, path);
     const auto* value = place.message->GetReflection()->GetEnum(*place.message, place.field);
     if (value->number() != 0) continue;
-    faults.push_back({path, expected_value(*place.field), value->name(), line_of(lines, path)});
+    found.push_back({path, expected_value(*place.field), value->name(), line_of(lines, path)});
   }
 }
 
-void check_powers(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Fault>& faults) {
+void check_powers(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Diagnostic>& found) {
   struct Power {
     const char* field;
     std::uint32_t high;
@@ -124,34 +118,34 @@ void check_powers(const v1::BoardConfig& config, const FieldLines& lines, std::v
        {Power{"cache.ways", 8, "1, 2, 4 or 8 ways"}, Power{"link.bits", 256, "a power of two from 1 to 256 bits"}}) {
     const std::uint32_t value = value_at(config, power.field);
     if (std::has_single_bit(value) && value <= power.high) continue;
-    faults.push_back({power.field, power.expected, std::to_string(value), line_of(lines, power.field)});
+    found.push_back({power.field, power.expected, std::to_string(value), line_of(lines, power.field)});
   }
   const std::uint32_t mbit = config.rdram().device_mbit();
   if (mbit != 144 && mbit != 288) {
-    faults.push_back(
+    found.push_back(
         {"rdram.device_mbit", "144 or 288 Mbit", std::to_string(mbit), line_of(lines, "rdram.device_mbit")});
   }
 }
 
-void check_volume(const v1::AsicConfig& asic, const FieldLines& lines, std::vector<Fault>& faults) {
+void check_volume(const v1::AsicConfig& asic, const FieldLines& lines, std::vector<Diagnostic>& found) {
   const std::uint32_t block = asic.block_voxels(), volume = asic.max_volume_voxels();
   const bool block_is_good = block == 8 || block == 16 || block == 32 || block == 64;
   if (!block_is_good) {
-    faults.push_back(
+    found.push_back(
         {"asic.block_voxels", "8, 16, 32 or 64 voxels", std::to_string(block), line_of(lines, "asic.block_voxels")});
   }
   if (volume < 32 || volume > 1024) return;  // reported with the other ranges
   const int line = line_of(lines, "asic.max_volume_voxels");
   if (!std::has_single_bit(volume)) {
-    faults.push_back({"asic.max_volume_voxels", "a power of two", std::to_string(volume), line});
+    found.push_back({"asic.max_volume_voxels", "a power of two", std::to_string(volume), line});
   } else if (block_is_good && volume < block) {
-    faults.push_back({"asic.max_volume_voxels", fmt::format("at least asic.block_voxels, {} voxels", block),
-                      std::to_string(volume), line});
+    found.push_back({"asic.max_volume_voxels", fmt::format("at least asic.block_voxels, {} voxels", block),
+                     std::to_string(volume), line});
   }
 }
 
 // The controller of a channel drives at most 32 devices [Direct RDRAM data book].
-void check_rdram(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Fault>& faults) {
+void check_rdram(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Diagnostic>& found) {
   constexpr std::uint32_t kMaxDevices = 32;
   const std::uint32_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
   const std::uint32_t processors = config.asic().processors(), sharing = config.rdram().processors_per_rdram();
@@ -159,17 +153,17 @@ void check_rdram(const v1::BoardConfig& config, const FieldLines& lines, std::ve
   const std::uint32_t devices =
       rdram::devices_needed(blocks, config.asic().block_voxels(), config.rdram().device_mbit());
   if (devices <= kMaxDevices) return;
-  faults.push_back({"asic.max_volume_voxels",
-                    fmt::format("a volume whose share of one RDRAM channel fits its {} devices", kMaxDevices),
-                    fmt::format("{}, which takes {}", config.asic().max_volume_voxels(), devices),
-                    line_of(lines, "asic.max_volume_voxels")});
+  found.push_back({"asic.max_volume_voxels",
+                   fmt::format("a volume whose share of one RDRAM channel fits its {} devices", kMaxDevices),
+                   fmt::format("{}, which takes {}", config.asic().max_volume_voxels(), devices),
+                   line_of(lines, "asic.max_volume_voxels")});
 }
 
-void check_refresh(const v1::RdramConfig& rdram, const FieldLines& lines, std::vector<Fault>& faults) {
+void check_refresh(const v1::RdramConfig& rdram, const FieldLines& lines, std::vector<Diagnostic>& found) {
   constexpr std::uint32_t kShortest = 64;  // chosen: more often, and the channel does little else
   if (rdram.refresh_interval() == 0 || rdram.refresh_interval() >= kShortest) return;
-  faults.push_back({"rdram.refresh_interval", fmt::format("0 or at least {} tCYCLE", kShortest),
-                    std::to_string(rdram.refresh_interval()), line_of(lines, "rdram.refresh_interval")});
+  found.push_back({"rdram.refresh_interval", fmt::format("0 or at least {} tCYCLE", kShortest),
+                   std::to_string(rdram.refresh_interval()), line_of(lines, "rdram.refresh_interval")});
 }
 
 }  // namespace
@@ -178,11 +172,11 @@ ParsedConfig parse_config(std::string_view text) {
   ParsedConfig parsed;
   TextReading reading = read_text(text, parsed.config);
   parsed.lines = std::move(reading.lines);
-  parsed.faults = std::move(reading.faults);
+  parsed.diagnostics = std::move(reading.diagnostics);
   return parsed;
 }
 
-std::vector<Fault> apply_override(v1::BoardConfig& config, std::string_view assignment) {
+std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos || equals == 0) {
     return {{"", "field=value, as asic.processors=8", fmt::format("\"{}\"", assignment)}};
@@ -200,10 +194,7 @@ std::vector<Fault> apply_override(v1::BoardConfig& config, std::string_view assi
     const bool is_message = field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
     if (dot == std::string_view::npos) {
       if (is_message) return {{path, "a field of it: " + expected_names(*field->message_type()), "the whole message"}};
-      Silence silence;
-      google::protobuf::TextFormat::Parser parser;
-      parser.RecordErrorsTo(&silence);
-      if (!parser.ParseFieldValueFromString(value, field, message)) {
+      if (!read_value(value, *field, *message)) {
         return {{path, expected_value(*field), fmt::format("\"{}\"", value)}};
       }
       config = std::move(changed);
@@ -221,20 +212,20 @@ v1::BoardConfig resolve(const v1::BoardConfig& config) {
   return resolved;
 }
 
-std::vector<Fault> check(const v1::BoardConfig& config, const FieldLines& lines) {
-  std::vector<Fault> faults;
-  check_enums(config, lines, faults);
+std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& lines) {
+  std::vector<Diagnostic> found;
+  check_enums(config, lines, found);
   for (const Range& range : kRanges) {
     const std::uint32_t value = value_at(config, range.field);
     if (value >= range.low && value <= range.high) continue;
-    faults.push_back({range.field, fmt::format("{} to {} {}", range.low, range.high, range.unit), std::to_string(value),
-                      line_of(lines, range.field)});
+    found.push_back({range.field, fmt::format("{} to {} {}", range.low, range.high, range.unit), std::to_string(value),
+                     line_of(lines, range.field)});
   }
-  check_powers(config, lines, faults);
-  check_refresh(config.rdram(), lines, faults);
-  check_volume(config.asic(), lines, faults);
-  if (faults.empty() && config.fidelity() != v1::functional) check_rdram(config, lines, faults);
-  return faults;
+  check_powers(config, lines, found);
+  check_refresh(config.rdram(), lines, found);
+  check_volume(config.asic(), lines, found);
+  if (found.empty() && config.fidelity() != v1::functional) check_rdram(config, lines, found);
+  return found;
 }
 
 std::string config_text(const v1::BoardConfig& config) {

@@ -1,6 +1,6 @@
 // The board's configuration: protobuf text and overrides in, a complete and checked BoardConfig out.
 //
-// Nothing is guessed and nothing is ignored: every fault is collected, named by its field, and reported with the others.
+// Nothing is guessed and nothing is ignored: everything wrong is collected, named by its field, and reported together.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,21 @@ namespace gicube::emu {
 struct ParsedConfig {
   v1::BoardConfig config;  // only what the text sets
   FieldLines lines;
-  std::vector<Fault> faults;  // of syntax, names and types; ranges are check()'s
+  std::vector<Diagnostic> diagnostics;  // of syntax, names and types; ranges are check()'s
 };
 
 // Reads protobuf text. A faulty value is reported and skipped, so that one call finds all of them; only text whose
 // structure is broken ends the search at that line.
 ParsedConfig parse_config(std::string_view text);
 
-// Sets one field from "asic.processors=8". On a fault the configuration stays as it was.
-std::vector<Fault> apply_override(v1::BoardConfig& config, std::string_view assignment);
+// Sets one field from "asic.processors=8". If that is wrong the configuration stays as it was.
+std::vector<Diagnostic> apply_override(v1::BoardConfig& config, std::string_view assignment);
 
 // The same configuration with every field present, defaults included.
 v1::BoardConfig resolve(const v1::BoardConfig& config);
 
 // Every value out of its range and every contradiction; fields that are not set count with their defaults.
-std::vector<Fault> check(const v1::BoardConfig& config, const FieldLines& lines = {});
+std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& lines = {});
 
 // 64-bit FNV-1a of the resolved configuration's text, `threads` left out: equal hashes mean equal results.
 std::uint64_t config_hash(const v1::BoardConfig& config);

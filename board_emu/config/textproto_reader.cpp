@@ -1,7 +1,5 @@
-// Strict reading of protobuf text.
-//
-// Protobuf's own text parser decides what is right; it stops at the first value it can't read. So a faulty field is
-// reported, blanked out of the text, and the parser runs again, until nothing but faults of structure can be left.
+// One pass over protobuf's own tokens, since its TextFormat ends at the first value that it can't read. Each single value is
+// TextFormat's to read.
 #include "textproto_reader.h"
 
 #include <fmt/format.h>
@@ -9,8 +7,6 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 
-#include <algorithm>
-#include <map>
 #include <utility>
 
 #include "text_schema.h"
@@ -18,241 +14,190 @@
 namespace gicube::emu {
 namespace {
 
-using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
 using google::protobuf::io::ColumnNumber;
 using google::protobuf::io::Tokenizer;
 
 constexpr std::size_t kMaxTextBytes = 1 << 20;  // chosen: a configuration is below 1 KB, 10,000 planned faults are 1 MB
-constexpr int kMaxFaults = 100;                 // chosen: nobody reads more, and each costs a pass
+constexpr std::size_t kMaxDiagnostics = 100;    // chosen: nobody reads more
 
-struct Complaint {
-  int line = 0;  // from 0, as protobuf counts
-  int column = 0;
-  std::string text;
-};
-
-class Collector : public google::protobuf::io::ErrorCollector {
+// The first error of protobuf's tokenizer or parser.
+class FirstError : public google::protobuf::io::ErrorCollector {
  public:
-  void AddError(int line, ColumnNumber column, const std::string& text) override {
-    errors.push_back({line, column, text});
-  }
-  void AddWarning(int line, ColumnNumber column, const std::string& text) override {
-    warnings.push_back({line, column, text});
+  void AddError(int line, ColumnNumber, const std::string& text) override {
+    if (diagnostic.expected.empty()) diagnostic = {"", "protobuf text", text, line + 1};
   }
 
-  std::vector<Complaint> errors, warnings;
+  Diagnostic diagnostic;
 };
 
-// One `name: value` or `name { ... }`: tokens [name, end) of the text.
-struct Field {
-  std::string path;
-  std::size_t name, end;
-};
-
-struct Scan {
-  const Descriptor& schema;
-  std::vector<Tokenizer::Token> tokens;
-  std::vector<Field> fields;  // in the order of their names
-};
-
-bool is_open(const std::string& text) { return text == "{" || text == "<"; }
-bool is_close(const std::string& text) { return text == "}" || text == ">"; }
-
-std::vector<Tokenizer::Token> tokenize(const std::string& text) {
-  google::protobuf::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
-  Collector ignored;
-  Tokenizer tokenizer(&stream, &ignored);
-  tokenizer.set_comment_style(Tokenizer::SH_COMMENT_STYLE);
-  tokenizer.set_require_space_after_number(false);
-  tokenizer.set_allow_multiline_strings(true);
-  std::vector<Tokenizer::Token> tokens;
-  while (tokenizer.Next()) tokens.push_back(tokenizer.current());
-  return tokens;
-}
-
-// Without the [index] that a repeated field has.
-std::string_view bare(std::string_view name) { return name.substr(0, name.find('[')); }
-
-const Descriptor* parent_type(const Descriptor* type, std::string_view path) {
-  for (std::size_t dot; type != nullptr && (dot = path.find('.')) != std::string_view::npos;
-       path.remove_prefix(dot + 1)) {
-    const auto* field = type->FindFieldByName(std::string(bare(path.substr(0, dot))));
-    type = field == nullptr ? nullptr : field->message_type();
+class Reader {
+ public:
+  Reader(std::string_view text, std::span<const RenamedField> renamed, TextReading& result)
+      : stream_(text.data(), static_cast<int>(text.size())), renamed_(renamed), result_(result) {
+    tokens_.set_comment_style(Tokenizer::SH_COMMENT_STYLE);
+    tokens_.set_require_space_after_number(false);
+    tokens_.set_allow_multiline_strings(true);
+    tokens_.Next();
   }
-  return type;
-}
 
-// Nothing if the schema has no such field.
-const FieldDescriptor* known_field(const Descriptor& schema, std::string_view path) {
-  const Descriptor* type = parent_type(&schema, path);
-  return type == nullptr ? nullptr : type->FindFieldByName(std::string(bare(path.substr(path.rfind('.') + 1))));
-}
-
-// The token after the value that begins at `at`.
-std::size_t end_of_value(const std::vector<Tokenizer::Token>& tokens, std::size_t at) {
-  if (at < tokens.size() && tokens[at].text == "-") ++at;
-  if (at < tokens.size() && tokens[at].text == "[") {
-    while (at < tokens.size() && tokens[at].text != "]") ++at;
-  }
-  return at < tokens.size() && !is_close(tokens[at].text) ? at + 1 : at;
-}
-
-// Finds the fields without judging them; a broken structure gives whatever can be recognised.
-Scan scan(const std::string& text, const Descriptor& schema) {
-  Scan result{schema, tokenize(text), {}};
-  const auto& tokens = result.tokens;
-  std::vector<std::size_t> open;                 // fields whose braces are open
-  std::map<std::string, std::size_t> instances;  // of repeated fields
-  for (std::size_t i = 0; i < tokens.size(); ++i) {
-    if (is_close(tokens[i].text)) {
-      if (open.empty()) continue;
-      result.fields[open.back()].end = i + 1;
-      open.pop_back();
-      continue;
+  void read(Message& message) {
+    try {
+      read_fields(message, "", "");
+    } catch (Diagnostic& broken) {
+      result_.diagnostics.push_back(std::move(broken));
     }
-    if (tokens[i].type != Tokenizer::TYPE_IDENTIFIER) continue;
-    const std::string parent = open.empty() ? "" : result.fields[open.back()].path + ".";
-    Field field{parent + tokens[i].text, i, i + 1};
-    const FieldDescriptor* known = known_field(schema, field.path);
-    if (known != nullptr && known->is_repeated()) field.path += fmt::format("[{}]", instances[field.path]++);
-    if (field.end < tokens.size() && tokens[field.end].text == ":") ++field.end;
-    if (field.end < tokens.size() && is_open(tokens[field.end].text)) {
-      open.push_back(result.fields.size());
-      i = field.end++;
-    } else if (field.end > i + 1) {
-      field.end = end_of_value(tokens, field.end);
-      i = field.end - 1;
+    const Diagnostic& error = errors_.diagnostic;
+    if (result_.diagnostics.empty() && !error.expected.empty()) result_.diagnostics.push_back(error);
+  }
+
+ private:
+  // `close`: the bracket that ends the message, or empty for the text's end.
+  void read_fields(Message& message, const std::string& path, const std::string& close) {
+    while (!(close.empty() ? at_end() : accept(close))) {
+      if (tokens_.current().type != Tokenizer::TYPE_IDENTIFIER) {
+        break_off("a field's name" + (close.empty() ? "" : fmt::format(" or \"{}\"", close)));
+      }
+      const int line = tokens_.current().line + 1;
+      const std::string name = take();
+      const FieldDescriptor* field = find(*message.GetDescriptor(), name, path, line);
+      const bool has_colon = accept(":");
+      if (field == nullptr) {
+        report(path + name, expected_names(*message.GetDescriptor()), fmt::format("\"{}\"", name), line);
+        skip_value();
+      } else {
+        if (!has_colon && field->message_type() == nullptr && !opens_message()) break_off("\":\"");
+        read_values(message, *field, path + field->name(), line);
+      }
+      if (!accept(";")) accept(",");
     }
-    result.fields.push_back(std::move(field));
   }
-  for (const std::size_t unclosed : open) result.fields[unclosed].end = tokens.size();
-  return result;
-}
 
-bool before(const Tokenizer::Token& token, const Complaint& place) {
-  return std::pair(token.line, token.column) < std::pair(place.line, place.column);
-}
-
-// The field that a message of the parser is about: it reports the token after the one it has last consumed, so this is
-// the last field whose name stands before that place.
-const Field* field_at(const Scan& scan, const Complaint& place) {
-  const Field* found = nullptr;
-  for (const Field& field : scan.fields) {
-    if (before(scan.tokens[field.name], place)) found = &field;
+  // One, or a list of them.
+  void read_values(Message& message, const FieldDescriptor& field, const std::string& path, int line) {
+    if (!field.is_repeated() || !accept("[")) return read_one(message, field, path, line);
+    if (accept("]")) return;
+    do {
+      read_one(message, field, path, line);
+    } while (accept(","));
+    if (!accept("]")) break_off("\",\" or \"]\"");
   }
-  return found;
-}
 
-std::string value_text(const Scan& scan, const Field& field) {
-  std::string text;
-  for (std::size_t i = field.name + 1; i < field.end; ++i) {
-    if (i == field.name + 1 && scan.tokens[i].text == ":") continue;
-    if (is_open(scan.tokens[i].text)) return "a message";
-    text += scan.tokens[i].text;
+  void read_one(Message& message, const FieldDescriptor& field, std::string path, int line) {
+    if (field.is_repeated()) path += fmt::format("[{}]", instances_[path]++);
+    result_.lines.emplace(path, line);
+    const auto& reflection = *message.GetReflection();
+    const bool is_message = field.message_type() != nullptr;
+    if (!field.is_repeated() && reflection.HasField(message, &field)) {
+      skip_value();
+      report(path, "to be set once", "it a second time", line);
+    } else if (is_message && opens_message()) {
+      const std::string close = take() == "{" ? "}" : ">";
+      Message* part =
+          field.is_repeated() ? reflection.AddMessage(&message, &field) : reflection.MutableMessage(&message, &field);
+      read_fields(*part, path + ".", close);
+    } else {
+      const std::string value = skip_value();
+      const bool is_read = !is_message && read_value(value, field, message);
+      if (!is_read) report(path, expected_value(field), value, line);
+    }
   }
-  return text.empty() ? "nothing" : text;
-}
 
-std::size_t offset_of(const std::string& text, int line, int column) {
-  std::size_t at = 0;
-  for (int i = 0; i < line; ++i) at = text.find('\n', at) + 1;
-  return at + static_cast<std::size_t>(column);
-}
-
-// Overwrites a field with spaces; every other token keeps its line and column.
-void blank(std::string& text, const Scan& scan, const Field& field) {
-  const Tokenizer::Token &first = scan.tokens[field.name], &last = scan.tokens[field.end - 1];
-  const std::size_t begin = offset_of(text, first.line, first.column);
-  const std::size_t end = std::min(text.size(), offset_of(text, last.line, last.column) + last.text.size());
-  for (std::size_t i = begin; i < end; ++i) {
-    if (text[i] != '\n') text[i] = ' ';
+  // Takes a value without a look at it: a token with its sign, or all between brackets. Returns it in words.
+  std::string skip_value() {
+    const bool is_message = opens_message();
+    std::string text;
+    int depth = 0;
+    do {
+      if (at_end()) break_off("a value");
+      const std::string& next = tokens_.current().text;
+      if (next == "{" || next == "<" || next == "[") ++depth;
+      if (next == "}" || next == ">" || next == "]") --depth;
+      if (depth < 0) return "nothing";
+      text += take();
+    } while (depth > 0 || text == "-");
+    return is_message ? "a message" : text;
   }
-}
 
-// Braces after a scalar's name, or a bare value after a message's.
-bool has_wrong_form(const Scan& scan, const Field& field) {
-  const auto* known = known_field(scan.schema, field.path);
-  if (known == nullptr) return false;
-  return (known->message_type() != nullptr) != (value_text(scan, field) == "a message");
-}
-
-// The parser wants a name or a brace there, whatever field came before.
-bool is_structural(const std::string& complaint) {
-  return complaint.rfind("Expected identifier", 0) == 0 || complaint.rfind("Expected \"", 0) == 0 ||
-         complaint.rfind("Message is missing", 0) == 0;
-}
-
-void report_unknown(const Scan& scan, const Collector& collector, std::vector<Fault>& faults) {
-  for (const Complaint& warning : collector.warnings) {
-    const Field* field = field_at(scan, warning);
-    if (field == nullptr) continue;
-    const Tokenizer::Token& name = scan.tokens[field->name];
-    const auto* parent = parent_type(&scan.schema, field->path);
-    const std::string expected = parent == nullptr ? "a field of " + scan.schema.name() : expected_names(*parent);
-    Fault fault{field->path, expected, fmt::format("\"{}\"", name.text), name.line + 1};
-    const auto same = [&fault](const Fault& other) { return other.line == fault.line && other.field == fault.field; };
-    if (std::none_of(faults.begin(), faults.end(), same)) faults.push_back(std::move(fault));
+  // Nothing if the schema has no such field.
+  const FieldDescriptor* find(const google::protobuf::Descriptor& type, const std::string& name,
+                              const std::string& path, int line) {
+    if (const FieldDescriptor* field = type.FindFieldByName(name)) return field;
+    for (const RenamedField& each : renamed_) {
+      const FieldDescriptor* field = each.was == name ? type.FindFieldByName(std::string(each.now)) : nullptr;
+      if (field == nullptr) continue;
+      result_.notes.push_back(fmt::format("line {}: {}{} is now called {}; the old name will go with the next release",
+                                          line, path, name, each.now));
+      return field;
+    }
+    return nullptr;
   }
-}
 
-// Reports what stopped the parser; true if the field could be blanked, so that another pass makes sense.
-bool report_error(std::string& text, const Scan& scan, const Complaint& error, std::vector<Fault>& faults) {
-  const Field* field = field_at(scan, error);
-  if (field != nullptr && is_structural(error.text) && !has_wrong_form(scan, *field)) field = nullptr;
-  const auto* known = field == nullptr ? nullptr : known_field(scan.schema, field->path);
-  if (known == nullptr) {
-    faults.push_back({"", "protobuf text of " + scan.schema.full_name(), error.text, error.line + 1});
-    return false;
+  bool at_end() { return tokens_.current().type == Tokenizer::TYPE_END; }
+  bool opens_message() { return tokens_.current().text == "{" || tokens_.current().text == "<"; }
+
+  std::string take() {
+    std::string text = tokens_.current().text;
+    tokens_.Next();
+    return text;
   }
-  const bool twice = error.text.find("specified multiple times") != std::string::npos;
-  faults.push_back({field->path, twice ? "to be set once" : expected_value(*known),
-                    twice ? "it a second time" : value_text(scan, *field), scan.tokens[field->name].line + 1});
-  blank(text, scan, *field);
-  return true;
-}
+
+  bool accept(std::string_view text) {
+    if (at_end() || tokens_.current().text != text) return false;
+    tokens_.Next();
+    return true;
+  }
+
+  void report(std::string field, std::string expected, std::string got, int line) {
+    if (result_.diagnostics.size() >= kMaxDiagnostics) return;
+    result_.diagnostics.push_back({std::move(field), std::move(expected), std::move(got), line});
+  }
+
+  // What follows can't be told apart any more.
+  [[noreturn]] void break_off(std::string expected) {
+    const Tokenizer::Token& token = tokens_.current();
+    throw Diagnostic{"", std::move(expected), at_end() ? "the end of the text" : fmt::format("\"{}\"", token.text),
+                     token.line + 1};
+  }
+
+  google::protobuf::io::ArrayInputStream stream_;
+  FirstError errors_;
+  Tokenizer tokens_{&stream_, &errors_};
+  const std::span<const RenamedField> renamed_;
+  TextReading& result_;
+  std::map<std::string, int> instances_;  // of repeated fields
+};
 
 }  // namespace
 
-std::string to_string(const Fault& fault) {
-  const std::string where = fault.line > 0 ? fmt::format("line {}: ", fault.line) : "";
-  const std::string name = fault.field.empty() ? "" : fault.field + ": ";
-  return fmt::format("{}{}expected {}, got {}", where, name, fault.expected, fault.got);
+std::string to_string(const Diagnostic& diagnostic) {
+  const std::string where = diagnostic.line > 0 ? fmt::format("line {}: ", diagnostic.line) : "";
+  const std::string name = diagnostic.field.empty() ? "" : diagnostic.field + ": ";
+  return fmt::format("{}{}expected {}, got {}", where, name, diagnostic.expected, diagnostic.got);
 }
 
-std::string to_string(std::span<const Fault> faults) {
+std::string to_string(std::span<const Diagnostic> diagnostics) {
   std::string text;
-  for (const Fault& fault : faults) {
-    if (!text.empty()) text += '\n';
-    text += to_string(fault);
-  }
+  for (const Diagnostic& each : diagnostics) text += (text.empty() ? "" : "\n") + to_string(each);
   return text;
 }
 
-TextReading read_text(std::string_view input, google::protobuf::Message& message) {
+bool read_value(const std::string& text, const FieldDescriptor& field, Message& message) {
+  FirstError ignored;
+  google::protobuf::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&ignored);
+  return parser.ParseFieldValueFromString(text, &field, &message);
+}
+
+TextReading read_text(std::string_view text, Message& message, std::span<const RenamedField> renamed) {
   TextReading result;
-  if (input.size() > kMaxTextBytes) {
-    result.faults.push_back({"", fmt::format("at most {} bytes of text", kMaxTextBytes), std::to_string(input.size())});
+  if (text.size() > kMaxTextBytes) {
+    result.diagnostics.push_back(
+        {"", fmt::format("at most {} bytes of text", kMaxTextBytes), std::to_string(text.size())});
     return result;
   }
-  std::string text(input);
-  std::replace(text.begin(), text.end(), '\t', ' ');  // the tokenizer counts a tab as up to eight columns
-  for (int pass = 0; pass < kMaxFaults; ++pass) {
-    const Scan fields = scan(text, *message.GetDescriptor());
-    Collector collector;
-    google::protobuf::TextFormat::Parser parser;
-    parser.RecordErrorsTo(&collector);
-    parser.AllowUnknownField(true);
-    const bool parsed = parser.ParseFromString(text, &message);
-    report_unknown(fields, collector, result.faults);
-    for (const Field& field : fields.fields) result.lines.emplace(field.path, fields.tokens[field.name].line + 1);
-    if (parsed) break;
-    const Complaint error =
-        collector.errors.empty() ? Complaint{0, 0, "text that can't be read"} : collector.errors.front();
-    if (!report_error(text, fields, error, result.faults)) break;
-  }
-  std::stable_sort(result.faults.begin(), result.faults.end(),
-                   [](const Fault& a, const Fault& b) { return a.line < b.line; });
+  Reader(text, renamed, result).read(message);
   return result;
 }
 

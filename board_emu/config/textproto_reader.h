@@ -1,6 +1,6 @@
 // Strict reading of protobuf text: the board's configuration and its fault plan.
 //
-// Nothing is guessed and nothing is ignored: every fault is collected, named by its field, and reported with the others.
+// Nothing is guessed and nothing is ignored: everything wrong is collected, named by its field, and reported together.
 #pragma once
 
 #include <map>
@@ -10,12 +10,14 @@
 #include <vector>
 
 namespace google::protobuf {
+class FieldDescriptor;
 class Message;
-}
+}  // namespace google::protobuf
 
 namespace gicube::emu {
 
-struct Fault {
+// One thing that is wrong with a setting.
+struct Diagnostic {
   std::string field;  // dotted path, as "asic.processors" or "fault[3].kind"; empty where the text can't be read at all
   std::string expected;
   std::string got;
@@ -23,20 +25,31 @@ struct Fault {
 };
 
 // "line 3: asic.processors: expected 1 to 16, got 99"
-std::string to_string(const Fault& fault);
-// One fault a line.
-std::string to_string(std::span<const Fault> faults);
+std::string to_string(const Diagnostic& diagnostic);
+// One a line.
+std::string to_string(std::span<const Diagnostic> diagnostics);
 
 // Where a text sets each field: dotted path -> line from 1.
 using FieldLines = std::map<std::string, int, std::less<>>;
 
+// A field's name of an earlier release, which is read as `now` for this one.
+struct RenamedField {
+  std::string_view was, now;
+};
+
 struct TextReading {
   FieldLines lines;
-  std::vector<Fault> faults;  // of syntax, names and types
+  std::vector<Diagnostic> diagnostics;  // of syntax, names and types
+  std::vector<std::string> notes;       // of names that should be others: for a log
 };
 
 // Reads protobuf text into `message`, which then has what the text sets. A faulty value is reported and skipped, so that
-// one call finds all of them; only text whose structure is broken ends the search at that line.
-TextReading read_text(std::string_view text, google::protobuf::Message& message);
+// one call finds all of them. Text whose structure is broken ends the search at that line.
+TextReading read_text(std::string_view text, google::protobuf::Message& message,
+                      std::span<const RenamedField> renamed = {});
+
+// Sets a number or an enumeration from its text. False, and nothing has changed, if that is no such value.
+bool read_value(const std::string& text, const google::protobuf::FieldDescriptor& field,
+                google::protobuf::Message& message);
 
 }  // namespace gicube::emu

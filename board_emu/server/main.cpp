@@ -79,8 +79,8 @@ void serve(const Options& options, const RoutineTable& routines) {
 
 int run(int argc, const char* const* argv) {
   const CommandLine line = parse_command_line(argc, argv);
-  for (const std::string& fault : line.faults) fmt::print(stderr, "gicube-board: {}\n", fault);
-  if (!line.faults.empty()) return 2;
+  for (const std::string& error : line.errors) fmt::print(stderr, "gicube-board: {}\n", error);
+  if (!line.errors.empty()) return 2;
   if (line.text) {
     fmt::print("{}", *line.text);
     return 0;

@@ -15,30 +15,29 @@
 namespace gicube::emu {
 namespace {
 
-// The flags as they were typed.
+// Those flags that are options only once they have been read.
 struct Flags {
   std::string listen, management, config_file;
-  std::vector<std::string> overrides, bsdf_files;
+  std::vector<std::string> overrides;
   std::string certificate_file, key_file, token_file;
   std::string trace_file, vcd_file, vcd_window;
-  std::string fault_file, fault_log_file;
-  std::uint32_t boards = 1, resume_seconds = 10;
-  bool allow_remote_bus = false, is_private = false, quiet = false, print_config = false, print_registers = false,
-       print_hardware_cost = false;
+  std::string fault_file;
+  std::uint32_t resume_seconds = 10;
+  bool allow_remote_bus = false;
 };
 
-void add_flags(CLI::App& app, Flags& flags) {
+void add_flags(CLI::App& app, Flags& flags, Options& options) {
   app.add_option("--listen", flags.listen,
                  "where drivers open the board: unix:PATH, tcp:HOST:PORT (port 0 = any free one), or\n"
                  "fd:N for a connected socket; board i > 0 is at PATH.i or PORT+i")
       ->type_name("ENDPOINT");
-  app.add_option("--boards", flags.boards, fmt::format("how many boards, 1 to {}", kMaxBoards))->type_name("N");
-  app.add_flag("--private", flags.is_private, "with fd:N: end with that session");
+  app.add_option("--boards", options.boards, fmt::format("how many boards, 1 to {}", kMaxBoards))->type_name("N");
+  app.add_flag("--private", options.is_private, "with fd:N: end with that session");
   app.add_flag("--allow-remote-bus", flags.allow_remote_bus,
                "let --listen be an address that other machines can reach; the bus has no password");
-  app.add_flag("--quiet", flags.quiet, "log warnings only");
+  app.add_flag("--quiet", options.quiet, "log warnings only");
 
-  app.add_option("--bsdf", flags.bsdf_files,
+  app.add_option("--bsdf", options.bsdf_files,
                  "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
                  "times: the first is routine 8, the next 9. Its code runs in this process, with all its rights")
       ->type_name("FILE")
@@ -51,12 +50,12 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->type_name("FIELD=VALUE")
       ->allow_extra_args(false)
       ->group("Configuration");
-  app.add_flag("--print-config", flags.print_config, "print the resolved configuration and its hash, then end")
+  app.add_flag("--print-config", options.print_config, "print the resolved configuration and its hash, then end")
       ->group("Configuration");
-  app.add_flag("--hardware-cost", flags.print_hardware_cost,
+  app.add_flag("--hardware-cost", options.print_hardware_cost,
                "print what the configuration's ASIC holds in memories, Table 1 of the paper, then end")
       ->group("Configuration");
-  app.add_flag("--registers", flags.print_registers, "print the register table and the memory map, then end")
+  app.add_flag("--registers", options.print_registers, "print the register table and the memory map, then end")
       ->group("Configuration");
 
   app.add_option("--trace", flags.trace_file, "write a trace for ui.perfetto.dev; board i > 0 writes FILE.i")
@@ -81,7 +80,7 @@ void add_flags(CLI::App& app, Flags& flags) {
          "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/guide/faults.md)")
       ->type_name("FILE")
       ->group("Faults");
-  app.add_option("--fault-log", flags.fault_log_file,
+  app.add_option("--fault-log", options.fault_log_file,
                  "append each fault to FILE before it takes effect; board i > 0 writes FILE.i")
       ->type_name("FILE")
       ->group("Faults");
@@ -100,87 +99,88 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->group("Management");
 }
 
-v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& faults) {
+v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& errors) {
   ParsedConfig parsed;
   if (!flags.config_file.empty()) {
     std::ifstream file(flags.config_file, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     if (!file) {
-      faults.push_back(fmt::format("--config: expected a readable file, got {}", flags.config_file));
+      errors.push_back(fmt::format("--config: expected a readable file, got {}", flags.config_file));
     } else {
       parsed = parse_config(text);
     }
   }
-  for (const Fault& fault : parsed.faults) faults.push_back(fmt::format("{}: {}", flags.config_file, to_string(fault)));
-  for (const std::string& each : flags.overrides) {
-    for (const Fault& fault : apply_override(parsed.config, each))
-      faults.push_back("--set " + each + ": " + to_string(fault));
+  for (const Diagnostic& each : parsed.diagnostics) {
+    errors.push_back(fmt::format("{}: {}", flags.config_file, to_string(each)));
   }
-  for (const Fault& fault : check(parsed.config, parsed.lines)) {
-    const std::string file = fault.line > 0 ? flags.config_file + ": " : "";
-    faults.push_back(file + to_string(fault));
+  for (const std::string& each : flags.overrides) {
+    for (const Diagnostic& wrong : apply_override(parsed.config, each)) {
+      errors.push_back("--set " + each + ": " + to_string(wrong));
+    }
+  }
+  for (const Diagnostic& each : check(parsed.config, parsed.lines)) {
+    errors.push_back((each.line > 0 ? flags.config_file + ": " : "") + to_string(each));
   }
   return resolve(parsed.config);
 }
 
-void read_fault_plan(const Flags& flags, Options& options, std::vector<std::string>& faults) {
-  options.fault_log_file = flags.fault_log_file;
+void read_fault_plan(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   if (flags.fault_file.empty()) return;
   std::ifstream file(flags.fault_file, std::ios::binary);
   options.fault_plan = {std::istreambuf_iterator<char>(file), {}};
   if (!file) {
-    faults.push_back(fmt::format("--faults: expected a readable file, got {}", flags.fault_file));
+    errors.push_back(fmt::format("--faults: expected a readable file, got {}", flags.fault_file));
     return;
   }
-  for (const Fault& fault : parse_fault_plan(options.fault_plan).faults) {
-    faults.push_back(fmt::format("{}: {}", flags.fault_file, to_string(fault)));
+  for (const Diagnostic& each : parse_fault_plan(options.fault_plan).diagnostics) {
+    errors.push_back(fmt::format("{}: {}", flags.fault_file, to_string(each)));
   }
 }
 
-std::optional<Endpoint> read_endpoint(const char* flag, const std::string& text, std::vector<std::string>& faults) {
+std::optional<Endpoint> read_endpoint(const char* flag, const std::string& text, std::vector<std::string>& errors) {
   try {
     return parse_endpoint(text);
   } catch (const std::invalid_argument& error) {
-    faults.push_back(fmt::format("{}: {}", flag, error.what()));
+    errors.push_back(fmt::format("{}: {}", flag, error.what()));
     return std::nullopt;
   }
 }
 
-void read_listen(const Flags& flags, Options& options, std::vector<std::string>& faults) {
-  if (flags.boards < 1 || flags.boards > kMaxBoards) {
-    faults.push_back(fmt::format("--boards: expected 1 to {}, got {}", kMaxBoards, flags.boards));
+void read_listen(const Flags& flags, Options& options, std::vector<std::string>& errors) {
+  if (options.boards < 1 || options.boards > kMaxBoards) {
+    errors.push_back(fmt::format("--boards: expected 1 to {}, got {}", kMaxBoards, options.boards));
   }
   if (flags.listen.empty()) {
-    const bool prints_only = flags.print_config || flags.print_registers || flags.print_hardware_cost;
-    if (!prints_only) faults.push_back("--listen: expected unix:PATH, tcp:HOST:PORT or fd:N, got nothing");
+    const bool prints_only = options.print_config || options.print_registers || options.print_hardware_cost;
+    if (!prints_only) errors.push_back("--listen: expected unix:PATH, tcp:HOST:PORT or fd:N, got nothing");
     return;
   }
-  const std::optional<Endpoint> endpoint = read_endpoint("--listen", flags.listen, faults);
+  const std::optional<Endpoint> endpoint = read_endpoint("--listen", flags.listen, errors);
   if (!endpoint) return;
   options.listen = *endpoint;
   if (!is_local(*endpoint) && !flags.allow_remote_bus) {
-    faults.push_back(fmt::format("--listen: expected a loopback address or --allow-remote-bus, got {}", flags.listen));
+    errors.push_back(fmt::format("--listen: expected a loopback address or --allow-remote-bus, got {}", flags.listen));
   }
-  if (flags.is_private && endpoint->kind != EndpointKind::kFd) {
-    faults.push_back(fmt::format("--private: expected --listen fd:N, got {}", flags.listen));
+  if (options.is_private && endpoint->kind != EndpointKind::kFd) {
+    errors.push_back(fmt::format("--private: expected --listen fd:N, got {}", flags.listen));
   }
   try {
-    for_board(*endpoint, flags.boards >= 1 && flags.boards <= kMaxBoards ? flags.boards - 1 : 0);
+    for_board(*endpoint, options.boards >= 1 && options.boards <= kMaxBoards ? options.boards - 1 : 0);
   } catch (const std::invalid_argument& error) {
-    faults.push_back(fmt::format("--boards: {}", error.what()));
+    errors.push_back(fmt::format("--boards: {}", error.what()));
   }
 }
 
-void read_management(const Flags& flags, Options& options, std::vector<std::string>& faults) {
+void read_management(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   const bool has_files = !(flags.certificate_file + flags.key_file + flags.token_file).empty();
   if (flags.management.empty()) {
-    if (has_files) faults.push_back("--management: expected an endpoint for the certificate, key or token, got none");
+    if (has_files) errors.push_back("--management: expected an endpoint for the certificate, key or token, got none");
     return;
   }
-  const std::optional<Endpoint> endpoint = read_endpoint("--management", flags.management, faults);
+  const std::optional<Endpoint> endpoint = read_endpoint("--management", flags.management, errors);
   if (!endpoint) return;
   options.management = ManagementOptions{*endpoint, flags.certificate_file, flags.key_file, flags.token_file};
-  for (const Fault& fault : check(*options.management)) faults.push_back(to_string(fault));
+  for (const Diagnostic& each : check(*options.management)) errors.push_back(to_string(each));
 }
 
 std::optional<CycleWindow> parse_window(std::string_view text) {
@@ -194,26 +194,26 @@ std::optional<CycleWindow> parse_window(std::string_view text) {
 }
 
 // After read_config().
-void read_observation(const Flags& flags, Options& options, std::vector<std::string>& faults) {
+void read_observation(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   options.observation = {flags.trace_file, flags.vcd_file, {}};
   if (flags.vcd_file.empty()) {
-    if (!flags.vcd_window.empty()) faults.push_back("--vcd-window: expected --vcd FILE beside it, got none");
+    if (!flags.vcd_window.empty()) errors.push_back("--vcd-window: expected --vcd FILE beside it, got none");
     return;
   }
   const char* const expected = "BEGIN:END in core cycles, with BEGIN < END";
   if (flags.vcd_window.empty()) {
-    faults.push_back(fmt::format("--vcd: expected --vcd-window {} beside it, got none", expected));
+    errors.push_back(fmt::format("--vcd: expected --vcd-window {} beside it, got none", expected));
   } else if (const auto window = parse_window(flags.vcd_window)) {
     options.observation.vcd_window = *window;
   } else {
-    faults.push_back(fmt::format("--vcd-window: expected {}, got {}", expected, flags.vcd_window));
+    errors.push_back(fmt::format("--vcd-window: expected {}, got {}", expected, flags.vcd_window));
   }
   if (options.config.fidelity() != v1::cycle) {
-    faults.push_back(fmt::format("--vcd: expected fidelity=cycle, got {}: only that level has clocked signals",
+    errors.push_back(fmt::format("--vcd: expected fidelity=cycle, got {}: only that level has clocked signals",
                                  v1::FidelityLevel_Name(options.config.fidelity())));
   }
   if (flags.vcd_file == flags.trace_file) {
-    faults.push_back(fmt::format("--vcd: expected another file than --trace, got {}", flags.vcd_file));
+    errors.push_back(fmt::format("--vcd: expected another file than --trace, got {}", flags.vcd_file));
   }
 }
 
@@ -225,7 +225,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   CLI::App app("An emulated GI-Cube board as a process of its own: drivers open it over a socket, gRPC manages it.",
                "gicube-board");
   app.set_version_flag("--version", "gicube-board " GICUBE_VERSION);
-  add_flags(app, flags);
+  add_flags(app, flags, result.options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
@@ -235,22 +235,15 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     result.text = std::string(version.what()) + "\n";
     return result;
   } catch (const CLI::ParseError& error) {
-    result.faults.push_back(error.what());
+    result.errors.push_back(error.what());
     return result;
   }
-  result.options.boards = flags.boards;
-  result.options.is_private = flags.is_private;
   result.options.resume_limit = std::chrono::seconds(flags.resume_seconds);
-  result.options.quiet = flags.quiet;
-  result.options.bsdf_files = flags.bsdf_files;
-  result.options.print_config = flags.print_config;
-  result.options.print_registers = flags.print_registers;
-  result.options.print_hardware_cost = flags.print_hardware_cost;
-  read_listen(flags, result.options, result.faults);
-  read_management(flags, result.options, result.faults);
-  result.options.config = read_config(flags, result.faults);
-  read_observation(flags, result.options, result.faults);
-  read_fault_plan(flags, result.options, result.faults);
+  read_listen(flags, result.options, result.errors);
+  read_management(flags, result.options, result.errors);
+  result.options.config = read_config(flags, result.errors);
+  read_observation(flags, result.options, result.errors);
+  read_fault_plan(flags, result.options, result.errors);
   return result;
 }
 

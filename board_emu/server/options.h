@@ -38,7 +38,7 @@ struct Options {
 struct CommandLine {
   Options options;
   std::optional<std::string> text;  // help or version, for stdout
-  std::vector<std::string> faults;  // for stderr, one a line
+  std::vector<std::string> errors;  // for stderr, one a line
 };
 
 CommandLine parse_command_line(int argc, const char* const* argv);

@@ -21,11 +21,11 @@ void config(Bytes input) {
   }
   emu::ParsedConfig parsed = emu::parse_config(text);
   for (const std::string& each : overrides) emu::apply_override(parsed.config, each);
-  emu::to_string(parsed.faults);
+  emu::to_string(parsed.diagnostics);
   const bool good = emu::check(parsed.config, parsed.lines).empty();
   const v1::BoardConfig resolved = emu::resolve(parsed.config);
   const emu::ParsedConfig again = emu::parse_config(emu::config_text(resolved));
-  expect(again.faults.empty(), "a resolved configuration's text can be read");
+  expect(again.diagnostics.empty(), "a resolved configuration's text can be read");
   expect(emu::config_hash(again.config) == emu::config_hash(resolved), "and means the same");
   expect(emu::check(again.config).empty() == good, "and is as good");
 }

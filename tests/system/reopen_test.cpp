@@ -109,7 +109,7 @@ TEST_F(Reopen, ASessionThatResumesByItselfSeesNothingOfLostDamagedAndDoubledMess
 TEST_F(Reopen, ManyRandomFaultsChangeNoRayAndNoPicosecond) {
   Board quiet = reference::open_board("emu:?set=asic.block_voxels=8&set=asic.max_volume_voxels=64");
   load(quiet);
-  start("random { seed: 5 kinds: [drop, corrupt, duplicate, link_loss, delay] mean_messages: 20 most_delay_ms: 2 }");
+  start("random { seed: 5 kinds: [drop, corrupt, duplicate, link_loss, delay] mean_messages: 20 max_delay_ms: 2 }");
   OpenOptions options;
   options.reopen_attempts = 100;
   options.watchdog = std::chrono::seconds(2);

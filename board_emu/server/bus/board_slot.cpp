@@ -129,16 +129,16 @@ BoardSlot::Snapshot BoardSlot::counters() const {
   return {board_->simulated_ps(), board_->counters()};
 }
 
-BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Fault>& faults) {
+BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Diagnostic>& found) {
   ParsedConfig parsed = parse_config(text);
   v1::BoardConfig merged;
   {
     std::unique_lock lock(mutex_);
     merged = config_;
     merged.MergeFrom(parsed.config);
-    faults = std::move(parsed.faults);
-    for (Fault& fault : check(merged, parsed.lines)) faults.push_back(std::move(fault));
-    if (!faults.empty()) return Configured::kFaulty;
+    found = std::move(parsed.diagnostics);
+    for (Diagnostic& each : check(merged, parsed.lines)) found.push_back(std::move(each));
+    if (!found.empty()) return Configured::kFaulty;
     end_away(lock);
     if (owner_ != Owner::kNone) return Configured::kInUse;
     owner_ = Owner::kManagement;

@@ -97,13 +97,13 @@ class BoardSlot {
 
   enum class Configured { kDone, kInUse, kFaulty };
   // Merges configuration text and builds the board anew. On anything but kDone nothing has changed.
-  Configured configure(std::string_view text, std::vector<Fault>& faults);
+  Configured configure(std::string_view text, std::vector<Diagnostic>& found);
 
   // The file that the board writes its trace to; empty: none.
   std::string trace_file() const;
   // Builds the board anew, to write its trace to a file that is not there yet; empty: to none, and the former file is
-  // completed. On anything but kDone nothing has changed; kFaulty: `fault` says why.
-  Configured set_trace_file(const std::string& file, std::string& fault);
+  // completed. On anything but kDone nothing has changed; kFaulty: `reason` says why.
+  Configured set_trace_file(const std::string& file, std::string& reason);
 
   // The power button: ends the owning session and resets the board. False if the session did not end in time.
   bool power_reset();

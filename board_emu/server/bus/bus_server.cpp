@@ -125,7 +125,7 @@ class BusServer::Listener {
   asio::steady_timer pause_;
 };
 
-BusServer::BusServer(BusOptions options) : options_(std::move(options)), reception_(options_) {}
+BusServer::BusServer(BusOptions options) : options_(std::move(options)), acceptor_(options_) {}
 
 BusServer::~BusServer() = default;
 
@@ -167,7 +167,7 @@ void BusServer::welcome(Connection::Socket socket, BoardSlot& slot, bool is_priv
 
 asio::awaitable<void> BusServer::serve(std::shared_ptr<Connection> connection, BoardSlot& slot, bool is_private) {
   try {
-    co_await reception_.receive(std::move(connection), slot, !is_private);
+    co_await acceptor_.receive(std::move(connection), slot, !is_private);
   } catch (const std::exception& error) {
     spdlog::error("a session ended by a fault of the server: {}", error.what());
   }
@@ -199,7 +199,7 @@ void BusServer::stop_now() {
   stopped_ = true;
   signals_.cancel();
   for (const auto& listener : listeners_) listener->close();
-  reception_.close();
+  acceptor_.close();
 }
 
 }  // namespace gicube::emu

@@ -49,7 +49,7 @@ class BusServer {
   boost::asio::awaitable<void> serve(std::shared_ptr<Connection> connection, BoardSlot& slot, bool is_private);
 
   const BusOptions options_;
-  SessionAcceptor reception_;
+  SessionAcceptor acceptor_;
   bool stopped_ = false;
   boost::asio::io_context io_{1};
   boost::asio::signal_set signals_{io_};

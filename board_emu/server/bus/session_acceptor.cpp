@@ -45,17 +45,17 @@ class PlaceInLine {
 
 class SessionAcceptor::Guest {
  public:
-  Guest(SessionAcceptor& reception, std::shared_ptr<Connection> connection)
-      : reception_(reception), connection_(std::move(connection)) {
-    reception_.guests_.push_back(connection_);
+  Guest(SessionAcceptor& acceptor, std::shared_ptr<Connection> connection)
+      : acceptor_(acceptor), connection_(std::move(connection)) {
+    acceptor_.guests_.push_back(connection_);
   }
   ~Guest() { leave(); }
   Guest(const Guest&) = delete;
   Guest& operator=(const Guest&) = delete;
-  void leave() { std::erase(reception_.guests_, connection_); }
+  void leave() { std::erase(acceptor_.guests_, connection_); }
 
  private:
-  SessionAcceptor& reception_;
+  SessionAcceptor& acceptor_;
   std::shared_ptr<Connection> connection_;
 };
 

@@ -65,7 +65,7 @@ std::optional<PlannedFault> FaultEngine::draw(Random& random, PlannedFault::Dire
                                               std::uint64_t message) {
   const v1::RandomFaults& rule = random.rule;
   const auto drawn = [&](Purpose purpose) { return chance(random.stream, message, purpose); };
-  if (message < rule.first_message() || (rule.has_most_faults() && random.hits >= rule.most_faults())) return {};
+  if (message < rule.first_message() || (rule.has_max_faults() && random.hits >= rule.max_faults())) return {};
   if (drawn(Purpose::kHit) % rule.mean_messages() != 0) return {};
   ++random.hits;
   PlannedFault fault;
@@ -74,7 +74,7 @@ std::optional<PlannedFault> FaultEngine::draw(Random& random, PlannedFault::Dire
   fault.set_kind(random.kinds[drawn(Purpose::kKind) % random.kinds.size()]);
   const std::uint64_t first = drawn(Purpose::kFirst), second = drawn(Purpose::kSecond);
   switch (fault.kind()) {
-    case PlannedFault::delay: fault.set_delay_ms(static_cast<std::uint32_t>(1 + first % rule.most_delay_ms())); break;
+    case PlannedFault::delay: fault.set_delay_ms(static_cast<std::uint32_t>(1 + first % rule.max_delay_ms())); break;
     case PlannedFault::corrupt: fault.set_bit(static_cast<std::uint32_t>(first)); break;
     case PlannedFault::slow:
       fault.set_bytes_per_second(rule.bytes_per_second());

@@ -29,6 +29,9 @@ constexpr Range kSlowMessages{1, 1'000'000, "messages"};
 constexpr Range kMean{1, std::uint64_t{1} << 32, "messages"};
 constexpr Range kMessage{1, ~std::uint64_t{0}, "(messages are counted from 1)"};
 
+// Names that a plan of an earlier release may have.
+constexpr std::array kRenamed{RenamedField{"most_faults", "max_faults"}, RenamedField{"most_delay_ms", "max_delay_ms"}};
+
 // A field that some kinds use, and must have unless `may_be_left_out`.
 struct Parameter {
   const char* field;
@@ -51,7 +54,7 @@ const std::vector<Parameter>& planned_parameters() {
 
 const std::vector<Parameter>& random_parameters() {
   static const std::vector<Parameter> table{
-      {"most_delay_ms", kDelay, false, {PlannedFault::delay}},
+      {"max_delay_ms", kDelay, false, {PlannedFault::delay}},
       {"bytes_per_second", kRate, false, {PlannedFault::slow}},
       {"slow_messages", kSlowMessages, false, {PlannedFault::slow}},
   };
@@ -62,12 +65,12 @@ class Check {
  public:
   explicit Check(const FieldLines& lines) : lines_(lines) {}
 
-  std::vector<Fault> take() { return std::move(faults_); }
+  std::vector<Diagnostic> take() { return std::move(found_); }
 
   void report(const std::string& where, const std::string& field, std::string expected, std::string got) {
     auto line = lines_.find(where + "." + field);
     if (line == lines_.end()) line = lines_.find(where);
-    faults_.push_back(
+    found_.push_back(
         {where + "." + field, std::move(expected), std::move(got), line == lines_.end() ? 0 : line->second});
   }
 
@@ -118,7 +121,7 @@ class Check {
 
  private:
   const FieldLines& lines_;
-  std::vector<Fault> faults_;
+  std::vector<Diagnostic> found_;
 };
 
 void check_planned(const std::string& where, const PlannedFault& fault, Check& check) {
@@ -163,9 +166,10 @@ bool is_memory_fault(PlannedFault::Kind kind) {
 
 ParsedFaultPlan parse_fault_plan(std::string_view text) {
   ParsedFaultPlan parsed;
-  TextReading reading = read_text(text, parsed.plan);
-  parsed.faults = std::move(reading.faults);
-  if (!parsed.faults.empty()) return parsed;  // what could not be read would be missed once more
+  TextReading reading = read_text(text, parsed.plan, kRenamed);
+  parsed.notes = std::move(reading.notes);
+  parsed.diagnostics = std::move(reading.diagnostics);
+  if (!parsed.diagnostics.empty()) return parsed;  // what could not be read would be missed once more
   Check check(reading.lines);
   std::set<std::pair<int, std::uint64_t>> taken;
   for (int i = 0; i < parsed.plan.fault_size(); ++i) {
@@ -180,7 +184,7 @@ ParsedFaultPlan parse_fault_plan(std::string_view text) {
   for (int i = 0; i < parsed.plan.random_size(); ++i) {
     check_random(fmt::format("random[{}]", i), parsed.plan.random(i), check);
   }
-  parsed.faults = check.take();
+  parsed.diagnostics = check.take();
   return parsed;
 }
 

@@ -12,7 +12,8 @@ namespace gicube::emu {
 
 struct ParsedFaultPlan {
   v1::FaultPlan plan;
-  std::vector<Fault> faults;  // what is wrong with the text; the plan may be used if this is empty
+  std::vector<Diagnostic> diagnostics;  // what is wrong with the text; the plan may be used if this is empty
+  std::vector<std::string> notes;       // for a log
 };
 
 // Reads and checks a plan. Every faulty field is found: unknown, missing, out of its range, without use for its kind, and

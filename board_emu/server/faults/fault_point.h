@@ -61,7 +61,7 @@ class FaultPoint {
   FaultAction sent(std::size_t frame_bytes) { return next(v1::PlannedFault::up, frame_bytes); }
 
   // Replaces the plan and clears the log. An empty text is no plan. Returns what is wrong with it; then nothing changes.
-  std::vector<Fault> set_plan(std::string_view text);
+  std::vector<Diagnostic> set_plan(std::string_view text);
 
   struct Info {
     std::string plan_text;

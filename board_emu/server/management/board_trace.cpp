@@ -14,17 +14,17 @@ std::string BoardSlot::trace_file() const {
   return observation_ ? observation_->options().trace_file : std::string();
 }
 
-BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& fault) {
+BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& reason) {
   v1::BoardConfig config;
   {
     std::unique_lock lock(mutex_);
     if (observation_ && !observation_->options().vcd_file.empty()) {
-      fault = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
+      reason = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
       return Configured::kFaulty;
     }
     std::error_code ignored;
     if (std::filesystem::exists(file, ignored)) {
-      fault = "file: expected the name of a new file, got " + file;
+      reason = "file: expected the name of a new file, got " + file;
       return Configured::kFaulty;
     }
     end_away(lock);
@@ -43,7 +43,7 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
     board_.swap(board);
     observation_.swap(observation);
   } catch (const std::exception& error) {
-    fault = error.what();
+    reason = error.what();
     result = Configured::kFaulty;
   }
   board.reset();

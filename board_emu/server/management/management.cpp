@@ -40,104 +40,66 @@ class Service final : public v1::BoardManagement::Service {
   }
 
   Status GetInfo(ServerContext*, const v1::GetInfoRequest* request, v1::BoardInfo* info) override {
-    const BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    describe(*slot, *info);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *info); });
   }
 
   Status Configure(ServerContext*, const v1::ConfigureRequest* request, v1::BoardInfo* info) override {
-    BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    std::vector<Fault> faults;
-    switch (slot->configure(request->config_text(), faults)) {
-      case BoardSlot::Configured::kFaulty: return {StatusCode::INVALID_ARGUMENT, to_string(faults)};
-      case BoardSlot::Configured::kInUse: return has_owner(request->board());
-      case BoardSlot::Configured::kDone: break;
-    }
-    describe(*slot, *info);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) {
+      std::vector<Diagnostic> found;
+      const auto result = slot.configure(request->config_text(), found);
+      return result == BoardSlot::Configured::kDone ? describe(slot, *info) : refusal(result, slot, to_string(found));
+    });
   }
 
   Status Reset(ServerContext*, const v1::ResetRequest* request, v1::BoardInfo* info) override {
-    BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    if (!slot->power_reset()) return {StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
-    describe(*slot, *info);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) -> Status {
+      if (slot.power_reset()) return describe(slot, *info);
+      return {StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
+    });
   }
 
   Status GetCounters(ServerContext*, const v1::GetCountersRequest* request, v1::CounterSnapshot* snapshot) override {
-    const BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    *snapshot = take_snapshot(*slot);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) {
+      *snapshot = take_snapshot(slot);
+      return Status::OK;
+    });
   }
 
   Status SetTrace(ServerContext*, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
-    BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    std::string fault;
-    switch (slot->set_trace_file(request->file(), fault)) {
-      case BoardSlot::Configured::kFaulty: return {StatusCode::INVALID_ARGUMENT, fault};
-      case BoardSlot::Configured::kInUse: return has_owner(request->board());
-      case BoardSlot::Configured::kDone: break;
-    }
-    describe_trace(*slot, *info);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) {
+      std::string reason;
+      const auto result = slot.set_trace_file(request->file(), reason);
+      return result == BoardSlot::Configured::kDone ? describe(slot, *info) : refusal(result, slot, reason);
+    });
   }
 
   Status GetTrace(ServerContext*, const v1::GetTraceRequest* request, v1::TraceInfo* info) override {
-    const BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    describe_trace(*slot, *info);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *info); });
   }
 
   Status WatchCounters(ServerContext* context, const v1::WatchCountersRequest* request,
                        grpc::ServerWriter<v1::CounterSnapshot>* writer) override {
-    const BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    const std::uint32_t interval_ms = request->interval_ms() == 0 ? kDefaultIntervalMs : request->interval_ms();
-    if (interval_ms < kMinIntervalMs || interval_ms > kMaxIntervalMs) {
-      return {StatusCode::INVALID_ARGUMENT,
-              fmt::format("interval_ms: expected 0 or {} to {}, got {}", kMinIntervalMs, kMaxIntervalMs, interval_ms)};
-    }
-    const Watch watch(watchers_);
-    if (watch.number > kMaxWatchers) {
-      return {StatusCode::RESOURCE_EXHAUSTED, fmt::format("expected at most {} watches at a time", kMaxWatchers)};
-    }
-    auto next = std::chrono::steady_clock::now();
-    do {
-      if (!writer->Write(take_snapshot(*slot))) return Status::OK;
-      next += std::chrono::milliseconds(interval_ms);
-    } while (sleep_until(next, *context));
-    if (context->IsCancelled()) return Status::CANCELLED;
-    return {StatusCode::UNAVAILABLE, "the board process ends"};
+    return on_board(*request, [&](BoardSlot& slot) { return watch(*context, *request, slot, *writer); });
   }
 
   Status SetFaultPlan(ServerContext*, const v1::SetFaultPlanRequest* request, v1::FaultPlanInfo* info) override {
-    BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    const std::vector<Fault> faults = slot->faults().set_plan(request->plan_text());
-    if (!faults.empty()) return {StatusCode::INVALID_ARGUMENT, to_string(faults)};
-    describe_plan(*slot, *info);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) -> Status {
+      const std::vector<Diagnostic> found = slot.faults().set_plan(request->plan_text());
+      if (!found.empty()) return {StatusCode::INVALID_ARGUMENT, to_string(found)};
+      return describe(slot, *info);
+    });
   }
 
   Status GetFaultPlan(ServerContext*, const v1::GetFaultPlanRequest* request, v1::FaultPlanInfo* info) override {
-    BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    describe_plan(*slot, *info);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *info); });
   }
 
   Status GetFaultLog(ServerContext*, const v1::GetFaultLogRequest* request, v1::FaultLog* log) override {
-    BoardSlot* slot = find(request->board());
-    if (slot == nullptr) return no_board(request->board());
-    log->set_board(slot->index());
-    for (v1::PlannedFault& fault : slot->faults().log(request->clear())) *log->add_faults() = std::move(fault);
-    return Status::OK;
+    return on_board(*request, [&](BoardSlot& slot) {
+      log->set_board(slot.index());
+      for (v1::PlannedFault& fault : slot.faults().log(request->clear())) *log->add_faults() = std::move(fault);
+      return Status::OK;
+    });
   }
 
   // Ends the watches.
@@ -157,22 +119,46 @@ class Service final : public v1::BoardManagement::Service {
     int number;
   };
 
-  BoardSlot* find(std::uint32_t board) const { return board < boards_.size() ? boards_[board] : nullptr; }
-
-  Status no_board(std::uint32_t board) const {
-    return {StatusCode::NOT_FOUND, fmt::format("board: expected 0 to {}, got {}", boards_.size() - 1, board)};
+  // Has `work` do what a request asks of the board that it names.
+  template <typename Request, typename Work>
+  Status on_board(const Request& request, const Work& work) const {
+    if (request.board() < boards_.size()) return work(*boards_[request.board()]);
+    return {StatusCode::NOT_FOUND, fmt::format("board: expected 0 to {}, got {}", boards_.size() - 1, request.board())};
   }
 
-  static Status has_owner(std::uint32_t board) {
-    return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", board)};
+  // Why a board was not rebuilt.
+  static Status refusal(BoardSlot::Configured result, const BoardSlot& slot, const std::string& reason) {
+    if (result == BoardSlot::Configured::kFaulty) return {StatusCode::INVALID_ARGUMENT, reason};
+    return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", slot.index())};
   }
 
-  static void describe_trace(const BoardSlot& slot, v1::TraceInfo& out) {
+  Status watch(const ServerContext& context, const v1::WatchCountersRequest& request, const BoardSlot& slot,
+               grpc::ServerWriter<v1::CounterSnapshot>& writer) {
+    const std::uint32_t interval_ms = request.interval_ms() == 0 ? kDefaultIntervalMs : request.interval_ms();
+    if (interval_ms < kMinIntervalMs || interval_ms > kMaxIntervalMs) {
+      return {StatusCode::INVALID_ARGUMENT,
+              fmt::format("interval_ms: expected 0 or {} to {}, got {}", kMinIntervalMs, kMaxIntervalMs, interval_ms)};
+    }
+    const Watch watch(watchers_);
+    if (watch.number > kMaxWatchers) {
+      return {StatusCode::RESOURCE_EXHAUSTED, fmt::format("expected at most {} watches at a time", kMaxWatchers)};
+    }
+    auto next = std::chrono::steady_clock::now();
+    do {
+      if (!writer.Write(take_snapshot(slot))) return Status::OK;
+      next += std::chrono::milliseconds(interval_ms);
+    } while (sleep_until(next, context));
+    if (context.IsCancelled()) return Status::CANCELLED;
+    return {StatusCode::UNAVAILABLE, "the board process ends"};
+  }
+
+  static Status describe(const BoardSlot& slot, v1::TraceInfo& out) {
     out.set_board(slot.index());
     out.set_file(slot.trace_file());
+    return Status::OK;
   }
 
-  static void describe(const BoardSlot& slot, v1::BoardInfo& out) {
+  static Status describe(const BoardSlot& slot, v1::BoardInfo& out) {
     const BoardSlot::Info info = slot.info();
     out.set_board(info.index);
     out.set_product("GI-Cube (emulated)");
@@ -189,15 +175,17 @@ class Service final : public v1::BoardManagement::Service {
       listed->set_cycles(routine.cycles);
       listed->set_cycle_budget(routine.cycle_budget);
     }
+    return Status::OK;
   }
 
-  static void describe_plan(BoardSlot& slot, v1::FaultPlanInfo& out) {
+  static Status describe(BoardSlot& slot, v1::FaultPlanInfo& out) {
     const FaultPoint::Info info = slot.faults().info();
     out.set_board(slot.index());
     out.set_plan_text(info.plan_text);
     out.set_messages_down(info.messages_down);
     out.set_messages_up(info.messages_up);
     out.set_faults(info.faults);
+    return Status::OK;
   }
 
   static v1::CounterSnapshot take_snapshot(const BoardSlot& slot) {
@@ -269,7 +257,7 @@ std::shared_ptr<grpc::ServerCredentials> credentials(const ManagementOptions& op
 
 }  // namespace
 
-std::vector<Fault> check(const ManagementOptions& options) {
+std::vector<Diagnostic> check(const ManagementOptions& options) {
   const std::array<std::pair<const char*, const std::string*>, 3> files{
       {{"--management-cert", &options.certificate_file},
        {"--management-key", &options.key_file},
@@ -280,19 +268,19 @@ std::vector<Fault> check(const ManagementOptions& options) {
     if (file->empty()) missing += (missing.empty() ? "" : ", ") + std::string(flag);
     given += file->empty() ? 0 : 1;
   }
-  std::vector<Fault> faults;
+  std::vector<Diagnostic> found;
   const std::string endpoint = to_string(options.endpoint);
   if (options.endpoint.kind == EndpointKind::kFd) {
-    faults.push_back({"--management", "unix:PATH or tcp:HOST:PORT", endpoint});
+    found.push_back({"--management", "unix:PATH or tcp:HOST:PORT", endpoint});
   } else if (!is_local(options.endpoint) && !missing.empty()) {
-    faults.push_back({"--management",
-                      fmt::format("a loopback address or a unix socket, or TLS and a token by {}", missing),
-                      endpoint + ", which other machines can reach"});
+    found.push_back({"--management",
+                     fmt::format("a loopback address or a unix socket, or TLS and a token by {}", missing),
+                     endpoint + ", which other machines can reach"});
   } else if (given != 0 && !missing.empty()) {
-    faults.push_back({"--management", "a certificate, a key and a token file together; missing: " + missing,
-                      fmt::format("{} of the three", given)});
+    found.push_back({"--management", "a certificate, a key and a token file together; missing: " + missing,
+                     fmt::format("{} of the three", given)});
   }
-  return faults;
+  return found;
 }
 
 struct Management::Parts {
@@ -305,8 +293,8 @@ struct Management::Parts {
 
 Management::Management(const ManagementOptions& options, std::vector<BoardSlot*> boards)
     : parts_(std::make_unique<Parts>(std::move(boards))) {
-  const std::vector<Fault> faults = check(options);
-  if (!faults.empty()) throw std::runtime_error(to_string(faults));
+  const std::vector<Diagnostic> found = check(options);
+  if (!found.empty()) throw std::runtime_error(to_string(found));
   const bool is_unix = options.endpoint.kind == EndpointKind::kUnix;
   if (is_unix) remove_stale_socket(options.endpoint.path);
   grpc::EnableDefaultHealthCheckService(true);

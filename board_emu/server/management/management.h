@@ -22,12 +22,12 @@ struct ManagementOptions {
 };
 
 // Why these options are refused, by flag; empty if they are good. Reads no file.
-std::vector<Fault> check(const ManagementOptions& options);
+std::vector<Diagnostic> check(const ManagementOptions& options);
 
 class Management {
  public:
   // Serves the boards, each of which must outlive this, on gRPC's threads. Throws std::runtime_error that names the file
-  // or the endpoint at fault, or carries the faults of check().
+  // or the endpoint at fault, or carries what check() found.
   Management(const ManagementOptions& options, std::vector<BoardSlot*> boards);
   // Ends every call and closes the endpoint.
   ~Management();

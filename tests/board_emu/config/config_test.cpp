@@ -12,9 +12,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::vector<std::string> texts(const std::vector<Fault>& faults) {
+std::vector<std::string> texts(const std::vector<Diagnostic>& found) {
   std::vector<std::string> all;
-  for (const Fault& fault : faults) all.push_back(to_string(fault));
+  for (const Diagnostic& each : found) all.push_back(to_string(each));
   return all;
 }
 
@@ -26,7 +26,7 @@ v1::BoardConfig with(std::initializer_list<const char*> overrides) {
 
 TEST(Config, EmptyTextIsTheDesignPoint) {
   const ParsedConfig parsed = parse_config("");
-  EXPECT_THAT(texts(parsed.faults), IsEmpty());
+  EXPECT_THAT(texts(parsed.diagnostics), IsEmpty());
   EXPECT_THAT(texts(check(parsed.config)), IsEmpty());
   EXPECT_EQ(parsed.config.asic().processors(), 4u);
 }
@@ -42,7 +42,7 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
       "asik { processors: 8 }\n"
       "bus { model: pci66 }\n");
   EXPECT_THAT(
-      texts(parsed.faults),
+      texts(parsed.diagnostics),
       testing::ElementsAre("line 1: fidelity: expected one of functional, approximate, cycle, got fast",
                            "line 3: asic.processors: expected a whole number from 0 to 4294967295, got \"eight\"",
                            "line 4: asic.queue_rays: expected a whole number from 0 to 4294967295, got -1",
@@ -56,40 +56,42 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
 
 TEST(Config, ReportsARepeatedMessage) {
   const ParsedConfig parsed = parse_config("dsp { clock_khz: 1000 }\ndsp { framebuffer_mb: 64 }\n");
-  EXPECT_THAT(texts(parsed.faults), testing::ElementsAre("line 2: dsp: expected to be set once, got it a second time"));
+  EXPECT_THAT(texts(parsed.diagnostics),
+              testing::ElementsAre("line 2: dsp: expected to be set once, got it a second time"));
   EXPECT_EQ(parsed.config.dsp().clock_khz(), 1000u);
 }
 
 TEST(Config, ReportsAScalarWhereAMessageBelongs) {
-  EXPECT_THAT(texts(parse_config("asic: 4\n").faults),
+  EXPECT_THAT(texts(parse_config("asic: 4\n").diagnostics),
               testing::ElementsAre(HasSubstr("line 1: asic: expected a message")));
-  EXPECT_THAT(texts(parse_config("threads { }\n").faults),
+  EXPECT_THAT(texts(parse_config("threads { }\n").diagnostics),
               testing::ElementsAre(HasSubstr("line 1: threads: expected")));
 }
 
 TEST(Config, ReportsBrokenStructureWithItsLine) {
-  EXPECT_THAT(texts(parse_config("asic {\n  processors: 4\n").faults), testing::ElementsAre(HasSubstr("got Expected")));
-  EXPECT_THAT(texts(parse_config("asic {}\n}\n").faults),
-              testing::ElementsAre(HasSubstr("line 2: expected protobuf text")));
-  EXPECT_FALSE(parse_config(std::string("\x00\xff\x07{{{", 6)).faults.empty());
-  EXPECT_FALSE(parse_config("threads: \"never closed").faults.empty());
+  EXPECT_THAT(texts(parse_config("asic {\n  processors: 4\n").diagnostics),
+              testing::ElementsAre("line 3: expected a field's name or \"}\", got the end of the text"));
+  EXPECT_THAT(texts(parse_config("asic {}\n}\n").diagnostics),
+              testing::ElementsAre("line 2: expected a field's name, got \"}\""));
+  EXPECT_FALSE(parse_config(std::string("\x00\xff\x07{{{", 6)).diagnostics.empty());
+  EXPECT_FALSE(parse_config("threads: \"never closed").diagnostics.empty());
 }
 
 TEST(Config, RefusesAHugeText) {
-  EXPECT_THAT(texts(parse_config(std::string(std::size_t{2} << 20, ' ')).faults),
+  EXPECT_THAT(texts(parse_config(std::string(std::size_t{2} << 20, ' ')).diagnostics),
               testing::ElementsAre(HasSubstr("at most")));
 }
 
 TEST(Config, EndsOnATextFullOfFaults) {
   std::string text;
   for (int i = 0; i < 500; ++i) text += "threads: \"many\"\n";
-  EXPECT_THAT(parse_config(text).faults.size(), testing::AllOf(testing::Ge(2u), testing::Le(500u)));
+  EXPECT_THAT(parse_config(text).diagnostics.size(), testing::AllOf(testing::Ge(2u), testing::Le(500u)));
 }
 
 TEST(Config, ChecksEveryRangeAtOnceWithItsLine) {
   const ParsedConfig parsed =
       parse_config("asic {\n processors: 17\n block_voxels: 48\n}\nbus { latency_timer_clocks: 7 }\n");
-  ASSERT_THAT(texts(parsed.faults), IsEmpty());
+  ASSERT_THAT(texts(parsed.diagnostics), IsEmpty());
   EXPECT_THAT(texts(check(parsed.config, parsed.lines)),
               testing::UnorderedElementsAre("line 2: asic.processors: expected 1 to 16 processors, got 17",
                                             "line 3: asic.block_voxels: expected 8, 16, 32 or 64 voxels, got 48",
@@ -199,7 +201,7 @@ TEST(Config, ResolvingSetsEveryFieldAndKeepsWhatWasSet) {
 TEST(Config, TheResolvedTextReadsBackAsTheSameConfiguration) {
   const v1::BoardConfig config = with({"asic.queue_rays=7", "bus.model=agp1x"});
   const ParsedConfig again = parse_config(config_text(config));
-  EXPECT_THAT(texts(again.faults), IsEmpty());
+  EXPECT_THAT(texts(again.diagnostics), IsEmpty());
   EXPECT_EQ(again.config.SerializeAsString(), resolve(config).SerializeAsString());
 }
 

@@ -24,7 +24,7 @@ CommandLine parse(std::vector<const char*> arguments) {
 TEST(CommandLine, TakesAListeningBoardWithOverrides) {
   const CommandLine line = parse({"--listen", "unix:/tmp/b", "--boards", "3", "--set", "asic.processors=8", "--set",
                                   "bus.model=agp2x", "--quiet"});
-  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_THAT(line.errors, IsEmpty());
   EXPECT_EQ(to_string(line.options.listen), "unix:/tmp/b");
   EXPECT_EQ(line.options.boards, 3u);
   EXPECT_EQ(line.options.config.asic().processors(), 8u);
@@ -37,7 +37,7 @@ TEST(CommandLine, TakesAListeningBoardWithOverrides) {
 TEST(CommandLine, SaysHowLongASessionMayBeResumed) {
   EXPECT_EQ(parse({"--listen", "unix:/tmp/b"}).options.resume_limit, std::chrono::seconds(10));
   EXPECT_EQ(parse({"--listen", "unix:/tmp/b", "--resume-seconds", "0"}).options.resume_limit.count(), 0);
-  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--resume-seconds", "86401"}).faults,
+  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--resume-seconds", "86401"}).errors,
               Contains(HasSubstr("--resume-seconds")));
 }
 
@@ -45,7 +45,7 @@ TEST(CommandLine, ThePaceIsNoPartOfTheConfigurationsHash) {
   const auto paced = parse({"--listen", "unix:/tmp/b", "--set", "pace=realtime"}).options.config;
   EXPECT_EQ(paced.pace(), v1::realtime);
   EXPECT_EQ(config_hash(paced), config_hash(parse({"--listen", "unix:/tmp/b"}).options.config));
-  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--set", "pace=PACE_UNSPECIFIED"}).faults, Contains(HasSubstr("pace")));
+  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--set", "pace=PACE_UNSPECIFIED"}).errors, Contains(HasSubstr("pace")));
 }
 
 TEST(CommandLine, ReportsAllFaultsAtOnce) {
@@ -54,14 +54,14 @@ TEST(CommandLine, ReportsAllFaultsAtOnce) {
   std::ofstream(file) << "asic { processors: 99\n colour: 3 }\n";
   const CommandLine line = parse({"--listen", "tcp:0.0.0.0:1", "--boards", "65", "--private", "--config", file.c_str(),
                                   "--set", "dsp.clock=3", "--management", "tcp:0.0.0.0:2"});
-  EXPECT_THAT(line.faults, testing::SizeIs(7));
-  EXPECT_THAT(line.faults, Contains(HasSubstr("--boards: expected 1 to 64, got 65")));
-  EXPECT_THAT(line.faults, Contains(HasSubstr("--allow-remote-bus")));
-  EXPECT_THAT(line.faults, Contains(HasSubstr("--private: expected --listen fd:N")));
-  EXPECT_THAT(line.faults, Contains(AllOf(HasSubstr(file), HasSubstr("line 2: asic.colour: expected one of"))));
-  EXPECT_THAT(line.faults, Contains(AllOf(HasSubstr(file), HasSubstr("line 1: asic.processors: expected 1 to 16"))));
-  EXPECT_THAT(line.faults, Contains(HasSubstr("--set dsp.clock=3: dsp.clock: expected one of clock_khz")));
-  EXPECT_THAT(line.faults, Contains(HasSubstr("--management-cert, --management-key, --management-token-file")));
+  EXPECT_THAT(line.errors, testing::SizeIs(7));
+  EXPECT_THAT(line.errors, Contains(HasSubstr("--boards: expected 1 to 64, got 65")));
+  EXPECT_THAT(line.errors, Contains(HasSubstr("--allow-remote-bus")));
+  EXPECT_THAT(line.errors, Contains(HasSubstr("--private: expected --listen fd:N")));
+  EXPECT_THAT(line.errors, Contains(AllOf(HasSubstr(file), HasSubstr("line 2: asic.colour: expected one of"))));
+  EXPECT_THAT(line.errors, Contains(AllOf(HasSubstr(file), HasSubstr("line 1: asic.processors: expected 1 to 16"))));
+  EXPECT_THAT(line.errors, Contains(HasSubstr("--set dsp.clock=3: dsp.clock: expected one of clock_khz")));
+  EXPECT_THAT(line.errors, Contains(HasSubstr("--management-cert, --management-key, --management-token-file")));
 }
 
 TEST(CommandLine, AnOverrideWinsOverTheFile) {
@@ -69,57 +69,57 @@ TEST(CommandLine, AnOverrideWinsOverTheFile) {
   const std::string file = folder.file("board.textproto");
   std::ofstream(file) << "asic { processors: 99 queue_rays: 7 }\n";
   const CommandLine line = parse({"--print-config", "--config", file.c_str(), "--set", "asic.processors=2"});
-  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_THAT(line.errors, IsEmpty());
   EXPECT_EQ(line.options.config.asic().processors(), 2u);
   EXPECT_EQ(line.options.config.asic().queue_rays(), 7u);
 }
 
 TEST(CommandLine, RemoteManagementNeedsWhatIsMissingByName) {
   const CommandLine line = parse({"--listen", "fd:3", "--management", "tcp:0.0.0.0:2", "--management-key", "k"});
-  EXPECT_THAT(line.faults, ElementsAre(AllOf(HasSubstr("--management-cert, --management-token-file"),
+  EXPECT_THAT(line.errors, ElementsAre(AllOf(HasSubstr("--management-cert, --management-token-file"),
                                              testing::Not(HasSubstr("--management-key")))));
-  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "tcp:127.0.0.1:2", "--management-key", "k"}).faults,
+  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "tcp:127.0.0.1:2", "--management-key", "k"}).errors,
               ElementsAre(HasSubstr("missing: --management-cert, --management-token-file")));
-  EXPECT_THAT(parse({"--listen", "fd:3", "--management-key", "k"}).faults,
+  EXPECT_THAT(parse({"--listen", "fd:3", "--management-key", "k"}).errors,
               ElementsAre(HasSubstr("expected an endpoint")));
-  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "fd:4"}).faults, ElementsAre(HasSubstr("unix:PATH")));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "fd:4"}).errors, ElementsAre(HasSubstr("unix:PATH")));
 }
 
 TEST(CommandLine, ARemoteBusMustBeAllowed) {
-  EXPECT_THAT(parse({"--listen", "tcp:0.0.0.0:1", "--allow-remote-bus"}).faults, IsEmpty());
-  EXPECT_THAT(parse({"--listen", "tcp:[::]:1"}).faults, testing::SizeIs(1));
+  EXPECT_THAT(parse({"--listen", "tcp:0.0.0.0:1", "--allow-remote-bus"}).errors, IsEmpty());
+  EXPECT_THAT(parse({"--listen", "tcp:[::]:1"}).errors, testing::SizeIs(1));
 }
 
 TEST(CommandLine, TakesScatteringRoutinesInTheirOrder) {
   const CommandLine line = parse({"--listen", "fd:3", "--bsdf", "b.so", "--bsdf", "a.so"});
-  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_THAT(line.errors, IsEmpty());
   EXPECT_THAT(line.options.bsdf_files, ElementsAre("b.so", "a.so"));
 }
 
 TEST(CommandLine, NeedsSomethingToDo) {
-  EXPECT_THAT(parse({}).faults, ElementsAre(HasSubstr("--listen")));
-  EXPECT_THAT(parse({"--registers"}).faults, IsEmpty());
-  EXPECT_THAT(parse({"--hardware-cost", "--set", "asic.processors=8"}).faults, IsEmpty());
-  EXPECT_THAT(parse({"--listne", "fd:3"}).faults, testing::SizeIs(1));
-  EXPECT_THAT(parse({"--listen", "fd:3", "--boards", "2"}).faults, ElementsAre(HasSubstr("--boards")));
-  EXPECT_THAT(parse({"--listen", "fd:3", "--config", "/nowhere"}).faults, ElementsAre(HasSubstr("/nowhere")));
+  EXPECT_THAT(parse({}).errors, ElementsAre(HasSubstr("--listen")));
+  EXPECT_THAT(parse({"--registers"}).errors, IsEmpty());
+  EXPECT_THAT(parse({"--hardware-cost", "--set", "asic.processors=8"}).errors, IsEmpty());
+  EXPECT_THAT(parse({"--listne", "fd:3"}).errors, testing::SizeIs(1));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--boards", "2"}).errors, ElementsAre(HasSubstr("--boards")));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--config", "/nowhere"}).errors, ElementsAre(HasSubstr("/nowhere")));
 }
 
 TEST(CommandLine, TakesFilesToObserveTheBoardWith) {
   const CommandLine line = parse({"--listen", "fd:3", "--set", "fidelity=cycle", "--trace", "t.json", "--vcd", "w.vcd",
                                   "--vcd-window", "1000:2500"});
-  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_THAT(line.errors, IsEmpty());
   EXPECT_EQ(line.options.observation.trace_file, "t.json");
   EXPECT_EQ(line.options.observation.vcd_file, "w.vcd");
   EXPECT_EQ(line.options.observation.vcd_window.begin, 1000u);
   EXPECT_EQ(line.options.observation.vcd_window.end, 2500u);
-  EXPECT_THAT(parse({"--listen", "fd:3", "--trace", "t.json"}).faults, IsEmpty());  // bus and DSP at any level
+  EXPECT_THAT(parse({"--listen", "fd:3", "--trace", "t.json"}).errors, IsEmpty());  // bus and DSP at any level
 }
 
 TEST(CommandLine, AWaveformNeedsAWindowTheCycleLevelAndAFileOfItsOwn) {
   const auto faults = [](std::vector<const char*> more) {
     more.insert(more.begin(), {"--listen", "fd:3", "--set", "fidelity=cycle"});
-    return parse(more).faults;
+    return parse(more).errors;
   };
   EXPECT_THAT(faults({"--vcd", "w"}), ElementsAre(HasSubstr("--vcd: expected --vcd-window BEGIN:END")));
   EXPECT_THAT(faults({"--vcd-window", "1:2"}), ElementsAre(HasSubstr("--vcd-window: expected --vcd FILE")));
@@ -129,7 +129,7 @@ TEST(CommandLine, AWaveformNeedsAWindowTheCycleLevelAndAFileOfItsOwn) {
   }
   EXPECT_THAT(faults({"--vcd", "w", "--vcd-window", "1:2", "--trace", "w"}),
               ElementsAre(HasSubstr("--vcd: expected another file than --trace, got w")));
-  EXPECT_THAT(parse({"--listen", "fd:3", "--vcd", "w", "--vcd-window", "1:2"}).faults,
+  EXPECT_THAT(parse({"--listen", "fd:3", "--vcd", "w", "--vcd-window", "1:2"}).errors,
               ElementsAre(HasSubstr("--vcd: expected fidelity=cycle, got functional")));
 }
 
@@ -147,12 +147,12 @@ TEST(CommandLine, ReadsAFaultPlanAndNamesEveryFaultInIt) {
     return parse({"--listen", "unix:/tmp/b", "--faults", file.c_str(), "--fault-log", "faults.log"});
   };
   const CommandLine line = with(good);
-  EXPECT_THAT(line.faults, IsEmpty());
+  EXPECT_THAT(line.errors, IsEmpty());
   EXPECT_EQ(line.options.fault_plan, "fault { direction: down message: 3 kind: drop }");
   EXPECT_EQ(line.options.fault_log_file, "faults.log");
-  EXPECT_THAT(with(bad).faults, ElementsAre(HasSubstr(bad + ": line 1: fault[0].kind: expected one of drop"),
+  EXPECT_THAT(with(bad).errors, ElementsAre(HasSubstr(bad + ": line 1: fault[0].kind: expected one of drop"),
                                             HasSubstr(bad + ": line 2: foult: expected one of fault, random")));
-  EXPECT_THAT(with(folder.file("none")).faults, ElementsAre(HasSubstr("--faults: expected a readable file")));
+  EXPECT_THAT(with(folder.file("none")).errors, ElementsAre(HasSubstr("--faults: expected a readable file")));
 }
 
 }  // namespace

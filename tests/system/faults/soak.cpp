@@ -42,7 +42,7 @@ std::string plan_text(const SoakPlan& plan, std::uint32_t process) {
   const std::uint64_t seed = random();
   std::string text = fmt::format(
       "random {{ seed: {} kinds: [drop, delay, corrupt, duplicate, hang, link_loss, slow] mean_messages: {} "
-      "most_delay_ms: 3 bytes_per_second: 20000000 slow_messages: 4 }}\n"
+      "max_delay_ms: 3 bytes_per_second: 20000000 slow_messages: 4 }}\n"
       "random {{ seed: {} kinds: [memory_detected, memory_silent] mean_messages: {} }}\n",
       seed, plan.link_mean, seed, plan.memory_mean);
   if (process == plan.kills) return text;
@@ -159,7 +159,7 @@ class Soak {
     std::vector<v1::PlannedFault> faults;
     const std::string text{std::istreambuf_iterator<char>(stream), {}};
     const emu::ParsedFaultPlan parsed = emu::parse_fault_plan(text);
-    if (!parsed.faults.empty()) throw std::runtime_error("the log is no plan: " + to_string(parsed.faults));
+    if (!parsed.diagnostics.empty()) throw std::runtime_error("the log is no plan: " + to_string(parsed.diagnostics));
     for (const v1::PlannedFault& fault : parsed.plan.fault()) faults.push_back(fault);
     std::sort(faults.begin(), faults.end(), [](const auto& a, const auto& b) {
       return std::pair(a.direction(), a.message()) < std::pair(b.direction(), b.message());

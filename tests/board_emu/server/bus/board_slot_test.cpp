@@ -60,9 +60,9 @@ TEST(BoardSlot, SessionsAndManagementMeetInAnyOrder) {
   });
   std::thread configurer([&] {
     for (int i = 0; !done; ++i) {
-      std::vector<Fault> faults;
-      slot.configure(i % 2 == 0 ? "asic { processors: 8 }" : "asic { processors: 4 }", faults);
-      EXPECT_TRUE(faults.empty());
+      std::vector<Diagnostic> found;
+      slot.configure(i % 2 == 0 ? "asic { processors: 8 }" : "asic { processors: 4 }", found);
+      EXPECT_TRUE(found.empty());
       std::this_thread::sleep_for(kPause);
     }
   });

@@ -15,13 +15,13 @@ using v1::PlannedFault;
 
 std::vector<std::string> faults_of(std::string_view text) {
   std::vector<std::string> all;
-  for (const Fault& fault : parse_fault_plan(text).faults) all.push_back(to_string(fault));
+  for (const Diagnostic& each : parse_fault_plan(text).diagnostics) all.push_back(to_string(each));
   return all;
 }
 
 v1::FaultPlan plan(std::string_view text) {
   const ParsedFaultPlan parsed = parse_fault_plan(text);
-  EXPECT_EQ(to_string(parsed.faults), "");
+  EXPECT_EQ(to_string(parsed.diagnostics), "");
   return parsed.plan;
 }
 
@@ -37,8 +37,8 @@ constexpr const char* kEveryKind = R"(
     fault { direction: up message: 4 kind: slow bytes_per_second: 1000 messages: 5 }
     fault { direction: down message: 5 kind: memory_detected block: 3 }
     fault { direction: down message: 6 kind: memory_silent block: 3 bit: 9 }
-    random { seed: 7 kinds: [drop, delay, slow] mean_messages: 10 most_faults: 3 first_message: 100
-             most_delay_ms: 5 bytes_per_second: 5000 slow_messages: 2 direction: up }
+    random { seed: 7 kinds: [drop, delay, slow] mean_messages: 10 max_faults: 3 first_message: 100
+             max_delay_ms: 5 bytes_per_second: 5000 slow_messages: 2 direction: up }
 )";
 
 TEST(FaultPlan, EveryKindCanBeWrittenAndReadBack) {
@@ -50,6 +50,16 @@ TEST(FaultPlan, EveryKindCanBeWrittenAndReadBack) {
   const v1::FaultPlan again = plan(text);
   ASSERT_EQ(again.fault_size(), 10);
   for (int i = 0; i < 10; ++i) EXPECT_EQ(again.fault(i).SerializeAsString(), read.fault(i).SerializeAsString());
+}
+
+TEST(FaultPlan, ReadsNamesOfTheFormerReleaseAndSaysWhatReplacesThem) {
+  const ParsedFaultPlan parsed =
+      parse_fault_plan("random { kinds: delay mean_messages: 9\n most_faults: 3\n most_delay_ms: 7 }\n");
+  EXPECT_EQ(to_string(parsed.diagnostics), "");
+  EXPECT_EQ(parsed.plan.random(0).max_faults(), 3u);
+  EXPECT_EQ(parsed.plan.random(0).max_delay_ms(), 7u);
+  EXPECT_THAT(parsed.notes, ElementsAre(HasSubstr("line 2: random[0].most_faults is now called max_faults"),
+                                        HasSubstr("line 3: random[0].most_delay_ms is now called max_delay_ms")));
 }
 
 TEST(FaultPlan, AnEmptyTextIsNoFaults) { EXPECT_THAT(faults_of("# nothing\n"), IsEmpty()); }
@@ -73,7 +83,7 @@ TEST(FaultPlan, ReportsEveryMissingUselessAndWrongField) {
                 "fault { kind: delay bit: 3 }\n"
                 "fault { direction: down message: 9 kind: slow bytes_per_second: 10 messages: 3 }\n"
                 "fault { direction: down message: 9 kind: drop }\n"
-                "random { kinds: delay kinds: delay most_delay_ms: 99999999 slow_messages: 3 }\n"
+                "random { kinds: delay kinds: delay max_delay_ms: 99999999 slow_messages: 3 }\n"
                 "random { kinds: memory_silent direction: up mean_messages: 0 }\n"
                 "random { mean_messages: 4 }\n"),
       ElementsAre(
@@ -88,7 +98,7 @@ TEST(FaultPlan, ReportsEveryMissingUselessAndWrongField) {
           "line 4: fault[3].message: expected one fault for each message, got a second one for down 9",
           "line 5: random[0].kinds[1]: expected each kind once, got delay a second time",
           "line 5: random[0].mean_messages: expected a whole number from 0 to 18446744073709551615, got nothing",
-          "line 5: random[0].most_delay_ms: expected 1 to 60000 ms, got 99999999",
+          "line 5: random[0].max_delay_ms: expected 1 to 60000 ms, got 99999999",
           "line 5: random[0].slow_messages: expected it for no other kind than slow, got it without use",
           "line 6: random[1].direction: expected down, since all its kinds are memory faults, got up",
           "line 6: random[1].mean_messages: expected 1 to 4294967296 messages, got 0",
@@ -111,7 +121,7 @@ std::vector<std::string> run(std::string_view text, PlannedFault::Direction dire
 
 constexpr const char* kSeeded =
     "random { seed: 42 kinds: [drop, delay, corrupt, duplicate, hang, link_loss, slow, memory_detected, memory_silent] "
-    "mean_messages: 20 most_delay_ms: 9 bytes_per_second: 100000 slow_messages: 4 }";
+    "mean_messages: 20 max_delay_ms: 9 bytes_per_second: 100000 slow_messages: 4 }";
 
 TEST(FaultEngine, NamedFaultsHitTheirMessageAlone) {
   const std::string text = "fault { direction: down message: 3 kind: drop }";
@@ -156,7 +166,7 @@ TEST(FaultEngine, RandomFaultsComeAtTheirMeanAndOfEveryKind) {
 }
 
 TEST(FaultEngine, RandomFaultsKeepToTheirBounds) {
-  const auto hits = run("random { kinds: delay mean_messages: 1 first_message: 5 most_faults: 2 most_delay_ms: 1 }",
+  const auto hits = run("random { kinds: delay mean_messages: 1 first_message: 5 max_faults: 2 max_delay_ms: 1 }",
                         PlannedFault::up, 100);
   EXPECT_THAT(hits, ElementsAre("fault { direction: up message: 5 kind: delay delay_ms: 1 }",
                                 "fault { direction: up message: 6 kind: delay delay_ms: 1 }"));
