@@ -1,10 +1,7 @@
 // Opening, what the board is, simulated time, counters.
-#include <chrono>
 #include <memory>
 
-#include "defaults.h"
-#include "handle.h"
-#include "record.h"
+#include "fields.h"
 
 struct GICUBE_HIDDEN gicube_counter_list {
   std::vector<gicube::Counter> counters;
@@ -14,19 +11,10 @@ namespace gicube::c_api {
 namespace {
 
 OpenOptions to_options(const gicube_open_options* given) {
-  OpenOptions options;
-  if (given == nullptr) return options;
-  const gicube_open_options record = read_record("options", given, default_open_options());
-  constexpr std::uint64_t kLongest = 1000ull * 60 * 60 * 24 * 365;  // chosen: as good as for ever, and fits the clock
-  options.watchdog = std::chrono::milliseconds(std::min(record.watchdog_ms, kLongest));
-  options.max_rays = record.max_rays;
-  options.keep_volume = truth("options.keep_volume", record.keep_volume);
-  options.reopen_attempts = record.reopen_attempts;
-  options.force = truth("options.force", record.force);
-  options.wait_for_board = std::chrono::milliseconds(std::min(record.wait_for_board_ms, kLongest));
+  if (given == nullptr) return {};
+  gicube_open_options record;
+  auto options = read_fields<gicube_open_options, OpenOptions>("options", given, record);
   if (record.capture != nullptr) options.capture = record.capture;
-  check_reserved("options.reserved", static_cast<std::uint32_t>(record.reserved));
-  options.back_pressure = choice("options.back_pressure", record.back_pressure, BackPressure::kThrow);
   return options;
 }
 

@@ -42,10 +42,14 @@ inline void put(Vec3 from, double (&xyz)[3]) {
   xyz[2] = from.z;
 }
 
-// Throws BadArgument.
-VoxelBox to_box(const gicube_box* given);
-std::size_t voxels_of(const VoxelBox& box);
+// Calls that move one value a voxel of a box.
+gicube_status read_box(gicube_board* board, const gicube_box* box, float* values, std::size_t count,
+                       std::vector<float> (Board::*read)(const VoxelBox&));
+gicube_status write_box(gicube_board* board, const gicube_box* box, const float* values, std::size_t count,
+                        void (Board::*write)(const VoxelBox&, std::span<const float>));
 
 gicube_lighting_report to_c(const LightingReport& report);
+
+gicube_volume default_volume();
 
 }  // namespace gicube::c_api

@@ -1,7 +1,5 @@
 // Lights and irradiance.
-#include "defaults.h"
-#include "handle.h"
-#include "record.h"
+#include "fields.h"
 
 namespace gicube::c_api {
 namespace {
@@ -17,19 +15,6 @@ Light to_light(const gicube_light& light, std::size_t index) {
     case GICUBE_LIGHT_SPHERE: return SphereLight{to_vec3(light.position), light.radius, light.power};
     default: throw BadArgument(name + ".kind", "0..3", std::to_string(light.kind));
   }
-}
-
-Illumination to_illumination(const gicube_illumination& record) {
-  Illumination settings;
-  settings.albedo = choice("settings.albedo", record.albedo, Albedo::kHigh);
-  settings.rules = choice("settings.rules", record.rules, EnergyRules::kConserving);
-  settings.rays_per_face_voxel = record.rays_per_face_voxel;
-  settings.step = record.step;
-  settings.jitter = truth("settings.jitter", record.jitter);
-  settings.leap = truth("settings.leap", record.leap);
-  settings.lifetime = record.lifetime;
-  settings.seed = record.seed;
-  return settings;
 }
 
 }  // namespace
@@ -61,7 +46,7 @@ gicube_status gicube_illuminate(gicube_board* board, const gicube_light* lights,
   return call([&] {
     gicube_board& handle = checked_board(board);
     checked("lights", lights, count);
-    const gicube::Illumination how = to_illumination(read_record("settings", settings, default_illumination()));
+    const auto how = read_fields<gicube_illumination, gicube::Illumination>("settings", settings);
     if (report != nullptr) check_size<gicube_lighting_report>("report", report->size, sizeof *report);
     std::vector<gicube::Light> all;
     for (std::size_t i = 0; i < count; ++i) all.push_back(to_light(lights[i], i));
@@ -83,16 +68,10 @@ const char* gicube_lighting_warning(gicube_board* board, uint32_t index) {
 }
 
 gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box, float* values, size_t count) {
+  if (box != nullptr) return read_box(board, box, values, count, &gicube::Board::read_irradiance);
   return call([&] {
     gicube_board& handle = checked_board(board);
     checked("values", values);
-    if (box != nullptr) {
-      const gicube::VoxelBox voxels = to_box(box);
-      check_count("count", count, voxels_of(voxels));
-      const std::vector<float> read = handle.board.read_irradiance(voxels);
-      std::copy(read.begin(), read.end(), values);
-      return;
-    }
     const std::vector<float> read = handle.board.read_irradiance();
     check_count("count", count, read.size());
     std::copy(read.begin(), read.end(), values);
@@ -100,12 +79,7 @@ gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box,
 }
 
 gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box, const float* values, size_t count) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
-    const gicube::VoxelBox voxels = to_box(box);
-    check_count("count", count, voxels_of(voxels));
-    handle.board.write_irradiance(voxels, {&checked("values", values), count});
-  });
+  return write_box(board, box, values, count, &gicube::Board::write_irradiance);
 }
 
 gicube_status gicube_clear_irradiance(gicube_board* board, double unit) {
@@ -117,13 +91,6 @@ gicube_status gicube_clear_sums(gicube_board* board, double unit) {
 }
 
 gicube_status gicube_read_sums(gicube_board* board, const gicube_box* box, float* values, size_t count) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
-    const gicube::VoxelBox voxels = to_box(box);
-    check_count("count", count, voxels_of(voxels));
-    checked("values", values);
-    const std::vector<float> read = handle.board.read_sums(voxels);
-    std::copy(read.begin(), read.end(), values);
-  });
+  return read_box(board, box, values, count, &gicube::Board::read_sums);
 }
 }

@@ -1,9 +1,7 @@
 // Light between pairs of elements.
 #include <algorithm>
 
-#include "defaults.h"
-#include "handle.h"
-#include "record.h"
+#include "fields.h"
 
 namespace gicube::c_api {
 namespace {
@@ -20,19 +18,6 @@ ElementPair to_pair(const gicube_element_pair& pair, std::size_t index) {
     throw BadArgument("pairs[" + std::to_string(index) + "].reserved", "0", std::to_string(pair.reserved));
   }
   return {pair.a, pair.b, pair.id};
-}
-
-PairRequest to_request(const gicube_pair_request* given) {
-  PairRequest request;
-  if (given == nullptr) return request;
-  const gicube_pair_request record = read_record("request", given, default_pair_request());
-  check_reserved("request.reserved", static_cast<std::uint32_t>(record.reserved));
-  request.rays = record.rays;
-  request.first = record.first;
-  request.seed = record.seed;
-  request.opacity = record.opacity;
-  request.made = choice("request.made", record.made, PairRays::kByHost);
-  return request;
 }
 
 }  // namespace
@@ -52,7 +37,7 @@ gicube_status gicube_pair_factors(gicube_board* board, const gicube_element* ele
     checked("pairs", pairs, pair_count);
     check_count("count", count, pair_count);
     checked("factors", factors, count);
-    const gicube::PairRequest how = to_request(request);
+    const auto how = read_optional<gicube_pair_request, gicube::PairRequest>("request", request);
     std::vector<gicube::Element> all;
     for (std::size_t i = 0; i < element_count; ++i) all.push_back(to_element(elements[i], i));
     std::vector<gicube::ElementPair> between;

@@ -1,35 +1,12 @@
 // Rendering and the framebuffer.
-#include "defaults.h"
-#include "handle.h"
-#include "record.h"
+#include "fields.h"
 
 namespace gicube::c_api {
 namespace {
 
-View to_view(const gicube_view& record) {
-  View view;
-  view.eye = to_vec3(record.eye);
-  view.look_at = to_vec3(record.look_at);
-  view.up = to_vec3(record.up);
-  view.fov_degrees = record.fov_degrees;
-  view.orthographic_height = record.orthographic_height;
-  view.width = record.width;
-  view.height = record.height;
-  view.samples_per_axis = record.samples_per_axis;
-  view.filter = choice("view.filter", record.filter, PixelFilter::kTent);
-  view.step = record.step;
-  view.opacity_threshold = record.opacity_threshold;
-  view.shade = truth("view.shade", record.shade);
-  view.jitter = truth("view.jitter", record.jitter);
-  view.leap = truth("view.leap", record.leap);
-  view.irradiance = truth("view.irradiance", record.irradiance);
-  view.incident = truth("view.incident", record.incident);
-  check_reserved("view.reserved", static_cast<std::uint32_t>(record.reserved));
-  view.exposure = record.exposure;
-  view.scatter = truth("view.scatter", record.scatter);
-  view.high_albedo = truth("view.high_albedo", record.high_albedo);
-  view.lifetime = record.lifetime;
-  view.seed = record.seed;
+View to_view(const gicube_view* given) {
+  gicube_view record;
+  View view = read_fields<gicube_view, View>("view", given, record);
   constexpr std::uint32_t kMax = 6;
   if (record.cut_plane_count > kMax) {
     throw BadArgument("view.cut_plane_count", "at most 6", std::to_string(record.cut_plane_count));
@@ -69,7 +46,7 @@ gicube_status gicube_render_to_framebuffer(gicube_board* board, const gicube_vie
                                            void* user) {
   return call([&] {
     gicube_board& handle = checked_board(board);
-    render(handle, to_view(read_record("view", view, default_view())), to_progress(progress, user));
+    render(handle, to_view(view), to_progress(progress, user));
   });
 }
 
@@ -102,7 +79,7 @@ gicube_status gicube_render(gicube_board* board, const gicube_view* view, gicube
                             gicube_progress progress, void* user) {
   return call([&] {
     gicube_board& handle = checked_board(board);
-    const gicube::View picture = to_view(read_record("view", view, default_view()));
+    const gicube::View picture = to_view(view);
     checked("pixels", pixels);
     if (picture.width > 0 && picture.height > 0) {  // else the driver names what is wrong with them
       check_count("count", count, pixels_of({picture.width, picture.height}));

@@ -4,9 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "defaults.h"
-#include "handle.h"
-#include "record.h"
+#include "fields.h"
 
 namespace gicube::c_api {
 namespace {
@@ -35,17 +33,7 @@ std::span<const HostRay> to_rays(const gicube_host_ray* rays, std::size_t count)
 }
 
 RayRequest to_request(const gicube_ray_request* given) {
-  RayRequest request;
-  if (given == nullptr) return request;
-  const gicube_ray_request record = read_record("request", given, default_ray_request());
-  request.type = choice("request.type", record.type, RayType::kBackproject);
-  request.opacity = record.opacity;
-  request.albedo = choice("request.albedo", record.albedo, Albedo::kHigh);
-  request.rules = choice("request.rules", record.rules, EnergyRules::kConserving);
-  request.lifetime = record.lifetime;
-  request.step = record.step;
-  request.words = choice("request.words", record.words, SumWords::kSums);
-  return request;
+  return read_optional<gicube_ray_request, RayRequest>("request", given);
 }
 
 // Remembers the ticket of a batch of which no rays come back.

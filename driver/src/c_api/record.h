@@ -13,12 +13,12 @@ namespace gicube::c_api {
 
 inline constexpr std::size_t kLargestRecord = 65'536;  // bytes, chosen: a size beyond is no size but a stray value
 
-// `least` is the record's size in the first version of this ABI. Throws BadArgument.
+// `min_size` is the record's size in the first version of this ABI. Throws BadArgument.
 template <typename Record>
-void check_size(const std::string& name, std::size_t size, std::size_t least) {
-  if (size < least || size > kLargestRecord) {
+void check_size(const std::string& name, std::size_t size, std::size_t min_size) {
+  if (size < min_size || size > kLargestRecord) {
     throw BadArgument(name + ".size",
-                      std::to_string(least) + ".." + std::to_string(kLargestRecord) + " (sizeof the record)",
+                      std::to_string(min_size) + ".." + std::to_string(kLargestRecord) + " (sizeof the record)",
                       std::to_string(size));
   }
 }
@@ -26,10 +26,10 @@ void check_size(const std::string& name, std::size_t size, std::size_t least) {
 // The caller's record, with this library's defaults for what it does not have. Throws BadArgument.
 template <typename Record>
 Record read_record(const std::string& name, const Record* given, const Record& defaults,
-                   std::size_t least = sizeof(Record)) {
+                   std::size_t min_size = sizeof(Record)) {
   if (given == nullptr) throw BadArgument(name, "a pointer", "NULL");
   const std::size_t size = given->size;
-  check_size<Record>(name, size, least);
+  check_size<Record>(name, size, min_size);
   const auto* bytes = reinterpret_cast<const unsigned char*>(given);
   for (std::size_t i = sizeof(Record); i < size; ++i) {
     if (bytes[i] != 0) {
@@ -46,10 +46,10 @@ Record read_record(const std::string& name, const Record* given, const Record& d
 
 // Fills the caller's record as far as it goes, which has said its size. Throws BadArgument.
 template <typename Record>
-void write_record(const std::string& name, Record* out, Record record, std::size_t least = sizeof(Record)) {
+void write_record(const std::string& name, Record* out, Record record, std::size_t min_size = sizeof(Record)) {
   if (out == nullptr) throw BadArgument(name, "a pointer", "NULL");
   const std::uint32_t size = out->size;
-  check_size<Record>(name, size, least);
+  check_size<Record>(name, size, min_size);
   record.size = size;
   std::memcpy(static_cast<void*>(out), &record, std::min<std::size_t>(size, sizeof(Record)));
   if (size > sizeof(Record))
@@ -59,11 +59,11 @@ void write_record(const std::string& name, Record* out, Record record, std::size
 // For ..._init(): the same with a size that stands beside it.
 template <typename Record>
 void init_record(const std::string& name, Record* out, std::size_t size, const Record& defaults,
-                 std::size_t least = sizeof(Record)) {
+                 std::size_t min_size = sizeof(Record)) {
   if (out == nullptr) throw BadArgument(name, "a pointer", "NULL");
-  check_size<Record>(name, size, least);
+  check_size<Record>(name, size, min_size);
   out->size = static_cast<std::uint32_t>(size);
-  write_record(name, out, defaults, least);
+  write_record(name, out, defaults, min_size);
 }
 
 }  // namespace gicube::c_api

@@ -1,9 +1,7 @@
 // Volumes and how they look.
 #include <algorithm>
 
-#include "defaults.h"
-#include "handle.h"
-#include "record.h"
+#include "fields.h"
 
 namespace gicube::c_api {
 namespace {
@@ -21,14 +19,9 @@ VolumeView to_volume(const gicube_volume& record) {
   return volume;
 }
 
-Material to_material(const gicube_material& record) {
-  Material material;
-  material.scattering = record.scattering;
-  material.bsdf = choice("material.bsdf", record.bsdf, Bsdf::kTrap);
-  material.gloss = record.gloss;
-  material.seen_through_scattering = truth("material.seen_through_scattering", record.seen_through_scattering);
-  material.routine = record.routine;
-  material.surface = truth("material.surface", record.surface);
+Material to_material(const gicube_material* given) {
+  gicube_material record;
+  Material material = read_fields<gicube_material, Material>("material", given, record);
   constexpr std::uint32_t kMax = 32;
   if (record.parameter_count > kMax) {
     throw BadArgument("material.parameter_count", "at most 32", std::to_string(record.parameter_count));
@@ -65,15 +58,6 @@ ScatteringRoutine to_routine(gicube_scattering_routine routine, void* user) {
   };
 }
 
-}  // namespace
-
-Progress to_progress(gicube_progress progress, void* user) {
-  if (progress == nullptr) return {};
-  return [progress, user](std::uint32_t done, std::uint32_t all) {
-    if (progress(user, done, all) != 0) throw Stopped("the progress callback ended the call");
-  };
-}
-
 VoxelBox to_box(const gicube_box* given) {
   const gicube_box& box = checked("box", given);
   return {{box.low[0], box.low[1], box.low[2]}, {box.size[0], box.size[1], box.size[2]}};
@@ -87,6 +71,37 @@ std::size_t voxels_of(const VoxelBox& box) {
     count *= static_cast<std::size_t>(size);
   }
   return count;
+}
+
+}  // namespace
+
+Progress to_progress(gicube_progress progress, void* user) {
+  if (progress == nullptr) return {};
+  return [progress, user](std::uint32_t done, std::uint32_t all) {
+    if (progress(user, done, all) != 0) throw Stopped("the progress callback ended the call");
+  };
+}
+
+gicube_status read_box(gicube_board* board, const gicube_box* box, float* values, std::size_t count,
+                       std::vector<float> (Board::*read)(const VoxelBox&)) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    const VoxelBox voxels = to_box(box);
+    check_count("count", count, voxels_of(voxels));
+    checked("values", values);
+    const std::vector<float> found = (handle.board.*read)(voxels);
+    std::copy(found.begin(), found.end(), values);
+  });
+}
+
+gicube_status write_box(gicube_board* board, const gicube_box* box, const float* values, std::size_t count,
+                        void (Board::*write)(const VoxelBox&, std::span<const float>)) {
+  return call([&] {
+    gicube_board& handle = checked_board(board);
+    const VoxelBox voxels = to_box(box);
+    check_count("count", count, voxels_of(voxels));
+    (handle.board.*write)(voxels, {&checked("values", values), count});
+  });
 }
 
 }  // namespace gicube::c_api
@@ -114,23 +129,11 @@ gicube_status gicube_value_range(gicube_board* board, double* low, double* high)
 }
 
 gicube_status gicube_read_volume(gicube_board* board, const gicube_box* box, float* values, size_t count) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
-    const gicube::VoxelBox voxels = to_box(box);
-    check_count("count", count, voxels_of(voxels));
-    checked("values", values);
-    const std::vector<float> read = handle.board.read_volume(voxels);
-    std::copy(read.begin(), read.end(), values);
-  });
+  return read_box(board, box, values, count, &gicube::Board::read_volume);
 }
 
 gicube_status gicube_write_volume(gicube_board* board, const gicube_box* box, const float* values, size_t count) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
-    const gicube::VoxelBox voxels = to_box(box);
-    check_count("count", count, voxels_of(voxels));
-    handle.board.write_volume(voxels, {&checked("values", values), count});
-  });
+  return write_box(board, box, values, count, &gicube::Board::write_volume);
 }
 
 gicube_status gicube_verify_volume(gicube_board* board, size_t* damaged, size_t capacity, size_t* damaged_count) {
@@ -166,17 +169,14 @@ gicube_status gicube_set_transfer_function(gicube_board* board, int32_t tag, con
 gicube_status gicube_set_shading(gicube_board* board, const gicube_shading* shading) {
   return call([&] {
     gicube_board& handle = checked_board(board);
-    const gicube_shading record = read_record("shading", shading, default_shading());
-    check_reserved("shading.reserved", record.reserved);
-    handle.board.set_shading(
-        {{record.ambient, record.diffuse, record.specular, record.shininess}, to_vec3(record.light)});
+    handle.board.set_shading(read_fields<gicube_shading, gicube::Shading>("shading", shading));
   });
 }
 
 gicube_status gicube_set_material(gicube_board* board, int32_t tag, const gicube_material* material) {
   return call([&] {
     gicube_board& handle = checked_board(board);
-    handle.board.set_material(to_material(read_record("material", material, default_material())), tag);
+    handle.board.set_material(to_material(material), tag);
   });
 }
 

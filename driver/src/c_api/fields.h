@@ -1,0 +1,189 @@
+// Which field of a C record is which one of the C++ API: named once, for both ways.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <type_traits>
+
+#include "gicube/board.h"
+#include "handle.h"
+#include "record.h"
+
+namespace gicube::c_api {
+
+// Copies fields from a record, checked, or to it. `record`: its name in refusals.
+template <bool kToRecord>
+struct Copy {
+  const char* record;
+
+  template <typename C, typename T>
+  void number(C& c, T& value) const {
+    if constexpr (kToRecord) {
+      c = static_cast<C>(value);
+    } else {
+      value = static_cast<T>(c);
+    }
+  }
+  void truth(const char* field, std::int32_t& c, bool& value) const {
+    if (kToRecord) {
+      c = value;
+    } else {
+      value = c_api::truth(name(field), c);
+    }
+  }
+  template <typename Enum>
+  void choice(const char* field, std::int32_t& c, Enum& value, Enum last) const {
+    if (kToRecord) {
+      c = static_cast<std::int32_t>(value);
+    } else {
+      value = c_api::choice(name(field), c, last);
+    }
+  }
+  void vector(double (&c)[3], Vec3& value) const {
+    if (kToRecord) {
+      put(value, c);
+    } else {
+      value = to_vec3(c);
+    }
+  }
+  void milliseconds(std::uint64_t& c, std::chrono::milliseconds& value) const {
+    constexpr std::uint64_t kLongest = 1000ull * 60 * 60 * 24 * 365;  // chosen: as good as for ever, and fits the clock
+    if (kToRecord) {
+      c = static_cast<std::uint64_t>(value.count());
+    } else {
+      value = std::chrono::milliseconds(std::min(c, kLongest));
+    }
+  }
+  template <typename C>
+  void reserved(const char* field, C& c) const {
+    if (!kToRecord) check_reserved(name(field), static_cast<std::uint32_t>(c));
+  }
+
+ private:
+  std::string name(const char* field) const { return std::string(record) + "." + field; }
+};
+
+template <typename To>
+void copy_fields(const To& copy, gicube_open_options& c, OpenOptions& options) {
+  copy.milliseconds(c.watchdog_ms, options.watchdog);
+  copy.number(c.max_rays, options.max_rays);
+  copy.truth("keep_volume", c.keep_volume, options.keep_volume);
+  copy.number(c.reopen_attempts, options.reopen_attempts);
+  copy.truth("force", c.force, options.force);
+  copy.milliseconds(c.wait_for_board_ms, options.wait_for_board);
+  copy.reserved("reserved", c.reserved);
+  copy.choice("back_pressure", c.back_pressure, options.back_pressure, BackPressure::kThrow);
+}
+
+template <typename To>
+void copy_fields(const To& copy, gicube_shading& c, Shading& shading) {
+  copy.reserved("reserved", c.reserved);
+  copy.number(c.ambient, shading.phong.ambient);
+  copy.number(c.diffuse, shading.phong.diffuse);
+  copy.number(c.specular, shading.phong.specular);
+  copy.number(c.shininess, shading.phong.shininess);
+  copy.vector(c.light, shading.light);
+}
+
+template <typename To>
+void copy_fields(const To& copy, gicube_material& c, Material& material) {
+  copy.number(c.scattering, material.scattering);
+  copy.choice("bsdf", c.bsdf, material.bsdf, Bsdf::kTrap);
+  copy.number(c.gloss, material.gloss);
+  copy.truth("seen_through_scattering", c.seen_through_scattering, material.seen_through_scattering);
+  copy.number(c.routine, material.routine);
+  copy.truth("surface", c.surface, material.surface);
+}
+
+template <typename To>
+void copy_fields(const To& copy, gicube_illumination& c, Illumination& settings) {
+  copy.choice("albedo", c.albedo, settings.albedo, Albedo::kHigh);
+  copy.choice("rules", c.rules, settings.rules, EnergyRules::kConserving);
+  copy.number(c.rays_per_face_voxel, settings.rays_per_face_voxel);
+  copy.number(c.step, settings.step);
+  copy.truth("jitter", c.jitter, settings.jitter);
+  copy.truth("leap", c.leap, settings.leap);
+  copy.number(c.lifetime, settings.lifetime);
+  copy.number(c.seed, settings.seed);
+}
+
+template <typename To>
+void copy_fields(const To& copy, gicube_view& c, View& view) {
+  copy.vector(c.eye, view.eye);
+  copy.vector(c.look_at, view.look_at);
+  copy.vector(c.up, view.up);
+  copy.number(c.fov_degrees, view.fov_degrees);
+  copy.number(c.orthographic_height, view.orthographic_height);
+  copy.number(c.width, view.width);
+  copy.number(c.height, view.height);
+  copy.number(c.samples_per_axis, view.samples_per_axis);
+  copy.choice("filter", c.filter, view.filter, PixelFilter::kTent);
+  copy.number(c.step, view.step);
+  copy.number(c.opacity_threshold, view.opacity_threshold);
+  copy.truth("shade", c.shade, view.shade);
+  copy.truth("jitter", c.jitter, view.jitter);
+  copy.truth("leap", c.leap, view.leap);
+  copy.truth("irradiance", c.irradiance, view.irradiance);
+  copy.truth("incident", c.incident, view.incident);
+  copy.reserved("reserved", c.reserved);
+  copy.number(c.exposure, view.exposure);
+  copy.truth("scatter", c.scatter, view.scatter);
+  copy.truth("high_albedo", c.high_albedo, view.high_albedo);
+  copy.number(c.lifetime, view.lifetime);
+  copy.number(c.seed, view.seed);
+}
+
+template <typename To>
+void copy_fields(const To& copy, gicube_ray_request& c, RayRequest& request) {
+  copy.choice("type", c.type, request.type, RayType::kBackproject);
+  copy.number(c.opacity, request.opacity);
+  copy.choice("albedo", c.albedo, request.albedo, Albedo::kHigh);
+  copy.choice("rules", c.rules, request.rules, EnergyRules::kConserving);
+  copy.number(c.lifetime, request.lifetime);
+  copy.number(c.step, request.step);
+  copy.choice("words", c.words, request.words, SumWords::kSums);
+}
+
+template <typename To>
+void copy_fields(const To& copy, gicube_pair_request& c, PairRequest& request) {
+  copy.reserved("reserved", c.reserved);
+  copy.number(c.rays, request.rays);
+  copy.number(c.first, request.first);
+  copy.number(c.seed, request.seed);
+  copy.number(c.opacity, request.opacity);
+  copy.choice("made", c.made, request.made, PairRays::kByHost);
+}
+
+// What the C++ API has by default.
+template <typename Record, typename T>
+Record default_record() {
+  Record record{};
+  T value;
+  copy_fields(Copy<true>{""}, record, value);
+  return record;
+}
+
+// What the caller's record says, with the defaults for what it does not have. Throws BadArgument. Leaves `record` as it was
+// read, for fields that are no plain values.
+template <typename Record, typename T>
+T read_fields(const char* name, const Record* given, Record& record) {
+  record = read_record(name, given, default_record<Record, T>());
+  T value;
+  copy_fields(Copy<false>{name}, record, value);
+  return value;
+}
+
+template <typename Record, typename T>
+T read_fields(const char* name, const Record* given) {
+  Record record;
+  return read_fields<Record, T>(name, given, record);
+}
+
+// The same of a record that may be NULL, for all defaults.
+template <typename Record, typename T>
+T read_optional(const char* name, const Record* given) {
+  return given == nullptr ? T() : read_fields<Record, T>(name, given);
+}
+
+}  // namespace gicube::c_api
