@@ -7,7 +7,6 @@
 #include "gicube/wire/registers.h"
 #include "lighting_ledger.h"
 #include "state.h"
-#include "transport/link_error.h"
 
 namespace gicube {
 namespace {
@@ -68,7 +67,6 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
       };
     }
     const CommandResult result = state_->device.run(std::move(command), state_->watched(part), deadline);
-    if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
     const std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < wire::kLightingLedgerBytes) state_->device.give_up("a lighting result of wrong size");
     const auto ledger = wire::decode_lighting_ledger(payload.first<wire::kLightingLedgerBytes>());

@@ -91,7 +91,7 @@ BoardInfo read_info(Device& device) {
 Board Board::open(std::string_view uri, const OpenOptions& options) {
   const Uri parsed = parse_uri(uri);
   if (options.max_rays < 4096) {
-    throw BadArgument("most_rays", "at least 4096", std::to_string(options.max_rays));
+    throw BadArgument("max_rays", "at least 4096", std::to_string(options.max_rays));
   }
   auto state = std::make_unique<State>(parsed, device_options(options),
                                        BatchLimits{options.max_rays, options.back_pressure}, options.keep_volume);

@@ -27,14 +27,14 @@ std::size_t count(const VoxelBox& box) {
          static_cast<std::size_t>(box.size[2]);
 }
 
-void check_values(const VoxelBox& box, std::span<const float> values, double least) {
+void check_values(const VoxelBox& box, std::span<const float> values, double min_value) {
   if (values.size() != count(box)) {
     throw BadArgument("values", std::to_string(count(box)) + ", one a voxel of the box", std::to_string(values.size()));
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (std::isfinite(values[i]) && values[i] >= least) continue;
+    if (std::isfinite(values[i]) && values[i] >= min_value) continue;
     throw BadArgument("values[" + std::to_string(i) + "]",
-                      std::isfinite(least) ? "a finite number of at least 0" : "a finite number",
+                      std::isfinite(min_value) ? "a finite number of at least 0" : "a finite number",
                       number_text(static_cast<double>(values[i])));
   }
 }
@@ -100,10 +100,10 @@ void for_each_voxel(const BlockPart& part, const VoxelBox& whole, int n, const T
 // In pieces of whole words of every kind.
 std::vector<std::uint8_t> read(Device& device, std::uint64_t address, std::size_t bytes) {
   constexpr std::size_t kPiece = 36;
-  const std::size_t most = device.agreed().max_payload_bytes / kPiece * kPiece;
+  const std::size_t max_bytes = device.agreed().max_payload_bytes / kPiece * kPiece;
   std::vector<std::uint8_t> out;
   while (out.size() < bytes) {
-    const auto piece = device.read_memory(address + out.size(), std::min(most, bytes - out.size()));
+    const auto piece = device.read_memory(address + out.size(), std::min(max_bytes, bytes - out.size()));
     out.insert(out.end(), piece.begin(), piece.end());
   }
   return out;
@@ -299,11 +299,12 @@ void Board::write_irradiance(const VoxelBox& box, std::span<const float> values)
   check(box, volume.dims);
   check_values(box, values, 0);
   const int n = state_->info.block_voxels;
-  const double most = state_->info.wide ? 4294967295.0 : 2047.0;
+  const double max_units = state_->info.wide ? 4294967295.0 : 2047.0;
   for_each_block(box, volume.blocks, n, [&](const BlockPart& part) {
     auto bytes = read(state_->device, irradiance_address(part, n), part.words * wire::kIrradianceBytes);
     for_each_voxel(part, box, n, [&](std::size_t index, std::size_t word) {
-      const double units = std::min(std::round(static_cast<double>(values[index]) / state_->irradiance_unit), most);
+      const double units =
+          std::min(std::round(static_cast<double>(values[index]) / state_->irradiance_unit), max_units);
       wire::store(std::span(bytes), word * wire::kIrradianceBytes, static_cast<std::uint32_t>(units));
     });
     state_->device.write_memory(irradiance_address(part, n), bytes);

@@ -6,7 +6,6 @@
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
-#include "transport/link_error.h"
 
 namespace gicube {
 namespace {
@@ -65,7 +64,6 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   wire::encode(viewing_command(view, volume.relative_spacing),
                std::span<std::uint8_t, wire::kRenderCommandBytes>(command));
   const CommandResult result = state_->device.run(std::move(command), state_->watched(progress), state_->deadline());
-  if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
   state_->sampling = view;
   state_->sampling_towards_eye = eye;
   state_->framebuffer_size = {};  // no picture until all rays have come to their ends
@@ -79,12 +77,12 @@ Image Board::read_framebuffer() {
   if (width == 0) throw Rejected("read_framebuffer() needs a picture: render first");
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const std::size_t bytes = wire::packed36_bytes(count);
-  const std::size_t most = state_->device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
+  const std::size_t max_bytes = state_->device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
   Image image{width, height, {}};
   image.pixels.reserve(count);
-  for (std::size_t at = 0; at < bytes; at += most) {
-    const auto part = state_->device.read_memory(wire::kFramebuffer.base + at, std::min(most, bytes - at));
-    const std::size_t pixels = std::min(count - image.pixels.size(), most / 9 * 2);
+  for (std::size_t at = 0; at < bytes; at += max_bytes) {
+    const auto part = state_->device.read_memory(wire::kFramebuffer.base + at, std::min(max_bytes, bytes - at));
+    const std::size_t pixels = std::min(count - image.pixels.size(), max_bytes / 9 * 2);
     for (std::size_t i = 0; i < pixels; ++i) {
       const wire::Pixel pixel = wire::to_pixel(wire::load36(part, i));
       image.pixels.push_back({pixel.red, pixel.green, pixel.blue, pixel.alpha});

@@ -7,7 +7,6 @@
 #include "gicube/wire/command.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
-#include "transport/link_error.h"
 
 namespace gicube {
 namespace {
@@ -61,11 +60,11 @@ wire::Ray answer(const wire::TrappedRay& trapped, const Material& material, cons
   return ray;
 }
 
-std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std::uint32_t most) {
+std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std::uint32_t max_rays) {
   std::vector<std::uint8_t> bytes(wire::kResumeHeaderBytes + answers.size() * wire::kRayBytes);
   wire::store(std::span(bytes), 0, static_cast<std::uint32_t>(wire::Opcode::kResume));
   wire::store(std::span(bytes), 4, static_cast<std::uint32_t>(answers.size()));
-  wire::store(std::span(bytes), 8, most);
+  wire::store(std::span(bytes), 8, max_rays);
   std::size_t at = wire::kResumeHeaderBytes;
   for (const wire::Ray& ray : answers) {
     wire::encode(ray, std::span(bytes).subspan(at).first<wire::kRayBytes>());
@@ -113,15 +112,14 @@ void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, cons
   const wire::Spacing spacing = spacing_words(volume->relative_spacing);
   const std::size_t ledger_bytes = take_ledger ? wire::kLightingLedgerBytes : 0;
   const std::size_t room = device.agreed().max_payload_bytes - wire::kTrapListHeaderBytes - ledger_bytes;
-  const std::size_t most = std::min(kRaysPerRound, room / wire::kTrappedRayBytes);
+  const std::size_t max_rays = std::min(kRaysPerRound, room / wire::kTrappedRayBytes);
   std::vector<wire::Ray> answers;
   while (!answers.empty() || list.waiting > 0) {
-    const CommandResult result = device.run(resume_command(answers, static_cast<std::uint32_t>(most)), {});
-    if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
+    const CommandResult result = device.run(resume_command(answers, static_cast<std::uint32_t>(max_rays)), {});
     std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < ledger_bytes) device.give_up("a lighting result of wrong size");
     if (take_ledger) take_ledger(wire::decode_lighting_ledger(payload.first<wire::kLightingLedgerBytes>()));
-    if (!decode_trap_list(payload.subspan(ledger_bytes), list) || list.rays.size() > most) {
+    if (!decode_trap_list(payload.subspan(ledger_bytes), list) || list.rays.size() > max_rays) {
       device.give_up("a list of trapped rays of wrong size");
     }
     answers.clear();

@@ -23,8 +23,8 @@ bool asks_host(const Material& material);
 wire::Ray answer(const wire::TrappedRay& trapped, const Material& material, const wire::Spacing& spacing,
                  const ScatteringRoutine& routine);
 
-// A command that sends these packets down and asks for at most `most` more rays.
-std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std::uint32_t most);
+// A command that sends these packets down and asks for at most `max_rays` more rays.
+std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std::uint32_t max_rays);
 
 struct TrapList {
   std::vector<wire::TrappedRay> rays;

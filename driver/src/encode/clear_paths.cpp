@@ -45,11 +45,11 @@ struct Part {
   double begin = 0, end = 1;
 };
 
-// Of the part, that where a number which goes from `at_a` to `at_b` is at most `most`.
-Part where_below(Part part, double at_a, double at_b, double most) {
+// Of the part, that where a number which goes from `at_a` to `at_b` is at most `limit`.
+Part where_below(Part part, double at_a, double at_b, double limit) {
   const double slope = at_b - at_a;
-  if (slope == 0) return at_a <= most ? part : Part{1, 0};
-  const double crossing = (most - at_a) / slope;
+  if (slope == 0) return at_a <= limit ? part : Part{1, 0};
+  const double crossing = (limit - at_a) / slope;
   return slope > 0 ? Part{part.begin, std::min(part.end, crossing)} : Part{std::max(part.begin, crossing), part.end};
 }
 
@@ -81,10 +81,10 @@ bool all_empty(const std::array<Range, 3>& range, const BlockFlags& flags) {
 // The axis along which the elements are furthest apart: layers of blocks across it hold the least of the hull each.
 std::size_t main_axis(const Bounds& a, const Bounds& b) {
   std::size_t best = 0;
-  double most = -1;
+  double furthest = -1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double apart = std::abs(b.low[axis] + b.high[axis] - a.low[axis] - a.high[axis]);
-    if (apart > most) best = axis, most = apart;
+    if (apart > furthest) best = axis, furthest = apart;
   }
   return best;
 }

@@ -93,10 +93,10 @@ double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
 
 void check_energy_of_a_step(const HostRay& ray, std::size_t index, const RaySetup& setup) {
   if (!std::isfinite(ray.energy)) expect_finite(fmt::format("rays[{}].energy", index), ray.energy);
-  const double units = units_of_a_step(ray, setup), least = leaves_sums(setup) ? -wire::kMaxAmount : 0;
-  if (units >= least && units <= wire::kMaxAmount) return;
+  const double units = units_of_a_step(ray, setup), min_units = leaves_sums(setup) ? -wire::kMaxAmount : 0;
+  if (units >= min_units && units <= wire::kMaxAmount) return;
   const double one = ray.energy / units;
-  expect_within(fmt::format("rays[{}].energy", index), ray.energy, least * one, wire::kMaxAmount * one);
+  expect_within(fmt::format("rays[{}].energy", index), ray.energy, min_units * one, wire::kMaxAmount * one);
 }
 
 }  // namespace
@@ -133,10 +133,10 @@ void check(const HostRay& ray, std::size_t index, const RaySetup& setup) {
   }
   if (setup.request.type == RayType::kBackproject) check_energy_of_a_step(ray, index, setup);
   if (setup.request.type != RayType::kDeposit) return;
-  const double least = std::ldexp(setup.energy_unit, -kEnergyFractionBits);
-  const double most = max_energy(setup) * setup.energy_unit;
-  if (!(ray.energy >= least && ray.energy <= most)) {
-    expect_within(fmt::format("rays[{}].energy", index), ray.energy, least, most);
+  const double min_energy = std::ldexp(setup.energy_unit, -kEnergyFractionBits);
+  const double max_ray_energy = max_energy(setup) * setup.energy_unit;
+  if (!(ray.energy >= min_energy && ray.energy <= max_ray_energy)) {
+    expect_within(fmt::format("rays[{}].energy", index), ray.energy, min_energy, max_ray_energy);
   }
 }
 

@@ -37,8 +37,8 @@ double distance_to_faces(Vec3 at, const LitBox& box) {
 }
 
 double distance_to_middle(Vec3 at, const LitBox& box) {
-  const double least = 0.25 * std::min({box.extent.x, box.extent.y, box.extent.z});
-  return std::max(length(at - 0.5 * box.extent), least);
+  const double nearest = 0.25 * std::min({box.extent.x, box.extent.y, box.extent.z});
+  return std::max(length(at - 0.5 * box.extent), nearest);
 }
 
 // Points that stand for the whole light; a point light has one.
@@ -180,9 +180,9 @@ double energy_unit(std::span<const Light> lights, const Illumination& settings, 
   const double saturated = wide ? 4'294'967'295.0 : 2047;
   double ray = 0, voxel = 0;
   for (const Light& light : lights) {
-    const RayEnergy most = max_energy(light, settings, box);
-    ray = std::max(ray, most.ray);
-    voxel += most.voxel;
+    const RayEnergy max = max_energy(light, settings, box);
+    ray = std::max(ray, max.ray);
+    voxel += max.voxel;
   }
   return std::max(ray / full, 2 * voxel / saturated);
 }

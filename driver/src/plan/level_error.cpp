@@ -115,23 +115,23 @@ Differences differences(const Grid& fine, const Grid& coarse, const Placement& p
 // The most by which opacities of two densities in low..high can differ that are at most `distance` apart. Where tags meet,
 // a coarse voxel may have taken either.
 double max_change(std::span<const TransferFunction> functions, ValueRange range, int low, int high, int distance) {
-  std::vector<double> least(kDensities, 2), greatest(kDensities, -1);
+  std::vector<double> min_opacity(kDensities, 2), max_opacity(kDensities, -1);
   for (int d = low; d <= high; ++d) {
     const double value = range.low + d * (range.high - range.low) / wire::kDensityMax;
     const auto at = static_cast<std::size_t>(d);
     for (const TransferFunction& function : functions) {
       const double opacity = function.opacity_at(value);
-      least[at] = std::min(least[at], opacity);
-      greatest[at] = std::max(greatest[at], opacity);
+      min_opacity[at] = std::min(min_opacity[at], opacity);
+      max_opacity[at] = std::max(max_opacity[at], opacity);
     }
   }
-  double most = 0;
+  double widest = 0;
   for (int d = low; d <= high; ++d) {
     for (int e = std::max(low, d - distance); e <= std::min(high, d + distance); ++e) {
-      most = std::max(most, greatest[static_cast<std::size_t>(e)] - least[static_cast<std::size_t>(d)]);
+      widest = std::max(widest, max_opacity[static_cast<std::size_t>(e)] - min_opacity[static_cast<std::size_t>(d)]);
     }
   }
-  return most;
+  return widest;
 }
 
 }  // namespace
@@ -145,9 +145,9 @@ LevelError level_error(const VolumeView& volume, const DerivedVolume& coarse,
   error.largest_density = std::min(found.largest + 1, double{wire::kDensityMax});  // each is rounded to whole units
   error.rms_density = std::sqrt(found.squares / static_cast<double>(found.points));
   if (functions.empty()) return error;
-  const auto [least, greatest] = std::minmax_element(fine.densities.begin(), fine.densities.end());
+  const auto [low, high] = std::minmax_element(fine.densities.begin(), fine.densities.end());
   error.largest_opacity =
-      max_change(functions, range, static_cast<int>(std::floor(*least)), static_cast<int>(std::ceil(*greatest)),
+      max_change(functions, range, static_cast<int>(std::floor(*low)), static_cast<int>(std::ceil(*high)),
                  static_cast<int>(std::ceil(error.largest_density)));
   return error;
 }

@@ -63,11 +63,11 @@ Levels::OneVolume& Levels::at(int level) {
   return volumes_[level] = derive(std::move(coarse), fine.placement);
 }
 
-int Levels::most() const {
+int Levels::max_level() const {
   if (!own_) return 0;
-  const int least = *std::min_element(box_.size.begin(), box_.size.end());
+  const int shortest = *std::min_element(box_.size.begin(), box_.size.end());
   int level = 0;
-  while (least >> (level + 1) >= kMinEdge) ++level;
+  while (shortest >> (level + 1) >= kMinEdge) ++level;
   return level;
 }
 

@@ -28,7 +28,7 @@ class Levels {
   const Dims& dims(int level) { return at(level).dims; }
   const std::vector<LevelError>& errors() const { return errors_; }  // of level 1 and up
   // The levels that have at least eight voxels an edge.
-  int most() const;
+  int max_level() const;
 
   // Has the board hold that level, with its looks. True if something had to be loaded.
   bool go_to(int level);

@@ -38,7 +38,7 @@ void check_request(const LightPlanRequest& request) {
     throw BadArgument("time_budget", "one of max_error and time_budget", request.max_error > 0 ? "both" : "none");
   }
   expect_within("channel", request.channel, -1, 2);
-  expect_within("most_rays", request.max_rays, 1, 4096);
+  expect_within("max_rays", request.max_rays, 1, 4096);
   expect_within("pilot_pixels", request.pilot_pixels, 16, 512);
 }
 

@@ -81,8 +81,8 @@ PilotError pilot_error(const Image& pilot, const Image& best, int channel) {
     variance += std::pow(of.error - ratio * of.picture, 2) / std::max(1.0, n - 1);
   }
   const double unseen = kRuleOfThree * worst;
-  const double most = ratio + (kStandardErrors * std::sqrt(variance * n) + unseen) / sum.picture;
-  return {std::sqrt(ratio), kMargin * std::sqrt(most)};
+  const double upper = ratio + (kStandardErrors * std::sqrt(variance * n) + unseen) / sum.picture;
+  return {std::sqrt(ratio), kMargin * std::sqrt(upper)};
 }
 
 PilotError noise_of(const Image& a, const Image& b, int channel) {

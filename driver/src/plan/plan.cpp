@@ -90,7 +90,7 @@ class Planner {
       plan_.voxels_a_pixel = voxels_a_pixel(request_.view, levels_.seen(), request_.volume.spacing);
       plan_.level_for_pixels = level_for(plan_.voxels_a_pixel);
       const bool deeper = request_.time_budget > 0 || request_.max_error >= kCoarse;
-      deepest_ = std::min(plan_.level_for_pixels + (deeper ? 1 : 0), levels_.most());
+      deepest_ = std::min(plan_.level_for_pixels + (deeper ? 1 : 0), levels_.max_level());
     }
     max_pilots_ = static_cast<std::uint32_t>(static_cast<std::size_t>(deepest_ + 1) * std::size(kSteps) *
                                              (std::size(kThresholds) + 1));

@@ -41,14 +41,14 @@ class Row {
       : source_(source),
         volume_(volume),
         size_(static_cast<std::size_t>(volume.dims[0])),
-        least_(size_),
-        greatest_(size_),
+        min_(size_),
+        max_(size_),
         tags_(volume.tags.empty() ? 0 : size_) {}
 
   // Over the rows from (y, z) to before (end_y, end_z).
   void gather(int y, int end_y, int z, int end_z) {
-    std::fill(least_.begin(), least_.end(), std::numeric_limits<Value>::max());
-    std::fill(greatest_.begin(), greatest_.end(), std::numeric_limits<Value>::lowest());
+    std::fill(min_.begin(), min_.end(), std::numeric_limits<Value>::max());
+    std::fill(max_.begin(), max_.end(), std::numeric_limits<Value>::lowest());
     std::fill(tags_.begin(), tags_.end(), std::uint8_t{0});
     for (int at_z = z; at_z < end_z; ++at_z) {
       for (int at_y = y; at_y < end_y; ++at_y) add(at_y, at_z);
@@ -57,26 +57,26 @@ class Row {
 
   // Of the voxels from x to before end.
   BlockStatistics statistics(std::size_t x, std::size_t end, ValueRange range) const {
-    Value least = least_[x], greatest = greatest_[x];
+    Value low = min_[x], high = max_[x];
     std::uint8_t tags = tags_.empty() ? 1 : 0;
     for (std::size_t i = x; i < end; ++i) {
-      least = std::min(least, least_[i]);
-      greatest = std::max(greatest, greatest_[i]);
+      low = std::min(low, min_[i]);
+      high = std::max(high, max_[i]);
       if (!tags_.empty()) tags |= tags_[i];
     }
-    return {to_density(static_cast<double>(least), range), to_density(static_cast<double>(greatest), range), tags};
+    return {to_density(static_cast<double>(low), range), to_density(static_cast<double>(high), range), tags};
   }
 
  private:
   void add(int y, int z) {
     const std::size_t from =
         size_ * (static_cast<std::size_t>(y) + static_cast<std::size_t>(volume_.dims[1]) * static_cast<std::size_t>(z));
-    Value* const least = least_.data();
-    Value* const greatest = greatest_.data();
+    Value* const low = min_.data();
+    Value* const high = max_.data();
     for (std::size_t x = 0; x < size_; ++x) {
       const Value value = source_[from + x];
-      least[x] = std::min(least[x], value);
-      greatest[x] = std::max(greatest[x], value);
+      low[x] = std::min(low[x], value);
+      high[x] = std::max(high[x], value);
     }
     for (std::size_t x = 0; x < tags_.size(); ++x) {
       tags_[x] = static_cast<std::uint8_t>(tags_[x] | 1u << volume_.tags[from + x]);
@@ -86,7 +86,7 @@ class Row {
   const Source source_;
   const VolumeView& volume_;
   const std::size_t size_;
-  std::vector<Value> least_, greatest_;
+  std::vector<Value> min_, max_;
   std::vector<std::uint8_t> tags_;  // bit t: tag t
 };
 

@@ -1,18 +1,27 @@
 #include "uri.h"
 
 #include <charconv>
+#include <initializer_list>
 #include <optional>
 #include <set>
-#include <span>
+#include <utility>
 
 #include "gicube/error.h"
 
 namespace gicube {
 namespace {
 
-constexpr std::string_view kFidelities[] = {"functional", "approximate", "cycle"};
-constexpr std::string_view kPaces[] = {"as_fast_as_possible", "realtime"};
-constexpr std::string_view kBuses[] = {"pci33", "agp1x", "agp2x", "agp4x"};
+// Options of one of several words, which set a field of the board's configuration.
+struct Choice {
+  std::string_view option, field;
+  std::initializer_list<std::string_view> words;
+};
+const Choice kChoices[] = {{"fidelity", "fidelity", {"functional", "approximate", "cycle"}},
+                           {"pace", "pace", {"as_fast_as_possible", "realtime"}},
+                           {"bus", "bus.model", {"pci33", "agp1x", "agp2x", "agp4x"}}};
+// Options that name a file, and the board's flag for each. The capture is the driver's own.
+constexpr std::pair<std::string_view, std::string_view> kFiles[] = {
+    {"config", "--config"}, {"bsdf", "--bsdf"}, {"faults", "--faults"}, {"fault_log", "--fault-log"}, {"capture", ""}};
 constexpr unsigned kMaxThreads = 1024;  // chosen: beyond any machine, so a slip of the pen is told from a wish
 
 std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
@@ -50,7 +59,7 @@ std::optional<Number> parse_number(std::string_view text) {
   return value;
 }
 
-void check_choice(const std::string& field, std::string_view value, std::span<const std::string_view> choices) {
+void check_choice(const std::string& field, std::string_view value, std::initializer_list<std::string_view> choices) {
   std::string expected;
   for (const std::string_view choice : choices) {
     if (value == choice) return;
@@ -77,33 +86,27 @@ void check_set(const std::string& value) {
 
 void take_option(const std::string& name, const std::string& value, Uri& uri) {
   const std::string field = "URI option " + name;
-  if (name == "fidelity") {
-    check_choice(field, value, kFidelities);
-    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "fidelity=" + value});
-  } else if (name == "bus") {
-    check_choice(field, value, kBuses);
-    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "bus.model=" + value});
-  } else if (name == "pace") {
-    check_choice(field, value, kPaces);
-    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "pace=" + value});
-  } else if (name == "threads") {
-    uri.threads = parse_threads(value);
-    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", "threads=" + std::to_string(uri.threads)});
-  } else if (name == "config") {
+  const auto pass_on = [&uri](std::string_view flag, const std::string& argument) {
+    uri.board_arguments.insert(uri.board_arguments.end(), {std::string(flag), argument});
+  };
+  for (const Choice& choice : kChoices) {
+    if (name != choice.option) continue;
+    check_choice(field, value, choice.words);
+    return pass_on("--set", std::string(choice.field) + "=" + value);
+  }
+  for (const auto& [option, flag] : kFiles) {
+    if (name != option) continue;
     if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
-    uri.board_arguments.insert(uri.board_arguments.end(), {"--config", value});
+    if (!flag.empty()) return pass_on(flag, value);
+    uri.capture = value;
+    return;
+  }
+  if (name == "threads") {
+    uri.threads = parse_threads(value);
+    pass_on("--set", "threads=" + std::to_string(uri.threads));
   } else if (name == "set") {
     check_set(value);
-    uri.board_arguments.insert(uri.board_arguments.end(), {"--set", value});
-  } else if (name == "capture") {
-    if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
-    uri.capture = value;
-  } else if (name == "bsdf") {
-    if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
-    uri.board_arguments.insert(uri.board_arguments.end(), {"--bsdf", value});
-  } else if (name == "faults" || name == "fault_log") {
-    if (value.empty()) throw BadArgument(field, "a file name", in_quotes(value));
-    uri.board_arguments.insert(uri.board_arguments.end(), {name == "faults" ? "--faults" : "--fault-log", value});
+    pass_on("--set", value);
   } else {
     throw BadArgument("URI option",
                       "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, capture",

@@ -25,11 +25,11 @@ std::vector<std::uint16_t> convert(Samples<float> samples, std::size_t count, Va
 // An integer type has few values: each is converted once.
 template <typename T>
 std::vector<std::uint16_t> convert(Samples<T> samples, std::size_t count, ValueRange range) {
-  constexpr int least = std::numeric_limits<T>::min(), greatest = std::numeric_limits<T>::max();
+  constexpr int low = std::numeric_limits<T>::min(), high = std::numeric_limits<T>::max();
   std::vector<std::uint16_t> table;
-  for (int value = least; value <= greatest; ++value) table.push_back(to_density(value, range));
+  for (int value = low; value <= high; ++value) table.push_back(to_density(value, range));
   std::vector<std::uint16_t> densities(count);
-  for (std::size_t i = 0; i < count; ++i) densities[i] = table[static_cast<std::size_t>(samples[i] - least)];
+  for (std::size_t i = 0; i < count; ++i) densities[i] = table[static_cast<std::size_t>(samples[i] - low)];
   return densities;
 }
 

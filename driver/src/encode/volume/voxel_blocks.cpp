@@ -53,20 +53,20 @@ std::size_t VoxelBlocks::row(std::size_t y, std::size_t z) const {
 
 BlockStatistics VoxelBlocks::find_statistics(const Region& region) const {
   // 12 bits fit in a signed word, whose minimum and maximum are single instructions on every x86-64.
-  std::int16_t least = wire::kDensityMax, greatest = 0;
+  std::int16_t low = wire::kDensityMax, high = 0;
   unsigned tags = tags_.empty() ? 1 : 0;
   for (std::size_t z = region.begin[2]; z < region.end[2]; ++z) {
     for (std::size_t y = region.begin[1]; y < region.end[1]; ++y) {
       const std::size_t begin = row(y, z) + region.begin[0], end = row(y, z) + region.end[0];
       for (std::size_t i = begin; i < end; ++i) {
         const auto density = static_cast<std::int16_t>(densities_[i]);
-        least = std::min(least, density);
-        greatest = std::max(greatest, density);
+        low = std::min(low, density);
+        high = std::max(high, density);
       }
       for (std::size_t i = begin; !tags_.empty() && i < end; ++i) tags |= 1u << tags_[i];
     }
   }
-  return {static_cast<std::uint16_t>(least), static_cast<std::uint16_t>(greatest), static_cast<std::uint8_t>(tags)};
+  return {static_cast<std::uint16_t>(low), static_cast<std::uint16_t>(high), static_cast<std::uint8_t>(tags)};
 }
 
 // A Sobel gradient reaches one voxel further than the values that it comes from.
