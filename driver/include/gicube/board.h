@@ -5,7 +5,7 @@
 //   board.set_transfer_function(transfer_function);    // segmentation LUT and empty flags
 //   gicube::Image image = board.render(camera);        // simulated time: board.now()
 //
-// Sources: the coprocessor API of [P §3.5, §5.6]. Simulated time: nothing here depends on the wall clock but the watchdog.
+// Sources: the coprocessor API of [P §3.5, §5.6]. Times are simulated; only the watchdog uses the wall clock.
 #pragma once
 
 #include <chrono>
@@ -61,22 +61,22 @@ enum class BackPressure {
 };
 
 struct OpenOptions {
-  // Wall-clock limit for one answer of the board; 0 = wait for ever.
+  // Wall-clock limit for one answer of the board; 0 = none. Beyond it the call throws TimedOut.
   std::chrono::milliseconds watchdog{std::chrono::minutes{10}};
-  // Rays that may be under way: submitted, and not yet completed by the simulated board. At least 4096.
+  // Rays that may be under way: submitted, and not yet completed by the simulated board. 4096 or more.
   std::size_t max_rays = std::size_t{1} << 22;
   BackPressure back_pressure = BackPressure::kWait;
   // Keeps the volume's packed blocks in the host's memory, 4.5 bytes a stored voxel, so that reopen() can load them again.
   bool keep_volume = false;
-  // How often in a row a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut: while
-  // the board knows the session, the call goes on as if nothing had been. Not for emu:, whose board ends with its link.
+  // How often in a row a call resumes a session that lost its connection. Only then it throws DeviceLost or TimedOut. A
+  // resumed call goes on as if nothing had happened. Not for emu:, whose board ends with its connection.
   int reopen_attempts = 0;
   // Takes the board from its owner, whose calls then throw DeviceLost with Loss::kTakenOver.
   bool force = false;
-  // How long open() waits in line while the board has an owner; first come, first served. Then BoardBusy, as at once with 0.
+  // How long open() waits in line while the board has an owner, first come, first served. After that it throws BoardBusy.
   std::chrono::milliseconds wait_for_board{0};
-  // Writes every frame of the session to this file, for gicube-replay (docs/guide/capture.md); a session that reopen() begins anew
-  // to FILE.1, FILE.2. Empty: emu:'s option capture, or else the environment variable GICUBE_CAPTURE names it.
+  // Writes every frame of the session to this file, for gicube-replay (docs/guide/capture.md). New sessions of reopen() go
+  // to FILE.1, FILE.2. Empty: the option capture of emu: names the file, or else the environment variable GICUBE_CAPTURE.
   std::string capture{};
 };
 
@@ -89,29 +89,29 @@ struct Reopened {
 // Parts done and parts in all of a long call; called on the calling thread.
 using Progress = std::function<void(std::uint32_t done, std::uint32_t all)>;
 
-// Movable, not copyable: one Board owns one session, which ends with it. Its calls may come from several threads; each
-// call is one transaction and they take turns, so the simulated host is one host. A moved-from Board may only be
-// destroyed or assigned to.
+// One Board owns one session, which ends with it; it can be moved, not copied. Several threads may call it. Each call is
+// one transaction, and they take turns: the simulated host is one host. A moved-from Board may only be destroyed or
+// assigned to.
 class GICUBE_API Board {
  public:
   // Opens a board and resets it.
   //   emu:                  starts a private gicube-board child over a socket pair; it ends with this Board
   //   unix:PATH             a gicube-board that listens on a Unix socket
   //   tcp:HOST:PORT         the same on TCP
-  // emu: takes the query options fidelity, bus, pace, threads, config=FILE, set=path.to.field=value (repeatable) and
-  // bsdf=FILE.so (repeatable; code that the application trusts: docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE and capture=FILE
-  // (docs/guide/faults.md, docs/guide/capture.md), as in
-  // "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8". The program is found by the environment variable
-  // GICUBE_BOARD, beside the running program, where the SDK was installed, or on the PATH, in this order.
+  // emu: takes options, as in "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8": fidelity, bus, pace, threads,
+  // config=FILE, set=path.to.field=value and bsdf=FILE.so (both repeatable; a bsdf is code that the application trusts:
+  // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), capture=FILE
+  // (docs/guide/capture.md). The program is searched for in this order: by the environment variable GICUBE_BOARD, beside
+  // the running program, where the SDK was installed, on the PATH.
   // Throws BadArgument (URI), OpenFailed, BoardBusy, VersionMismatch, TimedOut.
   static Board open(std::string_view uri, const OpenOptions& options = {});
 
-  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, it goes
-  // on: what was under way comes, exactly once, and the call that failed may be made again. Otherwise this is a new board
-  // (of emu: a new process), on which the host's clock goes on: registers, tables and materials are written again, and the
-  // volume too with OpenOptions::keep_volume; irradiance, sums and framebuffer are lost. Ray batches that were not received are
-  // sent again, once there is a volume. On a Board that is not lost it does nothing, and says resumed.
-  // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost: the Board is as lost as before.
+  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, that goes
+  // on: what was under way arrives exactly once, and the failed call may be made again. Else it is a new board (of emu: a
+  // new process). The host's clock goes on; registers, tables and materials are written again, with OpenOptions::keep_volume
+  // the volume too; irradiance, sums and framebuffer are lost. Ray batches that were not received are sent again once there
+  // is a volume. On a Board that is not lost it does nothing and reports resumed.
+  // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost; the Board then stays lost.
   Reopened reopen();
 
   Board(Board&&) noexcept;
@@ -130,15 +130,15 @@ class GICUBE_API Board {
   // The values of a box of the volume as the board holds them, 12 bits each, x fastest. The simulated host waits for the
   // transfer. Throws Rejected (no volume), BadArgument (box).
   std::vector<float> read_volume(const VoxelBox& box);
-  // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Gradients of the
-  // box and of its neighbours are found again from the voxels that the board holds (unless load_volume() was to find none),
-  // tags stay; the empty flags are found again. The simulated host waits for the transfers, of whole blocks both ways.
+  // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Tags stay. Gradients
+  // of the box and its neighbours are found again from the board's voxels, unless load_volume() was told to find none; so
+  // are the empty flags. The simulated host waits for the transfers, which are of whole blocks in both directions.
   // Throws Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
   void write_volume(const VoxelBox& box, std::span<const float> values);
-  // Has the board read its whole volume back and compares each block with what was written there. Returns the blocks that
-  // differ, ascending, numbered as in empty_flags(): bits of theirs have been lost without the memory's noticing, and
-  // pictures and rays since may be wrong; load the volume again. The simulated host waits for as long as the fullest
-  // RDRAM channel needs to read its blocks. Throws Rejected before load_volume(), MemoryFault.
+  // Has the board read its whole volume back, and compares each block with what was written there. Returns the blocks that
+  // differ, ascending, numbered as in empty_flags(). They lost bits and the memory did not notice: pictures and rays since
+  // then may be wrong, and the volume should be loaded again. The simulated host waits as long as the fullest memory channel
+  // needs to read its blocks. Throws Rejected before load_volume(), MemoryFault.
   std::vector<std::size_t> verify_volume();
 
   // The map from the loaded volume's values to densities. Throws Rejected before load_volume().
@@ -158,15 +158,15 @@ class GICUBE_API Board {
 
   // Scatters the rays that meet a material with kTrap and kHostRoutine, in illuminate() and in pictures with View::scatter:
   // 64 bytes of each come over the bus, 32 go back, and the simulated host works `time_per_ray` on it. The routine may
-  // ask this Board for now() and info() only. What it throws comes out of the call that needed it, and an answer that is
-  // none as ScatteringFailed: the rays that had not ended are lost, the irradiance is as far as it came, there is no
-  // picture, and the board is ready for the next call. An empty routine takes it back.
+  // ask this Board for now() and info() only. What it throws leaves the call that needed it; an answer that no ray can
+  // follow throws ScatteringFailed. Rays that had not ended are then lost, the irradiance is incomplete, there is no
+  // picture, and the board is ready for the next call. An empty routine removes the former one.
   void set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray = 0);
 
   // Clears the irradiance and distributes the lights' energy by lighting rays; the simulated host waits. The irradiance
   // stays until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
-  // Throws BadArgument (a light's index and field, settings), Rejected (no volume; a routine failed or is missing): the
-  // irradiance is as far as it came.
+  // Throws BadArgument (a light's index and field, settings), Rejected (no volume; a routine failed or is missing); then
+  // the irradiance is incomplete.
   LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
   // One value a voxel, x fastest, in units of the lights' power; of the whole volume or of a box of it. The simulated
   // host waits for the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
@@ -175,24 +175,24 @@ class GICUBE_API Board {
   // Overwrites it: words are rounded to the unit in force and saturate. Throws as read_irradiance(), and BadArgument
   // (a value's index): the irradiance is unchanged. The simulated host waits for the transfer.
   void write_irradiance(const VoxelBox& box, std::span<const float> values);
-  // Sets the irradiance to zero and its unit, in which the words count, to `unit` of the lights' power: for rays of type
-  // kDeposit and for write_irradiance(). The words saturate at 2047, of a board with the wide datapath at 2^32 - 1.
+  // Sets the irradiance to zero, and one unit of its words to `unit` of the lights' power: for rays of type kDeposit and
+  // for write_irradiance(). The words saturate at 2047, or with the wide datapath at 2^32 - 1.
   // Throws BadArgument, Rejected (no volume).
   void clear_irradiance(double unit);
-  // Sets the sums that rays of type kBackproject leave to zero, and what one unit of theirs is worth: energy times length.
+  // Sets the sums of kBackproject rays to zero, and one unit of them to `unit`, an energy times a length.
   // They are kept beside the volume until the next load_volume() or reset. Throws BadArgument, Rejected (no volume).
   void clear_sums(double unit);
-  // One sum a voxel, x fastest, of a box of the volume. A sum is clipped at 2^34 units, which DepositReport tells. The
+  // One sum a voxel, x fastest, of a box of the volume. Sums are clipped at 2^34 units; DepositReport counts them. The
   // simulated host waits for the transfer. Throws Rejected before the first clear_sums(), BadArgument (box).
   std::vector<float> read_sums(const VoxelBox& box);
 
   // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").
-  // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded, whose codes it would
-  // give a new meaning: the board is untouched.
+  // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded, because its codes would
+  // change their meaning; the board is then untouched.
   void set_gradient_codebook(std::span<const Vec3> codebook);
 
   // Overrides the flags that the driver found, until the next load_volume() or set_transfer_function(). One value a
-  // block, x fastest, nonzero = nothing visible. A flag set on a visible block hides it: that is the caller's wish.
+  // block, x fastest, nonzero = nothing visible. A flag that is set on a visible block hides that block.
   // Throws BadArgument if the count is not the volume's number of blocks: the board is untouched.
   void set_empty_flags(std::span<const std::uint8_t> flags);
   // The flags in force, one a block.
@@ -228,8 +228,8 @@ class GICUBE_API Board {
   // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival. One that
   // the board refused is thrown first, and is gone; the others stay.
   std::vector<RayBatch> poll();
-  // Takes back what of a batch the DSP has not begun by now(); its rays are lost, and it comes back, cancelled, through
-  // receive() or poll() as others do. False: too late, it comes back whole. The simulated host waits for the answer.
+  // Takes back the part of a batch that the DSP has not begun by now(). Its rays are lost, and receive() or poll() return it
+  // as cancelled. False: it is too late, and the batch comes back whole. The simulated host waits for the answer.
   // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit and kBackproject: what they left can't be
   // taken back.
   bool cancel(Ticket ticket);
@@ -247,8 +247,8 @@ class GICUBE_API Board {
   // The host works for that long; the board goes on meanwhile.
   void host_compute(Picoseconds duration);
   // From now on a rendering or an illuminate() that lets the simulated host wait longer than `limit` throws
-  // DeadlinePassed, and the clock stands at that deadline. The board finishes its command, whose result is lost: the
-  // framebuffer is unknown then, the irradiance as if the pass had ended. 0: no limit.
+  // DeadlinePassed, and the clock stands at that deadline. The board finishes its command, but the result is lost: the
+  // framebuffer's content is unknown then, the irradiance is that of the whole pass. 0: no limit.
   void set_time_limit(Picoseconds limit);
 
   Counters counters();

@@ -1,4 +1,4 @@
-// The driver's typed errors. Each call's docstring says which it throws and what has happened on the board then.
+// The driver's typed errors. The comment of each call says which it throws, and what state the board is in then.
 #pragma once
 
 #include <stdexcept>
@@ -28,7 +28,7 @@ class GICUBE_API BadArgument : public Error {
   std::string field_, expected_, got_;
 };
 
-// No board could be opened: the URI's scheme, path or program is not there, or nobody answers.
+// No board could be opened: the socket or the program that the URI means is not there, or nobody answers.
 class GICUBE_API OpenFailed : public Error {
  public:
   using Error::Error;
@@ -52,14 +52,14 @@ class GICUBE_API Rejected : public Error {
   using Error::Error;
 };
 
-// The application's scattering routine answered what no ray can do (gicube/scattering.h).
+// The application's scattering routine gave an answer that no ray can follow (gicube/scattering.h).
 class GICUBE_API ScatteringFailed : public Error {
  public:
   using Error::Error;
 };
 
-// The board's RDRAM reported an error that it could not correct. The command that met it was not carried out and nothing
-// has changed; the same call may be made again.
+// The board's memory reported an error that it could not correct. The command was not carried out and nothing has
+// changed; the same call may be made again.
 class GICUBE_API MemoryFault : public Error {
  public:
   using Error::Error;
@@ -79,8 +79,8 @@ enum class Loss {
   kEnded,      // the board ended the session: it shuts down, was reset by management, or found a fault in what was sent
 };
 
-// The link to the board broke. Every open call throws this, and so do all later calls on the same Board until
-// Board::reopen(): that goes on where the session stood, or on a new board.
+// The connection to the board broke. Every waiting call throws this, and so do all later calls on the same Board until
+// Board::reopen() succeeds, with the same session or on a new board.
 class GICUBE_API DeviceLost : public Error {
  public:
   explicit DeviceLost(const std::string& text, Loss cause = Loss::kClosed) : Error(text), cause_(cause) {}
@@ -97,14 +97,14 @@ class GICUBE_API DeadlinePassed : public Error {
   using Error::Error;
 };
 
-// As many rays are under way as OpenOptions allow. Nothing was sent; receive or poll, or let simulated time pass.
+// As many rays are under way as OpenOptions::max_rays allows. Nothing was sent: receive or poll before the next try.
 class GICUBE_API WouldBlock : public Error {
  public:
   using Error::Error;
 };
 
-// No answer within the wall-clock watchdog. The board may still be working: the Board is closed, as after DeviceLost,
-// until Board::reopen().
+// No answer came within the wall-clock watchdog. The board may still be working. As after DeviceLost, the Board takes no
+// calls until Board::reopen() succeeds.
 class GICUBE_API TimedOut : public Error {
  public:
   using Error::Error;

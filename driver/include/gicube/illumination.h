@@ -22,7 +22,7 @@ struct DirectionalLight {
   double irradiance = 1;  // > 0, power on a unit area across the light
 };
 
-// Shines to the side of edge_u x edge_v, each point alike into all directions of the half space (Lambert).
+// Shines to the side of edge_u x edge_v, each point by Lambert's law.
 struct RectangleLight {
   Vec3 corner;
   Vec3 edge_u, edge_v;  // physical; not parallel, not 0
@@ -68,9 +68,9 @@ struct LightingReport {
   std::vector<std::string> warnings;  // a light in a solid, much energy clipped, low albedo where scattering matters
 };
 
-// Error bar of a kHigh pass: the standard error of `irradiance`, a voxel's or the sum over many, in the lights' unit. Photons
-// are absorbed whole, each with the pass's mean energy: so it falls with the root of rays_per_face_voxel. Of a single voxel it
-// is an upper bound, since a photon's energy is split between eight.
+// Error bar of a kHigh pass: the standard error of `irradiance`, one voxel's or the sum over many, in the lights' unit.
+// Photons are absorbed whole, so it falls with the root of rays_per_face_voxel. For a single voxel it is an upper bound,
+// because a photon's energy is split between eight voxels.
 inline double standard_error(const LightingReport& report, double irradiance) {
   return report.rays == 0 ? 0 : std::sqrt(irradiance * report.emitted / static_cast<double>(report.rays));
 }

@@ -1,5 +1,5 @@
-// Volumes that stand in another one's place because a picture needs no more: a part of it, coarser, or both; and how far
-// they are from it. Sources: [P §5.3], pixel-to-voxel ratios below one.
+// Parts of a volume and coarser versions of it, for pictures that need no more, and how far these are from the original.
+// Sources: [P §5.3], pixel-to-voxel ratios below one.
 #pragma once
 
 #include <cstddef>
@@ -22,8 +22,8 @@ struct GICUBE_API Placement {
 
   // The same camera, cut planes and image for the derived volume. View::step stays a number of its voxels.
   View view(View original) const;
-  // The same look for the derived volume, whose values lie in `range`: opacities are those of a voxel length, and that is
-  // `edge` times as long. Between the board's 4096 densities straight lines.
+  // The same look for the derived volume, whose values lie in `range`. Opacities are per voxel length, which is `edge` times
+  // as long there. Between the board's 4096 densities they are interpolated linearly.
   TransferFunction look(const TransferFunction& original, ValueRange range) const;
 };
 
@@ -41,7 +41,7 @@ struct GICUBE_API DerivedVolume {
   VolumeView view() const;
 };
 
-// Some voxels of it, with the same values, range and type. Throws BadArgument (box).
+// The voxels of a box, with the same values, range and type. Throws BadArgument (box).
 GICUBE_API DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box);
 
 // One voxel for 2^level of them on each axis, at their centre: values are their mean, tags what most of them have (the first
@@ -49,8 +49,8 @@ GICUBE_API DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box);
 // driver finds them anew, from the means. Values are float32 in the original's range. Level 1..6; throws BadArgument (level;
 // fewer than two voxels on an axis are left).
 //
-// The mean is the filter whose voxels are as far as half a coarse edge from what they stand for, and no further: wider
-// ones have less Moiré and more blur, and what rays see of a surface is mostly its blur.
+// The filter is the mean of the voxels that one replaces, and of no others: wider filters have less Moiré but more blur,
+// and the blur of a surface is most of the error that rays see.
 GICUBE_API DerivedVolume coarser(const VolumeView& volume, int level);
 
 // How far a coarser volume is from its original.

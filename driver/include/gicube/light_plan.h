@@ -1,5 +1,5 @@
-// The plan step of light: from a scene and a target to the albedo, the number and the step of lighting rays, found by passes of few
-// rays and pilots of the picture that they light (plan.h plans the picture itself).
+// The plan step of light: from a scene and a target to albedo, number and step of the lighting rays. It is found by passes of
+// few rays and pilots of the picture that they light (plan.h plans the picture itself).
 //
 //   gicube::LightPlan light = gicube::plan_light(board, {.lights = lights, .settings = illumination, .view = camera,
 //                                                        .max_error = gicube::share_of_light(0.05)});
@@ -23,8 +23,8 @@ namespace gicube {
 
 struct LightPlanRequest {
   std::span<const Light> lights;
-  // Rules, jitter, leaps, lifetime and seed stay. Rules as printed keep their albedo too: there the two differ. What is chosen is told
-  // against all of it.
+  // Rules, jitter, leaps, lifetime and seed stay; with the printed rules the albedo too, since there the two albedos differ.
+  // The plan's cost is compared with all of these settings.
   Illumination settings{};
   View view{};       // of the picture; its step, threshold and size don't count
   int channel = -1;  // 0, 1, 2: only red, green or blue of it is taken (one of three passes)

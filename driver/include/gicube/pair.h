@@ -1,4 +1,4 @@
-// Pairs of elements of the volume and the light that goes between them: the heaviest part of radiosity [P §5.6].
+// How much light goes between pairs of elements of the volume: the heaviest part of radiosity [P §5.6].
 //
 //   auto factors = board.pair_factors(elements, pairs, {.rays = 64});
 //   // exchange area of two patches: factors[i].transported * area_a * area_b
@@ -33,15 +33,15 @@ enum class PairRays {
 };
 
 struct PairRequest {
-  std::uint32_t rays = 16;  // a pair, 1..65536: points that fill both elements evenly, whatever their number
-  std::uint32_t first = 0;  // the first of the pair's samples: to go on from where an earlier request ended
+  std::uint32_t rays = 16;  // for each pair, 1..65536; any number of them fills both elements evenly
+  std::uint32_t first = 0;  // the pair's first sample: goes on where an earlier request ended
   std::uint32_t seed = 0;
-  double opacity = 1;  // > 0..1: a ray that has gathered so much goes no further
+  double opacity = 1;  // > 0..1: a ray that has gathered that much ends
   PairRays made = PairRays::kByBoard;
 };
 
-// With r the physical distance of two points (in smallest voxel edges), T the transmittance between them, and f the cosine
-// at a patch (0 behind it) or 1 in a box: means over the rays, so over both elements, of
+// Means over the rays, and so over both elements. r is the physical distance of two points (in smallest voxel edges), T the
+// transmittance between them, and f the cosine at a patch (0 behind it), or 1 in a box.
 struct PairFactor {
   double transported = 0;  // f f T / (pi r^2)
   double geometric = 0;    // f f / (pi r^2)

@@ -38,14 +38,14 @@ enum class RayType {
   // The same without colour: the transmittance between two points is 1 - opacity.
   kOpacity,
   // Distributes its energy into the irradiance words on its way (docs/reference/hardware.md, Global illumination), by
-  // RayRequest::albedo and rules; what is asked for is where the energy went: no ray comes back.
+  // RayRequest::albedo and rules. No ray comes back; BatchReport::lighting says where the energy went.
   kDeposit,
   // The line integral of the volume's values less ValueRange::low between two points, lengths in the unit of
   // VolumeView::spacing. Sampled as kSegment; opacities, empty blocks, jitter and cut planes don't matter, and outside of
   // the volume there is nothing.
   kIntegral,
-  // The other way round: leaves `energy` for each unit of length on its way from one point to another, and loses nothing by
-  // it. In the words of RayRequest::words; no ray comes back.
+  // Adds `energy` for each unit of length to the voxels along its way from one point to another. The ray loses nothing by
+  // that. RayRequest::words says to which words; no ray comes back.
   kBackproject,
 };
 
@@ -57,15 +57,15 @@ enum class SumWords {
 
 // What the board can't hold exactly is rounded: positions to 1/16384 voxel, directions to 1/16384, lengths to 1/65536 voxel.
 struct HostRay {
-  std::uint32_t id = 0;  // the caller's own; comes back unchanged. kDeposit: its random choices hang on it
+  std::uint32_t id = 0;  // the caller's own; comes back unchanged. kDeposit: seeds its random choices
   Vec3 position;         // voxels, inside the volume: 0..size - 1 on each axis
   Vec3 direction;        // any length but 0; only the direction counts
   double length = 0;     // kSegment, kOpacity, kIntegral, kBackproject: voxels along the direction, 0..4096
-  // kDeposit: > 0, in units of the lights' power. kBackproject: a unit of length; into sums of either sign
+  // kDeposit: > 0, in units of the lights' power. kBackproject: for each unit of length; into sums with either sign
   double energy = 0;
 };
 
-// The ray from one point to another, both in voxels, for rays with a length. Equal points: of no length, along z.
+// The ray from one point to another, both in voxels, for ray types with a length. Equal points: length 0, along z.
 GICUBE_API HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
 
 struct RayRequest {
@@ -108,8 +108,8 @@ struct DepositReport {
   std::uint64_t rays = 0;
   std::uint64_t samples = 0;
   double kept = 0;               // in the units of HostRay::energy times length
-  double clipped = 0;            // by words that were full: what is read is wrong by as much
-  std::uint64_t overflowed = 0;  // sums that were full; each is counted by every command that moves it further
+  double clipped = 0;            // by words that were full: the words read back are wrong by that much
+  std::uint64_t overflowed = 0;  // sums that were full; every command that would change one further counts it again
   double unit = 0;               // of one unit of the words
 };
 
@@ -117,7 +117,7 @@ struct DepositReport {
 struct BatchReport {
   Ticket ticket;
   Picoseconds completed = 0;               // simulated time at which the last byte reached the host
-  bool cancelled = false;                  // some of its rays were never traced: there are none to be had
+  bool cancelled = false;                  // some of its rays were never traced; none come back
   std::optional<LightingReport> lighting;  // kDeposit
   std::optional<DepositReport> deposits;   // kBackproject
 };

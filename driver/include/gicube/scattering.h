@@ -1,4 +1,4 @@
-// Scattering by the application: what it is told of a ray that met a material of its own, and what it answers.
+// Scattering by the application: what it learns of a ray that met a material of its own, and what it answers.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace gicube {
 struct ScatterEvent {
   Vec3 position;       // voxels
   Vec3 direction;      // in which the ray travels
-  Vec3 normal;         // against the density's gradient, out of what is dense; zero where there is no gradient
+  Vec3 normal;         // against the density's gradient, away from dense matter; zero where there is no gradient
   double opacity = 0;  // of one voxel length of the material there, 0..1
   double density = 0;  // 0..4095, the board's (Board::value_range() maps values to it)
   int tag = 0;
