@@ -117,13 +117,13 @@ int top(const Options& options) {
       const Window window(before ? &*before : nullptr, now);
       const std::string head = summary(now, window, !before, std::chrono::duration<double>(time - last).count());
       constexpr int kOtherLines = 10;
-      const auto most = redraws ? static_cast<std::size_t>(std::max(1, terminal_lines() - kOtherLines)) : 1000;
+      const auto max_lines = redraws ? static_cast<std::size_t>(std::max(1, terminal_lines() - kOtherLines)) : 1000;
       // Home and clear to the end, so that nothing flickers.
       fmt::print("{}{}\n{}",
                  redraws     ? "\033[H\033[J"
                  : shown > 0 ? "\n"
                              : "",
-                 head, counters(now, window, options.all_counters, most));
+                 head, counters(now, window, options.all_counters, max_lines));
     }
     std::fflush(stdout);
     last = time;
