@@ -19,8 +19,7 @@ SorterSetup sorter_setup(const ProcessorConfig& config) {
   setup.bus_waits = setup.single;  // else most rays of a frame would come back to the DSP as overflows
   setup.queues = static_cast<std::uint32_t>(std::max<std::size_t>(1, config.partition->blocks_of(config.number)));
   setup.capacity = board.asic().queue_rays();
-  setup.policy =
-      board.sorter().policy() == v1::most_contribution ? QueuePolicy::kMaxContribution : QueuePolicy::kMaxRays;
+  setup.policy = board.sorter().policy();
   setup.ideal_queues = board.ideal().queues() != 0;
   setup.ideal_sorter = board.ideal().sorter() != 0;
   return setup;

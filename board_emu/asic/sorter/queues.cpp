@@ -2,8 +2,8 @@
 
 namespace gicube::emu {
 
-Queues::Queues(std::uint32_t queues, std::uint32_t capacity, QueuePolicy policy)
-    : capacity_(capacity), policy_(policy), states_(queues) {}
+Queues::Queues(std::uint32_t queues, std::uint32_t capacity, v1::QueuePolicy policy)
+    : capacity_(capacity), importance_of_(emu::importance_of(policy)), states_(queues) {}
 
 std::uint32_t Queues::grow() {
   records_.emplace_back();

@@ -10,18 +10,17 @@
 #include <cstdint>
 #include <vector>
 
+#include "asic/sorter/policies/policy.h"
 #include "words/words.h"
 
 namespace gicube::emu {
-
-enum class QueuePolicy : std::uint8_t { kMaxRays, kMaxContribution };
 
 class Queues {
  public:
   static constexpr std::uint32_t kUnlimited = ~std::uint32_t{0};
 
   // `capacity` in rays; kUnlimited for queues that never overflow.
-  Queues(std::uint32_t queues, std::uint32_t capacity, QueuePolicy policy);
+  Queues(std::uint32_t queues, std::uint32_t capacity, v1::QueuePolicy policy);
 
   bool has_slot(std::uint32_t queue) const { return states_[queue].slots < capacity_; }
   // Writes a ray under way to the queue's tail. It takes a slot unless it kept its own. Returns the rays in the queue.
@@ -33,12 +32,10 @@ class Queues {
     --states_[queue].slots;
   }
 
-  // Rays in the queue, or the sum of their contributions (at least 1 each), by policy; 0 = empty.
+  // As the policy says; 0 = empty.
   std::uint32_t importance(std::uint32_t queue) const {
     const State& state = states_[queue];
-    return policy_ == QueuePolicy::kMaxRays
-               ? state.waiting
-               : static_cast<std::uint32_t>(std::min<std::uint64_t>(state.contribution, kMaxImportant));
+    return state.waiting == 0 ? 0 : importance_of_(state);
   }
   std::uint32_t waiting(std::uint32_t queue) const { return states_[queue].waiting; }
   std::uint64_t waiting() const { return waiting_; }
@@ -47,14 +44,11 @@ class Queues {
 
  private:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr std::uint64_t kMaxImportant = ~std::uint32_t{0} - 1;  // below the active queue's infinity
 
-  struct State {
+  struct State : QueueFacts {
     std::uint32_t head = kNone;  // record
     std::uint32_t tail = kNone;
-    std::uint32_t waiting = 0;
     std::uint32_t slots = 0;  // taken: waiting, or issued and not released
-    std::uint64_t contribution = 0;
   };
   struct Record {
     RayToken token;
@@ -66,9 +60,10 @@ class Queues {
   std::uint32_t grow();
 
   std::uint32_t capacity_;
-  QueuePolicy policy_;
+  ImportanceOf importance_of_;
   std::uint32_t free_ = kNone;  // list of unused records
   std::uint64_t waiting_ = 0;
+  std::uint32_t openings_ = 0;  // queues that got a first ray since all were empty
   std::vector<State> states_;
   std::vector<Record> records_;
 };
@@ -87,7 +82,12 @@ inline std::uint32_t Queues::write(std::uint32_t queue, const RayToken& token) {
   free_ = record.next;
   record.token = token;
   record.token.keeps_slot = false;
-  (state.waiting == 0 ? state.head : records[state.tail].next) = at;
+  if (state.waiting == 0) {
+    state.head = at;
+    state.opened = waiting_ == 0 ? openings_ = 0 : ++openings_;
+  } else {
+    records[state.tail].next = at;
+  }
   state.tail = at;
   state.contribution += weight(token);
   ++waiting_;

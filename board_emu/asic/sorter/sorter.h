@@ -33,7 +33,7 @@ namespace gicube::emu {
 struct SorterSetup {
   std::uint32_t queues = 128;    // N³ / n³ / p
   std::uint32_t capacity = 256;  // rays a queue
-  QueuePolicy policy = QueuePolicy::kMaxRays;
+  v1::QueuePolicy policy = v1::most_rays;
   // The baseline of [P §5.1]: one queue of `capacity` rays in the order of their coming. RayToken::queue is carried
   // along and has no say here; a ray that stays in the processor keeps its slot.
   bool single = false;

@@ -16,7 +16,7 @@ std::vector<ToyScene> scenes() {
       ToyScene scene{.processors = processors};
       scene.sorter.capacity = capacity;
       all.push_back(scene);
-      scene.sorter.policy = QueuePolicy::kMaxContribution;
+      scene.sorter.policy = v1::most_contribution;
       scene.runs = true;
       all.push_back(scene);
       scene.sorter.bus_waits = true;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <deque>
 #include <random>
+#include <stdexcept>
 #include <vector>
 
 namespace gicube::emu {
@@ -16,7 +17,7 @@ RayToken token(std::uint32_t ray, std::uint16_t contribution = 4095) {
 }
 
 TEST(Queues, GiveRaysInTheOrderOfTheirComing) {
-  Queues queues(2, 8, QueuePolicy::kMaxRays);
+  Queues queues(2, 8, v1::most_rays);
   for (const std::uint32_t ray : {5u, 6u, 7u}) queues.write(0, token(ray));
   queues.write(1, token(9));
   EXPECT_EQ(queues.read(0).ray, 5u);
@@ -27,7 +28,7 @@ TEST(Queues, GiveRaysInTheOrderOfTheirComing) {
 }
 
 TEST(Queues, KeepASlotUntilItIsReleased) {
-  Queues queues(1, 2, QueuePolicy::kMaxRays);
+  Queues queues(1, 2, v1::most_rays);
   queues.write(0, token(1));
   EXPECT_TRUE(queues.has_slot(0));
   queues.write(0, token(2));
@@ -44,7 +45,7 @@ TEST(Queues, KeepASlotUntilItIsReleased) {
 }
 
 TEST(Queues, CountRaysOrContributionsAsImportance) {
-  Queues by_rays(1, 8, QueuePolicy::kMaxRays), by_contribution(1, 8, QueuePolicy::kMaxContribution);
+  Queues by_rays(1, 8, v1::most_rays), by_contribution(1, 8, v1::most_contribution);
   for (Queues* queues : {&by_rays, &by_contribution}) {
     queues->write(0, token(1, 100));
     queues->write(0, token(2, 0));  // counts as 1: a queue with a ray is never unimportant
@@ -58,9 +59,42 @@ TEST(Queues, CountRaysOrContributionsAsImportance) {
   EXPECT_EQ(by_contribution.importance(0), 1u + 4095);
 }
 
+TEST(Queues, AreTheMoreImportantTheLongerTheirFirstRayWaits) {
+  Queues queues(3, 8, v1::longest_wait);
+  queues.write(2, token(1));
+  queues.write(0, token(2));
+  queues.write(2, token(3));
+  queues.write(1, token(4));
+  EXPECT_GT(queues.importance(2), queues.importance(0));
+  EXPECT_GT(queues.importance(0), queues.importance(1));
+  const std::uint32_t before = queues.importance(1);
+  queues.write(1, token(5));
+  EXPECT_EQ(queues.importance(1), before) << "its first ray came as long ago as before";
+  queues.read(2), queues.read(2);
+  EXPECT_EQ(queues.importance(2), 0u);
+  queues.write(2, token(6));
+  EXPECT_LT(queues.importance(2), queues.importance(1)) << "it was empty, and waits since now";
+}
+
+TEST(Queues, HaveAnImportanceBelowTheActiveOnesWhateverThePolicy) {
+  const auto& policies = *v1::QueuePolicy_descriptor();
+  for (int i = 0; i < policies.value_count(); ++i) {
+    if (policies.value(i)->number() == 0) continue;
+    const ImportanceOf importance = importance_of(static_cast<v1::QueuePolicy>(policies.value(i)->number()));
+    for (const std::uint32_t opened : {0u, 1u, ~0u}) {
+      for (const std::uint64_t contribution : {std::uint64_t{1}, ~std::uint64_t{0}}) {
+        const std::uint32_t got = importance({.waiting = 1, .opened = opened, .contribution = contribution});
+        EXPECT_GE(got, 1u) << policies.value(i)->name();
+        EXPECT_LE(got, kMaxImportance) << policies.value(i)->name();
+      }
+    }
+  }
+  EXPECT_THROW(importance_of(v1::POLICY_UNSPECIFIED), std::invalid_argument);
+}
+
 TEST(Queues, HoldWhatPlainListsHoldUnderRandomUse) {
   constexpr std::uint32_t kQueues = 7, kCapacity = 9;
-  Queues queues(kQueues, kCapacity, QueuePolicy::kMaxContribution);
+  Queues queues(kQueues, kCapacity, v1::most_contribution);
   std::vector<std::deque<RayToken>> lists(kQueues);
   std::mt19937 random(3);
   for (std::uint32_t i = 0; i < 20'000; ++i) {

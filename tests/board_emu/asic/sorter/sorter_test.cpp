@@ -213,7 +213,7 @@ TEST(Sorter, InsertsNothingForTheActiveQueue) {
 }
 
 // Queue 7 is active with rays enough, while queues 0 to 2 get rays that the two policies weigh differently.
-Rays order_of_queues(QueuePolicy policy, bool ideal) {
+Rays order_of_queues(v1::QueuePolicy policy, bool ideal) {
   SorterSetup setup{.queues = 8, .capacity = 64, .policy = policy, .ideal_sorter = ideal};
   SorterRig rig(setup);
   for (std::uint32_t i = 0; i < 20; ++i) rig.bus.push(i, rig.ray(700 + i, 7));
@@ -231,10 +231,11 @@ Rays order_of_queues(QueuePolicy policy, bool ideal) {
   return rest;
 }
 
-TEST(Sorter, TakesTheQueueWithMostRaysOrMostContribution) {
+TEST(Sorter, TakesTheQueueThatItsPolicyFindsMostImportant) {
   for (const bool ideal : {false, true}) {
-    EXPECT_EQ(order_of_queues(QueuePolicy::kMaxRays, ideal), (Rays{0, 1, 2, 103, 104, 205}));
-    EXPECT_EQ(order_of_queues(QueuePolicy::kMaxContribution, ideal), (Rays{103, 104, 205, 0, 1, 2}));
+    EXPECT_EQ(order_of_queues(v1::most_rays, ideal), (Rays{0, 1, 2, 103, 104, 205}));
+    EXPECT_EQ(order_of_queues(v1::most_contribution, ideal), (Rays{103, 104, 205, 0, 1, 2}));
+    EXPECT_EQ(order_of_queues(v1::longest_wait, ideal), (Rays{0, 1, 2, 103, 104, 205}));
   }
 }
 
