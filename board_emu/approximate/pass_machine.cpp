@@ -43,15 +43,19 @@ PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>
       core_khz_(config.asic().core_khz()),
       dsp_khz_(config.dsp().clock_khz()),
       up_(config.asic().processors()),
-      layout_(static_cast<std::uint32_t>(std::max<std::size_t>(1, partition_.max_blocks())),
-              config.asic().block_voxels(), config.rdram().device_mbit()),
+      standard_(memory_standard(config)),
       listeners_(config.asic().processors()) {
   for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
-    memories_.push_back(std::make_unique<PassMemory>(config_, layout_));
+    memories_.push_back(std::make_unique<PassMemory>(config_, partition_.max_blocks()));
     const PassProcessor::Surroundings with{&config_, &partition_, blocks_, &processors_, memories_.back().get(),
                                            &rays_,   &up_};
     processors_.push_back(std::make_unique<PassProcessor>(static_cast<std::uint8_t>(i), with));
   }
+}
+
+bool PassMachine::covers(const v1::BoardConfig& config) {
+  return memory_standard(config).sharing == 1 && config.sorter().policy() == v1::most_rays &&
+         config.sorter().queues() == v1::per_block && config.ideal().sorter() == 0;
 }
 
 void PassMachine::invalidate_caches() {
@@ -216,9 +220,10 @@ void PassMachine::count(std::vector<wire::Counter>& list) const {
   const auto processors = [&](const std::string& name, const char* unit, const auto& of) {
     sum("processor." + name, unit, of, processors_);
   };
-  const auto memories = [&](const std::string& name, const char* unit, std::uint64_t rdram::ChannelCounters::*field) {
+  const auto memories = [&](const std::string& name, const char* unit, std::uint64_t dram::ChannelCounters::*field) {
     sum(
-        "rdram." + name, unit, [field](const PassMemory& m) { return m.channel.counters().*field; }, memories_);
+        standard_.name + ("." + name), unit, [field](const PassMemory& m) { return m.channel->counters().*field; },
+        memories_);
   };
   using P = PassProcessor;
   list.push_back({"asic.cycles", "cycle", now_});
@@ -238,14 +243,14 @@ void PassMachine::count(std::vector<wire::Counter>& list) const {
       "link.rays_sent", "ray", [](const P& p) { return p.counters().rays_sent; }, processors_);
   sum(
       "link.hops", "ray", [](const P& p) { return p.counters().hops; }, processors_);
-  list.push_back({"rdram.cycles", "tCYCLE",
-                  now_ * config_.rdram().clocks_per_core_cycle() * static_cast<std::uint64_t>(memories_.size())});
-  memories("reads", "packet", &rdram::ChannelCounters::packets_read);
-  memories("writes", "packet", &rdram::ChannelCounters::packets_written);
-  memories("row_hits", "packet", &rdram::ChannelCounters::row_hits);
-  memories("row_misses", "packet", &rdram::ChannelCounters::row_misses);
-  memories("row_conflicts", "packet", &rdram::ChannelCounters::conflicts);
-  memories("data_busy", "tCYCLE", &rdram::ChannelCounters::dq_busy);
+  list.push_back({standard_.name + std::string(".cycles"), standard_.clock,
+                  now_ * standard_.clocks_per_core_cycle * static_cast<std::uint64_t>(memories_.size())});
+  memories("reads", "packet", &dram::ChannelCounters::packets_read);
+  memories("writes", "packet", &dram::ChannelCounters::packets_written);
+  memories("row_hits", "packet", &dram::ChannelCounters::row_hits);
+  memories("row_misses", "packet", &dram::ChannelCounters::row_misses);
+  memories("row_conflicts", "packet", &dram::ChannelCounters::conflicts);
+  memories("data_busy", standard_.clock, &dram::ChannelCounters::dq_busy);
   list.push_back({"dsp.rays_sent", "ray", dsp_.sent});
   list.push_back({"dsp.rays_taken", "ray", dsp_.taken});
   list.push_back({"dsp.overflows", "ray", dsp_.overflows});

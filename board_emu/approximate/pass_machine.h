@@ -56,6 +56,9 @@ class PassMachine {
  public:
   // For volumes of `blocks` along x, y, z.
   PassMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
+  // Whether it knows all that such a board does. Where it does not, the cycle level is to answer: where processors share
+  // a channel, and with a sorter that it has no model of.
+  static bool covers(const v1::BoardConfig& config);
   PassMachine(const PassMachine&) = delete;  // its processors point at it
   PassMachine& operator=(const PassMachine&) = delete;
 
@@ -103,7 +106,7 @@ class PassMachine {
   std::uint64_t core_khz_, dsp_khz_;
   PassTree up_;
   PassRays rays_;
-  rdram::Layout layout_;  // of each memory
+  dram::Standard standard_;  // of the memories
   std::vector<std::unique_ptr<PassMemory>> memories_;
   std::vector<std::unique_ptr<PassProcessor>> processors_;
   Dsp dsp_;

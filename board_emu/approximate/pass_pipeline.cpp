@@ -37,8 +37,8 @@ Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
   PassMemory& memory = *with_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
-    const rdram::Location where = memory.layout->locate(active_, misses.tiles[i]);
-    const Cycle there = memory.channel.read(where, memory.asked * ratio_).data_end + rac_latency_ + ratio_ - 1;
+    const Cycle read = memory.channel->read(active_, misses.tiles[i], memory.asked * ratio_).data_end;
+    const Cycle there = read + memory_latency_ + ratio_ - 1;
     const Cycle arrival = ratio_bits_ >= 0 ? there >> ratio_bits_ : there / ratio_;
     first = std::max(i == 0 ? first : first + 1, arrival);
     taken_[packets_++ % kRemembered] = first;

@@ -24,9 +24,8 @@
 #include <vector>
 
 #include "asic/cache/volume_cache.h"
+#include "asic/memory_standards.h"
 #include "asic/partition.h"
-#include "asic/rdram/channel.h"
-#include "asic/rdram/layout.h"
 #include "asic/sorter/exact_maximum.h"
 #include "datapath/frame.h"
 #include "datapath/ray_step.h"
@@ -72,13 +71,12 @@ inline Point drawn_from(const std::array<std::int16_t, 3>& direction, std::uint1
                                                            static_cast<std::uint16_t>(direction[2]), u, v, 0});
 }
 
-// A processor's RDRAM channel.
+// A processor's memory channel.
 struct PassMemory {
-  PassMemory(const v1::BoardConfig& config, const rdram::Layout& blocks)
-      : layout(&blocks), channel(config.rdram(), blocks.devices()) {}
+  PassMemory(const v1::BoardConfig& config, std::size_t blocks)
+      : channel(make_memory(config, static_cast<std::uint32_t>(blocks))) {}
 
-  const rdram::Layout* layout;  // must outlive it
-  rdram::Channel channel;
+  std::unique_ptr<dram::Memory> channel;
   Cycle asked = 0;  // in which it took the last packet on
 };
 
@@ -229,11 +227,11 @@ class PassProcessor {
   const std::uint8_t number_;
   Surroundings with_;
   std::uint32_t prefetch_, compute_, capacity_, ratio_;
-  int ratio_bits_;           // if it is a power of two
-  std::uint32_t room_;       // packets that may be on their way when a sample enters
-  Cycle link_cycles_;        // of a ray
-  std::uint32_t link_rays_;  // places at a link's entry
-  Cycle rac_latency_;
+  int ratio_bits_;             // if it is a power of two
+  std::uint32_t room_;         // packets that may be on their way when a sample enters
+  Cycle link_cycles_;          // of a ray
+  std::uint32_t link_rays_;    // places at a link's entry
+  Cycle memory_latency_;       // clocks from the last data to the fill queue
   Cycle to_dsp_;               // from the end of the pipeline or an overflow through the merge tree
   std::uint32_t tree_places_;  // on that way
   bool ideal_memory_;

@@ -8,7 +8,7 @@
 #include <bit>
 #include <utility>
 
-#include "asic/rdram/layout.h"
+#include "asic/memory_standards.h"
 #include "text_schema.h"
 
 namespace gicube::emu {
@@ -44,10 +44,15 @@ constexpr std::array kRanges{
     Range{"rdram.t_rcd", 1, 255, "tCYCLE"}, Range{"rdram.t_cac", 1, 255, "tCYCLE"},
     Range{"rdram.t_cwd", 1, 255, "tCYCLE"}, Range{"rdram.t_rtr", 0, 255, "tCYCLE"},
     Range{"rdram.t_offp", 1, 255, "tCYCLE"}, Range{"rdram.refresh_interval", 0, 1'000'000, "tCYCLE"},
-    Range{"rdram.rac_latency", 0, 255, "tCYCLE"}, Range{"ideal.memory", 0, 1, "(0 or 1)"},
-    Range{"ideal.queues", 0, 1, "(0 or 1)"}, Range{"ideal.sorter", 0, 1, "(0 or 1)"},
-    Range{"bus.max_burst_dwords", 1, 1024, "dwords"}, Range{"bus.latency_timer_clocks", 8, 255, "bus clocks"},
-    Range{"bus.read_latency_clocks", 0, 64, "bus clocks"},
+    Range{"rdram.rac_latency", 0, 255, "tCYCLE"}, Range{"ddr.processors_per_channel", 1, 2, "processors"},
+    Range{"ddr.clocks_per_core_cycle", 1, 16, "clocks"}, Range{"ddr.t_ras", 1, 255, "clocks"},
+    Range{"ddr.t_rc", 1, 255, "clocks"}, Range{"ddr.t_rp", 1, 255, "clocks"}, Range{"ddr.t_rrd", 1, 255, "clocks"},
+    Range{"ddr.t_rcd", 1, 255, "clocks"}, Range{"ddr.t_cl", 1, 255, "clocks"}, Range{"ddr.t_wr", 0, 255, "clocks"},
+    Range{"ddr.t_wtr", 0, 255, "clocks"}, Range{"ddr.t_rfc", 1, 255, "clocks"},
+    Range{"ddr.refresh_interval", 0, 1'000'000, "clocks"}, Range{"ddr.controller_latency", 0, 255, "clocks"},
+    Range{"ideal.memory", 0, 1, "(0 or 1)"}, Range{"ideal.queues", 0, 1, "(0 or 1)"},
+    Range{"ideal.sorter", 0, 1, "(0 or 1)"}, Range{"bus.max_burst_dwords", 1, 1024, "dwords"},
+    Range{"bus.latency_timer_clocks", 8, 255, "bus clocks"}, Range{"bus.read_latency_clocks", 0, 64, "bus clocks"},
     Range{"threads", 0, 1024, "threads, 0 = one a core"},  // chosen: above any host that this was tried on
 };
 
@@ -100,7 +105,8 @@ void check_enums(const v1::BoardConfig& config, const FieldLines& lines, std::ve
     found.push_back(
         {"fidelity", "functional or cycle with sorter.queues=single", "approximate", line_of(lines, "fidelity")});
   }
-  for (const char* path : {"fidelity", "bus.model", "asic.partition", "sorter.queues", "sorter.policy", "pace"}) {
+  for (const char* path : {"fidelity", "bus.model", "asic.partition", "asic.datapath", "sorter.queues", "sorter.policy",
+                           "memory", "pace"}) {
     const Place place = find_place(config, path);
     const auto* value = place.message->GetReflection()->GetEnum(*place.message, place.field);
     if (value->number() != 0) continue;
@@ -144,26 +150,35 @@ void check_volume(const v1::AsicConfig& asic, const FieldLines& lines, std::vect
   }
 }
 
-// The controller of a channel drives at most 32 devices [Direct RDRAM data book].
-void check_rdram(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Diagnostic>& found) {
-  constexpr std::uint32_t kMaxDevices = 32;
+void check_memory(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Diagnostic>& found) {
+  const dram::Standard memory = memory_standard(config);
   const std::uint32_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
-  const std::uint32_t processors = config.asic().processors(), sharing = config.rdram().processors_per_rdram();
-  const std::uint32_t blocks = (edge * edge * edge + processors - 1) / processors * std::min(sharing, processors);
-  const std::uint32_t devices =
-      rdram::devices_needed(blocks, config.asic().block_voxels(), config.rdram().device_mbit());
-  if (devices <= kMaxDevices) return;
-  found.push_back({"asic.max_volume_voxels",
-                   fmt::format("a volume whose share of one RDRAM channel fits its {} devices", kMaxDevices),
-                   fmt::format("{}, which takes {}", config.asic().max_volume_voxels(), devices),
-                   line_of(lines, "asic.max_volume_voxels")});
+  const std::uint32_t processors = config.asic().processors();
+  const std::uint32_t blocks =
+      (edge * edge * edge + processors - 1) / processors * std::min(memory.sharing, processors);
+  const std::uint32_t devices = memory_devices_needed(config, blocks);
+  if (devices <= memory.max_devices) return;
+  found.push_back(
+      {"asic.max_volume_voxels",
+       fmt::format("a volume whose share of one {} channel fits its {} devices", memory.label, memory.max_devices),
+       fmt::format("{}, which takes {}", config.asic().max_volume_voxels(), devices),
+       line_of(lines, "asic.max_volume_voxels")});
 }
 
-void check_refresh(const v1::RdramConfig& rdram, const FieldLines& lines, std::vector<Diagnostic>& found) {
-  constexpr std::uint32_t kShortest = 64;  // chosen: more often, and the channel does little else
-  if (rdram.refresh_interval() == 0 || rdram.refresh_interval() >= kShortest) return;
-  found.push_back({"rdram.refresh_interval", fmt::format("0 or at least {} tCYCLE", kShortest),
-                   std::to_string(rdram.refresh_interval()), line_of(lines, "rdram.refresh_interval")});
+void check_refresh(const v1::BoardConfig& config, const FieldLines& lines, std::vector<Diagnostic>& found) {
+  struct Shortest {
+    const char* field;
+    std::uint32_t clocks;
+    const char* unit;
+  };
+  // chosen: more often, and the channel does little else.
+  for (const Shortest& shortest :
+       {Shortest{"rdram.refresh_interval", 64, "tCYCLE"}, Shortest{"ddr.refresh_interval", 32, "clocks"}}) {
+    const std::uint32_t value = value_at(config, shortest.field);
+    if (value == 0 || value >= shortest.clocks) continue;
+    found.push_back({shortest.field, fmt::format("0 or at least {} {}", shortest.clocks, shortest.unit),
+                     std::to_string(value), line_of(lines, shortest.field)});
+  }
 }
 
 }  // namespace
@@ -222,9 +237,9 @@ std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& l
                      line_of(lines, range.field)});
   }
   check_powers(config, lines, found);
-  check_refresh(config.rdram(), lines, found);
+  check_refresh(config, lines, found);
   check_volume(config.asic(), lines, found);
-  if (found.empty() && config.fidelity() != v1::functional) check_rdram(config, lines, found);
+  if (found.empty() && config.fidelity() != v1::functional) check_memory(config, lines, found);
   return found;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "asic/memory_standards.h"
 #include "gicube/wire/lut.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/voxel.h"
@@ -55,6 +56,10 @@ HardwareCost hardware_cost(const v1::BoardConfig& config) {
   cost.sram = {fmt::format("with {} x registers", p), cost.volume_cache.bits + cost.gradient_lut.bits +
                                                           p * cost.registers.bits + cost.segmentation_lut.bits +
                                                           cost.reflectance_map.bits};
+  const dram::Standard memory = memory_standard(config);
+  cost.memory_signals = memory.signals;
+  cost.memory_signal_count = memory.signal_count;
+  cost.memory_channels = static_cast<std::uint32_t>((p + memory.sharing - 1) / memory.sharing);
   return cost;
 }
 
@@ -78,6 +83,8 @@ std::string to_string(const HardwareCost& cost) {
   line("Reflectance map", cost.reflectance_map, "SRAM");
   line("Total SRAM", cost.sram, "SRAM");
   line("Total eDRAM", {"", cost.ray_queues.bits}, "eDRAM");
+  text += fmt::format("\nMemory signals: {} channels x {} = {} pins; each {}\n", cost.memory_channels,
+                      cost.memory_signal_count, cost.memory_channels * cost.memory_signal_count, cost.memory_signals);
   return text;
 }
 

@@ -22,7 +22,10 @@ struct HardwareCost {
   CostItem registers;  // of one processor: Table 1 has no factor of p here
   CostItem segmentation_lut;
   CostItem reflectance_map;
-  CostItem sram;  // all, with the registers of every processor
+  CostItem sram;                          // all, with the registers of every processor
+  std::string memory_signals;             // of one memory channel, by kind
+  std::uint32_t memory_signal_count = 0;  // of one memory channel: pins of the ASIC
+  std::uint32_t memory_channels = 0;
 };
 
 // Fields that are not set count with their defaults.

@@ -14,6 +14,7 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
     : config_(config),
       blocks_(blocks),
       partition_(config.asic().partition(), config.asic().processors(), blocks),
+      standard_(emu::memory_standard(config)),
       run_pool_(config.asic().processors()) {
   const unsigned count = config.asic().processors();
   for (unsigned i = 0; i < count; ++i) {
@@ -25,7 +26,7 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
     each.rays = &rays_;
     processors_.push_back(std::make_unique<Processor>(each));
   }
-  const unsigned sharing = config.rdram().processors_per_rdram();
+  const unsigned sharing = standard_.sharing;
   for (unsigned first = 0; first < count; first += sharing) {
     std::vector<MemoryClient> clients;
     for (unsigned i = first; i < std::min(first + sharing, count); ++i) {

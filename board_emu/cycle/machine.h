@@ -72,6 +72,7 @@ class Machine {
   };
   // What was done in each simulated millisecond, the last entry for all that come later.
   const std::vector<Millisecond>& milliseconds() const { return milliseconds_; }
+  const dram::Standard& memory_standard() const { return standard_; }
   const Ring& links() const { return *links_; }
   // Between the DSP and the ASIC.
   const Fifo<RayToken>& down() const { return down_; }
@@ -92,6 +93,7 @@ class Machine {
   v1::BoardConfig config_;
   std::array<int, 3> blocks_;
   Partition partition_;
+  dram::Standard standard_;
   RayStore rays_;
   Fifo<RayToken> down_{2};
   Fifo<RunPool::Run> runs_{2};

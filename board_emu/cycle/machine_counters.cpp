@@ -84,8 +84,8 @@ void put(Sums& sums, const RingCounters& links) {
   sums.put("entry_waits", "cycle", links.entry_waits);
 }
 
-void put(Sums& sums, const rdram::ChannelCounters& memory, std::uint64_t cycles) {
-  sums.put("cycles", "tCYCLE", cycles);
+void put(Sums& sums, const dram::ChannelCounters& memory, const char* clock, std::uint64_t cycles) {
+  sums.put("cycles", clock, cycles);
   sums.put("reads", "packet", memory.packets_read);
   sums.put("writes", "packet", memory.packets_written);
   sums.put("row_hits", "packet", memory.row_hits);
@@ -94,8 +94,8 @@ void put(Sums& sums, const rdram::ChannelCounters& memory, std::uint64_t cycles)
   sums.put("activates", "command", memory.activates);
   sums.put("precharges", "command", memory.precharges);
   sums.put("refreshes", "command", memory.refreshes);
-  sums.put("data_busy", "tCYCLE", memory.dq_busy);
-  sums.put("turnaround", "tCYCLE", memory.turnaround);
+  sums.put("data_busy", clock, memory.dq_busy);
+  sums.put("turnaround", clock, memory.turnaround);
 }
 
 }  // namespace
@@ -119,8 +119,9 @@ void count(const Machine& machine, std::vector<wire::Counter>& list) {
       put(sums, machine.links().counters(static_cast<std::uint32_t>(i)));
     }
     for (std::size_t i = 0; i < machine.memories().size(); ++i) {
-      sums.begin("rdram", i);
-      put(sums, machine.memories()[i]->channel().counters(), machine.memories()[i]->cycles(machine.now()));
+      sums.begin(machine.memory_standard().name, i);
+      put(sums, machine.memories()[i]->channel().counters(), machine.memory_standard().clock,
+          machine.memories()[i]->cycles(machine.now()));
     }
   }
   list.push_back({"link.bisection_rays", "ray", machine.links().bisection_rays()});

@@ -7,10 +7,10 @@ namespace gicube::emu {
 
 namespace {
 
-Delay delay(rdram::Delay cause) {
+Delay delay(dram::Delay cause) {
   switch (cause) {
-    case rdram::Delay::kBank: return Delay::kBank;
-    case rdram::Delay::kRefresh: return Delay::kRefresh;
+    case dram::Delay::kBank: return Delay::kBank;
+    case dram::Delay::kRefresh: return Delay::kRefresh;
     default: return Delay::kTransfer;
   }
 }
@@ -19,31 +19,28 @@ Delay delay(rdram::Delay cause) {
 
 MemoryPort::MemoryPort(const v1::BoardConfig& config, std::vector<MemoryClient> clients, std::size_t blocks)
     : clients_(std::move(clients)),
-      layout_(static_cast<std::uint32_t>(std::max<std::size_t>(1, blocks * clients_.size())),
-              config.asic().block_voxels(), config.rdram().device_mbit()),
-      channel_(config.rdram(), layout_.devices()),
-      ratio_(config.rdram().clocks_per_core_cycle()),
-      rac_latency_(config.rdram().rac_latency()) {}
+      channel_(make_memory(config, static_cast<std::uint32_t>(blocks * clients_.size()))),
+      ratio_(memory_standard(config).clocks_per_core_cycle),
+      latency_(memory_standard(config).latency) {}
 
 inline void MemoryPort::send(std::size_t which, Cycle now) {
   const MemoryClient& client = clients_[which];
   latest_ = now;
   if (client.next_is_write()) {
     const TileWrite write = client.writes->next();
-    const rdram::Location at = layout_.locate(block_in_memory(write.block, which), write.tile);
+    const std::uint32_t block = block_in_memory(write.block, which);
     if (write.fetch) {
-      channel_.read(at, now * ratio_);
+      channel_->read(block, write.tile, now * ratio_);
     } else {
-      channel_.write(at, now * ratio_);
+      channel_->write(block, write.tile, now * ratio_);
     }
     client.writes->send(now);
     return;
   }
   MissQueue& queue = *client.misses;
   const Packet& packet = queue.next();
-  const rdram::Access access =
-      channel_.read(layout_.locate(block_in_memory(packet.block, which), packet.tile), now * ratio_);
-  const std::uint64_t arrival = access.data_end + rac_latency_;
+  const dram::Access access = channel_->read(block_in_memory(packet.block, which), packet.tile, now * ratio_);
+  const std::uint64_t arrival = access.data_end + latency_;
   queue.send(now, (arrival + ratio_ - 1) / ratio_, delay(access.cause));
 }
 

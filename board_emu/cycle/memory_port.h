@@ -1,16 +1,16 @@
-// One RDRAM channel and the processors that it serves, one or two [P §3.3]: sends their requests on, one a core cycle,
+// One memory channel and the processors that it serves, one or two [P §3.3]: sends their requests on, one a core cycle,
 // in turn, and tells them when each packet arrives.
 //
 // A processor that has its channel to itself can be told at once: nobody else's requests come between.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "asic/cache/miss_queue.h"
 #include "asic/cache/write_queue.h"
-#include "asic/rdram/channel.h"
-#include "asic/rdram/layout.h"
+#include "asic/memory_standards.h"
 #include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu {
@@ -47,10 +47,10 @@ class MemoryPort {
     return !clients_.front().all_sent() && serve_ahead();
   }
 
-  std::uint64_t cycles(Cycle now) const { return now * ratio_; }  // tCYCLE until then
-  std::uint32_t devices() const { return layout_.devices(); }
-  const rdram::Channel& channel() const { return channel_; }
-  rdram::Channel& channel() { return channel_; }
+  std::uint64_t cycles(Cycle now) const { return now * ratio_; }  // clocks of the memory until then
+  std::uint32_t devices() const { return channel_->devices(); }
+  const dram::Memory& channel() const { return *channel_; }
+  dram::Memory& channel() { return *channel_; }
 
  private:
   // The blocks of two processors lie in turn in the memory that they share.
@@ -62,10 +62,9 @@ class MemoryPort {
   void send(std::size_t which, Cycle now);
 
   std::vector<MemoryClient> clients_;
-  rdram::Layout layout_;
-  rdram::Channel channel_;
-  std::uint64_t ratio_;  // tCYCLE a core cycle
-  std::uint64_t rac_latency_;
+  std::unique_ptr<dram::Memory> channel_;
+  std::uint64_t ratio_;  // clocks a core cycle
+  std::uint64_t latency_;
   std::size_t turn_ = 0;
   Cycle latest_ = 0;  // in which something was sent
 };

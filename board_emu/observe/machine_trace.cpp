@@ -21,8 +21,6 @@ Track cause_track(std::size_t lane) {
   return {process, 10 * process + 2};
 }
 
-std::string memory_counter(std::size_t memory) { return fmt::format("RDRAM {} packets/us", memory); }
-
 constexpr const char* kRaysWaiting = "rays waiting";
 constexpr const char* kRaysOnLinks = "rays on links";
 
@@ -33,6 +31,11 @@ void MachineTrace::begin(Picoseconds at, const v1::BoardConfig& config) {
   begin_ps_ = at;
   core_khz_ = config.asic().core_khz();
   single_queue_ = config.sorter().queues() == v1::single;
+  memory_label_ = memory_standard(config).label;
+}
+
+std::string MachineTrace::memory_counter(std::size_t memory) const {
+  return fmt::format("{} {} packets/us", memory_label_, memory);
 }
 
 // In core cycles, at least one.

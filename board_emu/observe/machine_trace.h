@@ -56,6 +56,7 @@ class MachineTrace : public Observer {
   void write_cause(std::size_t lane, const CauseSlice& slice);
   std::string block_name(std::size_t lane, std::uint32_t queue, const Machine& machine) const;
   Cycle microsecond() const;
+  std::string memory_counter(std::size_t memory) const;
   void sample(const Machine& machine);
   void quiet();
 
@@ -64,6 +65,7 @@ class MachineTrace : public Observer {
   Picoseconds end_ps_ = 0;
   std::uint64_t core_khz_ = 1;
   bool single_queue_ = false;
+  std::string memory_label_;
   Cycle begin_cycle_ = 0;
   Cycle next_ = 0;  // after the one seen last
   Cycle next_sample_ = 0;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "render/planning.h"
+#include "scene/program/memory_counters.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
@@ -14,7 +15,7 @@ Json counter_or_null(const Counters& counters, const char* name) {
   return counters.has(name) ? Json(counters.value(name)) : Json(nullptr);
 }
 
-double value(const FrameStatistics& statistics, const char* name) {
+double value(const FrameStatistics& statistics, const std::string& name) {
   return static_cast<double>(statistics.counters.value(name));
 }
 
@@ -33,9 +34,10 @@ void add_asic(const FrameStatistics& statistics, Json& json) {
   const double checks = value(statistics, "processor.cache.checks");
   if (checks > 0) json["hit_ratio"] = 1 - value(statistics, "processor.cache.missed_voxels") / (8 * checks);
   constexpr double kPacketBytes = 16;  // of 144 bits: the paper's unit, in which an RDRAM has 1.6 GB/s
-  const double packets = value(statistics, "rdram.reads") + value(statistics, "rdram.writes");
+  const std::string memory = memory_of(statistics.counters);
+  const double packets = value(statistics, memory + ".reads") + value(statistics, memory + ".writes");
   json["memory_gb_s"] = packets * kPacketBytes / seconds * 1e-9;
-  json["memory_utilisation"] = value(statistics, "rdram.data_busy") / value(statistics, "rdram.cycles");
+  json["memory_utilisation"] = value(statistics, memory + ".data_busy") / value(statistics, memory + ".cycles");
   json["load_balance"] = value(statistics, "processor.rays_held") / (cycles * statistics.board.processors);  // [P §5.4]
   json["dsp_utilisation"] = value(statistics, "dsp.busy_ps") * 1e-12 / seconds;
 }

@@ -12,51 +12,18 @@
 #include <iosfwd>
 #include <vector>
 
+#include "asic/dram/access.h"
 #include "asic/rdram/device.h"
-#include "asic/rdram/location.h"
 #include "asic/rdram/timing.h"
 #include "asic/rdram/wires.h"
 
 namespace gicube::emu::rdram {
 
-// What delayed a packet beyond what lay before it on the wires and the ordinary latency of its own commands.
-enum class Delay : std::uint8_t {
-  kTransfer,  // nothing, or the wires: packets before it and the turnaround
-  kBank,      // its bank: tRC, tRR, tRP, neighbours to precharge
-  kRefresh,   // a refresh of its bank or of a neighbour, or one just before its activation
-};
-
-struct Access {
-  Tcycle data_begin = 0;  // on DQ at the controller
-  Tcycle data_end = 0;    // the tCYCLE after the last
-  Delay cause = Delay::kTransfer;
-};
-
-struct IssuedCommand {
-  Command command;
-  bool tight;  // claimed: not possible one tCYCLE earlier
-  std::uint16_t device;
-  std::uint16_t row;  // of kActivate
-  std::uint8_t bank;
-  std::uint8_t column;  // of kRead, kWrite
-  Tcycle begin;
-  Tcycle asked;  // when what it serves arrived: a packet, a refresh that was due
-};
-
-struct ChannelCounters {
-  std::uint64_t packets_read = 0;
-  std::uint64_t packets_written = 0;
-  std::uint64_t row_hits = 0;    // packets whose row was open
-  std::uint64_t row_misses = 0;  // the others; one activation each
-  std::uint64_t conflicts = 0;   // row misses that had to precharge their bank or a neighbour
-  std::uint64_t activates = 0;   // without refreshes
-  std::uint64_t precharges = 0;  // of refreshed banks too
-  std::uint64_t refreshes = 0;
-  std::uint64_t dq_busy = 0;     // tCYCLE
-  std::uint64_t turnaround = 0;  // tCYCLE that DQ stood still because the direction changed
-
-  friend bool operator==(const ChannelCounters&, const ChannelCounters&) = default;
-};
+using dram::Access;
+using dram::ChannelCounters;
+using dram::Delay;
+using dram::IssuedCommand;
+using dram::Location;
 
 class Channel {
  public:

@@ -12,9 +12,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "asic/rdram/location.h"
+#include "asic/dram/access.h"
 
 namespace gicube::emu::rdram {
+
+using dram::Location;
 
 // How a block of n^3 voxels with its +1 faces is cut into pages.
 struct Bricks {

@@ -1,7 +1,5 @@
 #include "asic/rdram/timing.h"
 
-#include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 namespace gicube::emu::rdram {
@@ -58,39 +56,8 @@ std::vector<Constraint> all_constraints(const v1::RdramConfig& config) {
 
 }  // namespace
 
-const char* to_string(Command command) {
-  switch (command) {
-    case kActivate: return "ACT";
-    case kPrecharge: return "PRE";
-    case kRead: return "RD";
-    case kWrite: return "WR";
-    case Command::kRefresh: return "REFA";
-    case kData: return "DATA";
-  }
-  return "?";
-}
-
-const char* to_string(Scope scope) {
-  switch (scope) {
-    case kBank: return "bank";
-    case kNeighbour: return "neighbour";
-    case kDevice: return "device";
-    case kChannel: return "channel";
-  }
-  return "?";
-}
-
 Timing::Timing(const v1::RdramConfig& config) : Timing(all_constraints(config)) {}
 
-Timing::Timing(std::vector<Constraint> rows) : rows_(std::move(rows)) {
-  for (const Constraint& row : rows_) {
-    if (!honoured(row.scope, row.from, row.to)) {
-      throw std::invalid_argument("RDRAM timing " + row.name + ": expected a pair that the model honours, got " +
-                                  to_string(row.from) + " to " + to_string(row.to) + " in a " + to_string(row.scope));
-    }
-    std::uint32_t& delay = delays_[index(row.scope)][index(row.from)][index(row.to)];
-    delay = std::max(delay, row.cycles);
-  }
-}
+Timing::Timing(std::vector<Constraint> rows) : ConstraintTable("RDRAM", honoured, std::move(rows)) {}
 
 }  // namespace gicube::emu::rdram

@@ -7,45 +7,25 @@
 // device that was just written waits tRTR + tPACK, since the packet that retires the write buffer goes between.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
+#include "asic/dram/constraint.h"
 #include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu::rdram {
 
-using Tcycle = std::uint64_t;
+using dram::Command;
+using dram::Constraint;
+using dram::index;
+using dram::kCommands;
+using dram::kNever;
+using dram::kScopes;
+using dram::Scope;
+using dram::Tcycle;
+using dram::to_string;
 
-inline constexpr Tcycle kNever = ~Tcycle{0};  // the state, not the time, forbids it
-inline constexpr std::uint32_t kPacket = 4;   // tPACK: a packet of ROW, COL or DQ (Siemens HYB25x144180C)
-
-// kRefresh is REFA: it opens the row of the device's own refresh counter. kData is a dualoct on the DQ wires.
-enum class Command : std::uint8_t { kActivate, kPrecharge, kRead, kWrite, kRefresh, kData };
-inline constexpr std::size_t kCommands = 6;
-
-// Between commands to one bank, to banks that share a sense amp, to one device, or to any device of the channel.
-enum class Scope : std::uint8_t { kBank, kNeighbour, kDevice, kChannel };
-inline constexpr std::size_t kScopes = 4;
-
-constexpr std::size_t index(Command command) { return static_cast<std::size_t>(command); }
-constexpr std::size_t index(Scope scope) { return static_cast<std::size_t>(scope); }
-
-const char* to_string(Command command);
-const char* to_string(Scope scope);
-
-// `to` may begin `cycles` after `from` began, not earlier. With `to` = kData: the data begin exactly then.
-struct Constraint {
-  std::string name;
-  Command from;
-  Command to;
-  Scope scope;
-  std::uint32_t cycles;
-
-  friend bool operator==(const Constraint&, const Constraint&) = default;
-};
+inline constexpr std::uint32_t kPacket = 4;  // tPACK: a packet of ROW, COL or DQ (Siemens HYB25x144180C)
 
 // Pairs between which the model can hold a constraint; a table may have no others.
 constexpr bool honoured(Scope scope, Command from, Command to) {
@@ -62,25 +42,16 @@ constexpr bool honoured(Scope scope, Command from, Command to) {
              (from == Command::kWrite && to == Command::kRead);
     case Scope::kChannel:
       return (row(from) && row(to)) || (column(from) && column(to)) || (column(from) && to == Command::kData);
+    case Scope::kOtherDevice: break;
   }
   return false;
 }
 
-class Timing {
+class Timing : public dram::ConstraintTable {
  public:
   explicit Timing(const v1::RdramConfig& config);
   // Throws std::invalid_argument if a row names a pair that is not honoured().
   explicit Timing(std::vector<Constraint> rows);
-
-  const std::vector<Constraint>& rows() const { return rows_; }
-  // The longest of the table's rows for this pair; 0 if there is none.
-  std::uint32_t delay(Scope scope, Command from, Command to) const {
-    return delays_[index(scope)][index(from)][index(to)];
-  }
-
- private:
-  std::vector<Constraint> rows_;
-  std::array<std::array<std::array<std::uint32_t, kCommands>, kCommands>, kScopes> delays_{};
 };
 
 }  // namespace gicube::emu::rdram

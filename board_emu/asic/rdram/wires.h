@@ -2,44 +2,16 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
+#include <cstddef>
 #include <cstdint>
 
+#include "asic/dram/gap_wires.h"
 #include "asic/rdram/timing.h"
 
 namespace gicube::emu::rdram {
 
-// The ROW wires, on which a later precharge may take a gap before an activation that is already placed. Remembers the
-// last tCYCLEs before the latest packet; what is older counts as taken. chosen: one machine word, seven activations. No
-// branches: with random packets nothing here can be predicted.
-class RowWires {
- public:
-  // The first tCYCLE from which on gaps are known.
-  Tcycle horizon() const { return base_; }
-  // The earliest free begin of a packet from `t` on.
-  Tcycle probe(Tcycle t) const {
-    t = std::max(t, base_);
-    const Tcycle bit = t - base_ + kReach;
-    const std::uint64_t blocked = bit < kBits ? blocked_ >> bit : 0;
-    return t + static_cast<unsigned>(std::countr_one(blocked));
-  }
-  // A packet begins at `t`, which probe() must have allowed.
-  void reserve(Tcycle t) {
-    constexpr std::uint64_t kOverlaps = (std::uint64_t{1} << (2 * kReach + 1)) - 1;
-    const Tcycle last = t - base_ + 2 * kReach;  // bit of the last begin that would overlap
-    const Tcycle shift = std::max(last, kBits - 1) - (kBits - 1);
-    blocked_ = shift < kBits ? blocked_ >> shift : 0;
-    base_ += shift;
-    blocked_ |= kOverlaps << (t - base_);
-  }
-
- private:
-  static constexpr Tcycle kBits = 64;
-  static constexpr Tcycle kReach = kPacket - 1;  // packets that begin so near overlap
-
-  Tcycle base_ = 0;
-  std::uint64_t blocked_ = 0;  // bit kReach + i: no packet may begin at base_ + i
-};
+// The ROW wires, on which a later precharge may take a gap before an activation that is already placed.
+using RowWires = dram::GapWires<kPacket>;
 
 // The COL wires, strictly in order; the order there also keeps the data apart on DQ.
 class ColumnWires {

@@ -82,7 +82,7 @@ class DspCommands {
     return config_.fidelity() == v1::cycle || (config_.fidelity() == v1::approximate && !in_turns(frame));
   }
   bool in_turns(const Frame& frame) const {
-    return config_.fidelity() == v1::approximate && frame.plain && config_.rdram().processors_per_rdram() == 1;
+    return config_.fidelity() == v1::approximate && frame.plain && PassMachine::covers(config_);
   }
   PassMachine& pass_machine();
   CommandResult timed(const RunResult& ran) const;

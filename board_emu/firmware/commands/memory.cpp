@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "asic/memory_standards.h"
 #include "asic/partition.h"
 #include "command_fault.h"
 #include "commands.h"
@@ -24,7 +25,8 @@ void DspCommands::add_memory_error(const MemoryError& error) {
 CommandResult DspCommands::meet_memory_error() {
   const MemoryError error = memory_errors_.front();
   memory_errors_.pop_front();
-  std::string text = "the RDRAM reported an error that it could not correct";
+  std::string text =
+      std::string("the ") + memory_standard(config_).label + " reported an error that it could not correct";
   const auto place = aperture_.volume().find_bit(error.block, error.bit);
   if (place)
     text += ": block " + std::to_string(place->block) + ", word " + std::to_string(place->bit / wire::kVoxelBits);
@@ -54,9 +56,10 @@ CommandResult DspCommands::verify(std::span<const std::uint8_t> payload) {
 
 // Every channel streams the stored blocks of its processors, a packet of four voxels at a time.
 Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) const {
-  constexpr std::uint64_t kPacketVoxels = 4, kPacketCycles = 4;  // tCYCLE [docs/reference/hardware.md]
+  constexpr std::uint64_t kPacketVoxels = 4;
+  const dram::Standard memory = memory_standard(config_);
   const VolumeMemory& volume = aperture_.volume();
-  const unsigned processors = config_.asic().processors(), sharing = config_.rdram().processors_per_rdram();
+  const unsigned processors = config_.asic().processors(), sharing = memory.sharing;
   const Partition partition(config_.asic().partition(), processors, volume.blocks());
   std::vector<std::uint64_t> blocks(processors);  // by channel
   for (std::size_t block = first; block < first + count; ++block) {
@@ -64,8 +67,8 @@ Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) cons
   }
   const auto n = static_cast<std::uint64_t>(volume.block_voxels());
   const std::uint64_t clocks =
-      *std::max_element(blocks.begin(), blocks.end()) * (n * n * n / kPacketVoxels) * kPacketCycles;
-  const std::uint64_t per_core_cycle = config_.rdram().clocks_per_core_cycle();
+      *std::max_element(blocks.begin(), blocks.end()) * (n * n * n / kPacketVoxels) * memory.packet_clocks;
+  const std::uint64_t per_core_cycle = memory.clocks_per_core_cycle;
   return cycles_to_ps((clocks + per_core_cycle - 1) / per_core_cycle, config_.asic().core_khz());
 }
 

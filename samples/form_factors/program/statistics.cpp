@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "scene/program/memory_counters.h"
 #include "scene/program/plan_options.h"
 #include "scene/program/run_json.h"
 
@@ -102,8 +103,9 @@ Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const
   const double cycles = static_cast<double>(duration) * 1e-9 * board.core_khz;
   const double working = static_cast<double>(counters.value("asic.cycles")) / cycles;
   out.pipelines = out.sorter = out.memory = 0;
+  const std::string memory = memory_of(counters);
   for (int i = 0; i < board.processors; ++i) {
-    const std::string processor = fmt::format("processor{}.", i), channel = fmt::format("rdram{}.", i);
+    const std::string processor = fmt::format("processor{}.", i), channel = fmt::format("{}{}.", memory, i);
     const double busy = static_cast<double>(counters.value(processor + "cycles.busy")) / cycles;
     if (busy > *out.pipelines) {
       out.pipelines = busy;

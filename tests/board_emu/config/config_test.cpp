@@ -50,7 +50,7 @@ TEST(Config, ReportsEveryFaultOfATextInOneGo) {
                                  HasSubstr("got \"block_voxel\"")),
                            "line 5: asic.core_khz: expected to be set once, got it a second time",
                            "line 7: asik: expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                           "rdram, ideal, pace, threads, got \"asik\"",
+                           "memory, rdram, ddr, ideal, pace, threads, got \"asik\"",
                            "line 8: bus.model: expected one of pci33, agp1x, agp2x, agp4x, got pci66"));
 }
 
@@ -170,7 +170,7 @@ TEST(Config, AFaultyOverrideChangesNothingAndListsWhatIsKnown) {
                                          HasSubstr("got \"procesors\""))));
   EXPECT_THAT(texts(apply_override(config, "chip.processors=4")),
               testing::ElementsAre(HasSubstr("expected one of fidelity, asic, dsp, bus, sorter, pipeline, cache, link, "
-                                             "rdram, ideal, pace, threads, got \"chip\"")));
+                                             "memory, rdram, ddr, ideal, pace, threads, got \"chip\"")));
   for (const char* bad :
        {"asic.processors", "=4", "asic=4", "threads.x=4", "asic.processors=", "asic.processors=4 5",
         "asic.processors=-4", "asic.processors=4294967296", "bus.model=isa", "asic..processors=1", ""}) {
@@ -215,7 +215,25 @@ TEST(Config, TheHashIgnoresOrderOfFieldsSpelledOutDefaultsAndThreads) {
 }
 
 // The hash stands in result files: it may change only with the schema or its defaults.
-TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "ad1e0c514abf30c0"); }
+TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "9c482552385fb8bb"); }
+
+TEST(Config, ChoosesTheMemoryByItsStandard) {
+  v1::BoardConfig config = with({"memory=ddr", "fidelity=cycle"});
+  EXPECT_EQ(config.memory(), v1::ddr);
+  EXPECT_THAT(texts(check(config)), IsEmpty());
+  EXPECT_EQ(v1::BoardConfig().memory(), v1::rdram);
+  EXPECT_THAT(texts(apply_override(config, "memory=sdram")),
+              testing::ElementsAre(HasSubstr("expected one of rdram, ddr")));
+}
+
+TEST(Config, RefusesWhatADdrChannelCannotHoldOrDo) {
+  EXPECT_THAT(texts(check(with({"memory=ddr", "fidelity=cycle", "asic.max_volume_voxels=512"}))), IsEmpty());
+  EXPECT_THAT(texts(check(with({"memory=ddr", "fidelity=cycle", "asic.max_volume_voxels=1024"}))),
+              testing::ElementsAre(HasSubstr("one DDR channel fits its 4 devices")));
+  EXPECT_THAT(texts(check(with({"ddr.refresh_interval=31"}))),
+              testing::ElementsAre("ddr.refresh_interval: expected 0 or at least 32 clocks, got 31"));
+  EXPECT_THAT(texts(check(with({"ddr.t_cl=0"}))), testing::ElementsAre("ddr.t_cl: expected 1 to 255 clocks, got 0"));
+}
 
 }  // namespace
 }  // namespace gicube::emu

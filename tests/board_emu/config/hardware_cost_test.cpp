@@ -80,5 +80,17 @@ TEST(HardwareCost, PrintsOneItemALine) {
   EXPECT_THAT(text, testing::ContainsRegex("Total SRAM .* 15\\.1 Mb SRAM\n"));
 }
 
+TEST(HardwareCost, CountsThePinsOfTheMemoryChannels) {
+  v1::BoardConfig config;
+  EXPECT_EQ(hardware_cost(config).memory_channels, 4u);
+  EXPECT_EQ(hardware_cost(config).memory_signal_count, 34u);
+  config.mutable_rdram()->set_processors_per_rdram(2);
+  EXPECT_EQ(hardware_cost(config).memory_channels, 2u);
+  config.set_memory(v1::ddr);
+  EXPECT_EQ(hardware_cost(config).memory_channels, 4u);
+  EXPECT_EQ(hardware_cost(config).memory_signal_count, 105u);
+  EXPECT_THAT(to_string(hardware_cost(config)), testing::HasSubstr("Memory signals: 4 channels x 105 = 420 pins"));
+}
+
 }  // namespace
 }  // namespace gicube::emu

@@ -4,9 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 
 #include "bare_board.h"
+#include "ddr_checker.h"
 #include "machine_rig.h"
 #include "rdram_checker.h"
 
@@ -196,6 +198,37 @@ TEST(Machine, AWholeFramesMemoryCommandsAreLegalAndTight) {
       EXPECT_EQ(verdict.data_begins.size(), counters.packets_read);
       EXPECT_GT(verdict.tight_commands, traces[i].size() / 2);
     }
+  }
+}
+
+TEST(Machine, AWholeFramesDdrCommandsAreLegalAndTight) {
+  Scene scene({70, 70, 70}, 16);
+  scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });
+  for (auto& entry : scene.segmentation) entry.opacity = 500;
+  for (const char* sharing : {"ddr.processors_per_channel=1", "ddr.processors_per_channel=2"}) {
+    const v1::BoardConfig config =
+        config_with({"memory=ddr", "asic.block_voxels=16", "asic.partition=skewed_block", sharing});
+    Machine machine(config, scene.volume.blocks());
+    std::vector<std::vector<dram::IssuedCommand>> traces(machine.memories().size());
+    for (std::size_t i = 0; i < traces.size(); ++i) machine.memories()[i]->channel().set_trace(&traces[i]);
+    cycle_picture(scene, corner_view({70, 70, 70}, 64), config, machine);
+    for (std::size_t i = 0; i < traces.size(); ++i) {
+      const dram::ChannelCounters counters = machine.memories()[i]->channel().counters();
+      ASSERT_GT(counters.packets_read, 3000u);
+      reference::DdrRules rules;
+      rules.refresh_interval = config.ddr().refresh_interval();
+      rules.ranks = machine.memories()[i]->devices();
+      const reference::DdrVerdict verdict = reference::check_ddr_trace(rules, traces[i]);
+      EXPECT_THAT(verdict.faults, testing::IsEmpty());
+      EXPECT_EQ(verdict.data_begins.size(), counters.packets_read);
+      EXPECT_GT(verdict.tight_commands, traces[i].size() / 2);
+    }
+    std::vector<wire::Counter> counted;
+    count(machine, counted);
+    const auto reads =
+        std::find_if(counted.begin(), counted.end(), [](const auto& c) { return c.name == "ddr.reads"; });
+    ASSERT_NE(reads, counted.end());
+    EXPECT_GT(reads->value, 3000u);
   }
 }
 

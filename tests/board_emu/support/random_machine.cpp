@@ -55,6 +55,15 @@ void draw(Scene& scene, Dice& dice) {
   for (auto& flag : scene.frame.empty) flag = dice.chance(25) ? 1 : 0;
 }
 
+namespace {
+
+// Any value but 0, which stands for none: what is added to the schema is drawn too.
+const char* any_of(const google::protobuf::EnumDescriptor& values, Dice& dice) {
+  return values.value(dice.number(1, values.value_count() - 1))->name().c_str();
+}
+
+}  // namespace
+
 std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
   const auto set = [](const char* field, auto value) { return std::string(field) + '=' + std::to_string(value); };
   const auto name = [](const char* field, const char* value) { return std::string(field) + '=' + value; };
@@ -63,7 +72,7 @@ std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
       set("asic.processors", dice.number(1, 16)),
       set("asic.queue_rays", dice.one_of({1, 2, 3, 8, 40, 256})),
       name("asic.partition", dice.one_of({"simple_slab", "repeated_slab", "skewed_block"})),
-      name("sorter.policy", dice.one_of({"most_rays", "most_contribution"})),
+      name("sorter.policy", any_of(*v1::QueuePolicy_descriptor(), dice)),
       name("sorter.queues", dice.chance(15) ? "single" : "per_block"),
       set("pipeline.prefetch_stages", dice.one_of({1, 3, 16, 40})),
       set("pipeline.compute_stages", dice.one_of({1, 5, 16})),
@@ -81,6 +90,10 @@ std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
       set("ideal.memory", dice.chance(10) ? 1 : 0),
       set("ideal.queues", dice.chance(10) ? 1 : 0),
       set("ideal.sorter", dice.chance(10) ? 1 : 0),
+      name("memory", any_of(*v1::MemoryStandard_descriptor(), dice)),
+      set("ddr.processors_per_channel", dice.number(1, 2)),
+      set("ddr.clocks_per_core_cycle", dice.one_of({1, 2, 4})),
+      set("ddr.refresh_interval", dice.one_of({0, 100, 1562})),
   };
 }
 

@@ -1,0 +1,64 @@
+// A DRAM's timing as a table of constraints with the data book's names, for every memory standard.
+//
+// A time is a clock of the memory's interface, and a command's time is the clock in which its packet begins on the wires.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gicube::emu::dram {
+
+using Tcycle = std::uint64_t;
+
+inline constexpr Tcycle kNever = ~Tcycle{0};  // the state, not the time, forbids it
+
+// kRefresh is REFA of an RDRAM, which opens a row, or REF of a DDR SDRAM, which needs all banks precharged. kData is a
+// packet on the data wires.
+enum class Command : std::uint8_t { kActivate, kPrecharge, kRead, kWrite, kRefresh, kData };
+inline constexpr std::size_t kCommands = 6;
+
+// Between commands to one bank, to banks that share a sense amp, to one device, to any device of the channel, or to two
+// different devices.
+enum class Scope : std::uint8_t { kBank, kNeighbour, kDevice, kChannel, kOtherDevice };
+inline constexpr std::size_t kScopes = 5;
+
+constexpr std::size_t index(Command command) { return static_cast<std::size_t>(command); }
+constexpr std::size_t index(Scope scope) { return static_cast<std::size_t>(scope); }
+
+const char* to_string(Command command);
+const char* to_string(Scope scope);
+
+// `to` may begin `cycles` after `from` began, not earlier. With `to` = kData: the data begin exactly then.
+struct Constraint {
+  std::string name;
+  Command from;
+  Command to;
+  Scope scope;
+  std::uint32_t cycles;
+
+  friend bool operator==(const Constraint&, const Constraint&) = default;
+};
+
+class ConstraintTable {
+ public:
+  using Honoured = bool (*)(Scope scope, Command from, Command to);
+
+  // Throws std::invalid_argument if a row names a pair that the model of this standard does not honour.
+  ConstraintTable(std::string_view standard, Honoured honoured, std::vector<Constraint> rows);
+
+  const std::vector<Constraint>& rows() const { return rows_; }
+  // The longest of the table's rows for this pair; 0 if there is none.
+  std::uint32_t delay(Scope scope, Command from, Command to) const {
+    return delays_[index(scope)][index(from)][index(to)];
+  }
+
+ private:
+  std::vector<Constraint> rows_;
+  std::array<std::array<std::array<std::uint32_t, kCommands>, kCommands>, kScopes> delays_{};
+};
+
+}  // namespace gicube::emu::dram

@@ -1,0 +1,97 @@
+// Every row of the timing table, alone: the later command is blocked at n - 1 and ready at n.
+#include "asic/ddr/timing.h"
+
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <stdexcept>
+
+#include "asic/ddr/data_wires.h"
+#include "asic/ddr/rank.h"
+
+namespace gicube::emu::ddr {
+namespace {
+
+using enum Command;
+using enum Scope;
+
+// The default table, typed from the data sheets' numbers at 10 ns a clock and not computed.
+const std::vector<Constraint> kExpected{{"tRAS", kActivate, kPrecharge, kBank, 5},
+                                        {"tRC", kActivate, kActivate, kBank, 7},
+                                        {"tRC", kActivate, kRefresh, kDevice, 7},
+                                        {"tRCD", kActivate, kRead, kBank, 2},
+                                        {"tRCD", kActivate, kWrite, kBank, 2},
+                                        {"tRP", kPrecharge, kActivate, kBank, 2},
+                                        {"tRP", kPrecharge, kRefresh, kDevice, 2},
+                                        {"tRRD", kActivate, kActivate, kDevice, 2},
+                                        {"tRFC", kRefresh, kActivate, kDevice, 8},
+                                        {"tRFC", kRefresh, kRefresh, kDevice, 8},
+                                        {"BL/2", kRead, kPrecharge, kBank, 1},
+                                        {"WL+BL/2+tWR", kWrite, kPrecharge, kBank, 4},
+                                        {"WL+BL/2+tWTR", kWrite, kRead, kDevice, 3},
+                                        {"tCCD", kRead, kRead, kChannel, 1},
+                                        {"tCCD", kWrite, kWrite, kChannel, 1},
+                                        {"CL+BL/2+1-WL", kRead, kWrite, kChannel, 3},
+                                        {"WL+BL/2-CL", kWrite, kRead, kChannel, 1},
+                                        {"BL/2+switch", kRead, kRead, kOtherDevice, 2},
+                                        {"WL+BL/2+switch-CL", kWrite, kRead, kOtherDevice, 1},
+                                        {"CL", kRead, kData, kChannel, 2},
+                                        {"WL", kWrite, kData, kChannel, 1}};
+
+TEST(DdrTiming, DefaultTableIsTheDataSheets) { EXPECT_EQ(Timing(v1::DdrConfig()).rows(), kExpected); }
+
+TEST(DdrTiming, RefusesARowThatTheModelWouldIgnore) {
+  EXPECT_THROW(Timing({{"tX", kRead, kActivate, kBank, 3}}), std::invalid_argument);
+  EXPECT_THROW(Timing({{"tX", kPrecharge, kActivate, kNeighbour, 3}}), std::invalid_argument);
+  EXPECT_THROW(Timing({{"tX", kActivate, kActivate, kChannel, 3}}), std::invalid_argument);
+}
+
+TEST(DdrTiming, DataNeverOverlapWithALongerReadLatency) {
+  v1::DdrConfig config;
+  config.set_t_cl(3);
+  const Timing timing(config);
+  EXPECT_EQ(timing.delay(kChannel, kRead, kWrite), 4u);
+  EXPECT_EQ(timing.delay(kChannel, kWrite, kRead), 1u);
+}
+
+class DdrConstraint : public testing::TestWithParam<Constraint> {};
+
+// When `row.to` may begin in a rank that knows only this row, after `row.from` began at `t`.
+Tcycle ready_in_rank(const Constraint& row, Tcycle t) {
+  Rank rank(Timing({row}));
+  const std::uint32_t from = 1, to = row.scope == kBank ? 1 : 2;
+  const auto open = [&rank](std::uint32_t bank) {
+    if (rank.open_row(bank) == kClosed) rank.issue(kActivate, {bank, 7}, 0);
+  };
+  // Both banks are brought to their states long before, so that only what is issued at `t` counts.
+  if (row.from != kActivate && row.from != kRefresh) open(from);
+  if (to != from && (row.to == kRead || row.to == kWrite)) open(to);
+  rank.issue(row.from, {from, 7}, t);
+  if (row.to == kRefresh && row.from == kActivate) rank.issue(kPrecharge, {from}, t + 1);
+  if (row.to == kActivate && row.from == kActivate && to == from) rank.issue(kPrecharge, {from}, t + 1);
+  return rank.probe(row.to, {to, 7}, t);
+}
+
+Tcycle ready_on_wires(const Constraint& row, Tcycle t) {
+  DataWires wires(Timing({row}));
+  if (row.to == kData) return wires.data(row.from, t);
+  wires.reserve(row.from, 3, t);
+  return wires.probe(row.to, row.scope == kOtherDevice ? 2 : 3, t);
+}
+
+TEST_P(DdrConstraint, BlocksUntilItsTimeAndNoLonger) {
+  constexpr Tcycle kStart = 1000;
+  const Constraint& row = GetParam();
+  const bool wires = row.scope == kChannel || row.scope == kOtherDevice;
+  EXPECT_EQ(wires ? ready_on_wires(row, kStart) : ready_in_rank(row, kStart), kStart + row.cycles);
+}
+
+INSTANTIATE_TEST_SUITE_P(Row, DdrConstraint, testing::ValuesIn(kExpected), [](const auto& row) {
+  std::string name = std::to_string(row.index) + row.param.name + to_string(row.param.from) + to_string(row.param.to) +
+                     to_string(row.param.scope);
+  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+  return name;
+});
+
+}  // namespace
+}  // namespace gicube::emu::ddr
