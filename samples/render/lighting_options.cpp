@@ -14,37 +14,33 @@ constexpr double kFps = 25;          // chosen
 }  // namespace
 
 void add_lighting_options(CLI::App& app, LightingOptions& options) {
-  const std::string name = "Global illumination";
-  OptionGroup group(app, name);
-  app.add_option("--illumination", options.illumination,
-                 "lighting rays: none, low (each leaves light all along) or high (photons) (the scene's; none)")
-      ->check(CLI::IsMember({"none", "low", "high"}))
-      ->group(name);
-  app.add_option("--rules", options.rules, "of energy: as-printed or conserving (conserving)")
-      ->check(CLI::IsMember({"as-printed", "conserving"}))
-      ->group(name);
+  OptionGroup group(app, "Global illumination");
+  group
+      .value("--illumination", options.illumination,
+             "lighting rays: none, low (each leaves light all along) or high (photons) (the scene's; none)")
+      ->check(CLI::IsMember({"none", "low", "high"}));
+  group.value("--rules", options.rules, "of energy: as-printed or conserving (conserving)")
+      ->check(CLI::IsMember({"as-printed", "conserving"}));
   group.value("--light-rays", options.rays, "k, lighting rays a voxel of the volume's faces (1)")
       ->check(CLI::Range(1, 4096));
   group.value("--lifetime", options.lifetime, "scatterings until a ray is given up (lighting rays 32, eye 8)")
       ->check(CLI::Range(0, 1023));
   group.value("--exposure", options.exposure, "brightness of a unit of light on a unit of area; 0: chosen (0)")
       ->check(CLI::Range(0.0, 1e12));
-  app.add_option("--irradiance", options.field,
-                 "light known already, of one channel or three (NRRD, as gicube-form-factors writes it), in place of "
-                 "lighting rays")
-      ->type_name("FILE")
-      ->group(name);
+  group
+      .value("--irradiance", options.field,
+             "light known already, of one channel or three (NRRD, as gicube-form-factors writes it), in place of "
+             "lighting rays")
+      ->type_name("FILE");
   group.flag("--colour-passes", options.colour_passes, "light in red, green and blue, one after the other");
 }
 
 void add_animation_options(CLI::App& app, AnimationOptions& options) {
-  const std::string name = "Animation";
-  OptionGroup group(app, name);
+  OptionGroup group(app, "Animation");
   group.value("--time", options.start, "seconds at which the scene's engines stand in the first picture (0)")
       ->check(CLI::Range(-1e6, 1e6));
-  app.add_option("--frames", options.frames, "pictures, numbered as out_0000.png (1, not numbered)")
-      ->check(CLI::Range(1, kMaxFrames))
-      ->group(name);
+  group.value("--frames", options.frames, "pictures, numbered as out_0000.png (1, not numbered)")
+      ->check(CLI::Range(1, kMaxFrames));
   group.value("--fps", options.fps, "pictures a second (25)")->check(CLI::Range(1e-3, 1e6));
   group.value("--duration", options.duration, "seconds from the first picture to the one after the last")
       ->check(CLI::Range(1e-6, 1e6));

@@ -17,10 +17,8 @@ constexpr const char* kBuiltin = "builtin:";
 
 const char* const kFooter =
     "Positions and lengths are voxels of the file: voxel (0, 0, 0) has its centre at the origin; in a scene with a "
-    "world "
-    "they are\n"
-    "world units. Directions of light "
-    "and\n"
+    "world they are\n"
+    "world units. Directions of light and\n"
     "angles are physical. Without --eye the camera sees all that is visible from -y, a little above (+z is up).\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage.";
 
@@ -36,15 +34,9 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
                  options.dims = Dims{sizes[0], sizes[1], sizes[2]};
                });
   group.parsed("--type", "TYPE", "its samples: uint8, uint12, uint16, int16 or float32 (uint8)",
-               [&](const std::string& name, const std::string& text) {
-                 try {
-                   options.type = sample_type_named(text, "type");
-                 } catch (const InputError& error) {
-                   throw CLI::ValidationError(name, error.what());
-                 }
-               });
+               [&](const std::string&, const std::string& text) { options.type = sample_type_named(text, "type"); });
   group.flag("--big-endian", options.big_endian, "its samples' most significant byte comes first");
-  app.add_option("--skip", options.skip_bytes, "bytes before its first sample")->group("Volume");
+  group.value("--skip", options.skip_bytes, "bytes before its first sample");
   group.parsed("--spacing", "X,Y,Z", "physical voxel edges, in place of the file's",
                [&](const std::string& name, const std::string& text) {
                  options.spacing = parse_vector(name, text);
@@ -56,9 +48,7 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
 
 void add_camera_options(CLI::App& app, RenderOptions& options) {
   OptionGroup group(app, "Camera and image");
-  app.add_option("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")
-      ->type_name("NAME")
-      ->group("Camera and image");
+  group.value("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")->type_name("NAME");
   group.vector("--eye", options.camera.eye, "the viewer's position");
   group.vector("--look-at", options.camera.look_at, "what is in the image's centre (the centre of what is visible)");
   group.direction("--up", options.camera.up, "this direction is up in the image (0,0,1)");
@@ -93,10 +83,9 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
                    throw CLI::ValidationError(name, "expected numbers from 0 to 1, got " + in_quotes(text));
                  options.background = {rgb[0], rgb[1], rgb[2]};
                });
-  app.add_option("-o,--output", options.output, "the picture: PNG (8 bit) or EXR (linear float with alpha)")
+  group.value("-o,--output", options.output, "the picture: PNG (8 bit) or EXR (linear float with alpha)")
       ->type_name("FILE")
-      ->capture_default_str()
-      ->group("Camera and image");
+      ->capture_default_str();
 }
 
 void add_sampling_options(CLI::App& app, RenderOptions& options) {
@@ -107,21 +96,20 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
   group.flag("--jitter", options.jitter, "vary the distance of samples, against banding");
   group.flag("--no-leap", options.no_leap, "sample empty blocks too");
   group.flag("--crop", options.crop, "load only the part of the volume in which something shows");
-  app.add_option("--level-of-detail", options.level_of_detail,
-                 "load a coarser volume: one voxel for 2^N on each axis; --step counts its voxels")
+  group
+      .value("--level-of-detail", options.level_of_detail,
+             "load a coarser volume: one voxel for 2^N on each axis; --step counts its voxels")
       ->check(CLI::Range(0, 6))
       ->type_name("N")
-      ->capture_default_str()
-      ->group("Sampling and light");
+      ->capture_default_str();
   group.flag("--no-shade", options.no_shade, "colours as they are, without light");
   group.direction("--light", options.light, "towards the light (above the viewer's left shoulder)");
   group.value("--ambient", options.ambient, "Phong's coefficients")->check(CLI::Range(0.0, 1.99));
   group.value("--diffuse", options.diffuse, "")->check(CLI::Range(0.0, 1.99));
   group.value("--specular", options.specular, "")->check(CLI::Range(0.0, 1.99));
   group.value("--shininess", options.shininess, "")->check(CLI::Range(1.0, 1000.0));
-  app.add_option("--transfer-function", options.transfer_function, "a file, or a preset: " + preset_names() + " (ramp)")
-      ->type_name("FILE|NAME")
-      ->group("Sampling and light");
+  group.value("--transfer-function", options.transfer_function, "a file, or a preset: " + preset_names() + " (ramp)")
+      ->type_name("FILE|NAME");
   group
       .parsed("--cut", "NX,NY,NZ,OFFSET", "keep the points p with N.p >= OFFSET; repeatable, at most 6",
               [&](const std::string& name, const std::string& text) {
@@ -145,17 +133,13 @@ void check_output(const std::filesystem::path& output) {
 void check_plan_options(const RenderOptions& options) {
   check_plan(options.plan);
   if (!options.plan.wanted()) return;
-  if (options.step || options.threshold) {
-    throw UsageError("--step, --threshold: expected none with --max-error and --time-budget, which choose them");
-  }
-  if (options.lighting.rays) {
-    throw UsageError("--light-rays: expected none with --max-error and --time-budget, which choose them");
-  }
-  if (options.crop || options.level_of_detail > 0)
-    throw UsageError("--crop, --level-of-detail: expected none with --max-error and --time-budget, which choose them");
-  if (!options.lighting.field.empty()) {
-    throw UsageError("--irradiance: expected none with --max-error and --time-budget");
-  }
+  const auto refuse = [](bool given, const char* names, const char* why) {
+    if (given) throw UsageError(std::string(names) + ": expected none with --max-error and --time-budget" + why);
+  };
+  refuse(options.step || options.threshold, "--step, --threshold", ", which choose them");
+  refuse(options.lighting.rays.has_value(), "--light-rays", ", which choose them");
+  refuse(options.crop || options.level_of_detail > 0, "--crop, --level-of-detail", ", which choose them");
+  refuse(!options.lighting.field.empty(), "--irradiance", "");
 }
 
 bool has_layout(const RenderOptions& options) {
@@ -245,8 +229,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.add_option("INPUT", options.input,
                  "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, a volume file (.nrrd .nhdr .mhd .mha "
-                 ".nii .nii.gz, "
-                 "others with --dims), or a folder of slices")
+                 ".nii .nii.gz, others with --dims), or a folder of slices")
       ->required();
   add_volume_options(app, options);
   add_camera_options(app, options);

@@ -1,15 +1,14 @@
 #include "scene/buckyball.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <numbers>
 #include <string>
-#include <thread>
 
 #include "scene/geometry/signed_distance.h"
 #include "scene/geometry/voxel_world.h"
+#include "scene/parallel.h"
 #include "scene/program/input_error.h"
 #include "scene/truncated_icosahedron.h"
 
@@ -146,16 +145,8 @@ Buckyball make_buckyball(int size, bool gradients, int threads, const BuckyballS
   if (gradients) ball.gradients.resize(voxels * 3);
 
   Voxeliser voxeliser(size, shape, ball);
-  std::atomic<int> next{0};
-  const int workers = threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  {
-    std::vector<std::jthread> pool;
-    for (int i = 0; i < std::min(workers, voxeliser.layers()); ++i) {
-      pool.emplace_back([&] {
-        for (int layer = next++; layer < voxeliser.layers(); layer = next++) voxeliser.fill_layer(layer);
-      });
-    }
-  }
+  in_parallel(static_cast<std::size_t>(voxeliser.layers()), threads,
+              [&](std::size_t layer) { voxeliser.fill_layer(static_cast<int>(layer)); });
   return ball;
 }
 

@@ -10,8 +10,8 @@
 
 namespace gicube::samples {
 
-// Power that falls on a unit of area, or a quarter of the fluence in a medium: a diffuse thing there, and a medium that scatters
-// to all sides alike, shows its colour times this.
+// Power that falls on a unit of area, or a quarter of the fluence in a medium: a diffuse surface there, or a
+// medium that scatters evenly, shows its colour times this.
 struct LightField {
   Dims dims{};
   int channels = 1;           // or 3: red, green, blue

@@ -110,7 +110,7 @@ SampleType sample_type_named(const std::string& name, const std::string& field);
 // Throws InputError for a field of view that is not within 0..180 degrees.
 void fit_camera(const CameraSettings& camera, const VoxelBox& box, const Vec3& spacing, View& view);
 
-// Towards a light above the left shoulder of who looks along `view`.
+// The direction towards a light above the viewer's left shoulder.
 Vec3 shoulder_light(const View& view, const Vec3& spacing);
 
 }  // namespace gicube::samples

@@ -4,22 +4,19 @@
 #include <google/protobuf/text_format.h>
 
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include "gicube/v1/scene.pb.h"
 #include "scene/buckyball.h"
 #include "scene/graph/faults.h"
 #include "scene/graph/graph_reader.h"
-#include "scene/program/input_error.h"
+#include "scene/text_file.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr std::uintmax_t kMaxSceneBytes = 1 << 20;  // chosen: far above any scene
-constexpr int kMaxNesting = 100;                    // chosen: of braces; bounds the parser's stack
-constexpr int kMaxCutPlanes = 6;                    // as View
-constexpr double kMaxImageSize = 4095;              // as View
+constexpr int kMaxNesting = 100;        // chosen: of braces; bounds the parser's stack
+constexpr int kMaxCutPlanes = 6;        // as View
+constexpr double kMaxImageSize = 4095;  // as View
 
 // Turns the parsed message into a Scene; a fault leaves that part of the Scene at its default.
 class Translator {
@@ -136,17 +133,7 @@ Scene parse_scene(const std::string& text, const std::string& name, const std::f
 }
 
 Scene read_scene(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path.string(), "a scene file", "no such file");
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (bytes > kMaxSceneBytes) {
-    throw InputError(path.string(), "a scene file of at most 1 MiB", std::to_string(bytes) + " bytes");
-  }
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw InputError(path.string(), "a scene file", "one that can't be read");
-  return parse_scene(text.str(), path.string(), path.parent_path());
+  return parse_scene(read_text(path, "a scene file"), path.string(), path.parent_path());
 }
 
 bool is_scene_path(const std::filesystem::path& path) {

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "scene/buckyball.h"
@@ -121,23 +123,14 @@ void set_optics(const Scene& scene, SceneSetup& setup) {
   }
 }
 
-bool same(Vec3 a, Vec3 b) { return a == b; }
-bool same(double a, double b) { return a == b; }
+auto members(const PointLight& light) { return std::tie(light.position, light.power); }
+auto members(const DirectionalLight& light) { return std::tie(light.towards, light.irradiance); }
+auto members(const RectangleLight& light) { return std::tie(light.corner, light.edge_u, light.edge_v, light.power); }
+auto members(const SphereLight& light) { return std::tie(light.centre, light.radius, light.power); }
 
-bool same_light(const PointLight& a, const PointLight& b) {
-  return same(a.position, b.position) && same(a.power, b.power);
-}
-bool same_light(const DirectionalLight& a, const DirectionalLight& b) {
-  return same(a.towards, b.towards) && same(a.irradiance, b.irradiance);
-}
-bool same_light(const RectangleLight& a, const RectangleLight& b) {
-  return same(a.corner, b.corner) && same(a.edge_u, b.edge_u) && same(a.edge_v, b.edge_v) && same(a.power, b.power);
-}
-bool same_light(const SphereLight& a, const SphereLight& b) {
-  return same(a.centre, b.centre) && same(a.radius, b.radius) && same(a.power, b.power);
-}
 template <typename A, typename B>
-bool same_light(const A&, const B&) {
+bool same_light(const A& a, const B& b) {
+  if constexpr (std::is_same_v<A, B>) return members(a) == members(b);
   return false;
 }
 

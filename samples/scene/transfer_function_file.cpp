@@ -3,29 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <sstream>
 
+#include "scene/program/checks.h"
+#include "scene/text_file.h"
+
 namespace gicube::samples {
 namespace {
-
-constexpr std::uintmax_t kMaxFileBytes = 1 << 20;  // chosen: far above any transfer function
 
 std::vector<std::string> words_of(std::string_view line) {
   std::istringstream stream{std::string(line.substr(0, line.find('#')))};
   std::vector<std::string> words;
   for (std::string word; stream >> word;) words.push_back(word);
   return words;
-}
-
-std::optional<double> number(const std::string& word) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc{} || end != word.data() + word.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
 }
 
 // Reads one statement a call; gathers the faults of all.
@@ -76,9 +68,9 @@ class Parser {
     }
     std::vector<double> values;
     for (std::size_t i = 1; i < words.size(); ++i) {
-      const auto value = number(words[i]);
+      const auto value = parse_number<double>(words[i]);
       const bool unit = i > 1;
-      if (!value || (unit && (*value < 0 || *value > 1))) {
+      if (!value || !std::isfinite(*value) || (unit && (*value < 0 || *value > 1))) {
         fault(words[0] + (unit ? "" : " value"), unit ? "a number from 0 to 1" : "a finite number",
               in_quotes(words[i]));
         return std::nullopt;
@@ -129,18 +121,7 @@ TransferFunctionFile parse_transfer_function(std::string_view text, const std::s
 }
 
 TransferFunctionFile read_transfer_function(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    throw InputError(path.string(), "a transfer function file", "no such file");
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (bytes > kMaxFileBytes) {
-    throw InputError(path.string(), "a transfer function file of at most 1 MiB", std::to_string(bytes) + " bytes");
-  }
-  std::ifstream stream(path);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw InputError(path.string(), "a transfer function file", "one that can't be read");
-  return parse_transfer_function(text.str(), path.string());
+  return parse_transfer_function(read_text(path, "a transfer function file"), path.string());
 }
 
 TransferFunction in_values_of(const ValueRange& range, const TransferFunctionFile& file) {

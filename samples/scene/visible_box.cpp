@@ -11,6 +11,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "scene/formats/stored_samples.h"
+
 namespace gicube::samples {
 namespace {
 
@@ -41,18 +43,6 @@ void each_row(const Volume& volume, const Visit& visit) {
   }
 }
 
-// Calls `use` with a number of that type.
-template <typename Use>
-void with_sample_of(SampleType type, const Use& use) {
-  switch (type) {
-    case SampleType::kUint8: return use(std::uint8_t{});
-    case SampleType::kUint12:
-    case SampleType::kUint16: return use(std::uint16_t{});
-    case SampleType::kInt16: return use(std::int16_t{});
-    case SampleType::kFloat32: return use(float{});
-  }
-}
-
 // Of numbers that are finite.
 template <typename Sample>
 void widen(std::span<const Sample> row, ValueRange& range) {
@@ -74,20 +64,19 @@ class Seen {
  public:
   Seen(const VisibleBins& bins, const ValueRange& range) : bins_(bins), range_(range) {
     if constexpr (std::is_integral_v<Sample>) {
-      for (int value = kLeast; value <= std::numeric_limits<Sample>::max(); ++value) table_.push_back(of(value));
+      for (int value = kMin; value <= std::numeric_limits<Sample>::max(); ++value) table_.push_back(of(value));
     }
   }
   bool operator()(Sample value) const {
     if constexpr (std::is_integral_v<Sample>) {
-      return table_[static_cast<std::size_t>(value - kLeast)];
+      return table_[static_cast<std::size_t>(value - kMin)];
     } else {
       return of(value);
     }
   }
 
  private:
-  static constexpr int kLeast =
-      std::is_integral_v<Sample> ? static_cast<int>(std::numeric_limits<Sample>::lowest()) : 0;
+  static constexpr int kMin = std::is_integral_v<Sample> ? static_cast<int>(std::numeric_limits<Sample>::lowest()) : 0;
   bool of(double value) const {
     const double scale = (kBins - 1) / (range_.high - range_.low);
     const double bin = std::clamp((value - range_.low) * scale, 0.0, kBins - 1.0);
@@ -108,7 +97,7 @@ ValueRange value_range_of(const Volume& volume) {
   if (volume.type == SampleType::kUint8) return {0, 255};
   if (volume.type == SampleType::kUint12) return {0, 4095};
   ValueRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  with_sample_of(volume.type, [&]<typename Sample>(Sample) {
+  with_sample(volume.type, [&]<typename Sample>(Sample) {
     each_row<Sample>(volume, [&range](int, int, std::span<const Sample> row) { widen(row, range); });
   });
   return range;
@@ -126,22 +115,22 @@ VoxelBox visible_box(const Volume& volume, const TransferFunctionFile& look) {
     if (first == row.end()) return;
     auto last = row.end() - 1;
     while (!seen(*last)) --last;
-    const std::array<int, 3> least{static_cast<int>(first - row.begin()), y, z};
-    const std::array<int, 3> most{static_cast<int>(last - row.begin()), y, z};
+    const std::array<int, 3> lower{static_cast<int>(first - row.begin()), y, z};
+    const std::array<int, 3> upper{static_cast<int>(last - row.begin()), y, z};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], least[axis]);
-      high[axis] = std::max(high[axis], most[axis]);
+      low[axis] = std::min(low[axis], lower[axis]);
+      high[axis] = std::max(high[axis], upper[axis]);
     }
   };
   const auto search = [&]<typename Sample>(Sample) {
     const Seen<Sample> seen(bins, range);
     each_row<Sample>(volume, [&](int y, int z, std::span<const Sample> row) { look_at(y, z, row, seen); });
   };
-  with_sample_of(volume.type, search);
+  with_sample(volume.type, search);
   if (high[0] < 0) return whole;
-  const auto lower = [&low](std::size_t axis) { return std::max(low[axis] - 1.0, 0.0); };
-  const auto upper = [&](std::size_t axis) { return std::min(high[axis] + 1.0, volume.dims[axis] - 1.0); };
-  return {{lower(0), lower(1), lower(2)}, {upper(0), upper(1), upper(2)}};
+  const auto below = [&low](std::size_t axis) { return std::max(low[axis] - 1.0, 0.0); };
+  const auto above = [&](std::size_t axis) { return std::min(high[axis] + 1.0, volume.dims[axis] - 1.0); };
+  return {{below(0), below(1), below(2)}, {above(0), above(1), above(2)}};
 }
 
 }  // namespace gicube::samples

@@ -26,10 +26,9 @@ struct Texts {
 void add_options(CLI::App& app, SweepOptions& options, Texts& texts) {
   const auto all = [](CLI::Option* option) { return option->take_all()->delimiter('\0')->allow_extra_args(false); };
   app.add_option("INPUT", texts.inputs, "scenes or volumes, as gicube-render takes them")->required();
-  all(app.add_option(
-          "--vary", texts.vary,
-          "a parameter and its values, NAME=V,V...: an option of gicube-render without dashes (flags: on, off) or "
-          "a field of the board's configuration; repeatable: all combinations are run"))
+  all(app.add_option("--vary", texts.vary,
+                     "a parameter and its values, NAME=V,V...: an option of gicube-render without dashes (flags: on, "
+                     "off) or a field of the board's configuration; repeatable: all combinations are run"))
       ->type_name("NAME=V,V...");
   all(app.add_option("--fix", texts.fix, "the same for every run"))->type_name("NAME=VALUE");
   CLI::Option* reference = all(app.add_option("--reference", texts.reference,

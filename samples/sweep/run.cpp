@@ -2,16 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <fstream>
 #include <limits>
 #include <mutex>
-#include <thread>
 
 #include "scene/formats/file_error.h"
+#include "scene/parallel.h"
 #include "scene/program/input_error.h"
 #include "sweep/process.h"
 
@@ -85,7 +83,6 @@ void carry_out_all(const RunFolder& folder, const std::vector<Run>& runs, const 
                    int jobs, const std::function<void(std::size_t done)>& progress) {
   std::mutex mutex;
   std::size_t done = 0;
-  std::exception_ptr failure;
   std::vector<const Run*> left;
   for (const Run& run : runs) {
     if (folder.has(run)) {
@@ -95,25 +92,11 @@ void carry_out_all(const RunFolder& folder, const std::vector<Run>& runs, const 
     }
   }
   progress(done);
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < left.size(); i = next++) {
-      try {
-        folder.carry_out(*left[i], program);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        if (!failure) failure = std::current_exception();
-      }
-      const std::lock_guard lock(mutex);
-      if (failure) return;
-      progress(++done);
-    }
-  };
-  std::vector<std::thread> workers;
-  for (int i = 1; i < jobs; ++i) workers.emplace_back(work);
-  work();
-  for (std::thread& worker : workers) worker.join();
-  if (failure) std::rethrow_exception(failure);
+  in_parallel(left.size(), jobs, [&](std::size_t i) {
+    folder.carry_out(*left[i], program);
+    const std::lock_guard lock(mutex);
+    progress(++done);
+  });
 }
 
 double figure_or_nan(const nlohmann::json& statistics, const std::string& name) {

@@ -40,8 +40,8 @@ class RunFolder {
   std::filesystem::path folder_;
 };
 
-// Does those that are not there yet, `jobs` at once; tells how many are there, one thread at a time. After the first failure
-// nothing more is begun, and when what runs has ended it is thrown: what is done stays done.
+// Carries out the runs that have no result yet, `jobs` at once (0 = one a core). `progress` gets the number of results; its calls
+// do not overlap. After a failure no run starts; it is thrown when those under way have ended. Results stay.
 void carry_out_all(const RunFolder& folder, const std::vector<Run>& runs, const std::filesystem::path& program,
                    int jobs, const std::function<void(std::size_t done)>& progress);
 

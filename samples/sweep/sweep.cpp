@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <thread>
 
 #include "sweep/picture.h"
 #include "sweep/process.h"
@@ -61,14 +60,12 @@ double relative(double value, double reference) {
 
 }  // namespace
 
-Table sweep(const SweepOptions& options, const std::filesystem::path& program, const Told& told) {
+Table sweep(const SweepOptions& options, const std::filesystem::path& program, const SweepProgress& progress) {
   const RunFolder folder(options.folder / "runs");
   const std::vector<Pair> pairs = pairs_of(options);
   const bool one_picture = !options.reference_picture.empty();
   const std::vector<Run> runs = runs_of(pairs, !one_picture);
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  carry_out_all(folder, runs, program, options.jobs > 0 ? options.jobs : cores,
-                [&](std::size_t done) { told(done, runs.size()); });
+  carry_out_all(folder, runs, program, options.jobs, [&](std::size_t done) { progress(done, runs.size()); });
 
   Table table{options.cost, options.error, options.also, {}};
   for (const std::string& name : options.also_errors) table.also.push_back("error " + name);

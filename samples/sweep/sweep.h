@@ -9,11 +9,11 @@
 
 namespace gicube::samples::sweep {
 
-using Told = std::function<void(std::size_t done, std::size_t all)>;
+using SweepProgress = std::function<void(std::size_t done, std::size_t all)>;
 
 // Runs what FOLDER/runs does not have yet by the gicube-render `program`, and works out costs and errors.
 // Throws RunFailed, FileError, InputError (a figure that a run does not have).
-Table sweep(const SweepOptions& options, const std::filesystem::path& program, const Told& told);
+Table sweep(const SweepOptions& options, const std::filesystem::path& program, const SweepProgress& progress);
 
 // Of the options' folder and name: CSV, JSON, the gnuplot script, and with `chart` its picture. Throws FileError; RunFailed if
 // gnuplot fails.

@@ -9,16 +9,10 @@
 
 #include "scene/formats/file_error.h"
 #include "scene/formats/whole_file.h"
+#include "scene/text_file.h"
 
 namespace gicube::samples::sweep {
 namespace {
-
-std::string cell(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
-}
 
 // Names of all settings, in the order in which they first come.
 std::vector<std::string> setting_names(const Table& table) {
@@ -63,16 +57,16 @@ void mark_front(std::vector<Row>& rows) {
 
 std::string csv(const Table& table) {
   const std::vector<std::string> names = setting_names(table);
-  std::string text = fmt::format("{},{},front,reference", cell(table.cost), cell("error " + table.error));
-  for (const std::string& name : table.also) text.append(1, ',').append(cell(name));
-  for (const std::string& name : names) text.append(1, ',').append(cell(name));
+  std::string text = fmt::format("{},{},front,reference", csv_cell(table.cost), csv_cell("error " + table.error));
+  for (const std::string& name : table.also) text.append(1, ',').append(csv_cell(name));
+  for (const std::string& name : names) text.append(1, ',').append(csv_cell(name));
   text += ",command\n";
   for (const Row& row : table.rows) {
     text += fmt::format("{:.6g},{},{:d},{:d}", row.cost, row.is_reference ? "" : fmt::format("{:.6g}", row.error),
                         row.on_front, row.is_reference);
     for (const double figure : row.also) text += std::isnan(figure) ? "," : fmt::format(",{:.6g}", figure);
-    for (const std::string& name : names) text.append(1, ',').append(cell(value_of(row.point, name)));
-    text += fmt::format(",{}\n", cell(row.command));
+    for (const std::string& name : names) text.append(1, ',').append(csv_cell(value_of(row.point, name)));
+    text += fmt::format(",{}\n", csv_cell(row.command));
   }
   return text;
 }

@@ -25,8 +25,8 @@ struct Table {
   std::vector<Row> rows;
 };
 
-// Marks the rows that no other is cheaper than without being worse, nor better than without being dearer. References have no
-// error of their own, and stay out.
+// Marks the Pareto front: rows that no other row beats in cost or error without losing in the other. References have no error,
+// and stay out.
 void mark_front(std::vector<Row>& rows);
 
 // One line a row, a column a setting; the command last.

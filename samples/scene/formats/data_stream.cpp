@@ -135,9 +135,9 @@ std::uint64_t file_bytes(const std::filesystem::path& file) {
   return bytes;
 }
 
-std::string file_start(const std::filesystem::path& file, std::size_t most) {
+std::string file_start(const std::filesystem::path& file, std::size_t max_bytes) {
   DataStream stream(file, 0, false);
-  std::string start(std::min<std::uint64_t>(most, stream.max_bytes()), '\0');
+  std::string start(std::min<std::uint64_t>(max_bytes, stream.max_bytes()), '\0');
   start.resize(stream.read(std::as_writable_bytes(std::span(start))));
   return start;
 }
@@ -146,9 +146,9 @@ bool starts_as_gzip(const std::filesystem::path& file) { return file_start(file,
 
 std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes) {
   DataStream stream(place.file, place.offset, place.compressed);
-  const std::uint64_t most = stream.max_bytes();
-  if (place.skip > most || bytes > most - place.skip) {
-    const std::uint64_t left = place.skip > most ? 0 : most - place.skip;
+  const std::uint64_t max = stream.max_bytes();
+  if (place.skip > max || bytes > max - place.skip) {
+    const std::uint64_t left = place.skip > max ? 0 : max - place.skip;
     throw_truncated(place, bytes,
                     fmt::format("{}{}", place.compressed ? "a compressed stream for at most " : "", left));
   }

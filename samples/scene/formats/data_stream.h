@@ -33,7 +33,7 @@ class DataStream {
   // Fills `bytes`, or as much of it as there is; how many bytes came.
   std::size_t read(std::span<std::byte> bytes);
 
-  // No more than this many bytes can come in all, however they are compressed.
+  // An upper bound of the bytes that read() can give in all.
   std::uint64_t max_bytes() const;
 
  private:
@@ -44,8 +44,8 @@ class DataStream {
 // The size of a regular file. Throws FileError when it is missing or not regular.
 std::uint64_t file_bytes(const std::filesystem::path& file);
 
-// The first bytes of a file as they lie there, at most `most`.
-std::string file_start(const std::filesystem::path& file, std::size_t most);
+// The first bytes of a file as they are stored, at most so many.
+std::string file_start(const std::filesystem::path& file, std::size_t max_bytes);
 
 bool starts_as_gzip(const std::filesystem::path& file);
 

@@ -43,9 +43,7 @@ std::vector<std::byte> scaled_floats(std::span<const std::byte> stored, const St
   const std::size_t count = stored.size() / sizeof(Sample);
   std::vector<std::byte> floats(count * sizeof(float));
   for (std::size_t i = 0; i < count; ++i) {
-    Sample sample;
-    std::memcpy(&sample, stored.data() + i * sizeof(Sample), sizeof(Sample));
-    const double exact = layout.slope * static_cast<double>(sample) + layout.intercept;
+    const double exact = layout.slope * static_cast<double>(sample_at<Sample>(stored, i)) + layout.intercept;
     const float value = static_cast<float>(exact);
     if (!std::isfinite(value)) {
       throw FileError(layout.file, fmt::format("sample {}", i), "a finite 32-bit float", fmt::format("{}", exact));
@@ -55,27 +53,9 @@ std::vector<std::byte> scaled_floats(std::span<const std::byte> stored, const St
   return floats;
 }
 
-std::vector<std::byte> as_floats(std::span<const std::byte> stored, const StoredLayout& layout) {
-  switch (layout.type) {
-    case StoredType::kInt8: return scaled_floats<std::int8_t>(stored, layout);
-    case StoredType::kUint8: return scaled_floats<std::uint8_t>(stored, layout);
-    case StoredType::kInt16: return scaled_floats<std::int16_t>(stored, layout);
-    case StoredType::kUint12:
-    case StoredType::kUint16: return scaled_floats<std::uint16_t>(stored, layout);
-    case StoredType::kInt32: return scaled_floats<std::int32_t>(stored, layout);
-    case StoredType::kUint32: return scaled_floats<std::uint32_t>(stored, layout);
-    case StoredType::kInt64: return scaled_floats<std::int64_t>(stored, layout);
-    case StoredType::kUint64: return scaled_floats<std::uint64_t>(stored, layout);
-    case StoredType::kFloat32: return scaled_floats<float>(stored, layout);
-    case StoredType::kFloat64: return scaled_floats<double>(stored, layout);
-  }
-  return {};
-}
-
 void check_12_bits(std::span<const std::byte> samples, const StoredLayout& layout) {
   for (std::size_t i = 0; i < samples.size() / 2; ++i) {
-    std::uint16_t sample;
-    std::memcpy(&sample, samples.data() + 2 * i, 2);
+    const auto sample = sample_at<std::uint16_t>(samples, i);
     if (sample > 4095) throw FileError(layout.file, fmt::format("sample {}", i), "0..4095", fmt::format("{}", sample));
   }
 }
@@ -88,20 +68,7 @@ double usable_spacing(double spacing) {
 }  // namespace
 
 std::size_t bytes_of(StoredType type) {
-  switch (type) {
-    case StoredType::kInt8:
-    case StoredType::kUint8: return 1;
-    case StoredType::kUint12:
-    case StoredType::kInt16:
-    case StoredType::kUint16: return 2;
-    case StoredType::kInt32:
-    case StoredType::kUint32:
-    case StoredType::kFloat32: return 4;
-    case StoredType::kInt64:
-    case StoredType::kUint64:
-    case StoredType::kFloat64: return 8;
-  }
-  return 0;
+  return with_sample(type, [](auto sample) { return sizeof sample; });
 }
 
 StoredType stored_type(SampleType type) {
@@ -155,7 +122,8 @@ Volume to_volume(std::vector<std::byte> stored, const StoredLayout& layout) {
     return volume;
   }
   volume.type = SampleType::kFloat32;
-  volume.samples = as_floats(stored, layout);
+  volume.samples =
+      with_sample(layout.type, [&](auto sample) { return scaled_floats<decltype(sample)>(stored, layout); });
   if (layout.type == StoredType::kUint8) {
     // Bytes keep the whole range that they have unscaled, 0..255, so that volumes of one series agree.
     const double ends[2] = {layout.intercept, 255 * layout.slope + layout.intercept};

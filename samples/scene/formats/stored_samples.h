@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -13,6 +14,44 @@
 namespace gicube::samples {
 
 enum class StoredType { kInt8, kUint8, kUint12, kInt16, kUint16, kInt32, kUint32, kInt64, kUint64, kFloat32, kFloat64 };
+
+// Calls `use` with a number of the type in which such samples are stored.
+template <typename Use>
+auto with_sample(StoredType type, const Use& use) {
+  switch (type) {
+    case StoredType::kInt8: return use(std::int8_t{});
+    case StoredType::kUint8: return use(std::uint8_t{});
+    case StoredType::kInt16: return use(std::int16_t{});
+    case StoredType::kUint12:
+    case StoredType::kUint16: break;
+    case StoredType::kInt32: return use(std::int32_t{});
+    case StoredType::kUint32: return use(std::uint32_t{});
+    case StoredType::kInt64: return use(std::int64_t{});
+    case StoredType::kUint64: return use(std::uint64_t{});
+    case StoredType::kFloat32: return use(float{});
+    case StoredType::kFloat64: return use(double{});
+  }
+  return use(std::uint16_t{});
+}
+template <typename Use>
+auto with_sample(SampleType type, const Use& use) {
+  switch (type) {
+    case SampleType::kUint8: return use(std::uint8_t{});
+    case SampleType::kUint12:
+    case SampleType::kUint16: break;
+    case SampleType::kInt16: return use(std::int16_t{});
+    case SampleType::kFloat32: return use(float{});
+  }
+  return use(std::uint16_t{});
+}
+
+// The sample of that index, in the machine's byte order.
+template <typename Sample>
+Sample sample_at(std::span<const std::byte> bytes, std::size_t index) {
+  Sample sample;
+  std::memcpy(&sample, &bytes[index * sizeof sample], sizeof sample);
+  return sample;
+}
 
 std::size_t bytes_of(StoredType type);
 StoredType stored_type(SampleType type);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 #include <string>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -42,38 +43,20 @@ std::string next_word(std::istream& input) {
   return word;
 }
 
-template <typename Sample>
-void store(std::byte* at, double value) {
-  const Sample sample = static_cast<Sample>(value);
-  std::memcpy(at, &sample, sizeof(Sample));
-}
-
-template <typename Sample>
-bool store_whole(std::byte* at, double value) {
-  // The upper end is exclusive: 2^63 and 2^64 are doubles, their predecessors are not.
-  const double end = std::ldexp(1.0, std::numeric_limits<Sample>::digits);
-  const double begin = std::numeric_limits<Sample>::is_signed ? -end : 0;
-  if (!(value >= begin && value < end) || value != std::floor(value)) return false;
-  store<Sample>(at, value);
-  return true;
-}
-
 // False: the type can't hold the value.
 bool store_as(StoredType type, std::byte* at, double value) {
-  switch (type) {
-    case StoredType::kInt8: return store_whole<std::int8_t>(at, value);
-    case StoredType::kUint8: return store_whole<std::uint8_t>(at, value);
-    case StoredType::kInt16: return store_whole<std::int16_t>(at, value);
-    case StoredType::kUint12:
-    case StoredType::kUint16: return store_whole<std::uint16_t>(at, value);
-    case StoredType::kInt32: return store_whole<std::int32_t>(at, value);
-    case StoredType::kUint32: return store_whole<std::uint32_t>(at, value);
-    case StoredType::kInt64: return store_whole<std::int64_t>(at, value);
-    case StoredType::kUint64: return store_whole<std::uint64_t>(at, value);
-    case StoredType::kFloat32: store<float>(at, value); return true;
-    case StoredType::kFloat64: store<double>(at, value); return true;
-  }
-  return false;
+  return with_sample(type, [at, value](auto sample) {
+    using Sample = decltype(sample);
+    if constexpr (std::is_integral_v<Sample>) {
+      // The upper end is exclusive: 2^63 and 2^64 are doubles, their predecessors are not.
+      const double end = std::ldexp(1.0, std::numeric_limits<Sample>::digits);
+      const double begin = std::is_signed_v<Sample> ? -end : 0;
+      if (!(value >= begin && value < end) || value != std::floor(value)) return false;
+    }
+    sample = static_cast<Sample>(value);
+    std::memcpy(at, &sample, sizeof sample);
+    return true;
+  });
 }
 
 bool parse(const std::string& word, double& value) {

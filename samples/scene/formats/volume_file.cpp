@@ -1,8 +1,6 @@
 #include "scene/formats/volume_file.h"
 
 #include <array>
-#include <cstring>
-#include <span>
 #include <system_error>
 
 #include "scene/formats/data_stream.h"
@@ -60,28 +58,16 @@ Volume read_raw(const std::filesystem::path& path, const RawLayout& raw) {
   return to_volume(read_data(place, checked_bytes(layout)), layout);
 }
 
-template <typename Sample>
-std::vector<float> as_floats(std::span<const std::byte> bytes) {
-  std::vector<float> out(bytes.size() / sizeof(Sample));
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    Sample sample;
-    std::memcpy(&sample, bytes.data() + i * sizeof(Sample), sizeof(Sample));
-    out[i] = static_cast<float>(sample);
-  }
-  return out;
-}
-
 }  // namespace
 
 std::vector<float> values_of(const Volume& volume) {
-  switch (volume.type) {
-    case SampleType::kUint8: return as_floats<std::uint8_t>(volume.samples);
-    case SampleType::kUint12:
-    case SampleType::kUint16: return as_floats<std::uint16_t>(volume.samples);
-    case SampleType::kInt16: return as_floats<std::int16_t>(volume.samples);
-    case SampleType::kFloat32: return as_floats<float>(volume.samples);
-  }
-  return {};
+  return with_sample(volume.type, [&volume](auto sample) {
+    std::vector<float> values(volume.samples.size() / sizeof sample);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = static_cast<float>(sample_at<decltype(sample)>(volume.samples, i));
+    }
+    return values;
+  });
 }
 
 Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {

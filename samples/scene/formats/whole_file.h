@@ -1,4 +1,4 @@
-// A file that is there whole or not at all.
+// Files that are written whole: who reads one sees the old contents or all of the new.
 #pragma once
 
 #include <filesystem>
@@ -7,7 +7,7 @@
 
 namespace gicube::samples {
 
-// Stands beside the final one, and is gone again unless it was renamed.
+// A temporary file beside the final one, deleted unless rename() was called.
 class WholeFile {
  public:
   explicit WholeFile(const std::filesystem::path& final_path);

@@ -1,10 +1,8 @@
-#include <charconv>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include "scene/geometry/mesh_file.h"
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 
 namespace gicube::samples {
 namespace {
@@ -17,14 +15,6 @@ std::string_view next_word(std::string_view& line) {
   const std::string_view word = line.substr(0, line.find_first_of(kBlank));
   line.remove_prefix(word.size());
   return word;
-}
-
-template <typename Value>
-std::optional<Value> parse(std::string_view text) {
-  Value value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 class ObjReader {
@@ -53,7 +43,7 @@ class ObjReader {
     double values[3];
     for (double& value : values) {  // a fourth one, the weight, and vertex colours are of no use here
       const std::string_view word = next_word(line);
-      const auto number = parse<double>(word);
+      const auto number = parse_number<double>(word);
       if (!number || !std::isfinite(*number)) fail("v", "three finite numbers", in_quotes(word));
       value = *number;
     }
@@ -62,7 +52,7 @@ class ObjReader {
 
   // "7", "7/1", "7//3" or "-1/..."; only the first number counts.
   std::uint32_t corner(std::string_view word) const {
-    const auto number = parse<std::int64_t>(word.substr(0, word.find('/')));
+    const auto number = parse_number<std::int64_t>(word.substr(0, word.find('/')));
     const auto points = static_cast<std::int64_t>(mesh_.points.size());
     if (!number || *number == 0 || *number > points || *number < -points) {
       fail("f", "a point from 1 to " + std::to_string(points), in_quotes(word));

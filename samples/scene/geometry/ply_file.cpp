@@ -1,26 +1,22 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <optional>
 #include <string>
 
+#include "scene/formats/stored_samples.h"
 #include "scene/geometry/mesh_file.h"
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 
 // G. Turk, "The PLY Polygon File Format", 1994.
 namespace gicube::samples {
 namespace {
 
 enum class Format { kAscii, kLittle, kBig };
-enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
-
-std::size_t bytes_of(Type type) {
-  constexpr std::array<std::size_t, 8> kBytes{1, 1, 2, 2, 4, 4, 4, 8};
-  return kBytes[static_cast<std::size_t>(type)];
-}
+using Type = StoredType;
 
 struct Property {
   std::string name;
@@ -35,18 +31,13 @@ struct Element {
 };
 
 std::optional<Type> type_named(std::string_view name) {
-  constexpr std::array<std::array<std::string_view, 2>, 8> kNames{{{"char", "int8"},
-                                                                   {"uchar", "uint8"},
-                                                                   {"short", "int16"},
-                                                                   {"ushort", "uint16"},
-                                                                   {"int", "int32"},
-                                                                   {"uint", "uint32"},
-                                                                   {"float", "float32"},
-                                                                   {"double", "float64"}}};
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (name == kNames[i][0] || name == kNames[i][1]) return static_cast<Type>(i);
-  }
-  return std::nullopt;
+  static const std::map<std::string_view, Type> kTypes{
+      {"char", Type::kInt8},     {"int8", Type::kInt8},       {"uchar", Type::kUint8},    {"uint8", Type::kUint8},
+      {"short", Type::kInt16},   {"int16", Type::kInt16},     {"ushort", Type::kUint16},  {"uint16", Type::kUint16},
+      {"int", Type::kInt32},     {"int32", Type::kInt32},     {"uint", Type::kUint32},    {"uint32", Type::kUint32},
+      {"float", Type::kFloat32}, {"float32", Type::kFloat32}, {"double", Type::kFloat64}, {"float64", Type::kFloat64}};
+  const auto found = kTypes.find(name);
+  return found != kTypes.end() ? std::optional(found->second) : std::nullopt;
 }
 
 class PlyReader {
@@ -124,9 +115,8 @@ class PlyReader {
     Element element;
     if (words.size() == 3) {
       element.name = words[1];
-      const std::string& count = words[2];
-      const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), element.count);
-      if (error == std::errc{} && end == count.data() + count.size()) {
+      if (const auto count = parse_number<std::uint64_t>(words[2])) {
+        element.count = *count;
         elements_.push_back(element);
         return;
       }
@@ -188,13 +178,10 @@ class PlyReader {
     rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size()));
     const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t\r\n"));
     if (word.empty()) fail(field, "a number", "the end of the file");
-    double number = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error != std::errc{} || end != word.data() + word.size()) {
-      fail(field, "a number", in_quotes(word.substr(0, 40)));
-    }
+    const auto number = parse_number<double>(word);
+    if (!number) fail(field, "a number", in_quotes(word.substr(0, 40)));
     rest_.remove_prefix(word.size());
-    return number;
+    return *number;
   }
 
   double binary_value(Type type, const std::string& field) {
@@ -206,21 +193,10 @@ class PlyReader {
     if ((format_ == Format::kBig) == (std::endian::native == std::endian::little)) {
       std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
     }
-    const auto as = [&bytes](auto sample) {
+    return with_sample(type, [&bytes](auto sample) {
       std::memcpy(&sample, bytes.data(), sizeof sample);
       return static_cast<double>(sample);
-    };
-    switch (type) {
-      case Type::kInt8: return as(std::int8_t{});
-      case Type::kUint8: return as(std::uint8_t{});
-      case Type::kInt16: return as(std::int16_t{});
-      case Type::kUint16: return as(std::uint16_t{});
-      case Type::kInt32: return as(std::int32_t{});
-      case Type::kUint32: return as(std::uint32_t{});
-      case Type::kFloat32: return as(float{});
-      case Type::kFloat64: return as(double{});
-    }
-    return 0;
+    });
   }
 
   void item(const Element& element, std::uint64_t index) {
@@ -237,9 +213,7 @@ class PlyReader {
       if (property.name == "z") point.z = number;
     }
     if (element.name != "vertex") return;
-    if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) {
-      fail(field, "finite numbers", "another");
-    }
+    if (!is_finite(point)) fail(field, "finite numbers", "another");
     mesh_.points.push_back(point);
   }
 

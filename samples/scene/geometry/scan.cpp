@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
+
+#include "scene/formats/stored_samples.h"
 
 namespace gicube::samples {
 namespace {
@@ -33,18 +34,8 @@ struct Grid {
 };
 
 double value_at(const Volume& scan, std::size_t index) {
-  const auto as = [&](auto sample) {
-    std::memcpy(&sample, &scan.samples[index * sizeof sample], sizeof sample);
-    return static_cast<double>(sample);
-  };
-  switch (scan.type) {
-    case SampleType::kUint8: return as(std::uint8_t{});
-    case SampleType::kUint12:
-    case SampleType::kUint16: return as(std::uint16_t{});
-    case SampleType::kInt16: return as(std::int16_t{});
-    case SampleType::kFloat32: return as(float{});
-  }
-  return 0;
+  return with_sample(scan.type,
+                     [&](auto sample) -> double { return sample_at<decltype(sample)>(scan.samples, index); });
 }
 
 // The means of cubes of `factor` voxels an edge; a rest at the far faces is left out.

@@ -1,50 +1,40 @@
 #include "scene/geometry/shape.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 
 #include "scene/buckyball.h"
 #include "scene/geometry/head_shape.h"
 #include "scene/geometry/mesh_distance.h"
 #include "scene/geometry/mesh_file.h"
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 #include "scene/truncated_icosahedron.h"
 
 namespace gicube::samples {
 namespace {
 
-void require(bool good, const char* field, const char* expected, double got) {
-  if (!good) throw InputError(field, expected, fmt::format("{}", got));
-}
-
-void check_length(const char* field, double value) {
-  require(value > 0 && std::isfinite(value), field, "a number above 0", value);
-}
-
 void check_rounding(double rounding, double shortest) {
   require(rounding >= 0 && rounding <= shortest / 2, "rounding", "0 to half of the shortest edge", rounding);
 }
 
-void check_shape(const SphereShape& s) { check_length("radius", s.radius); }
+void check_shape(const SphereShape& s) { require_above_0("radius", s.radius); }
 
 void check_shape(const BoxShape& s) {
   const Vec3 edge = s.high - s.low;
-  check_length("high.x - low.x", edge.x);
-  check_length("high.y - low.y", edge.y);
-  check_length("high.z - low.z", edge.z);
+  require_above_0("high.x - low.x", edge.x);
+  require_above_0("high.y - low.y", edge.y);
+  require_above_0("high.z - low.z", edge.z);
   check_rounding(s.rounding, std::min({edge.x, edge.y, edge.z}));
 }
 
 void check_shape(const TorusShape& s) {
-  check_length("radius", s.radius);
-  check_length("tube", s.tube);
+  require_above_0("radius", s.radius);
+  require_above_0("tube", s.tube);
   require(s.tube < s.radius, "tube", "less than the radius", s.tube);
 }
 
 void check_shape(const CylinderShape& s) {
-  check_length("radius", s.radius);
-  check_length("height", s.height);
+  require_above_0("radius", s.radius);
+  require_above_0("height", s.height);
   require(s.inner_radius >= 0 && s.inner_radius < s.radius, "inner_radius", "0 to less than the radius",
           s.inner_radius);
   check_rounding(s.rounding, std::min(s.inner_radius > 0 ? s.radius - s.inner_radius : 2 * s.radius, s.height));

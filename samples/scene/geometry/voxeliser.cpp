@@ -1,12 +1,12 @@
 #include "scene/geometry/voxeliser.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numbers>
-#include <thread>
+
+#include "scene/parallel.h"
 
 namespace gicube::samples {
 namespace {
@@ -175,15 +175,8 @@ VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solid
   world.gradients.resize(voxels * 3);
 
   Voxeliser voxeliser(grid, solids, scans, world);
-  std::atomic<int> next{0};
-  const int workers = threads > 0 ? threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  std::vector<std::jthread> pool;
-  for (int i = 0; i < std::min(workers, voxeliser.layers()); ++i) {
-    pool.emplace_back([&] {
-      for (int layer = next++; layer < voxeliser.layers(); layer = next++) voxeliser.fill_layer(layer);
-    });
-  }
-  pool.clear();
+  in_parallel(static_cast<std::size_t>(voxeliser.layers()), threads,
+              [&](std::size_t layer) { voxeliser.fill_layer(static_cast<int>(layer)); });
   return world;
 }
 

@@ -2,166 +2,134 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <set>
+#include <string_view>
+#include <variant>
 
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 #include "scene/scene.h"
 
 namespace gicube::samples {
 namespace {
 
-struct Step {
-  std::string name;
-  std::optional<std::string> index;
+// A number of the scene, or a vector, whose .x, .y and .z are numbers; nothing where the scene leaves it open.
+struct Member {
+  Member(std::string_view own, double& value) : name(own), number(&value) {}
+  Member(std::string_view own, Vec3& value) : name(own), vector(&value) {}
+  Member(std::string_view own, std::optional<double>& value) : name(own), number(value ? &*value : nullptr) {}
+  Member(std::string_view own, std::optional<Vec3>& value) : name(own), vector(value ? &*value : nullptr) {}
+
+  std::string_view name;
+  double* number = nullptr;
+  Vec3* vector = nullptr;
 };
 
-// "node[a b].transform[0].translate.x" as its steps; names in brackets may hold dots.
-std::vector<Step> steps_of(const std::string& target) {
-  std::vector<Step> steps;
-  std::size_t at = 0;
-  while (at < target.size()) {
-    Step step;
-    const std::size_t end = std::min(target.find_first_of(".[", at), target.size());
-    step.name = target.substr(at, end - at);
-    at = end;
-    if (at < target.size() && target[at] == '[') {
-      const std::size_t close = target.find(']', at);
-      if (close == std::string::npos) return {};
-      step.index = target.substr(at + 1, close - at - 1);
-      at = close + 1;
-    }
-    steps.push_back(step);
-    if (at < target.size() && target[at++] != '.') return {};
-  }
-  return steps;
-}
-
-std::optional<std::size_t> number(const std::string& text) {
-  std::size_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-Node* find_node(Node& node, const std::string& name) {
-  if (node.name == name) return &node;
-  for (Node& child : node.children) {
-    if (Node* found = find_node(child, name)) return found;
+// The one that `place` names; null if none.
+double* among(std::initializer_list<Member> members, std::string_view place) {
+  for (const Member& member : members) {
+    if (!place.starts_with(member.name)) continue;
+    const std::string_view part = place.substr(member.name.size());
+    if (part.empty() && member.number != nullptr) return member.number;
+    if (member.vector == nullptr) continue;
+    if (part == ".x") return &member.vector->x;
+    if (part == ".y") return &member.vector->y;
+    if (part == ".z") return &member.vector->z;
   }
   return nullptr;
 }
 
-// Follows a target's steps; nullptr where there is no such place.
-class Finder {
- public:
-  explicit Finder(const std::vector<Step>& steps) : steps_(steps) {}
+// Cuts "[INDEX]" off the front; an index may hold dots.
+std::optional<std::string_view> cut_index(std::string_view& place) {
+  const std::size_t close = place.find(']');
+  if (!place.starts_with('[') || close == std::string_view::npos) return std::nullopt;
+  const std::string_view index = place.substr(1, close - 1);
+  place.remove_prefix(close + 1);
+  return index;
+}
 
-  double* in(Scene& scene) {
-    const std::string& first = name(0);
-    if (first == "camera") return in_cameras(scene);
-    if (first == "light" && has_index(0)) return in_lights(scene.lights);
-    if (first == "node" && has_index(0) && scene.world) {
-      Node* node = find_node(scene.world->root, *steps_[0].index);
-      return node != nullptr ? in_node(*node) : nullptr;
-    }
-    if (first == "cut_plane" && has_index(0)) {
-      CutPlane* plane = element(scene.view.cut_planes, 0);
-      if (plane == nullptr) return nullptr;
-      if (name(1) == "offset" && last(1)) return &plane->offset;
-      return name(1) == "normal" ? part(plane->normal, 2) : nullptr;
-    }
-    return nullptr;
-  }
+template <typename Element>
+Element* element(std::vector<Element>& list, std::string_view index) {
+  const auto number = parse_number<std::size_t>(index);
+  return number && *number < list.size() ? &list[*number] : nullptr;
+}
 
- private:
-  const std::string& name(std::size_t i) const {
-    static const std::string kNone;
-    return i < steps_.size() ? steps_[i].name : kNone;
-  }
-  bool has_index(std::size_t i) const { return i < steps_.size() && steps_[i].index; }
-  bool last(std::size_t i) const { return i + 1 == steps_.size() && !steps_[i].index; }
+double* find(CameraSettings& camera, std::string_view place) {
+  return among({{".eye", camera.eye},
+                {".look_at", camera.look_at},
+                {".up", camera.up},
+                {".fov_degrees", camera.fov_degrees},
+                {".orthographic_height", camera.orthographic_height}},
+               place);
+}
 
-  template <typename Element>
-  Element* element(std::vector<Element>& list, std::size_t step) const {
-    const auto index = has_index(step) ? number(*steps_[step].index) : std::nullopt;
-    return index && *index < list.size() ? &list[*index] : nullptr;
-  }
+double* find(PointLight& light, std::string_view place) {
+  return among({{".power", light.power}, {".position", light.position}}, place);
+}
+double* find(DirectionalLight& light, std::string_view place) {
+  return among({{".power", light.irradiance}, {".towards", light.towards}}, place);
+}
+double* find(RectangleLight& light, std::string_view place) {
+  return among(
+      {{".power", light.power}, {".corner", light.corner}, {".edge_u", light.edge_u}, {".edge_v", light.edge_v}},
+      place);
+}
+double* find(SphereLight& light, std::string_view place) {
+  return among({{".power", light.power}, {".radius", light.radius}, {".centre", light.centre}}, place);
+}
 
-  double* part(Vec3& vector, std::size_t step) const {
-    if (!last(step)) return nullptr;
-    const std::string& axis = name(step);
-    return axis == "x" ? &vector.x : axis == "y" ? &vector.y : axis == "z" ? &vector.z : nullptr;
-  }
-  double* part(std::optional<Vec3>& vector, std::size_t step) const { return vector ? part(*vector, step) : nullptr; }
-  double* scalar(std::optional<double>& value, std::size_t step) const {
-    return value && last(step) ? &*value : nullptr;
-  }
-  double* scalar(double& value, std::size_t step) const { return last(step) ? &value : nullptr; }
+double* find(Translate& translate, std::string_view place) { return among({{".translate", translate.by}}, place); }
+double* find(Scale& scale, std::string_view place) { return among({{".scale", scale.by}}, place); }
+double* find(Rotate& rotate, std::string_view place) {
+  return among({{".rotate.degrees", rotate.degrees}, {".rotate.axis", rotate.axis}}, place);
+}
 
-  double* in_cameras(Scene& scene) const {
-    if (!has_index(0)) return in_camera(scene.camera);
-    if (scene.camera.name == *steps_[0].index) return in_camera(scene.camera);
+template <typename... Kinds>
+double* find(std::variant<Kinds...>& one, std::string_view place) {
+  return std::visit([place](auto& kind) { return find(kind, place); }, one);
+}
+
+Node* node_named(Node& node, std::string_view name) {
+  if (node.name == name) return &node;
+  for (Node& child : node.children) {
+    if (Node* found = node_named(child, name)) return found;
+  }
+  return nullptr;
+}
+
+double* in_node(Node* node, std::string_view place) {
+  constexpr std::string_view kTransform = ".transform";
+  if (node == nullptr || !place.starts_with(kTransform)) return nullptr;
+  place.remove_prefix(kTransform.size());
+  const auto index = cut_index(place);
+  Transform* transform = index ? element(node->transforms, *index) : nullptr;
+  return transform != nullptr ? find(*transform, place) : nullptr;
+}
+
+double* find(Scene& scene, std::string_view target) {
+  const std::string_view kind = target.substr(0, target.find_first_of(".["));
+  std::string_view place = target.substr(kind.size());
+  const auto index = cut_index(place);
+  if (kind == "camera") {
+    if (!index || scene.camera.name == *index) return find(scene.camera, place);
     for (CameraSettings& camera : scene.more_cameras) {
-      if (camera.name == *steps_[0].index) return in_camera(camera);
+      if (camera.name == *index) return find(camera, place);
     }
-    return nullptr;
   }
-
-  double* in_camera(CameraSettings& camera) const {
-    if (name(1) == "eye") return part(camera.eye, 2);
-    if (name(1) == "look_at") return part(camera.look_at, 2);
-    if (name(1) == "up") return part(camera.up, 2);
-    if (name(1) == "fov_degrees") return scalar(camera.fov_degrees, 1);
-    if (name(1) == "orthographic_height") return scalar(camera.orthographic_height, 1);
-    return nullptr;
-  }
-
-  double* in_lights(std::vector<SceneLight>& lights) const {
-    for (SceneLight& light : lights) {
-      if (light.name == *steps_[0].index) return std::visit([this](auto& l) { return in_light(l); }, light.light);
+  if (!index) return nullptr;
+  if (kind == "light") {
+    for (SceneLight& light : scene.lights) {
+      if (light.name == *index) return find(light.light, place);
     }
-    SceneLight* light = element(lights, 0);
-    return light != nullptr ? std::visit([this](auto& l) { return in_light(l); }, light->light) : nullptr;
+    SceneLight* light = element(scene.lights, *index);
+    return light != nullptr ? find(light->light, place) : nullptr;
   }
-
-  double* in_light(PointLight& light) const {
-    if (name(1) == "power") return scalar(light.power, 1);
-    return name(1) == "position" ? part(light.position, 2) : nullptr;
-  }
-  double* in_light(DirectionalLight& light) const {
-    if (name(1) == "power") return scalar(light.irradiance, 1);
-    return name(1) == "towards" ? part(light.towards, 2) : nullptr;
-  }
-  double* in_light(RectangleLight& light) const {
-    if (name(1) == "power") return scalar(light.power, 1);
-    if (name(1) == "corner") return part(light.corner, 2);
-    if (name(1) == "edge_u") return part(light.edge_u, 2);
-    return name(1) == "edge_v" ? part(light.edge_v, 2) : nullptr;
-  }
-  double* in_light(SphereLight& light) const {
-    if (name(1) == "power") return scalar(light.power, 1);
-    if (name(1) == "radius") return scalar(light.radius, 1);
-    return name(1) == "centre" ? part(light.centre, 2) : nullptr;
-  }
-
-  double* in_node(Node& node) const {
-    if (name(1) != "transform") return nullptr;
-    Transform* transform = element(node.transforms, 1);
-    if (transform == nullptr) return nullptr;
-    if (auto* translate = std::get_if<Translate>(transform)) {
-      return name(2) == "translate" ? part(translate->by, 3) : nullptr;
-    }
-    if (auto* scale = std::get_if<Scale>(transform)) return name(2) == "scale" ? part(scale->by, 3) : nullptr;
-    auto* rotate = std::get_if<Rotate>(transform);
-    if (rotate == nullptr || name(2) != "rotate") return nullptr;
-    if (name(3) == "degrees") return scalar(rotate->degrees, 3);
-    return name(3) == "axis" ? part(rotate->axis, 4) : nullptr;
-  }
-
-  const std::vector<Step>& steps_;
-};
+  if (kind == "node" && scene.world) return in_node(node_named(scene.world->root, *index), place);
+  if (kind != "cut_plane") return nullptr;
+  CutPlane* plane = element(scene.view.cut_planes, *index);
+  return plane != nullptr ? among({{".normal", plane->normal}, {".offset", plane->offset}}, place) : nullptr;
+}
 
 }  // namespace
 
@@ -194,8 +162,7 @@ void check(const Engine& engine) {
 }
 
 double& find_parameter(Scene& scene, const std::string& target) {
-  const std::vector<Step> steps = steps_of(target);
-  double* found = Finder(steps).in(scene);
+  double* found = find(scene, target);
   if (found == nullptr) {
     throw InputError("engine.target", "a number of a node's transform, a light, a camera or a cut plane of the scene",
                      in_quotes(target));

@@ -7,11 +7,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 
 namespace gicube::samples {
-
-inline std::string shown(double value) { return fmt::format("{}", value); }
 
 class Faults : public google::protobuf::io::ErrorCollector {
  public:

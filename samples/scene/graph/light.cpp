@@ -1,32 +1,19 @@
 #include "scene/graph/light.h"
 
-#include <fmt/format.h>
-
-#include <cmath>
-
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 
 namespace gicube::samples {
 namespace {
 
-void require_power(const char* field, double value) {
-  if (!(value > 0) || !std::isfinite(value)) throw InputError(field, "a number above 0", fmt::format("{}", value));
-}
-
-void require_finite(const char* field, Vec3 v) {
-  if (std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) return;
-  throw InputError(field, "finite numbers", fmt::format("{} {} {}", v.x, v.y, v.z));
-}
-
 void check_light(const PointLight& light) {
   require_finite("point.position", light.position);
-  require_power("power", light.power);
+  require_above_0("power", light.power);
 }
 
 void check_light(const DirectionalLight& light) {
   require_finite("towards", light.towards);
   if (!(length(light.towards) > 0)) throw InputError("towards", "a direction", "0 0 0");
-  require_power("power", light.irradiance);
+  require_above_0("power", light.irradiance);
 }
 
 void check_light(const RectangleLight& light) {
@@ -37,13 +24,13 @@ void check_light(const RectangleLight& light) {
   if (!(area > 1e-9 * length(light.edge_u) * length(light.edge_v))) {
     throw InputError("rectangle.edge_v", "an edge across edge_u, so that there is an area", "none");
   }
-  require_power("power", light.power);
+  require_above_0("power", light.power);
 }
 
 void check_light(const SphereLight& light) {
   require_finite("sphere.centre", light.centre);
-  require_power("sphere.radius", light.radius);
-  require_power("power", light.power);
+  require_above_0("sphere.radius", light.radius);
+  require_above_0("power", light.power);
 }
 
 PointLight placed(PointLight light, const WorldGrid& grid) {
@@ -80,7 +67,7 @@ double& power_of(AnyLight& light) {
 void check(const SceneLight& light) {
   std::visit([](const auto& l) { check_light(l); }, light.light);
   for (const double part : light.colour) {
-    if (!(part >= 0 && part <= 1)) throw InputError("colour", "numbers from 0 to 1", fmt::format("{}", part));
+    require(part >= 0 && part <= 1, "colour", "numbers from 0 to 1", part);
   }
 }
 

@@ -1,13 +1,10 @@
 #include "scene/graph/material.h"
 
-#include <fmt/format.h>
-
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "scene/geometry/voxel_world.h"
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 
 namespace gicube::samples {
 namespace {
@@ -27,10 +24,6 @@ TransferFunctionFile look_of(const FogLook& fog, double voxel) {
 
 TransferFunctionFile look_of(const TransferFunctionFile& function, double) { return function; }
 
-void require(bool good, const char* field, const char* expected, double got) {
-  if (!good) throw InputError(field, expected, fmt::format("{}", got));
-}
-
 void check_colour(const char* field, const Colour& colour) {
   for (const double part : colour) require(part >= 0 && part <= 1, field, "numbers from 0 to 1", part);
 }
@@ -49,8 +42,7 @@ void check(const SceneMaterial& material) {
   }
   if (const auto* fog = look_as<FogLook>(material)) {
     check_colour("fog.colour", fog->colour);
-    require(fog->extinction > 0 && std::isfinite(fog->extinction), "fog.extinction", "a number above 0",
-            fog->extinction);
+    require_above_0("fog.extinction", fog->extinction);
   }
   const Material& optics = material.optics;
   require(optics.scattering >= 0 && optics.scattering <= 1, "scattering", "0 to 1", optics.scattering);
@@ -97,13 +89,12 @@ int routine_named(const std::string& name) {
   for (const auto& [text, routine] : kNames) {
     if (name == text) return routine;
   }
-  int number = -1;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-  if (error != std::errc{} || end != name.data() + name.size() || number < 0 || number > 255) {
+  const auto number = parse_number<int>(name);
+  if (!number || *number < 0 || *number > 255) {
     throw InputError("routine", "fresnel, henyey_greenstein, tabulated, host or a number from 0 to 255",
                      in_quotes(name));
   }
-  return number;
+  return *number;
 }
 
 }  // namespace gicube::samples

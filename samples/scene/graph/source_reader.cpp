@@ -44,9 +44,9 @@ std::string as_text(const v1::TransferFunction& source) {
 }  // namespace
 
 Vec3 finite_vector(Faults& faults, const std::string& field, const v1::Vector& v) {
-  faults.check(std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()), field, "finite numbers",
-               fmt::format("{} {} {}", v.x(), v.y(), v.z()));
-  return {v.x(), v.y(), v.z()};
+  const Vec3 vector{v.x(), v.y(), v.z()};
+  faults.check(is_finite(vector), field, "finite numbers", shown_point(vector));
+  return vector;
 }
 
 Colour read_colour(Faults& faults, const std::string& field, const v1::Colour& colour) {

@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "scene/program/input_error.h"
+#include "scene/program/option_group.h"
 
 namespace gicube::samples {
 namespace {
@@ -62,33 +63,27 @@ bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out)
 }
 
 void add_board_options(CLI::App& app, BoardOptions& options) {
-  const char* group = "Board and run";
-  app.add_option("--board", options.board, "emu: (a private emulated board), unix:PATH or tcp:HOST:PORT")
-      ->group(group)
+  OptionGroup group(app, "Board and run");
+  group.value("--board", options.board, "emu: (a private emulated board), unix:PATH or tcp:HOST:PORT")
       ->capture_default_str();
-  app.add_option("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle")
-      ->group(group);
-  app.add_option("--config", options.config, "configuration of the emulated board (protobuf text)")
-      ->check(CLI::ExistingFile)
-      ->group(group);
-  app.add_option("--set", options.settings, "one field of it, as asic.processors=8; repeatable")
+  group.value("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle");
+  group.value("--config", options.config, "configuration of the emulated board (protobuf text)")
+      ->check(CLI::ExistingFile);
+  group.value("--set", options.settings, "one field of it, as asic.processors=8; repeatable")
       ->take_all()
       ->allow_extra_args(false)
-      ->type_name("FIELD=VALUE")
-      ->group(group);
-  app.add_option("--stats", options.stats, "write the statistics of the frame as JSON")
-      ->type_name("FILE")
-      ->group(group);
-  app.add_option("--seed", options.seed,
-                 "of the random choices of scattered rays; 0: the scene's own. Recorded in the statistics")
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--threads", options.threads,
-                 "host threads for scene and emulator, 0 = one a core; never changes a result")
+      ->type_name("FIELD=VALUE");
+  group.value("--stats", options.stats, "write the statistics of the frame as JSON")->type_name("FILE");
+  group
+      .value("--seed", options.seed,
+             "of the random choices of scattered rays; 0: the scene's own. Recorded in the statistics")
+      ->capture_default_str();
+  group
+      .value("--threads", options.threads,
+             "host threads for scene and emulator, 0 = one a core; never changes a result")
       ->check(CLI::Range(0, kMaxThreads))
-      ->capture_default_str()
-      ->group(group);
-  app.add_flag("--quiet", options.quiet, "print nothing but errors")->group(group);
+      ->capture_default_str();
+  group.flag("--quiet", options.quiet, "print nothing but errors");
 }
 
 std::string board_uri(const BoardOptions& options) {

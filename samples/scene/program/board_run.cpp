@@ -23,12 +23,11 @@ void check_fits(const Dims& dims, const BoardInfo& info, const std::string& sour
   const int longest = *std::max_element(dims.begin(), dims.end());
   if (longest <= info.max_volume_voxels) return;
   const unsigned needed = std::bit_ceil(static_cast<unsigned>(longest));
-  throw InputError(
-      source,
-      fmt::format("at most {} voxels an edge, which this board holds (--set asic.max_volume_voxels={} makes an "
-                  "emulated one larger)",
-                  info.max_volume_voxels, needed),
-      fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]));
+  throw InputError(source,
+                   fmt::format("at most {} voxels an edge, which this board holds (--set asic.max_volume_voxels={} "
+                               "makes an emulated one larger)",
+                               info.max_volume_voxels, needed),
+                   fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]));
 }
 
 void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress) {

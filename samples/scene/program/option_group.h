@@ -17,20 +17,24 @@ class OptionGroup {
   OptionGroup(CLI::App& app, std::string name) : app_(app), name_(std::move(name)) {}
 
   template <typename Value>
-  CLI::Option* value(const std::string& option, std::optional<Value>& target, const std::string& help) {
+  CLI::Option* value(const std::string& option, Value& target, const std::string& help) {
     return app_.add_option(option, target, help)->group(name_);
   }
   CLI::Option* flag(const std::string& option, bool& target, const std::string& help) {
     return app_.add_flag(option, target, help)->group(name_);
   }
-  // `parse` takes the option's name and its text.
+  // `parse` takes the option's name and its text. What it throws as InputError is the option's fault.
   template <typename Parse>
   CLI::Option* parsed(const std::string& option, const std::string& type, const std::string& help, const Parse& parse) {
     return app_
         .add_option_function<std::vector<std::string>>(
             option,
             [option, parse](const std::vector<std::string>& texts) {
-              for (const std::string& text : texts) parse(option, text);
+              try {
+                for (const std::string& text : texts) parse(option, text);
+              } catch (const InputError& error) {
+                throw CLI::ValidationError(option, error.what());
+              }
             },
             help)
         ->type_name(type)

@@ -1,4 +1,4 @@
-// One line on a terminal that says how far a long call is and how long it will take yet; nothing where there is no terminal.
+// One line on a terminal that says how far a long call is and how much time is left; silent without a terminal.
 #pragma once
 
 #include <chrono>

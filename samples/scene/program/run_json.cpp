@@ -1,8 +1,6 @@
 #include "scene/program/run_json.h"
 
-#include <fstream>
-
-#include "scene/program/input_error.h"
+#include "scene/text_file.h"
 
 namespace gicube::samples {
 
@@ -23,10 +21,7 @@ nlohmann::ordered_json to_json(const Counters& counters) {
 }
 
 void write_json(const nlohmann::ordered_json& json, const std::filesystem::path& path) {
-  std::ofstream stream(path);
-  stream << json.dump(2) << '\n';
-  stream.close();
-  if (!stream) throw InputError(path.string(), "a file that can be written", "an error");
+  write_text(path, json.dump(2) + '\n');
 }
 
 }  // namespace gicube::samples

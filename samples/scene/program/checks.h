@@ -1,0 +1,41 @@
+// Numbers that a user wrote: out of a text, and within their bounds.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "gicube/vector.h"
+#include "scene/program/input_error.h"
+
+namespace gicube::samples {
+
+// Nothing unless the whole text is a number of this type.
+template <typename Number>
+std::optional<Number> parse_number(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+inline bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+inline std::string shown(double value) { return fmt::format("{}", value); }
+inline std::string shown_point(Vec3 v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
+
+// These throw InputError that names `field`.
+inline void require(bool good, const char* field, const char* expected, double got) {
+  if (!good) throw InputError(field, expected, shown(got));
+}
+inline void require_above_0(const char* field, double value) {
+  require(value > 0 && std::isfinite(value), field, "a number above 0", value);
+}
+inline void require_finite(const char* field, Vec3 v) {
+  if (!is_finite(v)) throw InputError(field, "finite numbers", shown_point(v));
+}
+
+}  // namespace gicube::samples
