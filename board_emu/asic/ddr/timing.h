@@ -1,7 +1,7 @@
 // DDR SDRAM's timing as a table of constraints with the data sheets' names.
 //
-// The part: 128 Mbit chips of 4 banks, 4096 rows and 1024 columns of 8 bits at 100 MHz (DDR-200, PC1600, CL 2), as Samsung
-// K4H280838 "A0" and Micron MT46V16M8 "-8" of 2000. Nine of them side by side are a rank of 72 data wires, that is 64 and
+// The part: 128 Mbit chips of 4 banks, 4096 rows and 1024 columns of 8 bits at 100 MHz (DDR-200, PC1600, CL 2). Their times
+// are those of Samsung's modules M312L6420 "A0"; docs/reference/hardware.md has the source of each. Nine of them side by side are a rank of 72 data wires, that is 64 and
 // the 8 of a module with error correction, which a voxel's 36 bits need. A burst of two beats, the shortest there is, is
 // 144 bits in one clock: one packet of four voxels, at the RDRAM's 1.6 GB/s.
 //
