@@ -50,6 +50,12 @@ std::vector<Run> Bench::lit_scenes() const {
   return runs;
 }
 
+std::vector<Run> Bench::lights(bool high_albedo) const {
+  std::vector<Run> runs;
+  for (const SceneName scene : kLitScenes) runs.push_back(light(scene, 1, high_albedo));
+  return runs;
+}
+
 std::vector<Run> Bench::all() const {
   std::vector<Run> runs;
   for (const SceneName scene : kScenes) {
@@ -80,10 +86,14 @@ std::string lost_cycles(Bench& bench, const std::vector<Run>& runs) {
   return text;
 }
 
-std::vector<Run> with(const std::vector<Run>& runs, const std::string& field, const std::string& value) {
-  std::vector<Run> others;
-  for (const Run& run : runs) others.push_back(run.with(field, value));
-  return others;
+Run scanline(const Run& run, int queue) { return run.with("sorter.queues", "single").with("asic.queue_rays", queue); }
+
+void add_causes(Bench& bench, const std::vector<Run>& runs, Table& table) {
+  for (const auto& [name, share] : cause_shares(bench.get(runs.front()))) table.rows.push_back({name});
+  for (const Run& run : runs) {
+    const auto shares = cause_shares(bench.get(run));
+    for (std::size_t i = 0; i < shares.size(); ++i) table.rows[i].push_back(percent(shares[i].second, 1));
+  }
 }
 
 }  // namespace gicube::samples::results

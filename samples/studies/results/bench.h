@@ -34,13 +34,23 @@ class Bench {
   Run lit(SceneName scene, int k = 1, bool high_albedo = false) const;
   Run light(SceneName scene, int k = 1, bool high_albedo = false) const;
   std::vector<Run> lit_scenes() const;
+  std::vector<Run> lights(bool high_albedo = false) const;
 
-  // The figure's values over `scenes` and `views`.
+  // The figure's values over these runs, and what they have in common.
   template <typename Figure>
   std::vector<double> over(const std::vector<Run>& runs, const Figure& figure) {
     std::vector<double> values;
     for (const Run& each : runs) values.push_back(figure(get(each)));
     return values;
+  }
+
+  template <typename Figure>
+  Spread spread(const std::vector<Run>& runs, const Figure& figure) {
+    return spread_of(over(runs, figure));
+  }
+  template <typename Figure>
+  double mean(const std::vector<Run>& runs, const Figure& figure) {
+    return spread(runs, figure).mean;
   }
 
   // All scenes in all views; all scenes in the oblique view.
@@ -53,8 +63,11 @@ class Bench {
   Page& page_;
 };
 
-// `runs` with one more setting.
-std::vector<Run> with(const std::vector<Run>& runs, const std::string& field, const std::string& value);
+// The machine of [P §5.1] that reordering is measured against: one queue a processor, rays in the order in which they come.
+Run scanline(const Run& run, int queue);
+
+// A table of the runs' pipeline cycles by their cause, a column each; its rows.
+void add_causes(Bench& bench, const std::vector<Run>& runs, Table& table);
 
 // The most frequent causes of cycles without a sample, over all of them: "cache_fill 12%, dsp 8%, latency 5%".
 std::string lost_cycles(Bench& bench, const std::vector<Run>& runs);

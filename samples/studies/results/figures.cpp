@@ -1,5 +1,7 @@
 #include "studies/results/figures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <map>
@@ -87,7 +89,7 @@ double work_balance(const Measurement& m) {
     samples.push_back(count(m, ("processor" + std::to_string(i) + ".samples").c_str()));
   }
   const Spread spread = spread_of(samples);
-  return ratio(spread.mean, spread.most);
+  return ratio(spread.mean, spread.max);
 }
 
 double dsp_use(const Measurement& m) { return ratio(to_ms(m.counters.value("dsp.busy_ps")), asic_ms(m)); }
@@ -176,12 +178,16 @@ std::vector<Millisecond> milliseconds(const Measurement& m) {
   return list;
 }
 
+std::string Spread::text(double unit, int digits) const {
+  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", mean / unit, digits, min / unit, digits, max / unit, digits);
+}
+
 Spread spread_of(const std::vector<double>& values) {
   if (values.empty()) return {};
   Spread spread{values.front(), 0, values.front()};
   for (const double value : values) {
-    spread.least = std::min(spread.least, value);
-    spread.most = std::max(spread.most, value);
+    spread.min = std::min(spread.min, value);
+    spread.max = std::max(spread.max, value);
     spread.mean += value / static_cast<double>(values.size());
   }
   return spread;

@@ -20,7 +20,7 @@ struct Measurement {
   double clipped = 0;  // of an illumination pass: the part of its energy that did not fit the irradiance words
 };
 
-// A part of nothing is 0, so that a plan's empty measurement does no harm.
+// 0 where `whole` is 0: while a page is only planned, all measurements are empty.
 double ratio(double part, double whole);
 
 double frame_ms(const Measurement& m);  // as the host sees it, image transfer included
@@ -55,8 +55,8 @@ double bisection_mb_s(const Measurement& m);
 double balance_held(const Measurement& m);
 double balance_working(const Measurement& m);
 
-// How evenly the samples lie, whatever the time: the mean over the processors of the most that one has, 0..1. No machine of p
-// such processors can be more than p times this as fast as one.
+// How evenly the samples lie, whatever the time: the processors' mean over the maximum of one, 0..1. It bounds
+// the speed-up of p such processors to p times this.
 double work_balance(const Measurement& m);
 
 double dsp_use(const Measurement& m);  // 0..1
@@ -65,7 +65,7 @@ double overflows_a_ray(const Measurement& m);
 // Every pipeline cycle by its cause: name and share, which sum to 1.
 std::vector<std::pair<std::string, double>> cause_shares(const Measurement& m);
 
-// Both windows as one. Of an empty one and another nothing is left.
+// Both windows added; empty if one of them is.
 Measurement sum_of(const Measurement& a, const Measurement& b);
 
 // Of lighting passes: deposits a sample; changed tiles a deposit, and the share of them that were written together with an
@@ -78,14 +78,14 @@ double scatterings_a_ray(const Measurement& m);
 // 1 the memory would hold the pipelines up.
 double memory_use_uncombined(const Measurement& m);
 
-// Samples and leaps by how many of them one stay of a queue at the top took.
+// Samples and leaps (turns) by how many of them were taken while a queue stayed the active one.
 struct Stay {
-  double turns = 0;        // the least: 1, 2, 4 ..; below twice as many
+  double turns = 0;        // at least 1, 2, 4 .. and fewer than twice as many
   double activations = 0;  // share of all, 0..1
   double issued = 0;       // share of the turns, 0..1
 };
 std::vector<Stay> stays(const Measurement& m);
-// The share of turns in stays shorter than `turns`: with fewer than the pipeline is long, no ray comes round [P §5.1].
+// The share of turns in stays shorter than `turns`: those shorter than the pipeline end before a ray comes round [P §5.1].
 double issued_in_short_stays(const Measurement& m, double turns);
 
 // Block loads and samples in each millisecond of the window.
@@ -95,7 +95,10 @@ struct Millisecond {
 std::vector<Millisecond> milliseconds(const Measurement& m);
 
 struct Spread {
-  double least = 0, mean = 0, most = 0;
+  double min = 0, mean = 0, max = 0;
+
+  // "MEAN (MIN to MAX)" in this unit, with so many digits after the point.
+  std::string text(double unit, int digits) const;
 };
 Spread spread_of(const std::vector<double>& values);
 

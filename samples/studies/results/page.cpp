@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <stdexcept>
 
-#include "scene/program/input_error.h"
+#include "scene/text_file.h"
 
 namespace gicube::samples::results {
 namespace {
@@ -19,13 +18,6 @@ std::string joined(const std::vector<std::string>& cells, const std::string& bet
   std::string text;
   for (std::size_t i = 0; i < cells.size(); ++i) text += (i == 0 ? "" : between) + cells[i];
   return text;
-}
-
-std::string csv_cell(const std::string& cell) {
-  if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
-  std::string quoted = "\"";
-  for (const char c : cell) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
 }
 
 std::string csv_line(const std::vector<std::string>& cells) {
@@ -95,13 +87,6 @@ std::string to_gnuplot(const Chart& chart) {
   }
   return text + fmt::format("set terminal svg size 800,480 background 'white'\nset output '{}.svg'\nplot {}\n",
                             chart.name, plots);
-}
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream stream(path);
-  stream << text;
-  stream.close();
-  if (!stream) throw InputError(path.string(), "a file that can be written", "an error");
 }
 
 void Page::heading(const std::string& text) { body_ += fmt::format("## {}\n\n", text); }

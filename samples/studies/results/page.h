@@ -11,7 +11,7 @@ namespace gicube::samples::results {
 struct Table {
   std::string name;  // of its file, NAME.csv
   std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;  // cells as they are printed
+  std::vector<std::vector<std::string>> rows = {};  // cells as they are printed
 };
 
 // A picture drawn by gnuplot from NAME.csv: x in the first column, a series in each other.
@@ -19,10 +19,10 @@ struct Chart {
   std::string name;
   std::string title, x_label, y_label;
   bool log_x = false, log_y = false;
-  bool bars = false;  // each x beside the next, labelled by its number
-  std::vector<std::string> series;
+  bool bars = false;  // a group of bars for each point, labelled by its x
+  std::vector<std::string> series = {};
   // x, and a value a series; not-a-number where a series has none.
-  std::vector<std::pair<double, std::vector<double>>> points;
+  std::vector<std::pair<double, std::vector<double>>> points = {};
 };
 
 // One of the paper's claims beside ours.
@@ -65,9 +65,6 @@ std::string to_csv(const Table& table);
 std::string to_csv(const Chart& chart);
 // Reads NAME.csv and writes NAME.svg in the working folder.
 std::string to_gnuplot(const Chart& chart);
-
-// Throws InputError.
-void write_text(const std::filesystem::path& path, const std::string& text);
 
 // "12.3", "0.05": `digits` after the point. "12%" of 0.12.
 std::string number(double value, int digits = 1);

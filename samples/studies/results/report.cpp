@@ -6,6 +6,7 @@
 #include <string>
 
 #include "scene/image_file.h"
+#include "scene/text_file.h"
 
 namespace gicube::samples::results {
 namespace {
@@ -47,14 +48,12 @@ std::vector<Run> pictures(const Bench& bench) {
 std::string introduction(const Design& design) {
   return fmt::format(
       "# Results\n\n"
-      "What the paper reports beside what our board does. Everything here is made by one command and "
-      "nothing is typed in:\n\n"
+      "What the paper reports beside what our board does. Everything here is made by one command and nothing is typed "
+      "in:\n\n"
       "    script/results\n\n"
       "It runs `gicube-results` (samples/studies/results), which measures on emulated boards at the cycle level "
-      "through the "
-      "public driver. Design point unless noted: volume {0}^3, blocks {1}^3, 4 processors, queues of 256 rays, 100 "
-      "MHz, four "
-      "RDRAMs, image {2}^2, half-voxel steps, rays done at an opacity of 0.98.\n\n"
+      "through the public driver. Design point unless noted: volume {0}^3, blocks {1}^3, 4 processors, queues of 256 "
+      "rays, 100 MHz, four RDRAMs, image {2}^2, half-voxel steps, rays done at an opacity of 0.98.\n\n"
       "## Paper and ours\n\n",
       design.edge, design.block(), design.image);
 }

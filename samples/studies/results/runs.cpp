@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
-#include <exception>
 #include <mutex>
-#include <stdexcept>
-#include <thread>
 
+#include "scene/parallel.h"
 #include "studies/results/carry_out.h"
 
 namespace gicube::samples::results {
@@ -36,6 +33,12 @@ Run Run::with(const std::string& field, const std::string& value) const {
   Run other = *this;
   other.settings[field] = value;
   other.picture = false;
+  return other;
+}
+
+Run Run::with(const Settings& more) const {
+  Run other = *this;
+  for (const auto& [field, value] : more) other = other.with(field, value);
   return other;
 }
 
@@ -93,29 +96,14 @@ void Runs::measure() {
   ProgressMeter meter(!quiet_);
   SceneStore scenes;
   std::mutex mutex;
-  std::exception_ptr failure;
   std::size_t done = 0;
-  std::atomic<std::size_t> next{0};
   const auto keep = [&](const Run& run, Measurement measurement) {
     const std::lock_guard lock(mutex);
     known_[run.key()] = std::move(measurement);
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
     meter.show(++done, all, seconds.count());
   };
-  const auto work = [&] {
-    try {
-      for (std::size_t i = next++; i < groups.size(); i = next++) carry_out(groups[i], scenes, keep);
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      failure = std::current_exception();
-      next = groups.size();
-    }
-  };
-  {
-    std::vector<std::jthread> pool;
-    for (int i = 0; i < jobs_; ++i) pool.emplace_back(work);
-  }
-  if (failure) std::rethrow_exception(failure);
+  in_parallel(groups.size(), jobs_, [&](std::size_t i) { carry_out(groups[i], scenes, keep); });
   wanted_.clear();
   noted_.clear();
 }

@@ -47,6 +47,7 @@ struct Run {
   // The same on a board configured otherwise, without a picture.
   Run with(const std::string& field, const std::string& value) const;
   Run with(const std::string& field, int value) const { return with(field, std::to_string(value)); }
+  Run with(const Settings& more) const;
 
   // The same with samples that far apart, in voxels; without a picture unless it is the same run.
   Run at_step(double distance) const;

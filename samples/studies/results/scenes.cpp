@@ -1,15 +1,14 @@
 #include "studies/results/scenes.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <functional>
 #include <numbers>
-#include <thread>
 #include <utility>
 
 #include "scene/buckyball.h"
+#include "scene/parallel.h"
 #include "studies/results/lit_scenes.h"
 #include "studies/results/noise.h"
 
@@ -31,22 +30,16 @@ Volume voxelise(const Dims& dims, const Density& density, int threads) {
   volume.source = "built in";
   const auto across = static_cast<std::size_t>(dims[0]), down = static_cast<std::size_t>(dims[1]);
   volume.samples.resize(across * down * static_cast<std::size_t>(dims[2]) * 2);
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int z = next++; z < dims[2]; z = next++) {
-      std::size_t at = static_cast<std::size_t>(z) * across * down;
-      for (int y = 0; y < dims[1]; ++y) {
-        for (int x = 0; x < dims[0]; ++x, ++at) {
-          const double value = std::clamp(density({double(x), double(y), double(z)}), 0.0, 1.0);
-          const auto word = static_cast<std::uint16_t>(std::lround(kMaxDensity * value));
-          std::memcpy(&volume.samples[2 * at], &word, sizeof word);
-        }
+  in_parallel(static_cast<std::size_t>(dims[2]), threads, [&](std::size_t z) {
+    std::size_t at = z * across * down;
+    for (int y = 0; y < dims[1]; ++y) {
+      for (int x = 0; x < dims[0]; ++x, ++at) {
+        const double value = std::clamp(density({double(x), double(y), double(z)}), 0.0, 1.0);
+        const auto word = static_cast<std::uint16_t>(std::lround(kMaxDensity * value));
+        std::memcpy(&volume.samples[2 * at], &word, sizeof word);
       }
     }
-  };
-  std::vector<std::jthread> pool;
-  for (int i = 0; i < std::max(1, threads); ++i) pool.emplace_back(work);
-  pool.clear();
+  });
   return volume;
 }
 

@@ -32,14 +32,9 @@ Tail tail_of(const std::vector<Millisecond>& list) {
 void time_chart(Bench& bench, SceneName scene) {
   const std::vector<Millisecond> list = milliseconds(bench.get(bench.light(scene)));
   Chart chart{"block-loads-" + name_of(scene),
-              fmt::format("Figure 15: block loads in a lighting pass, {}", name_of(scene)),
-              "ms",
-              "in a millisecond",
-              false,
-              true,
-              false,
-              {"block loads", "samples"},
-              {}};
+              fmt::format("Figure 15: block loads in a lighting pass, {}", name_of(scene)), "ms", "in a millisecond"};
+  chart.log_y = true;
+  chart.series = {"block loads", "samples"};
   const auto or_none = [](double value) { return std::max(value, 1.0); };  // for the logarithm
   for (std::size_t ms = 0; ms < list.size(); ++ms) {
     chart.points.push_back({static_cast<double>(ms), {or_none(list[ms].loads), or_none(list[ms].samples)}});
@@ -48,15 +43,8 @@ void time_chart(Bench& bench, SceneName scene) {
 }
 
 void stays_chart(Bench& bench) {
-  Chart chart{"stays",
-              "Turns by the length of their stay",
-              "turns of a stay, at least",
-              "share of all turns",
-              true,
-              false,
-              false,
-              {},
-              {}};
+  Chart chart{"stays", "Turns by the length of their stay", "turns of a stay, at least", "share of all turns"};
+  chart.log_x = true;
   std::vector<std::vector<Stay>> all;
   for (const SceneName scene : kLitScenes) {
     chart.series.push_back(name_of(scene));
@@ -69,12 +57,6 @@ void stays_chart(Bench& bench) {
   bench.page().chart(chart, "Lighting passes, low albedo, k = 1.");
 }
 
-std::vector<Run> passes(const Bench& bench) {
-  std::vector<Run> runs;
-  for (const SceneName scene : kLitScenes) runs.push_back(bench.light(scene));
-  return runs;
-}
-
 }  // namespace
 
 void block_loads_section(Bench& bench) {
@@ -85,8 +67,7 @@ void block_loads_section(Bench& bench) {
   stays_chart(bench);
   Table table{"block-loads",
               {"scene", "part", "block loads", "turns a load", "turns in stays of 32 or more", "loads in short stays",
-               "tail: share of time", "of samples", "of block loads"},
-              {}};
+               "tail: share of time", "of samples", "of block loads"}};
   std::vector<double> tails, thrashing;
   for (const SceneName scene : kLitScenes) {
     for (const Run& run : {bench.light(scene), bench.lit(scene)}) {
@@ -121,14 +102,13 @@ void block_loads_section(Bench& bench) {
                    percent(1 - shortly, 1), percent(shortly, 1), percent(tail, 2)),
        differs(shortly, kPaperTail, kPaperTail),
        fmt::format(
-           "short stays come not only at the end: a processor that gets few rays, since the light comes from "
-           "one side and the DSP makes one in 60 cycles, goes from queue to queue all the time. On the mirrored "
-           "buckyball they hold {} of the turns; {} with skewed blocks, which spread the rays evenly, {} with "
-           "15 DSP cycles a ray, {} with queues of 1024 rays, {} with a pipeline of 4 compute stages. Lost "
-           "cycles of all passes: {}",
+           "short stays come not only at the end: a processor that gets few rays, since the light comes from one side "
+           "and the DSP makes one in 60 cycles, goes from queue to queue all the time. On the mirrored buckyball they "
+           "hold {} of the turns; {} with skewed blocks, which spread the rays evenly, {} with 15 DSP cycles a ray, {} "
+           "with queues of 1024 rays, {} with a pipeline of 4 compute stages. Lost cycles of all passes: {}",
            percent(issued_in_short_stays(bench.get(pass), kPipeline), 1), short_with("asic.partition", "skewed_block"),
            short_with("dsp.lighting_ray_cycles", "15"), short_with("asic.queue_rays", "1024"),
-           short_with("pipeline.compute_stages", "4"), lost_cycles(bench, passes(bench)))});
+           short_with("pipeline.compute_stages", "4"), lost_cycles(bench, bench.lights()))});
 }
 
 }  // namespace gicube::samples::results

@@ -8,8 +8,7 @@ namespace {
 void bounds(Bench& bench) {
   Table table{
       "bounds",
-      {"scene", "as it is, ms", "perfect memory", "perfect queues", "perfect sorter", "all three", "sharing an RDRAM"},
-      {}};
+      {"scene", "as it is, ms", "perfect memory", "perfect queues", "perfect sorter", "all three", "sharing an RDRAM"}};
   for (const Run& run : bench.oblique()) {
     const auto cell = [&](const Run& other) {
       const double is = asic_ms(bench.get(run)), bound = asic_ms(bench.get(other));
@@ -24,15 +23,9 @@ void bounds(Bench& bench) {
 }
 
 void causes(Bench& bench) {
-  Table table{"causes", {"cause"}, {}};
-  const std::vector<Run> runs = bench.oblique();
-  for (const Run& run : runs) table.columns.push_back(name_of(run.scene));
-  const auto names = cause_shares(bench.get(runs.front()));
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    std::vector<std::string> row{names[i].first};
-    for (const Run& run : runs) row.push_back(percent(cause_shares(bench.get(run))[i].second, 1));
-    table.rows.push_back(row);
-  }
+  Table table{"causes", {"cause"}};
+  for (const Run& run : bench.oblique()) table.columns.push_back(name_of(run.scene));
+  add_causes(bench, bench.oblique(), table);
   bench.page().table(table);
 }
 
@@ -42,9 +35,8 @@ void bounds_section(Bench& bench) {
   bench.page().heading("Bounds, and where the cycles go");
   bench.page().text(
       "ASIC time of the oblique view with parts that have no limits: every packet in the cache when it is asked for; "
-      "queues "
-      "that never overflow; the most important queue known at once. The last column is the cost-effective variant of "
-      "section 3.3.");
+      "queues that never overflow; the most important queue known at once. The last column is the cost-effective "
+      "variant of section 3.3.");
   bounds(bench);
   bench.page().text("Each pipeline cycle has one cause (docs/reference/hardware.md); columns sum to 100%.");
   causes(bench);

@@ -24,8 +24,7 @@ void bus_section(Bench& bench) {
   const Run run = large_image(bench);
   Table table{"bus",
               {"bus", "image, ms", fmt::format("share of the bus at {:g} Hz", kRate), "host's rays", "MB down and up",
-               "bus ms for them", "at most Hz", "there and back, ms", "Hz"},
-              {}};
+               "bus ms for them", "at most Hz", "there and back, ms", "Hz"}};
   double image_share = 0, pci = 0, agp = 0;
   for (const char* bus : {"pci33", "agp1x", "agp2x", "agp4x"}) {
     const Run on = bus == std::string("pci33") ? run : run.with("bus.model", bus);

@@ -43,7 +43,9 @@ Grid small_grid(Bench& bench) {
 template <typename Figure>
 void chart(Bench& bench, const Grid& grid, const std::string& name, const std::string& title, const std::string& label,
            bool log_y, const Figure& figure) {
-  Chart chart{name + "-" + grid.name, title, "rays of a queue", label, true, log_y, false, {}, {}};
+  Chart chart{name + "-" + grid.name, title, "rays of a queue", label};
+  chart.log_x = true;
+  chart.log_y = log_y;
   for (const int n : grid.blocks) chart.series.push_back(fmt::format("n = {}", n));
   for (const int queue : kQueues) {
     chart.points.emplace_back(queue, std::vector<double>{});
@@ -53,7 +55,7 @@ void chart(Bench& bench, const Grid& grid, const std::string& name, const std::s
 }
 
 void grid_table(Bench& bench, const Grid& grid) {
-  Table table{"grid-" + grid.name, {"rays of a queue"}, {}};
+  Table table{"grid-" + grid.name, {"rays of a queue"}};
   for (const int n : grid.blocks) table.columns.insert(table.columns.end(), {fmt::format("n = {}: hits", n), "ms"});
   for (const int queue : kQueues) {
     std::vector<std::string> row{std::to_string(queue)};
@@ -67,7 +69,7 @@ void grid_table(Bench& bench, const Grid& grid) {
 }
 
 void associativity(Bench& bench) {
-  Table table{"associativity", {"rays of a queue"}, {}};
+  Table table{"associativity", {"rays of a queue"}};
   const Run run = bench.run(SceneName::kBuckyball);
   for (const int ways : {1, 2, 4})
     table.columns.insert(table.columns.end(), {fmt::format("{} way{}: hits", ways, ways == 1 ? "" : "s"), "ms"});
@@ -101,7 +103,7 @@ int fastest_block(Bench& bench, const Grid& grid) {
 // Which block is best, with and without leaps: what reordering alone prefers.
 std::string blocks_table(Bench& bench) {
   const std::vector<int> blocks = blocks_of(bench);
-  Table table{"blocks", {"scene", "leaps"}, {}};
+  Table table{"blocks", {"scene", "leaps"}};
   for (const int n : blocks) table.columns.push_back(fmt::format("n = {}, ms", n));
   table.columns.push_back("best n");
   std::string best;
@@ -169,10 +171,8 @@ void time_claim(Bench& bench, const std::vector<Grid>& grids, const Grid& small,
        fmt::format("n = N: {:.2f} ms at queues of 64, {:.2f} ms at 1024; best of queues of 256: {}", least, most, best),
        !same || differs(least, most, most),
        fmt::format("larger blocks miss less, smaller ones cut a scene's empty space more finely, so rays leap more of "
-                   "it: which wins "
-                   "is the scene's. Without leaps the best blocks are {}: reordering alone asks for larger ones here, "
-                   "since queues of 256 "
-                   "rays are long against the pipeline",
+                   "it: which wins is the scene's. Without leaps the best blocks are {}: reordering alone asks for "
+                   "larger ones here, since queues of 256 rays are long against the pipeline",
                    without_leaps)});
 }
 
@@ -187,8 +187,7 @@ void cache_section(Bench& bench) {
   const Grid small = small_grid(bench);
   bench.page().text(
       fmt::format("Hit ratio is that of voxels. The caches hold at most 64^3 blocks, so n = N is measured on a head of "
-                  "{0}^3 voxels "
-                  "with one processor and a {0}^2 image.",
+                  "{0}^3 voxels with one processor and a {0}^2 image.",
                   small.blocks.back()));
   for (const Grid& grid : grids) {
     chart(bench, grid, "hit-ratio", "Figure 13: hit ratio, " + grid.name, "hit ratio", false, hit_ratio);

@@ -56,7 +56,7 @@ void cost_section(Bench& bench) {
   const std::filesystem::path program = board_program();
   const std::vector<Item> items = items_of(output_of(fmt::format("'{}' --hardware-cost", program.string())));
   if (items.empty()) throw std::runtime_error(program.string() + " --hardware-cost: no table");
-  Table table{"hardware-cost", {"item", "bits", "total"}, {}};
+  Table table{"hardware-cost", {"item", "bits", "total"}};
   double edram = 0, sram = 0;
   for (const Item& item : items) {
     table.rows.push_back({item.name, item.formula, item.total});

@@ -5,22 +5,11 @@
 namespace gicube::samples::results {
 namespace {
 
-std::vector<Run> lights(const Bench& bench, bool high_albedo) {
-  std::vector<Run> runs;
-  for (const SceneName scene : kLitScenes) runs.push_back(bench.light(scene, 1, high_albedo));
-  return runs;
-}
-
 // Passes in low albedo with samples a voxel apart.
 std::vector<Run> at_voxel_steps(const Bench& bench) {
   std::vector<Run> runs;
-  for (const Run& run : lights(bench, false)) runs.push_back(run.at_step(1));
+  for (const Run& run : bench.lights()) runs.push_back(run.at_step(1));
   return runs;
-}
-
-std::string spread(const Spread& spread, double unit, int digits) {
-  return fmt::format("{:.{}f} ({:.{}f} to {:.{}f})", spread.mean / unit, digits, spread.least / unit, digits,
-                     spread.most / unit, digits);
 }
 
 double millions(const Measurement& m, const char* name) { return 1e-6 * static_cast<double>(m.counters.value(name)); }
@@ -29,10 +18,9 @@ void passes(Bench& bench) {
   Table table{"illumination",
               {"scene", "albedo", "M rays", "pass ms", "M samples", "M samples/s", "throughput",
                "deposits /100 samples", "tiles a deposit", "of them combined", "memory GB/s", "memory in use",
-               "in use without combining", "hit ratio", "DSP busy", "overflows a ray", "energy clipped"},
-              {}};
+               "in use without combining", "hit ratio", "DSP busy", "overflows a ray", "energy clipped"}};
   for (const bool high : {false, true}) {
-    for (const Run& run : lights(bench, high)) {
+    for (const Run& run : bench.lights(high)) {
       const Measurement& m = bench.get(run);
       table.rows.push_back(
           {name_of(run.scene), high ? "high" : "low", number(millions(m, "dsp.lighting_rays"), 3), number(frame_ms(m)),
@@ -48,8 +36,7 @@ void passes(Bench& bench) {
 void frames(Bench& bench) {
   Table table{"lit-frames",
               {"scene", "frame ms", "Hz", "ASIC ms", "M samples", "M samples/s", "throughput", "scatterings /100 rays",
-               "memory GB/s", "memory in use", "hit ratio", "DSP busy"},
-              {}};
+               "memory GB/s", "memory in use", "hit ratio", "DSP busy"}};
   for (const Run& run : bench.lit_scenes()) {
     const Measurement& m = bench.get(run);
     table.rows.push_back({name_of(run.scene), number(frame_ms(m)), number(rate_hz(m)), number(asic_ms(m)),
@@ -61,45 +48,40 @@ void frames(Bench& bench) {
 }
 
 void causes(Bench& bench) {
-  Table table{"lit-causes", {"cause"}, {}};
-  std::vector<Run> runs = lights(bench, false);
-  for (const Run& run : runs) table.columns.push_back(name_of(run.scene) + ", low");
-  for (const Run& run : lights(bench, true)) {
-    table.columns.push_back(name_of(run.scene) + ", high");
-    runs.push_back(run);
+  Table table{"lit-causes", {"cause"}};
+  std::vector<Run> runs;
+  for (const bool high : {false, true}) {
+    for (const Run& run : bench.lights(high)) {
+      table.columns.push_back(name_of(run.scene) + (high ? ", high" : ", low"));
+      runs.push_back(run);
+    }
   }
-  const auto names = cause_shares(bench.get(runs.front()));
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    std::vector<std::string> row{names[i].first};
-    for (const Run& run : runs) row.push_back(percent(cause_shares(bench.get(run))[i].second, 1));
-    table.rows.push_back(row);
-  }
+  add_causes(bench, runs, table);
   bench.page().text("Pipeline cycles of the passes by their cause; columns sum to 100%.");
   bench.page().table(table);
 }
 
 void sample_claims(Bench& bench) {
-  const Spread low = spread_of(bench.over(lights(bench, false), samples_per_second)),
-               high = spread_of(bench.over(lights(bench, true), samples_per_second)),
-               seen = spread_of(bench.over(bench.lit_scenes(), samples_per_second));
+  const Spread low = bench.spread(bench.lights(), samples_per_second),
+               high = bench.spread(bench.lights(true), samples_per_second),
+               seen = bench.spread(bench.lit_scenes(), samples_per_second);
   bench.page().claim(
       {2, "samples a second, lighting, p=4 (5.1)", "122 M",
-       fmt::format("low albedo mean {} M, high {} M", spread(low, 1e6, 0), spread(high, 1e6, 0)),
+       fmt::format("low albedo mean {} M, high {} M", low.text(1e6, 0), high.text(1e6, 0)),
        differs(low.mean, 122e6, 122e6) || differs(high.mean, 122e6, 122e6),
-       fmt::format("only a part of our samples deposits (next rows), so that a splat seldom stops a pipeline: of the "
-                   "cycles without a sample in low albedo most go to {}. With voxel steps, which miss more, it is mean "
-                   "{} M",
-                   lost_cycles(bench, lights(bench, false)),
-                   spread(spread_of(bench.over(at_voxel_steps(bench), samples_per_second)), 1e6, 0))});
+       fmt::format(
+           "only a part of our samples deposits (next rows), so that a splat seldom stops a pipeline: of the cycles "
+           "without a sample in low albedo most go to {}. With voxel steps, which miss more, it is mean {} M",
+           lost_cycles(bench, bench.lights()), bench.spread(at_voxel_steps(bench), samples_per_second).text(1e6, 0))});
   bench.page().claim({2, "samples a second, rendering with scattered rays, p=4 (5.1)", "231 M",
-                      fmt::format("mean {} M", spread(seen, 1e6, 0)), differs(seen.mean, 231e6, 231e6),
+                      fmt::format("mean {} M", seen.text(1e6, 0)), differs(seen.mean, 231e6, 231e6),
                       fmt::format("cycles without a sample: {}", lost_cycles(bench, bench.lit_scenes()))});
 }
 
 void memory_claims(Bench& bench) {
-  const std::vector<Run> low = lights(bench, false), wide = at_voxel_steps(bench);
+  const std::vector<Run> low = bench.lights(), wide = at_voxel_steps(bench);
   const auto mean = [&](const std::vector<Run>& runs, double (*figure)(const Measurement&)) {
-    return spread_of(bench.over(runs, figure));
+    return bench.spread(runs, figure);
   };
   constexpr double kMax = 6.4, kPaper = 4.6;  // GB/s: of four RDRAMs; in global illumination
   const Run fog = bench.light(SceneName::kFogBox);
@@ -120,11 +102,11 @@ void memory_claims(Bench& bench) {
   const Spread memory = mean(low, memory_gb_s), use = mean(low, memory_use);
   bench.page().claim(
       {5, "memory bandwidth, lighting pass (3.3)", "4.6 GB/s",
-       fmt::format("mean {} GB/s; {} with voxel steps", spread(memory, 1, 1), spread(mean(wide, memory_gb_s), 1, 1)),
+       fmt::format("mean {} GB/s; {} with voxel steps", memory.text(1, 1), mean(wide, memory_gb_s).text(1, 1)),
        differs(memory.mean, 4.6, 4.6), why});
   bench.page().claim(
       {6, "memory interface in use, lighting pass (3.6)", "92%",
-       fmt::format("mean {}%; {}% with voxel steps", spread(use, 0.01, 0), spread(mean(wide, memory_use), 0.01, 0)),
+       fmt::format("mean {}%; {}% with voxel steps", use.text(0.01, 0), mean(wide, memory_use).text(0.01, 0)),
        differs(use.mean, 0.92, 0.92), "as row 5"});
 }
 
@@ -136,20 +118,18 @@ void mirrors_claim(Bench& bench) {
   run.picture = false;
   run.width = run.height = bench.design().image * 300 / 256;
   const Measurement &m = bench.get(run), &wide = bench.get(run.at_step(1));
-  Run fast = run.at_step(1);
-  for (const auto& [field, value] : fast_front_end()) fast = fast.with(field, value);
+  Run fast = run.at_step(1).with(fast_front_end());
   bench.page().claim(
       {3, fmt::format("head with mirrors, {}^2 (4.1)", run.width), "22.7 ms (a scanned brain)",
        fmt::format("{:.1f} ms, of them {:.1f} on the ASIC; {:.1f} with voxel steps", frame_ms(m), asic_ms(m),
                    frame_ms(wide)),
        differs(frame_ms(m), kPaper, kPaper),
-       fmt::format("the scene, and the sampling distance. Ours takes {:.1f} M samples, {:.0f} scatterings in 100 rays; "
-                   "{:.1f} ms of it are tables and image on the bus. With voxel steps it takes {:.1f} M samples and "
-                   "{:.1f} ms, and {:.1f} ms if a DSP eight times as fast sends runs of rays and links are wide. "
-                   "Cycles without a sample: {}",
-                   millions(m, "processor.samples"), 100 * scatterings_a_ray(m), frame_ms(m) - asic_ms(m),
-                   millions(wide, "processor.samples"), frame_ms(wide), frame_ms(bench.get(fast)),
-                   lost_cycles(bench, {run}))});
+       fmt::format(
+           "the scene, and the sampling distance. Ours takes {:.1f} M samples, {:.0f} scatterings in 100 rays; {:.1f} "
+           "ms of it are tables and image on the bus. With voxel steps it takes {:.1f} M samples and {:.1f} ms, and "
+           "{:.1f} ms if a DSP eight times as fast sends runs of rays and links are wide. Cycles without a sample: {}",
+           millions(m, "processor.samples"), 100 * scatterings_a_ray(m), frame_ms(m) - asic_ms(m),
+           millions(wide, "processor.samples"), frame_ms(wide), frame_ms(bench.get(fast)), lost_cycles(bench, {run}))});
 }
 
 }  // namespace
@@ -157,7 +137,7 @@ void mirrors_claim(Bench& bench) {
 void illumination_section(Bench& bench) {
   Page& page = bench.page();
   page.heading("Global illumination");
-  Table about{"lit-scenes", {"scene", "what it is there for"}, {}};
+  Table about{"lit-scenes", {"scene", "what it is there for"}};
   for (const Run& run : bench.lit_scenes()) {
     about.rows.push_back({name_of(run.scene), results::about(run.scene)});
     page.picture("scene-" + name_of(run.scene) + ".png", name_of(run.scene));

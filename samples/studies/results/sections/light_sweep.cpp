@@ -21,19 +21,11 @@ int nearest(Bench& bench, bool high_albedo) {
 }
 
 void rays_chart(Bench& bench) {
-  Chart chart{"light-rays",
-              "Mirrored buckyball: illumination pass",
-              "rays a face voxel, k",
-              "ms",
-              false,
-              false,
-              false,
-              {"low albedo", "high albedo", "paper"},
-              {}};
+  Chart chart{"light-rays", "Mirrored buckyball: illumination pass", "rays a face voxel, k", "ms"};
+  chart.series = {"low albedo", "high albedo", "paper"};
   Table table{"light-rays",
               {"k", "low: M rays", "ms", "M samples/s", "memory in use", "turns in short stays", "energy clipped",
-               "high: ms", "M samples/s", "memory in use", "turns in short stays", "energy clipped"},
-              {}};
+               "high: ms", "M samples/s", "memory in use", "turns in short stays", "energy clipped"}};
   table.name = "light-rays-table";
   for (const int k : kRays) {
     const Measurement &low = bench.get(bench.light(kBall, k)), &high = bench.get(bench.light(kBall, k, true));
@@ -60,13 +52,12 @@ void pass_claim(Bench& bench) {
        fmt::format("{:.0f} ms with k = {} (high albedo: {:.0f} ms with k = {}); {:.1f} Hz, {:.1f} with voxel steps",
                    frame_ms(pass), low, frame_ms(other), high, rate_hz(frame), rate_hz(wide)),
        differs(frame_ms(pass), kPaperPass, kPaperPass) || differs(rate_hz(frame), kPaperRate, kPaperRate),
-       fmt::format(
-           "k and the sampling distance, which the paper does not give, are the scene's length of work: a frame "
-           "takes {:.1f} M samples with half-voxel steps and {:.1f} M with voxel steps, a pass {:.0f} ms a ray "
-           "of each face voxel. Cycles of the frame without a sample: {}",
-           1e-6 * static_cast<double>(frame.counters.value("processor.samples")),
-           1e-6 * static_cast<double>(wide.counters.value("processor.samples")), frame_ms(pass) / low,
-           lost_cycles(bench, {run}))});
+       fmt::format("k and the sampling distance, which the paper does not give, are the scene's length of work: a "
+                   "frame takes {:.1f} M samples with half-voxel steps and {:.1f} M with voxel steps, a pass {:.0f} ms "
+                   "a ray of each face voxel. Cycles of the frame without a sample: {}",
+                   1e-6 * static_cast<double>(frame.counters.value("processor.samples")),
+                   1e-6 * static_cast<double>(wide.counters.value("processor.samples")), frame_ms(pass) / low,
+                   lost_cycles(bench, {run}))});
 }
 
 struct Variant {
@@ -101,7 +92,7 @@ std::vector<Variant> variants() {
 
 void parameters(Bench& bench) {
   const SceneName scenes[] = {kBall, SceneName::kFogBox};
-  Table table{"light-parameters", {"variant"}, {}};
+  Table table{"light-parameters", {"variant"}};
   for (const SceneName scene : scenes) {
     for (const char* column : {"ms", "M samples/s", "memory GB/s", "memory in use", "combined", "short stays"})
       table.columns.push_back(fmt::format("{}: {}", name_of(scene), column));
@@ -110,8 +101,7 @@ void parameters(Bench& bench) {
   for (const Variant& variant : variants()) {
     std::vector<std::string> row{variant.name};
     for (const SceneName scene : scenes) {
-      Run run = bench.light(scene);
-      for (const auto& [field, value] : variant.settings) run = run.with(field, value);
+      Run run = bench.light(scene).with(variant.settings);
       const Measurement& m = bench.get(run.at_step(variant.step));
       row.insert(row.end(),
                  {number(asic_ms(m)), number(samples_per_second(m) * 1e-6, 0), number(memory_gb_s(m), 2),
@@ -126,10 +116,9 @@ void parameters(Bench& bench) {
   }
   bench.page().text("Free parameters of a pass in low albedo with k = 1, one at a time:");
   bench.page().table(table);
-  bench.page().text(
-      fmt::format("Within a quarter of the paper's 122 M samples/s: {}. Within a quarter of its 92% of the "
-                  "memory interface: {}.",
-                  samples.empty() ? "none" : samples, use.empty() ? "none" : use));
+  bench.page().text(fmt::format(
+      "Within a quarter of the paper's 122 M samples/s: {}. Within a quarter of its 92% of the memory interface: {}.",
+      samples.empty() ? "none" : samples, use.empty() ? "none" : use));
 }
 
 }  // namespace
@@ -138,8 +127,7 @@ void light_sweep_section(Bench& bench) {
   bench.page().heading("What decides a lighting pass");
   bench.page().text(
       "A stay is the time that a queue is the active one; a turn is a sample or leap in it. Stays of fewer than 32 "
-      "turns "
-      "are short: the pipeline is longer than that, so that no ray of them comes round.");
+      "turns are short: the pipeline is longer than that, so that no ray of them comes round.");
   rays_chart(bench);
   pass_claim(bench);
   parameters(bench);

@@ -39,7 +39,7 @@ void parameters_section(Bench& bench) {
   bench.page().heading("Free parameters");
   bench.page().text("What the paper leaves open, one at a time; oblique views, ASIC ms. Link width: above.");
   const SceneName scenes[] = {SceneName::kBuckyball, SceneName::kHead, SceneName::kRock};
-  Table table{"parameters", {"variant"}, {}};
+  Table table{"parameters", {"variant"}};
   for (const SceneName scene : scenes) table.columns.push_back(name_of(scene));
   table.columns.insert(table.columns.end(),
                        {"throughput, mean", "hit ratio, mean", "memory GB/s, mean", "DSP busy, mean"});
@@ -47,17 +47,14 @@ void parameters_section(Bench& bench) {
   for (const Variant& variant : variants()) {
     std::vector<Run> runs;
     for (const SceneName scene : scenes) {
-      Run run = bench.run(scene);
-      for (const auto& [field, value] : variant.settings) run = run.with(field, value);
+      Run run = bench.run(scene).with(variant.settings);
       runs.push_back(run);
     }
     std::vector<std::string> row{variant.name};
     for (const Run& run : runs) row.push_back(number(asic_ms(bench.get(run)), 2));
-    row.insert(row.end(), {percent(spread_of(bench.over(runs, throughput)).mean, 1),
-                           percent(spread_of(bench.over(runs, hit_ratio)).mean, 1),
-                           number(spread_of(bench.over(runs, memory_gb_s)).mean, 2),
-                           percent(spread_of(bench.over(runs, dsp_use)).mean)});
-    const double busy = spread_of(bench.over(runs, throughput)).mean;
+    row.insert(row.end(), {percent(bench.mean(runs, throughput), 1), percent(bench.mean(runs, hit_ratio), 1),
+                           number(bench.mean(runs, memory_gb_s), 2), percent(bench.mean(runs, dsp_use))});
+    const double busy = bench.mean(runs, throughput);
     if (differs(busy, kPaperThroughput, kPaperThroughput))
       far += fmt::format("{}{} ({})", far.empty() ? "" : ", ", variant.name, percent(busy));
     table.rows.push_back(row);

@@ -16,15 +16,9 @@ Run at_image(Run run, int image) {
 }
 
 void histogram(Bench& bench, SceneName scene) {
-  Chart chart{"misses-" + name_of(scene),
-              "Figure 9: misses a sample, " + name_of(scene),
-              "misses of a sample",
-              "share of samples",
-              false,
-              false,
-              true,
-              {},
-              {}};
+  Chart chart{"misses-" + name_of(scene), "Figure 9: misses a sample, " + name_of(scene), "misses of a sample",
+              "share of samples"};
+  chart.bars = true;
   for (int misses = 0; misses <= 8; ++misses) chart.points.push_back({double(misses), {}});
   for (const double step : kSteps) {
     chart.series.push_back(fmt::format("step {:g}", step));
@@ -35,7 +29,7 @@ void histogram(Bench& bench, SceneName scene) {
 }
 
 void steps(Bench& bench) {
-  Table table{"steps", {"step, voxels"}, {}};
+  Table table{"steps", {"step, voxels"}};
   for (const SceneName scene : kScenes) {
     for (const char* column : {"misses a sample", "memory GB/s", "memory in use", "throughput", "Hz"})
       table.columns.push_back(name_of(scene) + ": " + column);
@@ -60,9 +54,9 @@ void steps(Bench& bench) {
 
 // Figure 17.
 void image_sizes(Bench& bench) {
-  Chart chart{
-      "image-size", "Figure 17: efficiency by image size", "pixels an edge", "throughput", true, false, false, {}, {}};
-  Table table{"image-sizes", {"image"}, {}};
+  Chart chart{"image-size", "Figure 17: efficiency by image size", "pixels an edge", "throughput"};
+  chart.log_x = true;
+  Table table{"image-sizes", {"image"}};
   for (const SceneName scene : kScenes) {
     chart.series.push_back(name_of(scene));
     table.columns.insert(table.columns.end(), {name_of(scene) + ": throughput", "hit ratio"});
@@ -94,8 +88,7 @@ Run one_block(const Bench& bench, SceneName scene, double step) {
 void one_block(Bench& bench) {
   const int n = bench.design().block();
   const auto words = static_cast<std::uint64_t>((n + 1) * (n + 1) * (n + 1));
-  Table table{
-      "one-block", {"scene", "step, voxels", "samples", "voxels fetched", "(n+1)^3", "samples without a miss"}, {}};
+  Table table{"one-block", {"scene", "step, voxels", "samples", "voxels fetched", "(n+1)^3", "samples without a miss"}};
   bool exact = true, second_hits = true;
   std::uint64_t fetched = 0;
   for (const SceneName scene : {SceneName::kBuckyball, SceneName::kCloud, SceneName::kRock}) {

@@ -31,7 +31,7 @@ std::vector<Run> grown_runs(Bench& bench, int processors) {
 }
 
 void grown_problem(Bench& bench) {
-  Table table{"grown", {"scene", "view", "p = 1", "2", "4", "8"}, {}};
+  Table table{"grown", {"scene", "view", "p = 1", "2", "4", "8"}};
   std::vector<double> first, last;
   for (const SceneName scene : {SceneName::kCloud, SceneName::kRock}) {
     for (const bool parallel : {true, false}) {
@@ -80,7 +80,7 @@ Run large(const Bench& bench, SceneName scene, const LargeMachine& machine, int 
   run.edge = edge;
   run.width = run.height = image;
   run.leap = machine.leap;
-  for (const auto& [field, value] : machine.settings) run = run.with(field, value);
+  run = run.with(machine.settings);
   return run.with("asic.max_volume_voxels", edge).with(kField, 16);
 }
 
@@ -94,7 +94,7 @@ std::vector<Run> large_runs(const Bench& bench, const LargeMachine& machine, int
 
 void large_problem(Bench& bench) {
   const int image = bench.design().image;
-  Table table{"large", {"machine", "scene"}, {}};
+  Table table{"large", {"machine", "scene"}};
   for (const int size : {image, 2 * image}) {
     const std::string of = fmt::format("{0}^2 image: ", size);
     table.columns.insert(table.columns.end(), {of + "throughput", "hit ratio", "DSP busy"});
@@ -114,7 +114,7 @@ void large_problem(Bench& bench) {
   bench.page().table(table);
 
   const auto mean = [&](std::size_t machine, int size) {
-    return spread_of(bench.over(large_runs(bench, large_machines()[machine], size), throughput)).mean;
+    return bench.mean(large_runs(bench, large_machines()[machine], size), throughput);
   };
   const auto lost = [&](std::size_t machine) {
     return lost_cycles(bench, large_runs(bench, large_machines()[machine], 2 * image));
@@ -126,11 +126,10 @@ void large_problem(Bench& bench) {
                    percent(mean(2, image), 1), percent(mean(2, 2 * image), 1)),
        differs(few, 0.291, 0.291) || differs(many, 0.761, 0.761),
        fmt::format("the larger image is held up by the DSP, which at 28 cycles a ray is busy {} of the time, and by "
-                   "links of 32 bits; then by leaping, after "
-                   "which the samples that are left lie unevenly: without it, with a fast DSP, runs and wide links "
-                   "throughput is {} and {}. Cycles without a "
-                   "sample, {}^2 image: {}; with a fast DSP, runs and wide links: {}; without leaps: {}",
-                   percent(spread_of(bench.over(large_runs(bench, large_machines()[1], 2 * image), dsp_use)).mean),
+                   "links of 32 bits; then by leaping, after which the samples that are left lie unevenly: without it, "
+                   "with a fast DSP, runs and wide links throughput is {} and {}. Cycles without a sample, {}^2 image: "
+                   "{}; with a fast DSP, runs and wide links: {}; without leaps: {}",
+                   percent(bench.mean(large_runs(bench, large_machines()[1], 2 * image), dsp_use)),
                    percent(mean(3, image), 1), percent(mean(3, 2 * image), 1), 2 * image, lost(1), lost(2), lost(3))});
 }
 

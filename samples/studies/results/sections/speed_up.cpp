@@ -36,7 +36,7 @@ std::vector<Machine> machines(const Bench& bench) {
 }
 
 Run on(Run run, const Machine& machine, int processors) {
-  for (const auto& [field, value] : machine.settings) run = run.with(field, value);
+  run = run.with(machine.settings);
   return processors == 4 ? run : run.with("asic.processors", processors);
 }
 
@@ -57,7 +57,7 @@ std::vector<double> speed_ups(Bench& bench, const Machine& machine, int processo
 double mean_speed_up(Bench& bench, Kind kind) { return spread_of(speed_ups(bench, machines(bench)[kind], kMax)).mean; }
 
 double max_possible(Bench& bench, Kind kind) {
-  return kMax * spread_of(bench.over(on_all(bench, machines(bench)[kind], kMax), work_balance)).mean;
+  return kMax * bench.mean(on_all(bench, machines(bench)[kind], kMax), work_balance);
 }
 
 bool measured(const Bench& bench, const Machine& machine, int processors) {
@@ -71,20 +71,17 @@ void claim(Bench& bench) {
   const double plain = mean_speed_up(bench, kSkewed), best = mean_speed_up(bench, kSmallBlocks);
   bench.page().claim(
       {12, "speed-up at p = 16, 256^3 and 256^2 (5.2, Figure 16)", "within 14% of ideal: at least 13.8",
-       fmt::format("{:.1f}; {:.1f} with ray differentials; {:.1f} with a DSP 8 times as fast; {:.1f} "
-                   "with both and wide links; {:.1f} with "
-                   "blocks of half the edge besides",
+       fmt::format("{:.1f}; {:.1f} with ray differentials; {:.1f} with a DSP 8 times as fast; {:.1f} with both and "
+                   "wide links; {:.1f} with blocks of half the edge besides",
                    plain, mean_speed_up(bench, kRuns), mean_speed_up(bench, kFastDsp), mean_speed_up(bench, kFast),
                    best),
        differs(plain, 13.8, 16),
-       fmt::format("two causes. The DSP makes and takes a ray in 28 of its cycles, which alone takes "
-                   "most of the frame of 16 processors (cycles "
-                   "without a sample: {}). And (i+j+k) mod 16 can't be even on an 8 x 8 x 8 grid of "
-                   "blocks (the paper itself asks that N be a "
-                   "multiple of p n): where the samples lie bounds the speed-up to {:.1f}. A 16 x 16 x "
-                   "16 grid, which is even, is bound to {:.1f}; what is "
-                   "lost then is {}",
-                   lost(kSkewed), max_possible(bench, kFast), max_possible(bench, kSmallBlocks), lost(kSmallBlocks))});
+       fmt::format(
+           "two causes. The DSP makes and takes a ray in 28 of its cycles, which alone takes most of the frame of 16 "
+           "processors (cycles without a sample: {}). And (i+j+k) mod 16 can't be even on an 8 x 8 x 8 grid of blocks "
+           "(the paper itself asks that N be a multiple of p n): where the samples lie bounds the speed-up to {:.1f}. "
+           "A 16 x 16 x 16 grid, which is even, is bound to {:.1f}; what is lost then is {}",
+           lost(kSkewed), max_possible(bench, kFast), max_possible(bench, kSmallBlocks), lost(kSmallBlocks))});
 }
 
 }  // namespace
@@ -94,18 +91,12 @@ Settings fast_front_end() { return {{"dsp.clock_khz", "1600000"}, {"dsp.run_rays
 void speed_up_section(Bench& bench) {
   Page& page = bench.page();
   page.heading("Scaling");
-  Table table{"speed-up", {"machine", "processors"}, {}};
+  Table table{"speed-up", {"machine", "processors"}};
   for (const SceneName scene : kScenes) table.columns.push_back(name_of(scene));
   table.columns.insert(table.columns.end(), {"mean", "of ideal", "bound by where the samples lie", "DSP busy"});
-  Chart chart{"speed-up-chart",
-              "Figure 16: speed-up of a fixed problem (mean of the scenes)",
-              "processors",
-              "speed-up",
-              false,
-              false,
-              false,
-              {"ideal"},
-              {}};
+  Chart chart{"speed-up-chart", "Figure 16: speed-up of a fixed problem (mean of the scenes)", "processors",
+              "speed-up"};
+  chart.series = {"ideal"};
   for (const int p : kProcessors) chart.points.push_back({double(p), {double(p)}});
   for (const Machine& machine : machines(bench)) {
     chart.series.push_back(machine.name);
@@ -118,18 +109,16 @@ void speed_up_section(Bench& bench) {
       const std::vector<Run> runs = on_all(bench, machine, p);
       std::vector<std::string> row{machine.name, std::to_string(p)};
       for (const double up : ups) row.push_back(number(up, 2));
-      row.insert(row.end(),
-                 {number(mean, 2), percent(mean / p), number(p * spread_of(bench.over(runs, work_balance)).mean, 2),
-                  percent(spread_of(bench.over(runs, dsp_use)).mean)});
+      row.insert(row.end(), {number(mean, 2), percent(mean / p), number(p * bench.mean(runs, work_balance), 2),
+                             percent(bench.mean(runs, dsp_use))});
       table.rows.push_back(row);
       chart.points[i].second.back() = mean;
     }
   }
   page.text(
       "The same volume and image with more processors, against one processor of the same machine. Slabs are at least "
-      "one block thick. "
-      "Bound: p times the mean over the most samples that a processor has, which nothing but another partition can "
-      "change.");
+      "one block thick. Bound: p times the mean over the most samples that a processor has, which nothing but another "
+      "partition can change.");
   page.table(table);
   page.chart(chart, "Oblique views.");
   claim(bench);

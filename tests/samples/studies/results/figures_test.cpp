@@ -166,9 +166,9 @@ TEST(ResultFigures, NothingMeasuredIsZeroEverywhere) {
 
 TEST(ResultFigures, SpreadIsLeastMeanAndMost) {
   const Spread spread = spread_of({3, 1, 5});
-  EXPECT_EQ(spread.least, 1);
+  EXPECT_EQ(spread.min, 1);
   EXPECT_DOUBLE_EQ(spread.mean, 3);
-  EXPECT_EQ(spread.most, 5);
+  EXPECT_EQ(spread.max, 5);
 }
 
 }  // namespace
