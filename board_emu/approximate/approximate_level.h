@@ -1,26 +1,46 @@
-// The approximate level carries out DSP commands of rays that only gather: values as the functional level, time by the turns
-// that the rays take (pass_machine.h).
+// The approximate level: values as the functional level, time by the passes that rays take through the pipeline
+// (pass_machine.h). It knows rays that only gather and memories of their own; all else it hands to a cycle level.
 #pragma once
 
-#include <span>
+#include <cstdint>
+#include <memory>
+#include <vector>
 
+#include "approximate/pass_machine.h"
 #include "cycle/cycle_level.h"
-#include "firmware/framebuffer.h"
 #include "functional/simd/simd_tracer.h"
-#include "gicube/wire/command.h"
-#include "pass_machine.h"
+#include "levels/level.h"
 
 namespace gicube::emu {
 
-// Both: `frame` is plain; `packets` made ready for it, or null; what its rays do is added to `counters`.
+class ApproximateLevel : public Level {
+ public:
+  // `observer`: of the cycle level's machines; null for none. Both must outlive this.
+  ApproximateLevel(const v1::BoardConfig& config, Observer* observer, unsigned threads)
+      : config_(config), threads_(threads), cycle_level_(config, observer) {}
 
-// Fills `framebuffer` with the image of `command`.
-RunResult render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-                 const v1::DspConfig& dsp, const SimdTracer* packets, unsigned threads, PassMachine& machine,
-                 RayCounters& counters, Progress& work);
+  // Progress is in rays that came back.
+  RunResult run(RaySource& rays, const Frame& frame, Progress& progress) override;
 
-// Takes rays to their ends.
-RunResult trace(const GivenRayBatch& rays, const Frame& frame, const SimdTracer* packets, unsigned threads,
-                PassMachine& machine, RayCounters& counters, Progress& work);
+  void volume_changed() override;
+  void deposits_cleared() override { cycle_level_.deposits_cleared(); }
+  void reset() override;
+  RayCounters rays() const override;
+  void count(std::vector<wire::Counter>& list) const override;
+
+ private:
+  bool answers(const Frame& frame) const;
+  PassMachine& machine_for(const Frame& frame);
+  void drop_machines();
+
+  const v1::BoardConfig& config_;
+  unsigned threads_;
+  CycleLevel cycle_level_;
+  OpacityCorrection correction_;
+  SimdTracer tracer_{correction_};
+  std::unique_ptr<PassMachine> machine_;  // as long as the volume keeps its size
+  RayCounters rays_;                      // of its runs
+  std::vector<wire::Counter> past_;       // counters of machines that were dropped
+};
 
 }  // namespace gicube::emu

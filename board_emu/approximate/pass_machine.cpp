@@ -177,6 +177,7 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   grid_ = BlockGrid(*frame.volume);
   for (const auto& processor : processors_) processor->begin(now_, frame);
   progress.all = static_cast<std::uint32_t>(count_);
+  RunResult ran;
   while (true) {
     PassProcessor* behind = nullptr;
     Cycle least = kNoCycle, second = kNoCycle;
@@ -203,12 +204,19 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
     behind->work(std::max(until, least), holding_ == behind);
     run_bus();
     progress.done = static_cast<std::uint32_t>(dsp_.taken - taken);
-    if (progress.cancel) return {now_ - begin, dsp_.busy - busy, true};
+    if (progress.cancel) {
+      ran.cancelled = true;
+      break;
+    }
   }
-  maker_.reset();
-  now_ = dsp_.now;
-  for (const auto& processor : processors_) now_ = std::max(now_, processor->now());
-  return {now_ - begin, dsp_.busy - busy, false};
+  maker_.reset();  // waits for what it makes ahead
+  if (!ran.cancelled) {
+    now_ = dsp_.now;
+    for (const auto& processor : processors_) now_ = std::max(now_, processor->now());
+  }
+  ran.cycles = now_ - begin;
+  ran.dsp_cycles = dsp_.busy - busy;
+  return ran;
 }
 
 void PassMachine::count(std::vector<wire::Counter>& list) const {

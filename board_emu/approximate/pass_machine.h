@@ -14,9 +14,8 @@
 #include <vector>
 
 #include "asic/partition.h"
-#include "board/board.h"
-#include "cycle/machine.h"
 #include "gicube/wire/counter_list.h"
+#include "levels/level.h"
 #include "pass_processor.h"
 
 namespace gicube::emu {
@@ -62,7 +61,7 @@ class PassMachine {
   PassMachine(const PassMachine&) = delete;  // its processors point at it
   PassMachine& operator=(const PassMachine&) = delete;
 
-  // `ahead`: rays are made on a thread of their own while turns are gone.
+  // Of the result the time, and whether it was cancelled. `ahead`: rays are made on a thread of their own while turns are gone.
   RunResult run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead);
 
   void invalidate_caches();

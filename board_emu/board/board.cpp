@@ -5,11 +5,12 @@
 #include <unordered_map>
 #include <utility>
 
+#include "board/board_observer.h"
 #include "firmware/commands/commands.h"
+#include "firmware/make_level.h"
 #include "firmware/register_file.h"
 #include "firmware/routines/routine_table.h"
 #include "gicube/wire/memory_map.h"
-#include "observe/observation.h"
 #include "timeline.h"
 
 namespace gicube::emu {
@@ -74,17 +75,18 @@ Cargo cargo_at(std::uint64_t address) {
 
 // What stands on the board, from power-up to the next reset.
 struct Board::Parts {
-  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, Observation* observes, const Routines* routines)
+  Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, BoardObserver* board_observer,
+        const Routines* routines)
       : config(board_config),
-        observation(observes),
+        observer(board_observer),
         pci(agp_rates(config.bus().model())),
-        commands(config, registers),
+        level(make_level(config, observer != nullptr ? observer->observer() : nullptr)),
+        commands(config, registers, *level),
         timeline(BusTiming(config.bus()), config.dsp().clock_khz()) {
     commands.set_routines(routines);
-    if (observation != nullptr) {
-      observation->power_up(config);
-      timeline.set_watcher(observation);
-      commands.set_observer(observation->observer());
+    if (observer != nullptr) {
+      observer->power_up(config);
+      timeline.set_watcher(observer);
     }
     registers.set_fixed(reg::kId, wire::kIdValue);
     registers.set_fixed(reg::kFidelity, static_cast<std::uint32_t>(config.fidelity()));
@@ -115,9 +117,10 @@ struct Board::Parts {
   std::vector<wire::Counter> count() const;
 
   v1::BoardConfig config;
-  Observation* observation;  // may be null
+  BoardObserver* observer;  // may be null
   RegisterFile registers;
   PciConfigFile pci;
+  std::unique_ptr<Level> level;
   DspCommands commands;
   Timeline timeline;
   std::uint64_t next_errand = 1;
@@ -193,11 +196,11 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
 }
 
 void Board::Parts::command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work) {
-  if (observation != nullptr && observation->places_cycles()) {
-    observation->begin_command(timeline.turn_of(header.time_ps, {.down_bytes = payload.size()}));
+  if (observer != nullptr && observer->places_cycles()) {
+    observer->begin_command(timeline.turn_of(header.time_ps, {.down_bytes = payload.size()}));
   }
   CommandResult result = commands.run(payload, work);
-  if (observation != nullptr) observation->end_command();
+  if (observer != nullptr) observer->end_command();
   if (result.error != ErrorCode::kNone) {
     registers.raise(result.error == ErrorCode::kMemory ? wire::kStatusMemory : wire::kStatusBadCommand, 0);
   }
@@ -289,12 +292,12 @@ std::vector<wire::Counter> Board::Parts::count() const {
   return list;
 }
 
-Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation,
+Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObserver* observer,
              const Routines* routines)
     : config_hash_(config_hash),
-      observation_(observation),
+      observer_(observer),
       routines_(routines != nullptr ? routines : &built_in_routines()),
-      parts_(std::make_unique<Parts>(config, config_hash, observation, routines_)) {
+      parts_(std::make_unique<Parts>(config, config_hash, observer, routines_)) {
   publish();
 }
 
@@ -304,7 +307,7 @@ void Board::add_memory_error(const MemoryError& error) { parts_->commands.add_me
 
 void Board::reset() {
   const v1::BoardConfig config = parts_->config;
-  parts_ = std::make_unique<Parts>(config, config_hash_, observation_, routines_);
+  parts_ = std::make_unique<Parts>(config, config_hash_, observer_, routines_);
   publish();
 }
 
@@ -342,8 +345,8 @@ TransactionResult Board::transact(const wire::FrameHeader& header, std::span<con
     outcome.completions = parts_->take_completions();
     const bool passed = outcome.reply->error == ErrorCode::kDeadline;
     if (outcome.reply->error != ErrorCode::kNone && !passed) outcome.reply->time_ps = header.time_ps;
-    if (parts_->observation != nullptr) {
-      parts_->observation->host_waited(wait_name(header.type), header.time_ps, outcome.reply->time_ps);
+    if (parts_->observer != nullptr) {
+      parts_->observer->host_waited(wait_name(header.type), header.time_ps, outcome.reply->time_ps);
     }
   }
   publish();

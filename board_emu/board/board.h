@@ -5,7 +5,6 @@
 // time is computed when it can no longer change: up to the stamp of the latest transaction, or up to what the host waits for.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -16,6 +15,8 @@
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/counter_list.h"
 #include "gicube/wire/frame.h"
+#include "levels/level.h"
+#include "memory/memory_error.h"
 
 namespace gicube::emu {
 
@@ -40,30 +41,15 @@ struct TransactionResult {
   std::optional<Reply> reply;  // nothing for posted transactions
 };
 
-// Shared by the thread that works and the threads that watch it.
-struct Progress {
-  std::atomic<bool> cancel{false};       // set by the watcher: finish as soon as possible, with ErrorCode::kCancelled
-  std::atomic<std::uint32_t> ticket{0};  // the command in work, and how much of it is done
-  std::atomic<std::uint32_t> done{0};
-  std::atomic<std::uint32_t> all{0};
-};
-
-// An RDRAM bit error. `block` counts the blocks that are stored, `bit` the bits of its packed words; both count round.
-struct MemoryError {
-  std::uint32_t block = 0;
-  std::uint32_t bit = 0;
-  bool detected = false;
-};
-
-class Observation;
+class BoardObserver;
 class Routines;
 
 class Board {
  public:
-  // `config` must be resolved and checked, and the hash its own (config.h). `observation` may be null, or else must outlive
+  // `config` must be resolved and checked, and the hash its own (config.h). `observer` may be null, or else must outlive
   // the board, and no two boards in use can share it. `routines`: for materials that trap, or null for the built-in ones;
   // must outlive the board.
-  Board(const v1::BoardConfig& config, std::uint64_t config_hash, Observation* observation = nullptr,
+  Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObserver* observer = nullptr,
         const Routines* routines = nullptr);
   ~Board();
 
@@ -88,7 +74,7 @@ class Board {
   void publish();
 
   std::uint64_t config_hash_;
-  Observation* observation_;
+  BoardObserver* observer_;
   const Routines* routines_;
   std::unique_ptr<Parts> parts_;
   mutable std::mutex published_mutex_;

@@ -149,12 +149,21 @@ void Machine::stalled() const {
   throw Stall(text.str());
 }
 
-RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress) {
+RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
   for (const auto& processor : processors_) processor->begin(frame);
-  dsp_->begin(now_, work, frame, partition_);
+  dsp_->begin(now_, work, frame, partition_, which);
   const Cycle begin = now_;
   const std::uint64_t dsp_before = dsp_->counters().busy_cycles;
-  progress.all = static_cast<std::uint32_t>(work.count());
+  const auto result = [&](bool cancelled) {
+    RunResult ran;
+    ran.cycles = now_ - begin;
+    ran.dsp_cycles = dsp_->counters().busy_cycles - dsp_before;
+    ran.set_out = dsp_->set_out();
+    ran.rays = dsp_->made();
+    ran.cancelled = cancelled;
+    return ran;
+  };
+  progress.all = static_cast<std::uint32_t>(which.end - which.begin);
   constexpr Cycle kProgressCycles = 4096;  // chosen: some thousand times a second
   Cycle moved_at = now_, report_at = now_ + kProgressCycles;
   while (!dsp_->done(now_) || writes_wait()) {
@@ -162,7 +171,7 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress) 
       report_at = now_ + kProgressCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
-      if (progress.cancel) return {now_ - begin, dsp_->counters().busy_cycles - dsp_before, true};
+      if (progress.cancel) return result(true);
     }
     if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
       skip_to(dsp_->free_at());
@@ -175,7 +184,7 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress) 
     ++now_;
   }
   book_millisecond();
-  return {now_ - begin, dsp_->counters().busy_cycles - dsp_before, false};
+  return result(false);
 }
 
 }  // namespace gicube::emu

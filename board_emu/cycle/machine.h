@@ -7,32 +7,19 @@
 
 #include <cstdint>
 #include <memory>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include "asic/link/ring.h"
 #include "asic/partition.h"
 #include "asic/raybus/merge_tree.h"
 #include "asic/raybus/ray_bus.h"
-#include "board/board.h"
+#include "levels/level.h"
 #include "memory_port.h"
 #include "processor.h"
 #include "ray_engine.h"
 #include "ray_store.h"
 
 namespace gicube::emu {
-
-// No part moved for kStallCycles although rays are under way; what() describes every part.
-class Stall : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-struct RunResult {
-  Cycle cycles = 0;
-  std::uint64_t dsp_cycles = 0;  // of them, in which the DSP worked
-  bool cancelled = false;
-};
 
 // Sees the machine after each of its cycles.
 class Machine;
@@ -49,8 +36,12 @@ class Machine {
   // For volumes of `blocks` along x, y, z.
   Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
 
-  // Carries `work` out. Progress is in rays that came back. Throws Stall.
-  RunResult run(RaySource& work, const Frame& frame, Progress& progress);
+  // Takes the rays `which` of `work` to their ends. Progress is in rays that came back. Of the result's counters those of
+  // making rays; the others are the machine's (machine_counters.h). Throws Stall, and RoutineFault.
+  RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
+  RunResult run(RaySource& work, const Frame& frame, Progress& progress) {
+    return run(work, frame, progress, {0, work.count()});
+  }
 
   // The volume's words have changed.
   void invalidate_caches();

@@ -17,12 +17,14 @@ RayEngine::RayEngine(const v1::BoardConfig& config, RayStore& rays, const RayEng
       run_cycles_(config.dsp().run_cycles()),
       single_queue_(config.sorter().queues() == v1::single) {}
 
-void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, const Partition& partition) {
+void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, const Partition& partition, RayRange which) {
   work_ = &work;
   frame_ = &frame;
   partition_ = &partition;
-  count_ = work.count();
-  made_ = finished_ = 0;
+  begin_ = made_ = which.begin;
+  end_ = which.end;
+  finished_ = set_out_ = 0;
+  making_ = {};
   free_at_ = std::max(free_at_, now * dsp_khz_);
 }
 
@@ -62,7 +64,7 @@ void RayEngine::take_back(Cycle now) {
       return;
     }
   }
-  work_->take(index_of_[token.ray], rays_[token.ray].ray_state);
+  work_->take(index_of_[token.ray], pack(rays_[token.ray].ray_state, *frame_));
   rays_.remove(token.ray);
   ++counters_.taken;
   ++finished_;
@@ -94,16 +96,17 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
 // Makes the next ray; nothing if it never goes to the ASIC.
 std::optional<RayToken> RayEngine::make() {
   const std::uint64_t index = made_++;
-  const auto made = work_->make(index);
+  const auto made = work_->make(index, making_);
   if (!made) {
     ++finished_;
     return std::nullopt;
   }
+  ++set_out_;
   RayUnderWay ray{unpack(*made, *frame_), 0};
   if (const Termination how = end(ray.ray_state, *frame_);
       how != Termination::kNot) {  // its clipping leaves nothing of it
     count_end(ray.ray_state, how, *frame_, counts_);
-    work_->take(index, ray.ray_state);
+    work_->take(index, pack(ray.ray_state, *frame_));
     ++finished_;
     return std::nullopt;
   }
@@ -119,7 +122,7 @@ void RayEngine::make_ray(Cycle now) {
   std::optional<RayToken> ray;
   do {
     ray = make();
-  } while (!ray && work_->misses_are_free() && made_ < count_);
+  } while (!ray && work_->misses_are_free() && made_ < end_);
   if (!ray && work_->misses_are_free()) return;
   work_for(now, work_->make_cycles());
   if (ray) {
@@ -162,7 +165,7 @@ bool RayEngine::tick(Cycle now) {
     return true;
   }
   if (outgoing_ != Outgoing::kNothing) return moved;
-  if (made_ < count_) {
+  if (made_ < end_) {
     if (run_rays_ > 1 && work_->row_end(made_) > made_ + 1) {
       make_run(now);
     } else {
@@ -181,8 +184,8 @@ bool RayEngine::tick(Cycle now) {
 }
 
 void RayEngine::describe(std::ostream& out) const {
-  out << "DSP: " << made_ << " of " << count_ << " rays made, " << finished_ << " finished, " << kept_.size()
-      << " overflowed rays kept, " << rays_.under_way() << " rays under way, "
+  out << "DSP: " << made_ - begin_ << " of " << end_ - begin_ << " rays made, " << finished_ << " finished, "
+      << kept_.size() << " overflowed rays kept, " << rays_.under_way() << " rays under way, "
       << (outgoing_ == Outgoing::kNothing ? "nothing" : "something") << " waits to be sent\n";
 }
 

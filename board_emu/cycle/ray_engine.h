@@ -38,15 +38,15 @@ class RayEngine {
  public:
   RayEngine(const v1::BoardConfig& config, RayStore& rays, const RayEnginePorts& ports);
 
-  // Begins a command at core cycle `now`. `work`, `frame` and `partition` must live until done().
-  void begin(Cycle now, RaySource& work, const Frame& frame, const Partition& partition);
+  // Begins with the rays `which` of `work` at core cycle `now`. `work`, `frame` and `partition` must live until done().
+  void begin(Cycle now, RaySource& work, const Frame& frame, const Partition& partition, RayRange which);
 
   bool tick(Cycle now);
 
   // Every ray was made and has come back, and the DSP has finished with the last.
-  bool done(Cycle now) const { return made_ == count_ && rays_.under_way() == 0 && !busy(now); }
+  bool done(Cycle now) const { return made_ == end_ && rays_.under_way() == 0 && !busy(now); }
   // Rays are still to be sent for the first time or again.
-  bool has_rays_to_send() const { return made_ < count_ || !kept_.empty() || outgoing_ != Outgoing::kNothing; }
+  bool has_rays_to_send() const { return made_ < end_ || !kept_.empty() || outgoing_ != Outgoing::kNothing; }
   // At work beyond the beginning of cycle `now`.
   bool busy(Cycle now) const { return free_at_ > now * dsp_khz_; }
   // No ray is on the ASIC: those under way are kept here, or on their way out.
@@ -58,6 +58,9 @@ class RayEngine {
   Cycle free_at() const;
 
   std::uint64_t finished() const { return finished_; }
+  // Rays that the source has made since begin(), and what happened to rays in that.
+  std::uint64_t set_out() const { return set_out_; }
+  const RayCounters& made() const { return making_; }
   const RayEngineCounters& counters() const { return counters_; }
   // Rays that ended before they were sent.
   const RayCounters& rays() const { return counts_; }
@@ -89,8 +92,10 @@ class RayEngine {
   RaySource* work_ = nullptr;
   const Frame* frame_ = nullptr;
   const Partition* partition_ = nullptr;
-  std::uint64_t count_ = 0;
-  std::uint64_t made_ = 0;
+  std::uint64_t begin_ = 0, end_ = 0;  // of the work's rays
+  std::uint64_t made_ = 0;             // up to which
+  std::uint64_t set_out_ = 0;
+  RayCounters making_;
   std::uint64_t finished_ = 0;
   // In units of 1 / (core_khz * dsp_khz) ms: a core cycle is dsp_khz of them, a DSP cycle core_khz.
   std::uint64_t free_at_ = 0;

@@ -17,7 +17,7 @@
 
 namespace gicube::emu {
 
-class HostTraps;
+class HostTrapQueue;
 class Routines;
 class SumMemory;
 
@@ -25,7 +25,8 @@ class SumMemory;
 struct Frame {
   const VolumeMemory* volume = nullptr;
   std::span<const wire::SegmentationEntry> segmentation;  // wire::kSegmentationEntries
-  const std::uint8_t* reflectance_map = nullptr;          // wire::kReflectanceBytes
+  std::uint64_t segmentation_writes = 0;  // counts changes: what is made of it is current while this is the same
+  const std::uint8_t* reflectance_map = nullptr;  // wire::kReflectanceBytes
   const OpacityCorrection* opacity_correction = nullptr;
   std::vector<std::uint8_t> empty;         // one a block; nonzero = leap
   Point extent{};                          // size - 1 in position units
@@ -44,6 +45,7 @@ struct Frame {
   bool integral = false;      // they sum the densities
   bool backprojects = false;  // their samples leave amounts: in the sums, or without them in irradiance words
   SumMemory* sums = nullptr;
+  std::uint64_t max_moved = 0;  // by which the rays can move one of the sums
 
   // Rays do no more than gather: none of what follows holds.
   bool plain = true;
@@ -51,7 +53,7 @@ struct Frame {
   std::array<wire::Material, wire::kTags> materials{};
   IrradianceMemory* irradiance = nullptr;  // lighting rays add to it, rendering rays read it
   const Routines* routines = nullptr;      // for materials that trap
-  HostTraps* host_traps = nullptr;         // and where rays go that the host must scatter
+  HostTrapQueue* host_traps = nullptr;     // and where rays go that the host must scatter
   bool lit_by_irradiance = false;          // rendering rays
   bool scatter = false;                    // rendering rays too are scattered
   bool high_albedo = false;                // rendering rays take colour once, where they are absorbed

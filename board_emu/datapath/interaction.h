@@ -8,9 +8,9 @@
 //                 probability Ks, else absorbed whole
 #pragma once
 
+#include "datapath/ray_step.h"
 #include "datapath/scatter.h"
 #include "gicube/wire/trap.h"
-#include "ray_step.h"
 
 namespace gicube::emu {
 
@@ -52,12 +52,12 @@ void turn(RayState& ray, const Direction& direction, const Frame& frame);
 // A leap takes the ray through nothing: it is no longer at a surface.
 inline void leave_surface(RayState& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
 
-// The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as finish() leaves
+// The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as pack() leaves
 // it, else ready to set out. What it brings counts as emitted.
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
 
 // The DSP scatters a trapped ray: what its routine answers. `cycles`: what it took, of the DSP. Throws RoutineFault.
-// kTrapped: the host must answer, the frame's HostTraps have the ray, and it is gone without having come to an end.
+// kTrapped: the host must answer, the frame's HostTrapQueue has the ray, and it is gone without having come to an end.
 Interaction resolve_trap(RayState& ray, WideWords* wide, const Frame& frame, RayCounters& counters,
                          std::uint32_t& cycles);
 

@@ -3,18 +3,18 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 
 #include "datapath/advance.h"
 #include "datapath/classify.h"
 #include "datapath/composite.h"
+#include "datapath/frame.h"
 #include "datapath/jitter.h"
 #include "datapath/resample.h"
 #include "datapath/shade.h"
 #include "datapath/wide.h"
-#include "frame.h"
+#include "words/block_grid.h"
 
 namespace gicube::emu {
 
@@ -103,7 +103,7 @@ inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
 }
 
 // Writes what the ray has gathered, and where it ended, clamped to the volume, into its packet.
-inline void finish(const RayState& ray, const Frame& frame, wire::Ray& out) {
+inline void pack(const RayState& ray, const Frame& frame, wire::Ray& out) {
   const bool hit = frame.to_the_hit && ray.opacity >= frame.opacity_threshold;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     // Back from the next sample's place to that of the hit, or to a segment's end.
@@ -119,6 +119,16 @@ inline void finish(const RayState& ray, const Frame& frame, wire::Ray& out) {
   out.generation = ray.generation;
 }
 
+// The ray as a packet.
+inline wire::Ray pack(const RayState& ray, const Frame& frame) {
+  wire::Ray out;
+  out.u = ray.u;
+  out.v = ray.v;
+  out.flags = ray.flags;
+  pack(ray, frame, out);
+  return out;
+}
+
 // Whether the ray has come to its end: out of the volume, behind a cut plane, opaque enough, or absorbed or given up.
 // kWaits: for the host, which has the ray; it has not ended.
 enum class Termination : std::uint8_t { kNot, kLeft, kOpaque, kAbsorbed, kWaits };
@@ -130,59 +140,6 @@ inline Termination end(const RayState& ray, const Frame& frame) {
     if (beyond(plane, ray.position, ray.step)) return Termination::kLeft;
   }
   return ray.opacity >= frame.opacity_threshold ? Termination::kOpaque : Termination::kNot;
-}
-
-// The block of a position, and its place there.
-class BlockGrid {
- public:
-  BlockGrid() = default;
-  explicit BlockGrid(const VolumeMemory& volume)
-      : shift_(std::countr_zero(static_cast<unsigned>(volume.block_voxels())) + wire::kPositionFractionBits),
-        across_(static_cast<std::size_t>(volume.blocks()[0])),
-        slice_(across_ * static_cast<std::size_t>(volume.blocks()[1])) {}
-
-  std::size_t block(const Point& position) const {
-    return static_cast<std::size_t>(position[0] >> shift_) + across_ * static_cast<std::size_t>(position[1] >> shift_) +
-           slice_ * static_cast<std::size_t>(position[2] >> shift_);
-  }
-  // Whether two positions lie in the same block.
-  bool same(const Point& a, const Point& b) const {
-    return (((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) >> shift_) == 0;
-  }
-  Point low(const Point& position) const {
-    const std::int32_t mask = -(std::int32_t{1} << shift_);
-    return {position[0] & mask, position[1] & mask, position[2] & mask};
-  }
-  std::int32_t size() const { return std::int32_t{1} << shift_; }  // of a block, in position units
-  // A block's least voxel.
-  std::array<std::int32_t, 3> corner(std::size_t block) const {
-    const int voxels = shift_ - wire::kPositionFractionBits;
-    return {static_cast<std::int32_t>(block % across_) << voxels,
-            static_cast<std::int32_t>(block % slice_ / across_) << voxels,
-            static_cast<std::int32_t>(block / slice_) << voxels};
-  }
-
- private:
-  int shift_ = 0;
-  std::size_t across_ = 0;
-  std::size_t slice_ = 0;
-};
-
-// A sample's place in its block: whole voxels and fractions.
-struct Cell {
-  std::array<std::uint32_t, 3> voxel;
-  std::array<std::uint32_t, 3> fraction;
-};
-
-inline Cell cell(const Point& position, const Point& low) {
-  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
-  Cell out;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto offset = static_cast<std::uint32_t>(position[axis] - low[axis]);
-    out.voxel[axis] = offset >> wire::kPositionFractionBits;
-    out.fraction[axis] = offset & kFractionMask;
-  }
-  return out;
 }
 
 // The channels round a sample whose least voxel is the block's `first`-th; without voxels the density alone.

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "firmware/routines.h"
-
 namespace gicube::emu {
 
 void HostTraps::begin(bool light, wire::EnergyRules rules) {

@@ -8,12 +8,13 @@
 #include <mutex>
 #include <vector>
 
+#include "datapath/scattering.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/trap.h"
 
 namespace gicube::emu {
 
-class HostTraps {
+class HostTraps : public HostTrapQueue {
  public:
   static constexpr std::size_t kMax = std::size_t{1} << 22;  // chosen: 128 MB of packets in the DSP's SDRAM
 
@@ -22,8 +23,7 @@ class HostTraps {
   bool is_light() const { return light_; }
   wire::EnergyRules rules() const { return rules_; }
 
-  // From several threads. Throws RoutineFault if there are too many.
-  void add(const wire::TrappedRay& ray);
+  void add(const wire::TrappedRay& ray) override;
 
   // The others: between commands, or steps of one.
   // Puts what was added in its order, which does not depend on threads and time.

@@ -11,7 +11,7 @@ namespace gicube::emu {
 
 // Takes `ray` from its position to its end: out of the volume, behind a cut plane, or opaque enough. The ray comes back
 // with its gathered colour and opacity and the position where it ended, clamped to the volume. False if it waits for the
-// host instead: the frame's HostTraps have it. `steps`, if asked for, of a plain frame: that it took on its way.
+// host instead: the frame's HostTrapQueue has it. `steps`, if asked for, of a plain frame: that it took on its way.
 bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
 
 }  // namespace gicube::emu

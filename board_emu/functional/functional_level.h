@@ -1,4 +1,4 @@
-// The functional level carries out DSP commands: it makes rays, takes each through the pipeline, and gathers them.
+// The functional level: values without time. The DSP's time is what its rays cost it, the ASIC's none.
 //
 // Rays are spread over host threads; what they compute does not depend on it.
 #pragma once
@@ -6,39 +6,38 @@
 #include <cstdint>
 #include <span>
 
-#include "board/board.h"
 #include "datapath/frame.h"
-#include "firmware/framebuffer.h"
-#include "firmware/lighting_rays.h"
+#include "datapath/opacity_correction.h"
 #include "functional/simd/simd_tracer.h"
-#include "gicube/wire/command.h"
+#include "levels/level.h"
 
 namespace gicube::emu {
 
-struct Rendered {
-  std::uint64_t made = 0;      // viewing or lighting rays
-  std::uint64_t returned = 0;  // those of them that entered the volume and came back
-  RayCounters rays;
-  bool cancelled = false;
+class FunctionalLevel : public Level {
+ public:
+  // Works on `threads` threads. `vectors`: rays that only gather go several side by side, where the host has vectors.
+  explicit FunctionalLevel(unsigned threads, bool vectors = true) : threads_(threads), vectors_(vectors) {}
+
+  // Progress is in batches of rays.
+  RunResult run(RaySource& rays, const Frame& frame, Progress& progress) override;
+
+  void volume_changed() override { tracer_.clear(); }
+  void deposits_cleared() override {}
+  void reset() override { tracer_.clear(); }
+  RayCounters rays() const override { return rays_; }
+  void count(std::vector<wire::Counter>&) const override {}
+
+ private:
+  unsigned threads_;
+  bool vectors_;
+  OpacityCorrection correction_;
+  SimdTracer tracer_{correction_};
+  RayCounters rays_;
 };
 
-// `packets`, here and below: made ready for this frame, or null.
-
-// Fills `framebuffer` with the image of `command`. Progress is in tiles of pixels.
-Rendered render(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-                const SimdTracer* packets, unsigned threads, Progress& work);
-
-// Sends the lighting rays of `rays` into the volume, each with the frame's lifetime. Progress is in runs of rays.
-Rendered illuminate(const LightingRays& rays, const Frame& frame, unsigned threads, Progress& work);
-
-// Rays that the host has scattered (trap.h) go on: lighting rays, or rendering rays into `framebuffer`. Of the counters
-// energy.emitted is what they bring.
-Rendered resume(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, unsigned threads,
-                Progress& work);
-
-// Takes rays to their ends, in place. One that lies behind a cut plane stays as it is. Of the counters
-// energy.emitted is what lighting rays bring. `steps`, if there are any, of a plain frame: of each ray, on its way.
-RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* packets, unsigned threads,
-                  std::span<std::int32_t> steps = {});
+// Takes rays that only gather to their ends, in place, on the host's threads. `tracer`: made ready for this frame, or null.
+// `steps`: of each ray, on its way.
+RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* tracer, unsigned threads,
+                  std::span<std::int32_t> steps);
 
 }  // namespace gicube::emu

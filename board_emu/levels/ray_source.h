@@ -1,31 +1,101 @@
-// What a command asks of the DSP's ray engine: rays to make, and what to do with those that come back.
+// What a command asks of a level: rays to make, and what to do with those that come back.
+//
+// A level takes the rays one by one in their order, as the DSP does, or in batches that several threads make and take back;
+// not both in one run.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
+#include <vector>
 
-#include "datapath/ray_step.h"
+#include "datapath/frame.h"
 #include "gicube/wire/ray.h"
 
 namespace gicube::emu {
+
+// Some of a source's rays, made, traced and taken back by one thread.
+struct RayBatch {
+  RayBatch() = default;
+  RayBatch(const RayBatch&) = delete;  // `rays` may point into it
+  RayBatch& operator=(const RayBatch&) = delete;
+  virtual ~RayBatch() = default;
+
+  // Keeps those of the rays for which `ends(ray)` is true, in their order.
+  template <typename Ends>
+  void keep_if(const Ends& ends) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < rays.size(); ++k) {
+      if (!ends(rays[k])) continue;
+      if (kept != k) {
+        rays[kept] = rays[k];
+        if (!index.empty()) index[kept] = index[k];
+      }
+      ++kept;
+    }
+    rays = rays.first(kept);
+  }
+
+  std::span<wire::Ray> rays;         // those that set out
+  std::vector<wire::Ray> room;       // where they stand, unless the source has a place for them
+  std::vector<std::uint64_t> index;  // which of the source's rays they are; empty if it knows
+  std::uint64_t returned = 0;        // rays that did not set out, and yet cost the DSP as much as one that comes back
+  RayCounters counters;              // of what happened as they were made
+};
+
+// Rays [begin, end) of a source.
+struct RayRange {
+  std::uint64_t begin = 0;
+  std::uint64_t end = 0;
+};
 
 class RaySource {
  public:
   virtual ~RaySource() = default;
 
   virtual std::uint64_t count() const = 0;
-  // Makes ray `i`; nothing if it misses the volume, and then it is dealt with already. Called once for each, in order.
-  virtual std::optional<wire::Ray> make(std::uint64_t i) = 0;
-  // A ray that is not made has cost the DSP nothing: it passes over whole faces that the light does not reach.
-  virtual bool misses_are_free() const { return false; }
-  // Takes ray `i` back. Called once for each ray that was made.
-  virtual void take(std::uint64_t i, const RayState& ray) = 0;
 
   // DSP cycles of each.
   virtual std::uint32_t make_cycles() const = 0;
   virtual std::uint32_t take_cycles() const = 0;
+  // A ray that is not made has cost the DSP nothing: it passes over whole faces that the light does not reach.
+  virtual bool misses_are_free() const { return false; }
   // Rays i .. row_end(i) - 1 lie in one row of the image: one differential leads from each to the next [P §3.6].
-  virtual std::uint64_t row_end(std::uint64_t i) const = 0;
+  virtual std::uint64_t row_end(std::uint64_t i) const { return i + 1; }
+  // Rays that the DSP's memory holds between two runs of the ASIC: levels with time take so many, and then the next.
+  virtual std::uint64_t max_at_once() const { return count(); }
+
+  // Makes ray `i`; nothing if it does not set out, and then it is dealt with already. Called once for each. What happens to
+  // it in that is added to `counters`.
+  virtual std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) = 0;
+  // Takes ray `i` back, with what its flight has changed of it: all but its flags. Called once for each ray that was made,
+  // unless it waits for the host.
+  virtual void take(std::uint64_t i, const wire::Ray& ray) = 0;
+
+  // Divides the rays into batches of about `rays`, or as many as suit the source; returns how many batches there are.
+  virtual std::size_t divide(std::size_t rays) = 0;
+  // Batch `b` < divide(), each once. The source may do both for several batches at a time.
+  virtual std::unique_ptr<RayBatch> make_batch(std::size_t b) = 0;
+  // With those of its rays that came to an end, in their order.
+  virtual void take_batch(RayBatch& batch) = 0;
+};
+
+// A source whose batches are made ray by ray, as many as asked for in each. Its make() and take() may be called from several
+// threads.
+class RayByRaySource : public RaySource {
+ public:
+  std::size_t divide(std::size_t rays) override;
+  std::unique_ptr<RayBatch> make_batch(std::size_t b) override;
+  void take_batch(RayBatch& batch) override;
+
+ protected:
+  // Whether a ray that make() does not let go costs the DSP as much as one that comes back.
+  virtual bool pays_for_misses() const { return false; }
+
+ private:
+  std::size_t batch_rays_ = 1;
 };
 
 }  // namespace gicube::emu

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "board/timeline.h"
+#include "board/board_observer.h"
 #include "cycle/machine.h"
 #include "observe/machine_trace.h"
 #include "observe/trace_file.h"
@@ -41,26 +41,19 @@ class FanOut : public Observer {
   std::vector<Observer*> observers_;
 };
 
-class Observation : public TimelineWatcher {
+class Observation : public BoardObserver {
  public:
   // Opens the files; throws std::runtime_error that names the one that can't be.
   explicit Observation(const ObservationOptions& options);
 
   const ObservationOptions& options() const { return options_; }
 
-  // A board of this configuration begins anew, at time 0.
-  void power_up(const v1::BoardConfig& config);
-
-  // For the machine; null if no file shows cycles.
-  Observer* observer() { return observers_.empty() ? nullptr : &observers_; }
-  // Whether begin_command() needs to know the time.
-  bool places_cycles() const { return cycles_.has_value(); }
-  // The machine's next cycles belong to a command whose turn at the DSP begins at `begin`, until end_command().
-  void begin_command(Picoseconds begin);
-  void end_command();
-
-  // The host waited for the board: "read register", "wait".
-  void host_waited(const char* what, Picoseconds begin, Picoseconds end);
+  void power_up(const v1::BoardConfig& config) override;
+  Observer* observer() override { return observers_.empty() ? nullptr : &observers_; }
+  bool places_cycles() const override { return cycles_.has_value(); }
+  void begin_command(Picoseconds begin) override;
+  void end_command() override;
+  void host_waited(const char* what, Picoseconds begin, Picoseconds end) override;
   void transferred(const BusDelivery& delivery) override;
   void served(const BusTransaction& errand, Picoseconds begin, Picoseconds end) override;
 

@@ -11,6 +11,11 @@
 
 namespace gicube::emu {
 
+// The host's threads to use where `wanted` are asked for; 0: all.
+inline unsigned thread_count(unsigned wanted) {
+  return wanted != 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
+}
+
 // Runs `job(i, counters)` for i in [0, count) on `threads` threads and adds their counters up. What one of them throws
 // ends all, and is thrown again.
 template <typename Counters, typename Job>

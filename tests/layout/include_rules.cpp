@@ -13,9 +13,17 @@ namespace {
 constexpr std::array<std::string_view, 5> kIncludeFolders{"proto", "driver/include", "driver/src", "board_emu",
                                                           "samples"};
 
-// The part of the board between two FIFOs: knows itself, the records that flow, and the wire.
+// The part of the ASIC between two FIFOs: knows itself, the records that pass, and the wire.
 Rule sibling(std::string_view folder) {
-  return {folder, {folder, "board_emu/sim", "board_emu/words/words.h", "proto"}, {}};
+  return {folder, {folder, "board_emu/asic/sim", "board_emu/words", "proto"}, {}};
+}
+
+// A room of the board: knows itself and the rooms below it.
+Rule room(std::string_view folder, const std::vector<std::string_view>& below,
+          const std::vector<std::string_view>& outside = {}) {
+  std::vector<std::string_view> ours{folder, "proto"};
+  ours.insert(ours.end(), below.begin(), below.end());
+  return {folder, ours, outside};
 }
 
 bool fits(std::string_view path, std::string_view where) {
@@ -63,28 +71,40 @@ const std::vector<Rule>& rules() {
       {"driver/src/c_api",   {"driver/src/c_api", "driver/include"}, {}},
       {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/wire"}, {"fmt"}},
 
-      // Siblings on a ray's way do not know each other; the files at the board's root know the map.
-      {"board_emu/sim",      {"board_emu/sim", "proto"}, {}},
-      {"board_emu/words/words.h",   {"board_emu/sim", "proto"}, {}},
-      sibling("board_emu/bus"),
-      sibling("board_emu/dsp"),
-      {"board_emu/dsp/routines", {"board_emu/dsp", "proto"},
-                             {"dlfcn.h", "setjmp.h", "signal.h", "time.h", "unistd.h"}},
-      {"board_emu/memory",   {"board_emu/memory", "board_emu/sim", "board_emu/words/words.h", "board_emu/words/vector_targets.h", "proto"},
-                             {"hwy", "sys/mman.h"}},
-      sibling("board_emu/raybus"),
-      sibling("board_emu/sorter"),
-      {"board_emu/datapath", {"board_emu/datapath", "board_emu/sim", "board_emu/words/words.h", "proto"}, {"emmintrin.h"}},
-      sibling("board_emu/cache"),
-      sibling("board_emu/rdram"),
-      sibling("board_emu/link"),
-      {"board_emu/*",        {"board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/dsp", "board_emu/memory",
-                              "board_emu/raybus", "board_emu/sorter", "board_emu/datapath", "board_emu/cache",
-                              "board_emu/rdram", "board_emu/link", "board_emu/observe", "proto"}, {"fmt", "google/protobuf", "hwy"}},
+      // The board's rooms, from the ground up.
+      room("board_emu/words", {}),
+      // What a memory device holds decides how large a volume may be.
+      room("board_emu/config", {"board_emu/words", "board_emu/asic/rdram/layout.h"}, {"fmt", "google/protobuf"}),
+      room("board_emu/memory", {"board_emu/words", "board_emu/config"}, {"hwy", "sys/mman.h"}),
+      room("board_emu/datapath", {"board_emu/words", "board_emu/config", "board_emu/memory"}, {"emmintrin.h"}),
+      // Siblings on a ray's way do not know each other.
+      sibling("board_emu/asic/*"),
+      sibling("board_emu/asic/sim"),
+      sibling("board_emu/asic/raybus"),
+      sibling("board_emu/asic/sorter"),
+      sibling("board_emu/asic/cache"),
+      sibling("board_emu/asic/rdram"),
+      sibling("board_emu/asic/link"),
+      room("board_emu/levels", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath"}),
+      room("board_emu/functional",
+           {"board_emu/words", "board_emu/memory", "board_emu/datapath", "board_emu/levels"}, {"hwy"}),
+      room("board_emu/cycle", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
+                               "board_emu/asic", "board_emu/levels"}),
+      // Has its values from one level, and hands what it does not know to the other.
+      room("board_emu/approximate", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
+                                     "board_emu/asic", "board_emu/levels", "board_emu/functional", "board_emu/cycle"}),
+      // Commands name no level; one file does.
+      room("board_emu/firmware", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
+                                  "board_emu/asic", "board_emu/levels"}),
+      room("board_emu/firmware/make_level.cpp",
+           {"board_emu/firmware", "board_emu/words", "board_emu/levels", "board_emu/functional", "board_emu/cycle",
+            "board_emu/approximate"}),
+      room("board_emu/firmware/routines", {"board_emu/firmware", "board_emu/words", "board_emu/datapath"},
+           {"dlfcn.h", "setjmp.h", "signal.h", "time.h", "unistd.h"}),
+      room("board_emu/board", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/levels",
+                               "board_emu/firmware"}),
       // Watches the whole machine, and is watched by none of its parts.
-      {"board_emu/observe",    {"board_emu/observe", "board_emu/*", "board_emu/sim", "board_emu/bus", "board_emu/raybus",
-                              "board_emu/sorter", "board_emu/datapath", "board_emu/cache", "board_emu/rdram",
-                              "board_emu/link", "proto"}, {"fmt"}},
+      room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board"}, {"fmt"}),
       {"board_emu/server",   {"board_emu/server", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
                               "board_emu/config/text_schema.h", "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},

@@ -14,10 +14,28 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-const Files kTree{"proto/gicube/wire/ray.h", "driver/include/gicube/board.h",  "driver/src/transport/link.h",
-                  "board_emu/board/board.h", "board_emu/config/config.h",      "board_emu/board/timeline.h",
-                  "board_emu/words/words.h", "board_emu/words/clock.h",        "board_emu/firmware/framebuffer.h",
-                  "board_emu/bus/bus.h",     "board_emu/server/bus/session.h", "samples/scene/scene.h",
+const Files kTree{"proto/gicube/wire/ray.h",
+                  "driver/include/gicube/board.h",
+                  "driver/src/transport/link.h",
+                  "board_emu/words/words.h",
+                  "board_emu/words/clock.h",
+                  "board_emu/config/config.h",
+                  "board_emu/memory/volume_memory.h",
+                  "board_emu/datapath/frame.h",
+                  "board_emu/asic/sim/fifo.h",
+                  "board_emu/asic/link/ring.h",
+                  "board_emu/asic/sorter/sorter.h",
+                  "board_emu/levels/level.h",
+                  "board_emu/functional/functional_level.h",
+                  "board_emu/cycle/machine.h",
+                  "board_emu/approximate/pass_machine.h",
+                  "board_emu/firmware/framebuffer.h",
+                  "board_emu/board/board.h",
+                  "board_emu/board/timeline.h",
+                  "board_emu/board/bus/host_bus.h",
+                  "board_emu/observe/observation.h",
+                  "board_emu/server/bus/session.h",
+                  "samples/scene/scene.h",
                   "tests/support/scenes.h"};
 
 Files files_of(const std::filesystem::path& root, const std::string& folder) {
@@ -53,22 +71,65 @@ TEST(IncludeRules, AllowWhatTheArchitectureNeeds) {
   EXPECT_THAT(
       faults(kTree, "driver/src/board/board.cpp", "#include \"gicube/wire/ray.h\"\n#include <boost/asio.hpp>\n"),
       IsEmpty());
-  EXPECT_THAT(
-      faults(kTree, "board_emu/firmware/framebuffer.cpp", "#include \"dsp/framebuffer.h\"\n#include \"words.h\"\n"),
-      IsEmpty());
-  EXPECT_THAT(faults(kTree, "board_emu/board/board.cpp", "#include \"bus/bus.h\"\n#include \"dsp/framebuffer.h\"\n"),
+  EXPECT_THAT(faults(kTree, "board_emu/firmware/framebuffer.cpp",
+                     "#include \"firmware/framebuffer.h\"\n#include \"words/words.h\"\n"),
               IsEmpty());
-  EXPECT_THAT(faults(kTree, "board_emu/server/main.cpp", "#include \"board.h\"\n#include \"session.h\"\n"), IsEmpty());
+  EXPECT_THAT(faults(kTree, "board_emu/board/board.cpp",
+                     "#include \"board/bus/host_bus.h\"\n#include \"firmware/framebuffer.h\"\n"),
+              IsEmpty());
+  EXPECT_THAT(faults(kTree, "board_emu/asic/link/ring.cpp", "#include \"asic/sim/fifo.h\"\n#include \"ring.h\"\n"),
+              IsEmpty());
+  EXPECT_THAT(faults(kTree, "board_emu/firmware/make_level.cpp", "#include \"cycle/machine.h\"\n"), IsEmpty());
+  EXPECT_THAT(faults(kTree, "board_emu/server/main.cpp", "#include \"board/board.h\"\n#include \"bus/session.h\"\n"),
+              IsEmpty());
   EXPECT_THAT(faults(kTree, "samples/render/main.cpp", "#include \"gicube/board.h\"\n#include \"scene/scene.h\"\n"),
               IsEmpty());
   EXPECT_THAT(faults(kTree, "samples/scene/scene.h", "#include \"gicube/v1/scene.pb.h\"\n"), IsEmpty());
 }
 
 TEST(IncludeRules, CatchASiblingThatNamesItsSibling) {
-  EXPECT_THAT(faults(kTree, "board_emu/bus/bus.cpp", "#include <array>\n#include \"dsp/framebuffer.h\"\n"),
-              ElementsAre("board_emu/bus/bus.cpp:2: board_emu/bus may not include board_emu/firmware/framebuffer.h"));
-  EXPECT_THAT(faults(kTree, "board_emu/words/words.h", "#include \"dsp/framebuffer.h\""), testing::SizeIs(1));
-  EXPECT_THAT(faults(kTree, "board_emu/firmware/framebuffer.h", "#include \"timeline.h\""), testing::SizeIs(1));
+  EXPECT_THAT(
+      faults(kTree, "board_emu/asic/link/ring.cpp", "#include <array>\n#include \"asic/sorter/sorter.h\"\n"),
+      ElementsAre(
+          "board_emu/asic/link/ring.cpp:2: board_emu/asic/link may not include board_emu/asic/sorter/sorter.h"));
+  EXPECT_THAT(faults(kTree, "board_emu/words/words.h", "#include \"firmware/framebuffer.h\""), testing::SizeIs(1));
+  EXPECT_THAT(faults(kTree, "board_emu/firmware/framebuffer.h", "#include \"board/timeline.h\""), testing::SizeIs(1));
+}
+
+// words, config <- memory <- datapath <- asic <- levels <- functional, cycle, approximate <- firmware <- board <- observe,
+// server
+TEST(IncludeRules, CatchEveryRoomOfTheBoardThatNamesARoomAboveIt) {
+  struct Case {
+    std::string file, include;
+  };
+  const std::vector<Case> forbidden{
+      {"board_emu/words/words.h", "memory/volume_memory.h"},
+      {"board_emu/config/config.h", "memory/volume_memory.h"},
+      {"board_emu/memory/volume_memory.h", "datapath/frame.h"},
+      {"board_emu/datapath/frame.h", "asic/sim/fifo.h"},
+      {"board_emu/asic/sorter/sorter.h", "levels/level.h"},
+      {"board_emu/levels/level.h", "functional/functional_level.h"},
+      {"board_emu/levels/level.h", "cycle/machine.h"},
+      {"board_emu/functional/functional_level.h", "firmware/framebuffer.h"},
+      {"board_emu/functional/functional_level.h", "cycle/machine.h"},
+      {"board_emu/cycle/machine.h", "firmware/framebuffer.h"},
+      {"board_emu/cycle/machine.h", "board/board.h"},
+      {"board_emu/cycle/machine.h", "approximate/pass_machine.h"},
+      {"board_emu/approximate/pass_machine.h", "firmware/framebuffer.h"},
+      {"board_emu/approximate/pass_machine.h", "board/board.h"},
+      {"board_emu/firmware/commands/commands.cpp", "board/board.h"},
+      {"board_emu/firmware/commands/commands.cpp", "functional/functional_level.h"},  // commands name no level
+      {"board_emu/firmware/commands/commands.cpp", "cycle/machine.h"},
+      {"board_emu/firmware/commands/commands.cpp", "approximate/pass_machine.h"},
+      {"board_emu/board/board.cpp", "observe/observation.h"},
+      {"board_emu/board/board.cpp", "server/bus/session.h"},
+      {"board_emu/observe/observation.h", "server/bus/session.h"},
+      {"board_emu/server/main.cpp", "cycle/machine.h"},
+  };
+  for (const Case& c : forbidden) {
+    EXPECT_THAT(faults(kTree, c.file, "#include \"" + c.include + "\"\n"), testing::SizeIs(1))
+        << c.file << " " << c.include;
+  }
 }
 
 TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
@@ -77,14 +138,14 @@ TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
   };
   const std::vector<Case> forbidden{
       {"proto/gicube/wire/ray.h", "\"gicube/board.h\""},                     // protocol -> driver
-      {"driver/src/transport/link.cpp", "\"words.h\""},                      // driver -> board
+      {"driver/src/transport/link.cpp", "\"words/words.h\""},                // driver -> board
       {"driver/src/transport/link.cpp", "\"gicube/v1/board_config.pb.h\""},  // driver -> a message, not the wire
       {"driver/include/gicube/board.h", "\"gicube/wire/ray.h\""},            // public header -> wire
       {"driver/include/gicube/board.h", "<gicube/wire/ray.h>"},              // the same in angle brackets
       {"driver/include/gicube/board.h", "\"link.h\""},                       // public header -> private header
       {"board_emu/board/board.cpp", "\"gicube/board.h\""},                   // board -> driver
-      {"board_emu/board/board.cpp", "\"server/session.h\""},                 // core -> server
-      {"board_emu/server/main.cpp", "\"timeline.h\""},                       // server -> inside of the board
+      {"board_emu/board/board.cpp", "\"server/bus/session.h\""},             // core -> server
+      {"board_emu/server/main.cpp", "\"board/timeline.h\""},                 // server -> inside of the board
       {"samples/render/main.cpp", "\"gicube/wire/ray.h\""},                  // sample -> wire
       {"samples/render/main.cpp", "\"../../driver/src/link.h\""},            // sample -> private header by a path
       {"samples/scene/scene.h", "\"gicube/v1/management.pb.h\""},

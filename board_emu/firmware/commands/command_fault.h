@@ -6,9 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "commands.h"
+#include "command_result.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <thread>
 
-#include "approximate/approximate_level.h"
 #include "command_fault.h"
-#include "cycle/cycle_level.h"
-#include "cycle/machine_counters.h"
 #include "datapath/advance.h"
 #include "datapath/interaction.h"
+#include "datapath/scattering.h"
 #include "firmware/lighting_rays.h"
-#include "firmware/routines.h"
-#include "functional/functional_level.h"
+#include "firmware/ray_sources/image_rays.h"
+#include "firmware/ray_sources/light_rays.h"
 #include "gicube/wire/command.h"
+#include "words/parallel_for.h"
 
 namespace gicube::emu {
 
@@ -38,28 +36,17 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
   return opacity_at(at, frame) >= wire::kClassifiedOpacityOne / 2;
 }
 
-// Adds counters to those of the same names.
-void add(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to) {
-  for (const wire::Counter& counter : from) {
-    const auto known = std::find_if(to.begin(), to.end(), [&](const auto& c) { return c.name == counter.name; });
-    if (known == to.end()) {
-      to.push_back(counter);
-    } else {
-      known->value += counter.value;
-    }
-  }
-}
-
 std::uint32_t max_irradiance(const v1::BoardConfig& config) {
   return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
 }
 
 }  // namespace
 
-DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& registers)
+DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& registers, Level& level)
     : config_(config),
       registers_(registers),
-      threads_(config.threads() != 0 ? config.threads() : std::max(1u, std::thread::hardware_concurrency())),
+      level_(level),
+      threads_(thread_count(config.threads())),
       aperture_(static_cast<int>(config.asic().block_voxels()), max_irradiance(config)) {}
 
 void DspCommands::clear_volume() {
@@ -68,76 +55,33 @@ void DspCommands::clear_volume() {
     size[axis] = static_cast<int>(registers_.value(reg::kVolumeX + 4 * axis));
   const bool complete = std::all_of(size.begin(), size.end(), [](int edge) { return edge > 0; });
   aperture_.resize_volume(complete ? size : std::array<int, 3>{});
-  packets_.clear();
+  level_.volume_changed();
 }
 
 void DspCommands::clear_irradiance() {
   aperture_.irradiance().clear();
-  if (machine_) machine_->invalidate_caches();
+  level_.deposits_cleared();
 }
 
 void DspCommands::clear_sums() {
   aperture_.sums().clear();
-  if (machine_) machine_->invalidate_caches();
+  level_.deposits_cleared();
 }
 
 void DspCommands::reset() {
-  drop_machine();
+  level_.reset();
   host_traps_.begin(false, {});
   memory_errors_.clear();
   aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), max_irradiance(config_));
-  packets_.clear();
   wide_depths_of_ = ~std::uint64_t{0};
 }
 
-// The next command begins with a new machine; the counters go on.
-void DspCommands::drop_machine() {
-  const auto keep_counters = [&](const auto& machine) {
-    std::vector<wire::Counter> list;
-    machine(list);
-    add(list, past_);
-  };
-  if (machine_) {
-    rays_ += ray_counters(*machine_);
-    keep_counters([&](auto& list) { emu::count(*machine_, list); });
-    machine_.reset();
-  }
-  if (pass_machine_) {
-    keep_counters([&](auto& list) { pass_machine_->count(list); });
-    pass_machine_.reset();
-  }
-}
-
-PassMachine& DspCommands::pass_machine() {
-  const VolumeMemory& volume = aperture_.volume();
-  if (pass_machine_ && pass_machine_->blocks() != volume.blocks()) drop_machine();
-  if (!pass_machine_) pass_machine_ = std::make_unique<PassMachine>(config_, volume.blocks());
-  if (turns_volume_ != aperture_.volume_writes()) pass_machine_->invalidate_caches();
-  turns_volume_ = aperture_.volume_writes();
-  return *pass_machine_;
-}
-
-Machine& DspCommands::machine(bool sums) {
-  const VolumeMemory& volume = aperture_.volume();
-  if (machine_ && machine_->blocks() != volume.blocks()) drop_machine();
-  if (!machine_) {
-    machine_ = std::make_unique<Machine>(config_, volume.blocks());
-    machine_->set_observer(observer_);
-  }
-  if (cached_volume_ != aperture_.volume_writes() || cached_sums_ != sums) machine_->invalidate_caches();
-  cached_volume_ = aperture_.volume_writes();
-  cached_sums_ = sums;
-  return *machine_;
-}
-
-// Rays are left on the ASIC: it goes.
-CommandResult DspCommands::cancelled() {
-  drop_machine();
-  return {.error = ErrorCode::kCancelled};
-}
-
-CommandResult DspCommands::timed(const RunResult& ran) const {
-  return {.dsp_cycles = ran.dsp_cycles, .asic_ps = cycles_to_ps(ran.cycles, config_.asic().core_khz())};
+RunResult DspCommands::run_level(RaySource& rays, const Frame& frame, Progress& work) {
+  if (level_volume_ != aperture_.volume_writes()) level_.volume_changed();
+  level_volume_ = aperture_.volume_writes();
+  const RunResult ran = level_.run(rays, frame, work);
+  if (!ran.cancelled) ++answered_[static_cast<std::size_t>(ran.answered)];
+  return ran;
 }
 
 bool DspCommands::accept_register(std::uint32_t offset) {
@@ -199,6 +143,7 @@ Frame DspCommands::frame() {
   const VolumeMemory& volume = aperture_.volume();
   frame.volume = &volume;
   frame.segmentation = aperture_.segmentation();
+  frame.segmentation_writes = aperture_.segmentation_writes();
   frame.reflectance_map = aperture_.reflectance_map();
   frame.opacity_correction = &opacity_correction_;
   frame.step = registers_.value(reg::kStep);
@@ -239,10 +184,6 @@ Frame DspCommands::frame() {
   return frame;
 }
 
-const SimdTracer* DspCommands::packets(std::uint64_t rays, const Frame& frame) {
-  return packets_.prepare(rays, frame, aperture_.segmentation_writes(), threads_) ? &packets_ : nullptr;
-}
-
 CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& work) {
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
   const auto first = static_cast<std::uint32_t>(wire::Opcode::kRender);
@@ -256,24 +197,14 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
     if (opcode == static_cast<std::uint32_t>(wire::Opcode::kVerify)) return verify(payload);
     if (opcode == last) return pairs(payload, work);
   } catch (const RoutineFault& fault) {
-    drop_machine();
     return refuse(fault.what());
   } catch (const Stall& stall) {
-    drop_machine();
     const std::string text = stall.what();
     return {.error = ErrorCode::kInternal, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
   }
   return refuse(
       expected("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs)", opcode));
 }
-
-namespace {
-
-std::uint64_t viewing_rays(const wire::RenderCommand& command) {
-  return std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
-}
-
-}  // namespace
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() != wire::kRenderCommandBytes) return refuse(expected("payload", "112 bytes", payload.size()));
@@ -285,27 +216,12 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   host_traps_.begin(false, {});
   const Frame frame = this->frame();
   aperture_.decode(threads_, reads(frame));
-  const v1::DspConfig& dsp = config_.dsp();
-  CommandResult result;
-  if (in_cycles(frame)) {
-    const RunResult ran = emu::render(command, frame, aperture_.framebuffer(), dsp, machine(), work);
-    if (ran.cancelled) return cancelled();
-    result = timed(ran);
-  } else if (in_turns(frame)) {
-    const RunResult ran = emu::render(command, frame, aperture_.framebuffer(), dsp,
-                                      packets(viewing_rays(command), frame), threads_, pass_machine(), rays_, work);
-    if (ran.cancelled) return cancelled();
-    result = timed(ran);
-  } else {
-    const Rendered rendered =
-        emu::render(command, frame, aperture_.framebuffer(), packets(viewing_rays(command), frame), threads_, work);
-    if (rendered.cancelled) return {.error = ErrorCode::kCancelled};
-    rays_ += rendered.rays;
-    result.dsp_cycles = rendered.made * dsp.viewing_ray_cycles() + rendered.returned * dsp.returned_ray_cycles() +
-                        rendered.rays.trap_cycles;
-  }
+  ImageRays rays(command, frame, aperture_.framebuffer(), config_.dsp());
+  const RunResult ran = run_level(rays, frame, work);
+  if (ran.cancelled) return {.error = ErrorCode::kCancelled};
+  CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   aperture_.resolve_framebuffer(threads_);
-  viewing_rays_ += viewing_rays(command);
+  viewing_rays_ += rays.count();
   add_trap_list(result, 0);
   return result;
 }
@@ -326,28 +242,13 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Pro
   frame.rules = command.rules;
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
   aperture_.decode(threads_, reads(frame));
-  const LightingRays rays(command, frame.extent, frame.spacing, bits, frame.seed);
-  CommandResult result;
-  RayCounters counts;
-  if (in_cycles(frame)) {
-    Lit lit;
-    const RayCounters before = ray_counters(machine());
-    const RunResult ran = emu::illuminate(rays, frame, config_.dsp(), machine(), lit, work);
-    if (ran.cancelled) return cancelled();
-    counts = ray_counters(machine()) - before;
-    counts.energy.emitted = lit.emitted;
-    lighting_rays_ += lit.made;
-    result = timed(ran);
-  } else {
-    const Rendered lit = emu::illuminate(rays, frame, threads_, work);
-    if (lit.cancelled) return {.error = ErrorCode::kCancelled};
-    counts = lit.rays;
-    rays_ += counts;
-    lighting_rays_ += lit.made;
-    result.dsp_cycles = lit.made * config_.dsp().lighting_ray_cycles() + counts.trap_cycles;
-  }
-
-  add_ledger(result, counts, light_in_solid(command, frame));
+  const LightingRays maker(command, frame.extent, frame.spacing, bits, frame.seed);
+  LightRays rays(maker, frame, config_.dsp());
+  const RunResult ran = run_level(rays, frame, work);
+  if (ran.cancelled) return {.error = ErrorCode::kCancelled};
+  lighting_rays_ += ran.set_out;
+  CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
+  add_ledger(result, ran.rays, light_in_solid(command, frame));
   add_trap_list(result, 0);
   return result;
 }
@@ -356,8 +257,12 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"dsp.viewing_rays", "ray", viewing_rays_});
   list.push_back({"dsp.host_rays", "ray", host_rays_});
   if (pair_rays_ != 0) list.push_back({"dsp.pair_rays", "ray", pair_rays_});
-  RayCounters rays = rays_;
-  if (machine_) rays += ray_counters(*machine_);
+  for (int level = v1::FidelityLevel_MIN; level <= v1::FidelityLevel_MAX; ++level) {
+    if (!v1::FidelityLevel_IsValid(level)) continue;
+    list.push_back({"fidelity_answered." + v1::FidelityLevel_Name(static_cast<v1::FidelityLevel>(level)), "command",
+                    answered_[static_cast<std::size_t>(level)]});
+  }
+  const RayCounters rays = level_.rays();
   list.push_back({"pipeline.rays", "ray", rays.rays});
   list.push_back({"pipeline.samples", "sample", rays.samples});
   list.push_back({"pipeline.visible_samples", "sample", rays.visible_samples});
@@ -371,15 +276,7 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
     list.push_back({"pipeline.traps", "ray", rays.traps});
     list.push_back({"pipeline.deposits", "deposit", rays.deposits});
   }
-  std::vector<wire::Counter> cycle_level;
-  if (machine_) emu::count(*machine_, cycle_level);
-  if (pass_machine_) {
-    std::vector<wire::Counter> turns;
-    pass_machine_->count(turns);
-    add(turns, cycle_level);
-  }
-  add(past_, cycle_level);
-  list.insert(list.end(), cycle_level.begin(), cycle_level.end());
+  level_.count(list);
 }
 
 }  // namespace gicube::emu

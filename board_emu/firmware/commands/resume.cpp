@@ -3,9 +3,7 @@
 
 #include "command_fault.h"
 #include "commands.h"
-#include "cycle/cycle_level.h"
-#include "cycle/machine_counters.h"
-#include "functional/functional_level.h"
+#include "firmware/ray_sources/resumed_rays.h"
 #include "gicube/wire/trap.h"
 
 namespace gicube::emu {
@@ -100,25 +98,16 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
   }
   aperture_.decode(threads_, reads(frame));
   host_traps_.answered(count);
-  CommandResult result;
-  RayCounters counts;
-  if (config_.fidelity() == v1::functional) {
-    const Rendered resumed = emu::resume(answers, frame, aperture_.framebuffer(), threads_, work);
-    if (resumed.cancelled) return {.error = wire::ErrorCode::kCancelled};
-    rays_ += counts = resumed.rays;
-    result.dsp_cycles = count * (config_.dsp().host_ray_cycles() / 2) + counts.trap_cycles +
-                        resumed.returned * config_.dsp().returned_ray_cycles();
-  } else if (count > 0) {
-    const RayCounters before = ray_counters(machine());
-    const RunResult ran = emu::resume(answers, frame, aperture_.framebuffer(), config_.dsp(), machine(), counts, work);
-    if (ran.cancelled) return cancelled();
-    rays_ += counts;
-    counts += ray_counters(machine()) - before;
-    result = timed(ran);
+  RunResult ran;
+  if (count > 0) {
+    ResumedRays rays(answers, frame, aperture_.framebuffer(), config_.dsp());
+    ran = run_level(rays, frame, work);
+    if (ran.cancelled) return {.error = wire::ErrorCode::kCancelled};
   }
+  CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   result.takes_rays = count > 0;
   if (light) {
-    add_ledger(result, counts, false);
+    add_ledger(result, ran.rays, false);
   } else {
     aperture_.resolve_framebuffer(threads_);
   }

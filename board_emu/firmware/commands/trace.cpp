@@ -2,14 +2,10 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "approximate/approximate_level.h"
 #include "command_fault.h"
 #include "commands.h"
-#include "cycle/cycle_level.h"
-#include "cycle/machine_counters.h"
 #include "datapath/interaction.h"
-#include "functional/backproject.h"
-#include "functional/functional_level.h"
+#include "firmware/ray_sources/host_rays.h"
 #include "gicube/wire/command.h"
 
 namespace gicube::emu {
@@ -167,48 +163,26 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
     if (const auto what = fault_of_words(rays[i], header, most)) return refuse(which() + *what);
   }
   if (frame.sums != nullptr) {
-    const std::uint64_t moved = max_moved(rays, frame);
-    if (moved > kMaxMoved) return refuse(expected("rays", "that can move no sum by more than 2^34", moved));
-    if (in_cycles(frame)) aperture_.sums().moved_anywhere(moved);
+    frame.max_moved = max_moved(rays, frame);
+    if (frame.max_moved > kMaxMoved) {
+      return refuse(expected("rays", "that can move no sum by more than 2^34", frame.max_moved));
+    }
   }
   if (!frame.backprojects) aperture_.decode(threads_, reads(frame));
-  CommandResult result;
-  RayCounters counts;
   const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
-  const GivenRayBatch given{rays, back, first, back ? both - first : 0};
-  if (in_cycles(frame)) {
-    Machine& machine = this->machine(frame.sums != nullptr);
-    const RayCounters before = ray_counters(machine);
-    for (const wire::Ray& ray : rays) {  // the machine counts what becomes of it
-      if (deposit) counts.energy.emitted += energy_units(unpack(ray, frame), frame);
-    }
-    const RunResult ran = emu::trace(given, frame, machine, work);
-    if (ran.cancelled) return cancelled();
-    counts += ray_counters(machine) - before;
-    result = timed(ran);
-  } else if (in_turns(frame)) {
-    const RunResult ran = emu::trace(given, frame, packets(count, frame), threads_, pass_machine(), counts, work);
-    if (ran.cancelled) return cancelled();
-    rays_ += counts;
-    result = timed(ran);
-  } else {
-    if (frame.sums != nullptr) {
-      counts = backproject(rays, frame, threads_);
-    } else {
-      counts = emu::trace(rays, frame, packets(count, frame), threads_);
-    }
-    rays_ += counts;
-    result.dsp_cycles = std::uint64_t{count} * (back ? both : first) + counts.trap_cycles;
-  }
+  HostRays source(rays, frame, back, {first, back ? both - first : 0});
+  const RunResult ran = run_level(source, frame, work);
+  if (ran.cancelled) return {.error = wire::ErrorCode::kCancelled};
+  CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   host_rays_ += count;
   result.takes_rays = count > 0;
   if (deposit) {
     lighting_rays_ += count;
-    add_ledger(result, counts, false);
+    add_ledger(result, ran.rays, false);
     return result;
   }
   if (frame.backprojects) {
-    add_deposits(result, counts, frame.sums != nullptr ? frame.sums->settle() : Overflow{});
+    add_deposits(result, ran.rays, frame.sums != nullptr ? frame.sums->settle() : Overflow{});
     return result;
   }
   result.payload.resize(count * wire::kRayBytes);

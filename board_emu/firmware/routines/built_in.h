@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "firmware/routines.h"
+#include "datapath/scattering.h"
 
 namespace gicube::emu {
 

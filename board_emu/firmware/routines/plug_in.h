@@ -12,7 +12,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "firmware/routines.h"
+#include "datapath/scattering.h"
 #include "gicube/bsdf.h"
 
 namespace gicube::emu {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/routines.h"
+#include "datapath/scattering.h"
 #include "firmware/routines/plug_in.h"
 
 namespace gicube::emu {

@@ -155,7 +155,7 @@ class LaneScheduler {
     if (frame_.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
     ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
     count_end(ray, end(ray, frame_), frame_, counters_);
-    finish(ray, frame_, *slot.ray);
+    pack(ray, frame_, *slot.ray);
     if (!steps_.empty()) steps_[static_cast<std::size_t>(slot.ray - rays_.data())] = steps;
     slot.ray = nullptr;
     --busy_;

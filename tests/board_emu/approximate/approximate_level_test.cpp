@@ -5,7 +5,9 @@
 
 #include <cmath>
 
+#include "approximate/traced_passes.h"
 #include "bare_board.h"
+#include "firmware/ray_sources/image_rays.h"
 #include "machine_rig.h"
 
 namespace gicube::emu {
@@ -98,8 +100,10 @@ TEST_P(ApproximateLevel, HasTheValuesAndAboutTheTimeAndTheTrafficOfTheCycleLevel
   PassMachine turns(config_, scene_.volume.blocks());
   Framebuffer framebuffer;
   Progress work;
-  RayCounters rays;
-  const RunResult ran = render(view, scene_.frame, framebuffer, config_.dsp(), nullptr, 1, turns, rays, work);
+  ImageRays source(view, scene_.frame, framebuffer, config_.dsp());
+  TracedPasses passes(source, {0, source.count()}, scene_.frame, nullptr, 1);
+  const RunResult ran = turns.run(passes, scene_.frame, work, false);
+  const RayCounters& rays = passes.rays();
   std::vector<wire::Counter> turn_list;
   turns.count(turn_list);
   const Figures got = figures(ran, turn_list);
@@ -176,6 +180,26 @@ TEST(ApproximateBoard, TakesTheCycleLevelsTimeWhereProcessorsShareAnRdram) {
   EXPECT_NE(time(kApproximate, "rdram.processors_per_rdram=1"), time(kCycle, "rdram.processors_per_rdram=1"));
 }
 
+TEST(ApproximateBoard, SaysWhichLevelAnsweredEachCommand) {
+  BareBoard board(config_with({"fidelity=approximate", "asic.block_voxels=16", "asic.max_volume_voxels=128"}));
+  board.load_volume({32, 32, 32}, [](int x, int y, int) {
+    return wire::Voxel{static_cast<std::uint16_t>(100 * x + y), 0, 0, 0};
+  });
+  board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{4000, 3000, 2000}, 800}; });
+  const auto answered = [&board](const char* level) {
+    return board.counter(std::string("fidelity_answered.") + level);
+  };
+  board.render(corner_view({32, 32, 32}, 16));
+  board.render(corner_view({32, 32, 32}, 16));
+  EXPECT_EQ(answered("approximate"), 2u);
+  EXPECT_EQ(answered("cycle"), 0u);
+  board.write_register(wire::reg::kPipeline, wire::kPipelineIrradiance);  // which passes know nothing of
+  board.render(corner_view({32, 32, 32}, 16));
+  EXPECT_EQ(answered("approximate"), 2u);
+  EXPECT_EQ(answered("cycle"), 1u);
+  EXPECT_EQ(answered("functional"), 0u);
+}
+
 TEST(PassMachine, GoesOnFromFrameToFrameWithWarmCaches) {
   constexpr int kOneBlock = 15;  // which stays in its processor's cache
   Scene scene({kOneBlock, kOneBlock, kOneBlock}, kBlock);
@@ -191,8 +215,9 @@ TEST(PassMachine, GoesOnFromFrameToFrameWithWarmCaches) {
     machine.count(before);
     Framebuffer framebuffer;
     Progress work;
-    RayCounters rays;
-    const RunResult ran = render(view, scene.frame, framebuffer, config.dsp(), nullptr, threads, machine, rays, work);
+    ImageRays source(view, scene.frame, framebuffer, config.dsp());
+    TracedPasses passes(source, {0, source.count()}, scene.frame, nullptr, threads);
+    const RunResult ran = machine.run(passes, scene.frame, work, threads > 1);
     machine.count(after);
     return Frame{ran.cycles, value(after, "rdram.reads") - value(before, "rdram.reads"), value(after, "asic.cycles")};
   };
@@ -214,10 +239,10 @@ TEST(PassMachine, EndsWhenItIsCancelled) {
   Framebuffer framebuffer;
   Progress work;
   work.cancel = true;
-  RayCounters rays;
-  EXPECT_TRUE(render(corner_view({kEdge, kEdge, kEdge}, 48), scene.frame, framebuffer, config.dsp(), nullptr, 1,
-                     machine, rays, work)
-                  .cancelled);
+  const wire::RenderCommand view = corner_view({kEdge, kEdge, kEdge}, 48);
+  ImageRays source(view, scene.frame, framebuffer, config.dsp());
+  TracedPasses passes(source, {0, source.count()}, scene.frame, nullptr, 1);
+  EXPECT_TRUE(machine.run(passes, scene.frame, work, false).cancelled);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "bare_board.h"
 #include "ddr_checker.h"
+#include "firmware/ray_sources/image_rays.h"
 #include "machine_rig.h"
 #include "rdram_checker.h"
 
@@ -31,9 +32,8 @@ std::vector<wire::Ray> columns(int across, int down, double start = 0.5) {
 }
 
 RunResult run(Machine& machine, const Scene& scene, const v1::BoardConfig& config, std::vector<wire::Ray> rays) {
-  Progress work;
   const std::uint32_t both = config.dsp().host_ray_cycles();
-  return trace({rays, true, both / 2, both - both / 2}, scene.frame, machine, work);
+  return trace_cycle(rays, scene.frame, machine, {both / 2, both - both / 2});
 }
 
 // 1: DSP makes the ray; push 10; bus 11; sorter writes 12, issues 13; tag check 14. 16 + 16 stages; back at the sorter 47,
@@ -170,7 +170,9 @@ TEST(Machine, CancellingStopsWithinTheProgressInterval) {
   Framebuffer framebuffer;
   Progress work;
   work.cancel = true;
-  const RunResult ran = render(corner_view({64, 64, 64}, 128), scene.frame, framebuffer, config.dsp(), machine, work);
+  const wire::RenderCommand view = corner_view({64, 64, 64}, 128);
+  ImageRays rays(view, scene.frame, framebuffer, config.dsp());
+  const RunResult ran = machine.run(rays, scene.frame, work);
   EXPECT_TRUE(ran.cancelled);
   EXPECT_LE(ran.cycles, 3 * 4096u);
 }

@@ -54,9 +54,8 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
 
   const std::vector<wire::Ray> rays = draw_rays(scene, dice);
   std::vector<wire::Ray> functional_rays = rays, cycle_rays = rays;
-  trace(functional_rays, scene.frame, nullptr, 1);
-  Progress work;
-  trace({cycle_rays, true, 6, 6}, scene.frame, machine, work);
+  trace_functional(functional_rays, scene.frame);
+  trace_cycle(cycle_rays, scene.frame, machine);
   EXPECT_EQ(cycle_rays, functional_rays);
 
   // Ticking in another order changes neither bits nor cycles, and a second frame finds warm caches.
@@ -66,7 +65,7 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   EXPECT_EQ(again.pixels, expected.pixels);
   EXPECT_EQ(again.ran.cycles, picture.ran.cycles);
   std::vector<wire::Ray> shuffled_rays = rays;
-  trace({shuffled_rays, true, 6, 6}, scene.frame, shuffled, work);
+  trace_cycle(shuffled_rays, scene.frame, shuffled);
   EXPECT_EQ(shuffled_rays, functional_rays);
   EXPECT_THAT(counter_texts(shuffled), testing::ElementsAreArray(counter_texts(machine)));
 }

@@ -9,7 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "firmware/routines.h"
+#include "datapath/scattering.h"
+#include "firmware/ray_sources/light_rays.h"
 #include "lighting_rig.h"
 #include "random_machine.h"
 
@@ -148,20 +149,20 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   const wire::IlluminateCommand light = draw_light(scene, dice);
   frame.rules = light.rules;
   const unsigned bits = wide ? 24 : light.albedo == wire::Albedo::kHigh ? 4 : 8;
-  const LightingRays rays(light, frame.extent, frame.spacing, bits, frame.seed);
+  const LightingRays maker(light, frame.extent, frame.spacing, bits, frame.seed);
+  LightRays rays(maker, frame, config.dsp());
 
   Irradiance expected(scene, wide), held(scene, wide), shuffled_held(scene, wide);
   Progress work;
   frame.irradiance = &expected.memory;
-  const RayCounters counts = illuminate(rays, frame, 2, work).rays;
+  const RayCounters counts = run_functional(rays, frame, 2).rays;
   frame.irradiance = &held.memory;
   Machine machine(config, scene.volume.blocks());
-  Lit lit;
-  const RunResult ran = illuminate(rays, frame, config.dsp(), machine, lit, work);
+  const RunResult ran = machine.run(rays, frame, work);
   EXPECT_EQ(held.words(scene), expected.words(scene));
   expect_equal_copies(scene, held.memory);
   expect_equal(ray_counters(machine), counts);
-  EXPECT_EQ(lit.emitted, counts.energy.emitted);
+  EXPECT_EQ(ran.rays.energy.emitted, counts.energy.emitted);
   const EnergyCounters& energy = counts.energy;
   EXPECT_EQ(energy.emitted, energy.deposited.kept + energy.deposited.clipped + energy.escaped + energy.scattered_away);
 
@@ -185,8 +186,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   frame.irradiance = &shuffled_held.memory;
   Machine shuffled(config, scene.volume.blocks());
   shuffled.shuffle_ticks(GetParam() + 1);
-  Lit shuffled_lit;
-  EXPECT_EQ(illuminate(rays, frame, config.dsp(), shuffled, shuffled_lit, work).cycles, ran.cycles);
+  EXPECT_EQ(shuffled.run(rays, frame, work).cycles, ran.cycles);
   EXPECT_EQ(shuffled_held.words(scene), expected.words(scene));
   EXPECT_THAT(counter_texts(shuffled), testing::ElementsAreArray(counter_texts(machine)));
 

@@ -23,10 +23,10 @@ using VoxelField = std::function<wire::Voxel(int x, int y, int z)>;
 
 class BareBoard {
  public:
-  // `observation` and `routines` may be null.
-  explicit BareBoard(const v1::BoardConfig& config = {}, Observation* observation = nullptr,
+  // `observer` and `routines` may be null.
+  explicit BareBoard(const v1::BoardConfig& config = {}, BoardObserver* observer = nullptr,
                      const Routines* routines = nullptr)
-      : board_(config, 0x1234, observation, routines), n_(static_cast<int>(config.asic().block_voxels())) {}
+      : board_(config, 0x1234, observer, routines), n_(static_cast<int>(config.asic().block_voxels())) {}
 
   TransactionResult send(wire::FrameType type, std::vector<std::uint8_t> payload) {
     wire::FrameHeader header;

@@ -8,6 +8,7 @@
 
 #include "datapath/ray_step.h"
 #include "firmware/lighting_rays.h"
+#include "firmware/ray_sources/light_rays.h"
 #include "functional/functional.h"
 #include "machine_rig.h"
 
@@ -51,8 +52,10 @@ class LitScene {
   // The whole pass; adds to the irradiance.
   RayCounters light(const wire::IlluminateCommand& command, unsigned threads = 2) {
     scene.frame.rules = command.rules;
-    Progress work;
-    return illuminate(rays(command), scene.frame, threads, work).rays;
+    const LightingRays maker = rays(command);
+    const v1::DspConfig dsp;
+    LightRays source(maker, scene.frame, dsp);
+    return run_functional(source, scene.frame, threads).rays;
   }
   // The pass ray by ray on one thread: each ray as it ends, clamped to the volume, if it left it.
   EnergyCounters light(const wire::IlluminateCommand& command, const std::function<void(const wire::Ray&)>& leaves) {

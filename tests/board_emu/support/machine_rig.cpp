@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "config/config.h"
+#include "firmware/ray_sources/image_rays.h"
 
 namespace gicube::emu {
 
@@ -45,13 +46,19 @@ Scene::Scene(const std::array<int, 3>& size, int block_voxels)
   volume.decode(gradients, true, 1);  // clear air, until fill()
 }
 
+RunResult run_functional(RaySource& rays, const Frame& frame, unsigned threads) {
+  FunctionalLevel level(threads, false);
+  Progress progress;
+  return level.run(rays, frame, progress);
+}
+
 Picture functional_picture(const Scene& scene, const wire::RenderCommand& view) {
   Picture picture;
   Framebuffer framebuffer;
-  Progress work;
-  const Rendered rendered = render(view, scene.frame, framebuffer, nullptr, 1, work);
+  const v1::DspConfig dsp;
+  ImageRays rays(view, scene.frame, framebuffer, dsp);
+  picture.rays = run_functional(rays, scene.frame).rays;
   picture.pixels = framebuffer.packed();
-  picture.rays = rendered.rays;
   return picture;
 }
 
@@ -59,12 +66,24 @@ Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const
                       Machine& machine) {
   Picture picture;
   Framebuffer framebuffer;
-  Progress work;
+  Progress progress;
   const RayCounters before = ray_counters(machine);
-  picture.ran = render(view, scene.frame, framebuffer, config.dsp(), machine, work);
+  ImageRays rays(view, scene.frame, framebuffer, config.dsp());
+  picture.ran = machine.run(rays, scene.frame, progress);
   picture.pixels = framebuffer.packed();
   picture.rays = ray_counters(machine) - before;
   return picture;
+}
+
+RayCounters trace_functional(std::span<wire::Ray> rays, const Frame& frame) {
+  HostRays source(rays, frame, true, {});
+  return run_functional(source, frame).rays;
+}
+
+RunResult trace_cycle(std::span<wire::Ray> rays, const Frame& frame, Machine& machine, const HostRays::Cycles& cycles) {
+  HostRays source(rays, frame, true, cycles);
+  Progress progress;
+  return machine.run(source, frame, progress);
 }
 
 }  // namespace gicube::emu

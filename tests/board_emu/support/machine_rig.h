@@ -4,12 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "cycle/cycle_level.h"
 #include "cycle/machine.h"
 #include "cycle/machine_counters.h"
+#include "firmware/ray_sources/host_rays.h"
 #include "functional/functional_level.h"
 #include "gicube/wire/registers.h"
 #include "gicube/wire/voxel.h"
@@ -67,8 +68,15 @@ struct Picture {
   RunResult ran;  // of the cycle level
 };
 
+// By the functional level, one ray after the other.
+RunResult run_functional(RaySource& rays, const Frame& frame, unsigned threads = 1);
 Picture functional_picture(const Scene& scene, const wire::RenderCommand& view);
 Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const v1::BoardConfig& config,
                       Machine& machine);
+
+// Host rays, in place.
+RayCounters trace_functional(std::span<wire::Ray> rays, const Frame& frame);
+RunResult trace_cycle(std::span<wire::Ray> rays, const Frame& frame, Machine& machine,
+                      const HostRays::Cycles& cycles = {6, 6});
 
 }  // namespace gicube::emu

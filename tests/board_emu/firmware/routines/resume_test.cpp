@@ -7,8 +7,8 @@
 
 #include "bare_board.h"
 #include "config/config.h"
+#include "datapath/scattering.h"
 #include "firmware/host_traps.h"
-#include "firmware/routines.h"
 #include "gicube/wire/trap.h"
 
 namespace gicube::emu {

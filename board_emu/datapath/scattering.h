@@ -1,4 +1,5 @@
-// Scattering routines on the DSP, for materials that the pipeline's scattering unit can't compute [P §2.2, §3.4].
+// What scatters rays of materials that the pipeline's scattering unit can't compute: routines on the DSP, and the host
+// [P §2.2, §3.4].
 #pragma once
 
 #include <array>
@@ -9,6 +10,7 @@
 #include <string>
 
 #include "gicube/wire/material.h"
+#include "gicube/wire/trap.h"
 
 namespace gicube::emu {
 
@@ -46,6 +48,14 @@ class Routines {
   virtual std::optional<std::string> fault(std::uint8_t number, std::span<const float> parameters) const = 0;
   // Pure: the same event gets the same answer. From several threads. Throws RoutineFault.
   virtual ScatterAnswer scatter(std::uint8_t number, const ScatterEvent& event) const = 0;
+};
+
+// Where rays wait that the host must scatter.
+class HostTrapQueue {
+ public:
+  virtual ~HostTrapQueue() = default;
+  // From several threads. Throws RoutineFault if there are too many.
+  virtual void add(const wire::TrappedRay& ray) = 0;
 };
 
 }  // namespace gicube::emu

@@ -3,8 +3,7 @@
 
 #include "datapath/interaction.h"
 #include "datapath/random_stream.h"
-#include "firmware/routines.h"
-#include "host_traps.h"
+#include "datapath/scattering.h"
 
 namespace gicube::emu {
 
@@ -13,20 +12,11 @@ static_assert(wire::kTrapDensityFractionBits == kDensityFractionBits &&
 
 namespace {
 
-wire::Ray packet_of(const RayState& ray, const Frame& frame) {
-  wire::Ray out;
-  out.u = ray.u;
-  out.v = ray.v;
-  out.flags = ray.flags;
-  finish(ray, frame, out);
-  return out;
-}
-
 // The sample is taken anew: the ray has gone on within its step to where it met the material, maybe even out of it.
 wire::TrappedRay trapped_ray(const RayState& ray, unsigned tag, const Frame& frame) {
   const Sample sample = sample_at(ray.position, frame);
   wire::TrappedRay out;
-  out.ray = packet_of(ray, frame);
+  out.ray = pack(ray, frame);
   for (std::size_t axis = 0; axis < 3; ++axis) out.gradient[axis] = sample.channels[axis + 1];
   out.density = static_cast<std::uint16_t>(sample.channels[0]);
   out.opacity = sample.entry->opacity;
@@ -89,7 +79,7 @@ bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
   const bool ends =
       answer_trap(ray_state, wide, ray.direction, wire::dropped_share(ray), frame, counters).outcome == Outcome::kEnded;
   if (ends) count_end(ray_state, Termination::kAbsorbed, frame, counters);
-  ray = packet_of(ray_state, frame);
+  ray = pack(ray_state, frame);
   return ends;
 }
 

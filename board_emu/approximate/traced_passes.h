@@ -1,0 +1,42 @@
+// A source's rays for the pass machine: values are worked out by the functional level as rays are made, and the machine goes
+// the way of each again.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "approximate/pass_machine.h"
+#include "functional/simd/simd_tracer.h"
+#include "levels/ray_source.h"
+
+namespace gicube::emu {
+
+class TracedPasses : public PassRaySource {
+ public:
+  // The rays `which` of `source`, of a plain frame. `tracer`: made ready for it, or null. Uses `threads` of the host's less one, which the
+  // machine has.
+  TracedPasses(RaySource& source, RayRange which, const Frame& frame, const SimdTracer* tracer, unsigned threads)
+      : source_(source), which_(which), frame_(frame), tracer_(tracer), threads_(threads) {}
+
+  std::uint64_t count() const override { return which_.end - which_.begin; }
+  std::uint64_t row_end(std::uint64_t i) const override { return source_.row_end(which_.begin + i) - which_.begin; }
+  std::uint32_t make_cycles() const override { return source_.make_cycles(); }
+  std::uint32_t take_cycles() const override { return source_.take_cycles(); }
+
+  void make(std::uint64_t begin, std::span<PassRay> out) override;
+
+  // Once all are made.
+  std::uint64_t set_out() const { return set_out_; }
+  const RayCounters& rays() const { return counters_; }
+
+ private:
+  RaySource& source_;
+  RayRange which_;
+  const Frame& frame_;
+  const SimdTracer* tracer_;
+  unsigned threads_;
+  std::uint64_t set_out_ = 0;
+  RayCounters counters_;
+};
+
+}  // namespace gicube::emu

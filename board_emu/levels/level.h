@@ -1,0 +1,63 @@
+// A fidelity level: it takes rays to their ends, and says how long the board needs for it.
+//
+// Every level gives the same values. What they differ in is time: none, every clock, or something between.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "datapath/frame.h"
+#include "gicube/v1/board_config.pb.h"
+#include "gicube/wire/counter_list.h"
+#include "levels/ray_source.h"
+#include "words/clock.h"
+
+namespace gicube::emu {
+
+// Shared by the thread that works and the threads that watch it.
+struct Progress {
+  std::atomic<bool> cancel{false};       // set by the watcher: finish as soon as possible, with ErrorCode::kCancelled
+  std::atomic<std::uint32_t> ticket{0};  // the command in work, and how much of it is done
+  std::atomic<std::uint32_t> done{0};
+  std::atomic<std::uint32_t> all{0};
+};
+
+struct RunResult {
+  Cycle cycles = 0;              // of the ASIC; 0 at a level without time
+  Picoseconds asic_ps = 0;       // the same
+  std::uint64_t dsp_cycles = 0;  // in which the DSP worked
+  std::uint64_t set_out = 0;     // rays that the source made
+  RayCounters rays;
+  bool cancelled = false;
+  v1::FidelityLevel answered = v1::functional;  // the level that did it
+};
+
+// No part of the board has moved for long although rays are under way; what() describes every part.
+class Stall : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+class Level {
+ public:
+  virtual ~Level() = default;
+
+  // Takes the source's rays to their ends. After one that was cancelled, or that threw (RoutineFault, Stall), the next run
+  // finds the hardware as after reset().
+  virtual RunResult run(RaySource& rays, const Frame& frame, Progress& progress) = 0;
+
+  // The volume's words have changed, or it is gone: what is cached of it is old.
+  virtual void volume_changed() = 0;
+  // The words that deposits go to were cleared.
+  virtual void deposits_cleared() = 0;
+  // All state back to power-up but the counters, which go on.
+  virtual void reset() = 0;
+
+  // What the rays of all runs did.
+  virtual RayCounters rays() const = 0;
+  // Adds the counters of the level's hardware, if it has any.
+  virtual void count(std::vector<wire::Counter>& list) const = 0;
+};
+
+}  // namespace gicube::emu
