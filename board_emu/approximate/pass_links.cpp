@@ -9,8 +9,7 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr Cycle kOverRing = 3;             // from a link by the sorter to the pipeline
-constexpr std::size_t kArrivals = 2;       // rays between a link and the sorter
+constexpr std::size_t kArrivals = kFifoPlaces;       // rays between a link and the sorter
 constexpr std::size_t kPlacesToEnter = 2;  // link/ring.h
 
 }  // namespace
@@ -79,11 +78,11 @@ bool PassProcessor::pass_on(Direction way) {
   const bool waited = std::exchange(link.blocked, !room);
   if (!room) return false;
   link.left = std::max(first.at, link.left) + link_cycles_;
-  if (waited) link.left = std::max(link.left, arrives ? next.taken_from_[input] - kOverRing + 1 : beyond.left + 1);
+  if (waited) link.left = std::max(link.left, arrives ? next.taken_from_[input] - kLinkToPipeline + 1 : beyond.left + 1);
   link.entry.drop();
   ++counters_.hops;
   if (arrives) {
-    first.ray.ready = link.left + kOverRing;
+    first.ray.ready = link.left + kLinkToPipeline;
     next.send(static_cast<From>(input), first.ray);
   } else {
     first.at = link.left;

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "asic/latencies.h"
 #include "asic/raybus/ray_bus.h"
 
 namespace gicube::emu {
@@ -11,8 +12,7 @@ namespace gicube::emu {
 namespace {
 
 constexpr Cycle kSlack = 96;           // chosen: cycles by which a part may run ahead of the next
-constexpr Cycle kToProcessor = 4;      // from the DSP over the ray bus and by a sorter to the pipeline
-constexpr std::size_t kOnTheWay = 2;   // rays between the bus and one sorter, and sends between the DSP and the bus
+constexpr std::size_t kOnTheWay = kFifoPlaces;  // rays between the bus and one sorter, and sends between the DSP and the bus
 constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time
 
 }  // namespace
@@ -72,7 +72,7 @@ void PassMachine::dsp_works(std::uint64_t cycles) {
 void PassMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
   PassRay& ray = rays_[handle];
   const Home& home = partition_.home(ray.block);
-  Cycle ready = dsp_.now + kToProcessor;
+  Cycle ready = dsp_.now + kDspToPipeline;
   if (run != 0) {
     Listener& listener = listeners_[home.processor];
     if (std::exchange(listener.making, run) != run) listener.made = 0;

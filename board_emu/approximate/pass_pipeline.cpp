@@ -7,12 +7,6 @@
 
 namespace gicube::emu {
 
-namespace {
-
-constexpr Cycle kToQueue = 3;  // from the end of the pipeline by the sorter to its beginning
-
-}  // namespace
-
 // Counts rays that come (+1) and go (-1).
 void PassProcessor::hold(int rays, Cycle when) {
   if (holds_ == 0) held_since_ = std::max(when, held_until_);
@@ -47,7 +41,7 @@ Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
 }
 
 void PassProcessor::release(std::uint32_t queue, Cycle out) {
-  const Cycle when = out + 1 + kSorter;
+  const Cycle when = out + kPipelineToPipeline;
   released_.push({when, queue});
   if (waits_[0] || waits_[1] || waits_[2]) others_ = std::min(others_, when);
 }
@@ -70,7 +64,7 @@ void PassProcessor::change_block(LaneState ray, Point at, Cycle out) {
   const bool keeps_slot = home.processor == number_ && home.number == active_;
   if (!keeps_slot) release(active_, out);
   if (home.processor == number_) {
-    ray.ready = out + kToQueue;
+    ray.ready = out + kPipelineToPipeline;
     returned_.push({ray, home.number, keeps_slot});
     ++returning_[home.number];
     return;
@@ -137,7 +131,7 @@ bool PassProcessor::turn_out(Cycle& now) {
     change_block(ray, at, out);
   } else {
     ray.at = packed(at);
-    ray.ready = out + kToQueue;
+    ray.ready = out + kPipelineToPipeline;
     going_.push(ray);
   }
   return true;
@@ -163,7 +157,7 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
   constexpr int kVoxel = wire::kPositionFractionBits;
   const std::uint64_t outside = ((1u << kField) - 1) & ~static_cast<std::uint64_t>(grid_.size() - 1);
   const std::uint64_t leaving = outside | outside << kField | outside << 2 * kField;
-  const Cycle come_back = compute_ + kToQueue, prefetch = prefetch_;
+  const Cycle come_back = compute_ + kPipelineToPipeline, prefetch = prefetch_;
   while (!going_.empty()) {
     // How far it may go: until something comes. What returns to other queues can wait.
     const Cycle last = std::min({until, others_ - 1, own_return() - 1});

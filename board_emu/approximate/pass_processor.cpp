@@ -77,7 +77,7 @@ inline bool PassProcessor::take_slot(std::uint32_t handle, std::uint32_t queue, 
   }
   ++counters_.overflows;
   ++in_tree_;
-  with_.up->push(number_, {ready - kSorter + to_dsp_, handle, number_, true});
+  with_.up->push(number_, {ready - kSorterToPipeline + to_dsp_, handle, number_, true});
   return false;
 }
 

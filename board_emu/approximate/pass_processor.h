@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "asic/cache/volume_cache.h"
+#include "asic/latencies.h"
 #include "asic/memory_standards.h"
 #include "asic/partition.h"
 #include "asic/sorter/exact_maximum.h"
@@ -221,8 +222,7 @@ class PassProcessor {
   bool finds_place();
 
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
-  static constexpr Cycle kSorter = 2;         // from being written to the pipeline
-  static constexpr std::size_t kLeaving = 2;  // rays between the pipeline and the links
+  static constexpr std::size_t kLeaving = kFifoPlaces;  // rays between the pipeline and the links
 
   const std::uint8_t number_;
   Surroundings with_;

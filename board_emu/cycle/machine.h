@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "asic/latencies.h"
 #include "asic/link/ring.h"
 #include "asic/partition.h"
 #include "asic/raybus/merge_tree.h"
@@ -86,10 +87,10 @@ class Machine {
   Partition partition_;
   dram::Standard standard_;
   RayStore rays_;
-  Fifo<RayToken> down_{2};
-  Fifo<RunPool::Run> runs_{2};
+  Fifo<RayToken> down_{kFifoPlaces};
+  Fifo<RunPool::Run> runs_{kFifoPlaces};
   RunPool run_pool_;
-  Fifo<RayToken> up_{2};
+  Fifo<RayToken> up_{kFifoPlaces};
   std::vector<std::unique_ptr<Processor>> processors_;
   std::vector<std::unique_ptr<MemoryPort>> memories_;
   std::unique_ptr<RayBus> ray_bus_;

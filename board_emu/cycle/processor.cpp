@@ -53,7 +53,7 @@ Processor::Processor(const ProcessorConfig& config)
 
 void Processor::begin(const Frame& frame) {
   frame_ = &frame;
-  lit_ = !frame.plain;
+  scatters_or_deposits_ = !frame.plain;
   wide_ = gathers_wide(frame);
   grid_ = BlockGrid(*frame.volume);
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
@@ -91,7 +91,7 @@ Cause Processor::enter_compute(Cycle now) {
     bubble_ = true;
     return latest_;
   }
-  if (lit_ && splats_.takes_cache(now)) return Cause::kSplat;
+  if (scatters_or_deposits_ && splats_.takes_cache(now)) return Cause::kSplat;
   InFlight& head = stages_.oldest_prefetching();
   if (head.packets > 0) {
     const Packet& packet = misses_.oldest();
@@ -104,11 +104,11 @@ Cause Processor::enter_compute(Cycle now) {
   return cause;
 }
 
-// One turn of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
+// One pass of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
 // same whenever they are worked out) the sample taken and the ray's next queue found.
 void Processor::check_tags(Cycle now, const RayToken& issued) {
   constexpr std::size_t kMaxCarriers = 8;
-  if (lit_) rays_.make_room(kMaxCarriers);
+  if (scatters_or_deposits_) rays_.make_room(kMaxCarriers);
   RayUnderWay& ray = rays_[issued.ray];
   RayState& ray_state = ray.ray_state;
   InFlight& entry = stages_.enter(now);
@@ -120,33 +120,28 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.splats = false;
   const Point low = grid_.low(ray_state.position);
   const BlockView view = frame_->volume->view(ray.block);
-  const bool carries = lit_ && ray_state.is(wire::kIrradianceCarrier);
-  jitter_step(ray_state, *frame_);
-  entry.sampled = !frame_->leap || frame_->empty[ray.block] == 0 || carries;
-  Termination how = Termination::kNot;
-  std::int32_t steps = 1;
+  const bool carries = scatters_or_deposits_ && ray_state.is(wire::kIrradianceCarrier);
+  const SampleSite site{carries ? carrier_cell(ray) : cell(ray_state.position, low), view, ray.block, edge_};
+  entry.sampled = carries || !is_leapt_over(ray.block, *frame_);
   if (entry.sampled) {
-    const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
-    const Misses& misses = cache_.check(ray.block, at.voxel);
+    const Misses& misses = cache_.check(ray.block, site.cell.voxel);
     if (misses.count > 0 && !ideal_memory_) {
       entry.packets = static_cast<std::uint8_t>(misses.count);
       const std::uint32_t number = partition_.home(ray.block).number;
       for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
     }
-    if (lit_) {
-      how = meet_sample(ray, wide_of(issued.ray), at, entry);
-    } else {
-      ++counts_.samples;
-      if (take_sample(ray_state, wide_of(issued.ray), at, view, edge_, *frame_)) ++counts_.visible_samples;
-      advance(ray_state, 1);
-    }
-  } else {
-    ++counts_.leaps;
-    if (lit_) leave_surface(ray_state);
-    steps = leap_steps(ray_state, low, grid_.size(), *frame_);
-    advance(ray_state, steps);
   }
-  count_steps(ray_state, steps, *frame_);
+  Termination how = Termination::kNot;
+  if (carries) {
+    splat(ray.block, deposit_of(ray_state, *frame_), entry);
+    how = Termination::kAbsorbed;
+  } else if (!scatters_or_deposits_) {
+    advance_ray(ray_state, wide_of(issued.ray), site, low, grid_.size(), *frame_, counts_, nullptr);
+  } else {
+    Interaction interaction;
+    advance_ray(ray_state, wide_of(issued.ray), site, low, grid_.size(), *frame_, counts_, &interaction);
+    how = after(interaction, ray, entry);
+  }
 
   token.contribution = contribution(ray_state);
   // A trapped ray has its end looked for when it has its new direction.
@@ -168,7 +163,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
 // Both halves of most conditions are always worked out: which of them fails is hard to predict.
 bool Processor::tick_pipeline(Cycle now) {
   fed_ = backed_up_ = bubble_ = false;
-  bool moved = lit_ && tick_light(now), stands = false;
+  bool moved = scatters_or_deposits_ && tick_light(now), stalled = false;
   if (issue_.empty() && stages_.empty()) {
     bubble_ = true;
     return moved;
@@ -178,10 +173,10 @@ bool Processor::tick_pipeline(Cycle now) {
       stages_.leave();
       moved = true;
     } else {
-      stands = true;
+      stalled = true;
     }
   }
-  if (!stands) {
+  if (!stalled) {
     latest_ = enter_compute(now);
     moved = moved || !bubble_;
     ++compute_clock_;

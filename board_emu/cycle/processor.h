@@ -17,6 +17,7 @@
 #include "asic/cache/miss_queue.h"
 #include "asic/cache/volume_cache.h"
 #include "asic/cache/write_queue.h"
+#include "asic/latencies.h"
 #include "asic/partition.h"
 #include "asic/sim/causes.h"
 #include "asic/sim/fifo.h"
@@ -64,12 +65,12 @@ class Processor {
   void describe(std::ostream& out) const;
 
   // Ends of the FIFOs, for the ray bus, the ring and the merge tree.
-  Fifo<RayToken> from_bus{2};
-  Fifo<RayToken> from_left{2};
-  Fifo<RayToken> from_right{2};
-  Fifo<RayToken> out_links{2};
-  Fifo<RayToken> done{2};
-  Fifo<RayToken> overflow{2};
+  Fifo<RayToken> from_bus{kFifoPlaces};
+  Fifo<RayToken> from_left{kFifoPlaces};
+  Fifo<RayToken> from_right{kFifoPlaces};
+  Fifo<RayToken> out_links{kFifoPlaces};
+  Fifo<RayToken> done{kFifoPlaces};
+  Fifo<RayToken> overflow{kFifoPlaces};
 
   MissQueue& misses() { return misses_; }
   WriteQueue& writes() { return writes_; }
@@ -89,7 +90,7 @@ class Processor {
   bool deliver(Cycle now, const InFlight& ray);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
-  Termination meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry);
+  Termination after(const Interaction& met, RayUnderWay& ray, InFlight& entry);
   WideWords* wide_of(std::uint32_t ray) const { return wide_ ? &rays_.wide(ray) : nullptr; }
   Splat& add_splat(std::uint32_t block, InFlight& entry);
   Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
@@ -112,9 +113,9 @@ class Processor {
   BlockGrid grid_;
   std::size_t edge_ = 0;
 
-  Fifo<RayToken> returned_{2};
-  Fifo<std::uint32_t> released_{2};
-  Fifo<RayToken> issue_{2};
+  Fifo<RayToken> returned_{kFifoPlaces};
+  Fifo<std::uint32_t> released_{kFifoPlaces};
+  Fifo<RayToken> issue_{kFifoPlaces};
   Sorter sorter_;
   Stages stages_;
   Cycle compute_clock_ = 0;
@@ -123,11 +124,11 @@ class Processor {
   WriteQueue writes_;
   SplatUnit splats_;
 
-  bool lit_ = false;   // rays of this frame do more than gather
-  bool wide_ = false;  // gathers_wide() of it
-  bool fed_ = false;   // a ray entered the prefetch line in this cycle
+  bool scatters_or_deposits_ = false;  // rays of this frame do more than gather
+  bool wide_ = false;                  // gathers_wide() of it
+  bool fed_ = false;                   // a ray entered the prefetch line in this cycle
   bool backed_up_ = false;
-  bool bubble_ = false;  // the compute line got nothing, and not because it stood or waited
+  bool bubble_ = false;  // the compute line got nothing, and not because it was stalled or waited
   Cause latest_ = Cause::kQueueEmpty;
   // Why no ray entered the prefetch line, by the cycle's low bits, for at least as many cycles as the line is long.
   std::vector<Cause> unfed_;
@@ -159,7 +160,7 @@ inline void Processor::account(Cycle now, Cause upstream) {
   holding_cycles_ += fed_ | holds_rays();
 }
 
-// Brings what the ray's next turn will read into the host's cache, while its place is at hand.
+// Brings what the ray's next pass will read into the host's cache, while its place is at hand.
 inline void Processor::prefetch(const BlockView& view, const Point& position, const Point& low) const {
   const Cell at = cell(position, low);
   if (view.voxels == nullptr) return;

@@ -7,17 +7,11 @@
 
 namespace gicube::emu {
 
-// Takes the sample of a ray that does more than gather.
-Termination Processor::meet_sample(RayUnderWay& ray, WideWords* wide, const Cell& at, InFlight& entry) {
-  RayState& ray_state = ray.ray_state;
-  if (ray_state.is(wire::kIrradianceCarrier)) {
-    splat(ray.block, deposit_of(ray_state, *frame_), entry);
-    return Termination::kAbsorbed;
-  }
+// What a sample of a ray that does more than gather brings about: splats, a trap, the ray's end. `ray` is still in the
+// block of the sample.
+Termination Processor::after(const Interaction& met, RayUnderWay& ray, InFlight& entry) {
+  const RayState& ray_state = ray.ray_state;
   const std::uint32_t block = ray.block;
-  ++counts_.samples;
-  const Interaction met = interact(ray_state, wide, at, frame_->volume->view(block), block, edge_, *frame_, counts_);
-  if (met.visible) ++counts_.visible_samples;
   if (met.deposits) {
     const SharingBlocks sharing =
         frame_->sums != nullptr ? frame_->sums->blocks_of(met.deposit) : frame_->irradiance->blocks_of(met.deposit);

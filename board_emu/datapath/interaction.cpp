@@ -12,8 +12,10 @@ namespace gicube::emu {
 
 namespace {
 
-Sample classify(const Cell& at, const BlockView& view, std::size_t edge, const Frame& frame) {
-  const std::size_t row = edge, slice = edge * edge;
+Sample classify(const SampleSite& site, const Frame& frame) {
+  const Cell& at = site.cell;
+  const BlockView& view = site.view;
+  const std::size_t row = site.edge, slice = site.edge * site.edge;
   const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
   Sample out;
   if (view.tags != nullptr) {
@@ -186,8 +188,8 @@ bool draws_scattering(const RayState& ray, const wire::Material& material, const
          std::uint64_t{material.scattering} << 16;
 }
 
-void meet_photon(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material, const Sample& sample,
-                 const Frame& frame, RayCounters& counters) {
+void interact_photon(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material,
+                     const Sample& sample, const Frame& frame, RayCounters& counters) {
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double where = 0;
   if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, where)) return advance(ray, 1);
@@ -198,8 +200,8 @@ void meet_photon(Interaction& met, RayState& ray, std::uint32_t a, const wire::M
   met.outcome = Outcome::kEnded;
 }
 
-void meet_bundle(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material, const Sample& sample,
-                 const Frame& frame, RayCounters& counters) {
+void interact_bundle(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material,
+                     const Sample& sample, const Frame& frame, RayCounters& counters) {
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
   const std::uint64_t before = energy(ray.colour), lost = printed ? a : absorption_opacity(a, material);
   const std::uint32_t units = energy_units(ray, frame);
@@ -228,14 +230,15 @@ void meet_bundle(Interaction& met, RayState& ray, std::uint32_t a, const wire::M
   scatter(met, ray, where, material, sample, frame, counters);
 }
 
-Colour12 colour_of(const Sample& sample, const Cell& at, std::size_t block, std::size_t edge, const Frame& frame) {
+Colour12 colour_of(const Sample& sample, const SampleSite& site, const Frame& frame) {
   if (!frame.lit_by_irradiance) {
     return frame.shade ? shade(*sample.entry, sample.gradient(), frame.reflectance_map)
                        : Colour12{sample.entry->colour[0], sample.entry->colour[1], sample.entry->colour[2]};
   }
   std::uint32_t light = 0;
-  if (const std::uint32_t* words = frame.irradiance->view(block)) {
-    const std::size_t row = edge, slice = edge * edge;
+  if (const std::uint32_t* words = frame.irradiance->view(site.block)) {
+    const Cell& at = site.cell;
+    const std::size_t row = site.edge, slice = site.edge * site.edge;
     light = irradiance(words + at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2], row, slice,
                        {weight(at.fraction[0]), weight(at.fraction[1]), weight(at.fraction[2])}, frame.wide);
   }
@@ -255,9 +258,9 @@ void absorb(RayState& ray, WideWords* wide, const Colour12& colour, std::uint32_
   over(ray, *wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
 }
 
-void meet_rendering(Interaction& met, RayState& ray, WideWords* wide, const Cell& at, std::size_t block,
-                    std::size_t edge, std::uint32_t a, const wire::Material& material, const Sample& sample,
-                    const Frame& frame, RayCounters& counters) {
+void interact_rendering(Interaction& met, RayState& ray, WideWords* wide, const SampleSite& site, std::uint32_t a,
+                        const wire::Material& material, const Sample& sample, const Frame& frame,
+                        RayCounters& counters) {
   const bool scatters =
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
   double where = 0;
@@ -266,7 +269,7 @@ void meet_rendering(Interaction& met, RayState& ray, WideWords* wide, const Cell
     if (scatters && draws_scattering(ray, material, frame)) {
       return scatter(met, ray, where, material, sample, frame, counters);
     }
-    const Colour12 colour = colour_of(sample, at, block, edge, frame);
+    const Colour12 colour = colour_of(sample, site, frame);
     if (wide != nullptr) {
       over(ray, *wide, colour, 1.0F);
     } else {
@@ -275,8 +278,8 @@ void meet_rendering(Interaction& met, RayState& ray, WideWords* wide, const Cell
     met.outcome = Outcome::kEnded;
     return;
   }
-  absorb(ray, wide, colour_of(sample, at, block, edge, frame), a, scatters ? material.scattering : std::uint16_t{0},
-         sample, frame);
+  absorb(ray, wide, colour_of(sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample,
+         frame);
   if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, where)) return advance(ray, 1);
   scatter(met, ray, where, material, sample, frame, counters);
 }
@@ -318,7 +321,8 @@ void turn(RayState& ray, const Direction& direction, const Frame& frame) {
 Sample sample_at(const Point& position, const Frame& frame) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  return classify(cell(position, grid.low(position)), frame.volume->view(grid.block(position)), edge, frame);
+  const std::size_t block = grid.block(position);
+  return classify({cell(position, grid.low(position)), frame.volume->view(block), block, edge}, frame);
 }
 
 Deposit deposit_of(const RayState& carrier, const Frame& frame) {
@@ -332,11 +336,11 @@ std::uint32_t energy_units(const RayState& ray, const Frame& frame) {
   return static_cast<std::uint32_t>((energy(ray.colour) + phase) >> kEnergyFractionBits);
 }
 
-Interaction interact(RayState& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block,
-                     std::size_t edge, const Frame& frame, RayCounters& counters) {
+Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame,
+                     RayCounters& counters) {
   if (frame.backprojects) return backproject(ray, frame, counters);
   Interaction met;
-  const Sample sample = classify(at, view, edge, frame);
+  const Sample sample = classify(site, frame);
   const wire::Material& material = frame.materials[sample.tag];
   met.visible = visible(sample.index, wide, frame);
   if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
@@ -349,11 +353,11 @@ Interaction interact(RayState& ray, WideWords* wide, const Cell& at, const Block
   }
   const std::uint32_t a = step_opacity(ray, sample.entry->opacity, frame);
   if (!ray.is(wire::kLightingRay)) {
-    meet_rendering(met, ray, wide, at, block, edge, a, material, sample, frame, counters);
+    interact_rendering(met, ray, wide, site, a, material, sample, frame, counters);
   } else if (ray.is(wire::kHighAlbedo)) {
-    meet_photon(met, ray, a, material, sample, frame, counters);
+    interact_photon(met, ray, a, material, sample, frame, counters);
   } else {
-    meet_bundle(met, ray, a, material, sample, frame, counters);
+    interact_bundle(met, ray, a, material, sample, frame, counters);
   }
   if (met.deposits) ++counters.deposits;
   return met;

@@ -42,15 +42,43 @@ struct Interaction {
 // How the energy of an irradiance carrier falls to the voxels round its position: as that of the ray which sent it did.
 Deposit deposit_of(const RayState& carrier, const Frame& frame);
 
-// Takes the sample at `at` of the block `view`, and advances or scatters the ray. `wide`, here and below: as take_sample().
-Interaction interact(RayState& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t block,
-                     std::size_t edge, const Frame& frame, RayCounters& counters);
+// Takes a sample, and advances or scatters the ray. `wide`, here and below: as take_sample().
+Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame, RayCounters& counters);
 
 // A flight begins: the ray, scattered, runs along `direction`.
 void turn(RayState& ray, const Direction& direction, const Frame& frame);
 
 // A leap takes the ray through nothing: it is no longer at a surface.
 inline void leave_surface(RayState& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
+
+// Whether rays leap over the block.
+inline bool is_leapt_over(std::size_t block, const Frame& frame) { return frame.leap && frame.empty[block] != 0; }
+
+// One pass of a ray through the pipeline, which it has not ended before: it leaps over its block, whose least corner is `low`
+// and whose edge `size`, or takes a sample, and advances. Returns how many steps it went. `interaction`: what a sample did
+// to a ray that does more than gather; null for a plain frame.
+inline std::int32_t advance_ray(RayState& ray, WideWords* wide, const SampleSite& site, const Point& low,
+                                std::int32_t size, const Frame& frame, RayCounters& counters,
+                                Interaction* interaction) {
+  jitter_step(ray, frame);
+  std::int32_t steps = 1;
+  if (is_leapt_over(site.block, frame)) {
+    ++counters.leaps;
+    if (interaction != nullptr) leave_surface(ray);
+    steps = leap_steps(ray, low, size, frame);
+    advance(ray, steps);
+  } else if (interaction != nullptr) {
+    ++counters.samples;
+    *interaction = interact(ray, wide, site, frame, counters);
+    if (interaction->visible) ++counters.visible_samples;
+  } else {
+    ++counters.samples;
+    if (take_sample(ray, wide, site, frame)) ++counters.visible_samples;
+    advance(ray, 1);
+  }
+  count_steps(ray, steps, frame);
+  return steps;
+}
 
 // The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as pack() leaves
 // it, else ready to set out. What it brings counts as emitted.

@@ -1,4 +1,4 @@
-// The spacing unit's random factor: position and image destination are mangled into an index of a LUT of numbers
+// The spacing unit's random factor: position and image destination are mixed into an index of a LUT of numbers
 // between 1/2 and 1 [P §2.1, §3.4]. The same ray at the same place always draws the same number (bit exactness).
 #pragma once
 
@@ -6,19 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "words/mix64.h"
+
 namespace gicube::emu {
 
 inline constexpr std::size_t kJitterEntries = 256;  // chosen
 inline constexpr std::uint32_t kJitterOne = 1u << 16;
-
-// A full-avalanche mix of 64 bits (the finalizer of SplitMix64; Steele, Lea, Flood 2014).
-constexpr std::uint64_t mix64(std::uint64_t x) {
-  x ^= x >> 30;
-  x *= 0xBF58476D1CE4E5B9u;
-  x ^= x >> 27;
-  x *= 0x94D049BB133111EBu;
-  return x ^ x >> 31;
-}
 
 // Stratified: entry i of a shuffled order is 1/2 + (i + 1/2) / 512, so the mean is 3/4 exactly.
 constexpr std::array<std::uint32_t, kJitterEntries> make_jitter_lut() {

@@ -1,5 +1,5 @@
 // Random numbers of a ray, hashed from its state: every fidelity level, order and thread draws the same (board's bit
-// exactness). The hardware would mix64 the same bits into the index of a LUT [P §3.4].
+// exactness). The hardware would mix the same bits into the index of a LUT [P §3.4].
 #pragma once
 
 #include <array>

@@ -161,11 +161,20 @@ inline bool visible(std::size_t index, const WideWords* wide, const Frame& frame
   return wide != nullptr ? frame.wide_depths[index] != 0 : frame.segmentation[index].opacity != 0;
 }
 
-// Resamples, classifies, shades and composites at `at`, a place in the block `view` of (edge)^3 voxels. False if the
-// sample has no opacity. `wide`: the ray's, of a frame that gathers_wide(); else null.
-inline bool take_sample(RayState& ray, WideWords* wide, const Cell& at, const BlockView& view, std::size_t edge,
-                        const Frame& frame) {
-  const std::size_t row = edge, slice = edge * edge;
+// Where a sample lies: its place in a block of (edge)^3 voxels, +1 faces included, and the block's number.
+struct SampleSite {
+  Cell cell;
+  BlockView view;
+  std::size_t block = 0;
+  std::size_t edge = 0;
+};
+
+// Resamples, classifies, shades and composites. False if the sample has no opacity. `wide`: the ray's, of a frame that
+// gathers_wide(); else null.
+inline bool take_sample(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame) {
+  const Cell& at = site.cell;
+  const BlockView& view = site.view;
+  const std::size_t row = site.edge, slice = site.edge * site.edge;
   const std::size_t first = at.voxel[0] + row * at.voxel[1] + slice * at.voxel[2];
   unsigned tag = 0;
   if (view.tags != nullptr) {

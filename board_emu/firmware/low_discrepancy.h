@@ -8,6 +8,8 @@
 #include <array>
 #include <cstdint>
 
+#include "words/mix64.h"
+
 namespace gicube::emu {
 
 inline constexpr std::uint32_t kSobolDimensions = 4;
@@ -17,13 +19,8 @@ inline constexpr std::uint32_t kSobolPoints = 1u << kSobolBits;
 
 // Mixes two words into 64 bits that look random (SplitMix64; Steele, Lea, Flood 2014).
 constexpr std::uint64_t hash(std::uint64_t a, std::uint64_t b) {
-  const auto mix = [](std::uint64_t x) {
-    x += 0x9E3779B97F4A7C15u;
-    x = (x ^ x >> 30) * 0xBF58476D1CE4E5B9u;
-    x = (x ^ x >> 27) * 0x94D049BB133111EBu;
-    return x ^ x >> 31;
-  };
-  return mix(mix(a) ^ b);
+  constexpr std::uint64_t kStep = 0x9E3779B97F4A7C15u;
+  return mix64((mix64(a + kStep) ^ b) + kStep);
 }
 
 // A hash as a number in [0, 1).

@@ -11,31 +11,17 @@ namespace {
 Termination gather(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters,
                    std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
-  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  std::size_t block = ~std::size_t{0};
+  SampleSite site{{}, {}, ~std::size_t{0}, static_cast<std::size_t>(frame.volume->block_voxels()) + 1};
   Point low{};
-  BlockView view;
   Termination how = Termination::kNot;
   while ((how = end(ray_state, frame)) == Termination::kNot) {
-    jitter_step(ray_state, frame);
-    if (const std::size_t next = grid.block(ray_state.position); next != block) {
-      block = next;
+    if (const std::size_t block = grid.block(ray_state.position); block != site.block) {
+      site.block = block;
+      site.view = frame.volume->view(block);
       low = grid.low(ray_state.position);
-      view = frame.volume->view(block);
     }
-    if (frame.leap && frame.empty[block] != 0) {
-      ++counters.leaps;
-      const std::int32_t steps = leap_steps(ray_state, low, grid.size(), frame);
-      advance(ray_state, steps);
-      count_steps(ray_state, steps, frame);
-      taken += steps;
-      continue;
-    }
-    ++counters.samples;
-    if (take_sample(ray_state, wide, cell(ray_state.position, low), view, edge, frame)) ++counters.visible_samples;
-    advance(ray_state, 1);
-    count_steps(ray_state, 1, frame);
-    ++taken;
+    site.cell = cell(ray_state.position, low);
+    taken += advance_ray(ray_state, wide, site, low, grid.size(), frame, counters, nullptr);
   }
   return how;
 }
@@ -54,27 +40,16 @@ Termination travel(RayState& ray_state, WideWords* wide, const Frame& frame, Ray
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   Termination how = Termination::kNot;
   while ((how = end(ray_state, frame)) == Termination::kNot) {
-    jitter_step(ray_state, frame);
     const std::size_t block = grid.block(ray_state.position);
     const Point low = grid.low(ray_state.position);
-    if (frame.leap && frame.empty[block] != 0) {
-      ++counters.leaps;
-      leave_surface(ray_state);
-      const std::int32_t steps = leap_steps(ray_state, low, grid.size(), frame);
-      advance(ray_state, steps);
-      count_steps(ray_state, steps, frame);
-      continue;
-    }
-    ++counters.samples;
-    const Interaction met = interact(ray_state, wide, cell(ray_state.position, low), frame.volume->view(block), block,
-                                     edge, frame, counters);
-    if (met.visible) ++counters.visible_samples;
+    const SampleSite site{cell(ray_state.position, low), frame.volume->view(block), block, edge};
+    Interaction met;
+    advance_ray(ray_state, wide, site, low, grid.size(), frame, counters, &met);
     if (met.deposits) counters.energy.deposited += frame.irradiance->add(met.deposit);
     Outcome outcome = met.outcome;
     if (outcome == Outcome::kTrapped) outcome = scatter_trapped(ray_state, wide, frame, counters);
     if (outcome == Outcome::kEnded) return Termination::kAbsorbed;
     if (outcome == Outcome::kTrapped) return Termination::kWaits;
-    count_steps(ray_state, 1, frame);
   }
   return how;
 }

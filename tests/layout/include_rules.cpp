@@ -74,16 +74,22 @@ const std::vector<Rule>& rules() {
       // The board's rooms, from the ground up.
       room("board_emu/words", {}),
       // What a memory device holds decides how large a volume may be.
-      room("board_emu/config", {"board_emu/words", "board_emu/asic/rdram/layout.h"}, {"fmt", "google/protobuf"}),
+      room("board_emu/config", {"board_emu/words", "board_emu/asic/memory_standards.h"}, {"fmt", "google/protobuf"}),
       room("board_emu/memory", {"board_emu/words", "board_emu/config"}, {"hwy", "sys/mman.h"}),
       room("board_emu/datapath", {"board_emu/words", "board_emu/config", "board_emu/memory"}, {"emmintrin.h"}),
       // Siblings on a ray's way do not know each other.
       sibling("board_emu/asic/*"),
+      room("board_emu/asic/memory_standards.h", {"board_emu/asic/dram"}),
+      room("board_emu/asic/memory_standards.cpp",
+           {"board_emu/asic/memory_standards.h", "board_emu/asic/dram", "board_emu/asic/rdram", "board_emu/asic/ddr"}),
       sibling("board_emu/asic/sim"),
       sibling("board_emu/asic/raybus"),
       sibling("board_emu/asic/sorter"),
       sibling("board_emu/asic/cache"),
-      sibling("board_emu/asic/rdram"),
+      // What memory standards share, and each of them.
+      sibling("board_emu/asic/dram"),
+      room("board_emu/asic/rdram", {"board_emu/asic/dram", "board_emu/asic/sim", "board_emu/words"}),
+      room("board_emu/asic/ddr", {"board_emu/asic/dram", "board_emu/asic/sim", "board_emu/words"}),
       sibling("board_emu/asic/link"),
       room("board_emu/levels", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath"}),
       room("board_emu/functional",

@@ -26,7 +26,7 @@ HWY_INLINE VU64 times(VU64 a, std::uint64_t b) {
   return hn::Add(product(a, low), hn::ShiftLeft<32>(cross));
 }
 
-// mix64() of pipeline/jitter.h.
+// mix64() of words/mix64.h.
 HWY_INLINE VU64 mix64(VU64 x) {
   x = times(hn::Xor(x, hn::ShiftRight<30>(x)), 0xBF58476D1CE4E5B9u);
   x = times(hn::Xor(x, hn::ShiftRight<27>(x)), 0x94D049BB133111EBu);

@@ -231,6 +231,38 @@ TEST(PassMachine, GoesOnFromFrameToFrameWithWarmCaches) {
   EXPECT_EQ(run(one, 1).reads, first.reads);
 }
 
+// Latencies between the parts stand in asic/latencies.h, for both levels: a ray that meets no other takes the same cycles.
+TEST(PassMachine, TakesALoneRayToItsEndInAsManyCyclesAsTheCycleLevel) {
+  struct Way {
+    std::string name;
+    std::vector<std::string> machine;
+    std::array<double, 3> from, along;
+  };
+  const std::vector<Way> ways{
+      {"one sample", {"asic.processors=1"}, {4.5, 4.5, 31.5}, {0, 0, 1}},
+      {"two samples", {"asic.processors=1"}, {4.5, 4.5, 30.5}, {0, 0, 1}},
+      {"through two blocks", {"asic.processors=1"}, {4.5, 4.5, 3.5}, {0, 0, 1}},
+      {"over a link", {"asic.processors=2"}, {4.5, 4.5, 10.5}, {1, 0, 0}},
+      {"over three links", {"asic.processors=4", "asic.partition=skewed_block"}, {1.5, 4.5, 10.5}, {1, 0.2, 0.1}},
+  };
+  for (const Way& way : ways) {
+    std::vector<std::string> assignments = way.machine;
+    assignments.insert(assignments.end(), {"ideal.memory=1", "dsp.host_ray_cycles=28", "asic.block_voxels=16"});
+    const v1::BoardConfig config = config_with(assignments);
+    Scene scene({33, 33, 33}, kBlock);
+    std::vector<wire::Ray> cycle_rays{host_ray(0, way.from, way.along)}, pass_rays = cycle_rays;
+    Machine machine(config, scene.volume.blocks());
+    const RunResult expected = trace_cycle(cycle_rays, scene.frame, machine, {14, 14});
+
+    PassMachine passes(config, scene.volume.blocks());
+    HostRays source(pass_rays, scene.frame, true, {14, 14});
+    TracedPasses traced(source, {0, 1}, scene.frame, nullptr, 1);
+    Progress progress;
+    EXPECT_EQ(passes.run(traced, scene.frame, progress, false).cycles, expected.cycles) << way.name;
+    EXPECT_EQ(pass_rays, cycle_rays) << way.name;
+  }
+}
+
 TEST(PassMachine, EndsWhenItIsCancelled) {
   Scene scene({kEdge, kEdge, kEdge}, kBlock);
   set_up(scene, {});
