@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "cone_beam/backprojector.h"
+#include "cone_beam/parallel_for.h"
 #include "cone_beam/projector.h"
-#include "cone_beam/threads.h"
 #include "cone_beam/view_rays.h"
 
 namespace gicube::samples {
@@ -59,9 +59,7 @@ class Loop {
         settings_(settings),
         subsets_(view_subsets(geometry.angles.size(), settings)),
         weights_(subsets_.size()) {
-    const Dims dims = geometry.volume.dims;
-    const std::size_t voxels =
-        static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+    const std::size_t voxels = voxel_count(geometry.volume.dims);
     out_.values.resize(voxels);
     constexpr std::size_t kMaxBytes = std::size_t{1} << 30;  // chosen: else they are splatted again in each iteration
     keeps_weights_ = subsets_.size() * voxels * sizeof(float) <= kMaxBytes;
@@ -198,7 +196,7 @@ class Loop {
     const float least = kLeast * *std::max_element(weights.begin(), weights.end());
     const auto relaxation = static_cast<float>(settings_.relaxation);
     constexpr std::size_t kPart = 1 << 16;
-    in_parallel((weights.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    parallel_for((weights.size() + kPart - 1) / kPart, [&](std::size_t part) {
       for (std::size_t i = part * kPart; i < std::min(weights.size(), (part + 1) * kPart); ++i) {
         if (weights[i] <= least) continue;
         float& value = out_.values[i];

@@ -1,34 +1,11 @@
 #include "cone_beam/backprojector.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "cone_beam/threads.h"
+#include "cone_beam/view_rays.h"
 
 namespace gicube::samples {
-
-HostRay clipped_ray(const Grid& grid, Vec3 source, Vec3 pixel) {
-  const Vec3 from = to_voxels(grid, source), way = to_voxels(grid, pixel) - from;
-  const std::array<double, 3> start{from.x, from.y, from.z}, along{way.x, way.y, way.z};
-  double first = 0, last = 1e30;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double end = grid.dims[axis] - 1;
-    if (along[axis] == 0) {
-      if (start[axis] < 0 || start[axis] > end) return {};
-      continue;
-    }
-    const double one = -start[axis] / along[axis], other = (end - start[axis]) / along[axis];
-    first = std::max(first, std::min(one, other));
-    last = std::min(last, std::max(one, other));
-  }
-  if (last <= first) return {};
-  const auto within = [&](double value, std::size_t axis) { return std::clamp(value, 0.0, grid.dims[axis] - 1.0); };
-  const Vec3 entry = from + first * way;
-  return {.position = {within(entry.x, 0), within(entry.y, 1), within(entry.z, 2)},
-          .direction = way,
-          .length = (last - first) * length(way)};
-}
 
 double max_of_a_voxel(const ConeGeometry& geometry, int fine) {
   const Vec3 edge = geometry.volume.spacing, corner = to_space(geometry.volume, {0, 0, 0});
@@ -62,19 +39,8 @@ Backprojector::Backprojector(Board& board, const ConeGeometry& geometry, int fin
 }
 
 void Backprojector::add(double angle, std::span<const double> densities) {
-  const Detector& detector = geometry_.detector;
-  const Pose at = pose(geometry_, angle);
-  const auto columns = static_cast<std::size_t>(detector.columns * fine_);
-  std::vector<HostRay> all(densities.size());
-  in_parallel(densities.size() / columns, [&](std::size_t row) {
-    const double v = v_of(detector, (static_cast<double>(row) + 0.5) / fine_ - 0.5);
-    for (std::size_t column = 0; column < columns; ++column) {
-      const double u = u_of(detector, (static_cast<double>(column) + 0.5) / fine_ - 0.5);
-      HostRay& ray = all[row * columns + column];
-      ray = clipped_ray(geometry_.volume, at.source, at.middle + u * at.along_u + v * at.along_v);
-      ray.energy = densities[row * columns + column];
-    }
-  });
+  std::vector<HostRay> all = view_rays(geometry_, angle, fine_);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].energy = densities[i];
   std::erase_if(all, [](const HostRay& ray) { return ray.length <= 0 || ray.energy == 0; });
   constexpr std::size_t kUnderWay = 2;  // chosen: the board works at one view while the host makes the next
   while (under_way_.size() >= kUnderWay) receive();

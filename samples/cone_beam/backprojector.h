@@ -10,9 +10,6 @@
 
 namespace gicube::samples {
 
-// The piece of a ray that runs through the volume, in voxels, clipped to the box of voxel centres; no length: none.
-HostRay clipped_ray(const Grid& grid, Vec3 source, Vec3 pixel);
-
 // What a voxel near the source may get of one view that leaves a density of 1: of fine x fine rays a pixel.
 double max_of_a_voxel(const ConeGeometry& geometry, int fine);
 

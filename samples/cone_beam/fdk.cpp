@@ -10,7 +10,7 @@
 #include "cone_beam/backprojector.h"
 #include "cone_beam/irradiance.h"
 #include "cone_beam/normalise.h"
-#include "cone_beam/threads.h"
+#include "cone_beam/parallel_for.h"
 
 namespace gicube::samples {
 namespace {
@@ -59,7 +59,7 @@ Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry,
   const std::size_t views = geometry.angles.size();
   // Filtered twice, since all views together would take more memory than the volume.
   std::vector<double> max_of(views);
-  in_parallel(views, [&](std::size_t view) {
+  parallel_for(views, [&](std::size_t view) {
     for (const double value : filtered(view)) max_of[view] = std::max(max_of[view], std::abs(value));
   });
   const double most = *std::max_element(max_of.begin(), max_of.end());
@@ -83,7 +83,7 @@ void sharpen(std::vector<float>& values, const Dims& dims, double part) {
   std::size_t stride = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto length = static_cast<std::size_t>(dims[axis]), run = stride * length;
-    in_parallel(values.size() / run, [&, stride](std::size_t piece) {
+    parallel_for(values.size() / run, [&, stride](std::size_t piece) {
       float* const first = values.data() + piece * run;
       for (std::size_t lane = 0; lane < stride; ++lane) {
         float before = first[lane];
@@ -120,7 +120,7 @@ std::vector<double> filtered_view(const Projections& projections, const ConeGeom
     const float* from = projections.view(view) + static_cast<std::size_t>(j) * columns;
     for (std::size_t i = 0; i < columns; ++i) {
       const double u = u_of(detector, static_cast<double>(i));
-      double weight = distance / std::sqrt(distance * distance + u * u + v * v);
+      double weight = slant(distance, u, v);
       if (is_short) weight *= short_scan_weight(after, -std::atan(u / distance), whole);
       row[i] = weight * static_cast<double>(from[i]);
     }
@@ -131,13 +131,10 @@ std::vector<double> filtered_view(const Projections& projections, const ConeGeom
   const Vec3 edge = geometry.volume.spacing;
   const double area = detector.pitch_u * detector.pitch_v * at_axis * at_axis / (fine * fine);
   const double scale = arc * area / (edge.x * edge.y * edge.z);
-  for (std::size_t j = 0; j < out.size() / wide; ++j) {
-    const double v = v_of(detector, (static_cast<double>(j) + 0.5) / fine - 0.5);
-    for (std::size_t i = 0; i < wide; ++i) {
-      const double u = u_of(detector, (static_cast<double>(i) + 0.5) / fine - 0.5);
-      out[j * wide + i] *= scale * distance / std::sqrt(distance * distance + u * u + v * v);
-    }
-  }
+  double* value = out.data();
+  for_each_ray(detector, fine, [&](double u, double v) {
+    *value++ *= scale * distance / std::sqrt(distance * distance + u * u + v * v);
+  });
   return out;
 }
 
@@ -145,8 +142,7 @@ Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const
                                const FdkSettings& settings, const Progress& progress) {
   check(settings, geometry, projections);
   const Dims dims = geometry.volume.dims;
-  const std::vector<std::byte> nothing(static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) *
-                                       static_cast<std::size_t>(dims[2]));
+  const std::vector<std::byte> nothing(voxel_count(dims));
   board.load_volume({.samples = nothing, .dims = dims, .spacing = geometry.volume.spacing});
   const Picoseconds begin = board.now();
 

@@ -6,6 +6,7 @@
 // middle is the origin.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -65,6 +66,30 @@ inline Vec3 to_space(const Grid& grid, Vec3 voxel) {
 inline Vec3 to_voxels(const Grid& grid, Vec3 place) {
   return {place.x / grid.spacing.x + (grid.dims[0] - 1) / 2.0, place.y / grid.spacing.y + (grid.dims[1] - 1) / 2.0,
           place.z / grid.spacing.z + (grid.dims[2] - 1) / 2.0};
+}
+
+inline std::size_t voxel_count(const Dims& dims) {
+  return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+}
+// Calls visit(x, y) for a slice's voxels, x fastest.
+template <typename Visit>
+void for_each_in_slice(const Dims& dims, const Visit& visit) {
+  for (int y = 0; y < dims[1]; ++y) {
+    for (int x = 0; x < dims[0]; ++x) visit(x, y);
+  }
+}
+
+// Calls visit(u, v) for fine x fine rays a pixel, rows first.
+template <typename Visit>
+void for_each_ray(const Detector& detector, int fine, const Visit& visit) {
+  for (int j = 0; j < detector.rows * fine; ++j) {
+    const double v = v_of(detector, (j + 0.5) / fine - 0.5);
+    for (int i = 0; i < detector.columns * fine; ++i) visit(u_of(detector, (i + 0.5) / fine - 0.5), v);
+  }
+}
+// The cosine of the angle between the ray to (u, v) and the one that meets the detector squarely.
+inline double slant(double source_to_detector, double u, double v) {
+  return source_to_detector / std::sqrt(source_to_detector * source_to_detector + u * u + v * v);
 }
 
 // Projections of a scan: view by view, row by row, columns fastest.

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "cone_beam/backprojector.h"
-#include "cone_beam/threads.h"
+#include "cone_beam/parallel_for.h"
 #include "cone_beam/view_rays.h"
 
 namespace gicube::samples {
@@ -18,9 +18,7 @@ class Passes {
       : board_(board), geometry_(geometry), settings_(settings) {
     const int bits = board.info().wide ? 32 : 11;
     full_ = std::ldexp(1, settings.bits == 0 ? bits : std::min(bits, settings.bits)) - 1;
-    const Dims dims = geometry.volume.dims;
-    out_.values.resize(static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) *
-                       static_cast<std::size_t>(dims[2]));
+    out_.values.resize(voxel_count(geometry.volume.dims));
   }
 
   // What these views, from `first` on, leave of one sign.
@@ -88,7 +86,7 @@ Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geo
     if (progress) progress(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(views));
     const std::size_t count = std::min(views - first, static_cast<std::size_t>(settings.read_every));
     std::vector<std::vector<double>> of(count);
-    in_parallel(count, [&](std::size_t i) { of[i] = filtered(first + i); });
+    parallel_for(count, [&](std::size_t i) { of[i] = filtered(first + i); });
     for (const double sign : {1.0, -1.0}) passes.run(first, of, sign);
   }
   return passes.finish();

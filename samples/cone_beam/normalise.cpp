@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cone_beam/backprojector.h"
-#include "cone_beam/threads.h"
+#include "cone_beam/parallel_for.h"
 
 namespace gicube::samples {
 namespace {
@@ -16,14 +16,8 @@ std::vector<double> ones(const ConeGeometry& geometry, int fine) {
   const Vec3 edge = geometry.volume.spacing;
   const double area = detector.pitch_u * detector.pitch_v * at_axis * at_axis / (fine * fine);
   std::vector<double> out;
-  for (int j = 0; j < detector.rows * fine; ++j) {
-    const double v = v_of(detector, (j + 0.5) / fine - 0.5);
-    for (int i = 0; i < detector.columns * fine; ++i) {
-      const double u = u_of(detector, (i + 0.5) / fine - 0.5);
-      const double slant = distance / std::sqrt(distance * distance + u * u + v * v);
-      out.push_back(area / (edge.x * edge.y * edge.z) * slant);
-    }
-  }
+  for_each_ray(detector, fine,
+               [&](double u, double v) { out.push_back(area / (edge.x * edge.y * edge.z) * slant(distance, u, v)); });
   return out;
 }
 
@@ -52,7 +46,7 @@ class SeenByAll {
 std::vector<double> wanted_sums(const ConeGeometry& geometry, const std::vector<double>& arcs) {
   const Grid& grid = geometry.volume;
   std::vector<double> out(static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]));
-  in_parallel(static_cast<std::size_t>(grid.dims[1]), [&](std::size_t y) {
+  parallel_for(static_cast<std::size_t>(grid.dims[1]), [&](std::size_t y) {
     for (std::size_t view = 0; view < arcs.size(); ++view) {
       const double c = std::cos(geometry.angles[view]), s = std::sin(geometry.angles[view]);
       for (int x = 0; x < grid.dims[0]; ++x) {
@@ -81,16 +75,13 @@ void normalise(Reconstruction& made, Board& board, const ConeGeometry& geometry,
   const std::vector<float> left = backprojector.finish();
   const std::vector<double> wanted = wanted_sums(geometry, arcs);
   const SeenByAll seen(geometry);
-  const auto [nx, ny, nz] = geometry.volume.dims;
-  in_parallel(static_cast<std::size_t>(nz), [&, nx = nx, ny = ny](std::size_t z) {
+  parallel_for(static_cast<std::size_t>(geometry.volume.dims[2]), [&](std::size_t z) {
     std::size_t i = z * wanted.size();
-    for (int y = 0; y < ny; ++y) {
-      for (int x = 0; x < nx; ++x, ++i) {
-        const Vec3 voxel{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-        if (!(left[i] > 0) || !seen(to_space(geometry.volume, voxel))) continue;
-        made.values[i] *= static_cast<float>(wanted[i - z * wanted.size()] / static_cast<double>(left[i]));
-      }
-    }
+    for_each_in_slice(geometry.volume.dims, [&](int x, int y) {
+      const bool whole = left[i] > 0 && seen(to_space(geometry.volume, {double(x), double(y), double(z)}));
+      if (whole) made.values[i] *= static_cast<float>(wanted[i - z * wanted.size()] / static_cast<double>(left[i]));
+      ++i;
+    });
   });
   made.rays += backprojector.rays();
   made.deposits += backprojector.deposits();

@@ -11,8 +11,7 @@
 namespace gicube::samples {
 
 void load_values(Board& board, const Grid& grid, std::span<const float> values) {
-  const std::size_t voxels = static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]) *
-                             static_cast<std::size_t>(grid.dims[2]);
+  const std::size_t voxels = voxel_count(grid.dims);
   if (values.size() != voxels) {
     throw BadArgument("volume", std::to_string(voxels) + " values", std::to_string(values.size()));
   }

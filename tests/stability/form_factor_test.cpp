@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "exchange.h"
 #include "form_factors/exchange/box_factor.h"
-#include "form_factors/exchange/exchange.h"
 #include "scene/program/input_error.h"
 #include "stability.h"
 

@@ -4,20 +4,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <sstream>
 
+#include "scene/formats/whole_file.h"
 #include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {
-
-void write(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream stream(file);
-  stream << text;
-  stream.close();
-  if (!stream) throw InputError(file.string(), "a file that can be written", "an error");
-}
 
 std::string rows_of(const Point& point, const Series& series, Runner& runner) {
   std::istringstream rows(point.rows(runner));
@@ -52,7 +45,7 @@ void write_chart(const Chart& chart, const std::filesystem::path& folder, Runner
       text += rows_of(point, series, runner);
     }
   }
-  write(folder / fmt::format("cone_beam_{}.csv", chart.name), text);
+  write_whole(folder / fmt::format("cone_beam_{}.csv", chart.name), text);
 }
 
 }  // namespace
@@ -62,16 +55,15 @@ void charts(const ChartOptions& options, ProgressLine& progress) {
   if (!options.point.empty()) return print_point(options.point, runner);
   const std::vector<Chart> all = cone_beam_charts();
   for (const std::string& name : options.only) {
-    const bool known = std::any_of(all.begin(), all.end(), [&](const Chart& chart) { return chart.name == name; });
-    if (known) continue;
+    if (std::ranges::find(all, name, &Chart::name) != all.end()) continue;
     std::string names;
     for (const Chart& chart : all) names += (names.empty() ? "" : ", ") + chart.name;
     throw InputError("--only", names, in_quotes(name));
   }
   for (const Chart& chart : all) {
     const auto& only = options.only;
-    if (!only.empty() && std::find(only.begin(), only.end(), chart.name) == only.end()) continue;
-    write_chart(chart, options.folder, runner, progress);
+    const bool wanted = only.empty() || std::ranges::find(only, chart.name) != only.end();
+    if (wanted) write_chart(chart, options.folder, runner, progress);
   }
 }
 

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "cone_beam/charts/failures.h"
 #include "cone_beam/charts/scans.h"
 
 namespace gicube::samples {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
+const AlgebraicSettings kSart{.iterations = 4, .relaxation = 0.3};
 constexpr double kHalfHeight = 40;  // of what is seen under the cone angle
 
 // The object stays, the source comes nearer; the detector, whose pixels are as large at the axis, sees all of it.
@@ -29,14 +29,11 @@ std::vector<double> slice_means(const Grid& grid, const std::vector<float>& valu
   std::vector<double> sums(slices), counts(slices);
   std::size_t i = 0;
   for (std::size_t z = 0; z < slices; ++z) {
-    for (int y = 0; y < grid.dims[1]; ++y) {
-      for (int x = 0; x < grid.dims[0]; ++x, ++i) {
-        const Vec3 at = to_space(grid, {static_cast<double>(x), static_cast<double>(y), 0});
-        if (std::hypot(at.x, at.y) > radius) continue;
-        sums[z] += static_cast<double>(values[i]);
-        ++counts[z];
-      }
-    }
+    for_each_in_slice(grid.dims, [&](int x, int y) {
+      const double value = static_cast<double>(values[i++]);
+      const Vec3 at = to_space(grid, {double(x), double(y), 0});
+      if (std::hypot(at.x, at.y) <= radius) sums[z] += value, ++counts[z];
+    });
     sums[z] /= counts[z];
   }
   return sums;
@@ -68,17 +65,17 @@ Case truncated(double seen, const std::variant<FdkSettings, AlgebraicSettings>& 
 }  // namespace
 
 Chart cone_angle_chart() {
-  Chart chart{"cone_angle", kCaseColumns, {{"discs by FDK", {}}, {"discs by SART", {}}, {"head by FDK", {}}}};
-  for (const double degrees : {5, 10, 15, 20, 25, 30, 35, 40}) {
-    chart.series[0].points.push_back(case_point(chart.name, "fdk", degrees, cone(degrees)));
-    chart.series[2].points.push_back(case_point(chart.name, "head", degrees, cone(degrees, chart_head())));
-  }
-  for (const double degrees : {5, 20, 40}) {
+  const auto by_sart = [](double degrees) {
     Case what = cone(degrees);
-    what.method = AlgebraicSettings{.iterations = 4, .relaxation = 0.3};
-    chart.series[1].points.push_back(case_point(chart.name, "sart", degrees, what));
-  }
-  return chart;
+    what.method = kSart;
+    return what;
+  };
+  const std::vector<double> degrees{5, 10, 15, 20, 25, 30, 35, 40};
+  return {"cone_angle",
+          kCaseColumns,
+          {case_series("discs by FDK", "cone_angle/fdk", degrees, [](double x) { return cone(x); }),
+           case_series("discs by SART", "cone_angle/sart", {5, 20, 40}, by_sart),
+           case_series("head by FDK", "cone_angle/head", degrees, [](double x) { return cone(x, chart_head()); })}};
 }
 
 Chart axial_profile_chart() {
@@ -93,29 +90,23 @@ Chart axial_profile_chart() {
 }
 
 Chart truncation_chart() {
-  Chart chart{"truncation", kCaseColumns, {{"FDK", {}}, {"SART", {}}}};
-  for (const double seen : {1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5}) {
-    chart.series[0].points.push_back(case_point(chart.name, "fdk", seen, truncated(seen, FdkSettings{})));
-  }
-  for (const double seen : {1.2, 0.9, 0.7, 0.5}) {
-    const AlgebraicSettings sart{.iterations = 4, .relaxation = 0.3};
-    chart.series[1].points.push_back(case_point(chart.name, "sart", seen, truncated(seen, sart)));
-  }
-  return chart;
+  return {"truncation",
+          kCaseColumns,
+          {case_series("FDK", "truncation/fdk", {1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5},
+                       [](double seen) { return truncated(seen, FdkSettings{}); }),
+           case_series("SART", "truncation/sart", {1.2, 0.9, 0.7, 0.5},
+                       [](double seen) { return truncated(seen, kSart); })}};
 }
 
 Chart views_chart() {
-  Chart chart{"views", kCaseColumns, {{"FDK", {}}, {"SART", {}}}};
-  for (const int views : {20, 40, 60, 90, 120, 180, 360, 720}) {
-    const Case what{chart_head(), chart_scan(64, 96, views), FdkSettings{}, {40, 20}};
-    chart.series[0].points.push_back(case_point(chart.name, "fdk", views, what));
-  }
-  for (const int views : {20, 40, 60, 90, 180}) {
-    const AlgebraicSettings sart{.iterations = 4, .relaxation = 0.3};
-    const Case what{chart_head(), chart_scan(64, 96, views), sart, {40, 20}};
-    chart.series[1].points.push_back(case_point(chart.name, "sart", views, what));
-  }
-  return chart;
+  const auto from = [](double views, const std::variant<FdkSettings, AlgebraicSettings>& method) {
+    return Case{chart_head(), chart_scan(64, 96, static_cast<int>(views)), method, {40, 20}};
+  };
+  return {"views",
+          kCaseColumns,
+          {case_series("FDK", "views/fdk", {20, 40, 60, 90, 120, 180, 360, 720},
+                       [&](double views) { return from(views, FdkSettings{}); }),
+           case_series("SART", "views/sart", {20, 40, 60, 90, 180}, [&](double views) { return from(views, kSart); })}};
 }
 
 }  // namespace gicube::samples

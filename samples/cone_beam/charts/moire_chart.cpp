@@ -1,6 +1,7 @@
 // Rays that are far apart against voxels leave ripples.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -8,7 +9,6 @@
 #include <utility>
 
 #include "cone_beam/backprojector.h"
-#include "cone_beam/charts/failures.h"
 #include "cone_beam/charts/scans.h"
 
 namespace gicube::samples {
@@ -26,25 +26,19 @@ ConeGeometry spaced(double spacing, int views) {
 // Rays whose values make a density that rises by `slope` of it along the detector, as projected to the axis.
 std::vector<double> densities(const ConeGeometry& geometry, int fine, double slope) {
   const Detector& d = geometry.detector;
-  const double near = geometry.source_to_axis / geometry.source_to_detector, distance = geometry.source_to_detector;
+  const double near = geometry.source_to_axis / geometry.source_to_detector;
   const Vec3 edge = geometry.volume.spacing;
   std::vector<double> out;
-  for (int j = 0; j < d.rows * fine; ++j) {
-    const double v = v_of(d, (j + 0.5) / fine - 0.5);
-    for (int i = 0; i < d.columns * fine; ++i) {
-      const double u = u_of(d, (i + 0.5) / fine - 0.5);
-      const double slant = distance / std::sqrt(distance * distance + u * u + v * v);
-      out.push_back((1 + slope * u) * slant * d.pitch_u * d.pitch_v * near * near /
-                    (fine * fine * edge.x * edge.y * edge.z));
-    }
-  }
+  for_each_ray(d, fine, [&](double u, double v) {
+    out.push_back((1 + slope * u) * slant(geometry.source_to_detector, u, v) * d.pitch_u * d.pitch_v * near * near /
+                  (fine * fine * edge.x * edge.y * edge.z));
+  });
   return out;
 }
 
 std::vector<float> splat(Board& board, const ConeGeometry& geometry, int fine, double slope) {
   const std::vector<double> of_rays = densities(geometry, fine, slope);
-  double most = 0;
-  for (const double value : of_rays) most = std::max(most, value);
+  const double most = *std::ranges::max_element(of_rays);
   Backprojector backprojector(board, geometry, fine, 0.5, most, geometry.angles.size());
   for (const double angle : geometry.angles) backprojector.add(angle, of_rays);
   return backprojector.finish();
@@ -116,12 +110,11 @@ Chart ray_spacing_chart() {
   for (const auto& [name, title, settings] : {std::tuple{"one", "one ray a pixel", FdkSettings{}},
                                               {"normalised", "the same normalised", FdkSettings{.normalise = true}},
                                               {"four", "2 x 2 rays a pixel", FdkSettings{.rays = 2}}}) {
-    Series series{title, {}};
-    for (const double spacing : {0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0}) {
-      series.points.push_back(
-          case_point(chart.name, name, spacing, {chart_head(), spaced(spacing, 120), settings, {40, 20}}));
-    }
-    chart.series.push_back(std::move(series));
+    chart.series.push_back(case_series(title, std::string("ray_spacing/") + name,
+                                       {0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0},
+                                       [&settings = settings](double spacing) {
+                                         return Case{chart_head(), spaced(spacing, 120), settings, {40, 20}};
+                                       }));
   }
   return chart;
 }

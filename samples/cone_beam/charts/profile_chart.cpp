@@ -5,7 +5,6 @@
 #include <string>
 #include <variant>
 
-#include "cone_beam/charts/failures.h"
 #include "cone_beam/charts/scans.h"
 
 namespace gicube::samples {

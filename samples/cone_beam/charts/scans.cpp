@@ -29,17 +29,20 @@ ConeGeometry chart_scan(int voxels, int pixels, int views) {
   return geometry;
 }
 
-Point case_point(const std::string& chart, const std::string& series, double x, Case what) {
-  return {fmt::format("{}/{}/{:g}", chart, series, x), [what = std::move(what), x](Runner& runner) {
-            const Outcome out = runner.run(what);
-            const Comparison& error = out.error;
-            const Reconstruction& made = out.made;
-            const double residual = made.residuals.empty() ? 0 : made.residuals.back();
-            return fmt::format("{:g},{:.5g},{:.4g},{:.5g},{:.4g},{:.4g},{:.1f},{:.1f},{},{},{:.4g},{:.4g},{},{}\n", x,
-                               error.rmse, error.bias, error.relative_l2, error.psnr, error.ssim, out.board_ms,
-                               out.bus_ms, made.rays, made.deposits, made.clipped, residual, made.iterations,
-                               made.diverged ? 1 : 0);
-          }};
+Series case_series(const std::string& title, const std::string& prefix, const std::vector<double>& xs,
+                   const std::function<Case(double x)>& case_at) {
+  Series series{title, {}};
+  for (const double x : xs) {
+    series.points.push_back(
+        {fmt::format("{}/{:g}", prefix, x), [what = case_at(x), x](Runner& runner) {
+           const auto [made, error, board_ms, bus_ms] = runner.run(what);
+           const double residual = made.residuals.empty() ? 0 : made.residuals.back();
+           return fmt::format("{:g},{:.5g},{:.4g},{:.5g},{:.4g},{:.4g},{:.1f},{:.1f},{},{},{:.4g},{:.4g},{},{}\n", x,
+                              error.rmse, error.bias, error.relative_l2, error.psnr, error.ssim, board_ms, bus_ms,
+                              made.rays, made.deposits, made.clipped, residual, made.iterations, made.diverged ? 1 : 0);
+         }});
+  }
+  return series;
 }
 
 }  // namespace gicube::samples

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "cone_beam/threads.h"
+#include "cone_beam/parallel_for.h"
 #include "gicube/error.h"
 
 namespace gicube::samples {
@@ -14,25 +14,20 @@ namespace {
 
 using Field = std::vector<double>;
 
-std::size_t count(const Dims& dims) {
-  return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
-}
-
 void expect_size(const char* name, std::size_t size, const Grid& grid) {
-  if (size == count(grid.dims)) return;
-  throw BadArgument(name, fmt::format("{} values", count(grid.dims)), std::to_string(size));
+  if (size == voxel_count(grid.dims)) return;
+  throw BadArgument(name, fmt::format("{} values", voxel_count(grid.dims)), std::to_string(size));
 }
 
 std::vector<std::size_t> voxels_in(const FieldOfView& field, const Grid& grid) {
   std::vector<std::size_t> inside;
   std::size_t i = 0;
   for (int z = 0; z < grid.dims[2]; ++z) {
-    for (int y = 0; y < grid.dims[1]; ++y) {
-      for (int x = 0; x < grid.dims[0]; ++x, ++i) {
-        const Vec3 at = to_space(grid, {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
-        if (std::hypot(at.x, at.y) <= field.radius && std::abs(at.z) <= field.half_height) inside.push_back(i);
-      }
-    }
+    for_each_in_slice(grid.dims, [&](int x, int y) {
+      const Vec3 at = to_space(grid, {double(x), double(y), double(z)});
+      if (std::hypot(at.x, at.y) <= field.radius && std::abs(at.z) <= field.half_height) inside.push_back(i);
+      ++i;
+    });
   }
   return inside;
 }
@@ -70,7 +65,7 @@ void smooth(Field& field, const Dims& dims) {
     const std::size_t run = stride * static_cast<std::size_t>(dims[axis]);
     constexpr std::size_t kLanes = 64;  // chosen: a line's piece stays in the cache
     const std::size_t chunks = (stride + kLanes - 1) / kLanes;
-    in_parallel(field.size() / run * chunks, [&, stride, axis](std::size_t part) {
+    parallel_for(field.size() / run * chunks, [&, stride, axis](std::size_t part) {
       thread_local std::vector<double> copy;
       const std::size_t lane = part % chunks * kLanes;
       smooth_lines(field.data() + part / chunks * run + lane, dims[axis], stride, std::min(kLanes, stride - lane),

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "cone_beam/threads.h"
+#include "cone_beam/parallel_for.h"
 #include "gicube/error.h"
 
 namespace gicube::samples {
@@ -47,7 +47,7 @@ std::size_t add_poisson_noise(Projections& projections, double photons, std::uin
   }
   const std::size_t size = projections.view_size();
   std::atomic<std::size_t> dark{0};
-  in_parallel(projections.values.size() / size, [&](std::size_t view) {
+  parallel_for(projections.values.size() / size, [&](std::size_t view) {
     std::seed_seq sequence{seed & 0xFFFFFFFF, seed >> 32, std::uint64_t{view}};
     Engine engine(sequence);
     std::size_t here = 0;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "cone_beam/threads.h"
+#include "cone_beam/parallel_for.h"
 
 namespace gicube::samples {
 namespace {
@@ -76,7 +76,7 @@ Projections project(const Phantom& phantom, const ConeGeometry& geometry) {
   const Detector& detector = geometry.detector;
   Projections out{detector.columns, detector.rows, {}};
   out.values.resize(out.view_size() * geometry.angles.size());
-  in_parallel(geometry.angles.size(), [&](std::size_t view) {
+  parallel_for(geometry.angles.size(), [&](std::size_t view) {
     const Pose at = pose(geometry, geometry.angles[view]);
     float* value = out.view(view);
     for (int row = 0; row < detector.rows; ++row) {
@@ -90,17 +90,13 @@ Projections project(const Phantom& phantom, const ConeGeometry& geometry) {
 }
 
 std::vector<float> voxels(const Phantom& phantom, const Grid& grid) {
-  const auto [nx, ny, nz] = grid.dims;
-  const auto slice = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
-  std::vector<float> out(slice * static_cast<std::size_t>(nz));
-  in_parallel(static_cast<std::size_t>(nz), [&, nx = nx, ny = ny](std::size_t z) {
-    float* value = out.data() + z * slice;
-    for (int y = 0; y < ny; ++y) {
-      for (int x = 0; x < nx; ++x) {
-        const Vec3 voxel{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-        *value++ = static_cast<float>(value_at(phantom, to_space(grid, voxel)));
-      }
-    }
+  const auto slices = static_cast<std::size_t>(grid.dims[2]);
+  std::vector<float> out(voxel_count(grid.dims));
+  parallel_for(slices, [&](std::size_t z) {
+    float* value = out.data() + z * (out.size() / slices);
+    for_each_in_slice(grid.dims, [&](int x, int y) {
+      *value++ = static_cast<float>(value_at(phantom, to_space(grid, {double(x), double(y), double(z)})));
+    });
   });
   return out;
 }

@@ -9,7 +9,6 @@
 #include <map>
 #include <utility>
 
-#include "cone_beam/plan/plan_views.h"
 #include "gicube/error.h"
 
 namespace gicube::samples {
@@ -32,20 +31,19 @@ struct SlabError {
 
 // Relative to the whole slab's values; of the slice that is worst with the margin.
 SlabError error_of(const Grid& grid, const std::vector<float>& values, const std::vector<float>& best, double radius) {
-  const auto nx = static_cast<std::size_t>(grid.dims[0]), ny = static_cast<std::size_t>(grid.dims[1]);
   double off = 0, power = 0, worst = 0;
   int slices = 0;
   for (int z = kFaces; z < grid.dims[2] - kFaces; ++z, ++slices) {
     double slice = 0;
-    for (std::size_t y = 0; y < ny; ++y) {
-      for (std::size_t x = 0; x < nx; ++x) {
-        const Vec3 place = to_space(grid, {double(x), double(y), double(z)});
-        if (std::hypot(place.x, place.y) > radius) continue;
-        const std::size_t i = (static_cast<std::size_t>(z) * ny + y) * nx + x;
-        slice += std::pow(double{values[i]} - double{best[i]}, 2);
-        power += std::pow(double{best[i]}, 2);
-      }
-    }
+    std::size_t i = voxel_count({grid.dims[0], grid.dims[1], z});
+    for_each_in_slice(grid.dims, [&](int x, int y) {
+      const Vec3 place = to_space(grid, {double(x), double(y), double(z)});
+      const double value = double{values[i]}, wanted = double{best[i]};
+      ++i;
+      if (std::hypot(place.x, place.y) > radius) return;
+      slice += std::pow(value - wanted, 2);
+      power += std::pow(wanted, 2);
+    });
     off += slice;
     worst = std::max(worst, slice);
   }

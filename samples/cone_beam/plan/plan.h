@@ -57,4 +57,15 @@ Projections some_views(const Projections& projections, std::size_t views, int ev
 // The voxels that every view sees.
 FieldOfView field_seen(const ConeGeometry& geometry);
 
+// Which of the views may be left out so that the others are as evenly spread: each so many'th is kept, of a whole turn or, of less, from
+// the first to the last. Ascending, from 2.
+std::vector<int> strides_of(const ConeGeometry& geometry, int most);
+
+// Some slices around the middle plane, and the detector's rows whose rays run through them.
+struct Slab {
+  ConeGeometry geometry;
+  Projections projections;
+};
+Slab slab_of(const ConeGeometry& geometry, const Projections& projections, int slices);
+
 }  // namespace gicube::samples

@@ -1,5 +1,5 @@
 // Parts of scans that pilots are made of.
-#include "cone_beam/plan/plan_views.h"
+#include "cone_beam/plan/plan.h"
 
 #include <algorithm>
 #include <cmath>

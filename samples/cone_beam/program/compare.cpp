@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <fstream>
 #include <iostream>
 
 #include "cone_beam/phantom/comparison.h"
@@ -28,10 +27,8 @@ std::vector<float> truth_of(const ObjectOptions& truth, const Grid& grid) {
   return std::move(other.values);
 }
 
-void write_profiles(const std::filesystem::path& path, const GridValues& volume, const std::vector<float>& truth) {
-  const WholeFile whole(path);
-  std::ofstream stream(whole.path());
-  stream << "axis,position,value,truth\n";
+std::string profiles_text(const GridValues& volume, const std::vector<float>& truth) {
+  std::string text = "axis,position,value,truth\n";
   const Dims dims = volume.grid.dims, middle{dims[0] / 2, dims[1] / 2, dims[2] / 2};
   const std::array<double, 3> edges{volume.grid.spacing.x, volume.grid.spacing.y, volume.grid.spacing.z};
   for (int axis = 0; axis < 3; ++axis) {
@@ -40,12 +37,10 @@ void write_profiles(const std::filesystem::path& path, const GridValues& volume,
     const auto along = static_cast<std::size_t>(axis);
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double position = (static_cast<double>(i) - (dims[along] - 1) / 2.0) * edges[along];
-      stream << fmt::format("{},{},{},{}\n", static_cast<char>('x' + axis), position, values[i], wanted[i]);
+      text += fmt::format("{},{},{},{}\n", static_cast<char>('x' + axis), position, values[i], wanted[i]);
     }
   }
-  stream.close();
-  if (!stream) throw FileError(path, "file", "a place to write to", "an error");
-  whole.rename();
+  return text;
 }
 
 }  // namespace
@@ -62,7 +57,7 @@ void compare(const CompareOptions& options) {
   if (!options.difference.empty()) {
     write_volume({volume.grid.dims, volume.grid.spacing, origin_of(volume.grid, {}), difference}, options.difference);
   }
-  if (!options.profiles.empty()) write_profiles(options.profiles, volume, truth);
+  if (!options.profiles.empty()) write_whole(options.profiles, profiles_text(volume, truth));
   write_slices(options.slices, volume.grid, difference);
   if (!options.stats.empty()) write_json(to_json(found), options.stats);
   fmt::print("RMSE {:.6g}, bias {:.6g}, relative L2 error {:.6g}, PSNR {:.4g} dB, SSIM {:.6g}, {} voxels\n", found.rmse,

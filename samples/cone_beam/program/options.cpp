@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <map>
 #include <numbers>
 #include <ostream>
+#include <regex>
 
 #include "cone_beam/program/statistics.h"
 #include "cone_beam/scan/scan.h"
@@ -21,23 +21,16 @@ const char* const kFooter =
     "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, formats, limits, figures: docs/guide/cone_beam.md.";
 const char* const kPhantoms = "builtin:shepp-logan, builtin:shepp-logan-high-contrast, builtin:sphere";
 
-// One of several names.
-template <typename Value>
-void choice(CLI::App& app, const char* group, const std::string& option, Value& target,
-            const std::map<std::string, Value>& names, const std::string& help) {
-  std::vector<std::string> list;
-  for (const auto& [name, value] : names) list.push_back(name);
-  app.add_option_function<std::string>(
-         option, [&target, names](const std::string& name) { target = names.at(name); }, help)
-      ->check(CLI::IsMember(list))
-      ->group(group);
+const CLI::Range kSteps(1.0 / 64, 16.0), kCounts(2, 100'000), kShares(0.0, 1.0);
+
+CLI::ValidationError expected(const std::string& option, const char* what, const std::string& text) {
+  return CLI::ValidationError(option, fmt::format("expected {}, got {}", what, in_quotes(text)));
 }
 
 void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, const std::string& what) {
   app.add_option(name, object.name, what + ": " + kPhantoms + ", or a volume file (.nrrd .mhd .mha .nii)")->required();
-  app.add_option("--radius", object.radius, "of a phantom, in the scan's unit")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  OptionGroup group(app, "Options");
+  group.number("--radius", object.radius, CLI::PositiveNumber, "of a phantom, in the scan's unit");
   app.add_option("--value", object.value, "of the sphere; times a head's values: 0.02 a mm is about water's")
       ->capture_default_str();
 }
@@ -52,12 +45,12 @@ void add_volume(CLI::App& app, ScanOptions& scan) {
   group.parsed("--spacing", "EDGE|X,Y,Z", "edges of a voxel (the scan's; else a pixel's seen at the axis)",
                [&scan](const std::string& name, const std::string& text) {
                  const bool three = text.find(',') != std::string::npos;
-                 const std::vector<double> edges = parse_numbers(name, text, three ? 3 : 1);
+                 std::vector<double> edges = parse_numbers(name, text, three ? 3 : 1);
+                 edges.resize(3, edges[0]);
                  for (const double edge : edges) {
-                   if (!(edge > 0))
-                     throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
+                   if (!(edge > 0)) throw expected(name, "numbers above 0", text);
                  }
-                 scan.spacing = three ? Vec3{edges[0], edges[1], edges[2]} : Vec3{edges[0], edges[0], edges[0]};
+                 scan.spacing = {edges[0], edges[1], edges[2]};
                });
 }
 
@@ -73,129 +66,67 @@ void add_input(CLI::App& app, ScanOptions& scan) {
       .parsed("--type", "NAME", "of raw --projections: uint8 uint16 int16 float32, little-endian",
               [&scan](const std::string& name, const std::string& text) {
                 scan.type = raw_type(text);
-                if (scan.type) return;
-                throw CLI::ValidationError(name, "expected uint8, uint16, int16 or float32, got " + in_quotes(text));
+                if (!scan.type) throw expected(name, "uint8, uint16, int16 or float32", text);
               });
 }
 
 void add_own_scan(CLI::App& app, ScanOptions& scan) {
-  const char* name = "Scan";
-  app.add_option("--scan", scan.input,
-                 "whose geometry is taken: as SCAN of reconstruct; without it these options describe one")
-      ->type_name("SCAN")
-      ->group(name);
-  OptionGroup group(app, name);
+  OptionGroup group(app, "Scan");
+  group
+      .file("--scan", scan.input,
+            "whose geometry is taken: as SCAN of reconstruct; without it these options describe one")
+      ->type_name("SCAN");
   group.parsed("--detector", "WxH", "pixels (256x256)", [&scan](const std::string& option, const std::string& text) {
     const std::vector<int> sizes = parse_sizes(option, text, 2, 'x');
     scan.detector_size = {sizes[0], sizes[1]};
   });
-  const auto positive = [&](const char* option, double& target, const char* help) {
-    app.add_option(option, target, help)->check(CLI::PositiveNumber)->capture_default_str()->group(name);
-  };
-  positive("--pitch", scan.pitch, "of the pixels");
-  positive("--source-to-axis", scan.source_to_axis, "distance");
-  positive("--source-to-detector", scan.source_to_detector, "distance");
-  app.add_option("--views", scan.views, "evenly over the arc")
-      ->check(CLI::Range(2, 100'000))
-      ->capture_default_str()
-      ->group(name);
-  app.add_option("--arc", scan.arc, "degrees")->check(CLI::Range(1.0, 360.0))->capture_default_str()->group(name);
+  group.number("--pitch", scan.pitch, CLI::PositiveNumber, "of the pixels");
+  group.number("--source-to-axis", scan.source_to_axis, CLI::PositiveNumber, "distance");
+  group.number("--source-to-detector", scan.source_to_detector, CLI::PositiveNumber, "distance");
+  group.number("--views", scan.views, kCounts, "evenly over the arc");
+  group.number("--arc", scan.arc, CLI::Range(1.0, 360.0), "degrees");
 }
 
-void add_fdk(CLI::App& app, ReconstructOptions& options) {
-  const char* group = "FDK";
-  FdkSettings& fdk = options.filtered;
-  choice<Window>(app, group, "--window", fdk.window,
-                 {{"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}},
-                 "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
+void add_fdk(CLI::App& app, FdkSettings& fdk) {
+  OptionGroup group(app, "FDK");
   fdk.rays = 0;
   fdk.normalise = true;
-  app.add_option("--rays", fdk.rays,
-                 "a pixel's, along each detector axis; 0: so many that they lie no more than 1.25 voxels apart")
-      ->check(CLI::Range(0, 4))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--sharpen", fdk.sharpen, "against the blur of splatting: what a voxel takes from each neighbour")
-      ->check(CLI::Range(0.0, 0.25))
-      ->capture_default_str()
-      ->group(group);
-  app.add_flag("--normalise,!--no-normalise", fdk.normalise,
-               "divide out the ripples of rays that lie unevenly against voxels; sends every ray twice (on)")
-      ->group(group);
-  choice<Accumulator>(app, group, "--accumulator", fdk.accumulator,
-                      {{"sums", Accumulator::kSums}, {"irradiance", Accumulator::kIrradiance}},
-                      "words on the board: sums (signed, 36 bits) or irradiance (the paper's, in two passes) (sums)");
-  app.add_option("--read-every", fdk.read_every, "views, with --accumulator irradiance")
-      ->check(CLI::Range(1, 100'000))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--bits", fdk.bits, "of irradiance words that are used; 0: all")
-      ->check(CLI::Range(0, 32))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--headroom", fdk.headroom,
-                 "what full irradiance words stand for, over a bound of what a voxel can get; less is finer, and clips")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->group(group);
+  group.choice("--window", fdk.window, kWindows, "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
+  group.number("--rays", fdk.rays, CLI::Range(0, 4),
+               "a pixel's, along each detector axis; 0: so many that they lie no more than 1.25 voxels apart");
+  group.number("--sharpen", fdk.sharpen, CLI::Range(0.0, 0.25),
+               "against the blur of splatting: what a voxel takes from each neighbour");
+  group.flag("--normalise,!--no-normalise", fdk.normalise,
+             "divide out the ripples of rays that lie unevenly against voxels; sends every ray twice (on)");
+  group.choice("--accumulator", fdk.accumulator, kAccumulators,
+               "words on the board: sums (signed, 36 bits) or irradiance (the paper's, in two passes) (sums)");
+  group.number("--read-every", fdk.read_every, CLI::Range(1, 100'000), "views, with --accumulator irradiance");
+  group.number("--bits", fdk.bits, CLI::Range(0, 32), "of irradiance words that are used; 0: all");
+  group.number("--headroom", fdk.headroom, CLI::PositiveNumber,
+               "what full irradiance words stand for, over a bound of what a voxel can get; less is finer, and clips");
 }
 
 void add_algebraic(CLI::App& app, AlgebraicSettings& settings) {
-  const char* group = "SART, OS-SART, SIRT";
-  app.add_option("--iterations", settings.iterations, "at most, each through all views")
-      ->check(CLI::Range(1, 10'000))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--subsets", settings.subsets, "of views, each corrected for at once; os-sart")
-      ->check(CLI::Range(2, 100'000))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--relaxation", settings.relaxation, "of a correction; beyond 2 it diverges")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->group(group);
-  choice<ViewOrder>(
-      app, group, "--order", settings.order,
-      {{"sequential", ViewOrder::kSequential}, {"random", ViewOrder::kRandom}, {"golden", ViewOrder::kGolden}},
-      "of the views or subsets: sequential, random or golden (golden)");
+  OptionGroup group(app, "SART, OS-SART, SIRT");
+  group.number("--iterations", settings.iterations, CLI::Range(1, 10'000), "at most, each through all views");
+  group.number("--subsets", settings.subsets, kCounts, "of views, each corrected for at once; os-sart");
+  group.number("--relaxation", settings.relaxation, CLI::PositiveNumber, "of a correction; beyond 2 it diverges");
+  group.choice("--order", settings.order, kViewOrders,
+               "of the views or subsets: sequential, random or golden (golden)");
   app.add_flag_callback(
          "--allow-negative", [&settings] { settings.non_negative = false; }, "keep values below 0")
-      ->group(group);
-  app.add_option("--stop", settings.stop,
-                 "when an iteration lowers the residual by less than this part of it; 0: never")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--noise-level", settings.noise, "stop at a residual of this, the projections' own noise; 0: never")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str()
-      ->group(group);
+      ->group("SART, OS-SART, SIRT");
+  group.number("--stop", settings.stop, kShares,
+               "when an iteration lowers the residual by less than this part of it; 0: never");
+  group.number("--noise-level", settings.noise, kShares,
+               "stop at a residual of this, the projections' own noise; 0: never");
 }
 
-// The method and the step, which both kinds have.
-struct Common {
-  std::string method = "fdk";
-  double step = 1;
-};
-
-void add_method(CLI::App& app, Common& common) {
-  app.add_option("--method", common.method, "fdk, sart, os-sart or sirt")
-      ->check(CLI::IsMember({"fdk", "sart", "os-sart", "sirt"}))
-      ->capture_default_str()
-      ->group("Method");
-  app.add_option("--step", common.step, "of the rays, voxels")
-      ->check(CLI::Range(1.0 / 64, 16.0))
-      ->capture_default_str()
-      ->group("Method");
-}
-
-void set_method(const Common& common, ReconstructOptions& options) {
-  options.fdk = common.method == "fdk";
-  options.filtered.step = options.algebraic.step = common.step;
-  options.algebraic.method = common.method == "sirt"      ? Method::kSirt
-                             : common.method == "os-sart" ? Method::kOsSart
-                                                          : Method::kSart;
-  options.algebraic.seed = options.board.seed;
+void add_method(CLI::App& app, ReconstructOptions& options) {
+  OptionGroup group(app, "Method");
+  group.number("--method", options.method, CLI::IsMember({"fdk", "sart", "os-sart", "sirt"}),
+               "fdk, sart, os-sart or sirt");
+  group.number("--step", options.filtered.step, kSteps, "of the rays, voxels");
 }
 
 void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what) {
@@ -206,19 +137,16 @@ void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what) {
   group.parsed("--grey", "LOW,HIGH", "values that are black and white (nearly the least and the greatest)",
                [&slices](const std::string& name, const std::string& text) {
                  const std::vector<double> range = parse_numbers(name, text, 2);
-                 if (range[0] >= range[1]) {
-                   throw CLI::ValidationError(name, "expected LOW below HIGH, got " + in_quotes(text));
-                 }
+                 if (range[0] >= range[1]) throw expected(name, "LOW below HIGH", text);
                  slices.grey = {range[0], range[1]};
                });
   group
       .parsed("--slice", "AXIS=INDEX", "a plane in place of the three in the middle, as z=75; repeatable",
               [&slices](const std::string& name, const std::string& text) {
-                const bool named = text.size() > 2 && text[0] >= 'x' && text[0] <= 'z' && text[1] == '=' &&
-                                   text.find_first_not_of("0123456789", 2) == std::string::npos && text.size() < 8;
-                if (!named)
-                  throw CLI::ValidationError(name, "expected x, y or z = a whole number, got " + in_quotes(text));
-                slices.planes.emplace_back(text[0] - 'x', std::stoi(text.substr(2)));
+                static const std::regex kPlane("([xyz])=([0-9]{1,5})");
+                std::smatch parts;
+                if (!std::regex_match(text, parts, kPlane)) throw expected(name, "x, y or z = a whole number", text);
+                slices.planes.emplace_back(text[0] - 'x', std::stoi(parts[2]));
               })
       ->take_all();
 }
@@ -242,78 +170,71 @@ void add_projecting(CLI::App& app, ProjectOptions& options) {
   add_object(app, options.object, "OBJECT", "what is projected");
   add_own_scan(app, options.scan);
   add_volume(app, options.scan);
-  const char* group = "Projections";
-  app.add_flag("--by-board", options.by_board, "of a phantom's voxels by the board, not by its closed form")
-      ->group(group);
-  app.add_option("--step", options.step, "of the board's rays, voxels")
-      ->check(CLI::Range(1.0 / 64, 16.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--photons", options.photons,
-                 "a pixel would count without an object: Poisson noise by --seed; 0: none")
-      ->check(CLI::Range(0.0, 1e15))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option(
-         "-o,--output", options.output,
-         "the views: .nrrd .mhd .mha .raw, or a file each: .tif .pfm (with plastimatch's matrices). Beside them "
-         "NAME.textproto, the SCAN for reconstruct")
-      ->type_name("FILE")
-      ->required()
-      ->group("Output");
-  app.add_option("--voxels", options.voxels, "also write a phantom's voxels: .nrrd .mhd .mha .nii")
-      ->type_name("FILE")
-      ->group("Output");
+  OptionGroup group(app, "Projections"), output(app, "Output");
+  group.flag("--by-board", options.by_board, "of a phantom's voxels by the board, not by its closed form");
+  group.number("--step", options.step, kSteps, "of the board's rays, voxels");
+  group.number("--photons", options.photons, CLI::Range(0.0, 1e15),
+               "a pixel would count without an object: Poisson noise by --seed; 0: none");
+  output
+      .file("-o,--output", options.output,
+            "the views: .nrrd .mhd .mha .raw, or a file each: .tif .pfm (with plastimatch's matrices). Beside them "
+            "NAME.textproto, the SCAN for reconstruct")
+      ->required();
+  output.file("--voxels", options.voxels, "also write a phantom's voxels: .nrrd .mhd .mha .nii");
   add_board_options(app, options.board);
 }
 
-void add_reconstructing(CLI::App& app, ReconstructOptions& options, Common& common) {
+void add_reconstructing(CLI::App& app, ReconstructOptions& options) {
   add_input(app, options.scan);
   add_volume(app, options.scan);
-  add_method(app, common);
-  add_fdk(app, options);
+  add_method(app, options);
+  add_fdk(app, options.filtered);
   add_algebraic(app, options.algebraic);
-  app.add_option("-o,--output", options.output, "the volume: .nrrd .mhd .mha .nii .nii.gz, with spacing and origin")
-      ->type_name("FILE")
-      ->required()
-      ->group("Output");
+  OptionGroup(app, "Output")
+      .file("-o,--output", options.output, "the volume: .nrrd .mhd .mha .nii .nii.gz, with spacing and origin")
+      ->required();
   add_slices(app, options.slices, "it");
   add_plan_options(app, options.plan, "the volume");
   add_board_options(app, options.board);
 }
 
-void check_reconstruction_plan(const CLI::App& app, const ReconstructOptions& options) {
+void check_reconstruction(const CLI::App& app, ReconstructOptions& options) {
+  AlgebraicSettings& algebraic = options.algebraic;
+  algebraic.method = options.method == "sirt"      ? Method::kSirt
+                     : options.method == "os-sart" ? Method::kOsSart
+                                                   : Method::kSart;
+  algebraic.step = options.filtered.step;
+  algebraic.seed = options.board.seed;
   check_plan(options.plan);
+  check_volume_name("--output", options.output);
   if (!options.plan.wanted()) return;
-  if (!options.fdk)
-    throw UsageError("--method: expected fdk with --max-error and --time-budget, got " + std::string(name_of(options)));
+  if (!options.fdk()) {
+    throw UsageError("--method: expected fdk with --max-error and --time-budget, got " + options.method);
+  }
   for (const char* chosen : {"--rays", "--step", "--normalise"}) refuse_with_plan(app, chosen);
 }
 
 void add_comparing(CLI::App& app, CompareOptions& options) {
   app.add_option("VOLUME", options.volume, "a volume file")->required();
   add_object(app, options.truth, "TRUTH", "what it should be");
-  const char* group = "Field of view";
+  const char* field = "Field of view";
   app.add_option("--field-radius", options.field.radius, "voxels further from the axis are left out")
       ->check(CLI::PositiveNumber)
-      ->group(group);
+      ->group(field);
   app.add_option("--field-height", options.field.half_height, "and those further from the middle plane")
       ->check(CLI::PositiveNumber)
-      ->group(group);
-  app.add_option("--difference", options.difference, "the values less what they should be, as a volume")
-      ->type_name("FILE")
-      ->group("Output");
-  app.add_option("--profiles", options.profiles, "values and truth along the three lines through the middle, CSV")
-      ->type_name("FILE")
-      ->group("Output");
-  app.add_option("--stats", options.stats, "the figures as JSON")->type_name("FILE")->group("Output");
+      ->group(field);
+  OptionGroup output(app, "Output");
+  output.file("--difference", options.difference, "the values less what they should be, as a volume");
+  output.file("--profiles", options.profiles, "values and truth along the three lines through the middle, CSV");
+  output.file("--stats", options.stats, "the figures as JSON");
   add_slices(app, options.slices, "the difference");
 }
 
 void add_importing(CLI::App& app, ImportOptions& options) {
   add_input(app, options.scan);
   add_volume(app, options.scan);
-  app.add_option("-o,--output", options.output, "a scan file (printed)")->type_name("FILE")->group("Output");
+  OptionGroup(app, "Output").file("-o,--output", options.output, "a scan file (printed)");
 }
 
 void add_charts(CLI::App& app, ChartOptions& options) {
@@ -331,7 +252,6 @@ std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* con
   CompareOptions compare;
   ImportOptions import;
   ChartOptions charts;
-  Common common;
   CLI::App app("Cone-beam tomography by a GI-Cube board.", "gicube-cone-beam");
   app.footer(kFooter);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
@@ -342,7 +262,7 @@ std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* con
   CLI::App* const importing = app.add_subcommand("import", "a scan as a scan file, to be looked at and edited");
   CLI::App* const charting = app.add_subcommand("charts", "tables of errors against costs, where the methods fail");
   add_projecting(*projecting, project);
-  add_reconstructing(*reconstructing, reconstruct, common);
+  add_reconstructing(*reconstructing, reconstruct);
   add_comparing(*comparing, compare);
   add_importing(*importing, import);
   add_charts(*charting, charts);
@@ -353,9 +273,7 @@ std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* con
     return project;
   }
   if (reconstructing->parsed()) {
-    set_method(common, reconstruct);
-    check_reconstruction_plan(*reconstructing, reconstruct);
-    check_volume_name("--output", reconstruct.output);
+    check_reconstruction(*reconstructing, reconstruct);
     return reconstruct;
   }
   if (importing->parsed()) return import;

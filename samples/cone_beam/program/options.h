@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -56,14 +57,24 @@ struct ProjectOptions {
 
 struct ReconstructOptions {
   ScanOptions scan;
-  bool fdk = true;
-  FdkSettings filtered;  // its rays 0: to be chosen
+  std::string method = "fdk";  // or sart, os-sart, sirt
+  FdkSettings filtered;        // its rays 0: to be chosen
   AlgebraicSettings algebraic;
   std::filesystem::path output;
   SliceOptions slices;
   PlanOptions plan;  // of fdk
   BoardOptions board;
+
+  bool fdk() const { return method == "fdk"; }
 };
+
+// The names of settings, on the command line and in --stats.
+inline const std::map<std::string, Window> kWindows{
+    {"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}};
+inline const std::map<std::string, Accumulator> kAccumulators{{"sums", Accumulator::kSums},
+                                                              {"irradiance", Accumulator::kIrradiance}};
+inline const std::map<std::string, ViewOrder> kViewOrders{
+    {"sequential", ViewOrder::kSequential}, {"random", ViewOrder::kRandom}, {"golden", ViewOrder::kGolden}};
 
 struct CompareOptions {
   std::filesystem::path volume;

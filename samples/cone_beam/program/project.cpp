@@ -3,7 +3,6 @@
 #include "cone_beam/phantom/noise.h"
 #include "cone_beam/program/commands.h"
 #include "cone_beam/program/object.h"
-#include "cone_beam/program/statistics.h"
 #include "cone_beam/projector.h"
 #include "cone_beam/scan/projection_matrices.h"
 #include "cone_beam/scan/scan.h"
@@ -34,7 +33,7 @@ Made by_board(const ProjectOptions& options, const ConeGeometry& geometry, std::
   RunWindow window(board);
   Made made;
   made.projections = project_by_board(board, geometry, values, options.step, progress.parts("projecting"));
-  made.stats = to_json(Cost{board.info(), window.counters(), window.simulated(), window.host_seconds()});
+  made.stats = cost_json(board.info(), window);
   return made;
 }
 
@@ -96,10 +95,10 @@ void project(const ProjectOptions& options) {
   if (options.photons > 0) unseen = add_poisson_noise(made.projections, options.photons, options.board.seed);
   progress.show("writing");
   write_files(options, description, made.projections);
-  made.stats["views"] = geometry.angles.size();
-  made.stats["photons"] = options.photons;
-  made.stats["seed"] = options.board.seed;
-  made.stats["unseen"] = unseen;
+  made.stats.update(nlohmann::ordered_json{{"views", geometry.angles.size()},
+                                           {"photons", options.photons},
+                                           {"seed", options.board.seed},
+                                           {"unseen", unseen}});
   if (!options.board.stats.empty()) write_json(made.stats, options.board.stats);
   progress.clear();
   if (options.board.quiet) return;

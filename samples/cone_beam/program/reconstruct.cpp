@@ -62,16 +62,16 @@ std::optional<Board> board_for_pilots(const BoardOptions& options, const Board& 
 }
 
 void print_summary(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result,
-                   const Cost& cost) {
+                   const nlohmann::ordered_json& cost) {
   const Dims& dims = scan.geometry.volume.dims;
   fmt::print("{}: {} x {} x {} voxels from {} views by {}, {:.1f} ms simulated, {:.1f} s\n", options.output.string(),
-             dims[0], dims[1], dims[2], scan.geometry.angles.size(), name_of(options), to_ms(cost.simulated),
-             cost.host_seconds);
+             dims[0], dims[1], dims[2], scan.geometry.angles.size(), options.method, cost["board_ms"].get<double>(),
+             cost["host_seconds"].get<double>());
   if (scan.repeated > 0) {
     fmt::print("{} views were read; {} of them repeat an angle, and are averaged with it\n", scan.views_read,
                scan.repeated);
   }
-  if (!options.fdk && !result.residuals.empty()) {
+  if (!options.fdk() && !result.residuals.empty()) {
     fmt::print("{} iterations, residual {:.4g}\n", result.iterations, *std::ranges::min_element(result.residuals));
   }
 }
@@ -86,7 +86,7 @@ void reconstruct(const ReconstructOptions& wanted) {
   ProgressLine progress(!options.board.quiet);
   progress.show("reading");
   Scan scan = load_scan(description_of(options.scan));
-  if (const double rays = rays_needed(scan.geometry); options.fdk && options.filtered.rays == 0) {
+  if (const double rays = rays_needed(scan.geometry); options.fdk() && options.filtered.rays == 0) {
     options.filtered.rays = static_cast<int>(std::clamp(std::ceil(rays), 1.0, 4.0));
     if (rays > 4) {
       scan.warnings.push_back(fmt::format(
@@ -110,9 +110,9 @@ void reconstruct(const ReconstructOptions& wanted) {
   RunWindow window(board);
   const Progress parts = progress.parts("reconstructing");
   const Reconstruction result =
-      options.fdk ? reconstruct_fdk(board, scan.geometry, scan.projections, options.filtered, parts)
-                  : reconstruct_algebraic(board, scan.geometry, scan.projections, options.algebraic, parts);
-  const Cost cost{board.info(), window.counters(), window.simulated(), window.host_seconds()};
+      options.fdk() ? reconstruct_fdk(board, scan.geometry, scan.projections, options.filtered, parts)
+                    : reconstruct_algebraic(board, scan.geometry, scan.projections, options.algebraic, parts);
+  const auto cost = cost_json(board.info(), window);
   progress.show("writing");
   write_volume({grid.dims, grid.spacing, origin_of(grid, scan.centre), result.values}, options.output);
   write_slices(options.slices, grid, result.values);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cone_beam/scan/json_part.h"
+#include "cone_beam/scan/scan_file.h"
 #include "cone_beam/scan/view_frame.h"
 #include "scene/formats/header_lines.h"
 
@@ -108,18 +109,9 @@ RawLayout layout_of(const JsonPart& projections, int columns, int rows) {
   const JsonPart type = projections.at("datatype");
   RawLayout layout;
   layout.dims = {columns, rows, 0};
-  const std::string name = type.text();
-  if (name == "uint8") {
-    layout.type = SampleType::kUint8;
-  } else if (name == "uint16") {
-    layout.type = SampleType::kUint16;
-  } else if (name == "int16") {
-    layout.type = SampleType::kInt16;
-  } else if (name == "float32") {
-    layout.type = SampleType::kFloat32;
-  } else {
-    type.fault("uint8, uint16, int16 or float32");
-  }
+  const auto known = raw_type(type.text());
+  if (!known) type.fault("uint8, uint16, int16 or float32");
+  layout.type = *known;
   if (projections.has("byteorder")) {
     const JsonPart order = projections.at("byteorder");
     if (order.text() != "little" && order.text() != "big") order.fault("\"little\" or \"big\"");

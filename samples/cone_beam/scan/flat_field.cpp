@@ -28,16 +28,12 @@ float beside(const std::vector<double>& light, const float* view, std::size_t pi
   const std::size_t begin = pixel - pixel % columns, end = begin + columns;
   double sum = 0;
   int count = 0;
-  for (std::size_t i = pixel; i-- > begin;) {
-    if (light[i] <= 0) continue;
-    sum += static_cast<double>(view[i]), ++count;
-    break;
-  }
-  for (std::size_t i = pixel + 1; i < end; ++i) {
-    if (light[i] <= 0) continue;
-    sum += static_cast<double>(view[i]), ++count;
-    break;
-  }
+  const auto take = [&](std::size_t i) {
+    if (light[i] > 0) sum += static_cast<double>(view[i]), ++count;
+    return light[i] > 0;
+  };
+  for (std::size_t i = pixel; i > begin && !take(i - 1);) --i;
+  for (std::size_t i = pixel + 1; i < end && !take(i);) ++i;
   return count == 0 ? 0.0F : static_cast<float>(sum / count);
 }
 

@@ -8,9 +8,8 @@
 namespace gicube::samples {
 
 struct FlatFieldReport {
-  std::size_t absorbed =
-      0;  // values of rays of which nothing was left: taken as half of the least that could have been told
-  std::size_t dead = 0;  // pixels of the detector without any light, which have the mean of the next ones in their row
+  std::size_t absorbed = 0;  // values without any light left, taken as half of the smallest that can be measured
+  std::size_t dead = 0;      // pixels without light in the flat field; they get the mean of their neighbours in the row
 };
 
 // In place: -ln((p - dark) / (flat - dark)), flats and darks averaged. A p - dark below 1/2 where the views are whole numbers,

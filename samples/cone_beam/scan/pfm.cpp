@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <fstream>
+#include <ostream>
 #include <sstream>
 
 #include "scene/formats/data_stream.h"
@@ -45,14 +45,10 @@ FloatMap read_pfm(const std::filesystem::path& file) {
 
 void write_pfm(std::span<const float> values, int width, int height, const std::filesystem::path& file) {
   static_assert(std::endian::native == std::endian::little, "floats are written as they lie in memory");
-  const WholeFile whole(file);
-  std::ofstream stream(whole.path(), std::ios::binary);
-  stream << "Pf\n" << width << ' ' << height << "\n-1\n";
-  stream.write(reinterpret_cast<const char*>(values.data()),
-               static_cast<std::streamsize>(values.size() * sizeof(float)));
-  stream.close();
-  if (!stream) throw FileError(file, "file", "a place to write to", "an error");
-  whole.rename();
+  write_whole(file, [&](std::ostream& stream) {
+    stream << "Pf\n" << width << ' ' << height << "\n-1\n";
+    stream.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
+  });
 }
 
 }  // namespace gicube::samples

@@ -97,12 +97,7 @@ void write_projection_matrix(const ConeGeometry& geometry, double angle, const s
                       -c, -s, 0.0);
   text += "Extrinsic\n" + rows_text({{-s, c, 0, 0}, {0, 0, -1, 0}, {-c, -s, 0, distance}, {0, 0, 0, 1}});
   text += "Intrinsic\n" + rows_text({{u, 0, 0, 0}, {0, v, 0, 0}, {0, 0, w, 0}});
-  const WholeFile whole(file);
-  std::ofstream stream(whole.path());
-  stream << text;
-  stream.close();
-  if (!stream) throw FileError(file, "file", "a place to write to", "an error");
-  whole.rename();
+  write_whole(file, text);
 }
 
 ViewFrame frame_of(const ProjectionMatrix& view, const std::filesystem::path& file) {

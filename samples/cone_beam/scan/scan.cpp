@@ -20,7 +20,8 @@ namespace {
 
 // One view between the file's order of pixels and the geometry's; its own inverse.
 template <typename Take>
-void for_each_pixel(const ScanDescription& description, std::size_t columns, std::size_t rows, const Take& take) {
+void for_each_pixel(const ScanDescription& description, int of_columns, int of_rows, const Take& take) {
+  const auto columns = static_cast<std::size_t>(of_columns), rows = static_cast<std::size_t>(of_rows);
   for (std::size_t row = 0; row < rows; ++row) {
     const std::size_t to_row = description.rows_reversed ? rows - 1 - row : row;
     for (std::size_t column = 0; column < columns; ++column) {
@@ -53,7 +54,7 @@ Projections sorted(const Stack& stack, const ScanDescription& description, const
     const auto share = 1 / static_cast<float>(order.places[view].size());
     for (const std::size_t place : order.places[view]) {
       const float* const from = stack.values.data() + place * size;
-      for_each_pixel(description, static_cast<std::size_t>(stack.columns), static_cast<std::size_t>(stack.rows),
+      for_each_pixel(description, stack.columns, stack.rows,
                      [&](std::size_t stored, std::size_t pixel) { to[pixel] += share * from[stored]; });
     }
   }
@@ -162,9 +163,9 @@ std::vector<float> as_stored(const Projections& projections, const ScanDescripti
   std::vector<float> out(projections.values.size());
   const std::size_t size = projections.view_size();
   for (std::size_t first = 0; first < out.size(); first += size) {
-    for_each_pixel(
-        description, static_cast<std::size_t>(projections.columns), static_cast<std::size_t>(projections.rows),
-        [&](std::size_t stored, std::size_t pixel) { out[first + stored] = projections.values[first + pixel]; });
+    for_each_pixel(description, projections.columns, projections.rows, [&](std::size_t stored, std::size_t pixel) {
+      out[first + stored] = projections.values[first + pixel];
+    });
   }
   return out;
 }

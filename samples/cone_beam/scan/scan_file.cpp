@@ -1,23 +1,20 @@
 #include "cone_beam/scan/scan_file.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/text_format.h>
 
 #include <cmath>
-#include <fstream>
 #include <numbers>
-#include <sstream>
 
 #include "gicube/v1/cone_scan.pb.h"
-#include "scene/graph/faults.h"
+#include "scene/graph/message_text.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr std::uintmax_t kMaxBytes = 16 << 20;  // chosen: a million angles
-constexpr int kMaxNesting = 20;                 // chosen: of braces; bounds the parser's stack
-constexpr double kMaxPixels = 65536;            // chosen: of a detector's edge
-constexpr int kMaxViews = 1 << 20;              // chosen
+constexpr std::uintmax_t kMaxMib = 16;  // chosen: a million angles
+constexpr int kMaxNesting = 20;         // chosen: of braces; bounds the parser's stack
+constexpr double kMaxPixels = 65536;    // chosen: of a detector's edge
+constexpr int kMaxViews = 1 << 20;      // chosen
 constexpr double kRadians = std::numbers::pi / 180;
 
 // Turns the parsed message into a description; a fault leaves that part of it at its default.
@@ -154,38 +151,20 @@ class Translator {
 }  // namespace
 
 std::optional<SampleType> raw_type(const std::string& name) {
-  if (name == "uint8") return SampleType::kUint8;
-  if (name == "uint16") return SampleType::kUint16;
-  if (name == "int16") return SampleType::kInt16;
-  if (name == "float32") return SampleType::kFloat32;
-  return std::nullopt;
+  const auto known = kRawTypes.find(name);
+  return known == kRawTypes.end() ? std::nullopt : std::optional(known->second);
 }
 
 ScanDescription parse_scan(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
   Faults faults(name);
-  google::protobuf::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&faults);
-  parser.SetRecursionLimit(kMaxNesting);
-  parser.AllowUnknownField(true);  // reported by AddWarning, and the parser goes on to the next fault
-  v1::ConeScan message;
-  if (!parser.ParseFromString(text, &message)) faults.throw_if_any();
-  ScanDescription out = Translator(faults, folder).translate(message);
+  ScanDescription out = Translator(faults, folder).translate(parsed_message<v1::ConeScan>(text, kMaxNesting, faults));
   faults.throw_if_any();
   out.file = name;
   return out;
 }
 
 ScanDescription read_scan_file(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path.string(), "a scan file", "no such file");
-  if (const auto bytes = std::filesystem::file_size(path, error); bytes > kMaxBytes) {
-    throw InputError(path.string(), "a scan file of at most 16 MiB", std::to_string(bytes) + " bytes");
-  }
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw InputError(path.string(), "a scan file", "one that can't be read");
-  return parse_scan(text.str(), path.string(), path.parent_path());
+  return parse_scan(read_text(path, "a scan file", kMaxMib), path.string(), path.parent_path());
 }
 
 }  // namespace gicube::samples

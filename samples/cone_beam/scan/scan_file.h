@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -16,7 +17,12 @@ ScanDescription parse_scan(const std::string& text, const std::string& name, con
 // The same for a file. Throws InputError also if it can't be read.
 ScanDescription read_scan_file(const std::filesystem::path& path);
 
-// By the names of cone_scan.proto; nothing for another.
+// Types of raw samples by the names of cone_scan.proto.
+inline const std::map<std::string, SampleType> kRawTypes{{"uint8", SampleType::kUint8},
+                                                         {"uint16", SampleType::kUint16},
+                                                         {"int16", SampleType::kInt16},
+                                                         {"float32", SampleType::kFloat32}};
+// Nothing for another name.
 std::optional<SampleType> raw_type(const std::string& name);
 
 // The text of a description. Files in `folder` are named relative to it.

@@ -1,6 +1,5 @@
 #include <google/protobuf/text_format.h>
 
-#include <fstream>
 #include <numbers>
 
 #include "cone_beam/scan/scan_file.h"
@@ -10,21 +9,14 @@
 namespace gicube::samples {
 namespace {
 
-const char* name_of(SampleType type) {
-  switch (type) {
-    case SampleType::kUint8: return "uint8";
-    case SampleType::kInt16: return "int16";
-    case SampleType::kFloat32: return "float32";
-    default: return "uint16";
-  }
-}
-
 void put(const StackFiles& files, const std::filesystem::path& folder, v1::StackOfViews& out) {
   for (const auto& file : files.files) {
     out.add_file(file.parent_path() == folder ? file.filename().string() : std::filesystem::absolute(file).string());
   }
   if (!files.raw) return;
-  out.set_type(name_of(files.raw->type));
+  for (const auto& [name, type] : kRawTypes) {
+    if (type == files.raw->type) out.set_type(name);
+  }
   if (files.raw->big_endian) out.set_big_endian(true);
   if (files.raw->skip_bytes != 0) out.set_skip_bytes(files.raw->skip_bytes);
 }
@@ -71,12 +63,7 @@ std::string scan_text(const ScanDescription& description, const std::filesystem:
 }
 
 void write_scan_file(const ScanDescription& description, const std::filesystem::path& path) {
-  const WholeFile whole(path);
-  std::ofstream stream(whole.path());
-  stream << scan_text(description, path.parent_path());
-  stream.close();
-  if (!stream) throw FileError(path, "file", "a place to write to", "an error");
-  whole.rename();
+  write_whole(path, scan_text(description, path.parent_path()));
 }
 
 }  // namespace gicube::samples

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <span>
 
 #include "cone_beam/scan/pfm.h"
@@ -86,15 +85,6 @@ void write_tiff(std::span<const float> values, int width, int height, const std:
   file.rename();
 }
 
-void write_raw(std::span<const float> values, const std::filesystem::path& path) {
-  const WholeFile file(path);
-  std::ofstream stream(file.path(), std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
-  stream.close();
-  if (!stream) throw FileError(path, "file", "a place to write to", "an error");
-  file.rename();
-}
-
 }  // namespace
 
 Stack read_stack(const StackFiles& files) {
@@ -119,24 +109,20 @@ Stack read_stack(const StackFiles& files) {
 std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path) {
   const std::string extension = lower_case(path.extension().string());
   const bool tiff = extension == ".tif" || extension == ".tiff";
+  if (extension == ".raw") {
+    const auto bytes = std::as_bytes(std::span(stack.values));
+    write_whole(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    return {path};
+  }
   if (!tiff && extension != ".pfm") {
-    const int views = static_cast<int>(stack.views());
-    if (extension == ".raw") {
-      write_raw(stack.values, path);
-    } else {
-      write_volume({{stack.columns, stack.rows, views}, {1, 1, 1}, {}, stack.values}, path);
-    }
+    write_volume({{stack.columns, stack.rows, static_cast<int>(stack.views())}, {1, 1, 1}, {}, stack.values}, path);
     return {path};
   }
   std::vector<std::filesystem::path> files;
   for (std::size_t view = 0; view < stack.views(); ++view) {
     files.push_back(numbered(path, view));
     const auto values = std::span(stack.values).subspan(view * stack.view_size(), stack.view_size());
-    if (tiff) {
-      write_tiff(values, stack.columns, stack.rows, files.back());
-    } else {
-      write_pfm(values, stack.columns, stack.rows, files.back());
-    }
+    (tiff ? write_tiff : write_pfm)(values, stack.columns, stack.rows, files.back());
   }
   return files;
 }

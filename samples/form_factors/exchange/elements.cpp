@@ -7,7 +7,7 @@ namespace gicube::samples {
 namespace {
 
 // Bits of x, y and z in turn: the order in which an octree's leaves follow each other.
-std::uint64_t octree_place(const std::array<int, 3>& voxel) {
+std::uint64_t octree_place(const GridCell& voxel) {
   std::uint64_t place = 0;
   for (unsigned bit = 0; bit < 21; ++bit) {
     for (unsigned axis = 0; axis < 3; ++axis) {
@@ -38,11 +38,11 @@ class LeafMaker {
   LeafMaker(const Medium& medium, const SceneSetup& setup, const Emissions& emissions)
       : medium_(medium), setup_(setup), emissions_(emissions), edges_(array_of(medium.edges)) {}
 
-  void add(const std::array<int, 3>& voxel) {
+  void add(const GridCell& voxel) {
     for (std::uint8_t facing = 0; facing < kMedium; ++facing) add_face(voxel, facing);
     const double kappa = mean_kappa(medium_, voxel);
     if (!(kappa > 0)) return;
-    Leaf leaf = begin(voxel, kMedium, medium_.tags[place(voxel)]);
+    Leaf leaf = begin(voxel, kMedium, medium_.tags[medium_.at(voxel)]);
     leaf.kappa = kappa;
     leaf.weight *= 4 * kappa;
     for (double& channel : leaf.emission) channel /= 4 * kappa;  // was power of a unit of volume
@@ -62,21 +62,19 @@ class LeafMaker {
   }
 
  private:
-  std::size_t place(const std::array<int, 3>& voxel) const { return medium_.at(voxel[0], voxel[1], voxel[2]); }
-
-  void add_face(const std::array<int, 3>& voxel, std::uint8_t facing) {
+  void add_face(const GridCell& voxel, std::uint8_t facing) {
     const std::size_t axis = facing / 2u;
-    std::array<int, 3> behind = voxel;
+    GridCell behind = voxel;
     behind[axis] += facing % 2 == 0 ? 1 : -1;
     if (behind[axis] < 0 || behind[axis] >= medium_.dims[axis]) {
       leaves_[facing].push_back(begin(voxel, facing, kOutside));
-    } else if (medium_.solid[place(behind)] != 0) {
-      leaves_[facing].push_back(begin(voxel, facing, medium_.tags[place(behind)]));
+    } else if (medium_.solid[medium_.at(behind)] != 0) {
+      leaves_[facing].push_back(begin(voxel, facing, medium_.tags[medium_.at(behind)]));
     }
   }
 
   // With its area or volume for a weight.
-  Leaf begin(const std::array<int, 3>& voxel, std::uint8_t facing, std::uint8_t tag) const {
+  Leaf begin(const GridCell& voxel, std::uint8_t facing, std::uint8_t tag) const {
     std::array<double, 3> low, high;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       low[axis] = std::max(voxel[axis] - 0.5, 0.0);
@@ -200,13 +198,9 @@ class ForestMaker {
 
 std::vector<Leaf> make_leaves(const Medium& medium, const SceneSetup& setup, const Emissions& emissions) {
   LeafMaker maker(medium, setup, emissions);
-  for (int z = 0; z < medium.dims[2]; ++z) {
-    for (int y = 0; y < medium.dims[1]; ++y) {
-      for (int x = 0; x < medium.dims[0]; ++x) {
-        if (medium.solid[medium.at(x, y, z)] == 0) maker.add({x, y, z});
-      }
-    }
-  }
+  for_each_voxel({}, medium.dims, [&](const GridCell& voxel) {
+    if (medium.solid[medium.at(voxel)] == 0) maker.add(voxel);
+  });
   return maker.finish();
 }
 

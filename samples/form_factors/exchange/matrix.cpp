@@ -3,26 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <functional>
+#include <ostream>
 #include <string>
 
-#include "scene/formats/file_error.h"
 #include "scene/formats/whole_file.h"
 
 namespace gicube::samples {
 namespace {
 
 constexpr const char* kFacings[] = {"-x", "+x", "-y", "+y", "-z", "+z", "medium"};
-
-void write_whole(const std::filesystem::path& path, const std::function<void(std::ofstream&)>& fill) {
-  const WholeFile file(path);
-  std::ofstream stream(file.path());
-  fill(stream);
-  stream.close();
-  if (!stream) throw FileError(path, "file", "a place to write to", "an error");
-  file.rename();
-}
 
 std::string row_of(const RadiosityResult& result, std::size_t i) {
   const Cluster& cluster = result.clusters[i];
@@ -38,7 +27,7 @@ std::string row_of(const RadiosityResult& result, std::size_t i) {
 std::filesystem::path clusters_file(const std::filesystem::path& file) { return file.string() + ".clusters.csv"; }
 
 void write_factors(const RadiosityResult& result, const std::filesystem::path& file) {
-  write_whole(file, [&](std::ofstream& stream) {
+  write_whole(file, [&](std::ostream& stream) {
     stream << "%%MatrixMarket matrix coordinate real symmetric\n"
               "% Exchange areas X of the links between clusters, smallest voxel edges squared; form factor F_ij = X_ij "
               "/ w_i.\n"
@@ -50,7 +39,7 @@ void write_factors(const RadiosityResult& result, const std::filesystem::path& f
                             link.exchange);
     }
   });
-  write_whole(clusters_file(file), [&](std::ofstream& stream) {
+  write_whole(clusters_file(file), [&](std::ostream& stream) {
     stream << "row,facing,tag,low_x,low_y,low_z,high_x,high_y,high_z,measure,weight,first_leaf,last_leaf,parent\n";
     for (std::size_t i = 0; i < result.clusters.size(); ++i) stream << row_of(result, i);
   });

@@ -48,24 +48,21 @@ std::vector<double> table(double max_kappa) {
 void continue_into_solids(Medium& medium) {
   const std::vector<std::uint16_t> open = medium.densities;
   const auto& dims = medium.dims;
-  for (int z = 0; z < dims[2]; ++z) {
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x) {
-        const std::size_t at = medium.at(x, y, z);
-        if (medium.solid[at] == 0) continue;
-        unsigned sum = 0, count = 0;
-        for (int k = std::max(z - 1, 0); k <= std::min(z + 1, dims[2] - 1); ++k) {
-          for (int j = std::max(y - 1, 0); j <= std::min(y + 1, dims[1] - 1); ++j) {
-            for (int i = std::max(x - 1, 0); i <= std::min(x + 1, dims[0] - 1); ++i) {
-              const std::size_t near = medium.at(i, j, k);
-              if (medium.solid[near] == 0) sum += open[near], ++count;
-            }
-          }
-        }
-        medium.densities[at] = static_cast<std::uint16_t>(count > 0 ? (sum + count / 2) / count : 0);
-      }
+  for_each_voxel({}, dims, [&](const GridCell& cell) {
+    const std::size_t at = medium.at(cell);
+    if (medium.solid[at] == 0) return;
+    GridCell first, end;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      first[axis] = std::max(cell[axis] - 1, 0);
+      end[axis] = std::min(cell[axis] + 2, dims[axis]);
     }
-  }
+    unsigned sum = 0, count = 0;
+    for_each_voxel(first, end, [&](const GridCell& beside) {
+      const std::size_t near = medium.at(beside);
+      if (medium.solid[near] == 0) sum += open[near], ++count;
+    });
+    medium.densities[at] = static_cast<std::uint16_t>(count > 0 ? (sum + count / 2) / count : 0);
+  });
 }
 
 }  // namespace
@@ -77,7 +74,7 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
   const Volume& volume = setup.volume;
   Medium medium;
   medium.dims = volume.dims;
-  const std::size_t voxels = medium.at(0, 0, volume.dims[2]);
+  const std::size_t voxels = medium.at({0, 0, volume.dims[2]});
   if (voxels == 0 || volume.samples.size() != voxels * bytes_per_sample(volume.type)) {
     throw InputError("setup.volume", "its voxels", fmt::format("{} bytes", volume.samples.size()));
   }
@@ -89,12 +86,12 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
   medium.kappa.resize(voxels);
 
   const ValueRange range = value_range_of(volume);
-  Materials looks = setup.materials;
-  for (TransferFunctionFile& look : looks) look = {in_values_of(range, look), false};
+  Materials materials = setup.materials;
+  for (TransferFunctionFile& material : materials) material = {in_values_of(range, material), false};
   for (std::size_t i = 0; i < voxels; ++i) {
     const std::size_t tag = medium.tags[i];
     const double value = std::clamp(value_at(volume, i), range.low, range.high);
-    const double opacity = tag < looks.size() ? looks[tag].function.opacity_at(value) : 0;
+    const double opacity = tag < materials.size() ? materials[tag].function.opacity_at(value) : 0;
     medium.solid[i] = opacity >= solid_opacity ? 1 : 0;
     if (medium.solid[i] == 0) medium.kappa[i] = -std::log1p(-opacity);
     medium.max_kappa = std::max(medium.max_kappa, medium.kappa[i]);
@@ -140,7 +137,7 @@ void load(Board& board, const Medium& medium, double step) {
   board.render_to_framebuffer(pixel);
 }
 
-double mean_kappa(const Medium& medium, const std::array<int, 3>& voxel) {
+double mean_kappa(const Medium& medium, const GridCell& voxel) {
   // Means of the interpolation's three weights over half a voxel on both sides, or over what is left at an end.
   std::array<std::array<double, 3>, 3> weights;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -148,41 +145,32 @@ double mean_kappa(const Medium& medium, const std::array<int, 3>& voxel) {
     weights[axis] = {first ? 0 : last ? 0.25 : 0.125, 0.75, last ? 0 : first ? 0.25 : 0.125};
   }
   double sum = 0;
-  for (int k = 0; k < 3; ++k) {
-    for (int j = 0; j < 3; ++j) {
-      for (int i = 0; i < 3; ++i) {
-        const double weight = weights[0][static_cast<std::size_t>(i)] * weights[1][static_cast<std::size_t>(j)] *
-                              weights[2][static_cast<std::size_t>(k)];
-        if (weight > 0) sum += weight * medium.kappa[medium.at(voxel[0] + i - 1, voxel[1] + j - 1, voxel[2] + k - 1)];
-      }
-    }
-  }
+  for_each_voxel({}, {3, 3, 3}, [&](const GridCell& beside) {
+    double weight = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) weight *= weights[axis][static_cast<std::size_t>(beside[axis])];
+    if (weight == 0) return;
+    sum += weight *
+           medium.kappa[medium.at({voxel[0] + beside[0] - 1, voxel[1] + beside[1] - 1, voxel[2] + beside[2] - 1})];
+  });
   return sum;
 }
 
-Contents::Contents(const Medium& medium) : dims_(medium.dims) {
-  const auto count = [this](std::size_t axis) { return static_cast<std::size_t>(dims_[axis]) + 1; };
-  sums_.resize(count(0) * count(1) * count(2));
-  for (int z = 0; z < dims_[2]; ++z) {
-    for (int y = 0; y < dims_[1]; ++y) {
-      Sums row{};
-      for (int x = 0; x < dims_[0]; ++x) {
-        const std::size_t at = medium.at(x, y, z);
-        const double kappa = medium.kappa[at];
-        const Sums here{static_cast<double>(medium.solid[at]), kappa, kappa * kappa};
-        Sums& sums = sums_[place(x + 1, y + 1, z + 1)];
-        for (std::size_t i = 0; i < here.size(); ++i) {
-          row[i] += here[i];
-          sums[i] = row[i] + before(x + 1, y, z + 1)[i] + before(x + 1, y + 1, z)[i] - before(x + 1, y, z)[i];
-        }
-      }
+Contents::Contents(const Medium& medium)
+    : dims_(medium.dims), ends_{medium.dims[0] + 1, medium.dims[1] + 1, medium.dims[2] + 1} {
+  sums_.resize(voxel_index(ends_, {0, 0, ends_[2]}));
+  Sums row{};
+  for_each_voxel({}, dims_, [&](const GridCell& cell) {
+    const auto [x, y, z] = cell;
+    const std::size_t at = medium.at(cell);
+    const double kappa = medium.kappa[at];
+    const Sums here{static_cast<double>(medium.solid[at]), kappa, kappa * kappa};
+    Sums& sums = sums_[voxel_index(ends_, {x + 1, y + 1, z + 1})];
+    if (x == 0) row = {};
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      row[i] += here[i];
+      sums[i] = row[i] + before({x + 1, y, z + 1})[i] + before({x + 1, y + 1, z})[i] - before({x + 1, y, z})[i];
     }
-  }
-}
-
-std::size_t Contents::place(int x, int y, int z) const {
-  const auto at = [](int i) { return static_cast<std::size_t>(i); };
-  return at(x) + (at(dims_[0]) + 1) * (at(y) + (at(dims_[1]) + 1) * at(z));
+  });
 }
 
 Contents::Of Contents::box(const std::array<double, 3>& low, const std::array<double, 3>& high) const {
@@ -196,7 +184,7 @@ Contents::Of Contents::box(const std::array<double, 3>& low, const std::array<do
   Sums sums{};
   for (int corner = 0; corner < 8; ++corner) {
     const auto end = [&](std::size_t axis) { return (corner >> axis & 1) != 0 ? last[axis] : first[axis]; };
-    const Sums& part = before(end(0), end(1), end(2));
+    const Sums& part = before({end(0), end(1), end(2)});
     const bool odd = ((corner ^ corner >> 1 ^ corner >> 2) & 1) != 0;
     for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += odd ? part[i] : -part[i];
   }

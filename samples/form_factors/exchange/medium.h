@@ -14,6 +14,23 @@
 
 namespace gicube::samples {
 
+using GridCell = std::array<int, 3>;  // a voxel's place
+
+inline std::size_t voxel_index(const Dims& dims, const GridCell& cell) {
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  return at(cell[0]) + at(dims[0]) * (at(cell[1]) + at(dims[1]) * at(cell[2]));
+}
+// Calls visit(cell) for all voxels from `first` to before `end`, x fastest.
+template <typename Visit>
+void for_each_voxel(const GridCell& first, const GridCell& end, const Visit& visit) {
+  GridCell cell{};
+  for (cell[2] = first[2]; cell[2] < end[2]; ++cell[2]) {
+    for (cell[1] = first[1]; cell[1] < end[1]; ++cell[1]) {
+      for (cell[0] = first[0]; cell[0] < end[0]; ++cell[0]) visit(cell);
+    }
+  }
+}
+
 struct Medium {
   Dims dims{};
   Vec3 edges{1, 1, 1};              // of a voxel, physical: in smallest voxel edges
@@ -24,11 +41,7 @@ struct Medium {
   double max_kappa = 0;  // of density 4095
   std::vector<std::uint16_t> densities;
 
-  std::size_t at(int x, int y, int z) const {
-    return static_cast<std::size_t>(x) +
-           static_cast<std::size_t>(dims[0]) *
-               (static_cast<std::size_t>(y) + static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(z));
-  }
+  std::size_t at(const GridCell& cell) const { return voxel_index(dims, cell); }
 };
 
 // Takes voxels apart by the opacity of one voxel length. Throws InputError: no voxels, solid_opacity not within 0..1.
@@ -38,7 +51,7 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity);
 void load(Board& board, const Medium& medium, double step);
 
 // Mean extinction of the box of an open voxel: of the trilinear interpolation, exactly.
-double mean_kappa(const Medium& medium, const std::array<int, 3>& voxel);
+double mean_kappa(const Medium& medium, const GridCell& voxel);
 
 // What lies in a box of the volume, at once for any box: from running sums over all voxels before each.
 class Contents {
@@ -54,10 +67,9 @@ class Contents {
 
  private:
   using Sums = std::array<double, 3>;  // of solid, kappa, kappa squared
-  std::size_t place(int x, int y, int z) const;
-  const Sums& before(int x, int y, int z) const { return sums_[place(x, y, z)]; }
+  const Sums& before(const GridCell& cell) const { return sums_[voxel_index(ends_, cell)]; }
 
-  Dims dims_;
+  Dims dims_, ends_;  // of the volume, and one more
   std::vector<Sums> sums_;
 };
 

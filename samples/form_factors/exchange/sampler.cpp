@@ -92,11 +92,11 @@ void LinkSampler::member_pairs(Links links, int rays) {
   std::vector<ElementPair> pairs;
   for (const SampledLink* sampled : links) {
     const Link& link = sampled->link;
-    const std::uint64_t turn = mix(settings_.seed), first = sampled->next / kRaysPerMember;
-    const std::uint64_t turn_a = hash_of(link, turn), turn_b = hash_of(link, turn + 1);
+    const std::uint64_t seed = mix(settings_.seed), first = sampled->next / kRaysPerMember;
+    const std::uint64_t shift_a = hash_of(link, seed), shift_b = hash_of(link, seed + 1);
     for (std::uint64_t i = first; i < first + draws; ++i) {
-      const double share_a = static_cast<double>(turn_a + (i + 1) * kSteps[0]) * kShare;
-      const double share_b = static_cast<double>(turn_b + (i + 1) * kSteps[1]) * kShare;
+      const double share_a = static_cast<double>(shift_a + (i + 1) * kSteps[0]) * kShare;
+      const double share_b = static_cast<double>(shift_b + (i + 1) * kSteps[1]) * kShare;
       pairs.push_back({member(forest_.clusters[link.a], share_a), member(forest_.clusters[link.b], share_b),
                        static_cast<std::uint32_t>(hash_of(link, i + 2))});
     }

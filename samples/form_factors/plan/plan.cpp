@@ -15,10 +15,8 @@ namespace {
 
 constexpr double kFirst = 1e-2, kLast = 1e-7;  // chosen: thresholds
 constexpr double kStep = 3.1622776601683795;   // chosen: from one to the next; rays then grow about twofold
-constexpr int kVariantRays[] = {8, 32};        // chosen: beside 16
-constexpr int kVariantLeaves = 2;
-constexpr double kGain = 0.85;        // chosen: of error^2 x rays, what makes a variant worth taking
-constexpr double kTimeMargin = 1.25;  // as of pictures
+constexpr double kGain = 0.85;                 // chosen: of error^2 x rays, what makes a variant worth taking
+constexpr double kTimeMargin = 1.25;           // as of pictures
 
 // chosen: the error of the later of two solutions over what they differ by. If their errors knew nothing of each other it would be
 // 0.6, where each solution errs by three quarters of the one before; if they erred alike, 3 (docs/guide/plan.md has what was measured).
@@ -72,14 +70,13 @@ class Planner {
     settings.max_rays = std::max(settings.max_rays, settings.rays);
     RadiosityResult result = solve_radiosity(board_, setup_, emissions_, settings, progress_);
     const RadiosityStatistics& statistics = result.statistics;
-    RadiosityPlanPoint point;
-    point.hierarchy = settings.hierarchy;
-    point.threshold = settings.error;
-    point.rays = settings.rays;
-    point.leaf_voxels = settings.leaf_voxels;
-    point.seed = settings.seed;
-    point.all_rays = static_cast<double>(statistics.rays);
-    point.time = statistics.board_time;
+    RadiosityPlanPoint point{.hierarchy = settings.hierarchy,
+                             .threshold = settings.error,
+                             .rays = settings.rays,
+                             .leaf_voxels = settings.leaf_voxels,
+                             .seed = settings.seed,
+                             .all_rays = static_cast<double>(statistics.rays),
+                             .time = statistics.board_time};
     plan_.all_rays += point.all_rays;
     plan_.finest_rays = static_cast<double>(statistics.all_pairs) * first_rays_;
     if (plan_.points.empty()) {
@@ -97,29 +94,24 @@ class Planner {
 
   // Those of the stage before, held against this one's solution as that stage's own was.
   void try_variants(const RadiosityResult& better, const RadiosityPlanPoint& base) {
-    RadiositySettings settings = plan_.settings;
-    settings.hierarchy = true;
-    settings.error = base.threshold;
+    RadiositySettings original = plan_.settings;
+    original.hierarchy = true;
+    original.error = base.threshold;
     double best = kGain * std::pow(plan_.points.back().difference, 2) * base.all_rays;
-    const RadiositySettings original = settings;
-    const auto look_at = [&](const RadiositySettings& variant) {
+    // chosen: rays beside 16, and cubes twice as large
+    for (const auto& [rays, times] : {std::pair{8, 1}, {32, 1}, {original.rays, 2}}) {
+      RadiositySettings variant = original;
+      variant.rays = rays;
+      variant.leaf_voxels *= times;
       auto [result, point] = solve(variant);
       tell(point, difference(result, better));
       plan_.points.push_back(point);
       const double merit = point.difference * point.difference * point.all_rays;
-      if (merit >= best) return;
+      if (merit >= best) continue;
       best = merit;
       plan_.settings.rays = variant.rays;
       plan_.settings.leaf_voxels = variant.leaf_voxels;
-    };
-    for (const int rays : kVariantRays) {
-      settings = original;
-      settings.rays = rays;
-      look_at(settings);
     }
-    settings = original;
-    settings.leaf_voxels = original.leaf_voxels * kVariantLeaves;
-    look_at(settings);
   }
 
   // The next solution, as the last two make one expect.

@@ -5,15 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <numbers>
 
 #include "form_factors/exchange/closed_forms.h"
 #include "form_factors/plan/study.h"
 #include "form_factors/program/solve.h"
+#include "scene/formats/whole_file.h"
 #include "scene/program/board_run.h"
 #include "scene/program/input_error.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
@@ -124,11 +125,7 @@ void write(const ChartOptions& options, const char* name, const std::string& tex
     fmt::print("{}", text);
     return;
   }
-  const std::filesystem::path file = options.folder / name;
-  std::ofstream stream(file);
-  stream << text;
-  stream.close();
-  if (!stream) throw InputError(file.string(), "a file that can be written", "an error");
+  write_whole(options.folder / name, text);
 }
 
 void write_errors(const std::vector<ErrorCurve>& curves, const ChartOptions& options) {
@@ -153,8 +150,6 @@ double rms(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(squares / static_cast<double>(a.size()));
 }
 
-const char* name_of(PairRays made) { return made == PairRays::kByHost ? "host" : "board"; }
-
 std::string point_of(const char* bus, PairRays made, std::uint32_t rays) {
   return fmt::format("trade/{}/{}/{}", bus, name_of(made), rays);
 }
@@ -165,8 +160,7 @@ std::string trade_row(const TradePoint& point, const std::string& command) {
   const double ms = to_ms(seen.duration);
   return fmt::format(
       "{},{},{},{},{:.4g},{:.4f},{:.4f},{:.0f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{} --point {}\n", point.bus,
-      name_of(point.made), point.rays, seen.pairs, point.error, ms,
-      to_ms(seen.counters.value("bus.down.busy_ps") + seen.counters.value("bus.up.busy_ps")),
+      name_of(point.made), point.rays, seen.pairs, point.error, ms, bus_ms(seen.counters),
       static_cast<double>(seen.rays) / ms * 1e3, u.bus_down, u.bus_up, u.dsp, u.pipelines.value_or(0),
       u.sorter.value_or(0), u.memory.value_or(0), u.bound(), command,
       point_of(point.bus.c_str(), point.made, point.rays));

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "form_factors/exchange/visibility.h"
 #include "form_factors/program/options.h"
+#include "form_factors/program/visibility.h"
 #include "scene/program/progress.h"
 
 namespace gicube::samples {

@@ -1,9 +1,9 @@
 // gicube-form-factors: radiosity in volumes, and visibility between voxels, by a GI-Cube board.
 #include <iostream>
 
-#include "form_factors/exchange/visibility.h"
 #include "form_factors/program/charts.h"
 #include "form_factors/program/solve.h"
+#include "form_factors/program/visibility.h"
 #include "scene/program/program.h"
 #include "scene/program/progress.h"
 

@@ -16,18 +16,23 @@ constexpr const char* kBuiltin = "builtin:";
 const char* const kFooter =
     "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, limits and figures: docs/guide/form_factors.md.";
 
+// Names of before, for one release.
+const std::vector<RenamedOption> kRenamed{{"--most-rays", "--max-rays"}, {"--most-rays-a-pair", "--max-rays-a-pair"}};
+
+const CLI::Range kShares(1e-12, 1.0), kSteps(1.0 / 64, 16.0), kWorldSizes(kMinWorldSize, kMaxWorldSize),
+    kLeafVoxels(1, 1024);
+
 void add_input(CLI::App& app, InputOptions& options) {
-  const char* group = "Scene";
   app.add_option("INPUT", options.input,
                  "a scene (.scene .textproto .pbtxt .txt), builtin:buckyball, or a volume file with a header")
       ->required();
-  app.add_option("--volume-size", options.volume_size, "voxels along the longest edge of a world or built-in volume")
-      ->check(CLI::Range(kMinWorldSize, kMaxWorldSize))
-      ->group(group);
+  OptionGroup group(app, "Scene");
+  group.value("--volume-size", options.volume_size, "voxels along the longest edge of a world or built-in volume")
+      ->check(kWorldSizes);
   app.add_option("--transfer-function", options.transfer_function,
                  "of all materials: a file, or a preset: " + preset_names())
       ->type_name("FILE|NAME")
-      ->group(group);
+      ->group("Scene");
 }
 
 // "2=5" or "2=5,4,3".
@@ -66,108 +71,58 @@ void add_materials(CLI::App& app, SolveOptions& options) {
       ->take_all();
 }
 
-void add_made(CLI::App& app, const char* group, PairRays& made) {
-  app.add_option_function<std::string>(
-         "--made", [&made](const std::string& text) { made = text == "host" ? PairRays::kByHost : PairRays::kByBoard; },
-         "who makes the rays: board (its DSP, from pair lists) or host (sent over the bus); never changes a result "
-         "(board)")
-      ->check(CLI::IsMember({"board", "host"}))
-      ->group(group);
+void add_made(OptionGroup& group, PairRays& made) {
+  group.choice(
+      "--made", made, kPairRays,
+      "who makes the rays: board (its DSP, from pair lists) or host (sent over the bus); never changes a result "
+      "(board)");
 }
 
-void add_method(CLI::App& app, SolveOptions& options) {
-  const char* group = "Method";
-  RadiositySettings& settings = options.settings;
-  app.add_option("--error", settings.error, "a link that may misplace more than this share of all power is refined")
-      ->check(CLI::Range(1e-12, 1.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--rays", settings.rays, "of a link's first guess")
-      ->check(CLI::Range(8, 65536))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--most-rays", settings.max_rays, "of a link that can't be divided")
-      ->check(CLI::Range(8, 1 << 24))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--step", settings.step, "of the rays, voxels")
-      ->check(CLI::Range(1.0 / 64, 16.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--solid-opacity", settings.solid_opacity,
-                 "of one voxel length from which a voxel is solid, not medium")
-      ->check(CLI::Range(1e-6, 1.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--leaf-voxels", settings.leaf_voxels, "edge of the voxel cubes that are not divided: 1, 2, 4, ...")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option_function<std::string>(
-         "--solver",
-         [&settings](const std::string& text) {
-           settings.solver = text == "shooting" ? Solver::kShooting : Solver::kGathering;
-         },
-         "gathering or shooting (gathering)")
-      ->check(CLI::IsMember({"gathering", "shooting"}))
-      ->group(group);
-  app.add_option("--convergence", settings.convergence,
-                 "share of all power that may be under way when the solver stops")
-      ->check(CLI::Range(1e-12, 1.0))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--iterations", settings.max_iterations, "at most so many")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str()
-      ->group(group);
+void add_method(CLI::App& app, RadiositySettings& settings) {
+  OptionGroup group(app, "Method");
+  group.number("--error", settings.error, kShares,
+               "a link that may misplace more than this share of all power is refined");
+  group.number("--rays", settings.rays, CLI::Range(8, 65536), "of a link's first guess");
+  group.number("--max-rays", settings.max_rays, CLI::Range(8, 1 << 24), "of a link that can't be divided");
+  group.number("--step", settings.step, kSteps, "of the rays, voxels");
+  group.number("--solid-opacity", settings.solid_opacity, CLI::Range(1e-6, 1.0),
+               "of one voxel length from which a voxel is solid, not medium");
+  group.number("--leaf-voxels", settings.leaf_voxels, kLeafVoxels,
+               "edge of the voxel cubes that are not divided: 1, 2, 4, ...");
+  group.choice("--solver", settings.solver, kSolvers, "gathering or shooting (gathering)");
+  group.number("--convergence", settings.convergence, kShares,
+               "share of all power that may be under way when the solver stops");
+  group.number("--iterations", settings.max_iterations, CLI::Range(1, 1'000'000), "at most so many");
   app.add_flag_callback(
          "--full-matrix", [&settings] { settings.hierarchy = false; }, "a link for each pair of elements: no hierarchy")
-      ->group(group);
-  add_made(app, group, settings.made);
+      ->group("Method");
+  add_made(group, settings.made);
 }
 
 void add_output(CLI::App& app, SolveOptions& options) {
-  const char* group = "Output";
-  OptionGroup values(app, group);
-  app.add_option("--factors", options.factors, "exchange areas as Matrix Market, their rows in FILE.clusters.csv")
-      ->type_name("FILE")
-      ->group(group);
-  app.add_option("--solution", options.solution,
-                 "the light that falls on each voxel, NRRD of three channels: for gicube-render --irradiance")
-      ->type_name("FILE")
-      ->group(group);
-  app.add_option("-o,--output", options.picture, "a picture by the board in that light, PNG or EXR")
-      ->type_name("FILE")
-      ->group(group);
+  OptionGroup group(app, "Output");
+  group.file("--factors", options.factors, "exchange areas as Matrix Market, their rows in FILE.clusters.csv");
+  group.file("--solution", options.solution,
+             "the light that falls on each voxel, NRRD of three channels: for gicube-render --irradiance");
+  group.file("-o,--output", options.picture, "a picture by the board in that light, PNG or EXR");
   app.add_option("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")
       ->type_name("NAME")
-      ->group(group);
-  values.parsed("--size", "WxH", "pixels of the picture (the scene's)",
-                [&options](const std::string& name, const std::string& text) {
-                  const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
-                  options.size = {sizes[0], sizes[1]};
-                });
-  app.add_option("--exposure", options.exposure, "brightness of a unit of light on a unit of area; 0: chosen")
-      ->check(CLI::Range(0.0, 1e12))
-      ->capture_default_str()
-      ->group(group);
+      ->group("Output");
+  group.parsed("--size", "WxH", "pixels of the picture (the scene's)",
+               [&options](const std::string& name, const std::string& text) {
+                 const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
+                 options.size = {sizes[0], sizes[1]};
+               });
+  group.number("--exposure", options.exposure, CLI::Range(0.0, 1e12),
+               "brightness of a unit of light on a unit of area; 0: chosen");
 }
 
 void add_visibility(CLI::App& app, VisibilityOptions& options) {
-  const char* group = "Pairs";
-  app.add_option("--pairs", options.pairs, "of random voxels")
-      ->check(CLI::Range(1u, 100'000'000u))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--rays", options.rays, "a pair, between random points of both voxels")
-      ->check(CLI::Range(1, 65536))
-      ->capture_default_str()
-      ->group(group);
-  app.add_option("--step", options.step, "of the rays, voxels")
-      ->check(CLI::Range(1.0 / 64, 16.0))
-      ->capture_default_str()
-      ->group(group);
-  add_made(app, group, options.made);
+  OptionGroup group(app, "Pairs");
+  group.number("--pairs", options.pairs, CLI::Range(1u, 100'000'000u), "of random voxels");
+  group.number("--rays", options.rays, CLI::Range(1, 65536), "a pair, between random points of both voxels");
+  group.number("--step", options.step, kSteps, "of the rays, voxels");
+  add_made(group, options.made);
 }
 
 void add_charts(CLI::App& app, ChartOptions& options) {
@@ -178,21 +133,14 @@ void add_charts(CLI::App& app, ChartOptions& options) {
       ->check(CLI::ExistingDirectory);
   what->add_option("--point", options.point, "one point again, by the name in the tables: its row is printed");
   what->require_option(1);
-  app.add_option("--volume-size", options.hierarchy.volume_size, "its voxels along the longest edge")
-      ->check(CLI::Range(kMinWorldSize, kMaxWorldSize));
-  app.add_option("--leaf-voxels", options.leaf_voxels, "of its elements")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  OptionGroup group(app, "Options");
+  group.value("--volume-size", options.hierarchy.volume_size, "its voxels along the longest edge")->check(kWorldSizes);
+  group.number("--leaf-voxels", options.leaf_voxels, kLeafVoxels, "of its elements");
   app.add_option("--errors", options.errors, "thresholds of its links")->delimiter(',')->capture_default_str();
-  app.add_option("--most-rays", options.max_rays, "of an estimate of a closed form")
-      ->check(CLI::Range(64u, 65'536u))
-      ->capture_default_str();
-  app.add_option("--pairs", options.pairs, "of random voxels between which the trade is measured")
-      ->check(CLI::Range(2u, 1'000'000u))
-      ->capture_default_str();
-  app.add_option("--most-rays-a-pair", options.max_rays_a_pair, "there")
-      ->check(CLI::Range(1u, 4096u))
-      ->capture_default_str();
+  group.number("--max-rays", options.max_rays, CLI::Range(64u, 65'536u), "of an estimate of a closed form");
+  group.number("--pairs", options.pairs, CLI::Range(2u, 1'000'000u),
+               "of random voxels between which the trade is measured");
+  group.number("--max-rays-a-pair", options.max_rays_a_pair, CLI::Range(1u, 4096u), "up to which the trade is measured");
 }
 
 // What was typed, without where its results go.
@@ -216,8 +164,7 @@ void check_solve(SolveOptions& options) {
   }
   const RadiositySettings& settings = options.settings;
   if (settings.max_rays < settings.rays) {
-    throw UsageError(
-        fmt::format("--most-rays: expected {} (--rays) or more, got {}", settings.rays, settings.max_rays));
+    throw UsageError(fmt::format("--max-rays: expected {} (--rays) or more, got {}", settings.rays, settings.max_rays));
   }
   if ((settings.leaf_voxels & (settings.leaf_voxels - 1)) != 0) {
     throw UsageError(fmt::format("--leaf-voxels: expected a power of two, got {}", settings.leaf_voxels));
@@ -241,7 +188,7 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
       app.add_subcommand("charts", "the tables of docs/studies/charts/form_factors_*.csv (script/charts)");
   add_input(*solving, solve.input);
   add_materials(*solving, solve);
-  add_method(*solving, solve);
+  add_method(*solving, solve.settings);
   add_output(*solving, solve);
   add_plan_options(*solving, solve.plan, "the solution's pairs");
   add_board_options(*solving, solve.board);
@@ -250,7 +197,7 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   add_board_options(*looking, visibility.board);
   add_charts(*charting, charts);
   add_board_options(*charting, charts.board);
-  if (!parsed(app, argc, argv, out)) return std::nullopt;
+  if (!parsed(app, argc, argv, out, kRenamed)) return std::nullopt;
   if (looking->parsed()) return visibility;
   if (charting->parsed()) {
     charts.command = command_of(argc, argv);

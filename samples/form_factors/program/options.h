@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -14,6 +15,10 @@
 #include "scene/scene.h"
 
 namespace gicube::samples {
+
+// The names of settings, on the command line and in --stats.
+inline const std::map<std::string, PairRays> kPairRays{{"board", PairRays::kByBoard}, {"host", PairRays::kByHost}};
+inline const std::map<std::string, Solver> kSolvers{{"gathering", Solver::kGathering}, {"shooting", Solver::kShooting}};
 
 // What is solved or looked through.
 struct InputOptions {

@@ -23,16 +23,14 @@ double share(const Counters& counters, const std::string& part, const std::strin
 Json scaled(const Power& power, double unit) { return {power[0] * unit, power[1] * unit, power[2] * unit}; }
 
 Json energy_json(const EnergyBalance& energy, double unit) {
-  Json json;
-  json["emitted"] = scaled(energy.emitted, unit);
-  json["absorbed_by_faces"] = scaled(energy.absorbed_by_faces, unit);
-  json["absorbed_by_medium"] = scaled(energy.absorbed_by_medium, unit);
-  json["escaped"] = scaled(energy.escaped, unit);
-  json["under_way"] = scaled(energy.under_way, unit);
-  json["closure"] = scaled(energy.closure, unit);
-  json["measured_closure"] = scaled(energy.measured_closure, unit);
-  json["balance_error"] = balance_error(energy);
-  return json;
+  return {{"emitted", scaled(energy.emitted, unit)},
+          {"absorbed_by_faces", scaled(energy.absorbed_by_faces, unit)},
+          {"absorbed_by_medium", scaled(energy.absorbed_by_medium, unit)},
+          {"escaped", scaled(energy.escaped, unit)},
+          {"under_way", scaled(energy.under_way, unit)},
+          {"closure", scaled(energy.closure, unit)},
+          {"measured_closure", scaled(energy.measured_closure, unit)},
+          {"balance_error", balance_error(energy)}};
 }
 
 // Of the light that falls on elements, all channels together, by weight.
@@ -48,46 +46,37 @@ Json error_json(const RadiosityResult& result) {
     greatest = std::max(greatest, error);
   }
   if (!(weights > 0)) return nullptr;
-  Json json;
-  json["mean"] = errors / weights;
-  json["greatest"] = greatest;
-  json["mean_incident"] = light / weights;
-  json["relative"] = light > 0 ? Json(errors / light) : Json(nullptr);
-  return json;
+  return {{"mean", errors / weights},
+          {"greatest", greatest},
+          {"mean_incident", light / weights},
+          {"relative", light > 0 ? Json(errors / light) : Json(nullptr)}};
 }
 
 Json settings_json(const RadiositySettings& settings) {
-  Json json;
-  json["solid_opacity"] = settings.solid_opacity;
-  json["error"] = settings.error;
-  json["rays"] = settings.rays;
-  json["most_rays"] = settings.max_rays;
-  json["step"] = settings.step;
-  json["seed"] = settings.seed;
-  json["solver"] = settings.solver == Solver::kShooting ? "shooting" : "gathering";
-  json["made"] = settings.made == PairRays::kByHost ? "host" : "board";
-  json["hierarchy"] = settings.hierarchy;
-  json["convergence"] = settings.convergence;
-  json["max_iterations"] = settings.max_iterations;
-  json["leaf_voxels"] = settings.leaf_voxels;
-  return json;
+  return {{"solid_opacity", settings.solid_opacity},
+          {"error", settings.error},
+          {"rays", settings.rays},
+          {"max_rays", settings.max_rays},
+          {"most_rays", settings.max_rays},  // the name of before, for one release
+          {"step", settings.step},
+          {"seed", settings.seed},
+          {"solver", settings.solver == Solver::kShooting ? "shooting" : "gathering"},
+          {"made", name_of(settings.made)},
+          {"hierarchy", settings.hierarchy},
+          {"convergence", settings.convergence},
+          {"max_iterations", settings.max_iterations},
+          {"leaf_voxels", settings.leaf_voxels}};
 }
 
 Json point_json(const RadiosityPlanPoint& point) {
-  Json json;
-  json["hierarchy"] = point.hierarchy;
-  json["threshold"] = point.threshold;
-  json["rays_a_link"] = point.rays;
-  json["leaf_voxels"] = point.leaf_voxels;
-  json["difference"] = point.difference;
-  json["error"] = point.error;
-  json["error_bound"] = point.error_bound;
-  json["rays"] = point.all_rays;
-  json["board_ms"] = to_ms(point.time);
-  return json;
+  return {{"hierarchy", point.hierarchy},     {"threshold", point.threshold},   {"rays_a_link", point.rays},
+          {"leaf_voxels", point.leaf_voxels}, {"difference", point.difference}, {"error", point.error},
+          {"error_bound", point.error_bound}, {"rays", point.all_rays},         {"board_ms", to_ms(point.time)}};
 }
 
 }  // namespace
+
+const char* name_of(PairRays made) { return made == PairRays::kByHost ? "host" : "board"; }
 
 Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const BoardInfo& board) {
   Utilisation out;
@@ -128,15 +117,13 @@ std::string Utilisation::bound() const {
 
 Json to_json(const Utilisation& utilisation) {
   const auto or_null = [](const std::optional<double>& share) { return share ? Json(*share) : Json(nullptr); };
-  Json json;
-  json["bus_down"] = utilisation.bus_down;
-  json["bus_up"] = utilisation.bus_up;
-  json["dsp"] = utilisation.dsp;
-  json["sorter"] = or_null(utilisation.sorter);
-  json["pipelines"] = or_null(utilisation.pipelines);
-  json["memory"] = or_null(utilisation.memory);
-  json["bound"] = utilisation.bound();
-  return json;
+  return {{"bus_down", utilisation.bus_down},
+          {"bus_up", utilisation.bus_up},
+          {"dsp", utilisation.dsp},
+          {"sorter", or_null(utilisation.sorter)},
+          {"pipelines", or_null(utilisation.pipelines)},
+          {"memory", or_null(utilisation.memory)},
+          {"bound", utilisation.bound()}};
 }
 
 double balance_error(const EnergyBalance& energy) {
@@ -153,39 +140,39 @@ double balance_error(const EnergyBalance& energy) {
 Json to_json(const RadiosityResult& result, const RadiositySettings& settings, double area_unit,
              const Counters& counters, const BoardInfo& board) {
   const RadiosityStatistics& statistics = result.statistics;
-  Json json;
-  json["elements"] = {{"faces", statistics.faces}, {"medium", statistics.medium}, {"ends", statistics.ends}};
-  json["clusters"] = statistics.clusters;
-  json["links"] = statistics.links;
-  json["all_pairs"] = statistics.all_pairs;
-  json["pairs"] = statistics.pairs;
-  json["rays"] = statistics.rays;
-  json["refinements"] = statistics.refinements;
-  json["iterations"] = Json::array();
+  Json iterations = Json::array();
   for (const Iteration& iteration : statistics.iterations) {
-    json["iterations"].push_back({{"links", iteration.links}, {"residual", iteration.residual}});
+    iterations.push_back({{"links", iteration.links}, {"residual", iteration.residual}});
   }
-  json["energy"] = energy_json(statistics.energy, area_unit);
-  json["closure_rms"] = statistics.closure_rms;
-  json["standard_error"] = error_json(result);
-  json["bus_down_bytes"] = statistics.bus_down_bytes;
-  json["bus_up_bytes"] = statistics.bus_up_bytes;
-  json["board_ms"] = to_ms(statistics.board_time);
-  json["bus_ms"] = to_ms(counters.value("bus.down.busy_ps") + counters.value("bus.up.busy_ps"));
-  json["host_seconds"] = statistics.host_seconds;
-  json["utilisation"] = to_json(utilisation_of(counters, statistics.board_time, board));
-  json["settings"] = settings_json(settings);
-  json["board"] = {{"fidelity", name_of(board.fidelity)}, {"config_hash", fmt::format("{:016x}", board.config_hash)}};
-  json["counters"] = to_json(counters);
-  return json;
+  const Json elements{{"faces", statistics.faces}, {"medium", statistics.medium}, {"ends", statistics.ends}};
+  return {{"elements", elements},
+          {"clusters", statistics.clusters},
+          {"links", statistics.links},
+          {"all_pairs", statistics.all_pairs},
+          {"pairs", statistics.pairs},
+          {"rays", statistics.rays},
+          {"refinements", statistics.refinements},
+          {"iterations", iterations},
+          {"energy", energy_json(statistics.energy, area_unit)},
+          {"closure_rms", statistics.closure_rms},
+          {"standard_error", error_json(result)},
+          {"bus_down_bytes", statistics.bus_down_bytes},
+          {"bus_up_bytes", statistics.bus_up_bytes},
+          {"board_ms", to_ms(statistics.board_time)},
+          {"bus_ms", bus_ms(counters)},
+          {"host_seconds", statistics.host_seconds},
+          {"utilisation", to_json(utilisation_of(counters, statistics.board_time, board))},
+          {"settings", settings_json(settings)},
+          {"board", to_json(board)},
+          {"counters", to_json(counters)}};
 }
 
 Json to_json(const RadiosityPlan& plan) {
   Json json = target_json(plan.target, plan.kept);
-  json["chosen"] = point_json(plan.chosen);
-  json["full_matrix_rays"] = plan.finest_rays;
-  json["all_rays"] = plan.all_rays;
-  json["host_seconds"] = plan.host_seconds;
+  json.update(Json{{"chosen", point_json(plan.chosen)},
+                   {"full_matrix_rays", plan.finest_rays},
+                   {"all_rays", plan.all_rays},
+                   {"host_seconds", plan.host_seconds}});
   for (const RadiosityPlanPoint& point : plan.points) json["points"].push_back(point_json(point));
   return json;
 }

@@ -24,7 +24,9 @@ Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const
 
 nlohmann::ordered_json to_json(const Utilisation& utilisation);
 
-// Keys: elements links all_pairs pairs clear_pairs rays refinements iterations (links, residual) energy (powers of red, green
+const char* name_of(PairRays made);  // as on the command line
+
+// Keys: elements clusters links all_pairs pairs rays refinements iterations (links, residual) energy (powers of red, green
 // and blue, in the scene's units; balance_error) closure_rms standard_error (of the incident light: mean, greatest, relative)
 // bus_down_bytes bus_up_bytes board_ms bus_ms host_seconds utilisation settings board counters. The program adds plan,
 // null without one.

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "form_factors/exchange/medium.h"
 #include "form_factors/radiosity/smooth.h"
 
 namespace gicube::samples {
@@ -14,8 +15,6 @@ namespace {
 constexpr int kWindow = 2;          // chosen: voxels to each side: steps of slopes down to 1:5 are seen whole
 constexpr int kLayers = 2;          // chosen: of voxels that light is carried on to: samples touch so many
 constexpr double kMinFacing = 0.1;  // chosen: of a face's axis and the surface's normal: below it is another surface
-
-using Cell = std::array<int, 3>;
 
 Vec3 axis_of(std::uint8_t facing) {
   const double sign = facing % 2 == 0 ? -1 : 1;
@@ -48,14 +47,9 @@ class Writer {
     for (std::uint32_t i = 0; i < result_.leaves.size(); ++i) {
       if (result_.leaves[i].facing == kMedium) set(at(result_.leaves[i].cell), sum(i), kMediumLight);
     }
-    Cell cell{};
-    for (cell[2] = 0; cell[2] < dims_[2]; ++cell[2]) {
-      for (cell[1] = 0; cell[1] < dims_[1]; ++cell[1]) {
-        for (cell[0] = 0; cell[0] < dims_[0]; ++cell[0]) {
-          if (faces_[at(cell)] != kNone) set(at(cell), surface(cell), kSurface);
-        }
-      }
-    }
+    for_each_voxel({}, dims_, [&](const GridCell& cell) {
+      if (faces_[at(cell)] != kNone) set(at(cell), surface(cell), kSurface);
+    });
     for (std::uint8_t layer = 0; layer < kLayers; ++layer) carry(static_cast<std::uint8_t>(kSurface + layer));
     return std::move(field_);
   }
@@ -64,32 +58,19 @@ class Writer {
   // Light of medium gives way to that of a surface beside it, whose samples are much more opaque.
   static constexpr std::uint8_t kDark = 0, kMediumLight = 1, kSurface = 2;  // + layers
 
-  std::size_t voxels() const {
-    return static_cast<std::size_t>(dims_[0]) * static_cast<std::size_t>(dims_[1]) * static_cast<std::size_t>(dims_[2]);
-  }
-  std::size_t at(const Cell& cell) const {
-    return static_cast<std::size_t>(cell[0]) +
-           static_cast<std::size_t>(dims_[0]) *
-               (static_cast<std::size_t>(cell[1]) +
-                static_cast<std::size_t>(dims_[1]) * static_cast<std::size_t>(cell[2]));
-  }
-  bool inside(const Cell& cell) const {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (cell[axis] < 0 || cell[axis] >= dims_[axis]) return false;
-    }
-    return true;
+  std::size_t voxels() const { return at({0, 0, dims_[2]}); }
+  std::size_t at(const GridCell& cell) const { return voxel_index(dims_, cell); }
+  bool inside(const GridCell& cell) const {
+    return std::ranges::equal(cell, dims_, [](int place, int dim) { return place >= 0 && place < dim; });
   }
   template <typename Visit>
-  void around(const Cell& cell, int reach, const Visit& visit) const {
-    for (int z = -reach; z <= reach; ++z) {
-      for (int y = -reach; y <= reach; ++y) {
-        for (int x = -reach; x <= reach; ++x) {
-          const Cell other{cell[0] + x, cell[1] + y, cell[2] + z};
-          const int weight = (reach + 1 - std::abs(x)) * (reach + 1 - std::abs(y)) * (reach + 1 - std::abs(z));
-          if (inside(other)) visit(at(other), static_cast<double>(weight));
-        }
-      }
-    }
+  void around(const GridCell& cell, int reach, const Visit& visit) const {
+    for_each_voxel({-reach, -reach, -reach}, {reach + 1, reach + 1, reach + 1}, [&](const GridCell& away) {
+      const auto [x, y, z] = away;
+      const GridCell other{cell[0] + x, cell[1] + y, cell[2] + z};
+      const int weight = (reach + 1 - std::abs(x)) * (reach + 1 - std::abs(y)) * (reach + 1 - std::abs(z));
+      if (inside(other)) visit(at(other), static_cast<double>(weight));
+    });
   }
 
   Power sum(std::uint32_t leaf) const {
@@ -104,7 +85,7 @@ class Writer {
   }
 
   // Outward; zero where nothing says.
-  Vec3 normal(const Cell& cell) const {
+  Vec3 normal(const GridCell& cell) const {
     const std::size_t voxel = at(cell);
     if (!setup_.gradients.empty()) {
       const Vec3 inward{setup_.gradients[3 * voxel], setup_.gradients[3 * voxel + 1], setup_.gradients[3 * voxel + 2]};
@@ -122,7 +103,7 @@ class Writer {
 
   // Of the faces around that belong to the same surface. Light that they send out themselves has no direction, and is that
   // of the voxel's own.
-  Power surface(const Cell& cell) const {
+  Power surface(const GridCell& cell) const {
     const Vec3 n = normal(cell);
     Power flux{}, own{};
     double area = 0, faces = 0, own_area = 0;
@@ -151,26 +132,21 @@ class Writer {
   // Voxels without light, and those of medium, get the mean of the layer beside them.
   void carry(std::uint8_t layer) {
     std::vector<std::pair<std::size_t, Power>> found;
-    Cell cell{};
-    for (cell[2] = 0; cell[2] < dims_[2]; ++cell[2]) {
-      for (cell[1] = 0; cell[1] < dims_[1]; ++cell[1]) {
-        for (cell[0] = 0; cell[0] < dims_[0]; ++cell[0]) {
-          const std::uint8_t state = state_[at(cell)];
-          // Medium is seen through its own light but for the one layer that touches the surface.
-          if (state >= kSurface || (state == kMediumLight && layer > kSurface)) continue;
-          Power light{};
-          double weights = 0;
-          around(cell, 1, [&](std::size_t other, double weight) {
-            if (state_[other] != layer) return;
-            for (std::size_t c = 0; c < 3; ++c) light[c] += weight * double{field_.values[3 * other + c]};
-            weights += weight;
-          });
-          if (weights == 0) continue;
-          for (double& part : light) part /= weights;
-          found.emplace_back(at(cell), light);
-        }
-      }
-    }
+    for_each_voxel({}, dims_, [&](const GridCell& cell) {
+      const std::uint8_t state = state_[at(cell)];
+      // Medium is seen through its own light but for the one layer that touches the surface.
+      if (state >= kSurface || (state == kMediumLight && layer > kSurface)) return;
+      Power light{};
+      double weights = 0;
+      around(cell, 1, [&](std::size_t other, double weight) {
+        if (state_[other] != layer) return;
+        for (std::size_t c = 0; c < 3; ++c) light[c] += weight * double{field_.values[3 * other + c]};
+        weights += weight;
+      });
+      if (weights == 0) return;
+      for (double& part : light) part /= weights;
+      found.emplace_back(at(cell), light);
+    });
     for (const auto& [voxel, light] : found) set(voxel, light, static_cast<std::uint8_t>(layer + 1));
   }
 

@@ -22,7 +22,7 @@ void require(bool good, const char* field, const char* expected, double got) {
 void check(const RadiositySettings& settings) {
   require(settings.error > 0, "error", "a number above 0", settings.error);
   require(settings.rays >= 8 && settings.rays <= 65'536, "rays", "8 to 65536", settings.rays);
-  require(settings.max_rays >= settings.rays && settings.max_rays <= 1 << 24, "most_rays", "rays to 2^24",
+  require(settings.max_rays >= settings.rays && settings.max_rays <= 1 << 24, "max_rays", "rays to 2^24",
           settings.max_rays);
   require(settings.step >= 1.0 / 64 && settings.step <= 16, "step", "1/64 to 16", settings.step);
   require(settings.convergence > 0, "convergence", "a number above 0", settings.convergence);

@@ -129,7 +129,7 @@ std::vector<RadiositySolver::Parts> RadiositySolver::leaf_sums() const {
 
 // Symmetric scaling to given sums (Sinkhorn 1964).
 void RadiositySolver::balance(std::span<const Link> links) {
-  constexpr int kMaxTurns = 50;
+  constexpr int kMaxPasses = 50;
   constexpr double kClosed = 1e-5,
                    kMaxFactor = 4;  // chosen: what is further off was not seen well enough to be scaled
   std::fill(factors_.begin(), factors_.end(), 1.0);
@@ -137,7 +137,7 @@ void RadiositySolver::balance(std::span<const Link> links) {
   std::vector<Parts> sums = leaf_sums();
   for (std::size_t i = 0; i < sums.size(); ++i) raw_sums_[i] = sums[i].certain + sums[i].uncertain;
   if (!balance_) return;
-  for (int turn = 0; turn < kMaxTurns; ++turn) {
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
     double worst = 0;
     for (std::size_t i = 0; i < sums.size(); ++i) {
       if (!(sums[i].uncertain > 0)) continue;

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <string_view>
 
 #include "scene/formats/file_error.h"
 
@@ -23,5 +26,9 @@ class WholeFile {
  private:
   std::filesystem::path final_, path_;
 };
+
+// What `fill` writes to the (binary) stream, or this text. Throws FileError.
+void write_whole(const std::filesystem::path& path, const std::function<void(std::ostream&)>& fill);
+void write_whole(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace gicube::samples

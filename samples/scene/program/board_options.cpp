@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <ostream>
+#include <iostream>
+#include <iterator>
 
 #include "scene/program/input_error.h"
 #include "scene/program/option_group.h"
@@ -46,11 +47,28 @@ CLI::ValidationError bad_value(const std::string& option, const std::string& exp
   return CLI::ValidationError(option, "expected " + expected + ", got " + in_quotes(text));
 }
 
+// The words behind the program's name, last first, as CLI11 takes them.
+std::vector<std::string> words_of(const std::string& program, int argc, const char* const* argv,
+                                  const std::vector<RenamedOption>& renamed) {
+  std::vector<std::string> words(std::reverse_iterator(argv + argc), std::reverse_iterator(argv + std::min(argc, 1)));
+  for (const auto& [before, now] : renamed) {
+    bool typed = false;
+    for (std::string& word : words) {
+      if (word != before && !word.starts_with(before + '=')) continue;
+      word.replace(0, before.size(), now);
+      typed = true;
+    }
+    if (typed) std::cerr << program << ": " << before << " is now " << now << "; the next release refuses it\n";
+  }
+  return words;
+}
+
 }  // namespace
 
-bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out) {
+bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
+            const std::vector<RenamedOption>& renamed) {
   try {
-    app.parse(argc, argv);
+    app.parse(words_of(app.get_name(), argc, argv, renamed));
     return true;
   } catch (const CLI::CallForHelp&) {
     out << app.help();

@@ -20,9 +20,15 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// An option's name in the release before, which still works in this one.
+struct RenamedOption {
+  std::string before, now;
+};
+
 // Reads the command line of a program, whose name the app has. False if help or the version was asked for, which `out` has got then.
-// Throws UsageError with one line.
-bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out);
+// Says once on stderr for each renamed option that was typed what replaces it. Throws UsageError with one line.
+bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
+            const std::vector<RenamedOption>& renamed = {});
 
 struct BoardOptions {
   std::string board = "emu:";

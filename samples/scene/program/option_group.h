@@ -2,6 +2,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +24,24 @@ class OptionGroup {
   }
   CLI::Option* flag(const std::string& option, bool& target, const std::string& help) {
     return app_.add_flag(option, target, help)->group(name_);
+  }
+  // A number that the help shows the default of.
+  template <typename Value>
+  CLI::Option* number(const std::string& option, Value& target, const CLI::Validator& range, const std::string& help) {
+    return app_.add_option(option, target, help)->check(range)->capture_default_str()->group(name_);
+  }
+  CLI::Option* file(const std::string& option, std::filesystem::path& target, const std::string& help) {
+    return app_.add_option(option, target, help)->type_name("FILE")->group(name_);
+  }
+  // One of several names.
+  template <typename Value>
+  CLI::Option* choice(const std::string& option, Value& target, const std::map<std::string, Value>& names,
+                      const std::string& help) {
+    return app_
+        .add_option_function<std::string>(
+            option, [&target, names](const std::string& name) { target = names.at(name); }, help)
+        ->check(CLI::IsMember(names))
+        ->group(name_);
   }
   // `parse` takes the option's name and its text. What it throws as InputError is the option's fault.
   template <typename Parse>

@@ -1,5 +1,8 @@
 #include "scene/program/run_json.h"
 
+#include <fmt/format.h>
+
+#include "scene/program/board_run.h"
 #include "scene/text_file.h"
 
 namespace gicube::samples {
@@ -18,6 +21,25 @@ nlohmann::ordered_json to_json(const Counters& counters) {
   for (const Counter& counter : counters.list())
     json[counter.name] = {{"value", counter.value}, {"unit", counter.unit}};
   return json;
+}
+
+nlohmann::ordered_json to_json(const BoardInfo& board) {
+  return {{"fidelity", name_of(board.fidelity)}, {"config_hash", fmt::format("{:016x}", board.config_hash)}};
+}
+
+double bus_ms(const Counters& counters) {
+  return to_ms(counters.value("bus.down.busy_ps") + counters.value("bus.up.busy_ps"));
+}
+
+nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window) {
+  const Counters counters = window.counters();
+  return {{"board_ms", to_ms(window.simulated())},
+          {"bus_ms", bus_ms(counters)},
+          {"bus_down_bytes", counters.value("bus.down.bytes")},
+          {"bus_up_bytes", counters.value("bus.up.bytes")},
+          {"host_seconds", window.host_seconds()},
+          {"board", to_json(board)},
+          {"counters", to_json(counters)}};
 }
 
 void write_json(const nlohmann::ordered_json& json, const std::filesystem::path& path) {

@@ -8,10 +8,21 @@
 
 namespace gicube::samples {
 
+class RunWindow;
+
 const char* name_of(Fidelity fidelity);
 
 // An object: name to { value, unit }.
 nlohmann::ordered_json to_json(const Counters& counters);
+
+// Keys: fidelity config_hash.
+nlohmann::ordered_json to_json(const BoardInfo& board);
+
+// Time in which the bus was busy, both directions together.
+double bus_ms(const Counters& counters);
+
+// What a part of the work cost. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board counters.
+nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);
 
 // Throws InputError if the file can't be written.
 void write_json(const nlohmann::ordered_json& json, const std::filesystem::path& path);

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "cone_beam/backprojector.h"
 #include "cone_beam/phantom/phantom.h"
+#include "cone_beam/view_rays.h"
 #include "open_board.h"
 #include "reference/fdk.h"
 #include "small_scan.h"

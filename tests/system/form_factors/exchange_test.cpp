@@ -1,5 +1,5 @@
 // Exchange between bodies that stand free, against closed forms and converged numbers.
-#include "form_factors/exchange/exchange.h"
+#include "exchange.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -8,7 +8,6 @@
 #include "../open_board.h"
 #include "../small_scan.h"
 #include "cone_beam/phantom/phantom.h"
-#include "cone_beam/plan/plan_views.h"
 
 namespace gicube::samples {
 namespace {

@@ -40,7 +40,7 @@ TEST(FormFactorOptions, OfASolutionSetItsMethodAndItsFiles) {
                                               "1e-3",
                                               "--rays",
                                               "32",
-                                              "--most-rays",
+                                              "--max-rays",
                                               "4096",
                                               "--step",
                                               "0.5",
@@ -125,9 +125,20 @@ TEST(FormFactorOptions, WhatIsWrongIsNamed) {
   EXPECT_THAT(refusal({"solve", "a.scene", "--albedo", "1=1.5"}), HasSubstr("numbers from 0 to 1, got \"1=1.5\""));
   EXPECT_THAT(refusal({"solve", "a.scene", "-o", "a.jpg"}), HasSubstr("--output: expected a name that ends in .png"));
   EXPECT_THAT(refusal({"solve", "a.scene", "--leaf-voxels", "3"}), HasSubstr("--leaf-voxels: expected a power of two"));
-  EXPECT_THAT(refusal({"solve", "a.scene", "--rays", "64", "--most-rays", "32"}),
-              HasSubstr("--most-rays: expected 64 (--rays) or more, got 32"));
+  EXPECT_THAT(refusal({"solve", "a.scene", "--rays", "64", "--max-rays", "32"}),
+              HasSubstr("--max-rays: expected 64 (--rays) or more, got 32"));
   EXPECT_THAT(refusal({"visibility", "a.scene", "--pairs", "0"}), HasSubstr("--pairs"));
+}
+
+TEST(FormFactorOptions, AnOptionsNameOfTheReleaseBeforeWorksAndSaysWhatReplacesIt) {
+  testing::internal::CaptureStderr();
+  const SolveOptions options = solve_options({"a.scene", "--most-rays=4096"});
+  EXPECT_EQ(options.settings.max_rays, 4096);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "gicube-form-factors: --most-rays is now --max-rays; the next release refuses it\n");
+  testing::internal::CaptureStderr();
+  solve_options({"a.scene", "--max-rays", "4096"});
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(RadiosityScenes, OfTheSourceTreeAreReadAndSendOutLight) {

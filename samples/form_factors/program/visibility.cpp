@@ -1,4 +1,4 @@
-#include "form_factors/exchange/visibility.h"
+#include "form_factors/program/visibility.h"
 
 #include <fmt/format.h>
 
@@ -17,25 +17,24 @@ constexpr double kHidden = 1e-3;
 
 nlohmann::ordered_json to_json(const Visibility& seen, const VisibilityOptions& options, const BoardInfo& board) {
   const double seconds = to_ms(seen.duration) * 1e-3;
-  nlohmann::ordered_json json;
-  json["pairs"] = seen.pairs;
-  json["clear_pairs"] = seen.clear_pairs;
-  json["rays"] = seen.rays;
-  json["made"] = options.made == PairRays::kByHost ? "host" : "board";
-  json["transmittance"] = seen.transmittance;
-  json["standard_error"] = seen.standard_error;
-  json["hidden"] = seen.hidden;
-  json["board_ms"] = to_ms(seen.duration);
-  json["bus_ms"] = to_ms(seen.counters.value("bus.down.busy_ps") + seen.counters.value("bus.up.busy_ps"));
-  json["rays_per_simulated_second"] =
-      seconds > 0 ? nlohmann::ordered_json(static_cast<double>(seen.rays) / seconds) : nlohmann::ordered_json(nullptr);
-  json["host_seconds"] = seen.host_seconds;
-  json["rays_per_host_second"] = static_cast<double>(seen.rays) / seen.host_seconds;
-  json["utilisation"] = to_json(seen.utilisation);
-  json["seed"] = options.board.seed;
-  json["board"] = {{"fidelity", name_of(board.fidelity)}, {"config_hash", fmt::format("{:016x}", board.config_hash)}};
-  json["counters"] = gicube::samples::to_json(seen.counters);
-  return json;
+  using Json = nlohmann::ordered_json;
+  const auto rays = static_cast<double>(seen.rays);
+  return {{"pairs", seen.pairs},
+          {"clear_pairs", seen.clear_pairs},
+          {"rays", seen.rays},
+          {"made", name_of(options.made)},
+          {"transmittance", seen.transmittance},
+          {"standard_error", seen.standard_error},
+          {"hidden", seen.hidden},
+          {"board_ms", to_ms(seen.duration)},
+          {"bus_ms", bus_ms(seen.counters)},
+          {"rays_per_simulated_second", seconds > 0 ? Json(rays / seconds) : Json(nullptr)},
+          {"host_seconds", seen.host_seconds},
+          {"rays_per_host_second", rays / seen.host_seconds},
+          {"utilisation", to_json(seen.utilisation)},
+          {"seed", options.board.seed},
+          {"board", gicube::samples::to_json(board)},
+          {"counters", gicube::samples::to_json(seen.counters)}};
 }
 
 void print(const Visibility& seen) {

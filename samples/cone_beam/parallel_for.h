@@ -11,7 +11,7 @@ namespace gicube::samples {
 
 // Runs job(i) for i in [0, count) on all of the host's cores. The job may not throw.
 template <typename Job>
-void in_parallel(std::size_t count, const Job& job) {
+void parallel_for(std::size_t count, const Job& job) {
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     for (std::size_t i = next++; i < count; i = next++) job(i);

@@ -1,4 +1,4 @@
-#include "form_factors/exchange/exchange.h"
+#include "exchange.h"
 
 #include <fmt/format.h>
 
