@@ -17,24 +17,24 @@ constexpr double kHidden = 1e-3;
 
 nlohmann::ordered_json to_json(const Visibility& seen, const VisibilityOptions& options, const BoardInfo& board) {
   const double seconds = to_ms(seen.duration) * 1e-3;
-  using Json = nlohmann::ordered_json;
   const auto rays = static_cast<double>(seen.rays);
-  return {{"pairs", seen.pairs},
-          {"clear_pairs", seen.clear_pairs},
-          {"rays", seen.rays},
-          {"made", name_of(options.made)},
-          {"transmittance", seen.transmittance},
-          {"standard_error", seen.standard_error},
-          {"hidden", seen.hidden},
-          {"board_ms", to_ms(seen.duration)},
-          {"bus_ms", bus_ms(seen.counters)},
-          {"rays_per_simulated_second", seconds > 0 ? Json(rays / seconds) : Json(nullptr)},
-          {"host_seconds", seen.host_seconds},
-          {"rays_per_host_second", rays / seen.host_seconds},
-          {"utilisation", to_json(seen.utilisation)},
-          {"seed", options.board.seed},
-          {"board", gicube::samples::to_json(board)},
-          {"counters", gicube::samples::to_json(seen.counters)}};
+  return {
+      {"pairs", seen.pairs},
+      {"clear_pairs", seen.clear_pairs},
+      {"rays", seen.rays},
+      {"made", name_of(options.made)},
+      {"transmittance", seen.transmittance},
+      {"standard_error", seen.standard_error},
+      {"hidden", seen.hidden},
+      {"board_ms", to_ms(seen.duration)},
+      {"bus_ms", bus_ms(seen.counters)},
+      {"rays_per_simulated_second", seconds > 0 ? nlohmann::ordered_json(rays / seconds) : nlohmann::ordered_json()},
+      {"host_seconds", seen.host_seconds},
+      {"rays_per_host_second", rays / seen.host_seconds},
+      {"utilisation", to_json(seen.utilisation)},
+      {"seed", options.board.seed},
+      {"board", gicube::samples::to_json(board)},
+      {"counters", gicube::samples::to_json(seen.counters)}};
 }
 
 void print(const Visibility& seen) {
