@@ -10,6 +10,7 @@
 #include "render/planning.h"
 #include "scene/image_file.h"
 #include "scene/program/program.h"
+#include "scene/program/run_json.h"
 
 namespace {
 

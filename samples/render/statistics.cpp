@@ -69,10 +69,6 @@ Json lighting_json(const LightingStatistics& lighting) {
 
 }  // namespace
 
-double bus_ms(const Counters& counters) {
-  return to_ms(counters.value("bus.down.busy_ps") + counters.value("bus.up.busy_ps"));
-}
-
 Json to_json(const FrameStatistics& statistics) {
   Json json;
   json["frame_ms"] = to_ms(statistics.frame);

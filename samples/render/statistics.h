@@ -44,9 +44,6 @@ struct FrameStatistics {
   std::optional<RunUsage> host;              // of the whole run until the frame was there
 };
 
-// Simulated milliseconds in which the bus was busy in the window, both directions added.
-double bus_ms(const Counters& counters);
-
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
 // memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting plan host counters. Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
