@@ -118,7 +118,7 @@ ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, dou
 }
 
 // A table as a file, or as it is if it is of one point.
-void write(const ChartOptions& options, const char* name, const std::string& text) {
+void write(const FormFactorChartOptions& options, const char* name, const std::string& text) {
   if (!options.point.empty()) {
     if (text.find(" --point " + options.point + "\n") == std::string::npos)
       throw InputError("--point", "a point's name, as in the tables", in_quotes(options.point));
@@ -128,7 +128,7 @@ void write(const ChartOptions& options, const char* name, const std::string& tex
   write_whole(options.folder / name, text);
 }
 
-void write_errors(const std::vector<ErrorCurve>& curves, const ChartOptions& options) {
+void write_errors(const std::vector<ErrorCurve>& curves, const FormFactorChartOptions& options) {
   std::string errors = "form,rays,error,command\n", slopes = "form,exact,slope,error at most rays\n";
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const ErrorCurve& curve = curves[i];
@@ -166,7 +166,7 @@ std::string trade_row(const TradePoint& point, const std::string& command) {
       point_of(point.bus.c_str(), point.made, point.rays));
 }
 
-void write_trade(const ChartOptions& options, ProgressLine& progress) {
+void write_trade(const FormFactorChartOptions& options, ProgressLine& progress) {
   InputOptions input = options.trade;
   const SceneSetup setup = set_up(scene_of(input), options.board.threads);
   const RandomPairs pairs = random_pairs(setup.volume.dims, options.pairs, options.board.seed);
@@ -207,7 +207,7 @@ void write_trade(const ChartOptions& options, ProgressLine& progress) {
   write(options, "form_factors_trade.csv", text);
 }
 
-void write_hierarchy(const ChartOptions& options, ProgressLine& progress) {
+void write_hierarchy(const FormFactorChartOptions& options, ProgressLine& progress) {
   Scene scene = scene_of(options.hierarchy);
   scene.lighting.on = false;
   const SceneSetup setup = set_up(scene, options.board.threads);
@@ -247,7 +247,7 @@ std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t max_rays,
   return curves;
 }
 
-void charts(const ChartOptions& options, ProgressLine& progress) {
+void form_factor_charts(const FormFactorChartOptions& options, ProgressLine& progress) {
   const auto asked = [&options](const char* table) {
     return options.point.empty() || options.point.starts_with(table);
   };

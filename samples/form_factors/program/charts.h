@@ -36,6 +36,6 @@ struct TradePoint {
 
 // Writes FOLDER/form_factors_error.csv, _slopes.csv, _trade.csv and _hierarchy.csv, each row but the slopes' with the command that
 // makes it again; or prints one point's row. Throws as solve(), and InputError if there is no such point.
-void charts(const ChartOptions& options, ProgressLine& progress);
+void form_factor_charts(const FormFactorChartOptions& options, ProgressLine& progress);
 
 }  // namespace gicube::samples

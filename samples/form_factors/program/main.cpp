@@ -20,9 +20,9 @@ int run(int argc, char** argv) {
     }
     ProgressLine progress(!wanted->board.quiet);
     solve(*wanted, progress);
-  } else if (const auto* drawn = std::get_if<ChartOptions>(&*options)) {
+  } else if (const auto* drawn = std::get_if<FormFactorChartOptions>(&*options)) {
     ProgressLine progress(!drawn->board.quiet);
-    charts(*drawn, progress);
+    form_factor_charts(*drawn, progress);
   } else {
     const auto& looked = std::get<VisibilityOptions>(*options);
     check_folder(looked.board.stats);

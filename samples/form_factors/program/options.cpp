@@ -125,7 +125,7 @@ void add_visibility(CLI::App& app, VisibilityOptions& options) {
   add_made(group, options.made);
 }
 
-void add_charts(CLI::App& app, ChartOptions& options) {
+void add_charts(CLI::App& app, FormFactorChartOptions& options) {
   app.add_option("SCENE", options.hierarchy.input, "whose light is solved with and without a hierarchy")->required();
   CLI::Option_group* what = app.add_option_group("What");
   what->add_option("-o,--output", options.folder, "gets the tables")
@@ -140,7 +140,8 @@ void add_charts(CLI::App& app, ChartOptions& options) {
   group.number("--max-rays", options.max_rays, CLI::Range(64u, 65'536u), "of an estimate of a closed form");
   group.number("--pairs", options.pairs, CLI::Range(2u, 1'000'000u),
                "of random voxels between which the trade is measured");
-  group.number("--max-rays-a-pair", options.max_rays_a_pair, CLI::Range(1u, 4096u), "up to which the trade is measured");
+  group.number("--max-rays-a-pair", options.max_rays_a_pair, CLI::Range(1u, 4096u),
+               "up to which the trade is measured");
 }
 
 // What was typed, without where its results go.
@@ -177,7 +178,7 @@ void check_solve(SolveOptions& options) {
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out) {
   SolveOptions solve;
   VisibilityOptions visibility;
-  ChartOptions charts;
+  FormFactorChartOptions charts;
   CLI::App app("Radiosity in volumes, its form factors by a GI-Cube board.", "gicube-form-factors");
   app.footer(kFooter);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));

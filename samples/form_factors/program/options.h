@@ -52,7 +52,7 @@ struct VisibilityOptions {
   BoardOptions board;
 };
 
-struct ChartOptions {
+struct FormFactorChartOptions {
   std::filesystem::path folder;     // of the tables; or
   std::string point;                // one point's name, whose row is printed
   std::string command;              // that asked for them, without --output and --point
@@ -66,7 +66,7 @@ struct ChartOptions {
   BoardOptions board;
 };
 
-using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions, ChartOptions>;
+using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions, FormFactorChartOptions>;
 
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out);
