@@ -53,6 +53,7 @@ const char* command_name(std::span<const std::uint8_t> payload) {
     case wire::Opcode::kIlluminate: return "illuminate";
     case wire::Opcode::kResume: return "resume";
     case wire::Opcode::kVerify: return "verify";
+    case wire::Opcode::kPairs: return "pairs";
     default: return "render";
   }
 }

@@ -61,6 +61,7 @@ awaitable<error_code> Connection::read_exactly(std::span<std::uint8_t> bytes) {
   error_code error;
   co_await asio::async_read(socket_, asio::buffer(bytes.data(), bytes.size()),
                             asio::redirect_error(use_awaitable, error));
+  ended_ = ended_ || error;
   co_return error;
 }
 
@@ -162,9 +163,11 @@ void Connection::refuse(const LastWord& word) {
 awaitable<void> Connection::drop_input() {
   const auto self = shared_from_this();
   std::vector<std::uint8_t> scrap(std::size_t{16} << 10);
-  error_code ended;
-  while (!ended && socket_.is_open()) {
-    co_await socket_.async_read_some(asio::buffer(scrap), asio::redirect_error(use_awaitable, ended));
+  // Asio waits for ever when it is asked once more after the end.
+  while (!ended_ && socket_.is_open()) {
+    error_code error;
+    co_await socket_.async_read_some(asio::buffer(scrap), asio::redirect_error(use_awaitable, error));
+    ended_ = ended_ || error;
   }
   linger_.cancel();
   close();

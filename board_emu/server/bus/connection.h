@@ -91,6 +91,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool reading_ = false;
   bool closing_ = false;  // the last word is queued, or the socket is closed
   bool hanging_ = false;
+  bool ended_ = false;  // the client sends no more
 };
 
 }  // namespace gicube::emu
