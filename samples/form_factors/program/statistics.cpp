@@ -65,6 +65,7 @@ Json settings_json(const RadiositySettings& settings) {
           {"hierarchy", settings.hierarchy},
           {"convergence", settings.convergence},
           {"max_iterations", settings.max_iterations},
+          {"most_iterations", settings.max_iterations},  // the name of before, for one release
           {"leaf_voxels", settings.leaf_voxels}};
 }
 
