@@ -135,12 +135,12 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   if (carries) {
     splat(ray.block, deposit_of(ray_state, *frame_), entry);
     how = Termination::kAbsorbed;
+  } else if (!entry.sampled) {
+    leap(ray_state, low, grid_.size(), *frame_, counts_);
   } else if (!scatters_or_deposits_) {
-    advance_ray(ray_state, wide_of(issued.ray), site, low, grid_.size(), *frame_, counts_, nullptr);
+    gather(ray_state, wide_of(issued.ray), site, *frame_, counts_);
   } else {
-    Interaction interaction;
-    advance_ray(ray_state, wide_of(issued.ray), site, low, grid_.size(), *frame_, counts_, &interaction);
-    how = after(interaction, ray, entry);
+    how = after(sample(ray_state, wide_of(issued.ray), site, *frame_, counts_), ray, entry);
   }
 
   token.contribution = contribution(ray_state);

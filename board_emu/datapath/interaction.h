@@ -54,30 +54,38 @@ inline void leave_surface(RayState& ray) { ray.flags &= static_cast<std::uint8_t
 // Whether rays leap over the block.
 inline bool is_leapt_over(std::size_t block, const Frame& frame) { return frame.leap && frame.empty[block] != 0; }
 
-// One pass of a ray through the pipeline, which it has not ended before: it leaps over its block, whose least corner is `low`
-// and whose edge `size`, or takes a sample, and advances. Returns how many steps it went. `interaction`: what a sample did
-// to a ray that does more than gather; null for a plain frame.
-inline std::int32_t advance_ray(RayState& ray, WideWords* wide, const SampleSite& site, const Point& low,
-                                std::int32_t size, const Frame& frame, RayCounters& counters,
-                                Interaction* interaction) {
+// One pass through the pipeline of a ray that has not come to its end is one of these three.
+
+// It leaps over its empty block, whose least corner is `low` and whose edge `size`. Returns how many steps it went.
+inline std::int32_t leap(RayState& ray, const Point& low, std::int32_t size, const Frame& frame,
+                         RayCounters& counters) {
   jitter_step(ray, frame);
-  std::int32_t steps = 1;
-  if (is_leapt_over(site.block, frame)) {
-    ++counters.leaps;
-    if (interaction != nullptr) leave_surface(ray);
-    steps = leap_steps(ray, low, size, frame);
-    advance(ray, steps);
-  } else if (interaction != nullptr) {
-    ++counters.samples;
-    *interaction = interact(ray, wide, site, frame, counters);
-    if (interaction->visible) ++counters.visible_samples;
-  } else {
-    ++counters.samples;
-    if (take_sample(ray, wide, site, frame)) ++counters.visible_samples;
-    advance(ray, 1);
-  }
+  ++counters.leaps;
+  if (!frame.plain) leave_surface(ray);
+  const std::int32_t steps = leap_steps(ray, low, size, frame);
+  advance(ray, steps);
   count_steps(ray, steps, frame);
   return steps;
+}
+
+// It gathers a sample: in a plain frame.
+inline void gather(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame, RayCounters& counters) {
+  jitter_step(ray, frame);
+  ++counters.samples;
+  if (take_sample(ray, wide, site, frame)) ++counters.visible_samples;
+  advance(ray, 1);
+  count_steps(ray, 1, frame);
+}
+
+// It takes a sample that may also deposit, scatter or end it: in any other frame.
+inline Interaction sample(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame,
+                          RayCounters& counters) {
+  jitter_step(ray, frame);
+  ++counters.samples;
+  const Interaction met = interact(ray, wide, site, frame, counters);
+  if (met.visible) ++counters.visible_samples;
+  count_steps(ray, 1, frame);
+  return met;
 }
 
 // The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as pack() leaves

@@ -8,20 +8,26 @@ namespace gicube::emu {
 namespace {
 
 // A ray that gathers and does nothing else.
-Termination gather(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters,
-                   std::int32_t& taken) {
+Termination run_plain(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters,
+                      std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
   SampleSite site{{}, {}, ~std::size_t{0}, static_cast<std::size_t>(frame.volume->block_voxels()) + 1};
   Point low{};
   Termination how = Termination::kNot;
   while ((how = end(ray_state, frame)) == Termination::kNot) {
-    if (const std::size_t block = grid.block(ray_state.position); block != site.block) {
+    const std::size_t block = grid.block(ray_state.position);
+    if (block != site.block) {
       site.block = block;
       site.view = frame.volume->view(block);
       low = grid.low(ray_state.position);
     }
+    if (is_leapt_over(block, frame)) {
+      taken += leap(ray_state, low, grid.size(), frame, counters);
+      continue;
+    }
     site.cell = cell(ray_state.position, low);
-    taken += advance_ray(ray_state, wide, site, low, grid.size(), frame, counters, nullptr);
+    gather(ray_state, wide, site, frame, counters);
+    ++taken;
   }
   return how;
 }
@@ -35,16 +41,19 @@ Outcome scatter_trapped(RayState& ray_state, WideWords* wide, const Frame& frame
 }
 
 // A ray that also deposits, or is scattered.
-Termination travel(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters) {
+Termination run(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   Termination how = Termination::kNot;
   while ((how = end(ray_state, frame)) == Termination::kNot) {
     const std::size_t block = grid.block(ray_state.position);
     const Point low = grid.low(ray_state.position);
+    if (is_leapt_over(block, frame)) {
+      leap(ray_state, low, grid.size(), frame, counters);
+      continue;
+    }
     const SampleSite site{cell(ray_state.position, low), frame.volume->view(block), block, edge};
-    Interaction met;
-    advance_ray(ray_state, wide, site, low, grid.size(), frame, counters, &met);
+    const Interaction met = sample(ray_state, wide, site, frame, counters);
     if (met.deposits) counters.energy.deposited += frame.irradiance->add(met.deposit);
     Outcome outcome = met.outcome;
     if (outcome == Outcome::kTrapped) outcome = scatter_trapped(ray_state, wide, frame, counters);
@@ -62,7 +71,7 @@ bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::i
   WideWords words = wide_words(ray_state);
   WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
   const Termination how =
-      frame.plain ? gather(ray_state, wide, frame, counters, taken) : travel(ray_state, wide, frame, counters);
+      frame.plain ? run_plain(ray_state, wide, frame, counters, taken) : run(ray_state, wide, frame, counters);
   if (steps != nullptr) *steps = taken;
   if (how == Termination::kWaits) return false;
   count_end(ray_state, how, frame, counters);
