@@ -1,41 +1,42 @@
-// gicube-results: measures what the paper reports on emulated boards, and writes the page that puts both side by side.
+// gicube-measure: carries out the runs of gicube-results on emulated boards.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "scene/parallel.h"
 #include "scene/program/board_options.h"
 #include "scene/program/program.h"
-#include "studies/results/report.h"
+#include "studies/results/measure.h"
 
 namespace {
 
 using namespace gicube::samples;
 
 int run(int argc, char** argv) {
-  results::ReportOptions options;
-  options.jobs = cores();
-  CLI::App app("Measures the paper's results on emulated boards and writes RESULTS.md.", "gicube-results");
+  CLI::App app(
+      "Reads runs from standard input, a JSON list for each board, and prints what each adds to the counters, a line "
+      "of "
+      "JSON as soon as it is measured.",
+      "gicube-measure");
+  int jobs = cores();
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
-  app.add_option("FOLDER", options.folder, "gets RESULTS.md, and its CSV files and gnuplot scripts in results/")
-      ->required()
-      ->check(CLI::ExistingDirectory);
-  app.add_option("--edge", options.design.edge, "voxels an edge of the volume, a power of two")
-      ->check(CLI::IsMember({32, 64, 128, 256}))
-      ->capture_default_str();
-  app.add_option("--image", options.design.image, "pixels an edge of the image")
-      ->check(CLI::Range(8, 1024))
-      ->capture_default_str();
-  app.add_option("--jobs", options.jobs, "boards at a time")->check(CLI::Range(1, 64))->capture_default_str();
-  app.add_option("--only", options.only, "sections to measure, for a page of these alone (all)")
-      ->check(CLI::IsMember(results::section_names()))
-      ->delimiter(',');
-  app.add_flag("--quiet", options.quiet, "no progress");
-  if (parsed(app, argc, argv, std::cout)) results::write_report(options);
+  app.add_option("--jobs", jobs, "boards at a time")->check(CLI::Range(1, 64))->capture_default_str();
+  if (!parsed(app, argc, argv, std::cout)) return 0;
+  const auto boards = results::Json::parse(std::cin).get<std::vector<std::vector<results::Run>>>();
+  results::SceneStore scenes;
+  std::mutex mutex;
+  in_parallel(boards.size(), jobs, [&](std::size_t board) {
+    results::measure(boards[board], scenes, [&](std::size_t run, results::Json result) {
+      result["board"] = board;
+      result["run"] = run;
+      const std::lock_guard lock(mutex);
+      std::cout << result << std::endl;
+    });
+  });
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_program("gicube-results", [&] { return run(argc, argv); });
+  return run_program("gicube-measure", [&] { return run(argc, argv); });
 }

@@ -8,9 +8,10 @@
 #include <utility>
 
 #include "scene/buckyball.h"
+#include "scene/geometry/codebook.h"
 #include "scene/parallel.h"
-#include "studies/results/lit_scenes.h"
-#include "studies/results/noise.h"
+#include "scene/program/input_error.h"
+#include "scene/scene_file.h"
 
 namespace gicube::samples::results {
 namespace {
@@ -19,6 +20,33 @@ constexpr double kMaxDensity = 4095;     // of kUint12
 constexpr int kMaxGradientVoxels = 256;  // an edge: beyond it 12 bytes a voxel of normals cost too much memory
 constexpr double kFaint = 0.003;         // chosen: 443 voxels of opacity 0.003 let a quarter through
 constexpr double kDesignEdge = 256;      // voxels: opacities below are those of a volume of this edge
+
+// Smooth noise without a period: values of 0..1 at hashed lattice points, joined by cubic weights.
+double lattice_value(int x, int y, int z) {
+  std::uint64_t hash = static_cast<std::uint32_t>(x) * 0x9E3779B97F4A7C15u;
+  hash ^= static_cast<std::uint32_t>(y) * 0xC2B2AE3D27D4EB4Fu;
+  hash ^= static_cast<std::uint32_t>(z) * 0x165667B19E3779F9u;
+  hash = (hash ^ (hash >> 30)) * 0xBF58476D1CE4E5B9u;  // SplitMix64's finalizer
+  hash = (hash ^ (hash >> 27)) * 0x94D049BB133111EBu;
+  return static_cast<double>((hash ^ (hash >> 31)) >> 40) / double(1 << 24);
+}
+
+double noise(Vec3 p) {
+  const double fx = std::floor(p.x), fy = std::floor(p.y), fz = std::floor(p.z);
+  const int x = static_cast<int>(fx), y = static_cast<int>(fy), z = static_cast<int>(fz);
+  const auto smooth = [](double t) { return t * t * (3 - 2 * t); };
+  const auto mix = [](double a, double b, double t) { return a + (b - a) * t; };
+  const double u = smooth(p.x - fx), v = smooth(p.y - fy), w = smooth(p.z - fz);
+  const auto row = [&](int dy, int dz) {
+    return mix(lattice_value(x, y + dy, z + dz), lattice_value(x + 1, y + dy, z + dz), u);
+  };
+  return mix(mix(row(0, 0), row(1, 0), v), mix(row(0, 1), row(1, 1), v), w);
+}
+
+// Three octaves, 0..1.
+double cloudy_noise(Vec3 p) {
+  return (4 * noise(p) + 2 * noise(2.0 * p + Vec3{17, 5, 29}) + noise(4.0 * p + Vec3{3, 41, 11})) / 7;
+}
 
 // density(x, y, z) is 0..1.
 using Density = std::function<double(Vec3)>;
@@ -52,12 +80,12 @@ SceneData make_ball(const Dims& dims, int threads) {
   scene.volume = std::move(ball.volume);
   scene.tags = std::move(ball.tags);
   scene.gradients = std::move(ball.gradients);
-  const Appearance look = buckyball_appearance(dims[0]);
-  for (const TransferFunctionFile& material : look.materials) {
-    scene.looks.push_back(in_values_of({0, kMaxDensity}, material));
+  const Appearance appearance = buckyball_appearance(dims[0]);
+  for (const TransferFunctionFile& material : appearance.materials) {
+    scene.transfer_functions.push_back(in_values_of({0, kMaxDensity}, material));
   }
-  scene.shading = {look.phong, *look.light};
-  scene.camera = look.camera;
+  scene.shading = {appearance.phong, *appearance.light};
+  scene.camera = appearance.camera;
   return scene;
 }
 
@@ -86,7 +114,7 @@ SceneData make_head(const Dims& dims, int edge, int threads) {
       threads);
   // Skin that shows the skull, bone that shows a little of the brain.
   const double skin = of_edge(0.02, edge), bone = of_edge(0.12, edge), brain = of_edge(0.05, edge);
-  scene.looks = {
+  scene.transfer_functions = {
       {{{0, {0.8, 0.6, 0.5}}, {1300, {0.85, 0.65, 0.55}}, {1800, {0.7, 0.45, 0.45}}, {3000, {0.95, 0.92, 0.85}}},
        {{200, 0}, {900, skin}, {1400, skin}, {1800, brain}, {2300, brain}, {3000, bone}}}};
   return scene;
@@ -98,65 +126,49 @@ SceneData make_noise(const Dims& dims, int edge, double low, double high, Colour
   SceneData scene;
   scene.volume = voxelise(
       dims, [&](Vec3 p) { return 0.1 + 0.8 * cloudy_noise((1 / lattice) * p); }, threads);
-  scene.looks = {{{{1000, dark}, {3000, light}}, {{1000, of_edge(low, edge)}, {3000, of_edge(high, edge)}}}};
+  scene.transfer_functions = {
+      {{{1000, dark}, {3000, light}}, {{1000, of_edge(low, edge)}, {3000, of_edge(high, edge)}}}};
   return scene;
 }
 
-// Towards the eye.
-Vec3 direction_of(ViewName view) {
-  switch (view) {
-    case ViewName::kOblique: return {-0.35, -1, 0.45};
-    case ViewName::kAlongX: return {-1, 0, 0};
-    case ViewName::kAlongY: return {0, -1, 0};
-    case ViewName::kAlongZ: return {0, 0, -1};
-    case ViewName::kDiagonal: return {-1, -1, 1};
+SceneData make_lit_scene(const std::string& name, int edge, int threads) {
+  const auto text = lit_scene_texts().find(name);
+  if (text == lit_scene_texts().end()) throw InputError(name, "the name of a scene", "another");
+  Scene scene = parse_scene(text->second, name + ".scene", {});
+  if (!scene.world) throw InputError(name, "a scene with a world", "none");
+  scene.world->size = edge;
+  SceneSetup setup = set_up(scene, threads);
+  SceneData data;
+  data.volume = std::move(setup.volume);
+  data.tags = std::move(setup.tags);
+  data.gradients = std::move(setup.gradients);
+  if (scene.own_codebook) data.codebook = codebook_of(data.gradients);
+  for (const TransferFunctionFile& file : setup.materials) {
+    data.transfer_functions.push_back(in_values_of({0, kMaxDensity}, file));
   }
-  return {};
+  data.shading = setup.shading;
+  data.box = setup.box;
+  data.optics = std::move(setup.optics);
+  data.lights = std::move(setup.lights);
+  data.illumination = setup.lighting.settings;
+  setup.view.exposure = setup.lighting.exposure;
+  data.lit_view = setup.view;
+  return data;
+}
+
+// Towards the eye.
+Vec3 direction_of(const std::string& view) {
+  if (view == "along x") return {-1, 0, 0};
+  if (view == "along y") return {0, -1, 0};
+  if (view == "along z") return {0, 0, -1};
+  if (view == "diagonal") return {-1, -1, 1};
+  throw InputError(view, "the name of a view", "another");
 }
 
 }  // namespace
 
-std::string name_of(SceneName scene) {
-  switch (scene) {
-    case SceneName::kBuckyball: return "buckyball";
-    case SceneName::kHead: return "head";
-    case SceneName::kCloud: return "cloud";
-    case SceneName::kRock: return "rock";
-    case SceneName::kGoldenRing: return "golden-ring";
-    case SceneName::kMirrorBuckyball: return "mirror-buckyball";
-    case SceneName::kMirrorHead: return "mirror-head";
-    case SceneName::kFogBox: return "fog-box";
-  }
-  return {};
-}
-
-std::string name_of(ViewName view) {
-  switch (view) {
-    case ViewName::kOblique: return "oblique";
-    case ViewName::kAlongX: return "along x";
-    case ViewName::kAlongY: return "along y";
-    case ViewName::kAlongZ: return "along z";
-    case ViewName::kDiagonal: return "diagonal";
-  }
-  return {};
-}
-
-std::string about(SceneName scene) {
-  switch (scene) {
-    case SceneName::kBuckyball: return "C60 above a floor: opaque surfaces, much empty space";
-    case SceneName::kHead: return "nested rough ellipsoids: translucent skin, skull and brain, empty corners";
-    case SceneName::kCloud: return "noise that never gets opaque; no block is empty";
-    case SceneName::kRock: return "noise that is opaque everywhere within a part of its edge; no block is empty";
-    case SceneName::kGoldenRing: return "caustics: a polished ring on a floor under a point light";
-    case SceneName::kMirrorBuckyball: return "C60 over a mirror before a wall, with its shadow";
-    case SceneName::kMirrorHead: return "a head between two mirrors, a window and a lamp";
-    case SceneName::kFogBox: return "coloured walls in fog: nearly every voxel takes light";
-  }
-  return {};
-}
-
-Colour background_of(SceneName scene) {
-  return scene == SceneName::kBuckyball ? Colour{0.075, 0.085, 0.11} : Colour{0, 0, 0};
+Colour background_of(const std::string& scene) {
+  return scene == "buckyball" ? Colour{0.075, 0.085, 0.11} : Colour{0, 0, 0};
 }
 
 VolumeView SceneData::view() const {
@@ -166,48 +178,42 @@ VolumeView SceneData::view() const {
   return result;
 }
 
-SceneData make_scene(SceneName name, const Dims& dims, int edge, int threads) {
+SceneData make_scene(const std::string& name, const Dims& dims, int edge, int threads) {
   SceneData scene;
-  switch (name) {
-    case SceneName::kBuckyball: scene = make_ball(dims, threads); break;
-    case SceneName::kHead: scene = make_head(dims, edge, threads); break;
-    case SceneName::kCloud: scene = make_noise(dims, edge, 0.001, 0.007, {0.5, 0.6, 0.8}, {1, 1, 1}, threads); break;
-    case SceneName::kRock:
-      scene = make_noise(dims, edge, 0.03, 0.12, {0.3, 0.2, 0.15}, {0.8, 0.75, 0.6}, threads);
-      break;
-    case SceneName::kGoldenRing:
-    case SceneName::kMirrorBuckyball:
-    case SceneName::kMirrorHead:
-    case SceneName::kFogBox: return make_lit_scene(name, edge, threads);
+  if (name == "buckyball") {
+    scene = make_ball(dims, threads);
+  } else if (name == "head") {
+    scene = make_head(dims, edge, threads);
+  } else if (name == "cloud") {
+    scene = make_noise(dims, edge, 0.001, 0.007, {0.5, 0.6, 0.8}, {1, 1, 1}, threads);
+  } else if (name == "rock") {
+    scene = make_noise(dims, edge, 0.03, 0.12, {0.3, 0.2, 0.15}, {0.8, 0.75, 0.6}, threads);
+  } else {
+    return make_lit_scene(name, edge, threads);
   }
-  scene.box = name == SceneName::kHead ? visible_box(scene.volume, {scene.looks.front(), false}) : whole_box(dims);
+  scene.box = name == "head" ? visible_box(scene.volume, {scene.transfer_functions.front(), false}) : whole_box(dims);
   return scene;
 }
 
-TransferFunction faint(TransferFunction look) {
-  for (OpacityPoint& point : look.opacities) point.opacity *= kFaint;
-  return look;
+TransferFunction faint(TransferFunction transfer_function) {
+  for (OpacityPoint& point : transfer_function.opacities) point.opacity *= kFaint;
+  return transfer_function;
 }
 
-View make_view(const SceneData& scene, ViewName name, int width, int height, bool orthographic) {
-  View view;
+View make_view(const SceneData& scene, const std::string& name, int width, int height, bool orthographic) {
+  View view = scene.lit_view && name == "oblique" ? *scene.lit_view : View{};
   view.width = width;
   view.height = height;
-  if (scene.lit_view && name == ViewName::kOblique) {
-    view = *scene.lit_view;
-    view.width = width;
-    view.height = height;
-    view.samples_per_axis = 1;
-    return view;
-  }
+  view.samples_per_axis = 1;
   const VoxelBox& box = scene.box;
-  if (name == ViewName::kOblique) {
+  if (name == "oblique") {
+    if (scene.lit_view) return view;
     fit_camera(scene.camera.value_or(CameraSettings{}), box, {1, 1, 1}, view);
     return view;
   }
   const Vec3 direction = (1 / length(direction_of(name))) * direction_of(name);
   view.look_at = 0.5 * (box.low + box.high);
-  view.up = name == ViewName::kAlongZ ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  view.up = name == "along z" ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
   const double radius = 0.5 * length(box.high - box.low);
   if (orthographic) {
     view.orthographic_height = scene.volume.dims[1];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,27 +15,16 @@
 
 namespace gicube::samples::results {
 
-enum class SceneName { kBuckyball, kHead, kCloud, kRock, kGoldenRing, kMirrorBuckyball, kMirrorHead, kFogBox };
-enum class ViewName { kOblique, kAlongX, kAlongY, kAlongZ, kDiagonal };
+// The shipped scenes of global illumination (samples/scenes), by name.
+const std::map<std::string, std::string>& lit_scene_texts();
 
-constexpr SceneName kScenes[] = {SceneName::kBuckyball, SceneName::kHead, SceneName::kCloud, SceneName::kRock};
-// Scenes of global illumination; in the last all voxels take light.
-constexpr SceneName kLitScenes[] = {SceneName::kGoldenRing, SceneName::kMirrorBuckyball, SceneName::kMirrorHead,
-                                    SceneName::kFogBox};
-constexpr ViewName kViews[] = {ViewName::kOblique, ViewName::kAlongX, ViewName::kAlongY, ViewName::kAlongZ,
-                               ViewName::kDiagonal};
-
-std::string name_of(SceneName scene);
-std::string name_of(ViewName view);
-// A sentence about what it is there for.
-std::string about(SceneName scene);
-Colour background_of(SceneName scene);
+Colour background_of(const std::string& scene);
 
 struct SceneData {
   Volume volume;
   std::vector<std::uint8_t> tags;
   std::vector<float> gradients;
-  std::vector<TransferFunction> looks;  // by tag
+  std::vector<TransferFunction> transfer_functions;  // by tag
   Shading shading;
   std::optional<CameraSettings> camera;  // of the oblique view
   VoxelBox box;                          // what is to be seen
@@ -49,14 +39,16 @@ struct SceneData {
   VolumeView view() const;
 };
 
-// `edge`: voxels to which lengths refer; all dims are equal to it but for boxes cut from a larger whole (cloud and rock
-// only, which look the same everywhere).  Throws InputError for a buckyball whose size is out of range.
-SceneData make_scene(SceneName scene, const Dims& dims, int edge, int threads);
+// `name`: buckyball, head, cloud, rock, or one of lit_scene_texts(). `edge`: voxels to which lengths refer, those along the
+// longest edge of a lit scene's world; all dims are equal to it but for boxes cut from a larger whole (cloud and rock only, which
+// look the same everywhere). Throws InputError for another name, or a buckyball whose size is out of range.
+SceneData make_scene(const std::string& name, const Dims& dims, int edge, int threads);
 
 // The same values visible, but so faint that no ray ever gets opaque.
-TransferFunction faint(TransferFunction look);
+TransferFunction faint(TransferFunction transfer_function);
 
-// The scene's own camera, or one outside that sees all there is; parallel rays for `orthographic`, one pixel a voxel along y.
-View make_view(const SceneData& scene, ViewName view, int width, int height, bool orthographic = false);
+// `view`: oblique, along x, along y, along z or diagonal. The scene's own camera, or one outside that sees all there is; parallel
+// rays for `orthographic`, one pixel a voxel along y. Throws InputError for another name.
+View make_view(const SceneData& scene, const std::string& view, int width, int height, bool orthographic = false);
 
 }  // namespace gicube::samples::results

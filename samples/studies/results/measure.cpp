@@ -1,12 +1,13 @@
-#include "studies/results/carry_out.h"
+#include "studies/results/measure.h"
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <numbers>
 #include <stdexcept>
-#include <utility>
 
 #include "gicube/board.h"
+#include "scene/image_file.h"
 #include "scene/program/board_options.h"
 
 namespace gicube::samples::results {
@@ -24,8 +25,9 @@ void load(Board& board, const SceneData& scene, bool be_faint) {
   board.set_shading(scene.shading);
   if (scene.codebook.size() > 1) board.set_gradient_codebook(scene.codebook);
   board.load_volume(scene.view());
-  for (std::size_t tag = 0; tag < scene.looks.size(); ++tag) {
-    board.set_transfer_function(be_faint ? faint(scene.looks[tag]) : scene.looks[tag], static_cast<int>(tag));
+  for (std::size_t tag = 0; tag < scene.transfer_functions.size(); ++tag) {
+    board.set_transfer_function(be_faint ? faint(scene.transfer_functions[tag]) : scene.transfer_functions[tag],
+                                static_cast<int>(tag));
   }
   for (std::size_t tag = 0; tag < scene.optics.size(); ++tag) {
     board.set_material(scene.optics[tag], static_cast<int>(tag));
@@ -35,7 +37,7 @@ void load(Board& board, const SceneData& scene, bool be_faint) {
 View view_of(const Run& run, const SceneData& scene) {
   View view = make_view(scene, run.view, run.width, run.height, run.orthographic);
   view.step = run.step;
-  view.opacity_threshold = run.threshold;
+  view.opacity_threshold = 0.98;
   view.leap = run.leap;
   view.jitter = run.jitter;
   view.irradiance = run.light_rays > 0;
@@ -45,15 +47,15 @@ View view_of(const Run& run, const SceneData& scene) {
 
 // What `work` adds to the board's counters and clock.
 template <typename Work>
-Measurement window(Board& board, const Work& work) {
+Json window(Board& board, const Work& work) {
   const Counters before = board.counters();
   const Picoseconds start = board.now();
   work();
-  Measurement result;
-  result.time = board.now() - start;
-  result.counters = board.counters() - before;
-  result.processors = board.info().processors;
-  result.core_hz = 1e3 * board.info().core_khz;
+  Json result{{"time_ps", board.now() - start}};
+  const Counters added = board.counters() - before;
+  for (const Counter& counter : added.list()) result["counters"][counter.name] = counter.value;
+  result["processors"] = board.info().processors;
+  result["core_hz"] = 1e3 * board.info().core_khz;
   return result;
 }
 
@@ -97,7 +99,7 @@ std::vector<HostRay> rays_of(const View& view, const Dims& dims) {
   return rays;
 }
 
-Measurement trace(Board& board, const std::vector<HostRay>& rays) {
+Json trace(Board& board, const std::vector<HostRay>& rays) {
   return window(board, [&] { board.receive(board.submit(rays)); });
 }
 
@@ -108,7 +110,7 @@ void set_sampling(Board& board, View view) {
   board.render_to_framebuffer(view);
 }
 
-Measurement fill_block(Board& board, View view) {
+Json fill_block(Board& board, View view) {
   const int n = board.info().block_voxels;
   view.cut_planes = {{{0, 0, -1}, -double(n)}};
   view.shade = false;
@@ -122,69 +124,52 @@ Measurement fill_block(Board& board, View view) {
 }
 
 // `lit`: an illumination pass has been there.
-Measurement measure(Board& board, const Run& run, const SceneData& scene, bool& lit) {
+Json measure(Board& board, const Run& run, const SceneData& scene, bool& lit) {
   const View view = view_of(run, scene);
-  if (run.kind == Run::Kind::kFrame && run.light_rays > 0 && !lit) illuminate(board, run, scene);
+  if (run.kind == "frame" && run.light_rays > 0 && !lit) illuminate(board, run, scene);
   lit = run.light_rays > 0;
-  switch (run.kind) {
-    case Run::Kind::kLight: {
-      LightingReport report;
-      Measurement result = window(board, [&] { report = illuminate(board, run, scene); });
-      result.clipped = ratio(report.clipped, report.emitted);
-      return result;
-    }
-    case Run::Kind::kHostRays: {
-      set_sampling(board, view);
-      return trace(board, rays_of(view, scene.volume.dims));
-    }
-    case Run::Kind::kFillBlock: return fill_block(board, view);
-    case Run::Kind::kFrame: break;
+  if (run.kind == "light") {
+    LightingReport report;
+    Json result = window(board, [&] { report = illuminate(board, run, scene); });
+    result["clipped"] = report.emitted == 0 ? 0 : report.clipped / report.emitted;
+    return result;
   }
+  if (run.kind == "host_rays") {
+    set_sampling(board, view);
+    return trace(board, rays_of(view, scene.volume.dims));
+  }
+  if (run.kind == "fill_block") return fill_block(board, view);
   Image image;
-  Measurement result = window(board, [&] { image = board.render(view); });
-  if (run.picture) result.image = std::move(image);
+  Json result = window(board, [&] { image = board.render(view); });
+  if (!run.picture.empty()) write_png(image, run.picture, background_of(run.scene));
   return result;
 }
 
 }  // namespace
 
 std::shared_ptr<const SceneData> SceneStore::get(const Run& run) {
-  const std::string key = run.scene_key();
-  std::promise<std::shared_ptr<const SceneData>> promise;
-  Future future;
-  bool mine = false;
-  {
-    const std::lock_guard lock(mutex_);
-    auto& place = scenes_[key];
-    mine = !place.valid();
-    if (mine) place = promise.get_future().share();
-    future = place;
-  }
-  if (mine) {
-    try {
-      constexpr int kThreads = 2;  // chosen: the other worker most often waits for the same scene
-      promise.set_value(std::make_shared<const SceneData>(make_scene(run.scene, run.dims, run.edge, kThreads)));
-    } catch (...) {
-      promise.set_exception(std::current_exception());
-    }
-  }
+  constexpr int kThreads = 2;  // chosen: the other worker most often waits for the same scene
+  const auto make = [run] {
+    return std::make_shared<const SceneData>(make_scene(run.scene, run.dims, run.edge, kThreads));
+  };
+  std::unique_lock lock(mutex_);
+  Future& place = scenes_[{run.scene, run.dims, run.edge}];
+  if (!place.valid()) place = std::async(std::launch::deferred, make);
+  const Future future = place;
+  lock.unlock();
   return future.get();
 }
 
-void carry_out(const std::vector<Run>& runs, SceneStore& scenes,
-               const std::function<void(const Run&, Measurement)>& keep) {
-  const Run* current = &runs.front();
+void measure(const std::vector<Run>& runs, SceneStore& scenes, const std::function<void(std::size_t, Json)>& keep) {
+  std::size_t at = 0;
   try {
     const std::shared_ptr<const SceneData> scene = scenes.get(runs.front());
     Board board = open_board(runs.front());
     load(board, *scene, runs.front().faint);
     bool lit = false;
-    for (const Run& run : runs) {
-      current = &run;
-      keep(run, measure(board, run, *scene, lit));
-    }
+    for (; at < runs.size(); ++at) keep(at, measure(board, runs[at], *scene, lit));
   } catch (const std::exception& error) {
-    throw std::runtime_error(current->key() + ": " + error.what());
+    throw std::runtime_error(runs[at].name + ": " + error.what());
   }
 }
 

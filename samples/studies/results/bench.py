@@ -1,0 +1,214 @@
+"""What every section of the page works with: runs at the design point, and what was measured of them.
+
+The page is written in passes. Bench.get() of a run that is not yet measured notes it down and returns an empty measurement;
+measure() carries out what was noted; the next pass reads it, and may ask for more that depends on it."""
+import json
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, replace
+
+from figures import (Measurement, asic_ms, cause_shares, dsp_use, frame_ms, hit_ratio, mean_of, memory_gb_s, memory_use,
+                     overflows_a_ray, rate_hz, samples_per_second, spread_of, throughput)
+from page import number, percent
+
+# Scenes and what they are there for.
+SCENES = {
+    "buckyball": "C60 above a floor: opaque surfaces, much empty space",
+    "head": "nested rough ellipsoids: translucent skin, skull and brain, empty corners",
+    "cloud": "noise that never gets opaque; no block is empty",
+    "rock": "noise that is opaque everywhere within a part of its edge; no block is empty"}
+LIT_SCENES = {  # in the last all voxels take light
+    "golden-ring": "caustics: a polished ring on a floor under a point light",
+    "mirror-buckyball": "C60 over a mirror before a wall, with its shadow",
+    "mirror-head": "a head between two mirrors, a window and a lamp",
+    "fog-box": "coloured walls in fog: nearly every voxel takes light"}
+VIEWS = ["oblique", "along x", "along y", "along z", "diagonal"]
+
+PARTITION = "asic.partition"
+PROCESSORS = "asic.processors"
+QUEUE = "asic.queue_rays"
+SHARED_MEMORY = {"rdram.processors_per_rdram": 2}
+SKEWED = {PARTITION: "skewed_block"}
+# What feeds the processors is no limit: a DSP 8 times as fast that sends runs of 64 rays, and links that take a ray a cycle.
+FAST_DSP = {"dsp.clock_khz": 1600000}
+RUNS_OF_RAYS = {"dsp.run_rays": 64}
+WIDE_LINKS = {"link.bits": 256}
+FAST_FRONT_END = FAST_DSP | RUNS_OF_RAYS | WIDE_LINKS
+
+
+@dataclass(frozen=True)
+class Run:
+    """What gicube-measure reads, and the board's settings."""
+    scene: str
+    dims: tuple  # voxels of the volume
+    edge: int  # voxels: what the scene's lengths refer to
+    width: int
+    height: int
+    kind: str = "frame"  # or light: an illumination pass; host_rays: the view's, made by the host; fill_block: through one block
+    view: str = "oblique"
+    step: float = 0.5  # voxels
+    leap: bool = True
+    jitter: bool = False
+    faint: bool = False  # no ray ever gets opaque: without early termination
+    orthographic: bool = False
+    light_rays: int = 0  # a face voxel, k, of the illumination pass before it (or that it is); 0 = none
+    high_albedo: bool = False  # of that pass
+    settings: tuple = ()  # of the board's configuration: (path.to.field, value), sorted
+
+    def but(self, **fields):
+        return replace(self, **fields)
+
+    def on(self, settings):
+        """The same on a board configured otherwise."""
+        changed = {field: str(value) for field, value in settings.items()}
+        return self.but(settings=tuple(sorted((dict(self.settings) | changed).items())))
+
+    def at_step(self, step):
+        return self.but(step=step)
+
+    def board(self):
+        """Runs of one board share its volume and its light."""
+        own = self.step if self.kind == "fill_block" else None  # its cache must be cold
+        return (self.faint, self.scene, self.dims, self.edge, self.light_rays, self.high_albedo, own, self.settings)
+
+    def name(self):
+        fields = [f"{field}={value}" for field, value in vars(self).items() if field not in ("scene", "settings") and value]
+        return " ".join([self.scene, *fields, *(f"{field}={value}" for field, value in self.settings)])
+
+
+def scanline(run, queue):
+    """On the machine of [P §5.1] that reordering is measured against: one queue a processor, rays in the order in which they
+    come."""
+    return run.on({"sorter.queues": "single", QUEUE: queue})
+
+
+class Bench:
+    def __init__(self, edge, image, programs):
+        self.edge = edge  # voxels, N
+        self.image = image  # pixels
+        self.programs = programs  # the build's folder of them
+        self.block = max(8, edge // 8)  # voxels, n: an 8 x 8 x 8 grid
+        self._known = {}
+        self._wanted = {}  # a dict for its order: that in which they were asked for
+        self.page = None
+
+    def run(self, scene, view="oblique", **fields):
+        """A frame of the whole volume at the design point, scaled to the edge."""
+        settings = {"asic.block_voxels": self.block} if self.block != 32 else {}
+        if self.edge != 256:
+            settings["asic.max_volume_voxels"] = self.edge
+        return Run(scene, 3 * (self.edge,), self.edge, self.image, self.image, view=view).on(settings).but(**fields)
+
+    def lit(self, scene, k=1, high_albedo=False):
+        """A picture of a scene of global illumination with its own camera, lit by a pass of k rays a face voxel."""
+        return self.run(scene, light_rays=k, high_albedo=high_albedo)
+
+    def light(self, scene, k=1, high_albedo=False):
+        """That pass."""
+        return self.lit(scene, k, high_albedo).but(kind="light")
+
+    def all(self):
+        return [self.run(scene, view) for scene in SCENES for view in VIEWS]
+
+    def oblique(self):
+        return [self.run(scene) for scene in SCENES]
+
+    def lit_scenes(self):
+        return [self.lit(scene) for scene in LIT_SCENES]
+
+    def lights(self, high_albedo=False):
+        return [self.light(scene, 1, high_albedo) for scene in LIT_SCENES]
+
+    def get(self, run):
+        if run not in self._known:
+            self._wanted[run] = None
+            return Measurement()
+        return self._known[run]
+
+    def over(self, runs, figure):
+        return [figure(self.get(run)) for run in runs]
+
+    def spread(self, runs, figure):
+        return spread_of(self.over(runs, figure))
+
+    def mean(self, runs, figure):
+        return mean_of(self.over(runs, figure))
+
+    def lost_cycles(self, runs):
+        """The most frequent causes of cycles without a sample, over all of them: "cache_fill 12%, dsp 8%, latency 5%"."""
+        shares = {}
+        for run in runs:
+            for name, share in cause_shares(self.get(run)):
+                shares[name] = shares.get(name, 0.0) + share / len(runs)
+        shares.pop("busy", None)
+        largest = sorted(sorted(shares.items()), key=lambda each: -each[1])[:4]
+        return ", ".join(f"{name} {percent(share)}" for name, share in largest)
+
+    def causes_table(self, name, columns, runs):
+        """The runs' pipeline cycles by their cause, a column each."""
+        of_runs = self.over(runs, cause_shares)
+        rows = [[cause, *(percent(shares[i][1], 1) for shares in of_runs)] for i, (cause, _) in enumerate(of_runs[0])]
+        self.page.table(name, ["cause", *columns], rows)
+
+    def complete(self):
+        return not self._wanted
+
+    def measure(self, jobs, pictures, quiet):
+        """Carries out what was noted. `pictures`: files of runs whose image is kept. Raises RuntimeError after gicube-measure has
+        printed what the driver said."""
+        boards = {}  # what a board's caches hold passes from one run to the next, so the order is part of the result
+        for run in self._wanted:
+            boards.setdefault(run.board(), []).append(run)
+        meter = ProgressMeter(len(self._wanted), quiet)
+        runs = [[vars(run) | {"settings": dict(run.settings), "name": run.name(), "picture": str(pictures.get(run, ""))}
+                 for run in group] for group in boards.values()]
+        with subprocess.Popen([self.programs / "gicube-measure", "--jobs", str(jobs)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                              text=True) as process:
+            json.dump(runs, process.stdin)
+            process.stdin.close()
+            for line in process.stdout:
+                result = json.loads(line)
+                run = list(boards.values())[result.pop("board")][result.pop("run")]
+                self._known[run] = Measurement(**result)
+                meter.advance()
+        if process.returncode != 0:
+            raise RuntimeError("gicube-measure failed, see above")
+        self._wanted = {}
+
+
+class ProgressMeter:
+    """Says how far a long measurement is: on a terminal in place, else a line each tenth."""
+
+    def __init__(self, total, quiet):
+        self._total, self._quiet, self._done, self._start = total, quiet, 0, time.monotonic()
+
+    def advance(self):
+        self._done += 1
+        terminal = sys.stderr.isatty()
+        if self._quiet or (not terminal and 10 * self._done // self._total == 10 * (self._done - 1) // self._total):
+            return
+        seconds = time.monotonic() - self._start
+        left = seconds * (self._total - self._done) / self._done
+        print(f"{chr(13) + chr(27) + '[K' if terminal else ''}results: {self._done} of {self._total} runs, {seconds:.0f} s, "
+              f"about {left:.0f} s to go", end="" if terminal and self._done < self._total else "\n", file=sys.stderr, flush=True)
+
+
+# How a figure is printed in tables, by its column's head.
+CELLS = {
+    "frame ms": lambda m: number(frame_ms(m)),
+    "Hz": lambda m: number(rate_hz(m)),
+    "ASIC ms": lambda m: number(asic_ms(m)),
+    "M samples": lambda m: number(m["processor.samples"] * 1e-6, 1),
+    "M samples/s": lambda m: number(samples_per_second(m) * 1e-6, 0),
+    "throughput": lambda m: percent(throughput(m)),
+    "memory GB/s": lambda m: number(memory_gb_s(m), 2),
+    "memory in use": lambda m: percent(memory_use(m)),
+    "hit ratio": lambda m: percent(hit_ratio(m), 1),
+    "DSP busy": lambda m: percent(dsp_use(m)),
+    "overflows a ray": lambda m: number(overflows_a_ray(m), 2)}
+
+
+def cells(m, columns, others=None):
+    """A row's cells of one measurement; `others` prints figures of columns as CELLS does."""
+    return [((others or {}).get(column) or CELLS[column])(m) for column in columns]

@@ -1,0 +1,253 @@
+"""What counters mean: the paper's figures by arithmetic from one measured window."""
+from typing import NamedTuple
+
+PACKET_BYTES = 16  # of 9 bits: the paper's unit, in which an RDRAM of 18 bit at 800 MHz gives 1.6 GB/s
+RAY_BYTES = 32  # [P §3.6]
+CLOCKS_PER_CYCLE = 4  # tCYCLE a core cycle at the design point [P §3.3]
+VOXELS_A_SAMPLE = 8  # of a trilinear neighbourhood
+
+
+class Measurement:
+    """What one window, most often a frame, adds to a board's counters and clock. Without arguments nothing was measured."""
+
+    def __init__(self, counters=None, time_ps=0, processors=0, core_hz=0.0, clipped=0.0):
+        self.counters = counters or {}  # in the board's order
+        self.time_ps = time_ps  # simulated, as the host sees it: with bus transfers
+        self.processors = processors
+        self.core_hz = core_hz
+        self.clipped = clipped  # of an illumination pass: the part of its energy that did not fit the irradiance words
+
+    def count(self, name):
+        return self.counters.get(name, 0)
+
+    def __getitem__(self, name):
+        return float(self.count(name))
+
+
+def ratio(part, whole):
+    """0 where `whole` is 0: while a page is only planned, nothing is measured."""
+    return 0.0 if whole == 0 else part / whole
+
+
+def to_ms(picoseconds):
+    return float(picoseconds) * 1e-9
+
+
+def pipeline_cycles(m):
+    return m["asic.cycles"] * m.processors
+
+
+def seconds(m):
+    """Core cycles of the window, as time."""
+    return ratio(m["asic.cycles"], m.core_hz)
+
+
+def frame_ms(m):
+    """As the host sees it, image transfer included."""
+    return to_ms(m.time_ps)
+
+
+def rate_hz(m):
+    return ratio(1e3, frame_ms(m))
+
+
+def asic_ms(m):
+    return 1e3 * seconds(m)
+
+
+def samples_per_second(m):
+    return ratio(m["processor.samples"], seconds(m))
+
+
+def throughput(m):
+    """Samples a pipeline cycle, 0..1."""
+    return ratio(m["processor.samples"], pipeline_cycles(m))
+
+
+def misses_a_sample(m):
+    """0..8."""
+    return ratio(m["processor.cache.missed_voxels"], m["processor.cache.checks"])
+
+
+def hit_ratio(m):
+    """Of voxels asked for, those that the cache held: 0..1."""
+    return 0.0 if m["processor.cache.checks"] == 0 else 1 - misses_a_sample(m) / VOXELS_A_SAMPLE
+
+
+def miss_histogram(m):
+    """Shares of samples with 0, 1 .. 8 misses; they sum to 1."""
+    counts = [m[f"processor.cache.samples_with_misses.{misses}"] for misses in range(VOXELS_A_SAMPLE + 1)]
+    return [ratio(count, sum(counts)) for count in counts]
+
+
+def memory_gb_s(m):
+    packets = m["rdram.reads"] + m["rdram.writes"]
+    return ratio(packets * PACKET_BYTES, seconds(m)) * 1e-9
+
+
+def memory_clocks(m):
+    memories = 0
+    while f"rdram{memories}.data_busy" in m.counters:
+        memories += 1
+    return m["asic.cycles"] * CLOCKS_PER_CYCLE * memories
+
+
+def memory_use(m):
+    """Share of the time in which the memories' data pins were busy, 0..1."""
+    return ratio(m["rdram.data_busy"], memory_clocks(m))
+
+
+def memory_turnaround(m):
+    """Share of it in which they stood still since reads followed writes, or writes reads, 0..1."""
+    return ratio(m["rdram.turnaround"], memory_clocks(m))
+
+
+def memory_use_uncombined(m):
+    """memory_use() if each changed tile were written on its own and fetched first, a read and a write as [P §3.6] has it.
+    Above 1 the memory would hold the pipelines up."""
+    more = 2 * m["processor.splat.tiles"] - m["rdram.writes"] - m["processor.splat.tiles_fetched"]
+    return memory_use(m) + ratio(more, memory_clocks(m) / CLOCKS_PER_CYCLE)
+
+
+def rays_sent(m):
+    """A processor and 100 cycles."""
+    return 100 * ratio(m["link.rays_sent"], pipeline_cycles(m))
+
+
+def links_busy(m):
+    """Cycles in which one of a processor's two links moved bits, of 100."""
+    return 100 * ratio(m["link.busy"], 2 * pipeline_cycles(m))
+
+
+def bisection_mb_s(m):
+    """Rays over the cut that halves the ring."""
+    return ratio(m["link.bisection_rays"] * RAY_BYTES, seconds(m)) * 1e-6
+
+
+# The mean over the processors of the part of the time in which one was busy [P §5.4].
+def balance_held(m):
+    """Busy is: it holds rays."""
+    return ratio(m["processor.rays_held"], pipeline_cycles(m))
+
+
+def balance_working(m):
+    """Busy is: its pipeline has a sample or leap in hand."""
+    return ratio(m["processor.cycles.busy"] + m["processor.cycles.leap"], pipeline_cycles(m))
+
+
+def work_balance(m):
+    """How evenly the samples lie, whatever the time: the processors' mean over the maximum of one, 0..1. It bounds the speed-up
+    of p such processors to p times this."""
+    samples = spread_of([m[f"processor{i}.samples"] for i in range(m.processors)])
+    return ratio(samples.mean, samples.max)
+
+
+def dsp_use(m):
+    """0..1."""
+    return ratio(to_ms(m.count("dsp.busy_ps")), asic_ms(m))
+
+
+def overflows_a_ray(m):
+    return ratio(m["dsp.overflows"], m["dsp.rays_taken"])
+
+
+def cause_shares(m):
+    """Every pipeline cycle by its cause: name and share, which sum to 1."""
+    prefix = "processor.cycles."
+    counts = [(name.removeprefix(prefix), m[name]) for name in m.counters if name.startswith(prefix)]
+    total = sum(count for _, count in counts)
+    return [(name, ratio(count, total)) for name, count in counts]
+
+
+def stalled_by_links(m):
+    """Share of the pipelines' cycles in which a ray waits for a link."""
+    return dict(cause_shares(m)).get("link", 0.0)
+
+
+def sum_of(a, b):
+    """Both windows added; empty if one of them is."""
+    if a.processors == 0 or b.processors == 0:
+        return Measurement()
+    counters = {name: value + a.count(name) for name, value in b.counters.items()}
+    return Measurement(counters, a.time_ps + b.time_ps, a.processors, a.core_hz, a.clipped)
+
+
+# Of lighting passes.
+def deposits_a_sample(m):
+    return ratio(m["processor.splat.deposits"], m["processor.samples"])
+
+
+def tiles_a_deposit(m):
+    """Changed tiles."""
+    return ratio(m["processor.splat.tiles"], m["processor.splat.deposits"])
+
+
+def tiles_combined(m):
+    """The share of changed tiles that were written together with an earlier change, 0..1."""
+    return ratio(m["processor.splat.tiles_combined"], m["processor.splat.tiles"])
+
+
+def scatterings_a_ray(m):
+    """Rays scattered a ray sent for the first time."""
+    return ratio(m["pipeline.scatterings"], m["dsp.rays_taken"])
+
+
+class Residency(NamedTuple):
+    """Samples and leaps (turns) by how many of them were taken while a queue was the active one."""
+    turns: int  # at least 1, 2, 4 .. and fewer than twice as many
+    activations: float  # share of all, 0..1
+    issued: float  # share of the turns, 0..1
+
+
+def residencies(m):
+    sizes = [1 << i for i in range(21)]
+    activations = [m[f"processor.sorter.activations_of_rays.{size}"] for size in sizes]
+    issued = [m[f"processor.sorter.issued_in_activations_of_rays.{size}"] for size in sizes]
+    return [Residency(size, ratio(a, sum(activations)), ratio(i, sum(issued)))
+            for size, a, i in zip(sizes, activations, issued)]
+
+
+def issued_in_short_residencies(m, turns=32):
+    """The share of turns in residencies of fewer. Those shorter than the pipeline end before a ray comes round [P §5.1]."""
+    return sum((each.issued for each in residencies(m) if each.turns < turns), 0.0)
+
+
+class Millisecond(NamedTuple):
+    loads: float = 0.0  # of blocks
+    samples: float = 0.0
+
+
+def milliseconds(m):
+    """Block loads and samples in each millisecond of the window."""
+    def by_time(prefix):
+        return {int(name.removeprefix(prefix)): float(value) for name, value in m.counters.items()
+                if value and name.startswith(prefix)}
+    loads, samples = by_time("asic.block_loads.ms"), by_time("asic.samples.ms")
+    times = loads.keys() | samples.keys()
+    if not times:
+        return []
+    return [Millisecond(loads.get(ms, 0.0), samples.get(ms, 0.0)) for ms in range(min(times), max(times) + 1)]
+
+
+class Spread(NamedTuple):
+    min: float = 0.0
+    mean: float = 0.0
+    max: float = 0.0
+
+    def text(self, unit, digits):
+        """"MEAN (MIN to MAX)" in this unit, with so many digits after the point."""
+        mean, low, high = (f"{value / unit:.{digits}f}" for value in (self.mean, self.min, self.max))
+        return f"{mean} ({low} to {high})"
+
+
+def spread_of(values):
+    if not values:
+        return Spread()
+    mean = 0.0
+    for value in values:
+        mean += value / len(values)
+    return Spread(min(values), mean, max(values))
+
+
+def mean_of(values):
+    return spread_of(values).mean

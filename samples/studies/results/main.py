@@ -1,0 +1,107 @@
+#!/usr/bin/env python3
+"""Measures the paper's results on emulated boards and writes RESULTS.md."""
+import argparse
+import os
+import pathlib
+import subprocess
+import sys
+
+sys.dont_write_bytecode = True
+
+from bench import Bench  # noqa: E402
+from page import Page  # noqa: E402
+from sections import design_point, light, memory, processors, scanline  # noqa: E402
+
+SECTIONS = {"scenes": design_point.scenes,
+            "bounds": design_point.bounds,
+            "baseline": scanline.baseline,
+            "illumination": light.illumination,
+            "light-sweep": light.light_sweep,
+            "block-loads": light.block_loads,
+            "lit-baseline": scanline.lit_baseline,
+            "partition": processors.partition,
+            "gains": design_point.gains,
+            "speed-up": processors.speed_up,
+            "scaling": processors.scaling,
+            "cache": memory.cache,
+            "sampling": memory.sampling,
+            "bus": design_point.bus,
+            "cost": design_point.cost,
+            "parameters": design_point.parameters}
+
+PROGRAMS = pathlib.Path(__file__).absolute().parent  # the build makes a link to this file beside its programs
+
+
+def introduction(bench):
+    return (
+        "# Results\n\n"
+        "What the paper reports beside what our board does. Everything here is made by one command and nothing is typed in:\n\n"
+        "    script/results\n\n"
+        "It runs `gicube-results` (samples/studies/results), which measures on emulated boards at the cycle level through the public "
+        f"driver. Design point unless noted: volume {bench.edge}^3, blocks {bench.block}^3, 4 processors, queues of 256 rays, 100 MHz, "
+        f"four RDRAMs, image {bench.image}^2, half-voxel steps, rays done at an opacity of 0.98.\n\n"
+        "## Paper and ours\n\n")
+
+
+def sections_of(text):
+    names = text.split(",")
+    for name in names:
+        if name not in SECTIONS:
+            raise argparse.ArgumentTypeError(f"{name} is none of {', '.join(SECTIONS)}")
+    return names
+
+
+def folder_of(text):
+    if not pathlib.Path(text).is_dir():
+        raise argparse.ArgumentTypeError(f"{text} is no folder")
+    return pathlib.Path(text)
+
+
+def within(low, high):
+    def value_of(text):
+        if not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"{text} is not in {low} to {high}")
+        return int(text)
+    return value_of
+
+
+def options():
+    parser = argparse.ArgumentParser(prog="gicube-results", description=__doc__)
+    parser.add_argument("folder", metavar="FOLDER", type=folder_of,
+                        help="gets RESULTS.md, and its CSV files and gnuplot scripts in results/")
+    parser.add_argument("--version", action="store_true", help="print the version and exit")
+    parser.add_argument("--edge", type=int, choices=(32, 64, 128, 256), default=256, help="voxels an edge of the volume (%(default)s)")
+    parser.add_argument("--image", type=within(8, 1024), default=256, help="pixels an edge of the image, 8 to 1024 (%(default)s)")
+    parser.add_argument("--jobs", type=within(1, 64), default=os.cpu_count(), help="boards at a time, 1 to 64 (%(default)s)")
+    parser.add_argument("--only", type=sections_of, default=list(SECTIONS), metavar="SECTION,...",
+                        help="sections to measure, for a page of these alone (all)")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+    return parser
+
+
+def main():
+    if "--version" in sys.argv[1:]:
+        version = subprocess.run([PROGRAMS / "gicube-measure", "--version"], check=True, stdout=subprocess.PIPE, text=True).stdout
+        print(version.replace("measure", "results"), end="")
+        return
+    given = options().parse_args()
+    folder = given.folder / "results"
+    folder.mkdir(exist_ok=True)
+    bench = Bench(given.edge, given.image, PROGRAMS)
+    pictures = {run: folder / f"scene-{run.scene}.png" for run in bench.oblique() + bench.lit_scenes()}
+    while True:
+        bench.page = Page()
+        for name, section in SECTIONS.items():
+            if name in given.only:
+                section(bench)
+        if bench.complete():
+            break
+        bench.measure(given.jobs, pictures, given.quiet)
+    bench.page.write_files(folder)
+    (given.folder / "RESULTS.md").write_text(introduction(bench) + bench.page.claims() + bench.page.body)
+
+
+try:
+    main()
+except (OSError, RuntimeError, ValueError, subprocess.CalledProcessError) as error:
+    sys.exit(f"gicube-results: {error}")

@@ -1,0 +1,199 @@
+"""The caches: blocks and queues, sampling distance and image size."""
+from bench import QUEUE, SCENES, cells
+from figures import asic_ms, hit_ratio, mean_of, miss_histogram, misses_a_sample, ratio, throughput
+from page import Chart, differs, number, percent
+
+QUEUES = (1, 4, 8, 16, 32, 64, 256, 1024)  # rays
+DESIGN_QUEUE, PIPELINE_LATENCY = 256, 32  # rays, cycles
+STEPS = (2, 1, 0.5, 0.25, 0.125)  # voxels
+
+
+def with_queue(run, queue):
+    return run if queue == DESIGN_QUEUE else run.on({QUEUE: queue})
+
+
+class Grid:
+    """One scene in blocks of several sizes and with several queues."""
+
+    def __init__(self, bench, name, run):
+        self.bench, self.name, self.run = bench, name, run
+        self.blocks = [n for n in (8, 16, 32, 64) if n <= bench.edge]  # voxels
+
+    def get(self, block, queue):
+        return self.bench.get(with_queue(self.run.on({"asic.block_voxels": block}), queue))
+
+    def hits(self, block, queue=DESIGN_QUEUE):
+        return hit_ratio(self.get(block, queue))
+
+    def ms(self, block, queue=DESIGN_QUEUE):
+        return asic_ms(self.get(block, queue))
+
+    def report(self, hits_title, ms_title):
+        for name, title, label, log_y, figure in (("hit-ratio", hits_title, "hit ratio", False, self.hits),
+                                                  ("time", ms_title, "ASIC ms", True, self.ms)):
+            chart = Chart(f"{name}-{self.name}", title, "rays of a queue", label, log_x=True, log_y=log_y,
+                          series=[f"n = {n}" for n in self.blocks])
+            chart.points = [(queue, [figure(n, queue) for n in self.blocks]) for queue in QUEUES]
+            self.bench.page.chart(chart, f"{title}.")
+        queue_table(self.bench, f"grid-{self.name}", {f"n = {n}": n for n in self.blocks}, self.get)
+
+
+def queue_table(bench, name, variants, get):
+    """Hits and time of get(variant, queue), a row a queue."""
+    rows = []
+    for queue in QUEUES:
+        rows.append([str(queue)])
+        for variant in variants.values():
+            m = get(variant, queue)
+            rows[-1] += [percent(hit_ratio(m), 1), number(asic_ms(m), 2)]
+    bench.page.table(name, ["rays of a queue", *(head for each in variants for head in (f"{each}: hits", "ms"))], rows)
+
+
+def cache(bench):
+    """Rows 15 and 16."""
+    page = bench.page
+    page.heading("Blocks and queues")
+    grids = [Grid(bench, scene, bench.run(scene)) for scene in ("buckyball", "head")]
+    # One volume of as many voxels as the largest block has, and one processor: n = N.
+    whole = grids[0].blocks[-1]
+    small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole, height=whole)
+                 .on({"asic.processors": 1}))
+    page.text(f"Hit ratio is that of voxels. The caches hold at most 64^3 blocks, so n = N is measured on a head of {whole}^3 voxels "
+              f"with one processor and a {whole}^2 image.")
+    for grid in grids:
+        grid.report(f"Figure 13: hit ratio, {grid.name}", f"Figure 14: time, {grid.name}")
+    small.report("Figure 13 with n = N: hit ratio", "Figure 14 with n = N: time")
+
+    def of_ways(ways, queue):
+        run = with_queue(grids[0].run, queue)
+        return grids[0].get(bench.block, queue) if ways == 1 else bench.get(run.on({"cache.ways": ways}))
+
+    page.text("The paper names associativity as a cure for short queues; buckyball, design block:")
+    queue_table(bench, "associativity", {"1 way": 1, "2 ways": 2, "4 ways": 4}, of_ways)
+    without_leaps = blocks_table(bench, grids[0].blocks)
+    hit_claim(bench, grids, small.hits(whole))
+
+    fastest = {grid.name: min(grid.blocks, key=grid.ms) for grid in grids}
+    least, most = small.ms(whole, 64), small.ms(whole, 1024)
+    best = ", ".join(f"{name}: n = {n} ({bench.edge // n}^3 grid)" for name, n in fastest.items())
+    page.claim(
+        16, "time against block and queue size (5.1, Figure 14)", "queue size idle at n = N; an 8 x 8 x 8 grid is best",
+        f"n = N: {least:.2f} ms at queues of 64, {most:.2f} ms at 1024; best of queues of 256: {best}",
+        set(fastest.values()) != {bench.block} or differs(least, most),
+        "larger blocks miss less, smaller ones cut a scene's empty space more finely, so rays leap more of it: which wins is the scene's. "
+        f"Without leaps the best blocks are {without_leaps}: reordering alone asks for larger ones here, since queues of 256 rays are "
+        "long against the pipeline")
+
+
+def blocks_table(bench, blocks):
+    """Which block is best, with and without leaps: what reordering alone prefers."""
+    rows, best = [], []
+    for scene in SCENES:
+        for leap in (True, False):
+            grid = Grid(bench, scene, bench.run(scene, leap=leap))
+            times = [grid.ms(n) for n in blocks]
+            fastest = blocks[times.index(min(times))]
+            rows.append([scene, "yes" if leap else "no", *(number(time, 2) for time in times), str(fastest)])
+            if not leap:
+                best.append(f"{scene} {fastest}")
+    bench.page.text("Time by block with queues of the design point, with and without leaps over empty blocks:")
+    bench.page.table("blocks", ["scene", "leaps", *(f"n = {n}, ms" for n in blocks), "best n"], rows)
+    return ", ".join(best)
+
+
+def hit_claim(bench, grids, whole):
+    n, twice = bench.block, 2 * PIPELINE_LATENCY
+    with_queues = all(grid.hits(n, 1) < grid.hits(n, 64) < grid.hits(n, 1024) for grid in grids)
+    with_blocks = all(grid.hits(a) < grid.hits(b) for grid in grids for a, b in zip(grid.blocks, grid.blocks[1:]))
+    jumps = "; ".join(f"{grid.name}: {percent(grid.hits(n, 16), 1)} at 16, {percent(grid.hits(n, twice), 1)} at {twice}"
+                      for grid in grids)
+    bench.page.claim(
+        15, "hit ratio against block and queue size (5.1, Figure 13)", "grows with both; jumps past queues of 16; below 100% at n = N",
+        f"grows with queues: {'yes' if with_queues else 'no'}; with blocks: {'yes' if with_blocks else 'no'}; {jumps}; "
+        f"{percent(whole, 1)} at n = N",
+        not (with_queues and with_blocks and whole < 1),
+        "with queues shorter than the pipeline the few rays of a block come round so seldom that hits are those of neighbouring rays in "
+        "the order of the image; see the tables")
+
+
+def at_image(run, image):
+    return run.but(width=image, height=image)
+
+
+def sampling(bench):
+    """Rows 17 and 19."""
+    page = bench.page
+    page.heading("Sampling distance and image size")
+    for scene in ("buckyball", "cloud"):
+        chart = Chart(f"misses-{scene}", f"Figure 9: misses a sample, {scene}", "misses of a sample", "share of samples", bars=True,
+                      series=[f"step {step:g}" for step in STEPS])
+        shares = bench.over([bench.run(scene, step=step) for step in STEPS], miss_histogram)
+        chart.points = list(enumerate(zip(*shares)))
+        page.chart(chart, "By distance of the samples in voxels.")
+    steps_table(bench)
+    image_sizes(bench)
+    exact, second_hits, fetched, words = one_block(bench)
+
+    def without_miss(step):
+        return percent(mean_of([miss_histogram(bench.get(run.at_step(step)))[0] for run in bench.oblique()]))
+
+    few, many = ([at_image(run, image) for run in bench.oblique()] for image in (bench.image // 8, 2 * bench.image))
+    small, big = bench.mean(few, throughput), bench.mean(many, throughput)
+    page.claim(
+        17, "misses a sample by sampling distance (Figure 9); efficiency by image size (Figure 17)",
+        "second sample in a cell hits 100%; grows with the image",
+        f"second sample in a cell of a whole block hits: {'100%' if second_hits else 'not always'}; samples without a miss "
+        f"{without_miss(1)}, {without_miss(0.5)}, {without_miss(0.25)} at steps of 1, 0.5, 0.25; throughput {percent(small)} at "
+        f"{bench.image // 8}^2 to {percent(big)} at {2 * bench.image}^2",
+        not second_hits or big < small,
+        "a cell that was fetched was lost again before its second sample, or larger images were slower: see the tables")
+    page.claim(
+        19, "compulsory misses of a block at one sample a voxel (2.1)", f"(n+1)^3 = {words}, never more than the block",
+        str(words if exact else fetched), not exact, "the block was fetched in part twice, or not wholly: see the table")
+
+
+def steps_table(bench):
+    others = {"misses a sample": lambda m: number(misses_a_sample(m), 2)}
+    columns = ["misses a sample", "memory GB/s", "memory in use", "throughput", "Hz"]
+    variants = [(f"{step:g}", step, False) for step in STEPS] + [("1, jittered", 1, True)]
+    rows = []
+    for name, step, jitter in variants:
+        runs = [bench.run(scene, step=step, jitter=jitter) for scene in SCENES]
+        rows.append([name, *(cell for run in runs for cell in cells(bench.get(run), columns, others))])
+    bench.page.text("Jitter shortens each step by a random factor of 1/2 to 1, as the paper does.")
+    bench.page.table("steps", ["step, voxels", *(f"{scene}: {column}" for scene in SCENES for column in columns)], rows)
+
+
+def image_sizes(bench):
+    """Figure 17."""
+    chart = Chart("image-size", "Figure 17: efficiency by image size", "pixels an edge", "throughput", log_x=True, series=list(SCENES))
+    rows = []
+    for image in (bench.image // 8, bench.image // 4, bench.image // 2, bench.image, 2 * bench.image):
+        measured = [bench.get(at_image(run, image)) for run in bench.oblique()]
+        chart.points.append((image, [throughput(m) for m in measured]))
+        rows.append([f"{image}^2", *(cell for m in measured for cell in cells(m, ["throughput", "hit ratio"]))])
+    bench.page.chart(chart, "Oblique views.")
+    bench.page.table("image-sizes", ["image", *(head for scene in SCENES for head in (f"{scene}: throughput", "hit ratio"))], rows)
+
+
+def one_block(bench):
+    """Rays through one block: whether its voxels are fetched once, whether second samples of a cell hit, the last number of
+    voxels fetched, and how many there are."""
+    n = bench.block
+    words = (n + 1) ** 3
+    rows, exact, second_hits, fetched = [], True, True, 0
+    for scene in ("buckyball", "cloud", "rock"):
+        for step in (1, 0.5, 0.25):
+            m = bench.get(bench.run(scene, step=step, kind="fill_block", faint=True, leap=False))
+            fetched, samples = m.count("processor.cache.filled_voxels"), m.count("processor.samples")
+            hits = m.count("processor.cache.samples_with_misses.0")
+            if step == 1:
+                hits_at_one = hits
+            # All samples but the first of each cell hit, whatever the first did.
+            second_hits = second_hits and samples - hits <= n ** 3 - hits_at_one
+            exact = exact and fetched == words
+            rows.append([scene, f"{step:g}", str(samples), str(fetched), str(words), percent(ratio(hits, samples), 1)])
+    bench.page.text(f"Rays made by the host through one block along z, one in each column of its cells: {n}^2 rays, ended by a cut plane "
+                    "at the block's far face.")
+    bench.page.table("one-block", ["scene", "step, voxels", "samples", "voxels fetched", "(n+1)^3", "samples without a miss"], rows)
+    return exact, second_hits, fetched, words

@@ -1,0 +1,48 @@
+import math
+import unittest
+
+from page import Chart, Page, Table, differs, number, percent, to_csv, to_gnuplot, to_markdown
+
+
+class ResultPage(unittest.TestCase):
+    def test_AQuarterIsCountedFromTheNearerEndOfTheRange(self):
+        self.assertFalse(differs(2.5, 2, 4))
+        self.assertFalse(differs(1.5, 2, 4))
+        self.assertTrue(differs(1.49, 2, 4))
+        self.assertFalse(differs(5, 2, 4))
+        self.assertTrue(differs(5.01, 2, 4))
+
+    def test_TableHasTheSameCellsAsItsCsv(self):
+        table = Table("t", ["name", "value"], [["a, b", "1"], ['say "c"', "2"]])
+        self.assertEqual(to_markdown(table), '| name | value |\n| --- | --- |\n| a, b | 1 |\n| say "c" | 2 |\n')
+        self.assertEqual(to_csv(table), 'name,value\n"a, b",1\n"say ""c""",2\n')
+
+    def test_ChartLeavesAMissingValueEmpty(self):
+        chart = Chart("c", "Title", "x", "y", log_x=True, series=["one", "two"], points=[(1, [0.5, 2]), (2, [math.nan, 3])])
+        self.assertEqual(to_csv(chart), "x,one,two\n1,0.5,2\n2,,3\n")
+        script = to_gnuplot(chart)
+        self.assertIn("set logscale x", script)
+        self.assertNotIn("set logscale y", script)
+        self.assertIn("set output 'c.svg'", script)
+        self.assertNotIn("png", script)
+        self.assertIn("using 1:3", script)
+
+    def test_ClaimThatDiffersMustSayWhy(self):
+        page = Page()
+        with self.assertRaises(ValueError):
+            page.claim(5, "bandwidth", "2", "1", True, "")
+        page.claim(6, "use", "40%", "41%", False, "")
+        page.claim(5, "bandwidth", "2", "1", True, "because")
+        claims = page.claims()
+        self.assertIn("| 6 | use", claims)
+        self.assertLess(claims.index("| 5 | bandwidth"), claims.index("| 6 | use"))
+        self.assertIn("- **5, bandwidth**: because\n", claims)
+        self.assertNotIn("- **6", claims)
+
+    def test_NumbersArePrintedWithTheirDigits(self):
+        self.assertEqual(number(1.25, 1), "1.2")
+        self.assertEqual(number(-3, 0), "-3")
+        self.assertEqual(percent(0.375, 1), "37.5%")
+
+
+unittest.main()

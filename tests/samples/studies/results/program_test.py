@@ -1,0 +1,86 @@
+"""The program itself on tiny volumes: the page is whole, and its numbers are those of its CSV files."""
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+from page import Table, to_csv
+
+PROGRAM = pathlib.Path(os.environ["GICUBE_BIN_DIR"]) / "gicube-results"
+
+
+def run(*arguments, **streams):
+    return subprocess.run([PROGRAM, *arguments], **streams).returncode
+
+
+def tables_of(page):
+    """Tables by the file that the line after them names."""
+    tables = {}
+    lines = []
+    for line in page.splitlines():
+        link = re.fullmatch(r"\[results/([a-z0-9-]+)\.csv\]\(results/\1\.csv\)", line)
+        if line.startswith("| ") and not line.startswith("| --- |"):
+            lines.append(line[2:-2].split(" | "))
+        elif link:
+            tables[link[1]] = Table(link[1], lines[0], lines[1:])
+            lines = []
+    return tables
+
+
+class ResultsProgram(unittest.TestCase):
+    def expect_every_row(self, page):
+        for row in range(1, 24):
+            self.assertIn(f"\n| {row} | ", page)
+        self.assertIn("script/results", page)
+        self.assertNotRegex(page, "[^a-z](nan|inf)[^a-z]")
+
+    def expect_the_files_numbers(self, tables, folder):
+        self.assertGreaterEqual(len(tables), 12)
+        for name, table in tables.items():
+            self.assertTrue(table.rows, name)
+            self.assertEqual((folder / f"{name}.csv").read_text(), to_csv(table), name)
+
+    def expect_sources_of_pictures(self, page, folder):
+        pictures = re.findall(r"!\[[^\]]*\]\(results/([a-z0-9-]+)\.(svg|png)\)", page)
+        for name, extension in pictures:
+            file = folder / (name + (".gp" if extension == "svg" else ".png"))
+            self.assertTrue(file.exists(), file)
+        self.assertGreaterEqual(len(pictures), 12)
+
+    def expect_causes_of_all_cycles(self, causes):
+        for column, name in enumerate(causes.columns[1:], 1):
+            total = sum(float(row[column].rstrip("%")) for row in causes.rows)
+            self.assertAlmostEqual(total, 100, delta=0.05 * len(causes.rows), msg=name)
+
+    def test_WritesAWholePageOfItsFilesNumbers(self):
+        """One test: its program takes seconds."""
+        with tempfile.TemporaryDirectory() as temporary:
+            self.assertEqual(run("--edge", "32", "--image", "32", "--quiet", temporary), 0)
+            folder = pathlib.Path(temporary) / "results"
+            page = (folder.parent / "RESULTS.md").read_text()
+            tables = tables_of(page)
+            self.expect_every_row(page)
+            self.expect_the_files_numbers(tables, folder)
+            self.expect_sources_of_pictures(page, folder)
+            self.expect_causes_of_all_cycles(tables["causes"])
+            self.expect_causes_of_all_cycles(tables["lit-causes"])
+            # Row 19 is exact at any size: a block of 8^3 voxels has 9^3 words.
+            blocks = (folder / "one-block.csv").read_text().splitlines()
+            self.assertGreater(len(blocks), 3)
+            for line in blocks[1:]:
+                self.assertIn(",729,729,", line)
+
+    def test_WritesThePageOfOneSection(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(run("--only", "cost", "--quiet", folder), 0)
+            page = (pathlib.Path(folder) / "RESULTS.md").read_text()
+            self.assertIn("\n| 22 | ", page)
+            self.assertNotIn("\n| 21 | ", page)
+
+    def test_RefusesASizeThatIsNoPowerOfTwo(self):
+        self.assertEqual(run("--edge", "33", ".", stderr=subprocess.DEVNULL), 2)
+
+
+unittest.main()
