@@ -8,9 +8,7 @@
 namespace gicube::emu {
 
 // Passes know nothing of deposits and scattering, nor of the packets of two processors that alternate on one channel.
-bool ApproximateLevel::answers(const Frame& frame) const {
-  return frame.plain && PassMachine::covers(config_);
-}
+bool ApproximateLevel::answers(const Frame& frame) const { return frame.plain() && PassMachine::covers(config_); }
 
 PassMachine& ApproximateLevel::machine_for(const Frame& frame) {
   if (machine_ && machine_->blocks() != frame.volume->blocks()) drop_machines();
@@ -30,7 +28,7 @@ RunResult ApproximateLevel::run(RaySource& source, const Frame& frame, Progress&
     const std::uint64_t end = std::min(count, begin + at_once);
     TracedPasses passes(source, {begin, end}, frame, vectors ? &tracer_ : nullptr, threads_);
     RunResult ran = machine.run(passes, frame, progress, threads_ > 1);
-    ran.set_out = passes.set_out();
+    ran.made = passes.made();
     ran.rays = passes.rays();
     add_run(all, ran, config_.asic().core_khz());
     begin = end;

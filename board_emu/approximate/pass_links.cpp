@@ -9,19 +9,19 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::size_t kArrivals = kFifoPlaces;       // rays between a link and the sorter
-constexpr std::size_t kPlacesToEnter = 2;  // link/ring.h
+constexpr std::size_t kArrivals = kFifoPlaces;  // rays between a link and the sorter
+constexpr std::size_t kPlacesToEnter = 2;       // link/ring.h
 
 }  // namespace
 
 PassProcessor& PassProcessor::neighbour(Direction way) const {
-  const std::size_t count = with_.processors->size();
-  return *(*with_.processors)[(number_ + (way == kRight ? 1 : count - 1)) % count];
+  const std::size_t count = shared_.processors->size();
+  return *(*shared_.processors)[(number_ + (way == kRight ? 1 : count - 1)) % count];
 }
 
 // The shorter way round the ring.
 PassProcessor::Direction PassProcessor::way_to(std::uint8_t processor) const {
-  const std::size_t count = with_.processors->size(), right = (processor + count - number_) % count;
+  const std::size_t count = shared_.processors->size(), right = (processor + count - number_) % count;
   return right <= count - right ? kRight : kLeft;
 }
 
@@ -35,21 +35,22 @@ void PassProcessor::enter_links() {
     if (out_blocked_) return;
     if (waited) next.at = std::max(next.at, link.left + 1);
     out_.drop();
-    if (link_stands_) line_goes_on(next.at);
+    if (link_stalled_) line_goes_on(next.at);
     link.entry.push(next);
     run_link(way);
   }
 }
 
-// The pipeline, and all in it, is later by as long as it stood.
+// The pipeline, and all in it, is later by as long as it was_stalled.
 void PassProcessor::line_goes_on(Cycle moved) {
-  link_stands_ = false;
-  const std::size_t first = out_.begin() + kLeaving - 1;  // the one for which it stood
-  const Cycle out = out_[first].at, stood = std::max(moved + 1, out) - out;
-  for (std::size_t i = first; i != out_.end(); ++i) out_[i].at += stood;
-  for (std::size_t i = returned_.begin(); i != returned_.end(); ++i) returned_[i].ray.ready += stood;
-  for (std::size_t i = std::max(arrived_, going_.begin()); i != going_.end(); ++i) going_[i].ready += stood;
-  computing_ += stood;
+  link_stalled_ = false;
+  const std::size_t first = out_.begin() + kLeaving - 1;  // the one for which it was_stalled
+  const Cycle out = out_[first].at, was_stalled = std::max(moved + 1, out) - out;
+  for (std::size_t i = first; i != out_.end(); ++i) out_[i].at += was_stalled;
+  for (std::size_t i = returned_.begin(); i != returned_.end(); ++i) returned_[i].ray.ready += was_stalled;
+  for (std::size_t i = std::max(arrived_, active_rays_.begin()); i != active_rays_.end(); ++i)
+    active_rays_[i].ready += was_stalled;
+  computing_ += was_stalled;
 }
 
 void PassProcessor::run_link(Direction way) {
@@ -78,7 +79,8 @@ bool PassProcessor::pass_on(Direction way) {
   const bool waited = std::exchange(link.blocked, !room);
   if (!room) return false;
   link.left = std::max(first.at, link.left) + link_cycles_;
-  if (waited) link.left = std::max(link.left, arrives ? next.taken_from_[input] - kLinkToPipeline + 1 : beyond.left + 1);
+  if (waited)
+    link.left = std::max(link.left, arrives ? next.taken_from_[input] - kLinkToPipeline + 1 : beyond.left + 1);
   link.entry.drop();
   ++counters_.hops;
   if (arrives) {

@@ -11,8 +11,9 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr Cycle kSlack = 96;           // chosen: cycles by which a part may run ahead of the next
-constexpr std::size_t kOnTheWay = kFifoPlaces;  // rays between the bus and one sorter, and sends between the DSP and the bus
+constexpr Cycle kSlack = 96;  // chosen: cycles by which a part may run ahead of the next
+constexpr std::size_t kOnTheWay =
+    kFifoPlaces;                       // rays between the bus and one sorter, and sends between the DSP and the bus
 constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time
 
 }  // namespace
@@ -47,8 +48,8 @@ PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>
       listeners_(config.asic().processors()) {
   for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
     memories_.push_back(std::make_unique<PassMemory>(config_, partition_.max_blocks()));
-    const PassProcessor::Surroundings with{&config_, &partition_, blocks_, &processors_, memories_.back().get(),
-                                           &rays_,   &up_};
+    const PassProcessor::Shared with{&config_, &partition_, blocks_, &processors_, memories_.back().get(),
+                                     &rays_,   &up_};
     processors_.push_back(std::make_unique<PassProcessor>(static_cast<std::uint8_t>(i), with));
   }
 }
@@ -141,7 +142,7 @@ void PassMachine::make_rays(PassRaySource& work) {
 bool PassMachine::dsp_acts(PassRaySource& work) {
   const std::uint32_t overflow = config_.dsp().overflow_ray_cycles();
   if (up_.ready() <= dsp_.now) {
-    const Coming back = up_.pop(dsp_.now);
+    const Arrival back = up_.pop(dsp_.now);
     processors_[back.queue]->taken_from_tree(dsp_.now);
     if (back.overflowed) {
       dsp_works(overflow / 2);
@@ -243,9 +244,9 @@ void PassMachine::count(std::vector<wire::Counter>& list) const {
   processors("cache.packets", "packet", [](const P& p) { return p.cache().packets; });
   processors("cache.missed_voxels", "voxel", [](const P& p) { return p.cache().missed_voxels; });
   processors("cache.filled_voxels", "voxel", [](const P& p) { return p.cache().filled_voxels; });
-  processors("sorter.written", "ray", [](const P& p) { return p.turns(); });
+  processors("sorter.written", "ray", [](const P& p) { return p.passes(); });
   processors("sorter.overflows", "ray", [](const P& p) { return p.counters().overflows; });
-  processors("sorter.issued", "ray", [](const P& p) { return p.turns(); });
+  processors("sorter.issued", "ray", [](const P& p) { return p.passes(); });
   processors("sorter.activations", "activation", [](const P& p) { return p.counters().activations; });
   sum(
       "link.rays_sent", "ray", [](const P& p) { return p.counters().rays_sent; }, processors_);

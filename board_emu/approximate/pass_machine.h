@@ -1,4 +1,4 @@
-// The board's time at the approximate level: DSP, processors, links and memories in turns and rays instead of cycles.
+// The board's time at the approximate level: DSP, processors, links and memories in passes and rays instead of cycles.
 //
 // Each part has a clock of its own; the one that is furthest behind goes on, up to a little beyond the next. So what one
 // part sends another may come a little late in its order; that, and what pass_processor.h leaves out, is the error.
@@ -61,7 +61,7 @@ class PassMachine {
   PassMachine(const PassMachine&) = delete;  // its processors point at it
   PassMachine& operator=(const PassMachine&) = delete;
 
-  // Of the result the time, and whether it was cancelled. `ahead`: rays are made on a thread of their own while turns are gone.
+  // Of the result the time, and whether it was cancelled. `ahead`: a thread of its own makes rays while passes are worked off.
   RunResult run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead);
 
   void invalidate_caches();
@@ -81,7 +81,7 @@ class PassMachine {
     std::uint8_t processor = 0;
     bool first = true;      // alone, or of its run
     std::uint32_t run = 0;  // 0: alone
-    Coming ray;
+    Arrival ray;
   };
   // A processor's run buffers.
   struct Listener {

@@ -1,4 +1,4 @@
-// A processor's turns: from the sorter through the pipeline and back, or out of the processor.
+// A processor's passes: from the sorter through the pipeline and back, or out of the processor.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -19,16 +19,16 @@ void PassProcessor::hold(int rays, Cycle when) {
 // A ray at its last step needs a place in the tree, which may come to be free at a time that is not known yet.
 bool PassProcessor::finds_place() {
   if (in_tree_ + 1 <= tree_places_ / 2) return true;
-  stands_ = in_tree_ >= tree_places_;
-  if (!stands_ && tree_free_ > compute_) computing_ = std::max(computing_, tree_free_ - compute_);
-  return !stands_;
+  stalled_ = in_tree_ >= tree_places_;
+  if (!stalled_ && tree_free_ > compute_) computing_ = std::max(computing_, tree_free_ - compute_);
+  return !stalled_;
 }
 
 // When the packets are there of a sample that could be resampled in cycle `first`: each is written in a cycle of its own,
 // and the last is handed on in that cycle.
 Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
   if (ideal_memory_) return first;
-  PassMemory& memory = *with_.memory;
+  PassMemory& memory = *shared_.memory;
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
     const Cycle read = memory.channel->read(active_, misses.tiles[i], memory.asked * ratio_).data_end;
@@ -50,17 +50,17 @@ void PassProcessor::release(std::uint32_t queue, Cycle out) {
 void PassProcessor::finish(std::uint32_t handle, Cycle out) {
   release(active_, out);
   hold(-1, out);
-  with_.up->push(number_, {out + to_dsp_, handle, number_, false});
+  shared_.up->push(number_, {out + to_dsp_, handle, number_, false});
   ++in_tree_;
 }
 
 // A ray of the active queue has come out of its block, to `at` from its corner.
-void PassProcessor::change_block(LaneState ray, Point at, Cycle out) {
+void PassProcessor::change_block(QueuedRay ray, Point at, Cycle out) {
   const auto blocks = [&](std::size_t axis) { return static_cast<std::uint32_t>(at[axis] >> block_shift_); };
   const std::uint32_t block = block_ + blocks(0) + across_ * blocks(1) + slice_ * blocks(2);
   for (std::int32_t& coordinate : at) coordinate &= grid_.size() - 1;
   ray.at = packed(at);
-  const Home& home = with_.partition->home(block);
+  const Home& home = shared_.partition->home(block);
   const bool keeps_slot = home.processor == number_ && home.number == active_;
   if (!keeps_slot) release(active_, out);
   if (home.processor == number_) {
@@ -76,8 +76,8 @@ void PassProcessor::change_block(LaneState ray, Point at, Cycle out) {
   if (!out_blocked_) enter_links();
 }
 
-inline Point PassProcessor::drawn_step(const LaneState& ray) const {
-  const auto words = std::bit_cast<std::array<std::uint16_t, 6>>((*with_.rays)[ray.ray].step);
+inline Point PassProcessor::drawn_step(const QueuedRay& ray) const {
+  const auto words = std::bit_cast<std::array<std::uint16_t, 6>>((*shared_.rays)[ray.ray].step);
   const std::array<std::int16_t, 3> direction{static_cast<std::int16_t>(words[0]), static_cast<std::int16_t>(words[1]),
                                               static_cast<std::int16_t>(words[2])};
   Point position = unpacked(ray.at);
@@ -86,9 +86,9 @@ inline Point PassProcessor::drawn_step(const LaneState& ray) const {
   return step_vector(direction, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame_->step} * factor)));
 }
 
-inline Point PassProcessor::step_of(const LaneState& ray) const {
+inline Point PassProcessor::step_of(const QueuedRay& ray) const {
   if (jitter_) return drawn_step(ray);
-  if (!short_steps_) return (*with_.rays)[ray.ray].step;
+  if (!short_steps_) return (*shared_.rays)[ray.ray].step;
   // What a field borrowed from is added to it again.
   const auto field = [](std::uint64_t from) {
     return static_cast<std::int32_t>(static_cast<std::int64_t>(from << (64 - kField)) >> (64 - kField));
@@ -99,17 +99,17 @@ inline Point PassProcessor::step_of(const LaneState& ray) const {
   return {x, y, field((above - static_cast<std::uint64_t>(std::int64_t{y})) >> kField)};
 }
 
-// One turn of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
-// pipeline. False if the pipeline stands instead.
-bool PassProcessor::turn_out(Cycle& now) {
-  if ((going_.front().left == 1 && !finds_place()) || stands_for_link(now)) {
+// One pass of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
+// pipeline. False if the pipeline stalls instead.
+bool PassProcessor::pass_out(Cycle& now) {
+  if ((active_rays_.front().left == 1 && !finds_place()) || stalls_for_link(now)) {
     arrive(now, now);
     return false;
   }
-  LaneState ray = going_.pop();
+  QueuedRay ray = active_rays_.pop();
   before_ = now;
   // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
-  now_ = std::max({now, started_[(turns_ - prefetch_) % kRemembered], oldest_taken()});
+  now_ = std::max({now, started_[(passes_ - prefetch_) % kRemembered], oldest_taken()});
   now = now_ + 1;
   computing_ = std::max(computing_ + 1, now_ + prefetch_);
   const Point step = step_of(ray);
@@ -121,7 +121,7 @@ bool PassProcessor::turn_out(Cycle& now) {
   } else {
     computing_ = fetch(cache_.check(block_, cell(at, Point{}).voxel), computing_);
   }
-  started_[turns_++ % kRemembered] = computing_;
+  started_[passes_++ % kRemembered] = computing_;
   for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += steps * step[axis];
   ray.left -= steps;
   const Cycle out = computing_ + compute_;
@@ -132,7 +132,7 @@ bool PassProcessor::turn_out(Cycle& now) {
   } else {
     ray.at = packed(at);
     ray.ready = out + kPipelineToPipeline;
-    going_.push(ray);
+    active_rays_.push(ray);
   }
   return true;
 }
@@ -158,17 +158,17 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
   const std::uint64_t outside = ((1u << kField) - 1) & ~static_cast<std::uint64_t>(grid_.size() - 1);
   const std::uint64_t leaving = outside | outside << kField | outside << 2 * kField;
   const Cycle come_back = compute_ + kPipelineToPipeline, prefetch = prefetch_;
-  while (!going_.empty()) {
+  while (!active_rays_.empty()) {
     // How far it may go: until something comes. What returns to other queues can wait.
     const Cycle last = std::min({until, others_ - 1, own_return() - 1});
-    LaneState* const places = going_.places();
-    const std::size_t mask = going_.mask(), size = going_.size(), begin = going_.begin();
+    QueuedRay* const places = active_rays_.places();
+    const std::size_t mask = active_rays_.mask(), size = active_rays_.size(), begin = active_rays_.begin();
     std::size_t first = begin;
-    const std::uint64_t turns = turns_ - begin;
+    const std::uint64_t passes = passes_ - begin;
     Cycle now = ends, computing = computing_, entered = now_, taken = oldest_taken(), before = before_;
     bool goes_out = leaps || out_.size() > kLeaving;
     for (; now <= last; ++first) {
-      const LaneState& ray = places[first & mask];
+      const QueuedRay& ray = places[first & mask];
       if (ray.ready > now) break;
       const std::uint64_t at = ray.at, step = ray.step, to = at + (kJitter ? packed(drawn_step(ray)) : step);
       goes_out = goes_out || (to & leaving) != 0 || ray.left == 1;
@@ -191,7 +191,7 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
         there = cache_.latest(block, cell(unpacked(at), Point{}).voxel);
       }
       before = now;
-      entered = std::max({now, started_[(turns + first - prefetch) % kRemembered], taken});
+      entered = std::max({now, started_[(passes + first - prefetch) % kRemembered], taken});
       now = entered + 1;
       computing = std::max(computing + 1, entered + prefetch);
       if (!there) {
@@ -199,17 +199,17 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
         computing = fetch(cache_.ask(block, cell(unpacked(at), Point{}).voxel), computing);
         taken = oldest_taken();
       }
-      started_[(turns + first) % kRemembered] = computing;
+      started_[(passes + first) % kRemembered] = computing;
       places[(first + size) & mask] = {to, step, computing + come_back, ray.ray, ray.left - 1};
     }
-    going_.turned(first - begin);
-    turns_ = turns + first;
+    active_rays_.rotated(first - begin);
+    passes_ = passes + first;
     computing_ = computing;
     now_ = entered;
     before_ = before;
     ends = now;
-    goes_out = goes_out && now <= last && going_.front().ready <= now;
-    if (!goes_out || !turn_out(ends)) return;
+    goes_out = goes_out && now <= last && active_rays_.front().ready <= now;
+    if (!goes_out || !pass_out(ends)) return;
   }
 }
 

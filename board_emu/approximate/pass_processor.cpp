@@ -14,28 +14,28 @@ constexpr std::uint32_t kRayBits = 256;
 
 }  // namespace
 
-PassProcessor::PassProcessor(std::uint8_t number, const Surroundings& surroundings)
+PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
     : number_(number),
-      with_(surroundings),
-      prefetch_(with_.config->pipeline().prefetch_stages()),
-      compute_(with_.config->pipeline().compute_stages()),
-      capacity_(with_.config->ideal().queues() != 0 ? kNone : with_.config->asic().queue_rays()),
-      ratio_(memory_standard(*with_.config).clocks_per_core_cycle),
+      shared_(shared),
+      prefetch_(shared_.config->pipeline().prefetch_stages()),
+      compute_(shared_.config->pipeline().compute_stages()),
+      capacity_(shared_.config->ideal().queues() != 0 ? kNone : shared_.config->asic().queue_rays()),
+      ratio_(memory_standard(*shared_.config).clocks_per_core_cycle),
       ratio_bits_(std::has_single_bit(ratio_) ? std::countr_zero(ratio_) : -1),
-      room_(with_.config->cache().miss_packets() - kMaxPackets),
-      link_cycles_((kRayBits + with_.config->link().bits() - 1) / with_.config->link().bits()),
-      link_rays_(with_.config->link().rays()),
-      memory_latency_(memory_standard(*with_.config).latency),
-      to_dsp_(std::bit_width(2 * with_.config->asic().processors() - 1) + 1u),
+      room_(shared_.config->cache().miss_packets() - kMaxPackets),
+      link_cycles_((kRayBits + shared_.config->link().bits() - 1) / shared_.config->link().bits()),
+      link_rays_(shared_.config->link().rays()),
+      memory_latency_(memory_standard(*shared_.config).latency),
+      to_dsp_(std::bit_width(2 * shared_.config->asic().processors() - 1) + 1u),
       tree_places_(2 * static_cast<std::uint32_t>(to_dsp_)),
-      ideal_memory_(with_.config->ideal().memory() != 0),
-      queues_(std::max<std::size_t>(1, with_.partition->blocks_of(number))),
+      ideal_memory_(shared_.config->ideal().memory() != 0),
+      queues_(std::max<std::size_t>(1, shared_.partition->blocks_of(number))),
       slots_(queues_.size()),
-      most_(static_cast<std::uint32_t>(queues_.size())),
+      importance_(static_cast<std::uint32_t>(queues_.size())),
       listed_(queues_.size()),
       returning_(queues_.size()),
-      cache_(
-          {static_cast<int>(with_.config->asic().block_voxels()), with_.config->cache().ways(), false, with_.blocks}) {}
+      cache_({static_cast<int>(shared_.config->asic().block_voxels()), shared_.config->cache().ways(), false,
+              shared_.blocks}) {}
 
 void PassProcessor::begin(Cycle now, const Frame& frame) {
   now_ = std::max(now_, now);
@@ -53,11 +53,11 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   slice_ = across_ * static_cast<std::uint32_t>(frame.volume->blocks()[1]);
 }
 
-// What stood goes on when the place that is free has come down the tree.
+// What was_stalled goes on when the place that is free has come down the tree.
 void PassProcessor::taken_from_tree(Cycle now) {
   --in_tree_;
   const bool waits = waits_[0] || waits_[1] || waits_[2];
-  if (!std::exchange(stands_, false) && !waits) return;
+  if (!std::exchange(stalled_, false) && !waits) return;
   tree_free_ = now + to_dsp_;
   if (waits) others_ = std::min(others_, tree_free_);
 }
@@ -77,15 +77,15 @@ inline bool PassProcessor::take_slot(std::uint32_t handle, std::uint32_t queue, 
   }
   ++counters_.overflows;
   ++in_tree_;
-  with_.up->push(number_, {ready - kSorterToPipeline + to_dsp_, handle, number_, true});
+  shared_.up->push(number_, {ready - kSorterToPipeline + to_dsp_, handle, number_, true});
   return false;
 }
 
 // Into its queue, when it is ready.
-inline void PassProcessor::write(const LaneState& ray, std::uint32_t queue) {
+inline void PassProcessor::write(const QueuedRay& ray, std::uint32_t queue) {
   if (queue == active_) {
-    if (!stands()) arrive(ray.ready, ray.ready);
-    going_.insert(arrived_++, ray);
+    if (!stalled()) arrive(ray.ready, ray.ready);
+    active_rays_.insert(arrived_++, ray);
     return;
   }
   queues_[queue].push(ray);
@@ -101,12 +101,12 @@ void PassProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
   Cycle room = 2 * cycles - returned, beside = cycles - returned;  // of all, and of those for the same queue
   const auto comes = [&](std::size_t input) { return !from_[input].empty() && from_[input].front().ready <= now; };
   std::array<Cycle, 3> taken{};
-  for (std::uint32_t tried = 0; tried < from_.size(); ++tried, turn_ = (turn_ + 1) % 3) {
-    waits_[turn_] = comes(turn_);
-    if (!waits_[turn_]) continue;
-    LongQueue<Coming>& from = from_[turn_];
+  for (std::uint32_t tried = 0; tried < from_.size(); ++tried, next_input_ = (next_input_ + 1) % 3) {
+    waits_[next_input_] = comes(next_input_);
+    if (!waits_[next_input_]) continue;
+    LongQueue<Arrival>& from = from_[next_input_];
     const bool slot = has_slot(from.front().queue, now), same = from.front().queue == written && slot;
-    if (taken[turn_] == cycles) continue;
+    if (taken[next_input_] == cycles) continue;
     if (room == 0 || (same && beside == 0)) {
       others_ = room == 0 ? now + 1 : next_gap(now);
       ++counters_.conflicts;
@@ -119,16 +119,16 @@ void PassProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
       --beside;
     }
     --room;
-    ++taken[turn_];
+    ++taken[next_input_];
     tried = kNone;  // all once more
-    const Coming ray = from.pop();
+    const Arrival ray = from.pop();
     if (take_slot(ray.ray, ray.queue, ray.ready)) {
-      write(going(ray.ray, ray.ready), ray.queue);
+      write(queued_ray(ray.ray, ray.ready), ray.queue);
       hold(1, ray.ready);
     }
-    taken_from_[turn_] = now;
-    if (turn_ == static_cast<std::uint32_t>(From::kLeft)) neighbour(kLeft).feed_on(kRight);
-    if (turn_ == static_cast<std::uint32_t>(From::kRight)) neighbour(kRight).feed_on(kLeft);
+    taken_from_[next_input_] = now;
+    if (next_input_ == static_cast<std::uint32_t>(From::kLeft)) neighbour(kLeft).feed_on(kRight);
+    if (next_input_ == static_cast<std::uint32_t>(From::kRight)) neighbour(kRight).feed_on(kLeft);
   }
   others_ = kNoCycle;
   for (std::size_t i = 0; i < from_.size(); ++i) {
@@ -140,7 +140,9 @@ void PassProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
 // The first cycle after `now` in which no ray comes back to the active queue, as far as it is known.
 Cycle PassProcessor::next_gap(Cycle now) {
   Cycle gap = now + 1;
-  for (std::size_t i = std::max(arrived_, going_.begin()); i != going_.end() && going_[i].ready == gap; ++i) ++gap;
+  for (std::size_t i = std::max(arrived_, active_rays_.begin());
+       i != active_rays_.end() && active_rays_[i].ready == gap; ++i)
+    ++gap;
   return gap;
 }
 
@@ -159,76 +161,76 @@ inline void PassProcessor::take_in(Cycle now) {
     const std::uint32_t queue = modified_.pop();
     listed_[queue] = 0;
     if (queues_[queue].empty()) continue;
-    most_.set(queue, static_cast<std::uint32_t>(queues_[queue].size()));
+    importance_.set(queue, static_cast<std::uint32_t>(queues_[queue].size()));
     --cycles;
   }
 }
 
 // The active queue gives way when it is empty. False if no ray waits.
 inline bool PassProcessor::choose(Cycle now) {
-  const bool waits = !going_.empty() && going_.front().ready <= now;
+  const bool waits = !active_rays_.empty() && active_rays_.front().ready <= now;
   if (waits && !resting_) return true;
   resting_ = true;
   take_in(now);
-  const std::uint32_t most = waiting_ > 0 ? most_.importance() : 0;
+  const std::uint32_t most = waiting_ > 0 ? importance_.importance() : 0;
   if (waits) {
     arrive(now, now);
-    const std::size_t own = arrived_ - going_.begin();
-    resting_ = own < most || (own == most && active_ > most_.queue());
+    const std::size_t own = arrived_ - active_rays_.begin();
+    resting_ = own < most || (own == most && active_ > importance_.queue());
   }
   if (resting_ && most == 0) return false;
-  if (resting_) activate(most_.queue(), now);
+  if (resting_) activate(importance_.queue(), now);
   resting_ = false;
   ++counters_.activations;
   return true;
 }
 
 void PassProcessor::activate(std::uint32_t queue, Cycle now) {
-  if (!going_.empty()) put_back(now);
+  if (!active_rays_.empty()) put_back(now);
   active_ = queue;
-  most_.set(queue, 0);
-  LongQueue<LaneState>& from = queues_[queue];
+  importance_.set(queue, 0);
+  LongQueue<QueuedRay>& from = queues_[queue];
   waiting_ -= from.size();
-  block_ = static_cast<std::uint32_t>(with_.partition->block(number_, queue));
+  block_ = static_cast<std::uint32_t>(shared_.partition->block(number_, queue));
   if (jitter_) corner_ = grid_.corner(block_);
   for (std::int32_t& at : corner_) at <<= wire::kPositionFractionBits;
   while (!from.empty()) {
-    going_.push(from.pop());
-    going_[going_.end() - 1].ready = now;
+    active_rays_.push(from.pop());
+    active_rays_[active_rays_.end() - 1].ready = now;
   }
-  arrived_ = going_.end();
+  arrived_ = active_rays_.end();
 }
 
 // The rays of the queue that was active: those that wait to their queue, and those in the pipeline to those on their way back.
 void PassProcessor::put_back(Cycle now) {
   arrive(now, now);
   const std::uint32_t queue = std::exchange(active_, kNone);
-  for (; going_.begin() != arrived_; going_.drop()) write(going_.front(), queue);
-  returning_[queue] += static_cast<std::uint32_t>(going_.size());
+  for (; active_rays_.begin() != arrived_; active_rays_.drop()) write(active_rays_.front(), queue);
+  returning_[queue] += static_cast<std::uint32_t>(active_rays_.size());
   // Few of the others are back later than the first of these: those are merged from behind.
   std::size_t other = returned_.end();
-  for (std::size_t i = going_.begin(); i != going_.end(); ++i) returned_.push({});
+  for (std::size_t i = active_rays_.begin(); i != active_rays_.end(); ++i) returned_.push({});
   std::size_t place = returned_.end();
-  for (std::size_t i = going_.end(); i != going_.begin();) {
-    const LaneState& ray = going_[--i];
+  for (std::size_t i = active_rays_.end(); i != active_rays_.begin();) {
+    const QueuedRay& ray = active_rays_[--i];
     for (; other != returned_.begin() && returned_[other - 1].ray.ready >= ray.ready; --other) {
       returned_[--place] = returned_[other - 1];
     }
     returned_[--place] = {ray, queue, true};
   }
-  going_.clear();
+  active_rays_.clear();
 }
 
-PassProcessor::LaneState PassProcessor::going(std::uint32_t handle, Cycle ready) const {
-  const PassRay& ray = (*with_.rays)[handle];
+PassProcessor::QueuedRay PassProcessor::queued_ray(std::uint32_t handle, Cycle ready) const {
+  const PassRay& ray = (*shared_.rays)[handle];
   // A step of a block or more leaves it, however long it is.
   Point step{};
   for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = std::clamp(ray.step[axis], -kLongStep, kLongStep);
   return {packed(ray.position), packed(step), ready, handle, ray.left};
 }
 
-void PassProcessor::put(const LaneState& ray, std::size_t block) {
-  PassRay& to = (*with_.rays)[ray.ray];
+void PassProcessor::put(const QueuedRay& ray, std::size_t block) {
+  PassRay& to = (*shared_.rays)[ray.ray];
   to.position = unpacked(ray.at);
   to.left = ray.left;
   to.block = static_cast<std::uint32_t>(block);
@@ -237,9 +239,9 @@ void PassProcessor::put(const LaneState& ray, std::size_t block) {
 // How many rays of the active queue have come back from after `before` to `now`.
 Cycle PassProcessor::arrive(Cycle now, Cycle before) {
   Cycle count = 0;
-  for (arrived_ = std::max(arrived_, going_.begin()); arrived_ != going_.end() && going_[arrived_].ready <= now;
-       ++arrived_) {
-    count += going_[arrived_].ready > before ? 1 : 0;
+  for (arrived_ = std::max(arrived_, active_rays_.begin());
+       arrived_ != active_rays_.end() && active_rays_[arrived_].ready <= now; ++arrived_) {
+    count += active_rays_[arrived_].ready > before ? 1 : 0;
   }
   return count;
 }
@@ -258,7 +260,7 @@ Cycle PassProcessor::take_returned(Cycle now, Cycle since, std::uint32_t& writte
     if (next.keeps_slot || take_slot(next.ray.ray, next.queue, next.ray.ready)) {
       write(next.ray, next.queue);
     } else {
-      put(next.ray, with_.partition->block(number_, next.queue));
+      put(next.ray, shared_.partition->block(number_, next.queue));
       hold(-1, next.ray.ready);
     }
   }
@@ -269,24 +271,24 @@ void PassProcessor::work(Cycle until, bool bus_waits) {
   const std::size_t on_the_bus = from_bus();
   Cycle now = next();
   while (true) {
-    const bool stood = stands();
-    if (!stood && !resting_) (this->*rotate_)(now, until);
+    const bool was_stalled = stalled();
+    if (!was_stalled && !resting_) (this->*rotate_)(now, until);
     std::uint32_t written = kNone;
     if (now > until) {
-      if (!stands()) take_returned(until, until, written);
+      if (!stalled()) take_returned(until, until, written);
       return;
     }
     // The sorter's cycles since the first of the others could have been taken.
     const Cycle since = std::max(before_, std::min(others_, now) - 1);
-    Cycle returned = stood ? 0 : take_returned(now, since, written);
+    Cycle returned = was_stalled ? 0 : take_returned(now, since, written);
     if (others_ <= now) {
-      const Cycle back = stood ? 0 : arrive(now, since);
+      const Cycle back = was_stalled ? 0 : arrive(now, since);
       if (back > 0) written = active_;
       returned += back;
       take_others(now, std::max(now - since, returned), returned, written);
     }
     before_ = now;
-    if (stands() || !choose(now)) now = std::max(now + 1, next());
+    if (stalled() || !choose(now)) now = std::max(now + 1, next());
     if (bus_waits && from_bus() < on_the_bus) return;
   }
 }

@@ -1,17 +1,17 @@
-// One ray integration processor as the approximate level knows it: in turns instead of cycles.
+// One ray integration processor as the approximate level models it: in passes instead of cycles.
 //
-// A turn is a ray's way from its queue through the pipeline and back. The processor works its turns off one after the
-// other, in the order in which its queues give them, and finds for each when it enters the pipeline, when its packets are
-// there, and when its ray is back: the rules of processor.h and sorter.h, without anything that ticks. Values are no matter
-// here: how far a ray goes is known already.
+// A pass takes a ray from its queue through the pipeline and back. The processor works its passes off one after the other,
+// in the order in which its queues give them. For each it finds when the ray enters the pipeline, when its packets are there,
+// and when it is back. The rules are those of cycle/processor.h and asic/sorter/sorter.h. No values are computed here: each
+// ray's step count is an input.
 //
 // The rays of the active queue go round: out of the queue, through the pipeline, and back to the queue's end. They are kept
-// in one line in the order in which they are back, and most turns take the first and put it at the end. Rays that return to
-// other queues stand in a line of their own, until something hangs on whether they are back.
+// in one line, in the order in which they are back; most passes take the first and put it at the end. Rays that return to
+// other queues wait in a line of their own until their arrival matters.
 //
-// What is simplified: a queue's new importance is known as soon as the sorter takes it in, one a cycle; the merge tree's
-// places are counted by processor. Processors that share a channel are not modelled: their packets alternate on it, and how
-// often they close each other's rows hangs on the cycle.
+// Simplified: the sorter knows a queue's new importance as soon as it takes it in, one a cycle. The merge tree's places are
+// counted by processor. Processors that share a channel are not modelled (pass_machine.h, covers()): how often they close
+// each other's rows depends on the cycle.
 #pragma once
 
 #include <algorithm>
@@ -93,7 +93,7 @@ struct PassCounters {
 class PassProcessor {
  public:
   // What it shares with others. All must outlive it.
-  struct Surroundings {
+  struct Shared {
     const v1::BoardConfig* config;
     const Partition* partition;
     std::array<int, 3> blocks;  // of the volume
@@ -103,19 +103,19 @@ class PassProcessor {
     PassTree* up;  // to the DSP
   };
 
-  PassProcessor(std::uint8_t number, const Surroundings& surroundings);
+  PassProcessor(std::uint8_t number, const Shared& shared);
 
-  // All turns until the next call are of this frame, and none is before cycle `now`.
+  // All passes until the next call are of this frame, and none is before cycle `now`.
   void begin(Cycle now, const Frame& frame);
   void invalidate_cache() { cache_.invalidate(); }
 
-  // The cycle of its next turn; kNoCycle if no ray waits or comes.
+  // The cycle of its next pass; kNoCycle if no ray waits or comes.
   Cycle next() const;
-  // Works its turns off up to cycle `until`; with `bus_waits` no further than to the next ray that it takes off the bus.
+  // Works its passes off up to cycle `until`; with `bus_waits` no further than to the next ray that it takes off the bus.
   void work(Cycle until, bool bus_waits);
   // From the DSP, or over a link from the left or right.
   enum class From : std::uint8_t { kBus, kLeft, kRight };
-  void send(From from, const Coming& ray) {
+  void send(From from, const Arrival& ray) {
     from_[static_cast<std::size_t>(from)].push(ray);
     others_ = std::min(others_, ray.ready);
   }
@@ -129,8 +129,8 @@ class PassProcessor {
   Cycle taken_from_bus() const { return taken_from_[static_cast<std::size_t>(From::kBus)]; }
 
   const PassCounters& counters() const { return counters_; }
-  std::uint64_t turns() const { return turns_; }
-  std::uint64_t samples() const { return turns_ - counters_.leaps; }
+  std::uint64_t passes() const { return passes_; }
+  std::uint64_t samples() const { return passes_ - counters_.leaps; }
   const CacheCounters& cache() const { return cache_.counters(); }
   Cycle now() const { return now_; }
 
@@ -151,7 +151,7 @@ class PassProcessor {
     return {field(0), field(1), field(2)};
   }
   // A ray in a queue, or on its way back to one.
-  struct LaneState {
+  struct QueuedRay {
     std::uint64_t at = 0;
     std::uint64_t step = 0;  // if it is not drawn
     Cycle ready = 0;         // when it is in the queue
@@ -160,7 +160,7 @@ class PassProcessor {
   };
   // One on its way to a queue that is not the active one, or was not.
   struct Returning {
-    LaneState ray;
+    QueuedRay ray;
     std::uint32_t queue = 0;
     bool keeps_slot = false;
   };
@@ -169,7 +169,7 @@ class PassProcessor {
   struct Crossing {
     Cycle at = 0;
     std::uint8_t to = 0;
-    Coming ray;
+    Arrival ray;
   };
   // Of a link. What comes over a link to the right comes from the left.
   enum Direction : std::uint8_t { kRight, kLeft };
@@ -183,25 +183,25 @@ class PassProcessor {
   void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
   bool take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready);
-  void write(const LaneState& ray, std::uint32_t queue);
+  void write(const QueuedRay& ray, std::uint32_t queue);
   void take_in(Cycle now);
   bool choose(Cycle now);
   void activate(std::uint32_t queue, Cycle now);
   void put_back(Cycle now);
   Cycle arrive(Cycle now, Cycle before);
-  LaneState going(std::uint32_t handle, Cycle ready) const;
-  void put(const LaneState& ray, std::size_t block);
+  QueuedRay queued_ray(std::uint32_t handle, Cycle ready) const;
+  void put(const QueuedRay& ray, std::size_t block);
   template <bool kJitter, bool kPlain>
   void rotate(Cycle& now, Cycle until);
-  [[gnu::noinline]] bool turn_out(Cycle& now);
+  [[gnu::noinline]] bool pass_out(Cycle& now);
   // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
   [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
   Cycle own_return() const;
-  Point drawn_step(const LaneState& ray) const;
-  Point step_of(const LaneState& ray) const;
+  Point drawn_step(const QueuedRay& ray) const;
+  Point step_of(const QueuedRay& ray) const;
   void finish(std::uint32_t handle, Cycle out);
-  void change_block(LaneState ray, Point at, Cycle out);
+  void change_block(QueuedRay ray, Point at, Cycle out);
   Cycle retry(Cycle now) const;
   Cycle next_gap(Cycle now);
   void release(std::uint32_t queue, Cycle out);
@@ -212,11 +212,11 @@ class PassProcessor {
   PassProcessor& neighbour(Direction way) const;
   Direction way_to(std::uint8_t processor) const;
   void line_goes_on(Cycle moved);
-  bool stands() const { return stands_ || link_stands_; }
+  bool stalled() const { return stalled_ || link_stalled_; }
   // More rays than there are places have come out of the pipeline.
-  bool stands_for_link(Cycle now) {
-    link_stands_ = out_.size() > kLeaving && out_[out_.begin() + kLeaving].at <= now;
-    return link_stands_;
+  bool stalls_for_link(Cycle now) {
+    link_stalled_ = out_.size() > kLeaving && out_[out_.begin() + kLeaving].at <= now;
+    return link_stalled_;
   }
   void hold(int rays, Cycle when);
   bool finds_place();
@@ -225,7 +225,7 @@ class PassProcessor {
   static constexpr std::size_t kLeaving = kFifoPlaces;  // rays between the pipeline and the links
 
   const std::uint8_t number_;
-  Surroundings with_;
+  Shared shared_;
   std::uint32_t prefetch_, compute_, capacity_, ratio_;
   int ratio_bits_;             // if it is a power of two
   std::uint32_t room_;         // packets that may be on their way when a sample enters
@@ -244,23 +244,23 @@ class PassProcessor {
   int block_shift_ = 0;  // from positions to blocks
   std::uint32_t across_ = 0, slice_ = 0;
 
-  std::vector<LongQueue<LaneState>> queues_;
+  std::vector<LongQueue<QueuedRay>> queues_;
   std::vector<std::uint32_t> slots_;
-  ExactMaximum most_;                  // by the importance that the sorter knows of
+  ExactMaximum importance_;            // by the importance that the sorter knows of
   LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
   std::vector<std::uint8_t> listed_;   // there
   std::uint32_t active_ = kNone;
   bool resting_ = false;                  // it was empty since it became active: any other may take its place
   std::uint32_t block_ = 0;               // its
   Point corner_{};                        // of that
-  LongQueue<LaneState> going_;            // its rays, those that are in the pipeline behind those that wait
+  LongQueue<QueuedRay> active_rays_;      // its rays, those that are in the pipeline behind those that wait
   std::size_t arrived_ = 0;               // the number of the first in the pipeline, as far as it was asked for
   Cycle sorted_ = 0;                      // up to which the sorter has taken in
   std::uint64_t waiting_ = 0;             // in all other queues
   LongQueue<Returning> returned_;         // from the pipeline to other queues
   std::vector<std::uint32_t> returning_;  // how many of them, by queue
-  std::array<LongQueue<Coming>, 3> from_;
-  std::uint32_t turn_ = 0;                               // whose turn it is of them
+  std::array<LongQueue<Arrival>, 3> from_;
+  std::uint32_t next_input_ = 0;                         // which of them is asked first
   Cycle others_ = kNoCycle;                              // when the first of them comes
   std::array<Cycle, 3> taken_from_{};                    // when the last of each was
   std::array<bool, 3> waits_{};                          // its first has to wait
@@ -268,16 +268,16 @@ class PassProcessor {
   VolumeCache cache_;
 
   Cycle before_ = 0;                                // up to which the sorter has written
-  Cycle now_ = 0;                                   // in which the last turn entered the pipeline
+  Cycle now_ = 0;                                   // in which the last pass entered the pipeline
   Cycle computing_ = 0;                             // in which its sample went on to be resampled
   static constexpr std::size_t kRemembered = 1024;  // more than stages or packets there can be
   std::array<Cycle, kRemembered> started_{}, taken_{};
-  std::uint64_t turns_ = 0, packets_ = 0;
+  std::uint64_t passes_ = 0, packets_ = 0;
   std::uint32_t in_tree_ = 0;  // rays between this processor and the DSP
-  bool stands_ = false;        // the pipeline, until it is known when one finds a place there
+  bool stalled_ = false;       // the pipeline, until it is known when one finds a place there
   Cycle tree_free_ = 0;        // when the last such did
   LongQueue<Crossing> out_;    // from the pipeline to the links
-  bool link_stands_ = false;   // the pipeline, until it is known when the first of them goes on
+  bool link_stalled_ = false;  // the pipeline, until it is known when the first of them goes on
   bool out_blocked_ = false;   // no place for it at a link's entry
   std::array<Link, 2> links_;
   std::uint64_t holds_ = 0;  // rays
@@ -286,9 +286,9 @@ class PassProcessor {
 };
 
 inline Cycle PassProcessor::next() const {
-  if (stands()) return others_ == kNoCycle ? kNoCycle : std::max(others_, now_ + 1);
+  if (stalled()) return others_ == kNoCycle ? kNoCycle : std::max(others_, now_ + 1);
   Cycle first = waiting_ > 0 ? now_ + 1 : others_;
-  if (!going_.empty()) first = std::min(first, going_.front().ready);
+  if (!active_rays_.empty()) first = std::min(first, active_rays_.front().ready);
   if (!returned_.empty()) first = std::min(first, returned_.front().ray.ready);
   return first == kNoCycle ? first : std::max(first, now_ + 1);
 }

@@ -1,4 +1,4 @@
-// Rays on their way, and queues of what turns know of.
+// Rays on their way between parts, and the queue that holds them.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace gicube::emu {
 
-// First in first out, as long as it has to be.
+// First in, first out; grows as needed.
 template <typename Item>
 class LongQueue {
  public:
@@ -29,11 +29,11 @@ class LongQueue {
       grow();
     ring_[tail_++ & mask_] = item;
   }
-  // For a caller that takes the first and puts one at the end, again and again: the item of a number is at number & mask(),
-  // and how often it did so.
+  // For a caller that takes the first and puts one at the end, again and again: the item of a number is at number & mask().
+  // rotated() says how often it did so.
   Item* places() { return ring_.data(); }
   std::size_t mask() const { return mask_; }
-  void turned(std::size_t times) {
+  void rotated(std::size_t times) {
     head_ += times;
     tail_ += times;
   }
@@ -59,7 +59,7 @@ class LongQueue {
 };
 
 // A ray on its way to a queue, or to the DSP.
-struct Coming {
+struct Arrival {
   Cycle ready = 0;
   std::uint32_t ray = 0;    // handle
   std::uint32_t queue = 0;  // to the DSP: the processor that it comes from

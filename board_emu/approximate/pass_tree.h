@@ -18,7 +18,7 @@ class PassTree {
   explicit PassTree(std::size_t processors)
       : leaves_(std::bit_ceil(2 * processors)), nodes_(2 * leaves_.size(), {kNoCycle, 0}) {}
 
-  void push(std::uint8_t processor, const Coming& ray) {
+  void push(std::uint8_t processor, const Arrival& ray) {
     const std::size_t leaf = 2u * processor + (ray.overflowed ? 1u : 0u);
     leaves_[leaf].push(ray);
     if (leaves_[leaf].size() == 1) first_changed(leaf);
@@ -27,16 +27,16 @@ class PassTree {
   // The cycle in which the first ray comes out; kNoCycle if there is none.
   Cycle ready() const { return nodes_[1].ready; }
 
-  // One of those that are ready in cycle `now`: each node takes from both sides in turns.
-  Coming pop(Cycle now) {
+  // One of those that are ready in cycle `now`: each node takes from both sides alternately.
+  Arrival pop(Cycle now) {
     std::size_t node = 1;
     while (node < leaves_.size()) {
       const bool first = nodes_[2 * node].ready <= now, second = nodes_[2 * node + 1].ready <= now;
-      const std::uint8_t side = first && second ? nodes_[node].turn : std::uint8_t{second};
-      nodes_[node].turn = side ^ 1;
+      const std::uint8_t side = first && second ? nodes_[node].next_side : std::uint8_t{second};
+      nodes_[node].next_side = side ^ 1;
       node = 2 * node + side;
     }
-    const Coming ray = leaves_[node - leaves_.size()].pop();
+    const Arrival ray = leaves_[node - leaves_.size()].pop();
     first_changed(node - leaves_.size());
     return ray;
   }
@@ -44,7 +44,7 @@ class PassTree {
  private:
   struct Node {
     Cycle ready;  // of the first below it
-    std::uint8_t turn;
+    std::uint8_t next_side;
   };
 
   void first_changed(std::size_t leaf) {
@@ -53,7 +53,7 @@ class PassTree {
     while ((node /= 2) > 0) nodes_[node].ready = std::min(nodes_[2 * node].ready, nodes_[2 * node + 1].ready);
   }
 
-  std::vector<LongQueue<Coming>> leaves_;
+  std::vector<LongQueue<Arrival>> leaves_;
   std::vector<Node> nodes_;  // the root is the first, node n has 2 n and 2 n + 1 below it, the leaves are the last
 };
 

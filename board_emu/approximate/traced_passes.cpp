@@ -21,7 +21,7 @@ void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
     rays.push_back(*ray);
     places.push_back(i);
   }
-  set_out_ += rays.size();
+  made_ += rays.size();
   std::vector<std::int32_t> steps(rays.size());
   counters_ += trace(rays, frame_, tracer_, std::max(1u, threads_ - 1), steps);
   for (std::size_t k = 0; k < rays.size(); ++k) {

@@ -26,7 +26,7 @@ class TracedPasses : public PassRaySource {
   void make(std::uint64_t begin, std::span<PassRay> out) override;
 
   // Once all are made.
-  std::uint64_t set_out() const { return set_out_; }
+  std::uint64_t made() const { return made_; }
   const RayCounters& rays() const { return counters_; }
 
  private:
@@ -35,7 +35,7 @@ class TracedPasses : public PassRaySource {
   const Frame& frame_;
   const SimdTracer* tracer_;
   unsigned threads_;
-  std::uint64_t set_out_ = 0;
+  std::uint64_t made_ = 0;
   RayCounters counters_;
 };
 

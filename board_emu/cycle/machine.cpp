@@ -158,7 +158,7 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, 
     RunResult ran;
     ran.cycles = now_ - begin;
     ran.dsp_cycles = dsp_->counters().busy_cycles - dsp_before;
-    ran.set_out = dsp_->set_out();
+    ran.made = dsp_->rays_made();
     ran.rays = dsp_->made();
     ran.cancelled = cancelled;
     return ran;

@@ -53,7 +53,7 @@ Processor::Processor(const ProcessorConfig& config)
 
 void Processor::begin(const Frame& frame) {
   frame_ = &frame;
-  scatters_or_deposits_ = !frame.plain;
+  scatters_or_deposits_ = !frame.plain();
   wide_ = gathers_wide(frame);
   grid_ = BlockGrid(*frame.volume);
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;

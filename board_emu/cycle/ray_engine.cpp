@@ -23,7 +23,7 @@ void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, const Part
   partition_ = &partition;
   begin_ = made_ = which.begin;
   end_ = which.end;
-  finished_ = set_out_ = 0;
+  finished_ = rays_made_ = 0;
   making_ = {};
   free_at_ = std::max(free_at_, now * dsp_khz_);
 }
@@ -101,7 +101,7 @@ std::optional<RayToken> RayEngine::make() {
     ++finished_;
     return std::nullopt;
   }
-  ++set_out_;
+  ++rays_made_;
   RayUnderWay ray{unpack(*made, *frame_), 0};
   if (const Termination how = end(ray.ray_state, *frame_);
       how != Termination::kNot) {  // its clipping leaves nothing of it

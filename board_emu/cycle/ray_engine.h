@@ -59,7 +59,7 @@ class RayEngine {
 
   std::uint64_t finished() const { return finished_; }
   // Rays that the source has made since begin(), and what happened to rays in that.
-  std::uint64_t set_out() const { return set_out_; }
+  std::uint64_t rays_made() const { return rays_made_; }
   const RayCounters& made() const { return making_; }
   const RayEngineCounters& counters() const { return counters_; }
   // Rays that ended before they were sent.
@@ -94,7 +94,7 @@ class RayEngine {
   const Partition* partition_ = nullptr;
   std::uint64_t begin_ = 0, end_ = 0;  // of the work's rays
   std::uint64_t made_ = 0;             // up to which
-  std::uint64_t set_out_ = 0;
+  std::uint64_t rays_made_ = 0;
   RayCounters making_;
   std::uint64_t finished_ = 0;
   // In units of 1 / (core_khz * dsp_khz) ms: a core cycle is dsp_khz of them, a DSP cycle core_khz.

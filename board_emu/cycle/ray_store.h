@@ -8,7 +8,7 @@
 
 namespace gicube::emu {
 
-// A cache line of the host: most turns of a ray begin by missing it.
+// A cache line of the host: most passes of a ray begin by missing it.
 struct alignas(64) RayUnderWay {
   RayState ray_state;
   std::uint32_t block = 0;  // that its position lies in

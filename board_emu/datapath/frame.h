@@ -38,18 +38,11 @@ struct Frame {
   bool leap = false;
   std::vector<Plane> cut_planes;
 
-  // Of host rays (wire::RayType):
-  bool segments = false;      // each has a length, and its own step
-  bool colourless = false;    // they gather opacity alone
-  bool to_the_hit = false;    // they end at the sample that brings them to the threshold, and not behind it
-  bool integral = false;      // they sum the densities
-  bool backprojects = false;  // their samples leave amounts: in the sums, or without them in irradiance words
-  SumMemory* sums = nullptr;
+  // What all rays of the frame do. Viewing rays are kIntegrate and the rays of a light kDeposit, as if the host had made them.
+  wire::RayType type = wire::RayType::kIntegrate;
+  SumMemory* sums = nullptr;    // of rays that backproject: where samples leave amounts; null: in irradiance words
   std::uint64_t max_moved = 0;  // by which the rays can move one of the sums
 
-  // Rays do no more than gather: none of what follows holds.
-  bool plain = true;
-  bool lights = false;  // lighting rays
   std::array<wire::Material, wire::kTags> materials{};
   IrradianceMemory* irradiance = nullptr;  // lighting rays add to it, rendering rays read it
   const Routines* routines = nullptr;      // for materials that trap
@@ -63,16 +56,25 @@ struct Frame {
   std::uint32_t exposure = 0;  // 16.16
   std::uint32_t seed = 0;
   std::uint16_t lifetime = 0;  // of the rays that the DSP makes
+
+  bool lights() const { return type == wire::RayType::kDeposit; }
+  bool integral() const { return type == wire::RayType::kIntegral; }  // rays sum the densities
+  bool backprojects() const { return type == wire::RayType::kBackproject; }
+  bool segments() const { return wire::is_segment(type); }       // each ray has a length, and a step of its own
+  bool to_the_hit() const { return wire::has_threshold(type); }  // rays end at the sample that brings them there
+  bool colourless() const { return wire::is_one_of<wire::RayType::kFirstHit, wire::RayType::kOpacity>(type); }
+  // Rays do no more than gather.
+  bool plain() const { return !(lights() || backprojects() || lit_by_irradiance || scatter || high_albedo); }
 };
 
 // Rendering rays gather in wide words (pipeline/wide.h).
-inline bool gathers_wide(const Frame& frame) { return frame.wide && !frame.wide_depths.empty() && !frame.lights; }
+inline bool gathers_wide(const Frame& frame) { return frame.wide && !frame.wide_depths.empty() && !frame.lights(); }
 
 // What the rays of `frame` read of its volume; it must outlive this. Rays that backproject read nothing.
 inline VolumeReads reads(const Frame& frame) {
   VolumeReads out;
-  out.gradients = !frame.plain || (frame.shade && !frame.colourless && !frame.integral);
-  if (frame.plain && frame.leap) out.leapt_over = frame.empty;
+  out.gradients = !frame.plain() || (frame.shade && !frame.colourless() && !frame.integral());
+  if (frame.plain() && frame.leap) out.leapt_over = frame.empty;
   return out;
 }
 

@@ -175,10 +175,10 @@ void scatter(Interaction& met, RayState& ray, double where, const wire::Material
     met.outcome = Outcome::kTrapped;
     return;
   }
-  turn(ray,
-       scattered(material, ray.direction, sample.gradient(), frame.spacing,
-                 draw_here(RandomStream::kDirection, ray, frame)),
-       frame);
+  redirect(ray,
+           scattered(material, ray.direction, sample.gradient(), frame.spacing,
+                     draw_here(RandomStream::kDirection, ray, frame)),
+           frame);
   if (frame.rules == wire::EnergyRules::kAsPrinted) advance(ray, 1);
 }
 
@@ -309,7 +309,7 @@ Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters
 
 }  // namespace
 
-void turn(RayState& ray, const Direction& direction, const Frame& frame) {
+void redirect(RayState& ray, const Direction& direction, const Frame& frame) {
   --ray.lifetime;
   if (ray.generation < 15) ++ray.generation;
   ray.interacted = 0;
@@ -338,7 +338,7 @@ std::uint32_t energy_units(const RayState& ray, const Frame& frame) {
 
 Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame,
                      RayCounters& counters) {
-  if (frame.backprojects) return backproject(ray, frame, counters);
+  if (frame.backprojects()) return backproject(ray, frame, counters);
   Interaction met;
   const Sample sample = classify(site, frame);
   const wire::Material& material = frame.materials[sample.tag];

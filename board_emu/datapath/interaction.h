@@ -46,7 +46,7 @@ Deposit deposit_of(const RayState& carrier, const Frame& frame);
 Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame, RayCounters& counters);
 
 // A flight begins: the ray, scattered, runs along `direction`.
-void turn(RayState& ray, const Direction& direction, const Frame& frame);
+void redirect(RayState& ray, const Direction& direction, const Frame& frame);
 
 // A leap takes the ray through nothing: it is no longer at a surface.
 inline void leave_surface(RayState& ray) { ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped); }
@@ -61,7 +61,7 @@ inline std::int32_t leap(RayState& ray, const Point& low, std::int32_t size, con
                          RayCounters& counters) {
   jitter_step(ray, frame);
   ++counters.leaps;
-  if (!frame.plain) leave_surface(ray);
+  leave_surface(ray);
   const std::int32_t steps = leap_steps(ray, low, size, frame);
   advance(ray, steps);
   count_steps(ray, steps, frame);
@@ -89,7 +89,7 @@ inline Interaction sample(RayState& ray, WideWords* wide, const SampleSite& site
 }
 
 // The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as pack() leaves
-// it, else ready to set out. What it brings counts as emitted.
+// it, else ready for unpack(). What it brings counts as emitted.
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
 
 // The DSP scatters a trapped ray: what its routine answers. `cycles`: what it took, of the DSP. Throws RoutineFault.

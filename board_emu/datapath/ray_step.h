@@ -1,5 +1,5 @@
-// A ray between two samples, and what one turn of the pipeline does to it. Every fidelity level takes these same steps,
-// so that values can't differ; what a turn costs is not known here.
+// A ray between two samples, and what one pass through the pipeline does to it. Every fidelity level takes these same steps,
+// so that values can't differ; what a pass costs is not known here.
 #pragma once
 
 #include <algorithm>
@@ -94,8 +94,8 @@ inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
   out.v = ray.v;
   out.direction = ray.direction;
   space(out, frame.step);
-  if (frame.segments) divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
-  if (frame.backprojects) {
+  if (frame.segments()) divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
+  if (frame.backprojects()) {
     set_energy(out.colour, ray.opacity);
     out.opacity = 0;
   }
@@ -104,10 +104,10 @@ inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
 
 // Writes what the ray has gathered, and where it ended, clamped to the volume, into its packet.
 inline void pack(const RayState& ray, const Frame& frame, wire::Ray& out) {
-  const bool hit = frame.to_the_hit && ray.opacity >= frame.opacity_threshold;
+  const bool hit = frame.to_the_hit() && ray.opacity >= frame.opacity_threshold;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     // Back from the next sample's place to that of the hit, or to a segment's end.
-    const std::int32_t back = hit ? ray.step[axis] : frame.segments ? ray.step[axis] / 2 : 0;
+    const std::int32_t back = hit ? ray.step[axis] : frame.segments() ? ray.step[axis] / 2 : 0;
     const std::int32_t at = ray.position[axis] - back;
     out.position[axis] = static_cast<std::uint32_t>(std::clamp(at, 0, frame.extent[axis]));
     out.colour[axis] = ray.colour[axis];
@@ -135,7 +135,7 @@ enum class Termination : std::uint8_t { kNot, kLeft, kOpaque, kAbsorbed, kWaits 
 
 inline Termination end(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return Termination::kLeft;
-  if (frame.segments && ray.interacted == 0) return Termination::kLeft;
+  if (frame.segments() && ray.interacted == 0) return Termination::kLeft;
   for (const Plane& plane : frame.cut_planes) {
     if (beyond(plane, ray.position, ray.step)) return Termination::kLeft;
   }
@@ -183,7 +183,7 @@ inline bool take_sample(RayState& ray, WideWords* wide, const SampleSite& site, 
                     slice * (at.fraction[2] >= kHalf)];
   }
   const Channels sample = resample_view(view, first, at, row, slice);
-  if (frame.integral) {
+  if (frame.integral()) {
     set_energy(ray.colour, energy(ray.colour) + static_cast<std::uint64_t>(sample[0]));
     return sample[0] != 0;
   }
@@ -191,7 +191,7 @@ inline bool take_sample(RayState& ray, WideWords* wide, const SampleSite& site, 
   const wire::SegmentationEntry& entry = frame.segmentation[index];
   if (!visible(index, wide, frame)) return false;
   Colour12 colour{};
-  if (!frame.colourless) {
+  if (!frame.colourless()) {
     colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
                          : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }
@@ -225,12 +225,12 @@ inline void advance(RayState& ray, std::int32_t steps) {
 // The steps that take the ray out of its empty block [low, low + size), or a segment to its end.
 inline std::int32_t leap_steps(const RayState& ray, const Point& low, std::int32_t size, const Frame& frame) {
   const std::int32_t steps = leap_steps(ray.position, ray.step, low, size);
-  return frame.segments ? std::min(steps, static_cast<std::int32_t>(ray.interacted)) : steps;
+  return frame.segments() ? std::min(steps, static_cast<std::int32_t>(ray.interacted)) : steps;
 }
 
 // Counts the steps of a segment down.
 inline void count_steps(RayState& ray, std::int32_t steps, const Frame& frame) {
-  if (frame.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
+  if (frame.segments()) ray.interacted -= static_cast<std::uint32_t>(steps);
 }
 
 }  // namespace gicube::emu

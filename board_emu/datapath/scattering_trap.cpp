@@ -65,7 +65,7 @@ Interaction answer_trap(RayState& ray, WideWords* wide, const Direction& directi
       return met;
     }
   }
-  turn(ray, direction, frame);
+  redirect(ray, direction, frame);
   return met;
 }
 

@@ -71,7 +71,7 @@ bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::i
   WideWords words = wide_words(ray_state);
   WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
   const Termination how =
-      frame.plain ? run_plain(ray_state, wide, frame, counters, taken) : run(ray_state, wide, frame, counters);
+      frame.plain() ? run_plain(ray_state, wide, frame, counters, taken) : run(ray_state, wide, frame, counters);
   if (steps != nullptr) *steps = taken;
   if (how == Termination::kWaits) return false;
   count_end(ray_state, how, frame, counters);

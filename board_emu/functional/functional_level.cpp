@@ -15,12 +15,12 @@ constexpr std::size_t kVectorRays = 512;
 constexpr std::size_t kScalarRays = 64;
 
 struct Counts : RayCounters {
-  std::uint64_t set_out = 0;
+  std::uint64_t made = 0;
   std::uint64_t returned = 0;
 
   Counts& operator+=(const Counts& other) {
     RayCounters::operator+=(other);
-    set_out += other.set_out;
+    made += other.made;
     returned += other.returned;
     return *this;
   }
@@ -31,7 +31,7 @@ Counts backproject_all(RaySource& source, const Frame& frame, unsigned threads) 
   Counts counts;
   for (std::size_t b = source.divide(static_cast<std::size_t>(source.count())); b-- > 0;) {
     const auto batch = source.make_batch(b);
-    counts.set_out += batch->rays.size();
+    counts.made += batch->rays.size();
     counts.returned += batch->rays.size() + batch->returned;
     static_cast<RayCounters&>(counts) += batch->counters;
     static_cast<RayCounters&>(counts) += backproject(batch->rays, frame, threads);
@@ -48,7 +48,7 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
   return parallel_for<Counts>(batches, threads, [&](std::size_t b, Counts& counts) {
     if (progress.cancel) return;
     const auto batch = source.make_batch(b);
-    counts.set_out += batch->rays.size();
+    counts.made += batch->rays.size();
     static_cast<RayCounters&>(counts) += batch->counters;
     if (tracer != nullptr) {
       tracer->trace(batch->rays, frame, counts);
@@ -73,10 +73,10 @@ RunResult FunctionalLevel::run(RaySource& source, const Frame& frame, Progress& 
   }
   RunResult ran;
   ran.answered = v1::functional;
-  ran.set_out = counts.set_out;
+  ran.made = counts.made;
   ran.rays = counts;
   ran.cancelled = frame.sums == nullptr && progress.cancel;
-  const std::uint64_t made = source.misses_are_free() ? counts.set_out : source.count();
+  const std::uint64_t made = source.misses_are_free() ? counts.made : source.count();
   ran.dsp_cycles = made * source.make_cycles() + counts.returned * source.take_cycles() + counts.trap_cycles;
   if (!ran.cancelled) rays_ += ran.rays;
   return ran;

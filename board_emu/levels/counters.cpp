@@ -21,7 +21,7 @@ void add_run(RunResult& to, const RunResult& run, std::uint64_t core_khz) {
   to.cycles += run.cycles;
   to.asic_ps += cycles_to_ps(run.cycles, core_khz);
   to.dsp_cycles += run.dsp_cycles;
-  to.set_out += run.set_out;
+  to.made += run.made;
   to.rays += run.rays;
   to.cancelled = run.cancelled;
 }

@@ -28,7 +28,7 @@ struct RunResult {
   Cycle cycles = 0;              // of the ASIC; 0 at a level without time
   Picoseconds asic_ps = 0;       // the same
   std::uint64_t dsp_cycles = 0;  // in which the DSP worked
-  std::uint64_t set_out = 0;     // rays that the source made
+  std::uint64_t made = 0;        // rays that the source made
   RayCounters rays;
   bool cancelled = false;
   v1::FidelityLevel answered = v1::functional;  // the level that did it

@@ -38,10 +38,10 @@ struct RayBatch {
     rays = rays.first(kept);
   }
 
-  std::span<wire::Ray> rays;         // those that set out
+  std::span<wire::Ray> rays;         // those that go to the ASIC
   std::vector<wire::Ray> room;       // where they stand, unless the source has a place for them
   std::vector<std::uint64_t> index;  // which of the source's rays they are; empty if it knows
-  std::uint64_t returned = 0;        // rays that did not set out, and yet cost the DSP as much as one that comes back
+  std::uint64_t returned = 0;        // rays that did not go there, and yet cost the DSP as much as one that comes back
   RayCounters counters;              // of what happened as they were made
 };
 
@@ -67,7 +67,7 @@ class RaySource {
   // Rays that the DSP's memory holds between two runs of the ASIC: levels with time take so many, and then the next.
   virtual std::uint64_t max_at_once() const { return count(); }
 
-  // Makes ray `i`; nothing if it does not set out, and then it is dealt with already. Called once for each. What happens to
+  // Makes ray `i`; nothing if it does not go to the ASIC; it is dealt with then. Called once for each. What happens to
   // it in that is added to `counters`.
   virtual std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) = 0;
   // Takes ray `i` back, with what its flight has changed of it: all but its flags. Called once for each ray that was made,

@@ -155,7 +155,6 @@ Frame DspCommands::frame() {
   frame.lit_by_irradiance = (pipeline & wire::kPipelineIrradiance) != 0;
   frame.scatter = (pipeline & wire::kPipelineScatter) != 0;
   frame.high_albedo = (pipeline & wire::kPipelineHighAlbedo) != 0;
-  frame.plain = !frame.lit_by_irradiance && !frame.scatter && !frame.high_albedo;
   std::copy_n(aperture_.materials().begin(), wire::kTags, frame.materials.begin());
   frame.irradiance = &aperture_.irradiance();
   frame.routines = routines_;
@@ -236,8 +235,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Pro
   host_traps_.begin(true, command.rules);
   aperture_.irradiance().expect_deposits();
 
-  frame.plain = false;
-  frame.lights = true;
+  frame.type = wire::RayType::kDeposit;
   frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
   frame.rules = command.rules;
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
@@ -246,7 +244,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Pro
   LightRays rays(maker, frame, config_.dsp());
   const RunResult ran = run_level(rays, frame, work);
   if (ran.cancelled) return {.error = ErrorCode::kCancelled};
-  lighting_rays_ += ran.set_out;
+  lighting_rays_ += ran.made;
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   add_ledger(result, ran.rays, light_in_solid(command, frame));
   add_trap_list(result, 0);

@@ -82,8 +82,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
   const bool light = host_traps_.is_light();
   if (light) {
     aperture_.irradiance().expect_deposits();
-    frame.plain = false;
-    frame.lights = true;
+    frame.type = wire::RayType::kDeposit;
     frame.opacity_threshold = wire::kOpacityOne;
     frame.rules = host_traps_.rules();
   }

@@ -14,15 +14,6 @@ namespace {
 
 using wire::RayType;
 
-bool has_threshold(RayType type) {
-  return type == RayType::kFirstHit || type == RayType::kSegment || type == RayType::kOpacity;
-}
-
-bool is_segment(RayType type) {
-  return type == RayType::kSegment || type == RayType::kOpacity || type == RayType::kIntegral ||
-         type == RayType::kBackproject;
-}
-
 constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;
 
 bool comes_back(RayType type) { return type != RayType::kDeposit && type != RayType::kBackproject; }
@@ -46,8 +37,8 @@ std::optional<std::string> fault(const wire::TraceHeader& header, std::size_t pa
   if (auto what = fault_of_choice("words", static_cast<unsigned>(header.words), header.type == RayType::kBackproject)) {
     return what;
   }
-  if (!has_threshold(header.type) && header.opacity != 0) return expected("opacity", "0", header.opacity);
-  if (has_threshold(header.type) && (header.opacity < 1 || header.opacity > wire::kOpacityOne)) {
+  if (!wire::has_threshold(header.type) && header.opacity != 0) return expected("opacity", "0", header.opacity);
+  if (wire::has_threshold(header.type) && (header.opacity < 1 || header.opacity > wire::kOpacityOne)) {
     return expected("opacity", "1..2^24 - 1", header.opacity);
   }
   return std::nullopt;
@@ -67,14 +58,15 @@ std::uint64_t max_energy(const wire::TraceHeader& header, bool wide) {
 
 std::optional<std::string> fault_of_words(const wire::Ray& ray, const wire::TraceHeader& header, std::uint64_t most) {
   const std::uint64_t word = ray.colour_word();
-  if (is_segment(header.type) && word > wire::kMaxLength) return expected("length", "0..4096 voxels in 16.16", word);
+  if (wire::is_segment(header.type) && word > wire::kMaxLength)
+    return expected("length", "0..4096 voxels in 16.16", word);
   if (header.type == RayType::kBackproject) {
     const std::int32_t amount = wire::sign_extend(ray.opacity, 24);
     const bool whole = header.words == wire::SumWords::kWhole;
     if (amount <= wire::kMaxAmount && amount >= (whole ? -wire::kMaxAmount : 0)) return std::nullopt;
     return expected("opacity", whole ? "an amount of at least -(2^23 - 1)" : "an amount of 0..2^23 - 1", ray.opacity);
   }
-  if (is_segment(header.type) && ray.opacity != 0) return expected("opacity", "0 of a segment", ray.opacity);
+  if (wire::is_segment(header.type) && ray.opacity != 0) return expected("opacity", "0 of a segment", ray.opacity);
   if (header.type == RayType::kDeposit && (word == 0 || word > most)) {
     return expected("energy", "1.." + std::to_string(most) + " (24.12)", word);
   }
@@ -93,28 +85,21 @@ std::uint64_t max_moved(std::span<const wire::Ray> rays, const Frame& frame) {
 
 // What of the frame is otherwise for rays of this type.
 void set_type(Frame& frame, const wire::TraceHeader& header) {
-  if (header.type == RayType::kDeposit) {
-    frame.plain = false;
-    frame.lights = true;
+  frame.type = header.type;
+  if (frame.lights()) {
     frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
     frame.rules = header.rules;
     frame.cut_planes.clear();  // they cut what the eye sees
     return;
   }
   if (header.type == RayType::kIntegrate) return;
-  frame.opacity_threshold = has_threshold(header.type) ? header.opacity : wire::kOpacityOne;
-  frame.to_the_hit = has_threshold(header.type);
-  frame.integral = header.type == RayType::kIntegral;
-  frame.backprojects = header.type == RayType::kBackproject;
+  frame.opacity_threshold = frame.to_the_hit() ? header.opacity : wire::kOpacityOne;
   frame.scatter = frame.high_albedo = false;
-  frame.colourless = header.type == RayType::kFirstHit || header.type == RayType::kOpacity;
   if (header.type != RayType::kSegment) frame.lit_by_irradiance = false;
-  frame.plain = !frame.lit_by_irradiance && !frame.backprojects;
-  if (!is_segment(header.type)) return;
-  frame.segments = true;
+  if (!frame.segments()) return;
   frame.jitter = false;
   frame.cut_planes.clear();
-  if (frame.integral || frame.backprojects) frame.leap = false;  // an empty block is one without opacity
+  if (frame.integral() || frame.backprojects()) frame.leap = false;  // an empty block is one without opacity
 }
 
 // The completion of a backprojection: `overflow` is what of its sums had to be clipped.
@@ -148,7 +133,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
   if (frame.scatter || deposit) {
     if (const auto what = material_fault(false)) return refuse(*what);
   }
-  if (deposit || (frame.backprojects && frame.sums == nullptr)) aperture_.irradiance().expect_deposits();
+  if (deposit || (frame.backprojects() && frame.sums == nullptr)) aperture_.irradiance().expect_deposits();
   const std::size_t count = header.count;
   const std::uint64_t most = max_energy(header, frame.wide);
   std::vector<wire::Ray>& rays = host_ray_room_;
@@ -168,7 +153,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
       return refuse(expected("rays", "that can move no sum by more than 2^34", frame.max_moved));
     }
   }
-  if (!frame.backprojects) aperture_.decode(threads_, reads(frame));
+  if (!frame.backprojects()) aperture_.decode(threads_, reads(frame));
   const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
   HostRays source(rays, frame, back, {first, back ? both - first : 0});
   const RunResult ran = run_level(source, frame, work);
@@ -181,7 +166,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
     add_ledger(result, ran.rays, false);
     return result;
   }
-  if (frame.backprojects) {
+  if (frame.backprojects()) {
     add_deposits(result, ran.rays, frame.sums != nullptr ? frame.sums->settle() : Overflow{});
     return result;
   }

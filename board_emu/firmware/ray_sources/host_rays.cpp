@@ -11,7 +11,7 @@ namespace gicube::emu {
 std::optional<wire::Ray> HostRays::make(std::uint64_t i, RayCounters& counters) {
   wire::Ray& ray = rays_[i];
   if (!frame_.cut_planes.empty() && !enter(ray, frame_.extent, frame_.cut_planes)) return std::nullopt;
-  if (frame_.lights) counters.energy.emitted += energy_units(unpack(ray, frame_), frame_);
+  if (frame_.lights()) counters.energy.emitted += energy_units(unpack(ray, frame_), frame_);
   return ray;
 }
 
@@ -36,7 +36,7 @@ std::unique_ptr<RayBatch> HostRays::make_batch(std::size_t b) {
   const std::size_t begin = b * batch_rays_, count = std::min(batch_rays_, rays_.size() - begin);
   if (frame_.cut_planes.empty()) {
     batch->rays = rays_.subspan(begin, count);
-    if (!frame_.lights) return batch;
+    if (!frame_.lights()) return batch;
     for (const wire::Ray& ray : batch->rays) {
       batch->counters.energy.emitted += energy_units(unpack(ray, frame_), frame_);
     }

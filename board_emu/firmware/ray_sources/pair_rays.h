@@ -19,7 +19,7 @@ struct PairJob {
   wire::Vector spacing{};
 };
 
-// Samples without weight do not set out.
+// Samples without weight are not sent.
 class PairRays : public RaySource {
  public:
   // Writes wire::kPairResultBytes of each pair to `out`. All must outlive this.

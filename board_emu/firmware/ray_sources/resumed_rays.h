@@ -19,9 +19,9 @@ class ResumedRays : public RayByRaySource {
 
   std::uint64_t count() const override { return answers_.size(); }
   std::uint32_t make_cycles() const override { return dsp_.host_ray_cycles() / 2; }
-  std::uint32_t take_cycles() const override { return frame_.lights ? 0 : dsp_.returned_ray_cycles(); }
+  std::uint32_t take_cycles() const override { return frame_.lights() ? 0 : dsp_.returned_ray_cycles(); }
 
-  // A ray that ends by its answer does not set out. What answers bring and take counts.
+  // A ray that ends by its answer goes no further. What answers bring and take counts.
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override;
   void take(std::uint64_t i, const wire::Ray& ray) override;
 

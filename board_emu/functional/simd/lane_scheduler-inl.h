@@ -83,7 +83,7 @@ class LaneScheduler {
   struct Slot {
     RayState ray_state;
     wire::Ray* ray = nullptr;
-    std::int32_t steps = 0;  // as it set out
+    std::int32_t steps = 0;  // as it began
   };
 
   // A lit ray that was scattered before may have to leave a surface first.
@@ -91,7 +91,7 @@ class LaneScheduler {
     return !frame_.lit_by_irradiance || (ray.generation == 0 && (ray.flags & wire::kTrapped) == 0);
   }
 
-  bool gathers_colour() const { return !frame_.colourless && !frame_.integral; }
+  bool gathers_colour() const { return !frame_.colourless() && !frame_.integral(); }
 
   void go_alone() {
     integrate(rays_[next_], frame_, counters_);
@@ -127,7 +127,7 @@ class LaneScheduler {
       lanes.direction[axis].lane[lane] = ray.direction[axis];
     }
     for (Word& word : lanes.sum) word.lane[lane] = 0;
-    const std::int32_t segment = frame_.segments ? static_cast<std::int32_t>(ray.interacted) : kNoLimit;
+    const std::int32_t segment = frame_.segments() ? static_cast<std::int32_t>(ray.interacted) : kNoLimit;
     slot.steps = frame_.jitter ? 1 : std::min(steps_inside(ray, frame_), segment);
     lanes.left.lane[lane] = slot.steps;
     lanes.more.lane[lane] = segment - slot.steps;
@@ -147,12 +147,12 @@ class LaneScheduler {
       ray.position[axis] = lanes.position[axis].lane[lane];
       ray.step[axis] = lanes.step[axis].lane[lane];
     }
-    if (frame_.integral) {
+    if (frame_.integral()) {
       const auto low = static_cast<std::uint64_t>(lanes.sum[0].lane[lane]);
       set_energy(ray.colour, low | static_cast<std::uint64_t>(lanes.sum[1].lane[lane]) << kSumBits);
     }
     const std::int32_t steps = frame_.jitter ? lanes.taken.lane[lane] : slot.steps - lanes.left.lane[lane];
-    if (frame_.segments) ray.interacted -= static_cast<std::uint32_t>(steps);
+    if (frame_.segments()) ray.interacted -= static_cast<std::uint32_t>(steps);
     ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
     count_end(ray, end(ray, frame_), frame_, counters_);
     pack(ray, frame_, *slot.ray);

@@ -100,11 +100,11 @@ HWY_INLINE V lit(V light, V gain, const PacketField& field) {
 }
 
 // illuminated(). Its sums stay below 2^31: colour <= 4095, base <= 2^18 + 2^16, highlight <= 255 * 2^9.
-HWY_INLINE std::array<V, 3> illuminated(const Look& look, V entry, const SmallPlace& at, V irradiance_at,
+HWY_INLINE std::array<V, 3> illuminated(const ShadingEntry& shading, V entry, const SmallPlace& at, V irradiance_at,
                                         const PacketField& field) {
-  const V gain = hn::Or(look.reflect, hn::ShiftLeft<8>(look.knee));
+  const V gain = hn::Or(shading.reflect, hn::ShiftLeft<8>(shading.knee));
   const V base = hn::Add(lit(irradiance(at, irradiance_at, field), gain, field),
-                         hn::ShiftLeft<kShadeFractionBits - 7>(look.ambient));
+                         hn::ShiftLeft<kShadeFractionBits - 7>(shading.ambient));
   V highlight = hn::Zero(D32());
   if (field.specular != nullptr) {
     const V specular = hn::And(gather(field.specular, entry), set(0xFF));
@@ -117,7 +117,7 @@ HWY_INLINE std::array<V, 3> illuminated(const Look& look, V entry, const SmallPl
   highlight = hn::Mul(highlight, set(static_cast<std::int32_t>(wire::kColourOne)));
   std::array<V, 3> out{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const V colour = hn::Add(hn::Mul(look.colour[c], base), highlight);
+    const V colour = hn::Add(hn::Mul(shading.colour[c], base), highlight);
     out[c] = hn::Min(hn::ShiftRight<kShadeFractionBits>(hn::Add(colour, set(kShadeUnit / 2))),
                      set(static_cast<std::int32_t>(wire::kColourOne)));
   }

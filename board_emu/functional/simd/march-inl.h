@@ -1,8 +1,8 @@
-// Rays that march side by side: what of them stands in lanes, and the turns of the pipeline that take them on.
+// Rays that march side by side, one a lane: their words in lanes, and the passes of the pipeline.
 //
-// In even steps what addresses the samples hangs on steps alone, so that the next are fetched while one is composited: a
-// ray that has become opaque goes on as a ghost, of which nothing is kept. Jittered steps are drawn where the ray is, so
-// there a ray that ends stands still.
+// With even steps the places of samples depend on steps alone, so the next samples are fetched while one is composited; a ray
+// that has become opaque goes on, and what it gathers then is dropped. Jittered steps are drawn where the ray is, so a ray that
+// ends there stays where it is.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_MARCH) == defined(HWY_TARGET_TOGGLE)
@@ -44,7 +44,7 @@ struct Lanes {
 
 constexpr int kSumBits = 20;
 
-// What a turn changes of the rays, as long as they march.
+// What a pass changes of the rays while they march.
 struct LaneState {
   std::array<V, 3> position, step;
   std::array<V, 2> sum;

@@ -78,10 +78,10 @@ class ShadingQueue {
     const SmallPlace at{get(kIndex), get(kXAndY), get(kZ)};
     const V entry_and_ray = get(kEntryAndRay), weight = get(kWeight);
     const V entry = hn::And(entry_and_ray, set((1 << kEntryBits) - 1));
-    const Look look = look_of(entry, field);
-    const auto seen = field.irradiance != nullptr ? illuminated(look, entry, at, get(kLit), field)
-                      : field.shaded              ? shade(look, resample_gradient(at, field), field)
-                                                  : look.colour;
+    const ShadingEntry shading = shading_entry(entry, field);
+    const auto seen = field.irradiance != nullptr ? illuminated(shading, entry, at, get(kLit), field)
+                      : field.shaded              ? shade(shading, resample_gradient(at, field), field)
+                                                  : shading.colour;
     std::array<V, 3> part{};
     for (std::size_t c = 0; c < 3; ++c) {
       if constexpr (kWide) {

@@ -78,7 +78,7 @@ namespace {
 // The exponent of all the frame's samples (space()); 0: each ray has one of its own.
 std::uint32_t common_exponent(const Frame& frame) {
   const auto& spacing = frame.spacing;
-  if (frame.jitter || frame.segments || spacing[0] != spacing[1] || spacing[1] != spacing[2]) return 0;
+  if (frame.jitter || frame.segments() || spacing[0] != spacing[1] || spacing[1] != spacing[2]) return 0;
   RayState ray;
   ray.length = spacing[0];
   space(ray, frame.step);
@@ -110,7 +110,7 @@ void SimdTracer::read(std::span<const wire::SegmentationEntry> segmentation) {
     const auto [red, green, blue] = entry.colour;
     const std::uint32_t low = red | std::uint32_t{green} << 12 | std::uint32_t{entry.ambient} << 24;
     const std::uint32_t high = blue | std::uint32_t{entry.reflect} << 12 | std::uint32_t{entry.knee} << 20;
-    tables_.look[i] = low | std::uint64_t{high} << 32;
+    tables_.shading[i] = low | std::uint64_t{high} << 32;
   }
   tables_.specular.clear();
   if (std::all_of(segmentation.begin(), segmentation.end(), [](const auto& entry) { return entry.specular == 0; }))
@@ -177,7 +177,7 @@ void SimdTracer::find_first(const Frame& frame) {
   const auto blocks = static_cast<std::size_t>(volume.blocks()[0]), down = static_cast<std::size_t>(volume.blocks()[1]);
   const auto rows = static_cast<std::size_t>(size[1]), slices = static_cast<std::size_t>(size[2]);
   // The samples of a jittered ray have places of their own, and integrals take what is not seen too.
-  const bool passes = !frame.jitter && !frame.integral;
+  const bool passes = !frame.jitter && !frame.integral();
   tables_.first.resize(seen_.size());
   std::size_t cell = 0;
   for (std::size_t row = 0; row < rows * slices; ++row) {
@@ -195,8 +195,8 @@ void SimdTracer::find_first(const Frame& frame) {
 }
 
 bool SimdTracer::prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads) {
-  if (frame.lights || frame.scatter || frame.high_albedo || frame.backprojects) return false;
-  if (frame.jitter && (frame.segments || frame.integral)) return false;
+  if (frame.lights() || frame.scatter || frame.high_albedo || frame.backprojects()) return false;
+  if (frame.jitter && (frame.segments() || frame.integral())) return false;
   const VolumeMemory& volume = *frame.volume;
   if (volume_ != volume.decodings()) {
     clear();
@@ -255,7 +255,7 @@ void SimdTracer::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.slice = volume.blocks()[0] * volume.blocks()[1];
   field.cells_across = ranges_.size()[0];
   field.cells_slice = ranges_.size()[0] * ranges_.size()[1];
-  field.gathers = frame.integral ? Gathers::kIntegral : frame.colourless ? Gathers::kOpacity : Gathers::kColour;
+  field.gathers = frame.integral() ? Gathers::kIntegral : frame.colourless() ? Gathers::kOpacity : Gathers::kColour;
   field.extent = frame.extent;
   field.cut_planes = frame.cut_planes;
   field.shaded = frame.shade;

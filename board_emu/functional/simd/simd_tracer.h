@@ -24,7 +24,7 @@ struct PacketTables {
       depth{};                       // of one voxel length, 8.24 in base 2; all ones: opaque
   std::vector<std::uint32_t> alpha;  // 1 + the corrected opacity, 24 bits, or the bits of the wide one; 0: not seen
   std::array<std::uint64_t, wire::kSegmentationEntries>
-      look{};  // red, green 12 bits, ambient 8; in bits 32..: blue 12, reflect, knee 8
+      shading{};  // red, green 12 bits, ambient 8; in bits 32..: blue 12, reflect, knee 8
   std::array<std::uint64_t, OpacityCorrection::kSegments> exp2{};  // value, and in bits 32.. the fall to the next
   std::vector<std::uint8_t> specular;                              // of lit samples; none if all are 0
   std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by what jitter() draws

@@ -198,14 +198,14 @@ HWY_INLINE V reflectance(const std::array<V, 3>& gradient, const PacketField& fi
   return hn::ShiftRight<8>(hn::Add(sum, set(128)));
 }
 
-struct Look {
+struct ShadingEntry {
   std::array<V, 3> colour;
   V ambient, reflect, knee;
 };
 
-HWY_INLINE Look look_of(V entry, const PacketField& field) {
-  const VU64 even = gather64(field.tables->look.data(), evens(entry)),
-             odd = gather64(field.tables->look.data(), odds(entry));
+HWY_INLINE ShadingEntry shading_entry(V entry, const PacketField& field) {
+  const VU64 even = gather64(field.tables->shading.data(), evens(entry)),
+             odd = gather64(field.tables->shading.data(), odds(entry));
   const V low = together(even, odd), high = together(hn::ShiftRight<32>(even), hn::ShiftRight<32>(odd));
   const V colour = set(0xFFF), byte = set(0xFF);
   return {{hn::And(low, colour), hn::And(hn::ShiftRight<12>(low), colour), hn::And(high, colour)},
@@ -222,20 +222,21 @@ HWY_INLINE Mask is_flat(const std::array<V, 3>& gradient) {
 }
 
 // shade(). Its 64-bit sums stay below 2^30: colour <= 4095, base + highlight <= 3 * 255 * 2^8.
-HWY_INLINE std::array<V, 3> shade(const Look& look, const std::array<V, 3>& gradient, const PacketField& field) {
+HWY_INLINE std::array<V, 3> shade(const ShadingEntry& shading, const std::array<V, 3>& gradient,
+                                  const PacketField& field) {
   constexpr int kCoefficientShift = kShadeFractionBits - 7;
   const Mask flat = is_flat(gradient);
   const V intensity = reflectance(gradient, field);
-  const V total = hn::Add(hn::ShiftLeft<kCoefficientShift>(look.ambient),
-                          hn::ShiftRight<7>(hn::Add(hn::Mul(look.reflect, intensity), set(64))));
-  const V base = hn::Min(total, hn::ShiftLeft<kCoefficientShift>(look.knee));
+  const V total = hn::Add(hn::ShiftLeft<kCoefficientShift>(shading.ambient),
+                          hn::ShiftRight<7>(hn::Add(hn::Mul(shading.reflect, intensity), set(64))));
+  const V base = hn::Min(total, hn::ShiftLeft<kCoefficientShift>(shading.knee));
   const V highlight = hn::Mul(hn::Sub(total, base), set(static_cast<std::int32_t>(wire::kColourOne)));
   std::array<V, 3> out{};
   for (std::size_t channel = 0; channel < 3; ++channel) {
-    const V lit = hn::Add(hn::Mul(look.colour[channel], base), highlight);
+    const V lit = hn::Add(hn::Mul(shading.colour[channel], base), highlight);
     const V shaded = hn::Min(hn::ShiftRight<kShadeFractionBits>(hn::Add(lit, set(kShadeUnit / 2))),
                              set(static_cast<std::int32_t>(wire::kColourOne)));
-    out[channel] = hn::IfThenElse(flat, look.colour[channel], shaded);
+    out[channel] = hn::IfThenElse(flat, shading.colour[channel], shaded);
   }
   return out;
 }

@@ -174,6 +174,18 @@ enum class RayType : std::uint8_t {
   kIntegral = 5,
   kBackproject = 6,
 };
+template <RayType... kTypes>
+constexpr bool is_one_of(RayType type) {  // by a mask: it is asked for each sample
+  return (((1u << static_cast<unsigned>(kTypes)) | ...) >> static_cast<unsigned>(type) & 1) != 0;
+}
+// Between two points, with a length in the packet.
+constexpr bool is_segment(RayType type) {
+  return is_one_of<RayType::kSegment, RayType::kOpacity, RayType::kIntegral, RayType::kBackproject>(type);
+}
+// Ends at the sample that brings it to the opacity asked for.
+constexpr bool has_threshold(RayType type) {
+  return is_one_of<RayType::kFirstHit, RayType::kSegment, RayType::kOpacity>(type);
+}
 enum class SumWords : std::uint8_t { kIrradiance = 0, kWhole = 1 };
 inline constexpr std::int32_t kMaxAmount = (1 << 23) - 1;             // that a sample leaves
 inline constexpr int kAmountFractionBits = 12;                        // in irradiance words

@@ -137,7 +137,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   draw(scene, dice);
   Frame& frame = scene.frame;
   draw_materials(frame, dice);
-  frame.plain = false;
+  frame.type = wire::RayType::kDeposit;
   frame.wide = wide;
   frame.routines = &routine;
   frame.seed = GetParam();
@@ -190,6 +190,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   EXPECT_EQ(shuffled_held.words(scene), expected.words(scene));
   EXPECT_THAT(counter_texts(shuffled), testing::ElementsAreArray(counter_texts(machine)));
 
+  frame.type = wire::RayType::kIntegrate;
   frame.rules = wire::EnergyRules::kConserving;
   frame.lit_by_irradiance = dice.chance(80);
   frame.scatter = dice.chance(80);

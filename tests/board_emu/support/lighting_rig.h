@@ -24,7 +24,7 @@ class LitScene {
     irradiance.resize(size);
     scene.fill([](int, int, int) { return wire::Voxel{}; });
     Frame& frame = scene.frame;
-    frame.plain = false;
+    frame.type = wire::RayType::kDeposit;
     frame.wide = wide;
     frame.irradiance = &irradiance;
     frame.lifetime = wire::kLifetimeMax;

@@ -58,8 +58,7 @@ void draw_light(LitScene& scene, Dice& dice) {
   if (dice.chance(40)) scene.widen();
   frame.exposure = static_cast<std::uint32_t>(dice.one_of({4'000, 65'536, 900'000}));
   frame.lit_by_irradiance = dice.chance(50);
-  frame.plain = !frame.lit_by_irradiance;
-  if (frame.plain) return;
+  if (!frame.lit_by_irradiance) return;
   for (int i = dice.number(0, 200); i > 0; --i) {
     Deposit deposit;
     for (std::size_t axis = 0; axis < 3; ++axis) deposit.voxel[axis] = dice.number(0, kSize[axis] - 2);
@@ -73,7 +72,7 @@ void draw_light(LitScene& scene, Dice& dice) {
 
 void draw_cut_planes(Frame& frame, Dice& dice) {
   frame.cut_planes.clear();
-  for (int i = frame.segments ? 0 : dice.one_of({0, 0, 1, 3}); i > 0; --i) {
+  for (int i = frame.segments() ? 0 : dice.one_of({0, 0, 1, 3}); i > 0; --i) {
     Plane plane;
     for (std::size_t axis = 0; axis < 3; ++axis) plane.normal[axis] = dice.number(-16'384, 16'384);
     const Point middle{22 * wire::kVoxel, 10 * wire::kVoxel, 17 * wire::kVoxel};
@@ -116,15 +115,14 @@ void draw_field(LitScene& scene, Dice& dice) {
   draw_light(scene, dice);
   Frame& frame = scene.frame;
   frame.jitter = dice.chance(30);
-  frame.segments = !frame.jitter && dice.chance(50);
-  frame.colourless = frame.plain && dice.chance(40);
-  frame.to_the_hit = dice.chance(50);
-  frame.shade = dice.chance(60);
-  frame.integral = frame.segments && dice.chance(30);
-  if (frame.integral) {
-    frame.colourless = frame.plain = true;
-    frame.lit_by_irradiance = false;
+  using enum wire::RayType;
+  if (!frame.jitter && dice.chance(50)) {
+    frame.type = dice.one_of({kSegment, kSegment, kOpacity, kIntegral});
+  } else {
+    frame.type = dice.one_of({kIntegrate, kFirstHit});
   }
+  if (frame.type != kSegment && frame.type != kIntegrate) frame.lit_by_irradiance = false;
+  frame.shade = dice.chance(60);
   draw_cut_planes(frame, dice);
   frame.leap = dice.chance(60);
   frame.step = static_cast<std::uint32_t>(dice.one_of({9'000, 32'768, 65'536, 150'000}));
@@ -145,7 +143,7 @@ std::vector<wire::Ray> draw_rays(Dice& dice, int count, const Frame& frame) {
     }
     if (direction == std::array<double, 3>{}) direction[2] = 1;
     wire::Ray ray = host_ray(static_cast<std::uint32_t>(i + 1), position, direction);
-    if (frame.segments) {
+    if (frame.segments()) {
       ray.set_colour_word(static_cast<std::uint64_t>(dice.one_of({0, 1, 700, dice.number(0, 60 << 16)})));
     } else if (dice.chance(20)) {  // carries what an earlier flight gathered
       ray.generation = static_cast<std::uint8_t>(dice.number(0, 1));
@@ -198,7 +196,8 @@ TEST(SimdTracer, FollowTheStepAndTheLutWhereAllSamplesHaveOneLength) {
   LitScene scene(kSize, 16);
   draw_field(scene, dice);
   Frame& frame = scene.frame;
-  frame.jitter = frame.segments = frame.integral = frame.colourless = false;
+  frame.jitter = false;
+  frame.type = wire::RayType::kIntegrate;
   frame.opacity_threshold = wire::kOpacityOne;
   SimdTracer packets(scene.opacity_correction);
   const auto rays = draw_rays(dice, 200, frame);
@@ -226,7 +225,9 @@ TEST(SimdTracer, AreNotMadeForFewRaysNorForMoreThanGathering) {
   EXPECT_FALSE(packets.prepare(1, scene.frame, 0, 1));  // a copy of the densities for one ray would be a bad bargain
   EXPECT_TRUE(packets.prepare(scene.volume.stored_blocks(), scene.frame, 0, 1));
   Frame scattered = scene.frame, photons = scene.frame, lights = scene.frame, backprojected = scene.frame;
-  scattered.scatter = photons.high_albedo = lights.lights = backprojected.backprojects = true;
+  scattered.scatter = photons.high_albedo = true;
+  lights.type = wire::RayType::kDeposit;
+  backprojected.type = wire::RayType::kBackproject;
   for (const Frame* frame : {&scattered, &photons, &lights, &backprojected}) {
     EXPECT_FALSE(packets.prepare(1 << 20, *frame, 0, 1));
   }
