@@ -1,20 +1,12 @@
 #include "cone_beam/algebraic.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <random>
-#include <span>
-#include <string>
 #include <utility>
 
-#include "cone_beam/backprojector.h"
-#include "cone_beam/parallel_for.h"
-#include "cone_beam/projector.h"
-#include "cone_beam/view_rays.h"
+#include "scene/parallel.h"
 
 namespace gicube::samples {
 namespace {
@@ -23,22 +15,16 @@ constexpr double kWorseThanNothing = 2;  // chosen: residuals of nothing are 1
 constexpr double kGrown = 1.02;          // chosen: which rounding and cut off negative values don't reach
 constexpr int kPatience = 3;             // chosen: iterations
 
-void expect(bool holds, const char* name, const char* expected, double got) {
-  if (!holds) throw BadArgument(name, expected, fmt::format("{}", got));
-}
-
-void check_algebraic(const AlgebraicSettings& settings, const ConeGeometry& geometry, const Projections& projections) {
+void check(const AlgebraicSettings& settings, const ConeGeometry& geometry, const Projections& projections) {
   check(geometry);
-  expect(settings.iterations >= 1, "iterations", "at least 1", settings.iterations);
-  if (settings.method == Method::kOsSart) {
-    const auto views = static_cast<int>(geometry.angles.size());
-    expect(settings.subsets >= 2 && settings.subsets <= views, "subsets", "2..the number of views", settings.subsets);
-  }
-  expect(std::isfinite(settings.relaxation) && settings.relaxation > 0, "relaxation", "a finite number above 0",
-         settings.relaxation);
-  expect(settings.stop >= 0 && settings.stop < 1, "stop", "0..1", settings.stop);
-  expect(std::isfinite(settings.noise) && settings.noise >= 0, "noise", "0 or a number above it", settings.noise);
-  expect(settings.step >= 1.0 / 64 && settings.step <= 16, "step", "1/64..16 voxels", settings.step);
+  const auto& [method, iterations, subsets, relaxation, order, non_negative, stop, noise, step, seed] = settings;
+  expect(iterations >= 1, "iterations", "at least 1", iterations);
+  expect(method != Method::kOsSart || (subsets >= 2 && subsets <= std::ssize(geometry.angles)), "subsets",
+         "2..the number of views", subsets);
+  expect(std::isfinite(relaxation) && relaxation > 0, "relaxation", "a finite number above 0", relaxation);
+  expect(stop >= 0 && stop < 1, "stop", "0..1", stop);
+  expect(std::isfinite(noise) && noise >= 0, "noise", "0 or a number above it", noise);
+  expect(step >= 1.0 / 64 && step <= 16, "step", "1/64..16 voxels", step);
   check(projections, geometry);
 }
 
@@ -67,11 +53,11 @@ class Loop {
 
   Reconstruction run(const Progress& progress) {
     const Picoseconds begin = board_.now();
+    const auto all = static_cast<std::uint32_t>(settings_.iterations) * static_cast<std::uint32_t>(subsets_.size());
     std::vector<float> best = out_.values;
     double least = 1;  // of nothing
     int since = 0;
     bool grew = false;
-    const auto all = static_cast<std::uint32_t>(settings_.iterations) * static_cast<std::uint32_t>(subsets_.size());
     for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
       const double residual = iterate(iteration, [&](std::uint32_t done) {
         if (progress) progress(done, all);
@@ -127,18 +113,21 @@ class Loop {
     return missing.relative();
   }
 
+  std::vector<double> angles_of(const std::vector<std::size_t>& views) const {
+    std::vector<double> angles;
+    for (const std::size_t view : views) angles.push_back(geometry_.angles[view]);
+    return angles;
+  }
+
   // What the views of a subset miss, and what it is a unit of length.
   Missing project(const std::vector<std::size_t>& views, Densities& densities) {
     load_values(board_, geometry_.volume, out_.values);
-    Projector projector(board_, geometry_, settings_.step);
     densities.resize(views.size());
     Missing missing;
-    projector.begin(geometry_.angles[views[0]]);
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      if (i + 1 < views.size()) projector.begin(geometry_.angles[views[i + 1]]);
-      densities[i] = missing_of(views[i], projector.next(), missing);
-    }
-    out_.rays += projector.rays();
+    out_.rays += project_views(board_, geometry_, angles_of(views), settings_.step,
+                               [&](std::size_t i, const std::vector<float>& projected) {
+                                 densities[i] = missing_of(views[i], projected, missing);
+                               });
     return missing;
   }
 
@@ -170,13 +159,9 @@ class Loop {
     for (const auto& view : densities) {
       for (const double density : view) most = std::max(most, std::abs(density));
     }
-    Backprojector backprojector(board_, geometry_, 1, settings_.step, most, views.size());
-    for (std::size_t i = 0; i < views.size(); ++i) backprojector.add(geometry_.angles[views[i]], densities[i]);
-    std::vector<float> sums = backprojector.finish();
-    out_.rays += backprojector.rays();
-    out_.deposits += backprojector.deposits();
-    out_.overflowed += backprojector.overflowed();
-    return sums;
+    return gicube::samples::backproject(
+        board_, geometry_, angles_of(views), {.step = settings_.step, .max_density = most},
+        [&](std::size_t i) { return densities[i]; }, out_);
   }
 
   // What a density of one on all rays leaves.
@@ -193,10 +178,10 @@ class Loop {
     std::vector<float> weights = std::move(weights_[subset]);
     if (weights.empty()) weights = splatted_weights(subsets_[subset]);
     constexpr float kLeast = 1e-3F;  // chosen, of the greatest weight: below it rays say nothing of a voxel
-    const float least = kLeast * *std::max_element(weights.begin(), weights.end());
+    const float least = kLeast * std::ranges::max(weights);
     const auto relaxation = static_cast<float>(settings_.relaxation);
     constexpr std::size_t kPart = 1 << 16;
-    parallel_for((weights.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    in_parallel((weights.size() + kPart - 1) / kPart, 0, [&](std::size_t part) {
       for (std::size_t i = part * kPart; i < std::min(weights.size(), (part + 1) * kPart); ++i) {
         if (weights[i] <= least) continue;
         float& value = out_.values[i];
@@ -230,18 +215,15 @@ std::vector<std::vector<std::size_t>> view_subsets(std::size_t views, const Alge
 
 std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettings& settings, int iteration) {
   std::vector<std::size_t> order(subsets);
-  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::iota(order.begin(), order.end(), 0);
   if (settings.order == ViewOrder::kRandom) {
     std::mt19937_64 engine(settings.seed + 0x9E3779B97F4A7C15U * static_cast<std::uint64_t>(iteration + 1));
     for (std::size_t i = subsets; i > 1; --i) std::swap(order[i - 1], order[engine() % i]);
   } else if (settings.order == ViewOrder::kGolden) {
     // The ranks of the fractions of multiples of the golden ratio: each is 0.62 of the way round from the one before.
-    std::vector<double> places;
-    double whole = 0;
-    for (std::size_t i = 0; i < subsets; ++i)
-      places.push_back(std::modf(static_cast<double>(i) * 0.6180339887498949, &whole));
     std::vector<std::size_t> sorted = order;
-    std::sort(sorted.begin(), sorted.end(), [&](std::size_t a, std::size_t b) { return places[a] < places[b]; });
+    std::ranges::sort(sorted, {},
+                      [](std::size_t i) { return std::fmod(static_cast<double>(i) * 0.6180339887498949, 1); });
     for (std::size_t rank = 0; rank < subsets; ++rank) order[sorted[rank]] = rank;
   }
   return order;
@@ -249,7 +231,7 @@ std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettin
 
 Reconstruction reconstruct_algebraic(Board& board, const ConeGeometry& geometry, const Projections& projections,
                                      const AlgebraicSettings& settings, const Progress& progress) {
-  check_algebraic(settings, geometry, projections);
+  check(settings, geometry, projections);
   return Loop(board, geometry, projections, settings).run(progress);
 }
 

@@ -5,9 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cone_beam/geometry.h"
-#include "cone_beam/reconstruction.h"
-#include "gicube/board.h"
+#include "cone_beam/view_rays.h"
 
 namespace gicube::samples {
 

@@ -1,36 +1,23 @@
 #include "cone_beam/fdk.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 
-#include "cone_beam/backprojector.h"
-#include "cone_beam/irradiance.h"
-#include "cone_beam/normalise.h"
-#include "cone_beam/parallel_for.h"
+#include "scene/parallel.h"
 
 namespace gicube::samples {
 namespace {
 
 void check(const FdkSettings& settings, const ConeGeometry& geometry, const Projections& projections) {
   check(geometry);
-  if (settings.rays < 1 || settings.rays > 4) throw BadArgument("rays", "1..4", std::to_string(settings.rays));
-  if (!(settings.step >= 1.0 / 64 && settings.step <= 16)) {
-    throw BadArgument("step", "1/64..16 voxels", fmt::format("{}", settings.step));
-  }
-  if (!(settings.sharpen >= 0 && settings.sharpen <= 0.25)) {
-    throw BadArgument("sharpen", "0..1/4", fmt::format("{}", settings.sharpen));
-  }
-  if (settings.read_every < 1) throw BadArgument("read_every", "at least 1", std::to_string(settings.read_every));
-  if (settings.bits != 0 && (settings.bits < 4 || settings.bits > 32)) {
-    throw BadArgument("bits", "0 or 4..32", std::to_string(settings.bits));
-  }
-  if (!(std::isfinite(settings.headroom) && settings.headroom > 0)) {
-    throw BadArgument("headroom", "a finite number above 0", fmt::format("{}", settings.headroom));
-  }
+  const auto& [window, rays, step, part, normalised, words, read_every, bits, headroom] = settings;
+  expect(rays >= 1 && rays <= 4, "rays", "1..4", rays);
+  expect(step >= 1.0 / 64 && step <= 16, "step", "1/64..16 voxels", step);
+  expect(part >= 0 && part <= 0.25, "sharpen", "0..1/4", part);
+  expect(read_every >= 1, "read_every", "at least 1", read_every);
+  expect(bits == 0 || (bits >= 4 && bits <= 32), "bits", "0 or 4..32", bits);
+  expect(std::isfinite(headroom) && headroom > 0, "headroom", "a finite number above 0", headroom);
   check(projections, geometry);
 }
 
@@ -55,24 +42,20 @@ std::vector<double> finer_rows(const std::vector<double>& coarse, std::size_t co
 }
 
 Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
-                                     const FilteredView& filtered, const Progress& progress) {
+                                     const ViewDensities& filtered, const Progress& progress) {
   const std::size_t views = geometry.angles.size();
   // Filtered twice, since all views together would take more memory than the volume.
   std::vector<double> max_of(views);
-  parallel_for(views, [&](std::size_t view) {
+  in_parallel(views, 0, [&](std::size_t view) {
     for (const double value : filtered(view)) max_of[view] = std::max(max_of[view], std::abs(value));
   });
-  const double most = *std::max_element(max_of.begin(), max_of.end());
-  Backprojector backprojector(board, geometry, settings.rays, settings.step, most, views);
-  for (std::size_t view = 0; view < views; ++view) {
-    if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));
-    backprojector.add(geometry.angles[view], filtered(view));
-  }
   Reconstruction out;
-  out.values = backprojector.finish();
-  out.rays = backprojector.rays();
-  out.deposits = backprojector.deposits();
-  out.overflowed = backprojector.overflowed();
+  const auto told_and_filtered = [&](std::size_t view) {
+    if (progress) progress(static_cast<std::uint32_t>(view), static_cast<std::uint32_t>(views));
+    return filtered(view);
+  };
+  out.values = backproject(board, geometry, geometry.angles, {settings.rays, settings.step, std::ranges::max(max_of)},
+                           told_and_filtered, out);
   return out;
 }
 
@@ -83,7 +66,7 @@ void sharpen(std::vector<float>& values, const Dims& dims, double part) {
   std::size_t stride = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto length = static_cast<std::size_t>(dims[axis]), run = stride * length;
-    parallel_for(values.size() / run, [&, stride](std::size_t piece) {
+    in_parallel(values.size() / run, 0, [&, stride](std::size_t piece) {
       float* const first = values.data() + piece * run;
       for (std::size_t lane = 0; lane < stride; ++lane) {
         float before = first[lane];
@@ -148,15 +131,12 @@ Reconstruction reconstruct_fdk(Board& board, const ConeGeometry& geometry, const
 
   const RampFilter filter = ramp_filter(geometry, settings.window, settings.rays);
   const std::size_t views = geometry.angles.size();
-  const FilteredView filtered = [&](std::size_t view) {
+  const ViewDensities filtered = [&](std::size_t view) {
     return filtered_view(projections, geometry, view, filter, settings.rays);
   };
-  Reconstruction out;
-  if (settings.accumulator == Accumulator::kIrradiance) {
-    out = backproject_into_irradiance(board, geometry, settings, filtered, progress);
-  } else {
-    out = backproject_into_sums(board, geometry, settings, filtered, progress);
-  }
+  const bool in_sums = settings.accumulator == Accumulator::kSums;
+  Reconstruction out =
+      (in_sums ? backproject_into_sums : backproject_into_irradiance)(board, geometry, settings, filtered, progress);
   if (settings.normalise) normalise(out, board, geometry, settings);
   sharpen(out.values, dims, settings.sharpen);
   out.board_time = board.now() - begin;

@@ -2,13 +2,10 @@
 // energy-depositing rays that nothing weakens [P §5.6]. docs/guide/cone_beam.md derives the weights.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "cone_beam/filter.h"
-#include "cone_beam/geometry.h"
-#include "cone_beam/reconstruction.h"
-#include "gicube/board.h"
+#include "cone_beam/view_rays.h"
 
 namespace gicube::samples {
 
@@ -27,7 +24,7 @@ struct FdkSettings {
   // 0..1/4: what each voxel takes from either neighbour on an axis, against the blur of splatting. 1/12 gives back what that
   // adds to the width of a structure, a little more suits edges (docs/guide/cone_beam.md); much more sharpens ripples too.
   double sharpen = 0.1;
-  // Whether the ripples of rays that lie unevenly against voxels are divided out: every ray is sent twice (normalise.h).
+  // Whether the ripples of rays that lie unevenly against voxels are divided out: every ray is sent twice (normalise()).
   bool normalise = false;
   Accumulator accumulator = Accumulator::kSums;
   int read_every = 8;  // kIrradiance: views, at least 1, after which the words are read back and cleared
@@ -46,6 +43,16 @@ RampFilter ramp_filter(const ConeGeometry& geometry, Window window, int fine);
 
 // v (1 + 2 part) - part (both neighbours), along each axis; the ends are their own neighbours.
 void sharpen(std::vector<float>& values, const Dims& dims, double part);
+
+// Some views at a time into irradiance words [P §4.2]: their positive values in one pass, their negative ones in a second one, the
+// words' unit chosen for each pass by the greatest that a voxel can get of it. The words are read after each pass; the host adds up.
+Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
+                                           const ViewDensities& filtered, const Progress& progress);
+
+// Rays that lie unevenly against voxels leave ripples, the same in all views along the axis of rotation. Sends all rays again, each
+// with what would make a volume of ones, and divides the values by what that left over what it should have: only voxels that every
+// view sees whole, since the others have less for another reason. Adds its rays and deposits to the counts. Clears the sums.
+void normalise(Reconstruction& made, Board& board, const ConeGeometry& geometry, const FdkSettings& settings);
 
 // Loads an empty volume of geometry.volume's dims into the board, and leaves the sums there.
 // Throws BadArgument (geometry, projections, settings), what the board throws.

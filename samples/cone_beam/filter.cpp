@@ -45,8 +45,8 @@ RampFilter::RampFilter(int samples, double pitch, Window window, int fine)
   {
     const std::lock_guard lock(planner);
     const int size = static_cast<int>(padded_);
-    forward_ = fftw_plan_dft_r2c_1d(size, time.get(), spectrum.get(), FFTW_ESTIMATE);
-    backward_ = fftw_plan_dft_c2r_1d(size, spectrum.get(), time.get(), FFTW_ESTIMATE);
+    forward_.reset(fftw_plan_dft_r2c_1d(size, time.get(), spectrum.get(), FFTW_ESTIMATE));
+    backward_.reset(fftw_plan_dft_c2r_1d(size, spectrum.get(), time.get(), FFTW_ESTIMATE));
   }
   // The band-limited ramp in space (Kak and Slaney, eq. 61 of chapter 3), times the pitch of the convolution's sum: its
   // transform has the right mean, where a ramp of frequencies would have none.
@@ -55,7 +55,7 @@ RampFilter::RampFilter(int samples, double pitch, Window window, int fine)
   for (std::size_t n = 1; n < padded_ / 2; n += 2) {
     time[n] = time[padded_ - n] = -1 / (pi * pi * static_cast<double>(n * n) * pitch);
   }
-  fftw_execute_dft_r2c(static_cast<fftw_plan>(forward_), time.get(), spectrum.get());
+  fftw_execute_dft_r2c(forward_.get(), time.get(), spectrum.get());
   for (std::size_t k = 0; k < half; ++k) {
     const double part = static_cast<double>(k) / (static_cast<double>(padded_) / 2);
     response_.push_back(spectrum[k][0] * window_at(window, part) / static_cast<double>(padded_));
@@ -68,17 +68,16 @@ RampFilter::RampFilter(int samples, double pitch, Window window, int fine)
   }
 }
 
-RampFilter::~RampFilter() {
+void RampFilter::End::operator()(fftw_plan_s* plan) const {
   const std::lock_guard lock(planner);
-  fftw_destroy_plan(static_cast<fftw_plan>(forward_));
-  fftw_destroy_plan(static_cast<fftw_plan>(backward_));
+  fftw_destroy_plan(plan);
 }
 
 void RampFilter::apply(const double* row, double* out) const {
   const auto time = reals(padded_);
   const auto spectrum = complexes(response_.size()), shifted = complexes(response_.size());
   std::fill(std::copy_n(row, samples_, time.get()), time.get() + padded_, 0.0);
-  fftw_execute_dft_r2c(static_cast<fftw_plan>(forward_), time.get(), spectrum.get());
+  fftw_execute_dft_r2c(forward_.get(), time.get(), spectrum.get());
   for (int sub = 0; sub < fine_; ++sub) {
     const std::complex<double>* shift = shifts_.data() + static_cast<std::size_t>(sub) * response_.size();
     for (std::size_t k = 0; k < response_.size(); ++k) {
@@ -86,19 +85,15 @@ void RampFilter::apply(const double* row, double* out) const {
       shifted[k][0] = value.real();
       shifted[k][1] = k + 1 == response_.size() ? 0 : value.imag();
     }
-    fftw_execute_dft_c2r(static_cast<fftw_plan>(backward_), shifted.get(), time.get());
+    fftw_execute_dft_c2r(backward_.get(), shifted.get(), time.get());
     for (int i = 0; i < samples_; ++i) out[i * fine_ + sub] = time[static_cast<std::size_t>(i)];
   }
 }
-
-namespace {
 
 double arc_of(const ConeGeometry& geometry) {
   const auto& angles = geometry.angles;
   return (angles.back() - angles.front()) * static_cast<double>(angles.size()) / static_cast<double>(angles.size() - 1);
 }
-
-}  // namespace
 
 bool is_short_scan(const ConeGeometry& geometry) { return arc_of(geometry) < 2 * pi * 0.999; }
 

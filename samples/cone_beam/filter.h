@@ -4,9 +4,12 @@
 
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "cone_beam/geometry.h"
+
+struct fftw_plan_s;  // FFTW's own
 
 namespace gicube::samples {
 
@@ -19,10 +22,6 @@ class RampFilter {
   // `fine`: as many results a sample, evenly around it (1: at the samples; 2: a quarter before and behind). What lies
   // between samples is interpolated by the transform itself, exactly for a row of limited band.
   RampFilter(int samples, double pitch, Window window, int fine = 1);
-  ~RampFilter();
-  RampFilter(const RampFilter&) = delete;
-  RampFilter& operator=(const RampFilter&) = delete;
-
   // `row`: samples; `out`: fine x samples.
   void apply(const double* row, double* out) const;
 
@@ -32,12 +31,16 @@ class RampFilter {
   std::size_t padded_;
   std::vector<double> response_;              // real, at the transform's frequencies
   std::vector<std::complex<double>> shifts_;  // of each of the fine results, then by frequency
-  void* forward_;                             // fftw_plan
-  void* backward_;
+  struct End {
+    void operator()(fftw_plan_s* plan) const;
+  };
+  std::unique_ptr<fftw_plan_s, End> forward_, backward_;
 };
 
 // Of each angle: the arc that it stands for, times one half where every ray is measured twice (a whole turn).
 std::vector<double> arc_weights(const ConeGeometry& geometry);
+// The arc that all angles stand for.
+double arc_of(const ConeGeometry& geometry);
 // Whether the angles don't make a whole turn: then short_scan_weight() shares twice measured rays out.
 bool is_short_scan(const ConeGeometry& geometry);
 // Parker's weight (1982) in a scan over `arc`, at least pi and twice the largest fan angle, of the rays at `fan` in the view

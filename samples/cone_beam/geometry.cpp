@@ -4,52 +4,44 @@
 
 #include <cmath>
 #include <numbers>
-#include <string>
+#include <utility>
 
 #include "gicube/error.h"
 
 namespace gicube::samples {
-namespace {
 
-void expect_positive(const std::string& name, double value) {
-  if (std::isfinite(value) && value > 0) return;
-  throw BadArgument(name, "a finite number above 0", fmt::format("{}", value));
+void expect(bool good, const std::string& field, const std::string& expected, double got) {
+  if (!good) throw BadArgument(field, expected, fmt::format("{}", got));
 }
-
-void expect_at_least(const std::string& name, int value, int least) {
-  if (value < least) throw BadArgument(name, fmt::format("at least {}", least), std::to_string(value));
-}
-
-}  // namespace
 
 void check(const ConeGeometry& geometry) {
-  expect_positive("source_to_axis", geometry.source_to_axis);
-  expect_positive("source_to_detector", geometry.source_to_detector);
   const Detector& detector = geometry.detector;
-  expect_at_least("detector.columns", detector.columns, 2);
-  expect_at_least("detector.rows", detector.rows, 1);
-  expect_positive("detector.pitch_u", detector.pitch_u);
-  expect_positive("detector.pitch_v", detector.pitch_v);
+  const Grid& grid = geometry.volume;
+  for (const auto& [field, value] : {std::pair{"source_to_axis", geometry.source_to_axis},
+                                     {"source_to_detector", geometry.source_to_detector},
+                                     {"detector.pitch_u", detector.pitch_u},
+                                     {"detector.pitch_v", detector.pitch_v},
+                                     {"volume.spacing", grid.spacing.x},
+                                     {"volume.spacing", grid.spacing.y},
+                                     {"volume.spacing", grid.spacing.z}}) {
+    expect(std::isfinite(value) && value > 0, field, "a finite number above 0", value);
+  }
+  expect(detector.columns >= 2, "detector.columns", "at least 2", detector.columns);
+  expect(detector.rows >= 1, "detector.rows", "at least 1", detector.rows);
   for (const double offset : {detector.offset_u, detector.offset_v}) {
-    if (!std::isfinite(offset)) throw BadArgument("detector.offset", "finite numbers", fmt::format("{}", offset));
+    expect(std::isfinite(offset), "detector.offset", "finite numbers", offset);
   }
-  const Vec3 spacing = geometry.volume.spacing;
-  for (const double edge : {spacing.x, spacing.y, spacing.z}) expect_positive("volume.spacing", edge);
-  for (const int dim : geometry.volume.dims) expect_at_least("volume.dims", dim, 2);
-  if (geometry.angles.size() < 2) {
-    throw BadArgument("angles", "at least 2", std::to_string(geometry.angles.size()));
+  for (const int dim : grid.dims) expect(dim >= 2, "volume.dims", "at least 2", dim);
+  const auto& angles = geometry.angles;
+  expect(angles.size() >= 2, "angles", "at least 2", static_cast<double>(angles.size()));
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const bool ascends = i == 0 || angles[i] > angles[i - 1];
+    expect(std::isfinite(angles[i]) && ascends && angles[i] - angles[0] < 2 * std::numbers::pi,
+           fmt::format("angles[{}]", i), "finite, ascending, within one turn", angles[i]);
   }
-  for (std::size_t i = 0; i < geometry.angles.size(); ++i) {
-    const double angle = geometry.angles[i];
-    const bool ascends = i == 0 || angle > geometry.angles[i - 1];
-    if (std::isfinite(angle) && ascends && angle - geometry.angles[0] < 2 * std::numbers::pi) continue;
-    throw BadArgument(fmt::format("angles[{}]", i), "finite, ascending, within one turn", fmt::format("{}", angle));
-  }
-  const Vec3 corner = to_space(geometry.volume, {0, 0, 0});
-  if (std::hypot(corner.x, corner.y) >= geometry.source_to_axis) {
-    throw BadArgument("source_to_axis", "a source that goes round the volume",
-                      fmt::format("{}", geometry.source_to_axis));
-  }
+  const Vec3 corner = to_space(grid, {0, 0, 0});
+  expect(std::hypot(corner.x, corner.y) < geometry.source_to_axis, "source_to_axis",
+         "a source that goes round the volume", geometry.source_to_axis);
 }
 
 void check(const Projections& projections, const ConeGeometry& geometry) {

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "gicube/vector.h"
@@ -36,6 +37,8 @@ struct ConeGeometry {
   std::vector<double> angles;  // ascending, within one turn; at least 2
 };
 
+// Throws BadArgument that names the field unless `good`.
+void expect(bool good, const std::string& field, const std::string& expected, double got);
 // Throws BadArgument naming the field.
 void check(const ConeGeometry& geometry);
 
@@ -58,7 +61,7 @@ inline double v_of(const Detector& detector, double row) {
   return (row - (detector.rows - 1) / 2.0) * detector.pitch_v + detector.offset_v;
 }
 
-// The place of voxel (x, y, z), which need not be whole.
+// The place of a voxel, whose numbers need not be whole.
 inline Vec3 to_space(const Grid& grid, Vec3 voxel) {
   return {(voxel.x - (grid.dims[0] - 1) / 2.0) * grid.spacing.x, (voxel.y - (grid.dims[1] - 1) / 2.0) * grid.spacing.y,
           (voxel.z - (grid.dims[2] - 1) / 2.0) * grid.spacing.z};
@@ -71,11 +74,11 @@ inline Vec3 to_voxels(const Grid& grid, Vec3 place) {
 inline std::size_t voxel_count(const Dims& dims) {
   return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
 }
-// Calls visit(x, y) for a slice's voxels, x fastest.
+// Calls visit(place) for the centres of a slice's voxels, x fastest.
 template <typename Visit>
-void for_each_in_slice(const Dims& dims, const Visit& visit) {
-  for (int y = 0; y < dims[1]; ++y) {
-    for (int x = 0; x < dims[0]; ++x) visit(x, y);
+void for_each_in_slice(const Grid& grid, std::size_t z, const Visit& visit) {
+  for (int y = 0; y < grid.dims[1]; ++y) {
+    for (int x = 0; x < grid.dims[0]; ++x) visit(to_space(grid, {double(x), double(y), double(z)}));
   }
 }
 

@@ -1,10 +1,8 @@
-#include "cone_beam/normalise.h"
-
 #include <algorithm>
 #include <cmath>
 
-#include "cone_beam/backprojector.h"
-#include "cone_beam/parallel_for.h"
+#include "cone_beam/fdk.h"
+#include "scene/parallel.h"
 
 namespace gicube::samples {
 namespace {
@@ -22,37 +20,30 @@ std::vector<double> ones(const ConeGeometry& geometry, int fine) {
 }
 
 // Whether the hat of a voxel at this place is within the detector's rays in any view.
-class SeenByAll {
- public:
-  explicit SeenByAll(const ConeGeometry& geometry)
-      : source_(geometry.source_to_axis), distance_(geometry.source_to_detector) {
-    const Detector& d = geometry.detector;
-    const Vec3 edge = geometry.volume.spacing;
-    margin_ = std::max({edge.x, edge.y, edge.z});
-    half_u_ = (d.columns - 1) / 2.0 * d.pitch_u - std::abs(d.offset_u);
-    half_v_ = (d.rows - 1) / 2.0 * d.pitch_v - std::abs(d.offset_v);
-  }
-  bool operator()(Vec3 at) const {
-    const double r = std::hypot(at.x, at.y) + margin_, z = std::abs(at.z) + margin_;
-    if (r >= source_) return false;
-    return distance_ * r / std::sqrt(source_ * source_ - r * r) <= half_u_ && distance_ * z / (source_ - r) <= half_v_;
-  }
-
- private:
-  double source_, distance_, margin_ = 0, half_u_ = 0, half_v_ = 0;
-};
+bool seen_by_all(const ConeGeometry& geometry, Vec3 at) {
+  const Detector& d = geometry.detector;
+  const Vec3 edge = geometry.volume.spacing;
+  const double margin = std::max({edge.x, edge.y, edge.z});
+  const double half_u = (d.columns - 1) / 2.0 * d.pitch_u - std::abs(d.offset_u);
+  const double half_v = (d.rows - 1) / 2.0 * d.pitch_v - std::abs(d.offset_v);
+  const double r = std::hypot(at.x, at.y) + margin, z = std::abs(at.z) + margin, source = geometry.source_to_axis;
+  if (r >= source) return false;
+  const double distance = geometry.source_to_detector;
+  return distance * r / std::sqrt(source * source - r * r) <= half_u && distance * z / (source - r) <= half_v;
+}
 
 // Of one slice, since it is the same in all: the sum over views of w (R / L)^2.
 std::vector<double> wanted_sums(const ConeGeometry& geometry, const std::vector<double>& arcs) {
   const Grid& grid = geometry.volume;
-  std::vector<double> out(static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]));
-  parallel_for(static_cast<std::size_t>(grid.dims[1]), [&](std::size_t y) {
+  const auto columns = static_cast<std::size_t>(grid.dims[0]), rows = static_cast<std::size_t>(grid.dims[1]);
+  std::vector<double> out(columns * rows);
+  in_parallel(rows, 0, [&](std::size_t y) {
     for (std::size_t view = 0; view < arcs.size(); ++view) {
       const double c = std::cos(geometry.angles[view]), s = std::sin(geometry.angles[view]);
-      for (int x = 0; x < grid.dims[0]; ++x) {
+      for (std::size_t x = 0; x < columns; ++x) {
         const Vec3 at = to_space(grid, {static_cast<double>(x), static_cast<double>(y), 0});
         const double near = geometry.source_to_axis / (geometry.source_to_axis - (at.x * c + at.y * s));
-        out[y * static_cast<std::size_t>(grid.dims[0]) + static_cast<std::size_t>(x)] += arcs[view] * near * near;
+        out[y * columns + x] += arcs[view] * near * near;
       }
     }
   });
@@ -63,29 +54,25 @@ std::vector<double> wanted_sums(const ConeGeometry& geometry, const std::vector<
 
 void normalise(Reconstruction& made, Board& board, const ConeGeometry& geometry, const FdkSettings& settings) {
   const std::vector<double> even = ones(geometry, settings.rays), arcs = arc_weights(geometry);
-  const double most = *std::max_element(even.begin(), even.end()) * *std::max_element(arcs.begin(), arcs.end());
   // chosen: 2000 units a step are enough for sums of hundreds of shares, and of small ones more rays fit a command.
   constexpr double kCoarser = 64;
-  Backprojector backprojector(board, geometry, settings.rays, settings.step, kCoarser * most, arcs.size());
-  std::vector<double> densities(even.size());
-  for (std::size_t view = 0; view < arcs.size(); ++view) {
-    std::transform(even.begin(), even.end(), densities.begin(), [&](double value) { return arcs[view] * value; });
-    backprojector.add(geometry.angles[view], densities);
-  }
-  const std::vector<float> left = backprojector.finish();
+  const double most = kCoarser * (std::ranges::max(even) * std::ranges::max(arcs));
+  const auto densities = [&](std::size_t view) {
+    std::vector<double> out = even;
+    for (double& value : out) value *= arcs[view];
+    return out;
+  };
+  const std::vector<float> left =
+      backproject(board, geometry, geometry.angles, {settings.rays, settings.step, most}, densities, made);
   const std::vector<double> wanted = wanted_sums(geometry, arcs);
-  const SeenByAll seen(geometry);
-  parallel_for(static_cast<std::size_t>(geometry.volume.dims[2]), [&](std::size_t z) {
+  in_parallel(static_cast<std::size_t>(geometry.volume.dims[2]), 0, [&](std::size_t z) {
     std::size_t i = z * wanted.size();
-    for_each_in_slice(geometry.volume.dims, [&](int x, int y) {
-      const bool whole = left[i] > 0 && seen(to_space(geometry.volume, {double(x), double(y), double(z)}));
+    for_each_in_slice(geometry.volume, z, [&](Vec3 place) {
+      const bool whole = left[i] > 0 && seen_by_all(geometry, place);
       if (whole) made.values[i] *= static_cast<float>(wanted[i - z * wanted.size()] / static_cast<double>(left[i]));
       ++i;
     });
   });
-  made.rays += backprojector.rays();
-  made.deposits += backprojector.deposits();
-  made.overflowed += backprojector.overflowed();
 }
 
 }  // namespace gicube::samples

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <span>
 #include <string>
 #include <tuple>
 
-#include "cone_beam/backprojector.h"
+#include "cone_beam/view_rays.h"
 #include "cone_beam/fdk.h"
 #include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
@@ -93,10 +94,11 @@ void fdk_view_at_cycle_level(benchmark::State& state) {
     Board board = Board::open("emu:?fidelity=cycle");
     const std::vector<std::byte> nothing(std::size_t{128} * 128 * 128);
     board.load_volume({.samples = nothing, .dims = geometry.volume.dims, .spacing = geometry.volume.spacing});
-    Backprojector backprojector(board, geometry, 1, 1, most, geometry.angles.size());
     const Counters before = board.counters();
-    backprojector.add(geometry.angles[0], view);
-    benchmark::DoNotOptimize(backprojector.finish());
+    Reconstruction counts;
+    benchmark::DoNotOptimize(backproject(
+        board, geometry, std::span(geometry.angles).first(1), {.max_density = most}, [&](std::size_t) { return view; },
+        counts));
     counters = board.counters() - before;
   }
   const auto value = [&counters](const std::string& name) { return static_cast<double>(counters.value(name)); };

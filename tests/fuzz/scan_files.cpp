@@ -1,11 +1,9 @@
 // Readers of cone-beam scans: a file becomes a description whose numbers are finite, or an error that names the file.
 #include <cmath>
 
-#include "cone_beam/scan/ctsimu.h"
-#include "cone_beam/scan/pfm.h"
-#include "cone_beam/scan/projection_matrices.h"
-#include "cone_beam/scan/scan_file.h"
-#include "cone_beam/scan/views.h"
+#include "cone_beam/scan/formats.h"
+#include "cone_beam/scan/stack.h"
+#include "cone_beam/scan/scan.h"
 #include "memory_file.h"
 #include "scene/formats/file_error.h"
 #include "scene/program/input_error.h"
@@ -61,9 +59,9 @@ void projection_matrix(Bytes input) {
 void pfm(Bytes input) {
   const MemoryFile file(input);
   try {
-    const samples::FloatMap map = samples::read_pfm(file.path());
-    expect(map.width >= 1 && map.height >= 1, "a map has pixels");
-    expect(map.values.size() == static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height),
+    const samples::Stack map = samples::read_pfm(file.path());
+    expect(map.columns >= 1 && map.rows >= 1, "a map has pixels");
+    expect(map.values.size() == static_cast<std::size_t>(map.columns) * static_cast<std::size_t>(map.rows),
            "there are as many values as pixels");
   } catch (const samples::FileError&) {
   }

@@ -140,8 +140,9 @@ const std::vector<Rule>& rules() {
       // Outside applications, which know the installed headers only; C too.
       {"samples/installed",  {"samples/installed", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
       // The methods know neither files nor the program.
-      {"samples/cone_beam",  {"samples/cone_beam/*", "driver/include"}, {"fmt", "fftw3.h"}},
-      {"samples/cone_beam/phantom", {"samples/cone_beam/phantom", "samples/cone_beam/*", "driver/include"}, {"fmt"}},
+      {"samples/cone_beam",  {"samples/cone_beam/*", "samples/scene/parallel.h", "driver/include"}, {"fmt", "fftw3.h"}},
+      {"samples/cone_beam/phantom", {"samples/cone_beam/phantom", "samples/cone_beam/*", "samples/scene/parallel.h",
+                              "driver/include"}, {"fmt"}},
       {"samples/cone_beam/plan", {"samples/cone_beam/plan", "samples/cone_beam/phantom", "samples/cone_beam/*",
                               "driver/include"}, {"fmt"}},
       {"samples/cone_beam/charts", {"samples/cone_beam/charts", "samples/cone_beam/phantom", "samples/cone_beam/*", "samples/scene", "driver/include"},
@@ -151,7 +152,7 @@ const std::vector<Rule>& rules() {
                              {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}},
       {"samples/cone_beam/program", {"samples/cone_beam", "samples/scene", "driver/include"}, {kAnything}},
       {"samples/form_factors/exchange", {"samples/form_factors/exchange", "samples/form_factors/radiosity/radiosity.h",
-                              "samples/scene", "driver/include"}, {"fmt"}},
+                              "samples/scene", "driver/include"}, {"boost", "fmt"}},
       {"samples/form_factors/radiosity", {"samples/form_factors/radiosity", "samples/form_factors/exchange",
                               "samples/scene", "driver/include"}, {"fmt"}},
       {"samples/form_factors/plan", {"samples/form_factors/plan", "samples/form_factors/radiosity", "samples/scene",

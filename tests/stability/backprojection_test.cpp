@@ -11,7 +11,6 @@
 #include "cone_beam/algebraic.h"
 #include "cone_beam/fdk.h"
 #include "cone_beam/phantom/comparison.h"
-#include "cone_beam/phantom/noise.h"
 #include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
 #include "stability.h"

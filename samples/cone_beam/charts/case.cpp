@@ -1,4 +1,4 @@
-#include "cone_beam/charts/case.h"
+#include "cone_beam/charts/charts.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "cone_beam/phantom/noise.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
@@ -43,17 +43,18 @@ Case a_part_of(const Case& what, int views, int passes) {
 std::string key_of(const Case& what) {
   const auto& g = what.geometry;
   const Detector& d = g.detector;
-  std::string key = fmt::format("{} {} {} {} {} {} {} {} {}", g.source_to_axis, g.source_to_detector, d.columns, d.rows,
-                                d.pitch_u, d.pitch_v, g.volume.dims[0], g.volume.dims[2], g.volume.spacing.x);
+  const Projections projections = projections_of(what);  // of the phantom, which has no name
+  std::string key = fmt::format("{:a} {} {} {} {} {} {} {} {} {}",
+                                std::accumulate(projections.values.begin(), projections.values.end(), 0.0),
+                                g.source_to_axis, g.source_to_detector, d.columns, d.rows, d.pitch_u, d.pitch_v,
+                                g.volume.dims[0], g.volume.dims[2], g.volume.spacing.x);
   if (const auto* fdk = std::get_if<FdkSettings>(&what.method)) {
     key += fmt::format(" fdk {} {} {} {} {} {}", fdk->rays, fdk->step, static_cast<int>(fdk->accumulator),
                        fdk->normalise, fdk->bits, fdk->headroom);
   } else {
     key += fmt::format(" algebraic {}", std::get<AlgebraicSettings>(what.method).step);
   }
-  for (const std::string& setting : what.settings) key.append(1, ' ').append(setting);
-  const Projections projections = projections_of(what);  // of the phantom, which has no name
-  return key + fmt::format(" {:a}", std::accumulate(projections.values.begin(), projections.values.end(), 0.0));
+  return fmt::format("{} {}", key, fmt::join(what.settings, " "));
 }
 
 }  // namespace
@@ -94,8 +95,7 @@ Outcome Runner::run(const Case& what) {
     Board board = open("functional", what.settings);
     const Counters before = board.counters();
     out.made = made_of(board, what, projections);
-    const Counters counters = board.counters() - before;
-    out.bus_ms = to_ms(counters.value("bus.down.busy_ps") + counters.value("bus.up.busy_ps"));
+    out.bus_ms = bus_ms(board.counters() - before);
   }
   double over = rays_over_bus_ms(what);
   if (!std::holds_alternative<FdkSettings>(what.method)) {  // and once the splatted weights

@@ -1,10 +1,12 @@
-// What the scan itself does to the result: cone angle, truncation, few views.
+// What the scan itself does to the result: cone angle, truncation, few views; and profiles of whole scans.
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
 
-#include "cone_beam/charts/scans.h"
+#include "cone_beam/charts/charts.h"
 
 namespace gicube::samples {
 namespace {
@@ -29,9 +31,8 @@ std::vector<double> slice_means(const Grid& grid, const std::vector<float>& valu
   std::vector<double> sums(slices), counts(slices);
   std::size_t i = 0;
   for (std::size_t z = 0; z < slices; ++z) {
-    for_each_in_slice(grid.dims, [&](int x, int y) {
+    for_each_in_slice(grid, z, [&](Vec3 at) {
       const double value = static_cast<double>(values[i++]);
-      const Vec3 at = to_space(grid, {double(x), double(y), 0});
       if (std::hypot(at.x, at.y) <= radius) sums[z] += value, ++counts[z];
     });
     sums[z] /= counts[z];
@@ -47,7 +48,7 @@ std::string axial_rows(const Case& what, Runner& runner) {
              real = slice_means(grid, truth, 34);
   std::string rows;
   for (std::size_t z = 0; z < real.size(); ++z) {
-    const double place = to_space(grid, {0, 0, static_cast<double>(z)}).z;
+    const double place = to_space(grid, {0, 0, double(z)}).z;
     rows += fmt::format("{:.3f},{:.4f},{:.5f},{:.5f}\n", place, real[z], inner[z], outer[z]);
   }
   return rows;
@@ -60,6 +61,32 @@ Case truncated(double seen, const std::variant<FdkSettings, AlgebraicSettings>& 
   Detector& detector = what.geometry.detector;
   detector.columns = static_cast<int>(std::lround(seen * kWidth * 2 / detector.pitch_u));
   return what;
+}
+
+// The scans that the method is judged by: 128^3 from 180 and 256^3 from 360 views of 256^2 pixels.
+Case large(const Phantom& phantom, int voxels, int views) {
+  const ConeGeometry geometry{.source_to_axis = 500,
+                              .source_to_detector = 1000,
+                              .detector = {256, 256, 400.0 / 256, 400.0 / 256},
+                              .volume = {{voxels, voxels, voxels}, (180.0 / voxels) * Vec3{1, 1, 1}},
+                              .angles = even_angles(views, 0, 2 * std::numbers::pi)};
+  return {phantom, geometry, FdkSettings{}, {85, 45}};
+}
+
+// Along x through the middle: place, phantom, result without and with normalising.
+std::string profile_rows(Case what, Runner& runner) {
+  const Grid& grid = what.geometry.volume;
+  const Dims middle{0, grid.dims[1] / 2, grid.dims[2] / 2};
+  const auto through = [&](const std::vector<float>& values) { return profile(grid, values, 0, middle); };
+  const auto truth = through(voxels(what.phantom, grid)), plain = through(runner.reconstruct(what).values);
+  std::get<FdkSettings>(what.method).normalise = true;
+  const auto normalised = through(runner.reconstruct(what).values);
+  std::string text;
+  for (std::size_t x = 0; x < truth.size(); ++x) {
+    const double place = to_space(grid, {double(x), 0, 0}).x;
+    text += fmt::format("{:.4f},{:.5f},{:.5f},{:.5f}\n", place, truth[x], plain[x], normalised[x]);
+  }
+  return text;
 }
 
 }  // namespace
@@ -107,6 +134,19 @@ Chart views_chart() {
           {case_series("FDK", "views/fdk", {20, 40, 60, 90, 120, 180, 360, 720},
                        [&](double views) { return from(views, FdkSettings{}); }),
            case_series("SART", "views/sart", {20, 40, 60, 90, 180}, [&](double views) { return from(views, kSart); })}};
+}
+
+Chart profile_chart() {
+  Chart chart{"profile", "x,truth,value,normalised", {}};
+  for (const auto& [voxels, views] : {std::pair{128, 180}, {256, 360}}) {
+    for (const auto& [name, phantom] : {std::pair{"sphere", uniform_sphere(70, 1)}, {"head", shepp_logan(85)}}) {
+      const Case what = large(phantom, voxels, views);
+      chart.series.push_back({fmt::format("{} of {}^3 from {} views", name, voxels, views),
+                              {{fmt::format("profile/{}/{}", name, voxels),
+                                [what](Runner& runner) { return profile_rows(what, runner); }}}});
+    }
+  }
+  return chart;
 }
 
 }  // namespace gicube::samples

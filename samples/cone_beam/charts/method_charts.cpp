@@ -2,21 +2,19 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <type_traits>
 #include <utility>
 
-#include "cone_beam/charts/scans.h"
+#include "cone_beam/charts/charts.h"
 
 namespace gicube::samples {
 namespace {
 
 constexpr int kViews = 120;
-const std::string kWide = "asic.datapath=wide";
 
 Case words(const FdkSettings& settings, std::vector<std::string> board = {}) {
   return {chart_head(), chart_scan(64, 96, kViews), settings, {40, 20}, 0, std::move(board)};
 }
-
-FdkSettings irradiance() { return {.accumulator = Accumulator::kIrradiance, .read_every = 8}; }
 
 Case noisy_or_not(const std::variant<FdkSettings, AlgebraicSettings>& method, double photons) {
   return {chart_head(), chart_scan(64, 96, 60), method, {40, 20}, photons};
@@ -31,32 +29,24 @@ constexpr Algebraic kAlgebraic[]{{"sart", "SART", Method::kSart, 0.3},
                                  {"os_sart", "OS-SART 10 x 6", Method::kOsSart, 1.0},
                                  {"sirt", "SIRT", Method::kSirt, 1.8}};
 
-}  // namespace
-
 Chart accumulator_chart() {
-  const auto sums = [](double) { return words({}); };
-  const auto every = [](double views) {
-    FdkSettings settings = irradiance();
-    settings.read_every = static_cast<int>(views);
-    return words(settings);
-  };
-  const auto bits = [](double count) {
-    FdkSettings settings = irradiance();
-    settings.bits = static_cast<int>(count);
-    return words(settings, {kWide});
-  };
-  const auto headroom = [](double part) {
-    FdkSettings settings = irradiance();
-    settings.headroom = part;
-    return words(settings);
+  // Of irradiance words, with one setting changed to x.
+  const auto by = [](auto FdkSettings::*setting, const std::vector<std::string>& board = {}) {
+    return [=](double x) {
+      FdkSettings settings{.accumulator = Accumulator::kIrradiance};
+      settings.*setting = static_cast<std::remove_reference_t<decltype(settings.*setting)>>(x);
+      return words(settings, board);
+    };
   };
   return {"accumulator",
           kCaseColumns,
-          {case_series("sums of 36 bits", "accumulator/sums", {kViews}, sums),
-           case_series("11 bits read every x views", "accumulator/read_every", {1, 2, 4, 8, 20, 40, kViews}, every),
-           case_series("x bits read every 8 views", "accumulator/bits", {8, 10, 11, 12, 14, 16}, bits),
+          {case_series("sums of 36 bits", "accumulator/sums", {kViews}, [](double) { return words({}); }),
+           case_series("11 bits read every x views", "accumulator/read_every", {1, 2, 4, 8, 20, 40, kViews},
+                       by(&FdkSettings::read_every)),
+           case_series("x bits read every 8 views", "accumulator/bits", {8, 10, 11, 12, 14, 16},
+                       by(&FdkSettings::bits, {"asic.datapath=wide"})),
            case_series("11 bits full at x of the bound", "accumulator/headroom", {1.0, 0.5, 0.25, 0.12, 0.06, 0.03},
-                       headroom)}};
+                       by(&FdkSettings::headroom))}};
 }
 
 Chart sart_chart() {
@@ -94,6 +84,8 @@ Chart relaxation_chart() {
   }
   return chart;
 }
+
+}  // namespace
 
 std::vector<Chart> cone_beam_charts() {
   return {cone_angle_chart(),  axial_profile_chart(), truncation_chart(), views_chart(),      moire_chart(),

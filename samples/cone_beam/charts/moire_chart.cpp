@@ -8,8 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "cone_beam/backprojector.h"
-#include "cone_beam/charts/scans.h"
+#include "cone_beam/charts/charts.h"
 
 namespace gicube::samples {
 namespace {
@@ -38,10 +37,10 @@ std::vector<double> densities(const ConeGeometry& geometry, int fine, double slo
 
 std::vector<float> splat(Board& board, const ConeGeometry& geometry, int fine, double slope) {
   const std::vector<double> of_rays = densities(geometry, fine, slope);
-  const double most = *std::ranges::max_element(of_rays);
-  Backprojector backprojector(board, geometry, fine, 0.5, most, geometry.angles.size());
-  for (const double angle : geometry.angles) backprojector.add(angle, of_rays);
-  return backprojector.finish();
+  Reconstruction ignored;
+  return backproject(
+      board, geometry, geometry.angles, {fine, 0.5, std::ranges::max(of_rays)}, [&](std::size_t) { return of_rays; },
+      ignored);
 }
 
 // Root mean square of what was left over what should have been, less 1, in the middle of the volume, where every ray and its
@@ -71,8 +70,7 @@ std::string ripple(Runner& runner, double spacing, int views, int fine, bool nor
         const double left = static_cast<double>(sums[i]);
         const double even = static_cast<double>(ones[i]);  // 0: no ray comes near, and nothing can be said
         const double part = !normalised ? left / wanted : even == 0 ? 0 : left / even / (wanted / plain);
-        const double off = part - 1;
-        squares += off * off;
+        squares += (part - 1) * (part - 1);
         ++count;
       }
     }

@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "cone_beam/parallel_for.h"
 #include "gicube/error.h"
+#include "scene/parallel.h"
 
 namespace gicube::samples {
 namespace {
@@ -15,16 +15,15 @@ namespace {
 using Field = std::vector<double>;
 
 void expect_size(const char* name, std::size_t size, const Grid& grid) {
-  if (size == voxel_count(grid.dims)) return;
-  throw BadArgument(name, fmt::format("{} values", voxel_count(grid.dims)), std::to_string(size));
+  const std::size_t voxels = voxel_count(grid.dims);
+  expect(size == voxels, name, fmt::format("{} values", voxels), static_cast<double>(size));
 }
 
 std::vector<std::size_t> voxels_in(const FieldOfView& field, const Grid& grid) {
   std::vector<std::size_t> inside;
   std::size_t i = 0;
-  for (int z = 0; z < grid.dims[2]; ++z) {
-    for_each_in_slice(grid.dims, [&](int x, int y) {
-      const Vec3 at = to_space(grid, {double(x), double(y), double(z)});
+  for (std::size_t z = 0; z < static_cast<std::size_t>(grid.dims[2]); ++z) {
+    for_each_in_slice(grid, z, [&](Vec3 at) {
       if (std::hypot(at.x, at.y) <= field.radius && std::abs(at.z) <= field.half_height) inside.push_back(i);
       ++i;
     });
@@ -65,7 +64,7 @@ void smooth(Field& field, const Dims& dims) {
     const std::size_t run = stride * static_cast<std::size_t>(dims[axis]);
     constexpr std::size_t kLanes = 64;  // chosen: a line's piece stays in the cache
     const std::size_t chunks = (stride + kLanes - 1) / kLanes;
-    parallel_for(field.size() / run * chunks, [&, stride, axis](std::size_t part) {
+    in_parallel(field.size() / run * chunks, 0, [&, stride, axis](std::size_t part) {
       thread_local std::vector<double> copy;
       const std::size_t lane = part % chunks * kLanes;
       smooth_lines(field.data() + part / chunks * run + lane, dims[axis], stride, std::min(kLanes, stride - lane),
@@ -113,16 +112,16 @@ Comparison compare(const Grid& grid, std::span<const float> values, std::span<co
   out.voxels = inside.size();
   const auto all = static_cast<double>(inside.size());
   double squares = 0, size = 0, sum = 0;
-  float least = truth[inside[0]], most = least;
+  float low = truth[inside[0]], high = low;
   for (const std::size_t i : inside) {
     const double real = static_cast<double>(truth[i]), off = static_cast<double>(values[i]) - real;
     squares += off * off;
     size += real * real;
     sum += off;
-    least = std::min(least, truth[i]);
-    most = std::max(most, truth[i]);
+    low = std::min(low, truth[i]);
+    high = std::max(high, truth[i]);
   }
-  const double span = static_cast<double>(most) - static_cast<double>(least);
+  const double span = static_cast<double>(high) - static_cast<double>(low);
   out.rmse = std::sqrt(squares / all);
   out.bias = sum / all;
   out.relative_l2 = squares == 0 ? 0 : std::sqrt(squares / size);
@@ -133,9 +132,8 @@ Comparison compare(const Grid& grid, std::span<const float> values, std::span<co
 }
 
 std::vector<float> differences(std::span<const float> values, std::span<const float> truth) {
-  if (values.size() != truth.size()) {
-    throw BadArgument("values", std::to_string(truth.size()) + " of them", std::to_string(values.size()));
-  }
+  expect(values.size() == truth.size(), "values", fmt::format("{} of them", truth.size()),
+         static_cast<double>(values.size()));
   std::vector<float> out(values.size());
   std::transform(values.begin(), values.end(), truth.begin(), out.begin(), std::minus<>());
   return out;
@@ -143,21 +141,16 @@ std::vector<float> differences(std::span<const float> values, std::span<const fl
 
 std::vector<float> profile(const Grid& grid, std::span<const float> values, int axis, Dims through) {
   expect_size("values", values.size(), grid);
-  if (axis < 0 || axis > 2) throw BadArgument("axis", "0, 1 or 2", std::to_string(axis));
-  std::vector<float> out;
+  expect(axis >= 0 && axis <= 2, "axis", "0, 1 or 2", axis);
   for (std::size_t k = 0; k < 3; ++k) {
-    if (through[k] < 0 || through[k] >= grid.dims[k]) {
-      throw BadArgument(fmt::format("through[{}]", k), fmt::format("0..{}", grid.dims[k] - 1),
-                        std::to_string(through[k]));
-    }
+    expect(through[k] >= 0 && through[k] < grid.dims[k], fmt::format("through[{}]", k),
+           fmt::format("0..{}", grid.dims[k] - 1), through[k]);
   }
-  for (int i = 0; i < grid.dims[static_cast<std::size_t>(axis)]; ++i) {
-    through[static_cast<std::size_t>(axis)] = i;
-    const auto [x, y, z] = through;
-    out.push_back(
-        values[(static_cast<std::size_t>(z) * static_cast<std::size_t>(grid.dims[1]) + static_cast<std::size_t>(y)) *
-                   static_cast<std::size_t>(grid.dims[0]) +
-               static_cast<std::size_t>(x)]);
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  std::vector<float> out;
+  int& i = through[at(axis)];
+  for (i = 0; i < grid.dims[at(axis)]; ++i) {
+    out.push_back(values[(at(through[2]) * at(grid.dims[1]) + at(through[1])) * at(grid.dims[0]) + at(through[0])]);
   }
   return out;
 }

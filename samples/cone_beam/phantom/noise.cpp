@@ -1,13 +1,9 @@
-#include "cone_beam/phantom/noise.h"
-
-#include <fmt/format.h>
-
 #include <atomic>
 #include <cmath>
 #include <random>
 
-#include "cone_beam/parallel_for.h"
-#include "gicube/error.h"
+#include "cone_beam/phantom/phantom.h"
+#include "scene/parallel.h"
 
 namespace gicube::samples {
 namespace {
@@ -42,12 +38,10 @@ double many(Engine& engine, double mean) {
 }  // namespace
 
 std::size_t add_poisson_noise(Projections& projections, double photons, std::uint64_t seed) {
-  if (!(std::isfinite(photons) && photons > 0)) {
-    throw BadArgument("photons", "a finite number above 0", fmt::format("{}", photons));
-  }
+  expect(std::isfinite(photons) && photons > 0, "photons", "a finite number above 0", photons);
   const std::size_t size = projections.view_size();
   std::atomic<std::size_t> dark{0};
-  parallel_for(projections.values.size() / size, [&](std::size_t view) {
+  in_parallel(projections.values.size() / size, 0, [&](std::size_t view) {
     std::seed_seq sequence{seed & 0xFFFFFFFF, seed >> 32, std::uint64_t{view}};
     Engine engine(sequence);
     std::size_t here = 0;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "cone_beam/parallel_for.h"
+#include "scene/parallel.h"
 
 namespace gicube::samples {
 namespace {
@@ -76,7 +76,7 @@ Projections project(const Phantom& phantom, const ConeGeometry& geometry) {
   const Detector& detector = geometry.detector;
   Projections out{detector.columns, detector.rows, {}};
   out.values.resize(out.view_size() * geometry.angles.size());
-  parallel_for(geometry.angles.size(), [&](std::size_t view) {
+  in_parallel(geometry.angles.size(), 0, [&](std::size_t view) {
     const Pose at = pose(geometry, geometry.angles[view]);
     float* value = out.view(view);
     for (int row = 0; row < detector.rows; ++row) {
@@ -92,11 +92,9 @@ Projections project(const Phantom& phantom, const ConeGeometry& geometry) {
 std::vector<float> voxels(const Phantom& phantom, const Grid& grid) {
   const auto slices = static_cast<std::size_t>(grid.dims[2]);
   std::vector<float> out(voxel_count(grid.dims));
-  parallel_for(slices, [&](std::size_t z) {
+  in_parallel(slices, 0, [&](std::size_t z) {
     float* value = out.data() + z * (out.size() / slices);
-    for_each_in_slice(grid.dims, [&](int x, int y) {
-      *value++ = static_cast<float>(value_at(phantom, to_space(grid, {double(x), double(y), double(z)})));
-    });
+    for_each_in_slice(grid, z, [&](Vec3 place) { *value++ = static_cast<float>(value_at(phantom, place)); });
   });
   return out;
 }

@@ -1,11 +1,10 @@
-// Phantoms of ellipsoids, whose line integrals are known in closed form.
+// Phantoms of ellipsoids, whose line integrals are known in closed form, and counting noise of a detector.
 #pragma once
 
-#include <span>
+#include <cstdint>
 #include <vector>
 
 #include "cone_beam/geometry.h"
-#include "gicube/vector.h"
 
 namespace gicube::samples {
 
@@ -34,5 +33,11 @@ double line_integral(const Phantom& phantom, Vec3 from, Vec3 to);
 Projections project(const Phantom& phantom, const ConeGeometry& geometry);
 // At the voxels' centres, x fastest.
 std::vector<float> voxels(const Phantom& phantom, const Grid& grid);
+
+// As if `photons` (> 0) left the source towards each pixel: a line integral p becomes -ln(N / photons), with N from Poisson's
+// distribution of mean photons e^-p. Its deviation is about e^(p/2) / sqrt(photons). A pixel that no photon reaches counts
+// as half a one; returned is how many such there are. The same seed makes the same noise, whatever the number of threads;
+// views differ. Throws BadArgument (photons).
+std::size_t add_poisson_noise(Projections& projections, double photons, std::uint64_t seed);
 
 }  // namespace gicube::samples

@@ -36,8 +36,7 @@ SlabError error_of(const Grid& grid, const std::vector<float>& values, const std
   for (int z = kFaces; z < grid.dims[2] - kFaces; ++z, ++slices) {
     double slice = 0;
     std::size_t i = voxel_count({grid.dims[0], grid.dims[1], z});
-    for_each_in_slice(grid.dims, [&](int x, int y) {
-      const Vec3 place = to_space(grid, {double(x), double(y), double(z)});
+    for_each_in_slice(grid, static_cast<std::size_t>(z), [&](Vec3 place) {
       const double value = double{values[i]}, wanted = double{best[i]};
       ++i;
       if (std::hypot(place.x, place.y) > radius) return;
@@ -49,6 +48,13 @@ SlabError error_of(const Grid& grid, const std::vector<float>& values, const std
   }
   if (!(power > 0)) return {0, std::numeric_limits<double>::infinity()};
   return {std::sqrt(off / power), kMargin * std::sqrt(worst * slices / power)};
+}
+
+FdkSettings with(const FdkPlanPoint& point, FdkSettings settings) {
+  settings.rays = point.rays;
+  settings.step = point.step;
+  settings.normalise = point.normalise;
+  return settings;
 }
 
 class Planner {
@@ -74,9 +80,8 @@ class Planner {
     best_ = pilot(plan_.finest);
     predict(plan_.finest);
     for (const FdkPlanPoint& one : coarser_ones()) tried(one);
-    const auto singles = plan_.points;
-    plan_.kept = false;
-    plan_.target.max_error > 0 ? choose_cheapest(singles) : choose_within_time(singles);
+    const std::vector<FdkPlanPoint> all = together(plan_.points);
+    plan_.target.max_error > 0 ? choose_cheapest(all) : choose_within_time(all);
     plan_.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return std::move(plan_);
   }
@@ -84,13 +89,10 @@ class Planner {
  private:
   // Of the slab.
   std::vector<float> pilot(const FdkPlanPoint& point) {
-    FdkSettings settings = settings_;
-    settings.rays = point.rays;
-    settings.step = point.step;
-    settings.normalise = point.normalise;
     const std::size_t views = slab_.geometry.angles.size();
-    const Reconstruction made = reconstruct_fdk(board_, some_views(slab_.geometry, point.every),
-                                                some_views(slab_.projections, views, point.every), settings);
+    const Reconstruction made =
+        reconstruct_fdk(board_, some_views(slab_.geometry, point.every),
+                        some_views(slab_.projections, views, point.every), with(point, settings_));
     ++plan_.pilots;
     plan_.pilot_deposits += static_cast<double>(made.deposits);
     if (progress_) progress_(static_cast<std::uint32_t>(std::min(plan_.pilots, kParts - 1)), kParts);
@@ -109,15 +111,14 @@ class Planner {
   // Each coarser in one way.
   std::vector<FdkPlanPoint> coarser_ones() const {
     std::vector<FdkPlanPoint> out;
-    FdkPlanPoint one = plan_.finest;
-    for (const int every : strides_of(geometry_, kMaxEvery)) one.every = every, out.push_back(one);
-    one = plan_.finest;
-    for (int rays = plan_.finest.rays - 1; rays >= 1; --rays) one.rays = rays, out.push_back(one);
-    one = plan_.finest;
-    for (const double step : kSteps) one.step = step, out.push_back(one);
-    one = plan_.finest;
-    one.normalise = false;
-    out.push_back(one);
+    const auto add = [&](auto FdkPlanPoint::*what, auto value) {
+      out.push_back(plan_.finest);
+      out.back().*what = value;
+    };
+    for (const int every : strides_of(geometry_, kMaxEvery)) add(&FdkPlanPoint::every, every);
+    for (int rays = plan_.finest.rays - 1; rays >= 1; --rays) add(&FdkPlanPoint::rays, rays);
+    for (const double step : kSteps) add(&FdkPlanPoint::step, step);
+    add(&FdkPlanPoint::normalise, false);
     return out;
   }
 
@@ -128,10 +129,7 @@ class Planner {
   const Costs& costs(int rays, double step) {
     const auto [known, is_new] = costs_.try_emplace({rays, step});
     if (!is_new) return known->second;
-    FdkSettings settings = settings_;
-    settings.rays = rays;
-    settings.step = step;
-    settings.normalise = false;
+    const FdkSettings settings = with({.rays = rays, .step = step}, settings_);
     // Spread over the turn, since caches and memory take rays along an axis better than others.
     const int all = static_cast<int>(geometry_.angles.size());
     double views[2] = {}, deposits[2] = {}, times[2] = {};
@@ -183,10 +181,8 @@ class Planner {
     return all;
   }
 
-  void choose_cheapest(const std::vector<FdkPlanPoint>& singles) {
-    std::vector<FdkPlanPoint> all = together(singles);
-    std::stable_sort(all.begin(), all.end(),
-                     [](const FdkPlanPoint& a, const FdkPlanPoint& b) { return a.deposits < b.deposits; });
+  void choose_cheapest(std::vector<FdkPlanPoint> all) {
+    std::ranges::stable_sort(all, {}, &FdkPlanPoint::deposits);
     int tries = 0;
     for (const FdkPlanPoint& point : all) {
       if (point.error_bound > plan_.target.max_error || ++tries > kTries) continue;
@@ -198,8 +194,7 @@ class Planner {
     plan_.kept = true;
   }
 
-  void choose_within_time(const std::vector<FdkPlanPoint>& singles) {
-    std::vector<FdkPlanPoint> all = together(singles);
+  void choose_within_time(const std::vector<FdkPlanPoint>& all) {
     const auto fits = [this](const FdkPlanPoint& point) {
       return kTimeMargin * static_cast<double>(point.time) <= static_cast<double>(plan_.target.time_budget);
     };
@@ -207,7 +202,7 @@ class Planner {
       if (fits(a) != fits(b)) return fits(a);
       return fits(a) ? a.error_bound < b.error_bound : a.time < b.time;
     };
-    plan_.chosen = tried(*std::min_element(all.begin(), all.end(), better));
+    plan_.chosen = tried(*std::ranges::min_element(all, better));
     plan_.kept = plan_.chosen.time <= plan_.target.time_budget;
   }
 
@@ -227,13 +222,7 @@ class Planner {
 
 }  // namespace
 
-FdkSettings FdkPlan::settings(const FdkSettings& original) const {
-  FdkSettings settings = original;
-  settings.rays = chosen.rays;
-  settings.step = chosen.step;
-  settings.normalise = chosen.normalise;
-  return settings;
-}
+FdkSettings FdkPlan::settings(const FdkSettings& original) const { return with(chosen, original); }
 
 std::vector<std::string> FdkPlan::explain() const {
   const auto words = [](const FdkPlanPoint& point) {
@@ -241,23 +230,20 @@ std::vector<std::string> FdkPlan::explain() const {
                        point.normalise ? "divided out" : "left");
   };
   constexpr const char* kFinest = "the finest setting";
-  std::vector<std::string> lines{plan_headline("", target, kept)};
-  lines.push_back(chosen.every == 1 ? fmt::format("views: all {}", views)
-                                    : fmt::format("views: {} of {}, each {}th",
-                                                  (views + static_cast<std::size_t>(chosen.every) - 1) /
-                                                      static_cast<std::size_t>(chosen.every),
-                                                  views, chosen.every));
-  lines.push_back("rays: " + words(chosen));
-  lines.push_back(plan_error_line(chosen.error, fmt::format("in a pilot of {} slices around the middle", slices),
-                                  chosen.error_bound));
-  lines.push_back(fmt::format("that is within {:.4g} of the axis and {:.4g} of the middle plane, which all views see",
-                              field.radius, field.half_height));
-  lines.push_back(plan_cost_line("deposits", chosen.deposits, kFinest, finest.deposits));
-  lines.push_back(plan_time_line(chosen.time, kFinest, finest.time));
-  lines.push_back("the finest setting: all views, " + words(finest));
-  lines.push_back(fmt::format("the plan itself: {} pilots, {} deposits, {:.2f} s of the host", pilots,
-                              count_text(pilot_deposits), host_seconds));
-  return lines;
+  const auto every = static_cast<std::size_t>(chosen.every);
+  return {plan_headline("", target, kept),
+          every == 1 ? fmt::format("views: all {}", views)
+                     : fmt::format("views: {} of {}, each {}th", (views + every - 1) / every, views, every),
+          "rays: " + words(chosen),
+          plan_error_line(chosen.error, fmt::format("in a pilot of {} slices around the middle", slices),
+                          chosen.error_bound),
+          fmt::format("that is within {:.4g} of the axis and {:.4g} of the middle plane, which all views see",
+                      field.radius, field.half_height),
+          plan_cost_line("deposits", chosen.deposits, kFinest, finest.deposits),
+          plan_time_line(chosen.time, kFinest, finest.time),
+          "the finest setting: all views, " + words(finest),
+          fmt::format("the plan itself: {} pilots, {} deposits, {:.2f} s of the host", pilots,
+                      count_text(pilot_deposits), host_seconds)};
 }
 
 FdkPlan plan_fdk(Board& board, const ConeGeometry& geometry, const Projections& projections,

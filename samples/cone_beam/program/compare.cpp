@@ -1,21 +1,27 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <memory>
 
 #include "cone_beam/phantom/comparison.h"
-#include "cone_beam/program/commands.h"
-#include "cone_beam/program/object.h"
-#include "cone_beam/program/slices.h"
-#include "cone_beam/program/statistics.h"
-#include "cone_beam/scan/scan_file.h"
-#include "scene/formats/volume_output.h"
+#include "cone_beam/program/options.h"
+#include "cone_beam/scan/formats.h"
 #include "scene/formats/whole_file.h"
 #include "scene/program/input_error.h"
+#include "scene/program/option_group.h"
 #include "scene/program/program.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
+
+struct CompareOptions {
+  std::filesystem::path volume;
+  ObjectOptions truth;
+  FieldOfView field;
+  std::filesystem::path difference, profiles, stats;
+  SliceOptions slices;  // of the difference
+};
 
 std::vector<float> truth_of(const ObjectOptions& truth, const Grid& grid) {
   if (is_phantom(truth)) return voxels(phantom_of(truth), grid);
@@ -43,32 +49,64 @@ std::string profiles_text(const GridValues& volume, const std::vector<float>& tr
   return text;
 }
 
-}  // namespace
-
-void compare(const CompareOptions& options) {
-  for (const auto& file :
-       {options.difference, options.profiles, options.stats, std::filesystem::path(options.slices.name)}) {
+void run_compare(const CompareOptions& options) {
+  check_volume_name("--difference", options.difference);
+  for (const auto& file : {options.difference, options.profiles, options.stats, {options.slices.name}}) {
     check_folder(file);
   }
   const GridValues volume = read_values(options.volume);
   const std::vector<float> truth = truth_of(options.truth, volume.grid);
   const Comparison found = compare(volume.grid, volume.values, truth, options.field);
   const std::vector<float> difference = differences(volume.values, truth);
-  if (!options.difference.empty()) {
-    write_volume({volume.grid.dims, volume.grid.spacing, origin_of(volume.grid, {}), difference}, options.difference);
-  }
+  write_values(volume.grid, {}, difference, options.difference);
   if (!options.profiles.empty()) write_whole(options.profiles, profiles_text(volume, truth));
   write_slices(options.slices, volume.grid, difference);
-  if (!options.stats.empty()) write_json(to_json(found), options.stats);
+  if (!options.stats.empty()) {
+    write_json({{"voxels", found.voxels},
+                {"rmse", found.rmse},
+                {"bias", found.bias},
+                {"relative_l2", found.relative_l2},
+                {"psnr", found.psnr},  // null if it is infinite
+                {"ssim", found.ssim}},
+               options.stats);
+  }
   fmt::print("RMSE {:.6g}, bias {:.6g}, relative L2 error {:.6g}, PSNR {:.4g} dB, SSIM {:.6g}, {} voxels\n", found.rmse,
              found.bias, found.relative_l2, found.psnr, found.ssim, found.voxels);
 }
 
-void import(const ImportOptions& options) {
-  check_folder(options.output);
-  const ScanDescription description = description_of(options.scan);
-  if (!options.output.empty()) return write_scan_file(description, options.output);
+void run_import(const ScanOptions& scan, const std::filesystem::path& output) {
+  check_folder(output);
+  const ScanDescription description = description_of(scan);
+  if (!output.empty()) return write_scan_file(description, output);
   std::cout << scan_text(description, std::filesystem::current_path());
+}
+
+}  // namespace
+
+void add_compare(CLI::App& program) {
+  CLI::App& app = *program.add_subcommand("compare", "a volume with what it should be");
+  const auto options = std::make_shared<CompareOptions>();
+  app.add_option("VOLUME", options->volume, "a volume file")->required();
+  add_object(app, options->truth, "TRUTH", "what it should be");
+  OptionGroup field(app, "Field of view"), output(app, "Output");
+  field.value("--field-radius", options->field.radius, "voxels further from the axis are left out")
+      ->check(CLI::PositiveNumber);
+  field.value("--field-height", options->field.half_height, "and those further from the middle plane")
+      ->check(CLI::PositiveNumber);
+  output.file("--difference", options->difference, "the values less what they should be, as a volume");
+  output.file("--profiles", options->profiles, "values and truth along the three lines through the middle, CSV");
+  output.file("--stats", options->stats, "the figures as JSON");
+  add_slices(app, options->slices, "the difference");
+  app.callback([options] { run_compare(*options); });
+}
+
+void add_import(CLI::App& program) {
+  CLI::App& app = *program.add_subcommand("import", "a scan as a scan file, to be looked at and edited");
+  const auto scan = std::make_shared<ScanOptions>();
+  const auto output = std::make_shared<std::filesystem::path>();
+  add_input(app, *scan);
+  OptionGroup(app, "Output").file("-o,--output", *output, "a scan file (printed)");
+  app.callback([=] { run_import(*scan, *output); });
 }
 
 }  // namespace gicube::samples

@@ -1,29 +1,20 @@
 // gicube-cone-beam: cone-beam tomography by a GI-Cube board.
 #include <iostream>
 
-#include "cone_beam/program/commands.h"
+#include "cone_beam/program/options.h"
 #include "scene/program/program.h"
-
-namespace {
 
 using namespace gicube::samples;
 
-int run(int argc, char** argv) {
-  const auto options = parse_cone_beam_options(argc, argv, std::cout);
-  if (!options) return 0;
-  if (const auto* projected = std::get_if<ProjectOptions>(&*options)) project(*projected);
-  if (const auto* wanted = std::get_if<ReconstructOptions>(&*options)) reconstruct(*wanted);
-  if (const auto* compared = std::get_if<CompareOptions>(&*options)) compare(*compared);
-  if (const auto* imported = std::get_if<ImportOptions>(&*options)) import(*imported);
-  if (const auto* drawn = std::get_if<ChartOptions>(&*options)) {
-    ProgressLine progress(!drawn->board.quiet);
-    charts(*drawn, progress);
-  }
-  return 0;
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
-  return run_program("gicube-cone-beam", [&] { return run(argc, argv); });
+  return run_program("gicube-cone-beam", [&] {
+    CLI::App app("Cone-beam tomography by a GI-Cube board.", "gicube-cone-beam");
+    app.footer(
+        "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, formats, limits, figures: docs/guide/cone_beam.md.");
+    app.set_version_flag("--version", std::string(GICUBE_VERSION));
+    app.require_subcommand(1);
+    for (const auto add : {add_project, add_reconstruct, add_compare, add_import, add_charts}) add(app);
+    parsed(app, argc, argv, std::cout);
+    return 0;
+  });
 }

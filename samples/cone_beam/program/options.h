@@ -1,23 +1,32 @@
-// The command line of gicube-cone-beam.
+// The commands of gicube-cone-beam, and what they share.
 #pragma once
 
+#include <array>
 #include <filesystem>
-#include <iosfwd>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "cone_beam/algebraic.h"
-#include "cone_beam/charts/charts.h"
 #include "cone_beam/fdk.h"
-#include "cone_beam/phantom/comparison.h"
-#include "cone_beam/scan/description.h"
+#include "cone_beam/phantom/phantom.h"
+#include "cone_beam/plan/plan.h"
+#include "cone_beam/scan/scan.h"
+#include "gicube/image.h"
 #include "scene/program/board_options.h"
 #include "scene/program/plan_options.h"
 
 namespace gicube::samples {
+
+// Each adds a command to the program. It throws UsageError, InputError, FileError, and what the driver throws.
+void add_project(CLI::App& program);
+void add_reconstruct(CLI::App& program);
+void add_compare(CLI::App& program);
+void add_import(CLI::App& program);
+void add_charts(CLI::App& program);
 
 // Something whose values are known: a built-in phantom, or a volume file.
 struct ObjectOptions {
@@ -25,6 +34,11 @@ struct ObjectOptions {
   double radius = 90;  // of a phantom, in the scan's unit
   double value = 1;    // of the sphere, and times a head's values
 };
+void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, const std::string& what);
+
+bool is_phantom(const ObjectOptions& object);
+// Throws InputError if there is none of this name.
+Phantom phantom_of(const ObjectOptions& object);
 
 // A scan file or, without one, a scan that these numbers describe.
 struct ScanOptions {
@@ -38,22 +52,47 @@ struct ScanOptions {
   std::optional<Dims> size;
   std::optional<Vec3> spacing;
 };
+void add_input(CLI::App& app, ScanOptions& scan);     // SCAN, and the volume
+void add_own_scan(CLI::App& app, ScanOptions& scan);  // --scan or its numbers, and the volume
 
+// The scan that the options describe, its volume complete. Throws UsageError, FileError, InputError.
+ScanDescription description_of(const ScanOptions& options);
+
+struct GridValues {
+  Grid grid;
+  std::vector<float> values;
+};
+// Throws FileError: what read_volume() throws, a value that is not finite.
+GridValues read_values(const std::filesystem::path& file);
+// Centred on `centre`; nothing for an empty name. Throws FileError.
+void write_values(const Grid& grid, Vec3 centre, std::span<const float> values, const std::filesystem::path& file);
+// Throws UsageError unless the name is empty or write_values() knows its extension.
+void check_volume_name(const char* option, const std::filesystem::path& path);
+
+// Planes of a volume as grey pictures.
 struct SliceOptions {
   std::string name;  // NAME_x.png, NAME_y.png, NAME_z.png; empty: none
   std::optional<std::array<double, 2>> grey;
   std::vector<std::pair<int, int>> planes;  // axis and index; empty: the three in the middle
 };
+void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what);
 
-struct ProjectOptions {
-  ObjectOptions object;
-  ScanOptions scan;
-  bool by_board = false;  // a phantom's voxels instead of its closed form
-  double step = 0.5;      // of the board's rays, voxels
-  double photons = 0;     // a pixel, of Poisson noise; 0: none
-  std::filesystem::path output, voxels;
-  BoardOptions board;
-};
+// The plane of voxels `index` along `axis`, black at grey[0] and white at grey[1]. Across runs x (y where the axis is x) to the right,
+// up runs z (y where the axis is z).
+Image slice_of(const Grid& grid, std::span<const float> values, int axis, int index, const std::array<double, 2>& grey);
+// From the thousandth part of the values that is the least to the one that is the greatest [C].
+std::array<double, 2> grey_range(std::span<const float> values);
+// Writes NAME_x.png and so on, or NAME_z75.png for planes that were asked for. Throws InputError (an index beyond the volume),
+// FileError.
+void write_slices(const SliceOptions& options, const Grid& grid, std::span<const float> values);
+
+// The names of settings, on the command line and in --stats.
+inline const std::map<std::string, Window> kWindows{
+    {"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}};
+inline const std::map<std::string, Accumulator> kAccumulators{{"sums", Accumulator::kSums},
+                                                              {"irradiance", Accumulator::kIrradiance}};
+inline const std::map<std::string, ViewOrder> kViewOrders{
+    {"sequential", ViewOrder::kSequential}, {"random", ViewOrder::kRandom}, {"golden", ViewOrder::kGolden}};
 
 struct ReconstructOptions {
   ScanOptions scan;
@@ -68,33 +107,11 @@ struct ReconstructOptions {
   bool fdk() const { return method == "fdk"; }
 };
 
-// The names of settings, on the command line and in --stats.
-inline const std::map<std::string, Window> kWindows{
-    {"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}};
-inline const std::map<std::string, Accumulator> kAccumulators{{"sums", Accumulator::kSums},
-                                                              {"irradiance", Accumulator::kIrradiance}};
-inline const std::map<std::string, ViewOrder> kViewOrders{
-    {"sequential", ViewOrder::kSequential}, {"random", ViewOrder::kRandom}, {"golden", ViewOrder::kGolden}};
-
-struct CompareOptions {
-  std::filesystem::path volume;
-  ObjectOptions truth;
-  FieldOfView field;
-  std::filesystem::path difference, profiles, stats;
-  SliceOptions slices;  // of the difference
-};
-
-struct ImportOptions {
-  ScanOptions scan;
-  std::filesystem::path output;  // empty: printed
-};
-
-using ConeBeamOptions = std::variant<ProjectOptions, ReconstructOptions, CompareOptions, ImportOptions, ChartOptions>;
-
-// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
-std::optional<ConeBeamOptions> parse_cone_beam_options(int argc, const char* const* argv, std::ostream& out);
-
-// The scan that the options describe, its volume complete. Throws UsageError, FileError, InputError.
-ScanDescription description_of(const ScanOptions& options);
+// Keys: scan (views views_read repeated detector source_to_axis source_to_detector arc_degrees absorbed dead), volume (dims spacing
+// centre), method and its settings, rays, deposits, overflowed, clipped, iterations, residuals, diverged, warnings, those of `cost`
+// (cost_json()), plan: null, or max_error time_budget_ms kept chosen finest slices pilots pilot_deposits host_seconds points, each
+// point with every rays step normalise error error_bound deposits board_ms.
+nlohmann::ordered_json statistics_of(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result,
+                                     const nlohmann::ordered_json& cost, const std::optional<FdkPlan>& plan);
 
 }  // namespace gicube::samples

@@ -1,23 +1,43 @@
 #include <fmt/format.h>
 
-#include "cone_beam/phantom/noise.h"
-#include "cone_beam/program/commands.h"
-#include "cone_beam/program/object.h"
-#include "cone_beam/projector.h"
-#include "cone_beam/scan/projection_matrices.h"
-#include "cone_beam/scan/scan.h"
-#include "cone_beam/scan/scan_file.h"
-#include "cone_beam/scan/stack.h"
-#include "cone_beam/scan/views.h"
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#include "cone_beam/program/options.h"
+#include "cone_beam/scan/formats.h"
 #include "scene/formats/header_lines.h"
-#include "scene/formats/volume_output.h"
 #include "scene/program/board_run.h"
+#include "scene/program/input_error.h"
+#include "scene/program/option_group.h"
 #include "scene/program/program.h"
 #include "scene/program/progress.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
+
+struct ProjectOptions {
+  ObjectOptions object;
+  ScanOptions scan;
+  bool by_board = false;  // a phantom's voxels instead of its closed form
+  double step = 0.5;      // of the board's rays, voxels
+  double photons = 0;     // a pixel, of Poisson noise; 0: none
+  std::filesystem::path output, voxels;
+  BoardOptions board;
+
+  std::string extension() const { return lower_case(output.extension().string()); }
+};
+
+void check(const ProjectOptions& options) {
+  constexpr std::array kKnown{".nrrd", ".mhd", ".mha", ".raw", ".pfm", ".tif", ".tiff"};
+  if (std::ranges::find(kKnown, options.extension()) == kKnown.end()) {
+    throw UsageError("--output: expected a name that ends in .nrrd, .mhd, .mha, .raw, .pfm or .tif, got " +
+                     in_quotes(options.output.string()));
+  }
+  check_volume_name("--voxels", options.voxels);
+  for (const auto* file : {&options.output, &options.voxels, &options.board.stats}) check_folder(*file);
+}
 
 struct Made {
   Projections projections;
@@ -39,16 +59,13 @@ Made by_board(const ProjectOptions& options, const ConeGeometry& geometry, std::
 
 void write_files(const ProjectOptions& options, ScanDescription description, const Projections& projections) {
   // What is written is line integrals in the geometry's own order of pixels, but for plastimatch's matrices: there rows run downwards.
-  const bool matrices = lower_case(options.output.extension().string()) == ".pfm";
+  const bool matrices = options.extension() == ".pfm";
   description.columns_reversed = false;
   description.rows_reversed = matrices;
   const Stack stack{projections.columns, projections.rows, as_stored(projections, description), false};
   const auto files = write_stack(stack, options.output);
   description.projections = {files, {}};
-  if (lower_case(options.output.extension().string()) == ".raw") {
-    description.projections.raw = RawLayout{};
-    description.projections.raw->type = SampleType::kFloat32;
-  }
+  if (options.extension() == ".raw") description.projections.raw = RawLayout{.type = SampleType::kFloat32};
   description.intensities = false;
   description.flats = description.darks = {};
   description.full = 0;
@@ -59,10 +76,8 @@ void write_files(const ProjectOptions& options, ScanDescription description, con
   write_scan_file(description, std::filesystem::path(options.output).replace_extension(".textproto"));
 }
 
-}  // namespace
-
-void project(const ProjectOptions& options) {
-  for (const auto* file : {&options.output, &options.voxels, &options.board.stats}) check_folder(*file);
+void run_project(const ProjectOptions& options) {
+  check(options);
   ProgressLine progress(!options.board.quiet);
   ScanDescription description = description_of(options.scan);
   description.geometry.angles = sorted_views(description.geometry.angles).angles;
@@ -73,11 +88,7 @@ void project(const ProjectOptions& options) {
     check(geometry);
     std::vector<float> values;
     if (options.by_board || !options.voxels.empty()) values = voxels(phantom, geometry.volume);
-    if (!options.voxels.empty()) {
-      write_volume(
-          {geometry.volume.dims, geometry.volume.spacing, origin_of(geometry.volume, description.centre), values},
-          options.voxels);
-    }
+    write_values(geometry.volume, description.centre, values, options.voxels);
     progress.show("projecting");
     if (options.by_board) {
       made = by_board(options, geometry, values, progress);
@@ -108,6 +119,28 @@ void project(const ProjectOptions& options) {
                  ? fmt::format(", {:.1f} ms simulated", made.stats["board_ms"].get<double>())
                  : ", in closed form");
   if (unseen > 0) fmt::print("{} pixels were reached by no photon, and count as half a one\n", unseen);
+}
+
+}  // namespace
+
+void add_project(CLI::App& program) {
+  CLI::App& app = *program.add_subcommand("project", "projections of a phantom or a volume");
+  const auto options = std::make_shared<ProjectOptions>();
+  add_object(app, options->object, "OBJECT", "what is projected");
+  add_own_scan(app, options->scan);
+  OptionGroup group(app, "Projections"), output(app, "Output");
+  group.flag("--by-board", options->by_board, "of a phantom's voxels by the board, not by its closed form");
+  group.number("--step", options->step, CLI::Range(1.0 / 64, 16.0), "of the board's rays, voxels");
+  group.number("--photons", options->photons, CLI::Range(0.0, 1e15),
+               "a pixel would count without an object: Poisson noise by --seed; 0: none");
+  output
+      .file("-o,--output", options->output,
+            "the views: .nrrd .mhd .mha .raw, or a file each: .tif .pfm (with plastimatch's matrices). Beside them "
+            "NAME.textproto, the SCAN for reconstruct")
+      ->required();
+  output.file("--voxels", options->voxels, "also write a phantom's voxels: .nrrd .mhd .mha .nii");
+  add_board_options(app, options->board);
+  app.callback([options] { run_project(*options); });
 }
 
 }  // namespace gicube::samples

@@ -3,25 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <optional>
 
-#include "cone_beam/algebraic.h"
-#include "cone_beam/plan/plan.h"
-#include "cone_beam/program/commands.h"
-#include "cone_beam/program/object.h"
-#include "cone_beam/program/slices.h"
-#include "cone_beam/program/statistics.h"
-#include "cone_beam/scan/scan.h"
-#include "scene/formats/volume_output.h"
+#include "cone_beam/program/options.h"
 #include "scene/program/board_run.h"
+#include "scene/program/option_group.h"
 #include "scene/program/program.h"
 #include "scene/program/progress.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
-
-void warn(const std::string& text) { fmt::print(stderr, "gicube-cone-beam: warning: {}\n", text); }
 
 // Rays must not leave voxels out between them: 1.25 voxels apart at the axis costs no error that shows beside the edges' [C].
 double rays_needed(const ConeGeometry& geometry) {
@@ -76,13 +69,25 @@ void print_summary(const ReconstructOptions& options, const Scan& scan, const Re
   }
 }
 
-}  // namespace
-
-void reconstruct(const ReconstructOptions& wanted) {
-  ReconstructOptions options = wanted;
-  for (const auto& file : {options.output, options.board.stats, std::filesystem::path(options.slices.name)}) {
-    check_folder(file);
+void check(const CLI::App& app, ReconstructOptions& options) {
+  AlgebraicSettings& algebraic = options.algebraic;
+  algebraic.method = options.method == "sirt"      ? Method::kSirt
+                     : options.method == "os-sart" ? Method::kOsSart
+                                                   : Method::kSart;
+  algebraic.step = options.filtered.step;
+  algebraic.seed = options.board.seed;
+  check_plan(options.plan);
+  check_volume_name("--output", options.output);
+  if (options.plan.wanted()) {
+    if (!options.fdk()) {
+      throw UsageError("--method: expected fdk with --max-error and --time-budget, got " + options.method);
+    }
+    for (const char* chosen : {"--rays", "--step", "--normalise"}) refuse_with_plan(app, chosen);
   }
+  for (const auto& file : {options.output, options.board.stats, {options.slices.name}}) check_folder(file);
+}
+
+void run_reconstruct(ReconstructOptions& options) {
   ProgressLine progress(!options.board.quiet);
   progress.show("reading");
   Scan scan = load_scan(description_of(options.scan));
@@ -114,19 +119,75 @@ void reconstruct(const ReconstructOptions& wanted) {
                     : reconstruct_algebraic(board, scan.geometry, scan.projections, options.algebraic, parts);
   const auto cost = cost_json(board.info(), window);
   progress.show("writing");
-  write_volume({grid.dims, grid.spacing, origin_of(grid, scan.centre), result.values}, options.output);
+  write_values(grid, scan.centre, result.values, options.output);
   write_slices(options.slices, grid, result.values);
-  const auto warnings = warnings_of(scan, result, options.algebraic);
+  scan.warnings = warnings_of(scan, result, options.algebraic);
   if (!options.board.stats.empty()) {
-    auto json = to_json(options, scan, result, cost);
-    json["warnings"] = warnings;
-    json["plan"] = plan ? to_json(*plan) : nullptr;
-    write_json(json, options.board.stats);
+    write_json(statistics_of(options, scan, result, cost, plan), options.board.stats);
   }
   progress.clear();
   if (plan && options.plan.explain) print_plan(plan->explain());
   if (!options.board.quiet) print_summary(options, scan, result, cost);
-  for (const std::string& text : warnings) warn(text);
+  for (const std::string& text : scan.warnings) fmt::print(stderr, "gicube-cone-beam: warning: {}\n", text);
+}
+
+void add_fdk(CLI::App& app, FdkSettings& fdk) {
+  OptionGroup group(app, "FDK");
+  fdk.rays = 0;
+  fdk.normalise = true;
+  group.choice("--window", fdk.window, kWindows, "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
+  group.number("--rays", fdk.rays, CLI::Range(0, 4),
+               "a pixel's, along each detector axis; 0: so many that they lie no more than 1.25 voxels apart");
+  group.number("--sharpen", fdk.sharpen, CLI::Range(0.0, 0.25),
+               "against the blur of splatting: what a voxel takes from each neighbour");
+  group.flag("--normalise,!--no-normalise", fdk.normalise,
+             "divide out the ripples of rays that lie unevenly against voxels; sends every ray twice (on)");
+  group.choice("--accumulator", fdk.accumulator, kAccumulators,
+               "words on the board: sums (signed, 36 bits) or irradiance (the paper's, in two passes) (sums)");
+  group.number("--read-every", fdk.read_every, CLI::Range(1, 100'000), "views, with --accumulator irradiance");
+  group.number("--bits", fdk.bits, CLI::Range(0, 32), "of irradiance words that are used; 0: all");
+  group.number("--headroom", fdk.headroom, CLI::PositiveNumber,
+               "what full irradiance words stand for, over a bound of what a voxel can get; less is finer, and clips");
+}
+
+void add_algebraic(CLI::App& app, AlgebraicSettings& settings) {
+  OptionGroup group(app, "SART, OS-SART, SIRT");
+  group.number("--iterations", settings.iterations, CLI::Range(1, 10'000), "at most, each through all views");
+  group.number("--subsets", settings.subsets, CLI::Range(2, 100'000), "of views, each corrected for at once; os-sart");
+  group.number("--relaxation", settings.relaxation, CLI::PositiveNumber, "of a correction; beyond 2 it diverges");
+  group.choice("--order", settings.order, kViewOrders,
+               "of the views or subsets: sequential, random or golden (golden)");
+  app.add_flag_callback(
+         "--allow-negative", [&settings] { settings.non_negative = false; }, "keep values below 0")
+      ->group("SART, OS-SART, SIRT");
+  group.number("--stop", settings.stop, CLI::Range(0.0, 1.0),
+               "when an iteration lowers the residual by less than this part of it; 0: never");
+  group.number("--noise-level", settings.noise, CLI::Range(0.0, 1.0),
+               "stop at a residual of this, the projections' own noise; 0: never");
+}
+
+}  // namespace
+
+void add_reconstruct(CLI::App& program) {
+  CLI::App& app = *program.add_subcommand("reconstruct", "a volume from the projections of a scan");
+  const auto options = std::make_shared<ReconstructOptions>();
+  add_input(app, options->scan);
+  OptionGroup method(app, "Method");
+  method.number("--method", options->method, CLI::IsMember({"fdk", "sart", "os-sart", "sirt"}),
+                "fdk, sart, os-sart or sirt");
+  method.number("--step", options->filtered.step, CLI::Range(1.0 / 64, 16.0), "of the rays, voxels");
+  add_fdk(app, options->filtered);
+  add_algebraic(app, options->algebraic);
+  OptionGroup(app, "Output")
+      .file("-o,--output", options->output, "the volume: .nrrd .mhd .mha .nii .nii.gz, with spacing and origin")
+      ->required();
+  add_slices(app, options->slices, "it");
+  add_plan_options(app, options->plan, "the volume");
+  add_board_options(app, options->board);
+  app.callback([options, &app] {
+    check(app, *options);
+    run_reconstruct(*options);
+  });
 }
 
 }  // namespace gicube::samples

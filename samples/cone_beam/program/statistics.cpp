@@ -1,10 +1,7 @@
-#include "cone_beam/program/statistics.h"
-
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
-#include "scene/program/plan_options.h"
+#include "cone_beam/program/options.h"
 
 namespace gicube::samples {
 namespace {
@@ -61,9 +58,22 @@ Json point_json(const FdkPlanPoint& point) {
           {"deposits", point.deposits},   {"board_ms", to_ms(point.time)}};
 }
 
+Json plan_json(const FdkPlan& plan) {
+  Json json = target_json(plan.target, plan.kept);
+  json.update(Json{{"chosen", point_json(plan.chosen)},
+                   {"finest", point_json(plan.finest)},
+                   {"slices", plan.slices},
+                   {"pilots", plan.pilots},
+                   {"pilot_deposits", plan.pilot_deposits},
+                   {"host_seconds", plan.host_seconds}});
+  for (const FdkPlanPoint& point : plan.points) json["points"].push_back(point_json(point));
+  return json;
+}
+
 }  // namespace
 
-Json to_json(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result, const Json& cost) {
+Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result, const Json& cost,
+                   const std::optional<FdkPlan>& plan) {
   const Grid& volume = scan.geometry.volume;
   const Json grid{{"dims", volume.dims}, {"spacing", numbers(volume.spacing)}, {"centre", numbers(scan.centre)}};
   Json json{{"scan", scan_json(scan)},
@@ -79,28 +89,8 @@ Json to_json(const ReconstructOptions& options, const Scan& scan, const Reconstr
             {"diverged", result.diverged},
             {"warnings", scan.warnings}};
   json.update(cost);
+  json["plan"] = plan ? plan_json(*plan) : nullptr;
   return json;
-}
-
-Json to_json(const FdkPlan& plan) {
-  Json json = target_json(plan.target, plan.kept);
-  json.update(Json{{"chosen", point_json(plan.chosen)},
-                   {"finest", point_json(plan.finest)},
-                   {"slices", plan.slices},
-                   {"pilots", plan.pilots},
-                   {"pilot_deposits", plan.pilot_deposits},
-                   {"host_seconds", plan.host_seconds}});
-  for (const FdkPlanPoint& point : plan.points) json["points"].push_back(point_json(point));
-  return json;
-}
-
-Json to_json(const Comparison& comparison) {
-  return {{"voxels", comparison.voxels},
-          {"rmse", comparison.rmse},
-          {"bias", comparison.bias},
-          {"relative_l2", comparison.relative_l2},
-          {"psnr", std::isfinite(comparison.psnr) ? Json(comparison.psnr) : Json(nullptr)},
-          {"ssim", comparison.ssim}};
 }
 
 }  // namespace gicube::samples

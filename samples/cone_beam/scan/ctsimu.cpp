@@ -1,13 +1,9 @@
-#include "cone_beam/scan/ctsimu.h"
-
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 
+#include "cone_beam/scan/formats.h"
 #include "cone_beam/scan/json_part.h"
-#include "cone_beam/scan/scan_file.h"
-#include "cone_beam/scan/view_frame.h"
 #include "scene/formats/header_lines.h"
 
 namespace gicube::samples {

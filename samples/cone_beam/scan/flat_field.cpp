@@ -1,7 +1,8 @@
-#include "cone_beam/scan/flat_field.h"
+#include "cone_beam/scan/scan.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/program/input_error.h"
@@ -57,12 +58,9 @@ FlatFieldReport correct_flat_field(Stack& views, const Stack& flats, const Stack
     for (std::size_t i = 0; i < light.size(); ++i) {
       if (light[i] <= 0) continue;
       const double least = views.counts ? 0.5 : 1e-6 * light[i];  // chosen
-      double left = static_cast<double>(values[i]) - dark[i];
-      if (left < least) {
-        left = least;
-        ++report.absorbed;
-      }
-      values[i] = static_cast<float>(-std::log(left / light[i]));
+      const double left = static_cast<double>(values[i]) - dark[i];
+      if (left < least) ++report.absorbed;
+      values[i] = static_cast<float>(-std::log(std::max(left, least) / light[i]));
     }
     for (std::size_t i = 0; report.dead > 0 && i < light.size(); ++i) {
       if (light[i] <= 0) values[i] = beside(light, values, i, static_cast<std::size_t>(views.columns));

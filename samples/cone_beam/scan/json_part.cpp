@@ -42,12 +42,6 @@ JsonPart JsonPart::at(const std::string& key) const {
   return {file_, name, json_[key]};
 }
 
-JsonPart JsonPart::at(std::size_t index) const {
-  const std::string name = fmt::format("{}[{}]", name_, index);
-  if (!json_.is_array() || index >= json_.size()) throw FileError(file_, name, "a value", "none");
-  return {file_, name, json_[index]};
-}
-
 bool JsonPart::has(const std::string& key) const {
   return json_.is_object() && json_.contains(key) && !json_[key].is_null();
 }

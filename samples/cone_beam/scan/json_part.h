@@ -14,8 +14,7 @@ class JsonPart {
   explicit JsonPart(const std::filesystem::path& file);
 
   JsonPart at(const std::string& key) const;  // throws FileError if it isn't there
-  JsonPart at(std::size_t index) const;
-  bool has(const std::string& key) const;  // there, and not null
+  bool has(const std::string& key) const;     // there, and not null
   std::size_t size() const { return json_.size(); }
 
   // Each throws FileError: another type, out of range.
@@ -31,7 +30,6 @@ class JsonPart {
   [[noreturn]] void fault(const std::string& expected) const;  // "got" is the value itself
   [[noreturn]] void fault(const std::string& expected, const std::string& got) const;
   const std::filesystem::path& file() const { return file_; }
-  const std::string& name() const { return name_; }
 
  private:
   JsonPart(std::filesystem::path file, std::string name, nlohmann::json json)

@@ -1,13 +1,10 @@
-#include "cone_beam/scan/projection_matrices.h"
-
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 
+#include "cone_beam/scan/formats.h"
 #include "cone_beam/scan/stack.h"
-#include "scene/formats/header_lines.h"
 #include "scene/formats/slices.h"
 #include "scene/formats/whole_file.h"
 
@@ -39,21 +36,6 @@ std::string rows_text(const std::vector<std::array<double, 4>>& rows) {
   return text;
 }
 
-std::vector<std::filesystem::path> matrix_files(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  std::error_code fault;
-  for (std::filesystem::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault)) {
-    std::error_code unreadable;
-    if (lower_case(entry->path().extension().string()) == ".txt" && entry->is_regular_file(unreadable)) {
-      files.push_back(entry->path());
-    }
-  }
-  if (fault) throw FileError(folder, "folder", "a readable folder", fault.message());
-  std::ranges::sort(
-      files, [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
-  return files;
-}
-
 std::filesystem::path image_beside(const std::filesystem::path& text) {
   for (const char* extension : {".pfm", ".tif", ".tiff", ".nrrd", ".mha", ".mhd"}) {
     auto image = std::filesystem::path(text).replace_extension(extension);
@@ -75,9 +57,10 @@ ProjectionMatrix read_projection_matrix(const std::filesystem::path& file) {
   for (double& value : view.matrix) value = read_number(stream, file, "matrix", ++number);
   view.source_to_axis = read_number(stream, file, "source to axis", 1);
   view.source_to_detector = read_number(stream, file, "source to detector", 1);
-  view.normal.x = read_number(stream, file, "normal", 1);
-  view.normal.y = read_number(stream, file, "normal", 2);
-  view.normal.z = read_number(stream, file, "normal", 3);
+  number = 0;
+  for (double* value : {&view.normal.x, &view.normal.y, &view.normal.z}) {
+    *value = read_number(stream, file, "normal", ++number);
+  }
   std::string word;
   if (stream >> word && word != "Extrinsic") {
     throw FileError(file, "behind the normal", "\"Extrinsic\" or the end", '"' + word + '"');
@@ -135,13 +118,8 @@ ViewFrame frame_of(const ProjectionMatrix& view, const std::filesystem::path& fi
   return frame;
 }
 
-bool is_matrix_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  return std::filesystem::is_directory(folder, error) && !matrix_files(folder).empty();
-}
-
 ScanDescription read_matrix_folder(const std::filesystem::path& folder, const StackFiles& projections) {
-  const std::vector<std::filesystem::path> texts = matrix_files(folder);
+  const std::vector<std::filesystem::path> texts = files_with(folder, {".txt"});
   if (texts.empty()) throw FileError(folder, "folder", "a .txt with a projection matrix for each view", "none");
   ScanDescription out;
   out.file = folder;

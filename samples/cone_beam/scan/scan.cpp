@@ -7,11 +7,7 @@
 #include <numbers>
 
 #include "cone_beam/filter.h"
-#include "cone_beam/scan/ctsimu.h"
-#include "cone_beam/scan/projection_matrices.h"
-#include "cone_beam/scan/scan_file.h"
-#include "cone_beam/scan/stack.h"
-#include "cone_beam/scan/views.h"
+#include "cone_beam/scan/formats.h"
 #include "scene/formats/header_lines.h"
 #include "scene/program/input_error.h"
 
@@ -68,8 +64,7 @@ void warn_of_arc(const ConeGeometry& geometry, std::vector<std::string>& warning
   const double edge = std::max(std::abs(u_of(detector, -0.5)), std::abs(u_of(detector, detector.columns - 0.5)));
   const double degrees = 180 / std::numbers::pi;
   const double least = 180 + 2 * degrees * std::atan(edge / geometry.source_to_detector);
-  const auto count = static_cast<double>(geometry.angles.size());
-  const double arc = degrees * (geometry.angles.back() - geometry.angles.front()) * count / (count - 1);
+  const double arc = degrees * arc_of(geometry);
   if (arc >= least - 0.01) return;
   warnings.push_back(
       fmt::format("angles: the views stand for {:.1f} degrees, where {:.1f} would measure every ray through the "
@@ -114,8 +109,7 @@ ScanDescription read_description(const std::filesystem::path& path, const StackF
   ScanDescription out = json ? read_ctsimu(path) : read_scan_file(path);
   if (!projections.empty()) {
     out.projections = projections;
-    const Detector& detector = out.geometry.detector;
-    if (out.projections.raw) out.projections.raw->dims = {detector.columns, detector.rows, 0};
+    if (auto& raw = out.projections.raw) raw->dims = {out.geometry.detector.columns, out.geometry.detector.rows, 0};
   }
   return out;
 }

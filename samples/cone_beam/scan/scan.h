@@ -5,11 +5,31 @@
 #include <string>
 #include <vector>
 
-#include "cone_beam/geometry.h"
 #include "cone_beam/scan/description.h"
-#include "cone_beam/scan/flat_field.h"
+#include "cone_beam/scan/stack.h"
 
 namespace gicube::samples {
+
+// Angles as a ConeGeometry wants them.
+struct SortedViews {
+  std::vector<double> angles;                    // ascending within one turn
+  std::vector<std::vector<std::size_t>> places;  // of each angle, in the list that came: several where it was repeated
+
+  std::size_t repeated() const;  // places beyond the first of their angle
+};
+// Angles a whole number of turns apart are one [C: to 1e-6]. Where the angles leave a gap that is more than twice their second widest
+// [C], as in a short scan, they begin behind it; else with the first of the list. `angles`: finite.
+SortedViews sorted_views(const std::vector<double>& angles);
+
+struct FlatFieldReport {
+  std::size_t absorbed = 0;  // values without any light left, taken as half of the smallest that can be measured
+  std::size_t dead = 0;      // pixels without light in the flat field; they get the mean of their neighbours in the row
+};
+// From intensities to line integrals, in place: -ln((p - dark) / (flat - dark)), flats and darks averaged. A p - dark below 1/2 where
+// the views are whole numbers, below 1e-6 of flat - dark [C] where they are not, is counted as absorbed and taken as that. Empty
+// `flats`: `full` everywhere; empty `darks`: 0. Throws InputError that begins with `flats`, `darks` or `full`: another size than the
+// views', no light at all.
+FlatFieldReport correct_flat_field(Stack& views, const Stack& flats, const Stack& darks, double full);
 
 struct Scan {
   ConeGeometry geometry;

@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
-#include <span>
+#include <ostream>
+#include <sstream>
 
-#include "cone_beam/scan/pfm.h"
 #include "scene/formats/data_stream.h"
 #include "scene/formats/header_lines.h"
 #include "scene/formats/slices.h"
+#include "scene/formats/stored_samples.h"
 #include "scene/formats/volume_output.h"
 #include "scene/formats/whole_file.h"
 
@@ -27,11 +28,10 @@ Stack read_raw(const std::filesystem::path& file, RawLayout layout) {
   const auto pixels = static_cast<std::uint64_t>(layout.dims[0]) * static_cast<std::uint64_t>(layout.dims[1]);
   const std::uint64_t view = pixels * bytes_per_sample(layout.type);
   const std::uint64_t bytes = file_bytes(file), data = bytes - std::min(bytes, layout.skip_bytes);
-  const bool packed = lower_case(file.extension().string()) == ".gz";
-  if (layout.dims[2] == 0 && packed) {
-    throw FileError(file, "views", "the number of views of a compressed raw file", "none");
-  }
   if (layout.dims[2] == 0) {
+    if (lower_case(file.extension().string()) == ".gz") {
+      throw FileError(file, "views", "the number of views of a compressed raw file", "none");
+    }
     if (view == 0 || data == 0 || data % view != 0 || data / view > kMaxFileDim) {
       throw FileError(file, "size",
                       fmt::format("{} bytes and 1 to {} views of {} x {} pixels ({} bytes each)", layout.skip_bytes,
@@ -45,15 +45,14 @@ Stack read_raw(const std::filesystem::path& file, RawLayout layout) {
 
 Stack read_one(const std::filesystem::path& file, const std::optional<RawLayout>& raw) {
   const std::string extension = lower_case(file.extension().string());
-  if (extension == ".pfm") {
-    FloatMap map = read_pfm(file);
-    return {map.width, map.height, std::move(map.values), false};
-  }
-  constexpr std::array kImages{".tif", ".tiff", ".png", ".bmp", ".pgm", ".exr"};
-  if (std::ranges::find(kImages, extension) != kImages.end()) return stack_of(read_pages(file));
+  const auto is_one_of = [&](std::initializer_list<const char*> known) {
+    return std::ranges::find(known, extension) != known.end();
+  };
+  if (extension == ".pfm") return read_pfm(file);
+  if (is_one_of({".tif", ".tiff", ".png", ".bmp", ".pgm", ".exr"})) return stack_of(read_pages(file));
   std::error_code error;
-  const bool headed = std::filesystem::is_directory(file, error) || extension == ".nrrd" || extension == ".nhdr" ||
-                      extension == ".mhd" || extension == ".mha" || extension == ".nii" ||
+  const bool headed = std::filesystem::is_directory(file, error) ||
+                      is_one_of({".nrrd", ".nhdr", ".mhd", ".mha", ".nii"}) ||
                       file.filename().string().ends_with(".nii.gz");
   if (raw && !headed) return read_raw(file, *raw);
   return stack_of(read_volume(file));
@@ -87,6 +86,33 @@ void write_tiff(std::span<const float> values, int width, int height, const std:
 
 }  // namespace
 
+Stack read_pfm(const std::filesystem::path& file) {
+  // Three fields of text, each followed by one white space; the samples begin behind the third.
+  const std::string start = file_start(file, 256);
+  std::istringstream header(start);
+  std::string magic;
+  std::int64_t width = 0, height = 0;
+  double scale = 0;
+  header >> magic >> width >> height >> scale;
+  if (!header || magic != "Pf") {
+    throw FileError(file, "header", "\"Pf\", width, height and scale", '"' + start.substr(0, start.find('\n')) + '"');
+  }
+  if (!(std::isfinite(scale) && scale != 0)) throw FileError(file, "scale", "a number but 0", fmt::format("{}", scale));
+  const std::vector<std::int64_t> sizes{width, height, 1};
+  const StoredLayout layout{
+      .file = file, .dims = checked_dims(file, "size", sizes), .type = StoredType::kFloat32, .big_endian = scale > 0};
+  const DataPlace place{.file = file, .offset = static_cast<std::uint64_t>(header.tellg()) + 1, .nothing_after = true};
+  return stack_of(to_volume(read_data(place, checked_bytes(layout)), layout));
+}
+
+void write_pfm(std::span<const float> values, int width, int height, const std::filesystem::path& file) {
+  static_assert(std::endian::native == std::endian::little, "floats are written as they lie in memory");
+  write_whole(file, [&](std::ostream& stream) {
+    stream << "Pf\n" << width << ' ' << height << "\n-1\n";
+    stream.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
+  });
+}
+
 Stack read_stack(const StackFiles& files) {
   Stack out;
   for (const std::filesystem::path& file : files.files) {
@@ -110,8 +136,7 @@ std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::fi
   const std::string extension = lower_case(path.extension().string());
   const bool tiff = extension == ".tif" || extension == ".tiff";
   if (extension == ".raw") {
-    const auto bytes = std::as_bytes(std::span(stack.values));
-    write_whole(path, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    write_whole(path, {reinterpret_cast<const char*>(stack.values.data()), stack.values.size() * sizeof(float)});
     return {path};
   }
   if (!tiff && extension != ".pfm") {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "cone_beam/scan/description.h"
@@ -24,5 +25,12 @@ Stack read_stack(const StackFiles& files);
 // By the extension: .nrrd, .mhd (with a .raw beside it), .mha or .raw (float32, little-endian) one file for all; .pfm, .tif or .tiff
 // a file a view, NAME_0000.EXT beside `path`. Returns the files that a StackFiles names to read them again. Throws FileError.
 std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path);
+
+// Portable float maps of one channel: "Pf", width and height, a scale whose sign says the byte order (below 0: little-endian) and
+// whose size is ignored. Rows stay in the file's order, which the format's own description lets run upwards and writers of
+// projections downwards. Throws FileError: no such file, no header of one channel, too few or too many bytes.
+Stack read_pfm(const std::filesystem::path& file);
+// Little-endian, scale 1. Throws FileError; a file that was there stays until the new one is whole.
+void write_pfm(std::span<const float> values, int width, int height, const std::filesystem::path& file);
 
 }  // namespace gicube::samples

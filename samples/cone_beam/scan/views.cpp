@@ -1,4 +1,4 @@
-#include "cone_beam/scan/views.h"
+#include "cone_beam/scan/scan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,8 +59,7 @@ SortedViews sorted_views(const std::vector<double>& angles) {
     std::rotate(out.places.begin(), out.places.begin() + static_cast<std::ptrdiff_t>(begin), out.places.end());
   }
   for (std::size_t i = 0; i < count; ++i) {
-    const bool passed = out.angles[i] < out.angles[0] - kSame && i > 0;
-    if (passed) out.angles[i] += kTurn;
+    if (out.angles[i] < out.angles[0] - kSame) out.angles[i] += kTurn;
   }
   for (double& angle : out.angles) angle += first;
   return out;

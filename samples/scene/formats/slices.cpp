@@ -1,7 +1,6 @@
 #include "scene/formats/slices.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cctype>
 #include <cstring>
@@ -18,8 +17,6 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::array kExtensions = {".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".exr"};
-
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
 // Cuts the run of digits off the front of `text`, without its leading zeros.
@@ -33,21 +30,11 @@ std::string_view take_number(std::string_view& text) {
 }
 
 std::vector<std::filesystem::path> slice_files(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  std::error_code fault;
-  for (std::filesystem::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault)) {
-    const std::string extension = lower_case(entry->path().extension().string());
-    std::error_code unreadable;
-    if (std::ranges::find(kExtensions, extension) == kExtensions.end()) continue;
-    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());
-  }
-  if (fault) throw FileError(folder, "folder", "a readable folder", fault.message());
+  auto files = files_with(folder, {".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".exr"});
   if (files.empty()) throw FileError(folder, "folder", "image slices", "no image file");
   if (files.size() > kMaxFileDim) {
     throw FileError(folder, "folder", fmt::format("at most {} slices", kMaxFileDim), fmt::format("{}", files.size()));
   }
-  std::ranges::sort(
-      files, [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
   return files;
 }
 
@@ -156,6 +143,22 @@ bool natural_less(std::string_view a, std::string_view b) {
   }
   if (a.empty() != b.empty()) return a.empty();
   return whole_a < whole_b;  // "1" and "01"
+}
+
+std::vector<std::filesystem::path> files_with(const std::filesystem::path& folder,
+                                              std::initializer_list<std::string_view> extensions) {
+  std::vector<std::filesystem::path> files;
+  std::error_code fault;
+  for (std::filesystem::directory_iterator entry(folder, fault), end; !fault && entry != end; entry.increment(fault)) {
+    const std::string extension = lower_case(entry->path().extension().string());
+    std::error_code unreadable;
+    if (std::ranges::find(extensions, extension) == extensions.end()) continue;
+    if (entry->is_regular_file(unreadable)) files.push_back(entry->path());
+  }
+  if (fault) throw FileError(folder, "folder", "a readable folder", fault.message());
+  std::ranges::sort(
+      files, [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
+  return files;
 }
 
 namespace {

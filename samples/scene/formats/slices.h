@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <string_view>
+#include <vector>
 
 #include "scene/formats/volume_file.h"
 
@@ -10,6 +12,9 @@ namespace gicube::samples {
 
 // Runs of digits count as numbers: "slice-2" before "slice-10". A strict order on names.
 bool natural_less(std::string_view a, std::string_view b);
+// The folder's files with one of these extensions (lower case; theirs in any), in natural order. Throws FileError.
+std::vector<std::filesystem::path> files_with(const std::filesystem::path& folder,
+                                              std::initializer_list<std::string_view> extensions);
 
 // The folder's .png .tif .tiff .bmp .jpg .jpeg .pgm .exr files (any case) in natural order, the first at z = 0; x and y
 // run as in the picture, from its upper left corner. Other files and folders in it are ignored. Samples are 8 or 16

@@ -9,7 +9,6 @@
 
 #include "cone_beam/fdk.h"
 #include "cone_beam/phantom/comparison.h"
-#include "cone_beam/phantom/noise.h"
 #include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
 #include "small_scan.h"

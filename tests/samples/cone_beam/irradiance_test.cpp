@@ -1,5 +1,5 @@
 // Backprojection into the paper's 11-bit words, by two passes.
-#include "cone_beam/irradiance.h"
+#include "cone_beam/fdk.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "cone_beam/projector.h"
+#include "cone_beam/view_rays.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,8 +2,7 @@
 
 #include <numbers>
 
-#include "cone_beam/charts/scans.h"
-#include "cone_beam/phantom/noise.h"
+#include "cone_beam/charts/charts.h"
 #include "scene/program/board_run.h"
 
 namespace gicube::plan_study {

@@ -1,4 +1,4 @@
-#include "cone_beam/program/slices.h"
+#include "cone_beam/program/options.h"
 
 #include <gtest/gtest.h>
 

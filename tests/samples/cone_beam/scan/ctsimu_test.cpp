@@ -1,4 +1,4 @@
-#include "cone_beam/scan/ctsimu.h"
+#include "cone_beam/scan/formats.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

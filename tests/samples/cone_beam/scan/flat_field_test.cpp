@@ -1,4 +1,4 @@
-#include "cone_beam/scan/flat_field.h"
+#include "cone_beam/scan/scan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

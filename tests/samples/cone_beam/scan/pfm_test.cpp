@@ -1,4 +1,4 @@
-#include "cone_beam/scan/pfm.h"
+#include "cone_beam/scan/stack.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,19 +36,19 @@ class Pfm : public testing::Test {
 TEST_F(Pfm, ComesBackAsItWasWritten) {
   const std::vector<float> values{0, -1.5F, 3e30F, 4, 5, 6};
   write_pfm(values, 3, 2, folder_.file("b.pfm"));
-  const FloatMap map = read_pfm(folder_.file("b.pfm"));
-  EXPECT_EQ(map.width, 3);
-  EXPECT_EQ(map.height, 2);
+  const Stack map = read_pfm(folder_.file("b.pfm"));
+  EXPECT_EQ(map.columns, 3);
+  EXPECT_EQ(map.rows, 2);
   EXPECT_EQ(map.values, values);
 }
 
 TEST_F(Pfm, IsBigEndianWithAPositiveScale) {
-  const FloatMap map = read_pfm(written(std::string("Pf 2 1 1.0\n\x3f\x80\x00\x00\xc0\x00\x00\x00", 19)));
+  const Stack map = read_pfm(written(std::string("Pf 2 1 1.0\n\x3f\x80\x00\x00\xc0\x00\x00\x00", 19)));
   EXPECT_THAT(map.values, ElementsAre(1, -2));
 }
 
 TEST_F(Pfm, KeepsTheFilesOrderOfRows) {
-  const FloatMap map = read_pfm(written(std::string("Pf\n1 2\n-1\n\x00\x00\x80\x3f\x00\x00\x00\x40", 18)));
+  const Stack map = read_pfm(written(std::string("Pf\n1 2\n-1\n\x00\x00\x80\x3f\x00\x00\x00\x40", 18)));
   EXPECT_THAT(map.values, ElementsAre(1, 2));
 }
 

@@ -1,4 +1,4 @@
-#include "cone_beam/scan/projection_matrices.h"
+#include "cone_beam/scan/formats.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
