@@ -25,10 +25,10 @@ Interval part(const Interval& of, double low, double high) {
 Intervals differences(double a_low, double a_high, double b_low, double b_high) {
   const double a = a_high - a_low, b = b_high - b_low;
   if (a == 0 && b == 0) return {{b_low - a_low, b_low - a_low}};
-  std::vector<double> ends{b_low - a_high, b_low - a_low, b_high - a_high, b_high - a_low};
-  std::sort(ends.begin(), ends.end());
-  const double top = 1 / std::max(a, b);
-  const std::array<double, 4> density{a == 0 || b == 0 ? top : 0, top, top, a == 0 || b == 0 ? top : 0};
+  std::array ends{b_low - a_high, b_low - a_low, b_high - a_high, b_high - a_low};
+  std::ranges::sort(ends);
+  const double top = 1 / std::max(a, b), outer = a == 0 || b == 0 ? top : 0;
+  const std::array density{outer, top, top, outer};
   Intervals out;
   for (std::size_t i = 0; i < 3; ++i) {
     const Interval whole{ends[i], ends[i + 1], density[i], density[i + 1]};
@@ -61,6 +61,15 @@ class Integral {
  public:
   Integral(std::uint8_t a, std::uint8_t b, WayFactor& out) : a_(a), b_(b), out_(out) {}
 
+  void over(const std::array<Intervals, 3>& axes, int depth) const {
+    for (const Interval& x : axes[0]) {
+      for (const Interval& y : axes[1]) {
+        for (const Interval& z : axes[2]) over(Cell{x, y, z}, depth);
+      }
+    }
+  }
+
+ private:
   void over(const Cell& cell, int depth) const {
     double square = 0, size = 0;
     for (const Interval& t : cell) {
@@ -70,12 +79,7 @@ class Integral {
     }
     const double distance = std::sqrt(square);
     if (size <= distance || depth == 0) return sum(cell, rule_at(distance / size));
-    return divided(cell, size, depth);
-  }
-
- private:
-  // In half along the axes that are long, so that parts become cubes.
-  void divided(const Cell& cell, double size, int depth) const {
+    // In half along the axes that are long, so that parts become cubes.
     std::array<Intervals, 3> parts;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Interval& t = cell[axis];
@@ -86,11 +90,7 @@ class Integral {
         parts[axis] = {part(t, t.low, middle), part(t, middle, t.high)};
       }
     }
-    for (const Interval& x : parts[0]) {
-      for (const Interval& y : parts[1]) {
-        for (const Interval& z : parts[2]) over({x, y, z}, depth - 1);
-      }
-    }
+    over(parts, depth - 1);
   }
 
   struct Point {
@@ -158,12 +158,7 @@ WayFactor::WayFactor(const AxisBox& a, const AxisBox& b) {
   double longest = 0;
   for (const Intervals& axis : axes) longest = std::hypot(longest, std::max(-axis.front().low, axis.back().high));
   bins_per_length_ = kBins / longest;
-  const Integral integral(a.facing, b.facing, *this);
-  for (const Interval& x : axes[0]) {
-    for (const Interval& y : axes[1]) {
-      for (const Interval& z : axes[2]) integral.over({x, y, z}, kMaxDepth);
-    }
-  }
+  Integral(a.facing, b.facing, *this).over(axes, kMaxDepth);
 }
 
 double WayFactor::at(double kappa) const {
@@ -172,15 +167,6 @@ double WayFactor::at(double kappa) const {
     if (factor_[bin] > 0) sum += factor_[bin] * (kappa > 0 ? std::exp(-kappa * way_[bin] / factor_[bin]) : 1);
   }
   return sum;
-}
-
-std::size_t BoxFactors::Hash::operator()(const Key& key) const {
-  std::uint64_t hash = 0;
-  for (const std::int16_t part : key) {
-    hash = (hash ^ static_cast<std::uint16_t>(part)) * 0x9E3779B97F4A7C15u;
-    hash ^= hash >> 29;
-  }
-  return hash;
 }
 
 double BoxFactors::of(const Cluster& a, const Cluster& b, double kappa) {
@@ -198,10 +184,9 @@ double BoxFactors::of(const Cluster& a, const Cluster& b, double kappa) {
   key[9] = static_cast<std::int16_t>(a.facing * 7 + b.facing);
   const auto [at, fresh] = known_.try_emplace(key);
   if (fresh) {
-    const std::array edges{edges_.x, edges_.y, edges_.z};
     AxisBox from{a.low, a.high, a.facing}, to{b.low, b.high, b.facing};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      for (AxisBox* box : {&from, &to}) box->low[axis] *= edges[axis], box->high[axis] *= edges[axis];
+      for (AxisBox* box : {&from, &to}) box->low[axis] *= edges_[axis], box->high[axis] *= edges_[axis];
     }
     at->second.way = WayFactor(from, to);
   }

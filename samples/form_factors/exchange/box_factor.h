@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/container_hash/hash.hpp>
 #include <cstdint>
 #include <unordered_map>
 
@@ -46,23 +47,19 @@ class WayFactor {
 // Keeps what it worked out: in a grid the same offsets come again and again.
 class BoxFactors {
  public:
-  explicit BoxFactors(Vec3 edges) : edges_(edges) {}
+  explicit BoxFactors(const Edges& edges) : edges_(edges) {}
   // WayFactor::at() of two full clusters; their boxes are multiples of half a voxel.
   double of(const Cluster& a, const Cluster& b, double kappa);
 
  private:
   using Key = std::array<std::int16_t, 10>;
-  struct Hash {
-    std::size_t operator()(const Key& key) const;
-  };
-
   struct Known {
     WayFactor way;
     double kappa = -1, factor = 0;  // the last that was asked for: a fog has one kappa
   };
 
-  Vec3 edges_;
-  std::unordered_map<Key, Known, Hash> known_;
+  Edges edges_;
+  std::unordered_map<Key, Known, boost::hash<Key>> known_;
 };
 
 }  // namespace gicube::samples

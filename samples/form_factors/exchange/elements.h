@@ -18,14 +18,14 @@ struct Forest {
   std::vector<Cluster> clusters;
   std::vector<std::uint32_t> roots;  // at most seven
   std::vector<double> measures;      // running sums over the leaves of area, or kappa V: leaves + 1 of them
-  Vec3 edges{1, 1, 1};               // of a voxel, physical
+  Edges edges{1, 1, 1};
 
   // What a mean over both elements is to be multiplied with: area, or kappa V.
   double exchange_measure(const Cluster& cluster) const { return measures[cluster.last] - measures[cluster.first]; }
 };
 
 // Cubes of `leaf_voxels` an edge, a power of two, are not divided.
-Forest make_forest(std::vector<Leaf> leaves, Vec3 edges, int leaf_voxels);
+Forest make_forest(std::vector<Leaf> leaves, const Edges& edges, int leaf_voxels);
 
 // Its box as the board takes it; of a full cluster all there is of it.
 Element element_of(const Cluster& cluster);

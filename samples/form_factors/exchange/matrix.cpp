@@ -1,11 +1,10 @@
-#include "form_factors/exchange/matrix.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <ostream>
 #include <string>
 
+#include "form_factors/radiosity/radiosity.h"
 #include "scene/formats/whole_file.h"
 
 namespace gicube::samples {

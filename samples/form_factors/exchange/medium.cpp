@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "scene/program/input_error.h"
 #include "scene/visible_box.h"
@@ -14,24 +13,6 @@ namespace {
 
 constexpr int kDensityMax = 4095;
 constexpr double kOpacityOne = 65535;  // of the board's segmentation table
-
-template <typename Sample>
-double sample_at(const Volume& volume, std::size_t index) {
-  Sample sample;
-  std::memcpy(&sample, volume.samples.data() + index * sizeof sample, sizeof sample);
-  return static_cast<double>(sample);
-}
-
-double value_at(const Volume& volume, std::size_t index) {
-  switch (volume.type) {
-    case SampleType::kUint8: return sample_at<std::uint8_t>(volume, index);
-    case SampleType::kUint12:
-    case SampleType::kUint16: return sample_at<std::uint16_t>(volume, index);
-    case SampleType::kInt16: return sample_at<std::int16_t>(volume, index);
-    case SampleType::kFloat32: return sample_at<float>(volume, index);
-  }
-  return 0;
-}
 
 double opacity_of(double max_kappa, int density) { return 1 - std::exp(-max_kappa * density / kDensityMax); }
 
@@ -79,7 +60,8 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
     throw InputError("setup.volume", "its voxels", fmt::format("{} bytes", volume.samples.size()));
   }
   const Vec3 s = volume.spacing;
-  medium.edges = (1 / std::min({s.x, s.y, s.z})) * s;
+  const double smallest = 1 / std::min({s.x, s.y, s.z});
+  medium.edges = {smallest * s.x, smallest * s.y, smallest * s.z};
   medium.tags = setup.tags.empty() ? std::vector<std::uint8_t>(voxels) : setup.tags;
   medium.solid.resize(voxels);
   medium.densities.resize(voxels);
@@ -88,9 +70,10 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
   const ValueRange range = value_range_of(volume);
   Materials materials = setup.materials;
   for (TransferFunctionFile& material : materials) material = {in_values_of(range, material), false};
+  const std::vector<float> values = values_of(volume);
   for (std::size_t i = 0; i < voxels; ++i) {
     const std::size_t tag = medium.tags[i];
-    const double value = std::clamp(value_at(volume, i), range.low, range.high);
+    const double value = std::clamp(double{values[i]}, range.low, range.high);
     const double opacity = tag < materials.size() ? materials[tag].function.opacity_at(value) : 0;
     medium.solid[i] = opacity >= solid_opacity ? 1 : 0;
     if (medium.solid[i] == 0) medium.kappa[i] = -std::log1p(-opacity);
@@ -120,13 +103,11 @@ void load(Board& board, const Medium& medium, double step) {
   }
   board.set_transfer_function(fog, 0);
   board.set_transfer_function({{{0, {1, 1, 1}}}, {{0, 1}}}, 1);
-  VolumeView view;
-  view.samples = std::as_bytes(std::span(medium.densities));
-  view.type = SampleType::kUint12;
-  view.dims = medium.dims;
-  view.spacing = medium.edges;
-  view.tags = medium.solid;
-  board.load_volume(view);
+  board.load_volume({.samples = std::as_bytes(std::span(medium.densities)),
+                     .type = SampleType::kUint12,
+                     .dims = medium.dims,
+                     .spacing = {medium.edges[0], medium.edges[1], medium.edges[2]},
+                     .tags = medium.solid});
   // Pairs are sampled as the last view was.
   View pixel;
   pixel.width = pixel.height = 1;

@@ -9,8 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "gicube/board.h"
-#include "scene/scene.h"
+#include "form_factors/radiosity/radiosity.h"
 
 namespace gicube::samples {
 
@@ -33,7 +32,7 @@ void for_each_voxel(const GridCell& first, const GridCell& end, const Visit& vis
 
 struct Medium {
   Dims dims{};
-  Vec3 edges{1, 1, 1};              // of a voxel, physical: in smallest voxel edges
+  Edges edges{1, 1, 1};
   std::vector<std::uint8_t> solid;  // 1 or 0 by voxel, x fastest
   std::vector<std::uint8_t> tags;   // of the materials, by voxel
   // Extinction a length, by voxel, as the board's tables hold it; in solids continued.

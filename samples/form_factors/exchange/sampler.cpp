@@ -119,7 +119,7 @@ void LinkSampler::member_pairs(Links links, int rays) {
 }
 
 LinkSampler::Place LinkSampler::place_of(const Cluster& a, const Cluster& b) const {
-  const std::array edges{forest_.edges.x, forest_.edges.y, forest_.edges.z};
+  const Edges& edges = forest_.edges;
   Place place;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double gap = std::max({a.low[axis] - b.high[axis], b.low[axis] - a.high[axis], 0.0}) * edges[axis];

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "form_factors/plan/study.h"
 #include "scene/program/input_error.h"
 
 namespace gicube::samples {
@@ -35,9 +34,7 @@ class Planner {
 
   RadiosityPlan make() {
     const auto start = std::chrono::steady_clock::now();
-    const auto [first, first_point] = solve(plan_.settings);
-    RadiosityResult before = first;
-    RadiosityPlanPoint point_before = first_point;
+    auto [before, point_before] = solve(plan_.settings);
     plan_.kept = false;
     for (int stage = 1; plan_.settings.error / kStep >= kLast; ++stage) {
       if (plan_.target.time_budget > 0 && too_long(point_before)) break;
@@ -59,7 +56,15 @@ class Planner {
       if (!plan_.settings.hierarchy) break;  // there is nothing finer
     }
     if (plan_.target.time_budget > 0) plan_.kept = point_before.time <= plan_.target.time_budget;
-    finish(std::move(before), point_before);
+    const RadiosityPlanPoint& chosen = plan_.chosen = point_before;
+    plan_.settings.hierarchy = chosen.hierarchy;
+    plan_.settings.error = chosen.threshold;
+    plan_.settings.rays = chosen.rays;
+    plan_.settings.leaf_voxels = chosen.leaf_voxels;
+    plan_.settings.seed = chosen.seed;
+    plan_.result = std::move(before);
+    const double more = chosen.all_rays > 0 ? plan_.finest_rays / chosen.all_rays : 1;
+    plan_.finest_time = static_cast<Picoseconds>(more * static_cast<double>(chosen.time));
     plan_.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return std::move(plan_);
   }
@@ -114,31 +119,14 @@ class Planner {
     }
   }
 
-  // The next solution, as the last two make one expect.
+  // The next solution, as the last two make one expect; where there is only one, twice as long.
   bool too_long(const RadiosityPlanPoint& point) const {
-    constexpr double kGrowth = 2;  // of the rays, where there is only one
-    double growth = kGrowth;
-    const RadiosityPlanPoint* before = nullptr;
+    double growth = 2;
     for (const RadiosityPlanPoint& other : plan_.points) {
-      if (other.threshold > point.threshold * 1.01) before = &other;
+      if (other.threshold <= point.threshold * 1.01 || other.time == 0) continue;
+      growth = std::max(1.0, static_cast<double>(point.time) / static_cast<double>(other.time));
     }
-    if (before != nullptr && before->time > 0) {
-      growth = std::max(1.0, static_cast<double>(point.time) / static_cast<double>(before->time));
-    }
-    const double next = growth * static_cast<double>(point.time);
-    return kTimeMargin * next > static_cast<double>(plan_.target.time_budget);
-  }
-
-  void finish(RadiosityResult result, const RadiosityPlanPoint& point) {
-    plan_.settings.hierarchy = point.hierarchy;
-    plan_.settings.error = point.threshold;
-    plan_.settings.rays = point.rays;
-    plan_.settings.leaf_voxels = point.leaf_voxels;
-    plan_.settings.seed = point.seed;
-    plan_.chosen = point;
-    plan_.result = std::move(result);
-    const double more = point.all_rays > 0 ? plan_.finest_rays / point.all_rays : 1;
-    plan_.finest_time = static_cast<Picoseconds>(more * static_cast<double>(point.time));
+    return kTimeMargin * (growth * static_cast<double>(point.time)) > static_cast<double>(plan_.target.time_budget);
   }
 
   Board& board_;
@@ -154,22 +142,21 @@ class Planner {
 
 std::vector<std::string> RadiosityPlan::explain() const {
   constexpr const char* kFinest = "a full matrix";
-  std::vector<std::string> lines{plan_headline("", target, kept)};
   const std::string which =
       chosen.hierarchy ? fmt::format("divided where they may misplace more than {:.2g} of all power", chosen.threshold)
                        : std::string("one for each pair of elements");
-  lines.push_back(fmt::format("links: {}, {} rays a first guess", which, chosen.rays));
-  lines.push_back(chosen.leaf_voxels > 1 ? fmt::format("subdivision: to cubes of {} voxels", chosen.leaf_voxels)
-                                         : std::string("subdivision: to single voxels"));
-  lines.push_back(plan_error_line(
-      chosen.error,
-      fmt::format("of the light on all elements ({:.2g}% from a coarser solution)", 100 * chosen.difference),
-      chosen.error_bound));
-  lines.push_back(plan_cost_line("rays", chosen.all_rays, kFinest, finest_rays));
-  lines.push_back(plan_time_line(chosen.time, kFinest, finest_time));
-  lines.push_back(fmt::format("the plan itself: {} solutions, {} rays, {:.2f} s of the host; the last is used",
-                              points.size(), count_text(all_rays), host_seconds));
-  return lines;
+  return {plan_headline("", target, kept),
+          fmt::format("links: {}, {} rays a first guess", which, chosen.rays),
+          chosen.leaf_voxels > 1 ? fmt::format("subdivision: to cubes of {} voxels", chosen.leaf_voxels)
+                                 : std::string("subdivision: to single voxels"),
+          plan_error_line(
+              chosen.error,
+              fmt::format("of the light on all elements ({:.2g}% from a coarser solution)", 100 * chosen.difference),
+              chosen.error_bound),
+          plan_cost_line("rays", chosen.all_rays, kFinest, finest_rays),
+          plan_time_line(chosen.time, kFinest, finest_time),
+          fmt::format("the plan itself: {} solutions, {} rays, {:.2f} s of the host; the last is used", points.size(),
+                      count_text(all_rays), host_seconds)};
 }
 
 RadiosityPlan plan_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,

@@ -1,9 +1,10 @@
 // The plan step of radiosity: from a target to the threshold of the links, their rays and how far elements are divided.
 //
 // Solutions of one scene are made with thresholds that fall by the root of ten, each with other random choices. What one differs
-// from the next (study.h: difference()) is what both err; so each tells how good the one before it was, and how much better the next
-// will be. Where rays become as many as a full matrix would take, that is the last one. The first that is good enough is the solution: nothing is solved again for it. Before the third, other numbers of rays
-// and larger elements are tried at the second threshold, and the one that needs the fewest rays for its error is kept.
+// from the next (difference()) is what both err; so each tells how good the one before it was, and how much better the next will be.
+// Where rays become as many as a full matrix would take, that is the last one. The first that is good enough is the solution. Before
+// the third, other numbers of rays and larger elements are tried at the second threshold, and the one that needs the fewest rays for
+// its error is kept.
 #pragma once
 
 #include <string>
@@ -45,5 +46,32 @@ struct RadiosityPlan {
 RadiosityPlan plan_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
                              const RadiositySettings& settings, const PlanTarget& target,
                              const RadiosityProgress& progress = {});
+
+// Sum of w |H - reference| over the sum of w reference, over elements and channels; not of the volume's ends. Both must be of
+// one scene with the same leaves: throws InputError.
+double difference(const RadiosityResult& result, const RadiosityResult& reference);
+
+// What the hierarchy costs and what it saves: solutions of one scene by several thresholds, and by all pairs of leaves, against a full
+// matrix with many more rays.
+struct StudyPoint {
+  bool hierarchy = true;
+  double error = 0;           // RadiositySettings::error
+  double difference = 0;      // from the reference
+  double standard_error = 0;  // of `difference`, as the results' own errors would have it
+  RadiosityStatistics statistics;
+};
+
+// A point for each of `errors`, then one for the full matrix with `settings` if `full`. The reference has 4 times the rays, and
+// another seed.
+std::vector<StudyPoint> study_hierarchy(Board& board, const SceneSetup& setup, const Emissions& emissions,
+                                        const RadiositySettings& settings, const std::vector<double>& errors,
+                                        bool full = true, const RadiosityProgress& progress = {});
+
+// hierarchy/ERROR, or hierarchy/full.
+std::string study_point(bool hierarchy, double error = 0);
+
+// With a line of names: hierarchy,error,difference,standard_error,links,all_pairs,rays,board_ms,bus_bytes,closure_rms,seconds,command.
+// `command`: to which --point and a point's name are added.
+std::string csv_of(const std::vector<StudyPoint>& points, const std::string& command = "gicube-form-factors charts");
 
 }  // namespace gicube::samples

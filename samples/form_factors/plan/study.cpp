@@ -1,4 +1,4 @@
-#include "form_factors/plan/study.h"
+#include "form_factors/plan/plan.h"
 
 #include <fmt/format.h>
 
@@ -64,8 +64,8 @@ std::vector<StudyPoint> study_hierarchy(Board& board, const SceneSetup& setup, c
   return points;
 }
 
-std::string name_of(const StudyPoint& point) {
-  return point.hierarchy ? fmt::format("hierarchy/{:g}", point.error) : "hierarchy/full";
+std::string study_point(bool hierarchy, double error) {
+  return hierarchy ? fmt::format("hierarchy/{:g}", error) : "hierarchy/full";
 }
 
 std::string csv_of(const std::vector<StudyPoint>& points, const std::string& command) {
@@ -75,8 +75,8 @@ std::string csv_of(const std::vector<StudyPoint>& points, const std::string& com
     const RadiosityStatistics& s = point.statistics;
     text += fmt::format("{},{:g},{:.6f},{:.6f},{},{},{},{:.3f},{},{:.6f},{:.3f},{} --point {}\n",
                         point.hierarchy ? 1 : 0, point.error, point.difference, point.standard_error, s.links,
-                        s.all_pairs, s.rays, static_cast<double>(s.board_time) * 1e-9,
-                        s.bus_down_bytes + s.bus_up_bytes, s.closure_rms, s.host_seconds, command, name_of(point));
+                        s.all_pairs, s.rays, to_ms(s.board_time), s.bus_down_bytes + s.bus_up_bytes, s.closure_rms,
+                        s.host_seconds, command, study_point(point.hierarchy, point.error));
   }
   return text;
 }

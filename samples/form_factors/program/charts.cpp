@@ -1,16 +1,11 @@
-#include "form_factors/program/charts.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 
 #include "form_factors/exchange/closed_forms.h"
-#include "form_factors/plan/study.h"
-#include "form_factors/program/solve.h"
+#include "form_factors/program/options.h"
 #include "scene/formats/whole_file.h"
 #include "scene/program/board_run.h"
 #include "scene/program/input_error.h"
@@ -36,11 +31,9 @@ void fill(Board& board, double kappa) {
 // Two elements, cut into parts: all pairs of parts make one estimate.
 struct Form {
   std::vector<Element> a, b;
-  std::vector<double> weights_a, weights_b;  // shares of the whole
-  double unit = 1;                           // F of a mean of G of 1
+  std::vector<double> shares{1};  // of the parts of either
+  double unit = 1;                // F of a mean of G of 1
 };
-
-Form two(const Element& a, const Element& b, double unit) { return {{a}, {b}, {1}, {1}, unit}; }
 
 const Element kFloor{ElementKind::kPatch, {5, 5, 5}, {kSide, 0, 0}, {0, kSide, 0}, {}};
 const Element kCeiling{ElementKind::kPatch, {5, 5, 25}, {0, kSide, 0}, {kSide, 0, 0}, {}};
@@ -48,16 +41,12 @@ const Element kWall{ElementKind::kPatch, {5, 5, 5}, {0, kSide, 0}, {0, 0, kSide}
 
 // Floor and wall in strips that grow with their distance from the common edge.
 Form strips() {
-  Form form;
-  form.unit = kSide * kSide;
-  double begin = 0, width = kSide / 128;
-  while (begin < kSide) {
+  Form form{.a = {}, .b = {}, .shares = {}, .unit = kSide * kSide};
+  for (double begin = 0, width = kSide / 128; begin < kSide; width = begin) {
     form.a.push_back({ElementKind::kPatch, {5 + begin, 5, 5}, {width, 0, 0}, {0, kSide, 0}, {}});
     form.b.push_back({ElementKind::kPatch, {5, 5, 5 + begin}, {0, kSide, 0}, {0, 0, width}, {}});
-    form.weights_a.push_back(width / kSide);
-    form.weights_b.push_back(width / kSide);
+    form.shares.push_back(width / kSide);
     begin += width;
-    width = begin;
   }
   return form;
 }
@@ -70,15 +59,12 @@ std::vector<double> estimates(Board& board, const Form& form, std::uint32_t rays
   std::vector<ElementPair> pairs;
   const auto of_a = static_cast<std::uint32_t>(form.a.size());
   for (std::uint32_t e = 0; e < kEstimates; ++e) {
-    for (std::uint32_t i = 0; i < parts; ++i) {
-      pairs.push_back({i % of_a, of_a + i / of_a, e * parts + i});
-    }
+    for (std::uint32_t i = 0; i < parts; ++i) pairs.push_back({i % of_a, of_a + i / of_a, e * parts + i});
   }
   const auto factors = board.pair_factors(elements, pairs, {.rays = std::max(1u, rays / parts)});
   std::vector<double> sums(kEstimates);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    sums[i / parts] +=
-        factors[i].transported * form.weights_a[pairs[i].a] * form.weights_b[pairs[i].b - of_a] * form.unit;
+    sums[i / parts] += factors[i].transported * form.shares[pairs[i].a] * form.shares[pairs[i].b - of_a] * form.unit;
   }
   return sums;
 }
@@ -120,15 +106,19 @@ ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, dou
 // A table as a file, or as it is if it is of one point.
 void write(const FormFactorChartOptions& options, const char* name, const std::string& text) {
   if (!options.point.empty()) {
-    if (text.find(" --point " + options.point + "\n") == std::string::npos)
+    if (text.find(" --point " + options.point + "\n") == std::string::npos) {
       throw InputError("--point", "a point's name, as in the tables", in_quotes(options.point));
+    }
     fmt::print("{}", text);
     return;
   }
   write_whole(options.folder / name, text);
 }
 
-void write_errors(const std::vector<ErrorCurve>& curves, const FormFactorChartOptions& options) {
+void write_errors(const FormFactorChartOptions& options, ProgressLine& progress) {
+  progress.show("closed forms");
+  Board board = open_board(options.board);
+  const std::vector<ErrorCurve> curves = closed_form_curves(board, options.max_rays, options.point);
   std::string errors = "form,rays,error,command\n", slopes = "form,exact,slope,error at most rays\n";
   for (std::size_t i = 0; i < curves.size(); ++i) {
     const ErrorCurve& curve = curves[i];
@@ -144,31 +134,15 @@ void write_errors(const std::vector<ErrorCurve>& curves, const FormFactorChartOp
   if (options.point.empty()) write(options, "form_factors_slopes.csv", slopes);
 }
 
-double rms(const std::vector<double>& a, const std::vector<double>& b) {
+// Of the difference of the reference's pairs.
+double rms_of(const std::vector<double>& seen, const std::vector<double>& reference) {
   double squares = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) squares += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(squares / static_cast<double>(a.size()));
-}
-
-std::string point_of(const char* bus, PairRays made, std::uint32_t rays) {
-  return fmt::format("trade/{}/{}/{}", bus, name_of(made), rays);
-}
-
-std::string trade_row(const TradePoint& point, const std::string& command) {
-  const Visibility& seen = point.seen;
-  const Utilisation& u = seen.utilisation;
-  const double ms = to_ms(seen.duration);
-  return fmt::format(
-      "{},{},{},{},{:.4g},{:.4f},{:.4f},{:.0f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{} --point {}\n", point.bus,
-      name_of(point.made), point.rays, seen.pairs, point.error, ms, bus_ms(seen.counters),
-      static_cast<double>(seen.rays) / ms * 1e3, u.bus_down, u.bus_up, u.dsp, u.pipelines.value_or(0),
-      u.sorter.value_or(0), u.memory.value_or(0), u.bound(), command,
-      point_of(point.bus.c_str(), point.made, point.rays));
+  for (std::size_t i = 0; i < reference.size(); ++i) squares += (seen[i] - reference[i]) * (seen[i] - reference[i]);
+  return std::sqrt(squares / static_cast<double>(reference.size()));
 }
 
 void write_trade(const FormFactorChartOptions& options, ProgressLine& progress) {
-  InputOptions input = options.trade;
-  const SceneSetup setup = set_up(scene_of(input), options.board.threads);
+  const SceneSetup setup = set_up(scene_of(options.trade), options.board.threads);
   const RandomPairs pairs = random_pairs(setup.volume.dims, options.pairs, options.board.seed);
   std::string text =
       "bus,made,rays a pair,pairs,error,board_ms,bus_ms,rays_per_second,bus_down,bus_up,dsp,pipelines,sorter,memory,"
@@ -190,16 +164,21 @@ void write_trade(const FormFactorChartOptions& options, ProgressLine& progress) 
         reference = look(exact, pairs, {.rays = kReference, .seed = 1}).transmittances;
       }
       for (std::uint32_t rays = 1; rays <= options.max_rays_a_pair; rays *= 4) {
-        if (!wanted(options.point, point_of(bus, made, rays))) continue;
+        const std::string name = fmt::format("trade/{}/{}/{}", bus, name_of(made), rays);
+        if (!wanted(options.point, name)) continue;
         progress.show(fmt::format("trade: {}, {} rays a pair", bus, rays));
         const PairRequest request{.rays = rays, .made = made};
         // Enough of them that the parts of the board overlap; the first ones tell the error.
         const std::uint32_t count = std::max(options.pairs, kMinRaysInAll / rays);
         const RandomPairs more = random_pairs(setup.volume.dims, count, options.board.seed);
-        TradePoint point{bus, made, rays, 0, look(board, more, request)};
-        point.seen.transmittances.resize(options.pairs);
-        point.error = rms(point.seen.transmittances, reference);
-        text += trade_row(point, options.command);
+        const Visibility seen = look(board, more, request);
+        const Utilisation& u = seen.utilisation;
+        const double ms = to_ms(seen.duration);
+        text += fmt::format(
+            "{},{},{},{},{:.4g},{:.4f},{:.4f},{:.0f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{},{} --point {}\n", bus,
+            name_of(made), rays, seen.pairs, rms_of(seen.transmittances, reference), ms, bus_ms(seen.counters),
+            static_cast<double>(seen.rays) / ms * 1e3, u.bus_down, u.bus_up, u.dsp, u.pipelines.value_or(0),
+            u.sorter.value_or(0), u.memory.value_or(0), u.bound(), options.command, name);
       }
     }
     text += std::string(bus) == "pci33" && options.point.empty() ? "\n\n" : "";
@@ -215,11 +194,9 @@ void write_hierarchy(const FormFactorChartOptions& options, ProgressLine& progre
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
   RadiositySettings settings;
   settings.leaf_voxels = options.leaf_voxels;
-  std::vector<double> errors;
-  std::copy_if(options.errors.begin(), options.errors.end(), std::back_inserter(errors), [&](double error) {
-    return wanted(options.point, name_of(StudyPoint{true, error, 0, 0, {}}));
-  });
-  const bool full = wanted(options.point, name_of(StudyPoint{false, 0, 0, 0, {}}));
+  std::vector<double> errors = options.errors;
+  std::erase_if(errors, [&](double error) { return !wanted(options.point, study_point(true, error)); });
+  const bool full = wanted(options.point, study_point(false));
   const auto points = study_hierarchy(board, setup, emissions_of(scene, setup), settings, errors, full,
                                       [&progress](std::string_view what, double share) {
                                         progress.show(fmt::format("hierarchy: {} {:.0f}%", what, 100 * share));
@@ -237,29 +214,29 @@ std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t max_rays,
   for (const double kappa : {0.0, 1.0, 3.0}) {
     fill(board, kappa);
     curves.push_back(curve_of(board, kappa == 0 ? "parallel" : fmt::format("parallel kappa {:g}", kappa),
-                              two(kFloor, kCeiling, area), parallel_squares(kappa), max_rays, point));
+                              {{kFloor}, {kCeiling}, {1}, area}, parallel_squares(kappa), max_rays, point));
   }
   fill(board, 0);
-  curves.push_back(curve_of(board, "boxes two apart", two(low, high, 16 * std::numbers::pi), mean_inverse_square(2),
-                            max_rays, point));
+  curves.push_back(curve_of(board, "boxes two apart", {{low}, {high}, {1}, 16 * std::numbers::pi},
+                            mean_inverse_square(2), max_rays, point));
   curves.push_back(curve_of(board, "common edge in strips", strips(), perpendicular_squares(), max_rays, point));
-  curves.push_back(curve_of(board, "common edge", two(kFloor, kWall, area), perpendicular_squares(), max_rays, point));
+  curves.push_back(
+      curve_of(board, "common edge", {{kFloor}, {kWall}, {1}, area}, perpendicular_squares(), max_rays, point));
   return curves;
 }
 
-void form_factor_charts(const FormFactorChartOptions& options, ProgressLine& progress) {
-  const auto asked = [&options](const char* table) {
-    return options.point.empty() || options.point.starts_with(table);
-  };
-  if (!asked("error/") && !asked("trade/") && !asked("hierarchy/"))
-    throw InputError("--point", "error/..., trade/... or hierarchy/..., as in the tables", in_quotes(options.point));
-  if (asked("error/")) {
-    progress.show("closed forms");
-    Board board = open_board(options.board);
-    write_errors(closed_form_curves(board, options.max_rays, options.point), options);
+void run(const FormFactorChartOptions& options, ProgressLine& progress) {
+  bool any = false;
+  const std::pair<const char*, void (*)(const FormFactorChartOptions&, ProgressLine&)> tables[] = {
+      {"error/", write_errors}, {"trade/", write_trade}, {"hierarchy/", write_hierarchy}};
+  for (const auto& [table, write_table] : tables) {
+    if (!options.point.empty() && !options.point.starts_with(table)) continue;
+    write_table(options, progress);
+    any = true;
   }
-  if (asked("trade/")) write_trade(options, progress);
-  if (asked("hierarchy/")) write_hierarchy(options, progress);
+  if (!any) {
+    throw InputError("--point", "error/..., trade/... or hierarchy/..., as in the tables", in_quotes(options.point));
+  }
 }
 
 }  // namespace gicube::samples

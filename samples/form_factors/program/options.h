@@ -1,18 +1,19 @@
-// The command line of gicube-form-factors.
+// The commands of gicube-form-factors: what they are asked for, and their parts.
 #pragma once
 
 #include <filesystem>
 #include <iosfwd>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include "form_factors/radiosity/radiosity.h"
+#include "form_factors/plan/plan.h"
 #include "scene/program/board_options.h"
 #include "scene/program/plan_options.h"
-#include "scene/scene.h"
+#include "scene/program/progress.h"
 
 namespace gicube::samples {
 
@@ -71,10 +72,81 @@ using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions, FormFact
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out);
 
+// Do what the options ask for. Throw UsageError, InputError, FileError, and what Board throws. The charts are the tables
+// FOLDER/form_factors_error.csv, _slopes.csv, _trade.csv and _hierarchy.csv, each row but the slopes' with the command that makes it
+// again; or one point's row, printed.
+void run(const SolveOptions& options, ProgressLine& progress);
+void run(const VisibilityOptions& options, ProgressLine& progress);
+void run(const FormFactorChartOptions& options, ProgressLine& progress);
+
 // The input as a scene. Throws UsageError, InputError.
 Scene scene_of(const InputOptions& options);
 
 // The scene's materials with the options' emissions and albedos in their place; materials are made for tags that have none.
 void set_materials(const SolveOptions& options, Scene& scene);
+
+// Light that the scene's materials send out, as the solver counts it: of solids and scans a unit of surface, of fogs a unit of
+// volume, which is brought from the scene's units to voxels. Powers stay per unit of the scene's area.
+Emissions emissions_of(const Scene& scene, const SceneSetup& setup);
+
+// What the board did in a time, as shares of it. A part that the fidelity level does not model has none.
+struct Utilisation {
+  double bus_down = 0, bus_up = 0;  // of one bus, which both directions share
+  double dsp = 0;
+  std::optional<double> pipelines;  // cycles of the busiest processor that took a sample
+  std::optional<double> sorter;     // its cycles that were lost because its sorter had no ray ready
+  std::optional<double> memory;     // data cycles of the busiest memory channel
+
+  std::string bound() const;  // the name of the busiest part
+};
+Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const BoardInfo& board);
+nlohmann::ordered_json to_json(const Utilisation& utilisation);
+
+// Pairs of whole voxels (boxes from half a voxel below to half a voxel above their centres, cut off at the volume's ends) that
+// are drawn from all alike, no voxel with itself. The same for a seed everywhere.
+struct RandomPairs {
+  std::vector<Element> elements;
+  std::vector<ElementPair> pairs;
+};
+RandomPairs random_pairs(const Dims& dims, std::uint32_t count, std::uint64_t seed);
+
+struct Visibility {
+  std::uint64_t pairs = 0, clear_pairs = 0, rays = 0;  // rays: with those that clear pairs would have had
+  std::vector<double> transmittances;                  // of each pair: the mean over its rays by their weight
+  double transmittance = 0;                            // mean over the pairs
+  double standard_error = 0;                           // of that, over pairs
+  std::uint64_t hidden = 0;                            // pairs with less than 1e-3
+  Picoseconds duration = 0;                            // simulated
+  double host_seconds = 0;
+  Counters counters;
+  Utilisation utilisation;
+};
+// The volume is on the board. Throws what Board throws.
+Visibility look(Board& board, const RandomPairs& pairs, const PairRequest& request, const Progress& progress = {});
+
+const char* name_of(PairRays made);  // as on the command line
+
+// Keys: elements clusters links all_pairs pairs rays refinements iterations (links, residual) energy (powers of red, green
+// and blue, in the scene's units; balance_error) closure_rms standard_error (of the incident light: mean, greatest, relative)
+// bus_down_bytes bus_up_bytes board_ms bus_ms host_seconds utilisation settings board counters plan: null, or max_error time_budget_ms
+// kept chosen (a point) full_matrix_rays all_rays host_seconds points, each with hierarchy threshold rays_a_link leaf_voxels
+// difference error error_bound rays board_ms.
+nlohmann::ordered_json statistics_of(const RadiosityResult& result, const RadiositySettings& settings, double area_unit,
+                                     const Counters& counters, const BoardInfo& board,
+                                     const std::optional<RadiosityPlan>& plan);
+
+// The error of form factors by their number of rays: root mean square of F / exact - 1 over independent estimates.
+struct ErrorCurve {
+  std::string name;                 // of the pair of elements
+  double exact = 0;                 // F, or the mean of 1 / r^2
+  std::vector<std::uint32_t> rays;  // of an estimate
+  std::vector<double> errors;
+  double slope = 0;  // of a straight line through log(error) over log(rays)
+};
+
+// Parallel squares a side apart, clear and in a medium; perpendicular ones with a common edge, plain and cut into strips that grow
+// with their distance from it; boxes whose centres are two sides apart. `max_rays`: a power of two, 64 or more.
+// `point`: the name of the only point that is wanted, error/CURVE/RAYS; empty: all.
+std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t max_rays, const std::string& point = "");
 
 }  // namespace gicube::samples

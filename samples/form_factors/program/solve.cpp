@@ -1,27 +1,18 @@
-#include "form_factors/program/solve.h"
-
 #include <fmt/format.h>
 
 #include <optional>
 #include <string>
 #include <utility>
 
-#include "form_factors/exchange/matrix.h"
-#include "form_factors/plan/plan.h"
-#include "form_factors/program/statistics.h"
+#include "form_factors/program/options.h"
 #include "form_factors/radiosity/field.h"
 #include "scene/image_file.h"
 #include "scene/program/board_run.h"
-#include "scene/program/input_error.h"
+#include "scene/program/program.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
-
-RadiosityProgress shown_by(ProgressLine& progress) {
-  return
-      [&progress](std::string_view what, double share) { progress.show(fmt::format("{} {:.0f}%", what, 100 * share)); };
-}
 
 void print(const RadiosityResult& result) {
   const RadiosityStatistics& s = result.statistics;
@@ -33,9 +24,8 @@ void print(const RadiosityResult& result) {
              s.rays, to_ms(s.board_time), static_cast<double>(s.bus_down_bytes) * 1e-6,
              static_cast<double>(s.bus_up_bytes) * 1e-6, s.host_seconds);
   for (std::size_t i = 0; i < s.iterations.size(); ++i) {
-    const bool told = i < 3 || i + 1 == s.iterations.size() || s.iterations[i].links != s.iterations[i + 1].links;
-    if (told)
-      fmt::print("iteration {}: {} links, {:.2g} under way\n", i + 1, s.iterations[i].links, s.iterations[i].residual);
+    if (i >= 3 && i + 1 < s.iterations.size() && s.iterations[i].links == s.iterations[i + 1].links) continue;
+    fmt::print("iteration {}: {} links, {:.2g} under way\n", i + 1, s.iterations[i].links, s.iterations[i].residual);
   }
   const EnergyBalance& e = s.energy;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -76,7 +66,10 @@ Emissions emissions_of(const Scene& scene, const SceneSetup& setup) {
   return emissions;
 }
 
-void solve(const SolveOptions& options, ProgressLine& progress) {
+void run(const SolveOptions& options, ProgressLine& progress) {
+  for (const auto* file : {&options.factors, &options.solution, &options.picture, &options.board.stats}) {
+    check_folder(*file);
+  }
   progress.show("reading the scene");
   Scene scene = scene_of(options.input);
   set_materials(options, scene);
@@ -88,17 +81,17 @@ void solve(const SolveOptions& options, ProgressLine& progress) {
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
 
   RunWindow window(board);
-  RadiositySettings settings = options.settings;
+  const Emissions emissions = emissions_of(scene, setup);
+  const auto told = [&progress](std::string_view what, double share) {
+    progress.show(fmt::format("{} {:.0f}%", what, 100 * share));
+  };
   std::optional<RadiosityPlan> plan;
-  RadiosityResult result;
   if (options.plan.wanted()) {
-    plan =
-        plan_radiosity(board, setup, emissions_of(scene, setup), settings, options.plan.target(), shown_by(progress));
-    settings = plan->settings;
-    result = std::move(plan->result);
-  } else {
-    result = solve_radiosity(board, setup, emissions_of(scene, setup), settings, shown_by(progress));
+    plan = plan_radiosity(board, setup, emissions, options.settings, options.plan.target(), told);
   }
+  const RadiositySettings& settings = plan ? plan->settings : options.settings;
+  const RadiosityResult result =
+      plan ? std::move(plan->result) : solve_radiosity(board, setup, emissions, settings, told);
   const Counters counters = window.counters();
   progress.clear();
   if (plan && options.plan.explain) print_plan(plan->explain());
@@ -108,9 +101,7 @@ void solve(const SolveOptions& options, ProgressLine& progress) {
   if (!options.solution.empty()) write_light_field(field, setup.volume.spacing, options.solution);
   if (!options.board.stats.empty()) {
     const double voxel = setup.grid.voxel;
-    auto json = to_json(result, settings, voxel * voxel, counters, board.info());
-    json["plan"] = plan ? to_json(*plan) : nullptr;
-    write_json(json, options.board.stats);
+    write_json(statistics_of(result, settings, voxel * voxel, counters, board.info(), plan), options.board.stats);
   }
   if (!options.picture.empty()) draw(options, scene, setup, field, board, progress);
 }

@@ -1,13 +1,11 @@
-#include "form_factors/program/statistics.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "form_factors/program/options.h"
 #include "scene/program/memory_counters.h"
-#include "scene/program/plan_options.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
@@ -15,33 +13,41 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double share(const Counters& counters, const std::string& part, const std::string& whole) {
-  const double all = static_cast<double>(counters.value(whole));
-  return all > 0 ? static_cast<double>(counters.value(part)) / all : 0;
+// (emitted - all that it became) / emitted, the worst channel.
+double balance_error(const EnergyBalance& energy) {
+  double worst = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!(energy.emitted[c] > 0)) continue;
+    const double became =
+        energy.absorbed_by_faces[c] + energy.absorbed_by_medium[c] + energy.escaped[c] + energy.under_way[c];
+    worst = std::max(worst, std::abs(energy.emitted[c] - became) / energy.emitted[c]);
+  }
+  return worst;
 }
 
-Json scaled(const Power& power, double unit) { return {power[0] * unit, power[1] * unit, power[2] * unit}; }
-
 Json energy_json(const EnergyBalance& energy, double unit) {
-  return {{"emitted", scaled(energy.emitted, unit)},
-          {"absorbed_by_faces", scaled(energy.absorbed_by_faces, unit)},
-          {"absorbed_by_medium", scaled(energy.absorbed_by_medium, unit)},
-          {"escaped", scaled(energy.escaped, unit)},
-          {"under_way", scaled(energy.under_way, unit)},
-          {"closure", scaled(energy.closure, unit)},
-          {"measured_closure", scaled(energy.measured_closure, unit)},
-          {"balance_error", balance_error(energy)}};
+  Json json;
+  for (const auto& [name, power] : {std::pair{"emitted", energy.emitted},
+                                    {"absorbed_by_faces", energy.absorbed_by_faces},
+                                    {"absorbed_by_medium", energy.absorbed_by_medium},
+                                    {"escaped", energy.escaped},
+                                    {"under_way", energy.under_way},
+                                    {"closure", energy.closure},
+                                    {"measured_closure", energy.measured_closure}}) {
+    json[name] = {power[0] * unit, power[1] * unit, power[2] * unit};
+  }
+  json["balance_error"] = balance_error(energy);
+  return json;
 }
 
 // Of the light that falls on elements, all channels together, by weight.
 Json error_json(const RadiosityResult& result) {
   double weights = 0, light = 0, errors = 0, greatest = 0;
-  for (std::size_t i = 0; i < result.leaves.size(); ++i) {
-    if (i >= result.standard_error.size()) break;
-    const Power& incident = result.incident[i];
+  for (std::size_t i = 0; i < result.standard_error.size(); ++i) {
+    const auto& [red, green, blue] = result.incident[i];
     const double weight = result.leaves[i].weight, error = result.standard_error[i];
     weights += weight;
-    light += weight * (incident[0] + incident[1] + incident[2]);
+    light += weight * (red + green + blue);
     errors += weight * error;
     greatest = std::max(greatest, error);
   }
@@ -75,6 +81,16 @@ Json point_json(const RadiosityPlanPoint& point) {
           {"error_bound", point.error_bound}, {"rays", point.all_rays},         {"board_ms", to_ms(point.time)}};
 }
 
+Json plan_json(const RadiosityPlan& plan) {
+  Json json = target_json(plan.target, plan.kept);
+  json.update(Json{{"chosen", point_json(plan.chosen)},
+                   {"full_matrix_rays", plan.finest_rays},
+                   {"all_rays", plan.all_rays},
+                   {"host_seconds", plan.host_seconds}});
+  for (const RadiosityPlanPoint& point : plan.points) json["points"].push_back(point_json(point));
+  return json;
+}
+
 }  // namespace
 
 const char* name_of(PairRays made) { return made == PairRays::kByHost ? "host" : "board"; }
@@ -101,7 +117,9 @@ Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const
       out.pipelines = busy;
       out.sorter = static_cast<double>(counters.value(processor + "cycles.sorter")) / cycles;
     }
-    out.memory = std::max(*out.memory, working * share(counters, channel + "data_busy", channel + "cycles"));
+    const auto all = static_cast<double>(counters.value(channel + "cycles"));
+    const double data = all > 0 ? static_cast<double>(counters.value(channel + "data_busy")) / all : 0;
+    out.memory = std::max(*out.memory, working * data);
   }
   return out;
 }
@@ -127,19 +145,8 @@ Json to_json(const Utilisation& utilisation) {
           {"bound", utilisation.bound()}};
 }
 
-double balance_error(const EnergyBalance& energy) {
-  double worst = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (!(energy.emitted[c] > 0)) continue;
-    const double became =
-        energy.absorbed_by_faces[c] + energy.absorbed_by_medium[c] + energy.escaped[c] + energy.under_way[c];
-    worst = std::max(worst, std::abs(energy.emitted[c] - became) / energy.emitted[c]);
-  }
-  return worst;
-}
-
-Json to_json(const RadiosityResult& result, const RadiositySettings& settings, double area_unit,
-             const Counters& counters, const BoardInfo& board) {
+Json statistics_of(const RadiosityResult& result, const RadiositySettings& settings, double area_unit,
+                   const Counters& counters, const BoardInfo& board, const std::optional<RadiosityPlan>& plan) {
   const RadiosityStatistics& statistics = result.statistics;
   Json iterations = Json::array();
   for (const Iteration& iteration : statistics.iterations) {
@@ -165,17 +172,8 @@ Json to_json(const RadiosityResult& result, const RadiositySettings& settings, d
           {"utilisation", to_json(utilisation_of(counters, statistics.board_time, board))},
           {"settings", settings_json(settings)},
           {"board", to_json(board)},
-          {"counters", to_json(counters)}};
-}
-
-Json to_json(const RadiosityPlan& plan) {
-  Json json = target_json(plan.target, plan.kept);
-  json.update(Json{{"chosen", point_json(plan.chosen)},
-                   {"full_matrix_rays", plan.finest_rays},
-                   {"all_rays", plan.all_rays},
-                   {"host_seconds", plan.host_seconds}});
-  for (const RadiosityPlanPoint& point : plan.points) json["points"].push_back(point_json(point));
-  return json;
+          {"counters", to_json(counters)},
+          {"plan", plan ? plan_json(*plan) : nullptr}};
 }
 
 }  // namespace gicube::samples

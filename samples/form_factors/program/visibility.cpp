@@ -1,5 +1,3 @@
-#include "form_factors/program/visibility.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,9 @@
 #include <cmath>
 #include <random>
 
+#include "form_factors/program/options.h"
 #include "scene/program/board_run.h"
+#include "scene/program/program.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kHidden = 1e-3;
 
-nlohmann::ordered_json to_json(const Visibility& seen, const VisibilityOptions& options, const BoardInfo& board) {
+nlohmann::ordered_json statistics_of(const Visibility& seen, const VisibilityOptions& options, const BoardInfo& board) {
   const double seconds = to_ms(seen.duration) * 1e-3;
   const auto rays = static_cast<double>(seen.rays);
   return {
@@ -33,8 +33,8 @@ nlohmann::ordered_json to_json(const Visibility& seen, const VisibilityOptions& 
       {"rays_per_host_second", rays / seen.host_seconds},
       {"utilisation", to_json(seen.utilisation)},
       {"seed", options.board.seed},
-      {"board", gicube::samples::to_json(board)},
-      {"counters", gicube::samples::to_json(seen.counters)}};
+      {"board", to_json(board)},
+      {"counters", to_json(seen.counters)}};
 }
 
 void print(const Visibility& seen) {
@@ -45,12 +45,11 @@ void print(const Visibility& seen) {
              ms > 0 ? static_cast<double>(seen.rays) / ms * 1e-3 : 0, seen.host_seconds,
              static_cast<double>(seen.rays) / seen.host_seconds * 1e-6);
   const Utilisation& u = seen.utilisation;
-  std::string text =
-      fmt::format("busy: bus {:.0f}% down, {:.0f}% up, DSP {:.0f}%", 100 * u.bus_down, 100 * u.bus_up, 100 * u.dsp);
-  if (u.sorter) text += fmt::format(", sorter {:.0f}%", 100 * *u.sorter);
-  if (u.pipelines) text += fmt::format(", pipelines {:.0f}%", 100 * *u.pipelines);
-  if (u.memory) text += fmt::format(", memory {:.0f}%", 100 * *u.memory);
-  fmt::print("{}: bound by the {}\n", text, u.bound());
+  fmt::print("busy: bus {:.0f}% down, {:.0f}% up, DSP {:.0f}%", 100 * u.bus_down, 100 * u.bus_up, 100 * u.dsp);
+  for (const auto& [name, share] : {std::pair{"sorter", u.sorter}, {"pipelines", u.pipelines}, {"memory", u.memory}}) {
+    if (share) fmt::print(", {} {:.0f}%", name, 100 * *share);
+  }
+  fmt::print(": bound by the {}\n", u.bound());
 }
 
 }  // namespace
@@ -104,10 +103,10 @@ Visibility look(Board& board, const RandomPairs& pairs, const PairRequest& reque
   return out;
 }
 
-void visibility(const VisibilityOptions& options, ProgressLine& progress) {
+void run(const VisibilityOptions& options, ProgressLine& progress) {
+  check_folder(options.board.stats);
   progress.show("reading the scene");
-  Scene scene = scene_of(options.input);
-  const SceneSetup setup = set_up(scene, options.board.threads);
+  const SceneSetup setup = set_up(scene_of(options.input), options.board.threads);
   Board board = open_board(options.board);
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
   load(board, setup, false, progress.parts("loading the volume"));
@@ -123,7 +122,7 @@ void visibility(const VisibilityOptions& options, ProgressLine& progress) {
   const Visibility seen = look(board, pairs, request, progress.parts("looking"));
   progress.clear();
   if (!options.board.quiet) print(seen);
-  if (!options.board.stats.empty()) write_json(to_json(seen, options, board.info()), options.board.stats);
+  if (!options.board.stats.empty()) write_json(statistics_of(seen, options, board.info()), options.board.stats);
 }
 
 }  // namespace gicube::samples

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "form_factors/exchange/medium.h"
-#include "form_factors/radiosity/smooth.h"
 
 namespace gicube::samples {
 namespace {

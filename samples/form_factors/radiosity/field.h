@@ -1,11 +1,17 @@
 // A solution of radiosity as the light that falls on a volume's voxels, ready for pictures.
 #pragma once
 
+#include <vector>
+
 #include "form_factors/radiosity/radiosity.h"
 #include "scene/light_field.h"
-#include "scene/scene.h"
 
 namespace gicube::samples {
+
+// A solution's incident light is the same all over each cluster that a link ends at, so that pictures show its edges. Here light
+// flows between neighbouring elements of one facing, as heat does, as far as the clusters are wide that it came by: sigma is a
+// third of their width, weighted by what each brought. What falls on all elements together stays as it is.
+std::vector<Power> smoothed(const RadiosityResult& result);
 
 // Three channels. Where there is
 //  - a solid's surface: the power that its faces get around there over the true area that they stand for, which is the sum of

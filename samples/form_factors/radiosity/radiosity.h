@@ -22,8 +22,8 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -34,6 +34,8 @@
 namespace gicube::samples {
 
 using Power = std::array<double, 3>;  // red, green, blue; linear, any unit, and all powers of a solution in the same
+
+using Edges = std::array<double, 3>;  // of a voxel, physical: in smallest voxel edges
 
 enum class Solver {
   kGathering,  // all clusters take over all links at once (Jacobi)
@@ -151,5 +153,11 @@ using RadiosityProgress = std::function<void(std::string_view what, double share
 // elements or emission), and what Board throws.
 RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
                                 const RadiositySettings& settings, const RadiosityProgress& progress = {});
+
+// FILE: Matrix Market, coordinate real symmetric: X between clusters, one entry a link, in smallest voxel edges squared; a form
+// factor is X_ij / w_i. FILE.clusters.csv beside it says of each row, counted from 1: facing, tag, box in voxels, area or
+// volume, weight, first and last leaf, and the row of the cluster that it is a part of. Throws FileError.
+void write_factors(const RadiosityResult& result, const std::filesystem::path& file);
+std::filesystem::path clusters_file(const std::filesystem::path& file);  // of the clusters' rows
 
 }  // namespace gicube::samples

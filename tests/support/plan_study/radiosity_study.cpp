@@ -1,7 +1,6 @@
 #include "radiosity_study.h"
 
-#include "form_factors/plan/study.h"
-#include "form_factors/program/solve.h"
+#include "form_factors/program/options.h"
 #include "scene/scene_file.h"
 
 namespace gicube::plan_study {

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <numbers>
 
-#include "form_factors/plan/study.h"
+#include "form_factors/plan/plan.h"
 #include "form_factors/radiosity/radiosity.h"
 #include "scene/program/input_error.h"
 #include "test_board.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "form_factors/program/charts.h"
+#include "form_factors/program/options.h"
 #include "scene/program/board_run.h"
 
 namespace gicube::samples {

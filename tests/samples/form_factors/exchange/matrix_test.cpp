@@ -1,4 +1,4 @@
-#include "form_factors/exchange/matrix.h"
+#include "form_factors/radiosity/radiosity.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,8 +5,7 @@
 
 #include <cstdlib>
 
-#include "form_factors/plan/study.h"
-#include "form_factors/program/solve.h"
+#include "form_factors/program/options.h"
 #include "scene/program/board_run.h"
 #include "scene/program/input_error.h"
 #include "scene/scene_file.h"

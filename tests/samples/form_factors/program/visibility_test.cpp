@@ -1,4 +1,4 @@
-#include "form_factors/program/visibility.h"
+#include "form_factors/program/options.h"
 
 #include <gtest/gtest.h>
 

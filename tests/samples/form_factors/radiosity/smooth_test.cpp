@@ -1,4 +1,4 @@
-#include "form_factors/radiosity/smooth.h"
+#include "form_factors/radiosity/field.h"
 
 #include <gtest/gtest.h>
 
