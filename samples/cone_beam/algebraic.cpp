@@ -32,7 +32,6 @@ void check(const AlgebraicSettings& settings, const ConeGeometry& geometry, cons
 struct Missing {
   double squares = 0, measured = 0;
 
-  void add(const Missing& other) { squares += other.squares, measured += other.measured; }
   double relative() const { return measured == 0 ? 0 : std::sqrt(squares / measured); }
 };
 
@@ -53,15 +52,12 @@ class Loop {
 
   Reconstruction run(const Progress& progress) {
     const Picoseconds begin = board_.now();
-    const auto all = static_cast<std::uint32_t>(settings_.iterations) * static_cast<std::uint32_t>(subsets_.size());
     std::vector<float> best = out_.values;
     double least = 1;  // of nothing
     int since = 0;
     bool grew = false;
     for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
-      const double residual = iterate(iteration, [&](std::uint32_t done) {
-        if (progress) progress(done, all);
-      });
+      const double residual = iterate(iteration, progress);
       out_.residuals.push_back(residual);
       if (subsets_.size() == 1 && iteration > 0) judge(residual, out_.residuals[out_.residuals.size() - 2]);
       if (out_.diverged) break;
@@ -80,12 +76,19 @@ class Loop {
     }
     out_.values = std::move(best);
     out_.board_time = board_.now() - begin;
-    if (progress) progress(all, all);
+    told(progress, settings_.iterations, 0);
     return std::move(out_);
   }
 
  private:
   using Densities = std::vector<std::vector<double>>;  // of views
+
+  void told(const Progress& progress, int iteration, std::uint32_t done) const {
+    const auto all = static_cast<std::uint32_t>(subsets_.size());
+    if (progress)
+      progress(static_cast<std::uint32_t>(iteration) * all + done,
+               static_cast<std::uint32_t>(settings_.iterations) * all);
+  }
 
   // A correction that is not too large makes the projections of its own views better.
   void judge(double after, double before) {
@@ -94,16 +97,16 @@ class Loop {
 
   // All subsets once. Stops where a residual says that the values are worse than nothing. The first subset is projected again
   // after its correction: non-negative values may circle for ever without growing.
-  template <typename Told>
-  double iterate(int iteration, const Told& told) {
+  double iterate(int iteration, const Progress& progress) {
     Missing missing;
-    std::uint32_t done = static_cast<std::uint32_t>(iteration) * static_cast<std::uint32_t>(subsets_.size());
+    std::uint32_t done = 0;
     bool first = subsets_.size() > 1;
     for (const std::size_t subset : subset_order(subsets_.size(), settings_, iteration)) {
-      told(done++);
+      told(progress, iteration, done++);
       Densities densities;
       const Missing here = project(subsets_[subset], densities);
-      missing.add(here);
+      missing.squares += here.squares;
+      missing.measured += here.measured;
       judge(here.relative(), kWorseThanNothing);
       if (out_.diverged) break;
       move(subset, backproject(subsets_[subset], densities));
@@ -119,32 +122,24 @@ class Loop {
     return angles;
   }
 
-  // What the views of a subset miss, and what it is a unit of length.
+  // What the views of a subset miss; and what each ray should have had more, by its length. Rays that cut a corner off are left out
+  // of it all, since they say next to nothing, and loudly.
   Missing project(const std::vector<std::size_t>& views, Densities& densities) {
     load_values(board_, geometry_.volume, out_.values);
-    densities.resize(views.size());
+    densities.clear();
     Missing missing;
-    out_.rays += project_views(board_, geometry_, angles_of(views), settings_.step,
-                               [&](std::size_t i, const std::vector<float>& projected) {
-                                 densities[i] = missing_of(views[i], projected, missing);
-                               });
+    const auto take = [&](std::size_t i, const std::vector<float>& projected) {
+      std::vector<double>& rays = densities.emplace_back(lengths_of(views[i]));
+      for (std::size_t pixel = 0; pixel < rays.size(); ++pixel) {
+        if (rays[pixel] == 0) continue;
+        const double wanted = double{projections_.view(views[i])[pixel]}, off = wanted - double{projected[pixel]};
+        missing.squares += off * off;
+        missing.measured += wanted * wanted;
+        rays[pixel] = off / rays[pixel];
+      }
+    };
+    out_.rays += project_views(board_, geometry_, angles_of(views), settings_.step, take);
     return missing;
-  }
-
-  // What each ray should have had more, by its length; rays that cut a corner off are left out of it all, since they say
-  // next to nothing, and loudly.
-  std::vector<double> missing_of(std::size_t view, const std::vector<float>& projected, Missing& missing) const {
-    const std::vector<double> lengths = lengths_of(view);
-    const float* measured = projections_.view(view);
-    std::vector<double> densities(lengths.size());
-    for (std::size_t pixel = 0; pixel < lengths.size(); ++pixel) {
-      if (lengths[pixel] == 0) continue;
-      const double wanted = static_cast<double>(measured[pixel]);
-      const double off = wanted - static_cast<double>(projected[pixel]);
-      missing.add({off * off, wanted * wanted});
-      densities[pixel] = off / lengths[pixel];
-    }
-    return densities;
   }
 
   std::vector<double> lengths_of(std::size_t view) const {
@@ -164,19 +159,15 @@ class Loop {
         [&](std::size_t i) { return densities[i]; }, out_);
   }
 
-  // What a density of one on all rays leaves.
-  std::vector<float> splatted_weights(const std::vector<std::size_t>& views) {
-    Densities ones;
-    for (const std::size_t view : views) {
-      ones.push_back(lengths_of(view));
-      for (double& value : ones.back()) value = value > 0 ? 1 : 0;
-    }
-    return backproject(views, ones);
-  }
-
   void move(std::size_t subset, const std::vector<float>& corrections) {
     std::vector<float> weights = std::move(weights_[subset]);
-    if (weights.empty()) weights = splatted_weights(subsets_[subset]);
+    if (weights.empty()) {  // what a density of one on all rays leaves
+      Densities ones;
+      for (const std::size_t view : subsets_[subset]) {
+        for (double& value : ones.emplace_back(lengths_of(view))) value = value > 0 ? 1 : 0;
+      }
+      weights = backproject(subsets_[subset], ones);
+    }
     constexpr float kLeast = 1e-3F;  // chosen, of the greatest weight: below it rays say nothing of a voxel
     const float least = kLeast * std::ranges::max(weights);
     const auto relaxation = static_cast<float>(settings_.relaxation);

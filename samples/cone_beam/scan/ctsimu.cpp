@@ -1,16 +1,108 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "cone_beam/scan/formats.h"
-#include "cone_beam/scan/json_part.h"
+#include "scene/formats/data_stream.h"
 #include "scene/formats/header_lines.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr int kMaxViews = 1 << 16;  // chosen
-constexpr double kMaxBytes = 1e15;  // chosen: of a header
+constexpr int kMaxViews = 1 << 16, kMaxPixels = 1 << 16;  // chosen
+constexpr double kMaxBytes = 1e15;                        // chosen: of a header
+constexpr double kDegree = std::numbers::pi / 180;
+
+// A JSON value that knows its own name. What is asked of it throws FileError if it is missing, of another type or out of range.
+struct JsonPart {
+  std::filesystem::path file;
+  std::string name;
+  nlohmann::json json;
+
+  [[noreturn]] void fault(const std::string& expected, const std::string& got) const {
+    throw FileError(file, name.empty() ? "file" : name, expected, got);
+  }
+  [[noreturn]] void fault(const std::string& expected) const {
+    const std::string got = json.dump();
+    fault(expected, got.size() > 80 ? got.substr(0, 77) + "..." : got);
+  }
+
+  bool has(const std::string& key) const { return json.is_object() && json.contains(key) && !json[key].is_null(); }
+  JsonPart at(const std::string& key) const {
+    const std::string path = name.empty() ? key : name + "." + key;
+    if (!json.is_object() || !json.contains(key)) throw FileError(file, path, "a value", "none");
+    return {file, path, json[key]};
+  }
+
+  std::string text() const {
+    if (!json.is_string()) fault("a text");
+    return json.get<std::string>();
+  }
+  bool boolean() const {
+    if (!json.is_boolean()) fault("true or false");
+    return json.get<bool>();
+  }
+  double number() const {
+    if (!json.is_number() || !std::isfinite(json.get<double>())) fault("a finite number");
+    return json.get<double>();
+  }
+  int whole(int low, int high) const {
+    const double value = json.is_number() ? json.get<double>() : low - 1.0;
+    if (!(value >= low && value <= high) || value != std::floor(value)) {
+      fault(fmt::format("a whole number from {} to {}", low, high));
+    }
+    return static_cast<int>(value);
+  }
+
+  // Of {"value": .., "unit": ".."} or a bare number: millimetres, radians (degrees are the format's own unit), pixels.
+  double length() const { return with_unit({{"mm", 1}, {"nm", 1e-6}, {"um", 1e-3}, {"cm", 10}, {"m", 1000}}); }
+  double angle() const {
+    const bool plain = json.is_number() || !has("unit");
+    return (plain ? kDegree : 1) * with_unit({{"deg", kDegree}, {"rad", 1}});
+  }
+  int pixels() const {
+    if (json.is_number()) return whole(1, kMaxPixels);
+    if (has("unit") && at("unit").text() != "px") at("unit").fault("px");
+    return at("value").whole(1, kMaxPixels);
+  }
+
+ private:
+  double with_unit(const std::vector<std::pair<const char*, double>>& units) const {
+    if (json.is_number()) return number();
+    const double value = at("value").number();
+    if (!has("unit")) return value;
+    const JsonPart unit = at("unit");
+    std::string known;
+    for (const auto& [text, size] : units) {
+      if (unit.text() == text) return value * size;
+      known += (known.empty() ? "" : ", ") + std::string(text);
+    }
+    unit.fault("one of " + known);
+  }
+};
+
+JsonPart read_json(const std::filesystem::path& file) {
+  constexpr std::uint64_t kMaxSize = 16 << 20;  // chosen: far above any description of a scan
+  constexpr int kMaxNesting = 100;              // chosen: copies and texts of deeper values would need much stack
+  if (const auto bytes = file_bytes(file); bytes > kMaxSize) {
+    throw FileError(file, "file", "at most 16 MiB", fmt::format("{} bytes", bytes));
+  }
+  std::ifstream stream(file);
+  const auto check_depth = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    if (depth <= kMaxNesting) return true;
+    throw FileError(file, "file", fmt::format("at most {} levels of nesting", kMaxNesting), "more");
+  };
+  try {
+    return {file, "", nlohmann::json::parse(stream, check_depth)};
+  } catch (const nlohmann::json::parse_error& error) {
+    throw FileError(file, fmt::format("byte {}", error.byte), "JSON", error.what());
+  } catch (const nlohmann::json::out_of_range& error) {
+    throw FileError(file, "file", "numbers that a double holds", error.what());
+  }
+}
 
 // x, y, z of lengths.
 Vec3 place(const JsonPart& part) { return {part.at("x").length(), part.at("y").length(), part.at("z").length()}; }
@@ -31,7 +123,7 @@ struct Stand {
 };
 
 Stand stand_of(const JsonPart& part) {
-  if (part.has("deviations") && part.at("deviations").size() > 0) {
+  if (part.has("deviations") && !part.at("deviations").json.empty()) {
     part.at("deviations").fault("none: machines that deviate from their geometry are not supported");
   }
   const Stand stand{place(part.at("center")), direction(part.at("vector_u")), {}, direction(part.at("vector_w"))};
@@ -84,7 +176,7 @@ ScanDescription read_scenario(const JsonPart& json) {
                                       pitch.at("v").length(), columns, rows);
   // Where the ray that meets the detector squarely passes the axis of rotation, which is z here.
   const double to_axis = -(frame.source.x * frame.towards.x + frame.source.y * frame.towards.y);
-  const FrameNames names{json.file(), "geometry.detector.vector_w", "geometry.detector.vector_u",
+  const FrameNames names{json.file, "geometry.detector.vector_w", "geometry.detector.vector_u",
                          "geometry.detector.vector_w x vector_u"};
   const FacingView facing = facing_view(frame, to_axis, columns, rows, names);
   const double beside = std::hypot(facing.centre.x, facing.centre.y);
@@ -93,11 +185,11 @@ ScanDescription read_scenario(const JsonPart& json) {
                                             fmt::format("one {:.6g} mm beside it", beside));
   }
   ScanDescription out;
-  describe({facing}, {json.file()}, out);
+  describe({facing}, {json.file}, out);
   // The stage turns one way, so that from it the source goes the other.
   out.geometry.angles.clear();
   for (const double angle : stage_angles(json.at("acquisition"))) out.geometry.angles.push_back(facing.angle - angle);
-  out.file = json.file();
+  out.file = json.file;
   return out;
 }
 
@@ -105,9 +197,8 @@ RawLayout layout_of(const JsonPart& projections, int columns, int rows) {
   const JsonPart type = projections.at("datatype");
   RawLayout layout;
   layout.dims = {columns, rows, 0};
-  const auto known = raw_type(type.text());
-  if (!known) type.fault("uint8, uint16, int16 or float32");
-  layout.type = *known;
+  if (!raw_type(type.text())) type.fault("uint8, uint16, int16 or float32");
+  layout.type = *raw_type(type.text());
   if (projections.has("byteorder")) {
     const JsonPart order = projections.at("byteorder");
     if (order.text() != "little" && order.text() != "big") order.fault("\"little\" or \"big\"");
@@ -131,7 +222,7 @@ StackFiles files_of(const JsonPart& name, int count, const RawLayout& layout) {
   const std::string text = name.text();
   const std::size_t percent = text.find('%');
   if (percent == std::string::npos) {
-    out.files = {beside(name.file(), text)};
+    out.files = {beside(name.file, text)};
     return out;
   }
   const std::size_t end = text.find('d', percent);
@@ -141,7 +232,7 @@ StackFiles files_of(const JsonPart& name, int count, const RawLayout& layout) {
   const int width = digits.empty() ? 0 : std::stoi(digits);
   for (int i = 0; i < count; ++i) {
     out.files.push_back(
-        beside(name.file(), text.substr(0, percent) + fmt::format("{:0{}}", i, width) + text.substr(end + 1)));
+        beside(name.file, text.substr(0, percent) + fmt::format("{:0{}}", i, width) + text.substr(end + 1)));
   }
   return out;
 }
@@ -159,8 +250,8 @@ StackFiles correction_of(const JsonPart& projections, const char* key, const Raw
 ScanDescription read_metadata(const JsonPart& json) {
   const JsonPart output = json.at("output"), projections = output.at("projections");
   const JsonPart scenario = json.at("acquisition_geometry").at("path_to_CTSimU_JSON");
-  ScanDescription out = read_scenario(JsonPart(beside(json.file(), scenario.text())));
-  out.file = json.file();
+  ScanDescription out = read_scenario(read_json(beside(json.file, scenario.text())));
+  out.file = json.file;
   const JsonPart size = projections.at("dimensions");
   const Detector& detector = out.geometry.detector;
   const int columns = size.at("x").pixels(), rows = size.at("y").pixels();
@@ -186,7 +277,7 @@ ScanDescription read_metadata(const JsonPart& json) {
 }  // namespace
 
 ScanDescription read_ctsimu(const std::filesystem::path& file) {
-  const JsonPart json(file);
+  const JsonPart json = read_json(file);
   const std::string type = json.at("file").at("file_type").text();
   if (type == "CTSimU Scenario") return read_scenario(json);
   if (type == "CTSimU Metadata") return read_metadata(json);

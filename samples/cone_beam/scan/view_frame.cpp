@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace gicube::samples {
@@ -61,28 +62,24 @@ void describe(const std::vector<FacingView>& views, const std::vector<std::files
   const FacingView& first = views.front();
   const double edge = std::max(first.detector.columns, first.detector.rows) / 2.0;
   const double pixel = first.detector.pitch_u;
+  // What all views share: the first four as quotients, at the detector's edge, the others as they are.
+  constexpr std::array kNames{"source to axis", "source to detector", "pitch of columns",
+                              "pitch of rows",  "offset of columns",  "offset of rows",
+                              "x of the axis",  "y of the axis",      "z of the source"};
+  const auto shared = [](const FacingView& view) {
+    const auto& [columns, rows, pitch_u, pitch_v, offset_u, offset_v] = view.detector;
+    return std::array{view.source_to_axis, view.source_to_detector, pitch_u,      pitch_v, offset_u, offset_v,
+                      view.centre.x,       view.centre.y,           view.centre.z};
+  };
   for (std::size_t i = 0; i < views.size(); ++i) {
     const FacingView& view = views[i];
-    // Differences in pixels, of sizes at the detector's edge.
-    const auto same = [&](const char* field, double value, double other, double in_pixels) {
-      if (std::abs(in_pixels) < kPixels) return;
-      throw FileError(files[i], field, fmt::format("{:.9g} as in the first view", other), fmt::format("{:.9g}", value));
-    };
-    const auto share = [&](const char* field, double value, double other) {
-      same(field, value, other, (value / other - 1) * edge);
-    };
-    share("source to axis", view.source_to_axis, first.source_to_axis);
-    share("source to detector", view.source_to_detector, first.source_to_detector);
-    share("pitch of columns", view.detector.pitch_u, first.detector.pitch_u);
-    share("pitch of rows", view.detector.pitch_v, first.detector.pitch_v);
-    const auto shifted = [&](const char* field, double value, double other) {
-      same(field, value, other, (value - other) / pixel);
-    };
-    shifted("offset of columns", view.detector.offset_u, first.detector.offset_u);
-    shifted("offset of rows", view.detector.offset_v, first.detector.offset_v);
-    shifted("x of the axis", view.centre.x, first.centre.x);
-    shifted("y of the axis", view.centre.y, first.centre.y);
-    shifted("z of the source", view.centre.z, first.centre.z);
+    for (std::size_t k = 0; k < kNames.size(); ++k) {
+      const double value = shared(view)[k], other = shared(first)[k];
+      const double in_pixels = k < 4 ? (value / other - 1) * edge : (value - other) / pixel;
+      if (std::abs(in_pixels) < kPixels) continue;
+      throw FileError(files[i], kNames[k], fmt::format("{:.9g} as in the first view", other),
+                      fmt::format("{:.9g}", value));
+    }
     if (view.columns_reversed != first.columns_reversed || view.rows_reversed != first.rows_reversed) {
       throw FileError(files[i], "pixels", "columns and rows that run as in the first view", "others");
     }
