@@ -72,8 +72,8 @@ RayToken Processor::carrier(const RayState& from, const Interaction& met, std::u
   ray.ray_state.v = from.v;
   ray.ray_state.lifetime = met.lifetime;
   ray.ray_state.flags = wire::kLightingRay | wire::kIrradianceCarrier;
-  set_energy(ray.ray_state.colour,
-             frame_->sums != nullptr ? met.units & 0xFF'FFFF : std::uint64_t{met.units} << kEnergyFractionBits);
+  ray.ray_state.set_energy(frame_->sums != nullptr ? met.units & 0xFF'FFFF
+                                                   : std::uint64_t{met.units} << kEnergyFractionBits);
   ray.block = block;
   RayToken token;
   token.ray = rays_.add(ray);

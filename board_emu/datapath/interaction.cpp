@@ -203,11 +203,11 @@ void interact_photon(Interaction& met, RayState& ray, std::uint32_t a, const wir
 void interact_bundle(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material,
                      const Sample& sample, const Frame& frame, RayCounters& counters) {
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
-  const std::uint64_t before = energy(ray.colour), lost = printed ? a : absorption_opacity(a, material);
+  const std::uint64_t before = ray.energy(), lost = printed ? a : absorption_opacity(a, material);
   const std::uint32_t units = energy_units(ray, frame);
   // Rounded at random: a small energy in thin fog would else never become less.
   const std::uint64_t dither = (draw_here(RandomStream::kLoss, ray, frame) >> 40) * wire::kOpacityOne >> 24;
-  set_energy(ray.colour, before - (before * lost + dither) / wire::kOpacityOne);
+  ray.set_energy(before - (before * lost + dither) / wire::kOpacityOne);
   const std::uint32_t left = energy_units(ray, frame);
   std::uint32_t given = units - left;
   if (printed && given != 0) {  // what was scattered is lost [P §2.2]
@@ -288,7 +288,7 @@ void interact_rendering(Interaction& met, RayState& ray, WideWords* wide, const 
 Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters) {
   Interaction met;
   met.visible = true;
-  const std::int32_t amount = amount_of(ray);
+  const std::int32_t amount = ray.amount();
   ++counters.deposits;
   if (frame.sums != nullptr) {
     met.deposits = amount != 0;
@@ -326,14 +326,14 @@ Sample sample_at(const Point& position, const Frame& frame) {
 }
 
 Deposit deposit_of(const RayState& carrier, const Frame& frame) {
-  if (frame.sums != nullptr) return spread_at(carrier.position, amount_of(carrier));
-  const auto units = static_cast<std::uint32_t>(energy(carrier.colour) >> kEnergyFractionBits);
+  if (frame.sums != nullptr) return spread_at(carrier.position, carrier.amount());
+  const auto units = static_cast<std::uint32_t>(carrier.energy() >> kEnergyFractionBits);
   return split_at(carrier.position, units, carrier.u, carrier.v, carrier.lifetime, frame.seed);
 }
 
 std::uint32_t energy_units(const RayState& ray, const Frame& frame) {
   const std::uint64_t phase = draw(RandomStream::kPhase, ray.u, ray.v, 0, frame.seed) >> (64 - kEnergyFractionBits);
-  return static_cast<std::uint32_t>((energy(ray.colour) + phase) >> kEnergyFractionBits);
+  return static_cast<std::uint32_t>((ray.energy() + phase) >> kEnergyFractionBits);
 }
 
 Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame,

@@ -26,10 +26,9 @@ struct RayState {
   std::uint32_t length = 0;    // of one voxel length along the direction: 16.16 reference voxel lengths
   std::uint32_t opacity = 0;   // 2^24 - 1 = one; a lighting ray's is `interacted`
   // Opacity since the last scattering. A rendering ray's packet has its 24 bits in place of `contribution`, which follows
-  // from the opacity, and `interaction`, which is drawn again when asked for. Of a segment: the steps that are left.
+  // from the opacity, and `interaction`, which is drawn again when asked for. A segment has its steps_left() here.
   std::uint32_t interacted = 0;
-  // Premultiplied, 4095 = one; of a lighting ray: its energy (energy()); the sum of densities; amount_of().
-  std::array<std::uint16_t, 3> colour{};
+  std::array<std::uint16_t, 3> colour{};  // premultiplied, 4095 = one; or another quantity, see below
   std::array<std::int16_t, 3> direction{};
   std::uint16_t u = 0;
   std::uint16_t v = 0;
@@ -38,24 +37,26 @@ struct RayState {
   std::uint8_t flags = 0;       // wire::RayFlag; of a ray that traps bits 6 and 7 are its material's tag
 
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
+
+  // The colour's 36 bits hold of a lighting ray its energy, 24.12 units; of an integral the sum of densities; and in their low
+  // 24 bits the amount that each sample of a ray leaves which backprojects.
+  std::uint64_t energy() const { return colour[0] | std::uint64_t{colour[1]} << 12 | std::uint64_t{colour[2]} << 24; }
+  void set_energy(std::uint64_t word) {
+    for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint16_t>(word >> (12 * i) & 0xFFF);
+  }
+  std::uint64_t density_sum() const { return energy(); }
+  void set_density_sum(std::uint64_t sum) { set_energy(sum); }
+  std::int32_t amount() const { return wire::sign_extend(static_cast<std::uint32_t>(energy()), 24); }
+  void set_amount(std::uint32_t word) { set_energy(word); }
+
+  std::int32_t steps_left() const { return static_cast<std::int32_t>(interacted); }
+  void set_steps_left(std::int32_t steps) { interacted = static_cast<std::uint32_t>(steps); }
 };
 static_assert(sizeof(RayState) == 60, "with its block it fills one of the host's cache lines (ray_store.h)");
 
 inline constexpr int kTrapTagShift = 6;
 
-// A lighting ray's energy lies in the colour's 36 bits: 24.12 units.
 inline constexpr int kEnergyFractionBits = 12;
-constexpr std::uint64_t energy(const std::array<std::uint16_t, 3>& colour) {
-  return colour[0] | std::uint64_t{colour[1]} << 12 | std::uint64_t{colour[2]} << 24;
-}
-constexpr void set_energy(std::array<std::uint16_t, 3>& colour, std::uint64_t energy) {
-  for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint16_t>(energy >> (12 * i) & 0xFFF);
-}
-
-// What each sample of a ray that backprojects leaves: the 24 bits that its packet has in place of opacity.
-inline std::int32_t amount_of(const RayState& ray) {
-  return wire::sign_extend(static_cast<std::uint32_t>(energy(ray.colour)), 24);
-}
 
 // How many reference voxel lengths one voxel length along `direction` is, 16.16. Exactly one where spacing is one.
 std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
@@ -71,7 +72,7 @@ inline void space(RayState& ray, std::uint32_t distance) {
 // Divides a segment's `length`, 16.16 voxels, into even steps of at most the frame's, and goes to the middle of the first.
 inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
   const std::uint32_t steps = (length + frame.step - 1) / frame.step;
-  ray.interacted = steps;
+  ray.set_steps_left(static_cast<std::int32_t>(steps));
   ray.colour = {};
   if (steps == 0) return;
   space(ray, (length + steps / 2) / steps);
@@ -96,7 +97,7 @@ inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
   space(out, frame.step);
   if (frame.segments()) divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
   if (frame.backprojects()) {
-    set_energy(out.colour, ray.opacity);
+    out.set_amount(ray.opacity);
     out.opacity = 0;
   }
   return out;
@@ -135,7 +136,7 @@ enum class Termination : std::uint8_t { kNot, kLeft, kOpaque, kAbsorbed, kWaits 
 
 inline Termination end(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return Termination::kLeft;
-  if (frame.segments() && ray.interacted == 0) return Termination::kLeft;
+  if (frame.segments() && ray.steps_left() == 0) return Termination::kLeft;
   for (const Plane& plane : frame.cut_planes) {
     if (beyond(plane, ray.position, ray.step)) return Termination::kLeft;
   }
@@ -184,7 +185,7 @@ inline bool take_sample(RayState& ray, WideWords* wide, const SampleSite& site, 
   }
   const Channels sample = resample_view(view, first, at, row, slice);
   if (frame.integral()) {
-    set_energy(ray.colour, energy(ray.colour) + static_cast<std::uint64_t>(sample[0]));
+    ray.set_density_sum(ray.density_sum() + static_cast<std::uint64_t>(sample[0]));
     return sample[0] != 0;
   }
   const std::size_t index = segmentation_index(sample[0], tag);
@@ -215,7 +216,7 @@ inline constexpr std::uint16_t kFullContribution = 4095;
 inline std::uint16_t contribution(const RayState& ray) {
   if (!ray.is(wire::kLightingRay)) return contribution(ray.opacity);
   constexpr int kShift = kEnergyFractionBits - 4;  // 255 units fill 12 bits
-  return static_cast<std::uint16_t>(std::min<std::uint64_t>(energy(ray.colour) >> kShift, kFullContribution));
+  return static_cast<std::uint16_t>(std::min<std::uint64_t>(ray.energy() >> kShift, kFullContribution));
 }
 
 inline void advance(RayState& ray, std::int32_t steps) {
@@ -225,12 +226,12 @@ inline void advance(RayState& ray, std::int32_t steps) {
 // The steps that take the ray out of its empty block [low, low + size), or a segment to its end.
 inline std::int32_t leap_steps(const RayState& ray, const Point& low, std::int32_t size, const Frame& frame) {
   const std::int32_t steps = leap_steps(ray.position, ray.step, low, size);
-  return frame.segments() ? std::min(steps, static_cast<std::int32_t>(ray.interacted)) : steps;
+  return frame.segments() ? std::min(steps, ray.steps_left()) : steps;
 }
 
 // Counts the steps of a segment down.
 inline void count_steps(RayState& ray, std::int32_t steps, const Frame& frame) {
-  if (frame.segments()) ray.interacted -= static_cast<std::uint32_t>(steps);
+  if (frame.segments()) ray.set_steps_left(ray.steps_left() - steps);
 }
 
 }  // namespace gicube::emu

@@ -52,8 +52,8 @@ Interaction answer_trap(RayState& ray, WideWords* wide, const Direction& directi
     const bool lighting = ray.is(wire::kLightingRay);
     if (lighting) {
       const std::uint32_t before = energy_units(ray, frame);
-      const std::uint64_t e = energy(ray.colour);
-      set_energy(ray.colour, e - (e * dropped + wire::kOpacityOne / 2) / wire::kOpacityOne);
+      const std::uint64_t e = ray.energy();
+      ray.set_energy(e - (e * dropped + wire::kOpacityOne / 2) / wire::kOpacityOne);
       counters.energy.scattered_away += before - energy_units(ray, frame);
     } else if (wide != nullptr) {
       over(ray, *wide, {0, 0, 0}, static_cast<float>(dropped) / static_cast<float>(wire::kOpacityOne));

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
-#include <thread>
+
+#include "words/parallel_for.h"
 
 namespace gicube::emu {
 
@@ -81,16 +82,10 @@ wire::Pixel Framebuffer::pixel(int x, int y) const {
 
 std::vector<std::uint8_t> Framebuffer::packed(unsigned threads) const {
   std::vector<std::uint8_t> bytes(wire::packed36_bytes(sums_.size()));
-  const std::size_t part = sums_.size() / threads / 2 * 2 + 2;  // even: two pixels share a byte
-  const auto pack = [&](unsigned t) {
-    const std::size_t end = std::min(sums_.size(), (t + 1) * part);
-    for (std::size_t i = t * part; i < end; ++i) wire::store36(bytes, i, wire::to_word(resolve(sums_[i])));
-  };
-  {
-    std::vector<std::jthread> others;
-    for (unsigned t = 1; t < threads; ++t) others.emplace_back(pack, t);
-    pack(0);
-  }
+  const std::size_t run = sums_.size() / threads / 2 * 2 + 2;  // even: two pixels share a byte
+  parallel_for_runs(sums_.size(), run, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) wire::store36(bytes, i, wire::to_word(resolve(sums_[i])));
+  });
   return bytes;
 }
 

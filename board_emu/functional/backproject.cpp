@@ -1,10 +1,8 @@
 #include "backproject.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 #include <memory>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -12,6 +10,7 @@
 #include "datapath/ray_step.h"
 #include "functional/simd/splat_pieces.h"
 #include "memory/sum_memory.h"
+#include "words/parallel_for.h"
 
 namespace gicube::emu {
 
@@ -30,7 +29,7 @@ struct Cut {
 // How many samples of the ray lie in the volume, of those that it has left.
 std::int32_t samples_inside(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return 0;
-  auto count = static_cast<std::int32_t>(ray.interacted);
+  std::int32_t count = ray.steps_left();
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::int32_t step = ray.step[axis];
     if (step > 0) count = std::min(count, (frame.extent[axis] - ray.position[axis]) / step + 1);
@@ -44,7 +43,7 @@ void cut(const wire::Ray& packet, const Frame& frame, const BlockGrid& grid, Cut
   std::int32_t left = samples_inside(ray, frame);
   ++out.counters.rays;
   out.counters.samples += static_cast<std::uint64_t>(left);
-  const std::int32_t amount = amount_of(ray);
+  const std::int32_t amount = ray.amount();
   const auto size = static_cast<std::uint32_t>(std::abs(amount));
   const std::uint64_t moves = wire::max_moved(size, static_cast<std::uint32_t>(packet.colour_word()), frame.step);
   out.counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{amount} * left);
@@ -60,14 +59,6 @@ void cut(const wire::Ray& packet, const Frame& frame, const BlockGrid& grid, Cut
     advance(ray, count);
     left -= count;
   }
-}
-
-// Runs job(t) for t in [0, threads), the first on this thread.
-template <typename Job>
-void on_threads(unsigned threads, const Job& job) {
-  std::vector<std::jthread> others;
-  for (unsigned t = 1; t < threads; ++t) others.emplace_back([&job, t] { job(t); });
-  job(0u);
 }
 
 // The pieces of one block, among all that are sorted by block.
@@ -93,7 +84,7 @@ class SortedPieces {
       }
       if (at != first) busy_.push_back({block, {pieces_.get() + first, at - first}, moves});
     }
-    on_threads(static_cast<unsigned>(cuts.size()), [&](unsigned t) {
+    parallel_for(cuts.size(), static_cast<unsigned>(cuts.size()), [&](std::size_t t) {
       for (const Piece& piece : cuts[t].pieces) pieces_[cuts[t].counts[piece.block]++] = piece;
     });
   }
@@ -112,23 +103,20 @@ RayCounters backproject(std::span<const wire::Ray> rays, const Frame& frame, uns
   threads = static_cast<unsigned>(std::clamp<std::size_t>(rays.size() / kMinRays, 1, std::max(threads, 1u)));
   const BlockGrid grid(*frame.volume);
   std::vector<Cut> cuts(threads, Cut(frame.volume->block_count()));
-  on_threads(threads, [&](unsigned t) {
+  parallel_for(threads, threads, [&](std::size_t t) {
     const std::size_t first = rays.size() * t / threads, last = rays.size() * (t + 1) / threads;
     for (std::size_t i = first; i < last; ++i) cut(rays[i], frame, grid, cuts[t]);
   });
 
   const SortedPieces sorted(cuts);
   const std::size_t row = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
-  std::atomic<std::size_t> next{0};
-  on_threads(threads, [&](unsigned) {
-    for (std::size_t i = next++; i < sorted.busy().size(); i = next++) {
-      const Busy& of = sorted.busy()[i];
-      frame.sums->moved(of.block, of.moves);
-      if (std::int64_t* const pairs = frame.sums->pairs(of.block, of.moves); pairs != nullptr) {
-        splat(of.pieces, pairs, row, row * row);
-      } else {
-        splat_to_words(of.pieces, frame.sums->storage(of.block), row, row * row);
-      }
+  parallel_for(sorted.busy().size(), threads, [&](std::size_t i) {
+    const Busy& of = sorted.busy()[i];
+    frame.sums->moved(of.block, of.moves);
+    if (std::int64_t* const pairs = frame.sums->pairs(of.block, of.moves); pairs != nullptr) {
+      splat(of.pieces, pairs, row, row * row);
+    } else {
+      splat_to_words(of.pieces, frame.sums->storage(of.block), row, row * row);
     }
   });
   RayCounters sum;

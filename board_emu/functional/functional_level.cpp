@@ -45,7 +45,7 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
   const std::size_t batches = source.divide(tracer != nullptr ? kVectorRays : kScalarRays);
   progress.done = 0;
   progress.all = static_cast<std::uint32_t>(batches);
-  return parallel_for<Counts>(batches, threads, [&](std::size_t b, Counts& counts) {
+  return parallel_sum<Counts>(batches, threads, [&](std::size_t b, Counts& counts) {
     if (progress.cancel) return;
     const auto batch = source.make_batch(b);
     counts.made += batch->rays.size();
@@ -86,7 +86,7 @@ RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTrace
                   std::span<std::int32_t> steps) {
   const std::size_t run_rays = tracer != nullptr ? kVectorRays : kScalarRays;
   const std::size_t runs = (rays.size() + run_rays - 1) / run_rays;
-  return parallel_for<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counters) {
+  return parallel_sum<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counters) {
     const std::size_t begin = run * run_rays, count = std::min(run_rays, rays.size() - begin);
     const auto part = rays.subspan(begin, count);
     const auto their_steps = steps.subspan(begin, count);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
 
 #include "gicube/wire/voxel.h"
 #include "memory/block_decoder.h"
+#include "words/parallel_for.h"
 
 namespace gicube::emu {
 
@@ -172,18 +172,10 @@ void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
 
 void VolumeMemory::decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes,
                                  unsigned threads, bool only_tags) {
-  std::atomic<std::size_t> next{0};
   std::atomic<bool> tagged{!tags_.empty()};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < which.size(); i = next++) {
-      if (decode_block(which[i], codes, only_tags)) tagged = true;
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    for (unsigned t = 1; t < threads && t < which.size(); ++t) others.emplace_back(work);
-    work();
-  }
+  parallel_for(which.size(), threads, [&](std::size_t i) {
+    if (decode_block(which[i], codes, only_tags)) tagged = true;
+  });
   if (!tagged || !tags_.empty()) return;
   // The first tags of this volume: blocks decoded before them have none.
   tags_.resize(places() + kTagsBeyond, 0);

@@ -16,17 +16,15 @@ inline unsigned thread_count(unsigned wanted) {
   return wanted != 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-// Runs `job(i, counters)` for i in [0, count) on `threads` threads and adds their counters up. What one of them throws
-// ends all, and is thrown again.
-template <typename Counters, typename Job>
-Counters parallel_for(std::size_t count, unsigned threads, const Job& job) {
+// Runs `job(i)` for i in [0, count) on `threads` threads. What one of them throws ends all, and is thrown again.
+template <typename Job>
+void parallel_for(std::size_t count, unsigned threads, const Job& job) {
   std::atomic<std::size_t> next{0};
-  std::vector<Counters> each(std::max(threads, 1u));
   std::mutex fault_mutex;
   std::exception_ptr fault;
-  const auto work = [&](Counters& counters) {
+  const auto work = [&] {
     try {
-      for (std::size_t i = next++; i < count; i = next++) job(i, counters);
+      for (std::size_t i = next++; i < count; i = next++) job(i);
     } catch (...) {
       next = count;
       const std::lock_guard lock(fault_mutex);
@@ -35,12 +33,29 @@ Counters parallel_for(std::size_t count, unsigned threads, const Job& job) {
   };
   {
     std::vector<std::jthread> others;
-    for (std::size_t t = 1; t < each.size() && t < count; ++t) others.emplace_back([&, t] { work(each[t]); });
-    work(each[0]);
+    for (std::size_t t = 1; t < std::min<std::size_t>(threads, count); ++t) others.emplace_back(work);
+    work();
   }
   if (fault) std::rethrow_exception(fault);
+}
+
+// The same for parts that stay together: `job(begin, end)` for runs of `run` of the numbers [0, count).
+template <typename Job>
+void parallel_for_runs(std::size_t count, std::size_t run, unsigned threads, const Job& job) {
+  parallel_for((count + run - 1) / run, threads, [&](std::size_t i) { job(i * run, std::min(count, (i + 1) * run)); });
+}
+
+// The same for a job that counts: `job(i, counters)`. Returns the sum of all counters.
+template <typename Counters, typename Job>
+Counters parallel_sum(std::size_t count, unsigned threads, const Job& job) {
+  std::mutex sum_mutex;
   Counters sum;
-  for (const Counters& counters : each) sum += counters;
+  parallel_for(count, threads, [&](std::size_t i) {
+    Counters own;
+    job(i, own);
+    const std::lock_guard lock(sum_mutex);
+    sum += own;
+  });
   return sum;
 }
 

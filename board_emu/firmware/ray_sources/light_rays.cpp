@@ -8,7 +8,7 @@ std::optional<wire::Ray> LightRays::make(std::uint64_t i, RayCounters& counters)
   auto ray = rays_.make(i);
   if (!ray) return ray;
   ray->lifetime = frame_.lifetime;
-  counters.energy.emitted += energy(ray->colour) >> kEnergyFractionBits;
+  counters.energy.emitted += ray->colour_word() >> kEnergyFractionBits;
   return ray;
 }
 

@@ -1,9 +1,8 @@
 #include "functional/simd/cell_ranges.h"
 
 #include <algorithm>
-#include <atomic>
-#include <thread>
-#include <vector>
+
+#include "words/parallel_for.h"
 
 namespace gicube::emu {
 
@@ -35,16 +34,9 @@ void CellRanges::follow(const VolumeMemory& volume, const std::int16_t* densitie
   cells_.resize(count);
   constexpr std::size_t kRun = 1 << 15;  // cells; chosen: some 0.2 ms, several times what a thread takes to begin
   const std::size_t blocks = volume.block_count(), run = std::max<std::size_t>(kRun / (count / blocks), 1);
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t begin = next.fetch_add(run); begin < blocks; begin = next.fetch_add(run)) {
-      const std::size_t end = std::min(begin + run, blocks);
-      for (std::size_t block = begin; block < end; ++block) follow_block(volume, densities, block);
-    }
-  };
-  std::vector<std::jthread> others;
-  for (unsigned t = 1; t < threads && t * run < blocks; ++t) others.emplace_back(work);
-  work();
+  parallel_for_runs(blocks, run, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t block = begin; block < end; ++block) follow_block(volume, densities, block);
+  });
 }
 
 }  // namespace gicube::emu

@@ -1,7 +1,8 @@
 #include "functional/simd/density_copy.h"
 
 #include <algorithm>
-#include <thread>
+
+#include "words/parallel_for.h"
 
 namespace gicube::emu {
 
@@ -20,14 +21,9 @@ void DensityCopy::follow(const VolumeMemory& volume, unsigned threads) {
   if (voxels.size() >= kMax) return;
   densities_.resize(voxels.size() + 1);  // a pair is read at the last voxel too
   densities_.back() = 0;
-  const std::size_t part = voxels.size() / threads + 1;
-  const auto copy = [&](unsigned t) {
-    const std::size_t end = std::min(voxels.size(), (t + 1) * part);
-    for (std::size_t i = t * part; i < end; ++i) densities_[i] = voxels[i].channel[0];
-  };
-  std::vector<std::jthread> others;
-  for (unsigned t = 1; t < threads; ++t) others.emplace_back(copy, t);
-  copy(0);
+  parallel_for_runs(voxels.size(), voxels.size() / threads + 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) densities_[i] = voxels[i].channel[0];
+  });
   place_ = densities_.data();
 }
 

@@ -127,7 +127,7 @@ class LaneScheduler {
       lanes.direction[axis].lane[lane] = ray.direction[axis];
     }
     for (Word& word : lanes.sum) word.lane[lane] = 0;
-    const std::int32_t segment = frame_.segments() ? static_cast<std::int32_t>(ray.interacted) : kNoLimit;
+    const std::int32_t segment = frame_.segments() ? ray.steps_left() : kNoLimit;
     slot.steps = frame_.jitter ? 1 : std::min(steps_inside(ray, frame_), segment);
     lanes.left.lane[lane] = slot.steps;
     lanes.more.lane[lane] = segment - slot.steps;
@@ -149,10 +149,10 @@ class LaneScheduler {
     }
     if (frame_.integral()) {
       const auto low = static_cast<std::uint64_t>(lanes.sum[0].lane[lane]);
-      set_energy(ray.colour, low | static_cast<std::uint64_t>(lanes.sum[1].lane[lane]) << kSumBits);
+      ray.set_density_sum(low | static_cast<std::uint64_t>(lanes.sum[1].lane[lane]) << kSumBits);
     }
     const std::int32_t steps = frame_.jitter ? lanes.taken.lane[lane] : slot.steps - lanes.left.lane[lane];
-    if (frame_.segments()) ray.interacted -= static_cast<std::uint32_t>(steps);
+    if (frame_.segments()) ray.set_steps_left(ray.steps_left() - steps);
     ray.opacity = static_cast<std::uint32_t>(lanes.opacity.lane[lane]);
     count_end(ray, end(ray, frame_), frame_, counters_);
     pack(ray, frame_, *slot.ray);

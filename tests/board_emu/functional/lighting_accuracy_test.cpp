@@ -44,7 +44,7 @@ struct Slab {
   void light(std::uint32_t k, Albedo albedo) {
     const double units = lit.scene.frame.wide ? 1e6 : 8;  // of a ray
     const auto leaves = [this](const wire::Ray& ray) {
-      const auto left = static_cast<double>(energy(ray.colour));
+      const auto left = static_cast<double>(ray.colour_word());
       const bool at_back = ray.position[2] == 0, at_front = ray.position[2] == (kThick - 1) * wire::kVoxel;
       (at_back ? back : at_front ? through : sideways) += left;
     };

@@ -185,7 +185,7 @@ TEST(LightingLedger, EmitsWhatItsRaysCarry) {
                           {wire::kSpacingOne, wire::kSpacingOne, wire::kSpacingOne}, 8, 77);
   std::uint64_t count = 0, emitted = 0;
   for (std::uint64_t i = 0; i < rays.count(); ++i) {
-    if (const auto ray = rays.make(i)) ++count, emitted += energy(ray->colour) >> kEnergyFractionBits;
+    if (const auto ray = rays.make(i)) ++count, emitted += ray->colour_word() >> kEnergyFractionBits;
   }
   EXPECT_EQ(at.rays, count);
   EXPECT_EQ(at.emitted, emitted);

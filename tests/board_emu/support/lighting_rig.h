@@ -66,12 +66,12 @@ class LitScene {
       auto ray = all.make(i);
       if (!ray) continue;
       ray->lifetime = scene.frame.lifetime;
-      counters.energy.emitted += energy(ray->colour) >> kEnergyFractionBits;
+      counters.energy.emitted += ray->colour_word() >> kEnergyFractionBits;
       ++counters.rays;
       const std::uint64_t escaped = counters.energy.escaped;
       integrate(*ray, scene.frame, counters);
       if (counters.energy.escaped != escaped) {
-        set_energy(ray->colour, counters.energy.escaped - escaped);  // whole units
+        ray->set_colour_word(counters.energy.escaped - escaped);  // whole units
         leaves(*ray);
       }
     }
