@@ -6,7 +6,7 @@ namespace gicube::emu {
 
 namespace {
 
-wire::GradientEntry decode_gradient(std::span<const std::uint8_t, wire::kGradientEntryBytes> bytes) {
+wire::GradientEntry decode_gradient(std::span<const std::uint8_t> bytes) {
   return wire::to_gradient(wire::load<std::uint32_t>(bytes, 0));
 }
 
@@ -20,9 +20,9 @@ std::vector<std::uint8_t> slice(std::span<const std::uint8_t> bytes, std::uint64
 }  // namespace
 
 Aperture::Aperture(int block_voxels, std::uint32_t max_irradiance)
-    : segmentation_(wire::kSegmentationEntries, wire::decode_segmentation),
+    : segmentation_(wire::kSegmentationEntries, wire::decode<wire::SegmentationEntry>),
       gradients_(wire::kGradientCodes, decode_gradient),
-      materials_(wire::kTags, wire::decode_material),
+      materials_(wire::kTags, wire::decode<wire::Material>),
       irradiance_(block_voxels, max_irradiance),
       sums_(block_voxels),
       reflectance_map_(wire::kReflectanceBytes),

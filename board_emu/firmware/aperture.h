@@ -20,7 +20,7 @@ namespace gicube::emu {
 template <typename Word, std::size_t WordBytes>
 class Table {
  public:
-  using Decode = Word (*)(std::span<const std::uint8_t, WordBytes>);
+  using Decode = Word (*)(std::span<const std::uint8_t>);
 
   Table(std::size_t words, Decode decode) : decode_(decode), bytes_(words * WordBytes), words_(words) {
     refresh(0, words);

@@ -70,8 +70,7 @@ std::vector<std::uint8_t> segmentation(std::uint8_t slope) {
     wire::SegmentationEntry entry;
     entry.colour = {static_cast<std::uint16_t>(density), 4095, static_cast<std::uint16_t>(4095 - density)};
     entry.opacity = static_cast<std::uint16_t>(std::min(density * (slope + 1u) / 16, 65535u));
-    wire::encode(entry,
-                 std::span(bytes).subspan(i * wire::kSegmentationEntryBytes).first<wire::kSegmentationEntryBytes>());
+    wire::encode(entry, std::span(bytes).subspan(i * wire::kSegmentationEntryBytes));
   }
   return bytes;
 }
@@ -95,7 +94,7 @@ Move material(Input& input, std::uint32_t id) {
     record.parameters[i] = static_cast<float>(std::clamp(input.number(), -3e38, 3e38));
   }
   std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-  wire::encode(record, std::span(bytes).first<wire::kMaterialBytes>());
+  wire::encode(record, bytes);
   return write_memory(id, wire::kMaterials.base + wire::kMaterialBytes * input.below(wire::kTags), bytes);
 }
 
@@ -115,13 +114,13 @@ wire::RenderCommand known_view() {
 
 std::vector<std::uint8_t> payload_of(const wire::RenderCommand& view) {
   std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(view, std::span(payload).first<wire::kRenderCommandBytes>());
+  wire::encode(view, payload);
   return payload;
 }
 
 std::vector<std::uint8_t> payload_of(const wire::IlluminateCommand& light) {
   std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-  wire::encode(light, std::span(payload).first<wire::kIlluminateCommandBytes>());
+  wire::encode(light, payload);
   return payload;
 }
 
@@ -173,13 +172,13 @@ std::vector<std::uint8_t> rays(Input& input, wire::Opcode opcode) {
   for (std::uint32_t i = 0; i < count; ++i) {
     std::vector<std::uint8_t> packet = input.bytes(wire::kRayBytes);
     packet.resize(wire::kRayBytes);
-    wire::Ray ray = wire::decode_ray(std::span(packet).first<wire::kRayBytes>());
+    wire::Ray ray = wire::decode<wire::Ray>(packet);
     if (input.u8() != 255) {
       ray.flags =
           opcode == wire::Opcode::kTrace && payload[8] == 4 ? wire::kHostRay | wire::kLightingRay : wire::kHostRay;
       for (std::uint32_t& coordinate : ray.position) coordinate %= 8 * wire::kVoxel;
     }
-    wire::encode(ray, std::span(packet).first<wire::kRayBytes>());
+    wire::encode(ray, packet);
     payload.insert(payload.end(), packet.begin(), packet.end());
   }
   return payload;

@@ -185,13 +185,13 @@ bool shake_hands(Client& client, Input& input, std::uint64_t& session) {
     version.session = asked;
   }
   std::vector<std::uint8_t> payload(wire::kVersionBytes);
-  wire::encode(version, std::span(payload).first<wire::kVersionBytes>());
+  wire::encode(version, payload);
   if (!client.send(frame_bytes(version_header(), payload, input, client.spoilt))) return false;
   if (input.u8() == 255) return true;  // does not wait
   const auto answer = client.await(FrameType::kVersion);
   if (!answer || answer->header.error != wire::ErrorCode::kNone) return false;
   expect(answer->payload.size() >= wire::kVersionBytes, "a version has all of its fields");
-  const auto theirs = wire::decode_version(std::span(answer->payload).first<wire::kVersionBytes>());
+  const auto theirs = wire::decode<wire::VersionInfo>(answer->payload);
   const bool resumed = asked != 0 && theirs.session == asked;
   if (!resumed) client.begin_anew();
   if (resumed) client.go_on_after(theirs.taken);

@@ -10,15 +10,11 @@ namespace {
 
 // A capture whose frames have good checksums, mostly.
 std::vector<std::uint8_t> assembled(Input& input) {
-  std::vector<std::uint8_t> file(wire::kCaptureHeaderBytes);
-  wire::encode_capture_header(std::span(file).first<wire::kCaptureHeaderBytes>());
+  std::vector<std::uint8_t> file = wire::encoded(wire::CaptureHeader{});
   std::uint32_t sequences[2] = {0, 0};
   while (!input.empty()) {
     const std::uint32_t kind = input.below(16) == 15 ? 2 + input.below(2) : input.below(2);
-    std::vector<std::uint8_t> record(wire::kCaptureRecordBytes);
-    wire::encode({static_cast<wire::CaptureKind>(kind), input.u16()},
-                 std::span(record).first<wire::kCaptureRecordBytes>());
-    file.insert(file.end(), record.begin(), record.end());
+    wire::append(file, wire::CaptureRecord{static_cast<wire::CaptureKind>(kind), input.u16()});
     if (kind >= 2) continue;
     wire::FrameHeader header;
     header.type = static_cast<wire::FrameType>(1 + input.below(16));

@@ -59,7 +59,7 @@ wire::VersionInfo version_of(Input& input) {
 std::vector<std::uint8_t> version_payload(Input& input) {
   const wire::VersionInfo info = version_of(input);
   std::vector<std::uint8_t> payload(wire::kVersionBytes);
-  wire::encode(info, std::span(payload).first<wire::kVersionBytes>());
+  wire::encode(info, payload);
   return payload;
 }
 

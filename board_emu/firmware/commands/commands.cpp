@@ -207,7 +207,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() != wire::kRenderCommandBytes) return refuse(expected("payload", "112 bytes", payload.size()));
-  const auto command = wire::decode_render(payload.first<wire::kRenderCommandBytes>());
+  const auto command = wire::decode<wire::RenderCommand>(payload);
   if (const auto what = fault(command, config_.dsp().framebuffer_mb())) return refuse(*what);
   if (!has_volume()) return refuse(kNoVolume);
   if (const auto what = material_fault()) return refuse(*what);
@@ -227,7 +227,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
 
 CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() != wire::kIlluminateCommandBytes) return refuse(expected("payload", "104 bytes", payload.size()));
-  const auto command = wire::decode_illuminate(payload.first<wire::kIlluminateCommandBytes>());
+  const auto command = wire::decode<wire::IlluminateCommand>(payload);
   if (!has_volume()) return refuse(kNoVolume);
   if (const auto what = material_fault()) return refuse(*what);
   Frame frame = this->frame();

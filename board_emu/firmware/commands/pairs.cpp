@@ -56,7 +56,7 @@ std::optional<std::string> fault_of_element(const wire::Element& element, const 
 CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() < wire::kPairsHeaderBytes) return refuse(expected("payload", "at least 32 bytes", payload.size()));
   PairJob job;
-  job.header = wire::decode_pairs(payload.first<wire::kPairsHeaderBytes>());
+  job.header = wire::decode<wire::PairsHeader>(payload);
   if (const auto what = fault_of_header(job.header, payload.size())) return refuse(*what);
   if (!has_volume()) return refuse(kNoVolume);
   Frame frame = this->frame();
@@ -64,14 +64,14 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress
   for (std::size_t axis = 0; axis < 3; ++axis) job.spacing[axis] = frame.spacing[axis] / double{wire::kSpacingOne};
   std::size_t at = wire::kPairsHeaderBytes;
   for (std::uint32_t e = 0; e < job.header.elements; ++e, at += wire::kElementBytes) {
-    job.elements.push_back(wire::decode_element(payload.subspan(at).first<wire::kElementBytes>()));
+    job.elements.push_back(wire::decode<wire::Element>(payload.subspan(at)));
     if (const auto what = fault_of_element(job.elements[e], frame.extent)) {
       return refuse("element " + std::to_string(e) + ": " + *what);
     }
     job.normals.push_back(wire::normal_of(job.elements[e], job.spacing));
   }
   for (std::uint32_t p = 0; p < job.header.pairs; ++p, at += wire::kPairBytes) {
-    job.pairs.push_back(wire::decode_pair(payload.subspan(at).first<wire::kPairBytes>()));
+    job.pairs.push_back(wire::decode<wire::Pair>(payload.subspan(at)));
     if (job.pairs[p].a < job.header.elements && job.pairs[p].b < job.header.elements) continue;
     return refuse("pair " + std::to_string(p) + ": " +
                   expected("a, b", "elements below " + std::to_string(job.header.elements),

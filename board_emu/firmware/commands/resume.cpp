@@ -34,8 +34,7 @@ void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, b
   ledger.given_up = energy.given_up;
   ledger.clipped = energy.deposited.clipped;
   ledger.light_in_solid = light_in_solid ? 1 : 0;
-  result.payload.resize(wire::kLightingLedgerBytes);
-  wire::encode(ledger, std::span<std::uint8_t, wire::kLightingLedgerBytes>(result.payload));
+  result.payload = wire::encoded(ledger);
   result.up_bytes = result.payload.size();
 }
 
@@ -44,16 +43,9 @@ void DspCommands::add_trap_list(CommandResult& result, std::size_t most) {
   host_traps_.settle();
   if (host_traps_.waiting() == 0) return;
   const std::vector<wire::TrappedRay> rays = host_traps_.take(most);
-  std::size_t at = result.payload.size();
-  result.payload.resize(at + wire::kTrapListHeaderBytes + rays.size() * wire::kTrappedRayBytes);
-  const std::span bytes(result.payload);
-  wire::store(bytes, at, static_cast<std::uint32_t>(rays.size()));
-  wire::store(bytes, at + 4, static_cast<std::uint32_t>(host_traps_.waiting()));
-  at += wire::kTrapListHeaderBytes;
-  for (const wire::TrappedRay& ray : rays) {
-    wire::encode(ray, bytes.subspan(at).first<wire::kTrappedRayBytes>());
-    at += wire::kTrappedRayBytes;
-  }
+  wire::append(result.payload, wire::TrapListHeader{static_cast<std::uint32_t>(rays.size()),
+                                                    static_cast<std::uint32_t>(host_traps_.waiting())});
+  for (const wire::TrappedRay& ray : rays) wire::append(result.payload, ray);
   result.up_bytes = result.payload.size();
   result.returns_rays = !rays.empty();
   // host_ray_cycles is for both ways; the other half is taken with the answer.
@@ -66,7 +58,7 @@ void DspCommands::add_trap_list(CommandResult& result, std::size_t most) {
 CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() < wire::kResumeHeaderBytes)
     return refuse(expected("payload", "at least 16 bytes", payload.size()));
-  const auto count = wire::load<std::uint32_t>(payload, 4), most = wire::load<std::uint32_t>(payload, 8);
+  const auto [count, most] = wire::decode<wire::ResumeHeader>(payload);
   if (payload.size() != wire::kResumeHeaderBytes + std::uint64_t{count} * wire::kRayBytes) {
     return refuse(
         expected("payload", "16 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
@@ -89,8 +81,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
 
   std::vector<wire::Ray> answers(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const auto packet = payload.subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>();
-    answers[i] = wire::decode_ray(packet);
+    answers[i] = wire::decode<wire::Ray>(payload.subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes));
     if (const auto what = fault_of_answer(answers[i], frame.extent, light)) {
       return refuse("ray " + std::to_string(i) + ": " + *what);
     }

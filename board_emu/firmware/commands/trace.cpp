@@ -110,8 +110,7 @@ void add_deposits(CommandResult& result, const RayCounters& counts, const Overfl
   ledger.kept = static_cast<std::int64_t>(counts.energy.deposited.kept) - overflow.clipped;
   ledger.clipped = static_cast<std::int64_t>(counts.energy.deposited.clipped) + overflow.clipped;
   ledger.overflowed = overflow.words;
-  result.payload.resize(wire::kDepositLedgerBytes);
-  wire::encode(ledger, std::span(result.payload).first<wire::kDepositLedgerBytes>());
+  result.payload = wire::encoded(ledger);
   result.up_bytes = result.payload.size();
 }
 
@@ -123,7 +122,7 @@ void set_opacity_rays(Frame& frame, std::uint32_t opacity) {
 
 CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress& work) {
   if (payload.size() < wire::kTraceHeaderBytes) return refuse(expected("payload", "at least 16 bytes", payload.size()));
-  const auto header = wire::decode_trace(payload.first<wire::kTraceHeaderBytes>());
+  const auto header = wire::decode<wire::TraceHeader>(payload);
   if (const auto what = fault(header, payload.size())) return refuse(*what);
   if (!has_volume()) return refuse(kNoVolume);
   const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type);
@@ -139,7 +138,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
   std::vector<wire::Ray>& rays = host_ray_room_;
   rays.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    rays[i] = wire::decode_ray(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
+    rays[i] = wire::decode<wire::Ray>(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes));
     const auto which = [i] { return "ray " + std::to_string(i) + ": "; };
     if (rays[i].flags != flags_of(header)) {
       return refuse(which() + expected("flags", std::to_string(flags_of(header)), rays[i].flags));
@@ -172,7 +171,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
   }
   result.payload.resize(count * wire::kRayBytes);
   for (std::size_t i = 0; i < count; ++i) {
-    wire::encode(rays[i], std::span(result.payload).subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
+    wire::encode(rays[i], std::span(result.payload).subspan(i * wire::kRayBytes));
   }
   result.up_bytes = std::max<std::uint64_t>(result.payload.size(), 4);
   result.returns_rays = count > 0;

@@ -26,7 +26,7 @@ wire::PairSample PairRays::sample(std::size_t pair, std::uint32_t i) const {
 }
 
 void PairRays::write(std::size_t pair, const wire::PairSum& sum) const {
-  wire::encode(sum.result(), out_.subspan(pair * wire::kPairResultBytes).first<wire::kPairResultBytes>());
+  wire::encode(sum.result(), out_.subspan(pair * wire::kPairResultBytes));
 }
 
 std::uint64_t PairRays::max_at_once() const {

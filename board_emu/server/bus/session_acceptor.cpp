@@ -121,7 +121,7 @@ awaitable<bool> SessionAcceptor::read_version(Connection& connection, std::uint3
          fmt::format("expected {} bytes of version payload, got {}", wire::kVersionBytes, payload.size())});
     co_return false;
   }
-  theirs = wire::decode_version(std::span(payload).first<wire::kVersionBytes>());
+  theirs = wire::decode<wire::VersionInfo>(payload);
   if (wire::agree(options_.version, theirs)) co_return true;
   if (theirs.major != options_.version.major) {
     connection.refuse({ErrorCode::kVersion, id,

@@ -52,11 +52,11 @@ TraceCommand trace_command(Gather& rays, std::size_t max_rays, const RaySetup& s
     if (moved > kMaxMoved && command.rays > 0) break;
     if (setup.request.type == RayType::kIntegral) command.units.push_back(integral_unit(ray, setup));
     const std::size_t at = wire::kTraceHeaderBytes + command.rays * wire::kRayBytes;
-    wire::encode(packet, std::span(command.bytes).subspan(at).first<wire::kRayBytes>());
+    wire::encode(packet, std::span(command.bytes).subspan(at));
     rays.take();
   }
   command.bytes.resize(wire::kTraceHeaderBytes + command.rays * wire::kRayBytes);
-  wire::encode(trace_header(setup.request, command.rays), std::span(command.bytes).first<wire::kTraceHeaderBytes>());
+  wire::encode(trace_header(setup.request, command.rays), command.bytes);
   return command;
 }
 
@@ -256,15 +256,15 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
                       " rays");
     }
     if (backprojects) {
-      add(wire::decode_deposit_ledger(bytes.first<wire::kDepositLedgerBytes>()), *report.deposits);
+      add(wire::decode<wire::DepositLedger>(bytes), *report.deposits);
       continue;
     }
     if (deposits) {
-      add(wire::decode_lighting_ledger(bytes.first<wire::kLightingLedgerBytes>()), *report.lighting);
+      add(wire::decode<wire::LightingLedger>(bytes), *report.lighting);
       continue;
     }
     for (std::size_t i = 0; i < part.rays; ++i) {
-      const wire::Ray ray = wire::decode_ray(bytes.subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
+      const wire::Ray ray = wire::decode<wire::Ray>(bytes.subspan(i * wire::kRayBytes));
       rays[at++] = batch.type == RayType::kIntegral ? integral_from_wire(ray, part.units[i]) : from_wire(ray);
     }
   }

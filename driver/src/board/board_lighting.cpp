@@ -54,9 +54,6 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   state_->irradiance_unit = report.unit;
   double flux = 0;
   for (std::size_t i = 0; i < lights.size(); ++i) {
-    std::vector<std::uint8_t> command(wire::kIlluminateCommandBytes);
-    wire::encode(light_command(lights[i], settings, report.unit),
-                 std::span<std::uint8_t, wire::kIlluminateCommandBytes>(command));
     const auto all = static_cast<std::uint32_t>(lights.size()), before = static_cast<std::uint32_t>(i);
     Progress part;
     if (progress) {  // each light an equal part of the whole
@@ -66,10 +63,11 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
         progress(before * kParts + here, all * kParts);
       };
     }
-    const CommandResult result = state_->device.run(std::move(command), state_->watched(part), deadline);
+    const CommandResult result = state_->device.run(wire::encoded(light_command(lights[i], settings, report.unit)),
+                                                    state_->watched(part), deadline);
     const std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < wire::kLightingLedgerBytes) state_->device.give_up("a lighting result of wrong size");
-    const auto ledger = wire::decode_lighting_ledger(payload.first<wire::kLightingLedgerBytes>());
+    const auto ledger = wire::decode<wire::LightingLedger>(payload);
     add(ledger, report);
     state_->scatter_waiting(payload.subspan(wire::kLightingLedgerBytes), [&report](wire::LightingLedger resumed) {
       resumed.emitted = 0;  // it was counted when its rays were made

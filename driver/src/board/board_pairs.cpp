@@ -70,7 +70,7 @@ std::vector<PairFactor> Board::State::pairs_by_board(std::span<const Element> el
     }
     for (std::size_t i = 0; i < first.pairs; ++i) {
       const auto bytes = std::span<const std::uint8_t>(result.payload).subspan(i * wire::kPairResultBytes);
-      factors.push_back(from_wire(wire::decode_pair_result(bytes.first<wire::kPairResultBytes>())));
+      factors.push_back(from_wire(wire::decode<wire::PairResult>(bytes)));
     }
     if (progress) progress(static_cast<std::uint32_t>(factors.size()), static_cast<std::uint32_t>(pairs.size()));
   };

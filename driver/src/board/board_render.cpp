@@ -60,10 +60,8 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   const Vec3 eye = towards_eye(view, volume.relative_spacing);
   state_->set_sampling(view);
   if (view.shade) state_->tables.send_reflectance(eye);
-  std::vector<std::uint8_t> command(wire::kRenderCommandBytes);
-  wire::encode(viewing_command(view, volume.relative_spacing),
-               std::span<std::uint8_t, wire::kRenderCommandBytes>(command));
-  const CommandResult result = state_->device.run(std::move(command), state_->watched(progress), state_->deadline());
+  const CommandResult result = state_->device.run(wire::encoded(viewing_command(view, volume.relative_spacing)),
+                                                  state_->watched(progress), state_->deadline());
   state_->sampling = view;
   state_->sampling_towards_eye = eye;
   state_->framebuffer_size = {};  // no picture until all rays have come to their ends

@@ -5,18 +5,6 @@
 #include "state.h"
 
 namespace gicube {
-namespace {
-
-std::vector<std::uint8_t> verify_command(std::size_t first, std::size_t count) {
-  std::vector<std::uint8_t> payload(wire::kVerifyCommandBytes);
-  wire::store(std::span(payload), 0, static_cast<std::uint32_t>(wire::Opcode::kVerify));
-  wire::store(std::span(payload), 4, static_cast<std::uint32_t>(first));
-  wire::store(std::span(payload), 8, static_cast<std::uint32_t>(count));
-  return payload;
-}
-
-}  // namespace
-
 std::vector<std::size_t> Board::verify_volume() {
   const auto lock = state_->begin();
   state_->loaded("verify_volume()");
@@ -26,7 +14,8 @@ std::vector<std::size_t> Board::verify_volume() {
   std::vector<std::size_t> damaged;
   for (std::size_t first = 0; first < sums.size(); first += max_blocks) {
     const std::size_t count = std::min(max_blocks, sums.size() - first);
-    const CommandResult result = device.run(verify_command(first, count), {});
+    const wire::VerifyCommand command{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+    const CommandResult result = device.run(wire::encoded(command), {});
     if (result.payload.size() != 4 * count) {
       device.give_up("the board summed up " + std::to_string(count) + " blocks in " +
                      std::to_string(result.payload.size()) + " bytes");

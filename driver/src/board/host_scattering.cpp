@@ -61,15 +61,9 @@ wire::Ray answer(const wire::TrappedRay& trapped, const Material& material, cons
 }
 
 std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std::uint32_t max_rays) {
-  std::vector<std::uint8_t> bytes(wire::kResumeHeaderBytes + answers.size() * wire::kRayBytes);
-  wire::store(std::span(bytes), 0, static_cast<std::uint32_t>(wire::Opcode::kResume));
-  wire::store(std::span(bytes), 4, static_cast<std::uint32_t>(answers.size()));
-  wire::store(std::span(bytes), 8, max_rays);
-  std::size_t at = wire::kResumeHeaderBytes;
-  for (const wire::Ray& ray : answers) {
-    wire::encode(ray, std::span(bytes).subspan(at).first<wire::kRayBytes>());
-    at += wire::kRayBytes;
-  }
+  std::vector<std::uint8_t> bytes =
+      wire::encoded(wire::ResumeHeader{static_cast<std::uint32_t>(answers.size()), max_rays});
+  for (const wire::Ray& ray : answers) wire::append(bytes, ray);
   return bytes;
 }
 
@@ -77,13 +71,13 @@ bool decode_trap_list(std::span<const std::uint8_t> bytes, TrapList& list) {
   list = {};
   if (bytes.empty()) return true;
   if (bytes.size() < wire::kTrapListHeaderBytes) return false;
-  const auto count = wire::load<std::uint32_t>(bytes, 0);
-  list.waiting = wire::load<std::uint32_t>(bytes, 4);
+  const auto [count, waiting] = wire::decode<wire::TrapListHeader>(bytes);
+  list.waiting = waiting;
   bytes = bytes.subspan(wire::kTrapListHeaderBytes);
   if (bytes.size() != std::uint64_t{count} * wire::kTrappedRayBytes) return false;
   list.rays.reserve(count);
   for (std::size_t at = 0; at < bytes.size(); at += wire::kTrappedRayBytes) {
-    list.rays.push_back(wire::decode_trapped_ray(bytes.subspan(at).first<wire::kTrappedRayBytes>()));
+    list.rays.push_back(wire::decode<wire::TrappedRay>(bytes.subspan(at)));
     if (list.rays.back().tag >= wire::kTags) return false;
   }
   return true;
@@ -118,7 +112,7 @@ void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, cons
     const CommandResult result = device.run(resume_command(answers, static_cast<std::uint32_t>(max_rays)), {});
     std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < ledger_bytes) device.give_up("a lighting result of wrong size");
-    if (take_ledger) take_ledger(wire::decode_lighting_ledger(payload.first<wire::kLightingLedgerBytes>()));
+    if (take_ledger) take_ledger(wire::decode<wire::LightingLedger>(payload));
     if (!decode_trap_list(payload.subspan(ledger_bytes), list) || list.rays.size() > max_rays) {
       device.give_up("a list of trapped rays of wrong size");
     }

@@ -41,9 +41,8 @@ void Tables::set_function(const TransferFunction& function, int tag) {
 void Tables::set_material(const Material& material, int tag) {
   materials_[static_cast<std::size_t>(tag)] = material;
   ++changes_;
-  std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-  wire::encode(material_record(material), std::span<std::uint8_t, wire::kMaterialBytes>(bytes));
-  device_.write_memory(wire::kMaterials.base + static_cast<std::size_t>(tag) * wire::kMaterialBytes, bytes);
+  device_.write_memory(wire::kMaterials.base + static_cast<std::size_t>(tag) * wire::kMaterialBytes,
+                       wire::encoded(material_record(material)));
 }
 
 void Tables::restore() {
@@ -68,8 +67,7 @@ void Tables::send_segmentation(ValueRange range) {
     if (std::equal(wanted.begin(), wanted.end(), held.begin(), held.end())) continue;
     std::vector<std::uint8_t> bytes(kQuarter * wire::kSegmentationEntryBytes);
     for (std::size_t i = 0; i < kQuarter; ++i) {
-      const auto entry = std::span(bytes).subspan(i * wire::kSegmentationEntryBytes);
-      wire::encode(wanted[i], entry.first<wire::kSegmentationEntryBytes>());
+      wire::encode(wanted[i], std::span(bytes).subspan(i * wire::kSegmentationEntryBytes));
     }
     device_.write_memory(wire::kSegmentationLut.base + tag * bytes.size(), bytes);
     std::copy(wanted.begin(), wanted.end(), held.begin());

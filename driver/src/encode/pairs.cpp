@@ -67,26 +67,15 @@ std::vector<std::uint8_t> pairs_command(std::span<const Element> elements, std::
     const std::uint32_t a = local(pair.a), b = local(pair.b);
     renamed.push_back({a, b, pair.id});
   }
-  wire::PairsHeader header;
-  header.elements = static_cast<std::uint32_t>(named.size());
-  header.pairs = static_cast<std::uint32_t>(pairs.size());
-  header.rays = request.rays;
-  header.first = request.first;
-  header.seed = request.seed;
-  header.opacity = opacity_word(request.opacity);
-  std::vector<std::uint8_t> bytes(wire::kPairsHeaderBytes + named.size() * wire::kElementBytes +
-                                  renamed.size() * wire::kPairBytes);
-  const std::span all(bytes);
-  wire::encode(header, all.first<wire::kPairsHeaderBytes>());
-  std::size_t at = wire::kPairsHeaderBytes;
-  for (const std::uint32_t element : named) {
-    wire::encode(to_wire(elements[element]), all.subspan(at).first<wire::kElementBytes>());
-    at += wire::kElementBytes;
-  }
-  for (const wire::Pair& pair : renamed) {
-    wire::encode(pair, all.subspan(at).first<wire::kPairBytes>());
-    at += wire::kPairBytes;
-  }
+  const wire::PairsHeader header{.elements = static_cast<std::uint32_t>(named.size()),
+                                 .pairs = static_cast<std::uint32_t>(pairs.size()),
+                                 .rays = request.rays,
+                                 .first = request.first,
+                                 .seed = request.seed,
+                                 .opacity = opacity_word(request.opacity)};
+  std::vector<std::uint8_t> bytes = wire::encoded(header);
+  for (const std::uint32_t element : named) wire::append(bytes, to_wire(elements[element]));
+  for (const wire::Pair& pair : renamed) wire::append(bytes, pair);
   return bytes;
 }
 

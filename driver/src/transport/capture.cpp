@@ -1,6 +1,5 @@
 #include "capture.h"
 
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
@@ -20,9 +19,7 @@ void put(std::ofstream& file, const Bytes& bytes) {
 
 Capture::Capture(const std::string& file) : file_(file, std::ios::binary | std::ios::trunc) {
   if (!file_) throw OpenFailed("capture: " + file + ": " + std::strerror(errno));
-  std::array<std::uint8_t, wire::kCaptureHeaderBytes> header{};
-  wire::encode_capture_header(header);
-  put(file_, header);
+  put(file_, wire::encoded(wire::CaptureHeader{}));
   file_.flush();
 }
 
@@ -38,9 +35,8 @@ void Capture::write(wire::CaptureKind kind, std::span<const std::uint8_t, wire::
 
 void Capture::begin_record(wire::CaptureKind kind) {
   const auto age = std::chrono::steady_clock::now() - begin_;
-  std::array<std::uint8_t, wire::kCaptureRecordBytes> record{};
-  wire::encode({kind, static_cast<std::uint64_t>(std::chrono::nanoseconds(age).count())}, record);
-  put(file_, record);
+  const auto ns = static_cast<std::uint64_t>(std::chrono::nanoseconds(age).count());
+  put(file_, wire::encoded(wire::CaptureRecord{kind, ns}));
 }
 
 std::shared_ptr<Capture> open_capture(const std::string& file, unsigned number) {

@@ -66,7 +66,7 @@ StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const 
   if (payload.size() < wire::kVersionBytes) {
     return {"the peer's version is cut short, " + std::to_string(payload.size()) + " bytes", Loss::kEnded};
   }
-  const auto theirs = wire::decode_version(payload.first<wire::kVersionBytes>());
+  const auto theirs = wire::decode<wire::VersionInfo>(payload);
   const auto agreed = wire::agree(options_.mine, theirs);
   if (theirs.major != options_.mine.major) {
     refusal_ = wire::ErrorCode::kVersion;

@@ -39,7 +39,7 @@ void BusClient::shake_hands() {
   if (answer.header.type != FrameType::kVersion) throw BusError("no GI-Cube board answers there");
   if (answer.header.error != wire::ErrorCode::kNone) throw BusError(text_of(answer.payload));
   if (answer.payload.size() < wire::kVersionBytes) throw BusError("the board's version is cut short");
-  const auto theirs = wire::decode_version(std::span(answer.payload).first<wire::kVersionBytes>());
+  const auto theirs = wire::decode<wire::VersionInfo>(answer.payload);
   const auto agreed = wire::agree(mine_, theirs);
   if (!agreed) throw BusError(fmt::format("the board speaks version {}.{}", theirs.major, theirs.minor));
   max_payload_ = agreed->max_payload_bytes;

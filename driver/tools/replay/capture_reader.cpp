@@ -33,10 +33,12 @@ CaptureReader::CaptureReader(const std::filesystem::path& file) : name_(file) {
   if (file_->gz == nullptr) throw CaptureError(file.string() + ": can't be read");
   std::array<std::uint8_t, wire::kCaptureHeaderBytes> header{};
   const bool is_whole = read(header.data(), header.size()) == header.size();
-  const auto version = is_whole ? wire::decode_capture_header(header) : std::nullopt;
-  if (!version) throw CaptureError(file.string() + ": expected a capture, got something else");
-  if (*version != wire::kCaptureVersion) {
-    fail(fmt::format("expected a capture of version {}, got {}", wire::kCaptureVersion, *version));
+  const auto [magic, version] = wire::decode<wire::CaptureHeader>(header);
+  if (!is_whole || magic != wire::kCaptureMagic) {
+    throw CaptureError(file.string() + ": expected a capture, got something else");
+  }
+  if (version != wire::kCaptureVersion) {
+    fail(fmt::format("expected a capture of version {}, got {}", wire::kCaptureVersion, version));
   }
 }
 
@@ -61,9 +63,9 @@ bool CaptureReader::next(CapturedFrame& frame) {
   std::array<std::uint8_t, wire::kCaptureRecordBytes> record{};
   const std::size_t got = complete_ ? 0 : read(record.data(), record.size());
   if (got < record.size()) return false;
-  const auto decoded = wire::decode_capture_record(record);
-  if (!decoded) fail("expected a record, got something else");
-  if (decoded->kind == wire::CaptureKind::kEnd) {
+  frame.record = wire::decode<wire::CaptureRecord>(record);
+  if (frame.record.kind > wire::CaptureKind::kEnd) fail("expected a record, got something else");
+  if (frame.record.kind == wire::CaptureKind::kEnd) {
     complete_ = true;
     return false;
   }
@@ -71,7 +73,6 @@ bool CaptureReader::next(CapturedFrame& frame) {
   if (read(header.data(), header.size()) < header.size()) return false;
   const auto frame_header = wire::decode_frame_header(header);
   if (!frame_header || frame_header->size > kMaxPayload) fail("expected a frame's header, got something else");
-  frame.record = *decoded;
   frame.header = *frame_header;
   frame.payload.clear();
   while (frame.payload.size() < frame_header->size) {

@@ -2,40 +2,39 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
+#include <type_traits>
 
 namespace gicube::wire {
 
-// Stores the low `sizeof(T)` bytes of `value` at `at`, least significant byte first.
+// Stores a number or an enumeration at `at`, least significant byte first; floats as the bits of their IEEE 754 form.
 template <typename T>
 constexpr void store(std::span<std::uint8_t> bytes, std::size_t at, T value) {
-  for (std::size_t i = 0; i < sizeof(T); ++i) {
-    bytes[at + i] = static_cast<std::uint8_t>(static_cast<std::uint64_t>(value) >> (8 * i));
+  std::uint64_t word = 0;
+  if constexpr (std::is_same_v<T, double>) {
+    word = std::bit_cast<std::uint64_t>(value);
+  } else if constexpr (std::is_same_v<T, float>) {
+    word = std::bit_cast<std::uint32_t>(value);
+  } else {
+    word = static_cast<std::uint64_t>(value);
   }
+  for (std::size_t i = 0; i < sizeof(T); ++i) bytes[at + i] = static_cast<std::uint8_t>(word >> (8 * i));
 }
 
 template <typename T>
 constexpr T load(std::span<const std::uint8_t> bytes, std::size_t at) {
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < sizeof(T); ++i) value |= std::uint64_t{bytes[at + i]} << (8 * i);
-  return static_cast<T>(value);
-}
-
-// A double travels as the 64 bits of its IEEE 754 form.
-inline void store_double(std::span<std::uint8_t> bytes, std::size_t at, double value) {
-  std::uint64_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  store(bytes, at, bits);
-}
-
-inline double load_double(std::span<const std::uint8_t> bytes, std::size_t at) {
-  const auto bits = load<std::uint64_t>(bytes, at);
-  double value = 0;
-  std::memcpy(&value, &bits, sizeof value);
-  return value;
+  std::uint64_t word = 0;
+  for (std::size_t i = 0; i < sizeof(T); ++i) word |= std::uint64_t{bytes[at + i]} << (8 * i);
+  if constexpr (std::is_same_v<T, double>) {
+    return std::bit_cast<double>(word);
+  } else if constexpr (std::is_same_v<T, float>) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(word));
+  } else {
+    return static_cast<T>(word);
+  }
 }
 
 // A record of Words x 64 bits addressed by bit: bit 0 is the least significant bit of byte 0.
@@ -43,21 +42,19 @@ template <std::size_t Words>
 struct BitRecord {
   std::array<std::uint64_t, Words> words{};
 
-  // `value` must fit in `width` bits (1..32); a field may cross a word boundary.
+  // The low `width` bits (1..32) of `value`; a field may cross a word boundary.
   constexpr void put(unsigned offset, unsigned width, std::uint32_t value) {
-    const std::uint64_t mask = (std::uint64_t{1} << width) - 1;
-    const std::uint64_t bits = value & mask;
+    const std::uint64_t bits = value & ((std::uint64_t{1} << width) - 1);
     const unsigned word = offset / 64, shift = offset % 64;
     words[word] |= bits << shift;
     if (shift + width > 64) words[word + 1] |= bits >> (64 - shift);
   }
 
   constexpr std::uint32_t get(unsigned offset, unsigned width) const {
-    const std::uint64_t mask = (std::uint64_t{1} << width) - 1;
     const unsigned word = offset / 64, shift = offset % 64;
     std::uint64_t bits = words[word] >> shift;
     if (shift + width > 64) bits |= words[word + 1] << (64 - shift);
-    return static_cast<std::uint32_t>(bits & mask);
+    return static_cast<std::uint32_t>(bits & ((std::uint64_t{1} << width) - 1));
   }
 };
 

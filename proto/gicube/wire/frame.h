@@ -1,31 +1,18 @@
-// Frames of the data plane: what one socket message between driver and board looks like.
+// Frames of the data plane: what one socket message between driver and board looks like. A header (its bytes: README.md), then
+// `size` bytes of payload.
 //
-//   byte  size  field
-//      0     4  magic          'G' 'I' 'C' 'U'
-//      4     2  type           FrameType
-//      6     2  flags          FrameFlag
-//      8     4  id             chosen by the requester; the response carries it back
-//     12     4  size           payload bytes that follow; checked against the negotiated limit before memory is taken
-//     16     4  error          ErrorCode; 0 = none
-//     20     4  credit_slots   frames that the sender has consumed since it last said so
-//     24     8  time_ps        requester: host clock when issued; board: simulated time of the event
-//     32     8  credit_bytes   payload bytes that the sender has consumed since it last said so
-//     40     4  sequence       counts the frames of one direction that take credit, from 1, modulo 2^32; 0 on all others
-//     44     4  checksum       CRC-32C of the header, this field being 0, and the payload (checksum.h)
-//
-// Little endian. The frame is a model's envelope, not bus traffic: the bus model charges payloads (docs/reference/protocol.md).
+// A frame is a model's envelope, not bus traffic: the bus model charges payloads (docs/reference/protocol.md).
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <span>
 
-#include "gicube/wire/bytes.h"
+#include "gicube/wire/record.h"
 
 namespace gicube::wire {
 
 inline constexpr std::uint32_t kFrameMagic = 0x55434947;
-inline constexpr std::size_t kFrameHeaderBytes = 48;
 
 enum class FrameType : std::uint16_t {
   kVersion = 1,       // first in both directions: VersionInfo
@@ -77,51 +64,29 @@ enum class ErrorCode : std::uint32_t {
 
 struct FrameHeader {
   FrameType type{};
-  std::uint16_t flags = 0;
-  std::uint32_t id = 0;
-  std::uint32_t size = 0;
+  std::uint16_t flags = 0;  // FrameFlag
+  std::uint32_t id = 0;     // chosen by the requester; the response carries it back
+  std::uint32_t size = 0;   // of the payload; checked against the negotiated limit before memory is taken
   ErrorCode error = ErrorCode::kNone;
-  std::uint32_t credit_slots = 0;
-  std::uint64_t time_ps = 0;
-  std::uint64_t credit_bytes = 0;
-  std::uint32_t sequence = 0;
-  std::uint32_t checksum = 0;
+  std::uint32_t credit_slots = 0;  // frames that the sender has consumed since it last said so
+  std::uint64_t time_ps = 0;       // requester: host clock when issued; board: simulated time of the event
+  std::uint64_t credit_bytes = 0;  // payload bytes that the sender has consumed since it last said so
+  std::uint32_t sequence = 0;      // counts the frames of one direction that take credit, from 1, modulo 2^32; else 0
+  std::uint32_t checksum = 0;      // of header and payload (checksum.h)
 
+  constexpr void fields(auto&& list) {
+    list(std::uint32_t{kFrameMagic}, type, flags, id, size, error, credit_slots, time_ps, credit_bytes, sequence,
+         checksum);
+  }
   friend constexpr bool operator==(const FrameHeader&, const FrameHeader&) = default;
 };
-
-inline void encode(const FrameHeader& header, std::span<std::uint8_t, kFrameHeaderBytes> out) {
-  store(out, 0, kFrameMagic);
-  store(out, 4, static_cast<std::uint16_t>(header.type));
-  store(out, 6, header.flags);
-  store(out, 8, header.id);
-  store(out, 12, header.size);
-  store(out, 16, static_cast<std::uint32_t>(header.error));
-  store(out, 20, header.credit_slots);
-  store(out, 24, header.time_ps);
-  store(out, 32, header.credit_bytes);
-  store(out, 40, header.sequence);
-  store(out, 44, header.checksum);
-}
+inline constexpr std::size_t kFrameHeaderBytes = bytes_of<FrameHeader>();
 
 // Nothing if the magic or the type is wrong: what follows in the stream can't be trusted then.
 inline std::optional<FrameHeader> decode_frame_header(std::span<const std::uint8_t, kFrameHeaderBytes> in) {
-  if (load<std::uint32_t>(in, 0) != kFrameMagic) return std::nullopt;
-  const auto type = load<std::uint16_t>(in, 4);
-  if (type < static_cast<std::uint16_t>(FrameType::kVersion) || type > static_cast<std::uint16_t>(FrameType::kCancel)) {
-    return std::nullopt;
-  }
-  FrameHeader header;
-  header.type = static_cast<FrameType>(type);
-  header.flags = load<std::uint16_t>(in, 6);
-  header.id = load<std::uint32_t>(in, 8);
-  header.size = load<std::uint32_t>(in, 12);
-  header.error = static_cast<ErrorCode>(load<std::uint32_t>(in, 16));
-  header.credit_slots = load<std::uint32_t>(in, 20);
-  header.time_ps = load<std::uint64_t>(in, 24);
-  header.credit_bytes = load<std::uint64_t>(in, 32);
-  header.sequence = load<std::uint32_t>(in, 40);
-  header.checksum = load<std::uint32_t>(in, 44);
+  const auto header = decode<FrameHeader>(in);
+  const bool known = header.type >= FrameType::kVersion && header.type <= FrameType::kCancel;
+  if (load<std::uint32_t>(in, 0) != kFrameMagic || !known) return std::nullopt;
   return header;
 }
 
@@ -146,70 +111,28 @@ enum VersionFlag : std::uint32_t {
   kForce = 1 << 0,  // client: end the session of whoever owns the board, and take it
 };
 
-// Payload of kVersion. Each side says what it speaks and how much it can take; the smaller minor version, payload limit
-// and the common capabilities hold for the session. The credit fields are each sender's own receive window.
-//
-//   byte  size  field
-//      0     2  major
-//      2     2  minor
-//      4     4  max_payload_bytes
-//      8     4  window_slots
-//     12     4  flags            VersionFlag
-//     16     8  window_bytes
-//     24     8  capabilities
-//     32     8  session          client: the session to resume, 0 = a new one; board: the session's token, never 0
-//     40     4  taken            last sequence number that was taken from the peer in this session; 0 in a new one
-//     44     4  consumed         last one whose credit the peer may use again, not later than `taken`
-//     48     4  wait_ms          client: how long it will wait for the board while that has an owner; board: 0
-//     52     4  reserved, 0
-inline constexpr std::size_t kVersionBytes = 56;
-
+// Payload of kVersion (its bytes: README.md). Each side says what it speaks and how much it can take; the smaller minor version,
+// payload limit and the common capabilities hold for the session.
 struct VersionInfo {
   std::uint16_t major = kMajorVersion;
   std::uint16_t minor = kMinorVersion;
   std::uint32_t max_payload_bytes = 4u << 20;
-  std::uint32_t window_slots = 64;
+  std::uint32_t window_slots = 64;  // the sender's own receive window
   std::uint64_t window_bytes = 16u << 20;
-  std::uint64_t capabilities = 0;
-  std::uint32_t flags = 0;
-  std::uint64_t session = 0;
-  std::uint32_t taken = 0;
-  std::uint32_t consumed = 0;
-  std::uint32_t wait_ms = 0;
+  std::uint64_t capabilities = 0;  // Capability
+  std::uint32_t flags = 0;         // VersionFlag
+  std::uint64_t session = 0;       // client: the session to resume, 0 = a new one; board: the session's token, never 0
+  std::uint32_t taken = 0;         // last sequence number that was taken from the peer in this session; 0 in a new one
+  std::uint32_t consumed = 0;      // last one whose credit the peer may use again, not later than `taken`
+  std::uint32_t wait_ms = 0;       // client: how long it will wait for the board while that has an owner; board: 0
 
+  constexpr void fields(auto&& list) {
+    list(major, minor, max_payload_bytes, window_slots, flags, window_bytes, capabilities, session, taken, consumed,
+         wait_ms, Reserved<4>{});
+  }
   friend constexpr bool operator==(const VersionInfo&, const VersionInfo&) = default;
 };
-
-inline void encode(const VersionInfo& info, std::span<std::uint8_t, kVersionBytes> out) {
-  store(out, 0, info.major);
-  store(out, 2, info.minor);
-  store(out, 4, info.max_payload_bytes);
-  store(out, 8, info.window_slots);
-  store(out, 12, info.flags);
-  store(out, 16, info.window_bytes);
-  store(out, 24, info.capabilities);
-  store(out, 32, info.session);
-  store(out, 40, info.taken);
-  store(out, 44, info.consumed);
-  store(out, 48, info.wait_ms);
-  store(out, 52, std::uint32_t{0});
-}
-
-inline VersionInfo decode_version(std::span<const std::uint8_t, kVersionBytes> in) {
-  VersionInfo info;
-  info.major = load<std::uint16_t>(in, 0);
-  info.minor = load<std::uint16_t>(in, 2);
-  info.max_payload_bytes = load<std::uint32_t>(in, 4);
-  info.window_slots = load<std::uint32_t>(in, 8);
-  info.flags = load<std::uint32_t>(in, 12);
-  info.window_bytes = load<std::uint64_t>(in, 16);
-  info.capabilities = load<std::uint64_t>(in, 24);
-  info.session = load<std::uint64_t>(in, 32);
-  info.taken = load<std::uint32_t>(in, 40);
-  info.consumed = load<std::uint32_t>(in, 44);
-  info.wait_ms = load<std::uint32_t>(in, 48);
-  return info;
-}
+inline constexpr std::size_t kVersionBytes = bytes_of<VersionInfo>();
 
 // What both sides hold to after the handshake; nothing if the majors differ or a peer could never take a frame. A window
 // holds two of the largest frames: credit is due at half a window, so what is not yet due never keeps a frame waiting.

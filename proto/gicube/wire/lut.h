@@ -6,37 +6,33 @@
 #include <cstdint>
 #include <span>
 
-#include "gicube/wire/bytes.h"
+#include "gicube/wire/record.h"
 #include "gicube/wire/voxel.h"
 
 namespace gicube::wire {
 
-// Segmentation LUT: 2^14 entries, index = tag << 12 | density [P §3.4, Table 1]. 84 bits a word, three dwords on the bus:
-//
-//   bit   width  field
-//     0  3 x 12  colour, red green blue, 4095 = 1
-//    36      16  opacity of one voxel length, 65535 = 1 exactly
-//    52       8  ambient      | shading coefficients in 1/128: shade = ambient + reflect * map(normal);
-//    60       8  reflect      | what the shade has above `knee` is a highlight and goes to white,
-//    68       8  knee         | the rest scales the colour (docs/reference/hardware.md)
-//    76       8  specular     | of samples lit by irradiance
-//    84      12  signed: adds 1/4096 of the opacity's unit each; read by the wide datapath alone
+// Segmentation LUT: 2^14 entries, index = tag << 12 | density [P §3.4, Table 1]. 84 bits a word, 96 with the wide datapath's
+// (README.md). shade = ambient + reflect * map(normal); what it has above `knee` is a highlight and goes to white, the rest
+// scales the colour (docs/reference/hardware.md).
 inline constexpr std::size_t kSegmentationEntries = std::size_t{1} << 14;
-inline constexpr std::size_t kSegmentationEntryBytes = 12;
 inline constexpr std::uint16_t kClassifiedOpacityOne = 65535;
 inline constexpr std::uint8_t kShadeOne = 128;
 inline constexpr int kGainFractionBits = 8;
 inline constexpr int kFineOpacityOne = 4096;  // of opacity_fine
 
 struct SegmentationEntry {
-  std::array<std::uint16_t, 3> colour{};
-  std::uint16_t opacity = 0;
-  std::uint8_t ambient = 0;
-  std::uint8_t reflect = kShadeOne;
-  std::uint8_t knee = kShadeOne;
-  std::uint8_t specular = 0;
-  std::int16_t opacity_fine = 0;  // -2048 .. 2047
+  std::array<std::uint16_t, 3> colour{};                            // red green blue, 4095 = 1
+  std::uint16_t opacity = 0;                                        // of one voxel length, 65535 = 1 exactly
+  std::uint8_t ambient = 0, reflect = kShadeOne, knee = kShadeOne;  // shading coefficients in 1/128
+  std::uint8_t specular = 0;                                        // the same, of samples lit by irradiance
+  std::int16_t opacity_fine = 0;  // adds 1/4096 of the opacity's unit each, -2048 .. 2047; wide datapath alone
 
+  constexpr void bits(auto&& list) {
+    list(12, colour);
+    list(16, opacity);
+    list(8, ambient, reflect, knee, specular);
+    list(12, opacity_fine);
+  }
   // Opacity of one voxel length on the wide datapath, 0..1.
   constexpr double wide_opacity() const {
     const double units = opacity + opacity_fine / double{kFineOpacityOne};
@@ -51,34 +47,7 @@ struct SegmentationEntry {
   }
   friend constexpr bool operator==(const SegmentationEntry&, const SegmentationEntry&) = default;
 };
-
-inline void encode(const SegmentationEntry& entry, std::span<std::uint8_t, kSegmentationEntryBytes> out) {
-  BitRecord<2> bits;
-  for (unsigned c = 0; c < 3; ++c) bits.put(12 * c, 12, entry.colour[c]);
-  bits.put(36, 16, entry.opacity);
-  bits.put(52, 8, entry.ambient);
-  bits.put(60, 8, entry.reflect);
-  bits.put(68, 8, entry.knee);
-  bits.put(76, 8, entry.specular);
-  bits.put(84, 12, static_cast<std::uint64_t>(entry.opacity_fine) & 0xFFF);
-  store(out, 0, bits.words[0]);
-  store(out, 8, static_cast<std::uint32_t>(bits.words[1]));
-}
-
-inline SegmentationEntry decode_segmentation(std::span<const std::uint8_t, kSegmentationEntryBytes> in) {
-  BitRecord<2> bits;
-  bits.words[0] = load<std::uint64_t>(in, 0);
-  bits.words[1] = load<std::uint32_t>(in, 8);
-  SegmentationEntry entry;
-  for (unsigned c = 0; c < 3; ++c) entry.colour[c] = static_cast<std::uint16_t>(bits.get(12 * c, 12));
-  entry.opacity = static_cast<std::uint16_t>(bits.get(36, 16));
-  entry.ambient = static_cast<std::uint8_t>(bits.get(52, 8));
-  entry.reflect = static_cast<std::uint8_t>(bits.get(60, 8));
-  entry.knee = static_cast<std::uint8_t>(bits.get(68, 8));
-  entry.specular = static_cast<std::uint8_t>(bits.get(76, 8));
-  entry.opacity_fine = static_cast<std::int16_t>(sign_extend(static_cast<std::uint32_t>(bits.get(84, 12)), 12));
-  return entry;
-}
+inline constexpr std::size_t kSegmentationEntryBytes = bytes_of<SegmentationEntry>();
 
 // Gradient LUT: 2048 words of 3 x 10 bits, signed, 511 = 1 [P §3.3]; one dword each on the bus. The vector is the unit
 // direction in which density grows, in physical space; code kNoGradient holds the zero vector.

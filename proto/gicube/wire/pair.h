@@ -1,15 +1,5 @@
 // Pairs of elements between which the DSP makes rays: the heaviest part of a form factor [P §5.6], with one number a pair on
-// the bus instead of two ray packets a ray.
-//
-// An element is a flat patch or a box of the volume:
-//
-//   byte  size  field
-//      0     4  kind             0 patch: origin + s u + t v, with its front to the side of u x v; 1 box: + r w
-//      4     4  reserved, 0
-//      8  3x12  origin, u, v     three floats each, voxels
-//     44    12  w                three floats; of a patch 0
-//
-// A pair, 12 bytes: u32 element a, u32 element b, u32 id, which picks its points.
+// the bus instead of two ray packets a ray. README.md has the bytes.
 //
 // Sample i of a pair has a point on each element, from the first six dimensions of a Kronecker sequence, turned by a hash of
 // (id, seed): points that fill the elements evenly for any number of them, and independently of other pairs. Its weight is
@@ -20,23 +10,17 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <span>
 
-#include "gicube/wire/bytes.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
+#include "gicube/wire/record.h"
 
 namespace gicube::wire {
 
-inline constexpr std::size_t kElementBytes = 56;
-inline constexpr std::size_t kPairBytes = 12;
-inline constexpr std::size_t kPairsHeaderBytes = 32;
-inline constexpr std::size_t kPairResultBytes = 16;
 inline constexpr std::uint32_t kMaxRaysPerPair = 65'536;
 inline constexpr std::uint32_t kMaxPairRays = 1u << 22;  // of one command; chosen: a second of the DSP's work
 
@@ -44,37 +28,15 @@ using Vector = std::array<double, 3>;
 
 enum class ElementKind : std::uint32_t { kPatch = 0, kBox = 1 };
 
+// A flat patch origin + s u + t v, its front to the side of u x v; or a box of the volume, + r w. Voxels; a patch has no w.
 struct Element {
   ElementKind kind = ElementKind::kPatch;
   std::array<float, 3> origin{}, u{}, v{}, w{};
 
+  constexpr void fields(auto&& list) { list(kind, Reserved<4>{}, origin, u, v, w); }
   friend constexpr bool operator==(const Element&, const Element&) = default;
 };
-
-inline void encode(const Element& element, std::span<std::uint8_t, kElementBytes> out) {
-  store(out, 0, static_cast<std::uint32_t>(element.kind));
-  store(out, 4, std::uint32_t{0});
-  std::size_t at = 8;
-  for (const auto* vector : {&element.origin, &element.u, &element.v, &element.w}) {
-    for (const float x : *vector) {
-      store(out, at, std::bit_cast<std::uint32_t>(x));
-      at += 4;
-    }
-  }
-}
-
-inline Element decode_element(std::span<const std::uint8_t, kElementBytes> in) {
-  Element element;
-  element.kind = static_cast<ElementKind>(load<std::uint32_t>(in, 0));
-  std::size_t at = 8;
-  for (auto* vector : {&element.origin, &element.u, &element.v, &element.w}) {
-    for (float& x : *vector) {
-      x = std::bit_cast<float>(load<std::uint32_t>(in, at));
-      at += 4;
-    }
-  }
-  return element;
-}
+inline constexpr std::size_t kElementBytes = bytes_of<Element>();
 
 struct PairsHeader {
   std::uint32_t elements = 0;
@@ -84,32 +46,21 @@ struct PairsHeader {
   std::uint32_t seed = 0;
   std::uint32_t opacity = kOpacityOne;  // 24 bits, not 0: at which a ray ends
 
+  constexpr void fields(auto&& list) {
+    list(Opcode::kPairs, elements, pairs, rays, first, seed, opacity, Reserved<4>{});
+  }
   friend constexpr bool operator==(const PairsHeader&, const PairsHeader&) = default;
 };
-
-inline void encode(const PairsHeader& header, std::span<std::uint8_t, kPairsHeaderBytes> out) {
-  const std::array words{static_cast<std::uint32_t>(Opcode::kPairs),
-                         header.elements,
-                         header.pairs,
-                         header.rays,
-                         header.first,
-                         header.seed,
-                         header.opacity,
-                         0u};
-  for (std::size_t i = 0; i < words.size(); ++i) store(out, 4 * i, words[i]);
-}
-
-inline PairsHeader decode_pairs(std::span<const std::uint8_t, kPairsHeaderBytes> in) {
-  const auto word = [in](std::size_t i) { return load<std::uint32_t>(in, 4 * i); };
-  return {word(1), word(2), word(3), word(4), word(5), word(6)};
-}
+inline constexpr std::size_t kPairsHeaderBytes = bytes_of<PairsHeader>();
 
 struct Pair {
-  std::uint32_t a = 0, b = 0;
-  std::uint32_t id = 0;
+  std::uint32_t a = 0, b = 0;  // elements
+  std::uint32_t id = 0;        // picks its points
 
+  constexpr void fields(auto&& list) { list(a, b, id); }
   friend constexpr bool operator==(const Pair&, const Pair&) = default;
 };
+inline constexpr std::size_t kPairBytes = bytes_of<Pair>();
 
 // What comes back of a pair.
 struct PairResult {
@@ -117,29 +68,10 @@ struct PairResult {
   float geometric = 0;       // mean of G
   float standard_error = 0;  // of `transported`: from the means of eight runs of its samples; infinite for fewer than 8
 
+  constexpr void fields(auto&& list) { list(transported, geometric, standard_error); }
   friend constexpr bool operator==(const PairResult&, const PairResult&) = default;
 };
-
-inline void encode(const Pair& pair, std::span<std::uint8_t, kPairBytes> out) {
-  store(out, 0, pair.a);
-  store(out, 4, pair.b);
-  store(out, 8, pair.id);
-}
-
-inline Pair decode_pair(std::span<const std::uint8_t, kPairBytes> in) {
-  return {load<std::uint32_t>(in, 0), load<std::uint32_t>(in, 4), load<std::uint32_t>(in, 8)};
-}
-
-inline void encode(const PairResult& result, std::span<std::uint8_t, kPairResultBytes> out) {
-  store_double(out, 0, result.transported);
-  store(out, 8, std::bit_cast<std::uint32_t>(result.geometric));
-  store(out, 12, std::bit_cast<std::uint32_t>(result.standard_error));
-}
-
-inline PairResult decode_pair_result(std::span<const std::uint8_t, kPairResultBytes> in) {
-  return {load_double(in, 0), std::bit_cast<float>(load<std::uint32_t>(in, 8)),
-          std::bit_cast<float>(load<std::uint32_t>(in, 12))};
-}
+inline constexpr std::size_t kPairResultBytes = bytes_of<PairResult>();
 
 // What both sides work out alike, in IEEE operations alone: the same bits on every machine.
 

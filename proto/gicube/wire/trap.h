@@ -1,17 +1,7 @@
 // A ray whose material only the host application can scatter: how it crosses the bus, and what its words mean to a
 // scattering routine. Board and driver tell their routines the same numbers, so both take these functions.
 //
-// Up, 64 bytes:
-//   byte  size  field
-//      0    32  ray           its packet (ray.h) at the material; kTrapped if it is a surface, which the ray passes then
-//     32  3x2   gradient      x y z, signed, 511 * 2^5 = 1; towards what is denser
-//     38     2  density       unsigned 12.3
-//     40     2  opacity       of one voxel length there, 65535 = 1
-//     42     1  tag
-//     43     5  reserved      0
-//     48  4x4   random        2^32 = 1: the event's own random numbers
-//
-// Down, 32 bytes: the same packet, but for
+// Up, 64 bytes: a TrappedRay. Down, 32 bytes: the same packet, but for
 //   direction                    in which it goes on
 //   contribution, interaction    together 24 bits, contribution the high ones: the share of its energy, or of what it can
 //                                still gather, that ends here; 2^24 - 1 = all
@@ -20,49 +10,27 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <span>
 
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
 
 namespace gicube::wire {
 
-inline constexpr std::size_t kTrappedRayBytes = 64;
 inline constexpr int kTrapDensityFractionBits = 3;
 inline constexpr double kTrapOpacityOne = 65535;
 
 struct TrappedRay {
-  Ray ray;
-  std::array<std::int16_t, 3> gradient{};
-  std::uint16_t density = 0;
-  std::uint16_t opacity = 0;
+  Ray ray;                                 // at the material; kTrapped if it is a surface, which the ray passes then
+  std::array<std::int16_t, 3> gradient{};  // 511 * 2^5 = 1; towards what is denser
+  std::uint16_t density = 0;               // unsigned 12.3
+  std::uint16_t opacity = 0;               // of one voxel length there, 65535 = 1
   std::uint8_t tag = 0;
-  std::array<std::uint32_t, 4> random{};
+  std::array<std::uint32_t, 4> random{};  // 2^32 = 1: the event's own random numbers
 
+  constexpr void fields(auto&& list) { list(ray, gradient, density, opacity, tag, Reserved<5>{}, random); }
   friend constexpr bool operator==(const TrappedRay&, const TrappedRay&) = default;
 };
-
-inline void encode(const TrappedRay& trapped, std::span<std::uint8_t, kTrappedRayBytes> out) {
-  encode(trapped.ray, out.first<kRayBytes>());
-  for (std::size_t axis = 0; axis < 3; ++axis) store(out, 32 + 2 * axis, trapped.gradient[axis]);
-  store(out, 38, trapped.density);
-  store(out, 40, trapped.opacity);
-  store(out, 42, trapped.tag);
-  store(out, 43, std::uint8_t{0});
-  store(out, 44, std::uint32_t{0});
-  for (std::size_t i = 0; i < 4; ++i) store(out, 48 + 4 * i, trapped.random[i]);
-}
-
-inline TrappedRay decode_trapped_ray(std::span<const std::uint8_t, kTrappedRayBytes> in) {
-  TrappedRay trapped;
-  trapped.ray = decode_ray(in.first<kRayBytes>());
-  for (std::size_t axis = 0; axis < 3; ++axis) trapped.gradient[axis] = load<std::int16_t>(in, 32 + 2 * axis);
-  trapped.density = load<std::uint16_t>(in, 38);
-  trapped.opacity = load<std::uint16_t>(in, 40);
-  trapped.tag = load<std::uint8_t>(in, 42);
-  for (std::size_t i = 0; i < 4; ++i) trapped.random[i] = load<std::uint32_t>(in, 48 + 4 * i);
-  return trapped;
-}
+inline constexpr std::size_t kTrappedRayBytes = bytes_of<TrappedRay>();
 
 // What ends at the trap, in a packet on its way down; 0..kOpacityOne.
 constexpr std::uint32_t dropped_share(const Ray& ray) {

@@ -217,7 +217,7 @@ TEST(BoardTime, RendersInDspTimeAndSendsTheImageInBusTime) {
   const std::uint64_t begin = board.now_ps, viewing = board.counter("dsp.viewing_rays"),
                       rays = board.counter("pipeline.rays");
   std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(view, std::span(payload).first<wire::kRenderCommandBytes>());
+  wire::encode(view, payload);
   board.wait(board.command(payload));
   const std::uint64_t made = board.counter("dsp.viewing_rays") - viewing,
                       returned = board.counter("pipeline.rays") - rays;
@@ -266,7 +266,7 @@ TEST(BoardMisuse, RefusesCommandsByFieldAndKeepsServing) {
   };
   const auto render_refusal = [&refusal](const wire::RenderCommand& view) {
     std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-    wire::encode(view, std::span(payload).first<wire::kRenderCommandBytes>());
+    wire::encode(view, payload);
     return refusal(payload);
   };
   wire::RenderCommand view = corner_view({33, 17, 17}, 32);

@@ -180,7 +180,7 @@ Outcome carry_out(const v1::BoardConfig& config, int image_size = 28) {
   command.position = {19, 12, 13};
   command.rays_per_voxel = command.count = 1;
   std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-  wire::encode(command, std::span(payload).first<wire::kIlluminateCommandBytes>());
+  wire::encode(command, payload);
   const Completion lit = board.wait(board.command(payload)).completions.at(0);
   EXPECT_EQ(lit.error, wire::ErrorCode::kNone) << std::string(lit.payload.begin(), lit.payload.end());
   lap(kLight);

@@ -40,7 +40,7 @@ TEST(CycleLevel, ACommandTakesAsLongAsItsCyclesOnTheAsic) {
   board.read_register(wire::reg::kId);  // the bus is quiet
   const std::uint64_t begin = board.now_ps;
   std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(corner_view({30, 30, 30}, 24), std::span(payload).first<wire::kRenderCommandBytes>());
+  wire::encode(corner_view({30, 30, 30}, 24), payload);
   const TransactionResult outcome = board.wait(board.command(payload));
   const std::uint64_t cycles = board.counter("asic.cycles");
   EXPECT_GT(cycles, 3000u);
@@ -127,7 +127,7 @@ TEST(CycleLevel, ACancelledFrameLeavesAWorkingBoard) {
   const auto image = board.render(corner_view({30, 30, 30}, 40));
   board.work.cancel = true;
   std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(corner_view({30, 30, 30}, 40), std::span(payload).first<wire::kRenderCommandBytes>());
+  wire::encode(corner_view({30, 30, 30}, 40), payload);
   EXPECT_EQ(board.wait(board.command(payload)).completions.at(0).error, wire::ErrorCode::kCancelled);
   board.work.cancel = false;
   EXPECT_EQ(board.render(corner_view({30, 30, 30}, 40)), image);

@@ -95,7 +95,7 @@ v1::BoardConfig functional(bool wide, int block_voxels) {
 
 Completion illuminate(BareBoard& board, const IlluminateCommand& command) {
   std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-  wire::encode(command, std::span(payload).first<wire::kIlluminateCommandBytes>());
+  wire::encode(command, payload);
   return board.wait(board.command(payload)).completions.at(0);
 }
 
@@ -104,7 +104,7 @@ LightingLedger ledger(const Completion& completion) {
     ADD_FAILURE() << std::string(completion.payload.begin(), completion.payload.end());
     return {};
   }
-  return wire::decode_lighting_ledger(std::span(completion.payload).first<wire::kLightingLedgerBytes>());
+  return wire::decode<wire::LightingLedger>(completion.payload);
 }
 
 // The sum of all voxels' irradiance words, as the host reads them.
@@ -119,7 +119,7 @@ std::uint64_t irradiance_sum(BareBoard& board, const std::array<int, 3>& size, i
 
 void write_material(BareBoard& board, unsigned tag, const wire::Material& material) {
   std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-  wire::encode(material, std::span(bytes).first<wire::kMaterialBytes>());
+  wire::encode(material, bytes);
   board.write_memory(wire::kMaterials.base + tag * wire::kMaterialBytes, bytes);
 }
 

@@ -34,7 +34,7 @@ void load(BareBoard& board, Dice& dice, int n) {
     material.scattering = static_cast<std::uint16_t>(dice.one_of({0, 30'000, 60'000}));
     material.flags = wire::kScattersRenderingRays;
     std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-    wire::encode(material, std::span(bytes).first<wire::kMaterialBytes>());
+    wire::encode(material, bytes);
     board.write_memory(wire::kMaterials.base + tag * wire::kMaterialBytes, bytes);
   }
   std::vector<std::uint8_t> flags(wire::kEmptyFlags.bytes);
@@ -136,14 +136,14 @@ TEST_P(RayTypesOnRandomMachines, GiveTheBitsOfTheFunctionalLevel) {
       continue;
     }
     if (type == 6) {
-      const auto ledger = wire::decode_deposit_ledger(std::span(expected.payload).first<wire::kDepositLedgerBytes>());
+      const auto ledger = wire::decode<wire::DepositLedger>(expected.payload);
       EXPECT_EQ(ledger.rays, rays.size());
       EXPECT_EQ(ledger.overflowed, 0u);
       EXPECT_EQ(cycle.read_memory(wire::kIrradiance.base, kIrradianceBytes).payload,
                 functional.read_memory(wire::kIrradiance.base, kIrradianceBytes).payload);
     }
     if (type != 4) continue;
-    const auto ledger = wire::decode_lighting_ledger(std::span(expected.payload).first<wire::kLightingLedgerBytes>());
+    const auto ledger = wire::decode<wire::LightingLedger>(expected.payload);
     EXPECT_EQ(ledger.rays, rays.size());
     EXPECT_EQ(ledger.emitted, ledger.deposited + ledger.escaped + ledger.scattered_away + ledger.clipped);
     EXPECT_EQ(cycle.read_memory(wire::kIrradiance.base, kIrradianceBytes).payload,

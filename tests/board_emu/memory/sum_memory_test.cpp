@@ -159,7 +159,7 @@ class Sums : public testing::TestWithParam<v1::FidelityLevel> {
 TEST_P(Sums, EachStepOfARayLeavesItsAmountBetweenTheVoxels) {
   const Completion completion = deposit(-1000, 2);
   ASSERT_EQ(completion.error, wire::ErrorCode::kNone);
-  const auto ledger = wire::decode_deposit_ledger(std::span(completion.payload).first<wire::kDepositLedgerBytes>());
+  const auto ledger = wire::decode<wire::DepositLedger>(completion.payload);
   EXPECT_EQ(ledger, (wire::DepositLedger{2, 30, -30'000, 0, 0}));
   EXPECT_EQ(sum(0), -1000);  // 15 samples lie in the middles between 16 voxels
   for (int z = 1; z < 15; ++z) EXPECT_EQ(sum(z), -2000) << z;
@@ -182,7 +182,7 @@ TEST_P(Sums, OverflowIsReportedByTheCommandThatBringsIt) {
   constexpr int kCommands = 6;
   for (int i = 0; i < kCommands; ++i) {
     const Completion completion = deposit(wire::kMaxAmount, 400);
-    const auto ledger = wire::decode_deposit_ledger(std::span(completion.payload).first<wire::kDepositLedgerBytes>());
+    const auto ledger = wire::decode<wire::DepositLedger>(completion.payload);
     overflowed += ledger.overflowed;
     kept += ledger.kept;
     clipped += ledger.clipped;

@@ -127,7 +127,7 @@ TEST(BoardObservation, RefusedAndCancelledCommandsLeaveAReadableTrace) {
     board.load_volume(kObservedSize, observed_voxel);
     board.work.cancel = true;
     std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-    wire::encode(corner_view(kObservedSize, 64), std::span(payload).first<wire::kRenderCommandBytes>());
+    wire::encode(corner_view(kObservedSize, 64), payload);
     EXPECT_EQ(board.wait(board.command(payload)).completions.at(0).error, wire::ErrorCode::kCancelled);
     board.work.cancel = false;
     board.render(corner_view(kObservedSize, 8));

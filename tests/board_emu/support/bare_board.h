@@ -108,8 +108,7 @@ class BareBoard {
   void write_segmentation(const std::function<wire::SegmentationEntry(unsigned tag, unsigned density)>& entry) {
     std::vector<std::uint8_t> bytes(wire::kSegmentationLut.bytes);
     for (unsigned i = 0; i < wire::kSegmentationEntries; ++i) {
-      wire::encode(entry(i >> 12, i & 0xFFF),
-                   std::span(bytes).subspan(i * wire::kSegmentationEntryBytes).first<wire::kSegmentationEntryBytes>());
+      wire::encode(entry(i >> 12, i & 0xFFF), std::span(bytes).subspan(i * wire::kSegmentationEntryBytes));
     }
     write_memory(wire::kSegmentationLut.base, bytes);
   }
@@ -117,7 +116,7 @@ class BareBoard {
   // Renders, waits and reads the image back; the test fails by exception if the board refuses.
   std::vector<wire::Pixel> render(const wire::RenderCommand& view) {
     std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-    wire::encode(view, std::span(payload).first<wire::kRenderCommandBytes>());
+    wire::encode(view, payload);
     const TransactionResult outcome = wait(command(payload));
     const Completion& completion = outcome.completions.at(0);
     if (completion.error != wire::ErrorCode::kNone)
@@ -138,10 +137,9 @@ class BareBoard {
   static std::vector<std::uint8_t> trace_payload(const std::vector<wire::Ray>& rays, wire::TraceHeader header = {}) {
     std::vector<std::uint8_t> payload(wire::kTraceHeaderBytes + rays.size() * wire::kRayBytes);
     header.count = static_cast<std::uint32_t>(rays.size());
-    wire::encode(header, std::span(payload).first<wire::kTraceHeaderBytes>());
+    wire::encode(header, payload);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      wire::encode(rays[i],
-                   std::span(payload).subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
+      wire::encode(rays[i], std::span(payload).subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes));
     }
     return payload;
   }
@@ -149,7 +147,7 @@ class BareBoard {
   static std::vector<wire::Ray> traced(const Completion& completion) {
     std::vector<wire::Ray> rays(completion.payload.size() / wire::kRayBytes);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      rays[i] = wire::decode_ray(std::span(completion.payload).subspan(i * wire::kRayBytes).first<wire::kRayBytes>());
+      rays[i] = wire::decode<wire::Ray>(std::span(completion.payload).subspan(i * wire::kRayBytes));
     }
     return rays;
   }

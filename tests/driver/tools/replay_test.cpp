@@ -73,13 +73,13 @@ void alter(const std::string& file,
   std::vector<std::uint8_t> bytes(text.begin(), text.end());
   std::size_t at = wire::kCaptureHeaderBytes;
   while (at + wire::kCaptureRecordBytes + wire::kFrameHeaderBytes <= bytes.size()) {
-    const auto record = wire::decode_capture_record(std::span(bytes).subspan(at).first<wire::kCaptureRecordBytes>());
+    const auto record = wire::decode<wire::CaptureRecord>(std::span(bytes).subspan(at));
     const auto head = std::span(bytes).subspan(at + wire::kCaptureRecordBytes).first<wire::kFrameHeaderBytes>();
     auto header = wire::decode_frame_header(head);
-    ASSERT_TRUE(record && header);
+    ASSERT_TRUE(record.kind <= wire::CaptureKind::kEnd && header);
     const auto payload =
         std::span(bytes).subspan(at + wire::kCaptureRecordBytes + wire::kFrameHeaderBytes, header->size);
-    if (change(record->kind, *header, payload)) wire::encode_sealed(*header, payload, head);
+    if (change(record.kind, *header, payload)) wire::encode_sealed(*header, payload, head);
     at += wire::kCaptureRecordBytes + wire::kFrameHeaderBytes + header->size;
   }
   write(file, {bytes.begin(), bytes.end()});

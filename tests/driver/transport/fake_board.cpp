@@ -122,7 +122,7 @@ wire::VersionInfo FakeBoard::shake_hands(const wire::VersionInfo& mine) {
   std::array<std::uint8_t, wire::kVersionBytes> payload{};
   encode(mine, payload);
   respond(*hello, 0, payload);
-  return wire::decode_version(std::span<const std::uint8_t, wire::kVersionBytes>(hello->payload));
+  return wire::decode<wire::VersionInfo>(hello->payload);
 }
 
 void FakeBoard::drain() {

@@ -20,10 +20,10 @@ TEST(Bytes, AreStoredLeastSignificantFirst) {
 
 TEST(Bytes, HoldADoubleAsItsIeeeBits) {
   std::array<std::uint8_t, 8> bytes{};
-  store_double(bytes, 0, -2.0);  // sign 1, exponent 1024 = 0x400, fraction 0
+  store(std::span(bytes), 0, -2.0);  // sign 1, exponent 1024 = 0x400, fraction 0
   EXPECT_EQ(to_hex(bytes), "00 00 00 00 00 00 00 C0");
-  store_double(bytes, 0, std::numeric_limits<double>::quiet_NaN());
-  EXPECT_TRUE(std::isnan(load_double(bytes, 0)));
+  store(std::span(bytes), 0, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(std::isnan(load<double>(bytes, 0)));
 }
 
 TEST(Bytes, ABitFieldMayCrossAWordBoundary) {

@@ -31,7 +31,7 @@ TEST(RenderCommand, HasTheBytesThatItsTableSays) {
 
 RC_GTEST_PROP(RenderCommand, ComesBackAsItWas, ()) {
   const RenderCommand command = any_render();
-  RC_ASSERT(decode_render(encoded<kRenderCommandBytes>(command)) == command);
+  RC_ASSERT(decode<RenderCommand>(encoded<kRenderCommandBytes>(command)) == command);
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ TEST(Version, HasTheBytesThatItsTableSays) {
 
 RC_GTEST_PROP(Version, ComesBackAsItWas, ()) {
   const VersionInfo info = any_version();
-  RC_ASSERT(decode_version(encoded<kVersionBytes>(info)) == info);
+  RC_ASSERT(decode<VersionInfo>(encoded<kVersionBytes>(info)) == info);
 }
 
 TEST(Agreement, TakesTheSmallerMinorAndPayloadAndTheCommonCapabilities) {

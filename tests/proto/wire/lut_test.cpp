@@ -21,7 +21,7 @@ TEST(SegmentationWord, HasTheBytesThatItsTableSays) {
 
 RC_GTEST_PROP(SegmentationWord, ComesBackAsItWas, ()) {
   const SegmentationEntry entry = any_segmentation();
-  RC_ASSERT(decode_segmentation(encoded<kSegmentationEntryBytes>(entry)) == entry);
+  RC_ASSERT(decode<SegmentationEntry>(encoded<kSegmentationEntryBytes>(entry)) == entry);
 }
 
 TEST(GradientWord, HasTheBitsThatItsTableSays) {

@@ -9,24 +9,24 @@ TEST(Pair, RecordsGoThereAndBack) {
   const Element element{ElementKind::kBox, {1, 2.5F, 3}, {4, 0, 0}, {0, 5, 0}, {0, 0, -6}};
   std::array<std::uint8_t, kElementBytes> element_bytes{};
   encode(element, element_bytes);
-  EXPECT_EQ(decode_element(element_bytes), element);
+  EXPECT_EQ(decode<Element>(element_bytes), element);
   EXPECT_EQ(load<std::uint32_t>(element_bytes, 12), 0x40200000u);  // 2.5
 
   const PairsHeader header{7, 8, 9, 10, 11, 12};
   std::array<std::uint8_t, kPairsHeaderBytes> header_bytes{};
   encode(header, header_bytes);
-  EXPECT_EQ(decode_pairs(header_bytes), header);
+  EXPECT_EQ(decode<PairsHeader>(header_bytes), header);
   EXPECT_EQ(load<std::uint32_t>(header_bytes, 0), 6u);
 
   const Pair pair{1, 2, 0xDEADBEEF};
   std::array<std::uint8_t, kPairBytes> pair_bytes{};
   encode(pair, pair_bytes);
-  EXPECT_EQ(decode_pair(pair_bytes), pair);
+  EXPECT_EQ(decode<Pair>(pair_bytes), pair);
 
   const PairResult result{0.1, 0.25F, 1e-3F};
   std::array<std::uint8_t, kPairResultBytes> result_bytes{};
   encode(result, result_bytes);
-  EXPECT_EQ(decode_pair_result(result_bytes), result);
+  EXPECT_EQ(decode<PairResult>(result_bytes), result);
 }
 
 // Kept for ever: results of one version of the protocol stay what they are.

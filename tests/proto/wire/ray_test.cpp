@@ -33,19 +33,19 @@ TEST(RayPacket, IsTwoHundredAndFiftySixBits) {
 
 RC_GTEST_PROP(RayPacket, ComesBackAsItWas, ()) {
   const Ray ray = any_ray();
-  RC_ASSERT(decode_ray(encoded<kRayBytes>(ray)) == ray);
+  RC_ASSERT(decode<Ray>(encoded<kRayBytes>(ray)) == ray);
 }
 
 RC_GTEST_PROP(RayPacket, EveryBitPatternIsARayThatEncodesToItself, ()) {
   std::array<std::uint8_t, kRayBytes> bytes;
   for (auto& byte : bytes) byte = any_bits<std::uint8_t>(8);
-  RC_ASSERT(encoded<kRayBytes>(decode_ray(bytes)) == bytes);
+  RC_ASSERT(encoded<kRayBytes>(decode<Ray>(bytes)) == bytes);
 }
 
 RC_GTEST_PROP(RayPacket, AHostIdTravelsInUAndV, (std::uint32_t id)) {
   Ray ray;
   ray.set_host_id(id);
-  RC_ASSERT(decode_ray(encoded<kRayBytes>(ray)).host_id() == id);
+  RC_ASSERT(decode<Ray>(encoded<kRayBytes>(ray)).host_id() == id);
 }
 
 }  // namespace

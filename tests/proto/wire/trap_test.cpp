@@ -38,7 +38,7 @@ RC_GTEST_PROP(TrappedRay, ComesBackAsItWas, ()) {
   for (auto& number : trapped.random) number = any_bits<std::uint32_t>(32);
   std::array<std::uint8_t, kTrappedRayBytes> bytes{};
   encode(trapped, bytes);
-  RC_ASSERT(decode_trapped_ray(bytes) == trapped);
+  RC_ASSERT(decode<TrappedRay>(bytes) == trapped);
 }
 
 RC_GTEST_PROP(DroppedShare, TravelsInTheAnswersPacket, ()) {
@@ -47,7 +47,7 @@ RC_GTEST_PROP(DroppedShare, TravelsInTheAnswersPacket, ()) {
   set_dropped_share(ray, share);
   std::array<std::uint8_t, kRayBytes> bytes{};
   encode(ray, bytes);
-  RC_ASSERT(dropped_share(decode_ray(bytes)) == share);
+  RC_ASSERT(dropped_share(decode<Ray>(bytes)) == share);
 }
 
 TEST(DroppedShare, IsAllOrNothingAtItsEnds) {

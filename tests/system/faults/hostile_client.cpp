@@ -37,7 +37,7 @@ Bytes frame(const FrameHeader& header, const Bytes& payload) {
 
 Bytes version_frame(const wire::VersionInfo& version) {
   Bytes payload(wire::kVersionBytes);
-  wire::encode(version, std::span(payload).first<wire::kVersionBytes>());
+  wire::encode(version, payload);
   FrameHeader header{FrameType::kVersion};
   header.size = static_cast<std::uint32_t>(payload.size());
   return frame(header, payload);

@@ -48,7 +48,7 @@ class HostFog {
     material.routine = wire::kHostRoutine;
     material.scattering = wire::kScatteringOne;
     std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-    wire::encode(material, std::span(bytes).first<wire::kMaterialBytes>());
+    wire::encode(material, bytes);
     board.write_memory(wire::kMaterials.base + 2 * wire::kMaterialBytes, bytes);
   }
 
@@ -58,7 +58,7 @@ class HostFog {
     command.energy = 100;
     command.u = {0, 0, -1};
     std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-    wire::encode(command, std::span(payload).first<wire::kIlluminateCommandBytes>());
+    wire::encode(command, payload);
     return run(payload);
   }
 
@@ -68,8 +68,7 @@ class HostFog {
     wire::store(std::span(payload), 4, static_cast<std::uint32_t>(rays.size()));
     wire::store(std::span(payload), 8, most);
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      wire::encode(rays[i],
-                   std::span(payload).subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes).first<wire::kRayBytes>());
+      wire::encode(rays[i], std::span(payload).subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes));
     }
     return run(payload);
   }
@@ -91,13 +90,13 @@ class HostFog {
       out.text.assign(bytes.begin(), bytes.end());
       return out;
     }
-    out.ledger = wire::decode_lighting_ledger(bytes.first<wire::kLightingLedgerBytes>());
+    out.ledger = wire::decode<wire::LightingLedger>(bytes);
     bytes = bytes.subspan(wire::kLightingLedgerBytes);
     if (bytes.empty()) return out;
     out.waiting = wire::load<std::uint32_t>(bytes, 4);
     EXPECT_EQ(bytes.size(), wire::kTrapListHeaderBytes + wire::load<std::uint32_t>(bytes, 0) * wire::kTrappedRayBytes);
     for (std::size_t at = wire::kTrapListHeaderBytes; at < bytes.size(); at += wire::kTrappedRayBytes)
-      out.rays.push_back(wire::decode_trapped_ray(bytes.subspan(at).first<wire::kTrappedRayBytes>()));
+      out.rays.push_back(wire::decode<wire::TrappedRay>(bytes.subspan(at)));
     return out;
   }
 };

@@ -56,7 +56,7 @@ class Fog {
 
   void set(const wire::Material& material) {
     std::vector<std::uint8_t> bytes(wire::kMaterialBytes);
-    wire::encode(material, std::span(bytes).first<wire::kMaterialBytes>());
+    wire::encode(material, bytes);
     board.write_memory(wire::kMaterials.base, bytes);
   }
 
@@ -67,14 +67,14 @@ class Fog {
     command.position = {11, 12, 13};
     command.rays_per_voxel = command.count = 2;
     std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
-    wire::encode(command, std::span(payload).first<wire::kIlluminateCommandBytes>());
+    wire::encode(command, payload);
     return board.wait(board.command(payload)).completions.at(0);
   }
 
   LightingLedger ledger(wire::Albedo albedo = wire::Albedo::kLow, double energy = 30'000) {
     const Completion completion = light(albedo, energy);
     if (completion.error == wire::ErrorCode::kNone && completion.payload.size() == wire::kLightingLedgerBytes) {
-      return wire::decode_lighting_ledger(std::span(completion.payload).first<wire::kLightingLedgerBytes>());
+      return wire::decode<wire::LightingLedger>(completion.payload);
     }
     ADD_FAILURE() << std::string(completion.payload.begin(), completion.payload.end());
     return {};

@@ -40,7 +40,7 @@ TEST(Handshake, TheBoardAnswersWithItsOwnVersionAndLimits) {
   EXPECT_EQ(answer->header.id, 42u);
   EXPECT_EQ(answer->header.error, ErrorCode::kNone);
   ASSERT_EQ(answer->payload.size(), wire::kVersionBytes);
-  const auto theirs = wire::decode_version(std::span(answer->payload).first<wire::kVersionBytes>());
+  const auto theirs = wire::decode<wire::VersionInfo>(answer->payload);
   EXPECT_NE(theirs.session, 0u);
   wire::VersionInfo expected = board_version();
   expected.session = theirs.session;
@@ -54,7 +54,7 @@ TEST(Handshake, AcceptsALaterMinorVersionWithALongerPayload) {
   wire::VersionInfo mine;
   mine.minor = 9;
   std::vector<std::uint8_t> payload(wire::kVersionBytes + 8);
-  wire::encode(mine, std::span(payload).first<wire::kVersionBytes>());
+  wire::encode(mine, payload);
   client.send(FrameType::kVersion, 0, 0, payload);
   EXPECT_EQ(client.receive()->header.error, ErrorCode::kNone);
   EXPECT_EQ(client.read_register(wire::reg::kId), wire::kIdValue);

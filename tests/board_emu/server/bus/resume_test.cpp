@@ -22,9 +22,7 @@ std::vector<std::uint8_t> word(std::uint32_t value) {
   return bytes;
 }
 
-wire::VersionInfo version_in(const RawFrame& answer) {
-  return wire::decode_version(std::span(answer.payload).first<wire::kVersionBytes>());
-}
+wire::VersionInfo version_in(const RawFrame& answer) { return wire::decode<wire::VersionInfo>(answer.payload); }
 
 struct Opened {
   RawClient client;

@@ -81,7 +81,7 @@ inline void post_long_command(reference::RawClient& client, std::uint32_t ticket
   wire::RenderCommand view = corner_view({256, 256, 256}, 1024);
   view.samples_per_axis = 4;
   std::vector<std::uint8_t> payload(wire::kRenderCommandBytes);
-  wire::encode(view, std::span(payload).first<wire::kRenderCommandBytes>());
+  wire::encode(view, payload);
   client.send(wire::FrameType::kCommand, ticket, wire::kPosted, payload);
 }
 
