@@ -16,7 +16,7 @@ namespace gicube::samples {
 
 class ProgramTest : public testing::Test {
  protected:
-  struct TransactionResult {
+  struct ProgramResult {
     int code = -1;  // exit code
     std::string out, err;
   };
@@ -31,7 +31,7 @@ class ProgramTest : public testing::Test {
     return text.str();
   }
 
-  TransactionResult run(const std::string& arguments) const {
+  ProgramResult run(const std::string& arguments) const {
     const std::string command = GICUBE_BIN_DIR "/" + program_ + " " + arguments + " >" + path("stdout") + " 2>" +
                                 path("stderr") + " </dev/null";
     const int status = std::system(command.c_str());

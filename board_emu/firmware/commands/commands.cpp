@@ -255,8 +255,7 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"dsp.viewing_rays", "ray", viewing_rays_});
   list.push_back({"dsp.host_rays", "ray", host_rays_});
   if (pair_rays_ != 0) list.push_back({"dsp.pair_rays", "ray", pair_rays_});
-  for (int level = v1::FidelityLevel_MIN; level <= v1::FidelityLevel_MAX; ++level) {
-    if (!v1::FidelityLevel_IsValid(level)) continue;
+  for (int level = v1::functional; level <= v1::FidelityLevel_MAX; ++level) {
     list.push_back({"fidelity_answered." + v1::FidelityLevel_Name(static_cast<v1::FidelityLevel>(level)), "command",
                     answered_[static_cast<std::size_t>(level)]});
   }

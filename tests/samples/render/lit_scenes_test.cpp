@@ -17,7 +17,7 @@ class LitScenes : public RenderProgram {
   // Draws a scene's text in 40 x 40 pixels; the picture's path.
   std::string draw(const std::string& name, const std::string& text, const std::string& options = "") const {
     std::ofstream(path(name + ".scene")) << text;
-    const TransactionResult result =
+    const ProgramResult result =
         run(path(name + ".scene") + " --size 40x40 --set asic.datapath=wide -o " + path(name + ".png") + " " + options);
     EXPECT_EQ(result.code, 0) << result.err;
     return path(name + ".png");
@@ -40,7 +40,7 @@ TEST_F(LitScenes, OfTheSourceTreeAreDrawn) {
     if (entry.path().extension() != ".scene") continue;
     ++scenes;
     const std::string picture = path(entry.path().stem().string() + ".png");
-    const TransactionResult result = run(
+    const ProgramResult result = run(
         entry.path().string() + " --volume-size 32 --size 32x32 --samples 1 --light-rays 2 --lifetime 4 -o " + picture);
     EXPECT_EQ(result.code, 0) << entry.path() << result.err;
     EXPECT_GT(colours(picture, 32, 32), 50u) << entry.path();
@@ -140,7 +140,7 @@ TEST_F(LitScenes, AreLitAnewWhenALightOrASolidMoves) {
 TEST_F(LitScenes, OfPlainVolumesHaveALightOfTheirOwn) {
   const std::string ball = "builtin:buckyball --volume-size 40 --size 40x40 --quiet -o ";
   ASSERT_EQ(run(ball + path("plain.png")).code, 0);
-  const TransactionResult lit =
+  const ProgramResult lit =
       run(ball + path("lit.png") + " --illumination low --light-rays 4 --stats " + path("lit.json"));
   ASSERT_EQ(lit.code, 0) << lit.err;
   EXPECT_GT(colours(path("lit.png"), 40, 40), 100u);
@@ -161,7 +161,7 @@ TEST_F(LitScenes, ThatCannotBeAreRefusedByField) {
       {from_above("", "node { name: \"m\" material: \"floor\" mesh { file: \"none.ply\" } } }"), "node[m]"}};
   for (const auto& [text, fault] : cases) {
     std::ofstream(path("bad.scene")) << text;
-    const TransactionResult result = run(path("bad.scene") + " -o " + path("bad.png"));
+    const ProgramResult result = run(path("bad.scene") + " -o " + path("bad.png"));
     EXPECT_EQ(result.code, 1);
     EXPECT_THAT(result.err, HasSubstr(fault));
     EXPECT_FALSE(std::filesystem::exists(path("bad.png")));

@@ -30,8 +30,7 @@ TEST(PlanOptions, ReadsSharesAndDurations) {
 }
 
 TEST_F(RenderProgram, PlansForAnErrorAndExplainsItself) {
-  const TransactionResult result =
-      run(kBall + path("ball.png") + " --max-error 2% --explain --stats " + path("ball.json"));
+  const ProgramResult result = run(kBall + path("ball.png") + " --max-error 2% --explain --stats " + path("ball.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.out, AllOf(HasSubstr("plan for an error of at most 2%"), HasSubstr("level of detail 0"),
                                 HasSubstr("sampling: "), HasSubstr("error: "), HasSubstr("cost: ")));
@@ -45,7 +44,7 @@ TEST_F(RenderProgram, PlansForAnErrorAndExplainsItself) {
 }
 
 TEST_F(RenderProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
-  const TransactionResult result = run(kBall + path("ball.png") + " --time-budget 6ms --stats " + path("ball.json"));
+  const ProgramResult result = run(kBall + path("ball.png") + " --time-budget 6ms --stats " + path("ball.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(text_of(path("ball.json")));
   EXPECT_EQ(json.at("fidelity"), "approximate");
@@ -56,7 +55,7 @@ TEST_F(RenderProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
 // Pilots of a cycle board are taken by an approximate one, and the plan's volume goes onto the first.
 TEST_F(RenderProgram, PlansForACycleBoardWhatItPlansForAFunctionalOne) {
   for (const char* level : {"cycle", "functional"}) {
-    const TransactionResult result = run(
+    const ProgramResult result = run(
         std::string("builtin:buckyball --volume-size 32 --size 48x48 --no-shade --max-error 20% --quiet -o ") +
         path(std::string(level) + ".png") + " --fidelity " + level + " --stats " + path(std::string(level) + ".json"));
     ASSERT_EQ(result.code, 0) << result.err;
@@ -68,11 +67,10 @@ TEST_F(RenderProgram, PlansForACycleBoardWhatItPlansForAFunctionalOne) {
 }
 
 TEST_F(RenderProgram, PlansALitSceneWithItsLight) {
-  const TransactionResult result =
-      run(GICUBE_SOURCE_DIR
-          "/samples/scenes/golden_ring.scene --volume-size 24 --size 64x64 --max-error 20% "
-          "--explain -o " +
-          path("ring.png") + " --stats " + path("ring.json"));
+  const ProgramResult result = run(GICUBE_SOURCE_DIR
+                                   "/samples/scenes/golden_ring.scene --volume-size 24 --size 64x64 --max-error 20% "
+                                   "--explain -o " +
+                                   path("ring.png") + " --stats " + path("ring.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(text_of(path("ring.json")));
   const auto plan = json.at("plan");
@@ -94,7 +92,7 @@ TEST_F(RenderProgram, PlansALitSceneWithItsLight) {
 TEST_F(RenderProgram, LoadsOnlyWhatShowsIfAsked) {
   const std::string scene = "builtin:buckyball --volume-size 64 --size 64x64 --cut 0,0,1,0 --quiet -o ";
   ASSERT_EQ(run(scene + path("whole.png") + " --stats " + path("whole.json")).code, 0);
-  const TransactionResult part = run(scene + path("part.png") + " --crop --stats " + path("part.json"));
+  const ProgramResult part = run(scene + path("part.png") + " --crop --stats " + path("part.json"));
   ASSERT_EQ(part.code, 0) << part.err;
   const auto number = [&](const char* file, const char* key) {
     return nlohmann::json::parse(text_of(path(file))).at(key).get<double>();
@@ -117,7 +115,7 @@ TEST_F(RenderProgram, LoadsACoarserVolumeIfAsked) {
     return nlohmann::json::parse(text_of(path(file))).at(key).get<double>();
   };
   for (const char* crop : {"", " --crop"}) {
-    const TransactionResult coarse =
+    const ProgramResult coarse =
         run(scene + path("coarse.png") + " --level-of-detail 1" + crop + " --stats " + path("coarse.json"));
     ASSERT_EQ(coarse.code, 0) << coarse.err;
     EXPECT_NEAR(number("coarse.json", "samples") / number("fine.json", "samples"), 0.5, 0.05) << crop;
@@ -133,7 +131,7 @@ TEST_F(RenderProgram, LoadsACoarserVolumeIfAsked) {
     EXPECT_GT(difference, 0) << crop;
   }
   EXPECT_EQ(run(scene + path("x.png") + " --level-of-detail 1 --max-error 1%").code, 2);
-  const TransactionResult nothing = run("builtin:buckyball --volume-size 32 --level-of-detail 6 -o " + path("x.png"));
+  const ProgramResult nothing = run("builtin:buckyball --volume-size 32 --level-of-detail 6 -o " + path("x.png"));
   EXPECT_EQ(nothing.code, 1);
   EXPECT_THAT(nothing.err, HasSubstr("level"));
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "render_program.h"
@@ -15,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 
 TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
-  const TransactionResult result =
+  const ProgramResult result =
       run("builtin:buckyball --volume-size 64 --size 64x48 -o " + path("ball.png") + " --stats " + path("ball.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(result.err, "");
@@ -37,8 +38,8 @@ TEST_F(RenderProgram, DrawsTheBuckyballAndSaysWhatItCost) {
 
 TEST_F(RenderProgram, SaysWhatMemoryTheBoardTakesOnItsComputer) {
   const auto peak = [&](const char* edge) {
-    const TransactionResult result = run(std::string("builtin:buckyball --size 8x8 --volume-size ") + edge + " -o " +
-                                         path("ball.png") + " --stats " + path("ball.json"));
+    const ProgramResult result = run(std::string("builtin:buckyball --size 8x8 --volume-size ") + edge + " -o " +
+                                     path("ball.png") + " --stats " + path("ball.json"));
     EXPECT_EQ(result.code, 0) << result.err;
     const auto host = nlohmann::json::parse(text_of(path("ball.json"))).at("host");
     EXPECT_GT(host.at("program_cpu_s").get<double>(), 0);
@@ -52,7 +53,7 @@ TEST_F(RenderProgram, SaysWhatMemoryTheBoardTakesOnItsComputer) {
 TEST_F(RenderProgram, DrawsTheSamePictureAtTheCycleLevelAndSaysWhatTheAsicDid) {
   const std::string scene = "builtin:buckyball --volume-size 48 --size 40x40 --quiet -o ";
   ASSERT_EQ(run(scene + path("functional.png")).code, 0);
-  const TransactionResult result = run(scene + path("cycle.png") + " --fidelity cycle --stats " + path("cycle.json"));
+  const ProgramResult result = run(scene + path("cycle.png") + " --fidelity cycle --stats " + path("cycle.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(text_of(path("cycle.png")), text_of(path("functional.png")));
   const auto json = nlohmann::json::parse(text_of(path("cycle.json")));
@@ -63,10 +64,29 @@ TEST_F(RenderProgram, DrawsTheSamePictureAtTheCycleLevelAndSaysWhatTheAsicDid) {
   EXPECT_EQ(json.at("counters").at("processor.samples").at("value"), json.at("samples"));
 }
 
+TEST_F(RenderProgram, SaysInItsStatisticsWhichLevelAnswered) {
+  const auto answered = [&](const std::string& options) {
+    const ProgramResult result =
+        run("builtin:buckyball --volume-size 24 --size 16x16 --quiet --fidelity approximate -o " + path("a.png") +
+            " --stats " + path("a.json") + " " + options);
+    EXPECT_EQ(result.code, 0) << result.err;
+    const auto counters = nlohmann::json::parse(text_of(path("a.json"))).at("counters");
+    std::map<std::string, int> commands;
+    for (const auto& [name, counter] : counters.items()) {
+      if (name.starts_with("fidelity_answered.")) commands[name.substr(18)] = counter.at("value").get<int>();
+    }
+    return commands;
+  };
+  const std::map<std::string, int> approximate{{"functional", 0}, {"approximate", 1}, {"cycle", 0}};
+  const std::map<std::string, int> cycle{{"functional", 0}, {"approximate", 0}, {"cycle", 1}};
+  EXPECT_EQ(answered(""), approximate);
+  EXPECT_EQ(answered("--set sorter.policy=longest_wait"), cycle);  // which passes have no model of
+}
+
 TEST_F(RenderProgram, DrawsTheSamePictureForAnyNumberOfThreads) {
   for (const char* threads : {"1", "3"}) {
-    const TransactionResult result = run("builtin:buckyball --volume-size 32 --size 32x32 --quiet --threads " +
-                                         std::string(threads) + " -o " + path(std::string(threads) + ".png"));
+    const ProgramResult result = run("builtin:buckyball --volume-size 32 --size 32x32 --quiet --threads " +
+                                     std::string(threads) + " -o " + path(std::string(threads) + ".png"));
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(result.out, "");
   }
@@ -76,7 +96,7 @@ TEST_F(RenderProgram, DrawsTheSamePictureForAnyNumberOfThreads) {
 
 TEST_F(RenderProgram, DrawsASceneFileIntoAnExr) {
   std::ofstream(path("ball.scene")) << "volume { builtin: \"buckyball\" size: 32 }\nimage { width: 24 height: 16 }\n";
-  const TransactionResult result = run(path("ball.scene") + " -o " + path("ball.exr"));
+  const ProgramResult result = run(path("ball.scene") + " -o " + path("ball.exr"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_GT(colours(path("ball.exr"), 24, 16), 20u);
 }
@@ -93,7 +113,7 @@ TEST_F(RenderProgram, ShowsAFieldOfLightInPlaceOfLightingRays) {
   write_light_field(field, {1, 1, 1}, path("field.nrrd"));
   const std::string shown = path("block.scene") + " --size 16x16 --irradiance " + path("field.nrrd") + " -o ";
   for (const char* set : {"", " --set asic.datapath=wide"}) {
-    const TransactionResult result = run(shown + path("field.png") + set);
+    const ProgramResult result = run(shown + path("field.png") + set);
     ASSERT_EQ(result.code, 0) << result.err;
     const auto seen = pixel(path("field.png"), 8, 8);
     EXPECT_NEAR(seen[0], 0.5 * 0.6 * 2, 0.01);
@@ -103,10 +123,10 @@ TEST_F(RenderProgram, ShowsAFieldOfLightInPlaceOfLightingRays) {
   ASSERT_EQ(run(shown + path("half.png") + " --exposure 1").code, 0);
   EXPECT_NEAR(pixel(path("half.png"), 8, 8)[0], 0.5 * 0.6, 0.01);
 
-  const TransactionResult both = run(shown + path("a.png") + " --illumination low");
+  const ProgramResult both = run(shown + path("a.png") + " --illumination low");
   EXPECT_EQ(both.code, 2);
   EXPECT_THAT(both.err, HasSubstr("--irradiance: expected it or --illumination, got both"));
-  const TransactionResult other = run(shown + path("a.png") + " --volume-size 20");
+  const ProgramResult other = run(shown + path("a.png") + " --volume-size 20");
   EXPECT_EQ(other.code, 1);
   EXPECT_THAT(other.err,
               HasSubstr("--irradiance: expected a field of the volume's 20 x 20 x 20 voxels, got 16 x 16 x 16"));
@@ -116,7 +136,7 @@ TEST_F(RenderProgram, FailsWithOneLineAndCodeTwoForWrongUsage) {
   for (const char* arguments :
        {"", "builtin:buckyball --size huge", "builtin:buckyball --board pci:0", "builtin:buckyball --fidelity exact",
         "builtin:buckyball --board unix:/nowhere --set asic.processors=8"}) {
-    const TransactionResult result = run(arguments);
+    const ProgramResult result = run(arguments);
     EXPECT_EQ(result.code, 2) << arguments;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_THAT(result.err, HasSubstr("gicube-render: "));
@@ -129,7 +149,7 @@ TEST_F(RenderProgram, FailsWithOneLineAndCodeOneForWhatIsNotThere) {
        {std::string("/nowhere/head.nrrd"), std::string("/nowhere/a.scene"), small + " --board unix:/nowhere/socket",
         small + " --transfer-function ct-bnoe", small + " --stats /nowhere/a.json",
         std::string("builtin:buckyball --volume-size 16 --size 8x8 -o /nowhere/a.png")}) {
-    const TransactionResult result = run(arguments);
+    const ProgramResult result = run(arguments);
     EXPECT_EQ(result.code, 1) << arguments << result.err;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   }
@@ -137,7 +157,7 @@ TEST_F(RenderProgram, FailsWithOneLineAndCodeOneForWhatIsNotThere) {
 
 TEST_F(RenderProgram, SaysHowAVolumeThatIsTooLargeForTheBoardCanBeLoaded) {
   std::ofstream(path("long.raw")) << std::string(600 * 2 * 2, 'a');
-  const TransactionResult result = run(path("long.raw") + " --dims 600,2,2 -o " + path("a.png"));
+  const ProgramResult result = run(path("long.raw") + " --dims 600,2,2 -o " + path("a.png"));
   EXPECT_EQ(result.code, 1);
   EXPECT_THAT(result.err, HasSubstr("--set asic.max_volume_voxels=1024"));
 }

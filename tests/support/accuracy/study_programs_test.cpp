@@ -19,7 +19,7 @@ class ReferenceProgram : public ProgramTest {
 };
 
 TEST_F(ReferenceProgram, DrawsWhatTheBoardDraws) {
-  const TransactionResult exact = run(kBall + ("-o " + path("exact.exr")));
+  const ProgramResult exact = run(kBall + ("-o " + path("exact.exr")));
   ASSERT_EQ(exact.code, 0) << exact.err;
   const std::string board = GICUBE_BIN_DIR "/gicube-render ";
   ASSERT_EQ(std::system((board + kBall + "--quiet --no-leap -o " + path("board.exr")).c_str()), 0);
@@ -32,7 +32,7 @@ TEST_F(ReferenceProgram, DrawsWhatTheBoardDraws) {
 }
 
 TEST_F(ReferenceProgram, NamesWhatItCannotWrite) {
-  const TransactionResult result = run(kBall + std::string("-o /nowhere/exact.exr"));
+  const ProgramResult result = run(kBall + std::string("-o /nowhere/exact.exr"));
   EXPECT_NE(result.code, 0);
   EXPECT_NE(result.err.find("/nowhere/exact.exr"), std::string::npos) << result.err;
 }
@@ -53,7 +53,7 @@ class LightingStudy : public ProgramTest {
 
 TEST_F(LightingStudy, HasLessErrorForMoreRaysAndTheCommandOfEveryPoint) {
   const std::string fixed = "--albedo low --rules conserving --datapath wide --fidelity functional --step 0.5 ";
-  const TransactionResult all = run(fixed + "--rays 1 4");
+  const ProgramResult all = run(fixed + "--rays 1 4");
   ASSERT_EQ(all.code, 0) << all.err;
   const auto command = [](int rays) {
     return "gicube-lighting-study --albedo low --rules conserving --datapath wide --rays " + std::to_string(rays) +
@@ -64,7 +64,7 @@ TEST_F(LightingStudy, HasLessErrorForMoreRaysAndTheCommandOfEveryPoint) {
   ASSERT_FALSE(few.empty() || many.empty()) << all.out;
   EXPECT_LT(error(many), 0.5 * error(few)) << all.out;
 
-  const TransactionResult again =
+  const ProgramResult again =
       run(command(4).substr(std::string("gicube-lighting-study").size()) + " --fidelity functional");
   EXPECT_EQ(error(row_of(again.out, command(4))), error(many)) << again.out;
 }

@@ -27,7 +27,7 @@ TEST_P(HeldOut, TheMeasuredErrorStaysUnderTheBoundAndTheCostFallsThreeTimes) {
   const StudyScene study = scene(GetParam());
   ASSERT_GT(study.batch, 0);
   if (!study.available()) GTEST_SKIP() << "needs " << study.scene.volume.file.string();
-  const TransactionResult outcome = carry_out(study, kSize, {.max_error = 0.01}, "emu:?fidelity=functional");
+  const PlanOutcome outcome = carry_out(study, kSize, {.max_error = 0.01}, "emu:?fidelity=functional");
   EXPECT_LE(outcome.plan.chosen.error_bound, 0.01);
   EXPECT_LE(outcome.error, outcome.plan.chosen.error_bound);
   EXPECT_TRUE(outcome.error > 0 || outcome.plan.chosen.step == outcome.plan.best.step);  // else nothing was compared

@@ -44,7 +44,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--explain", options.explain, "each plan in words");
 }
 
-void print(const StudyScene& study, const TransactionResult& outcome, const Options& options) {
+void print(const StudyScene& study, const PlanOutcome& outcome, const Options& options) {
   const gicube::PlanPoint& chosen = outcome.plan.chosen;
   fmt::print("| {} | {} | {} | {:g} | {:g} | {:.2f} | {:.2f} | {:.2f} | {:.1f} | {:.1f} |", study.name, study.look,
              chosen.level, chosen.step, chosen.opacity_threshold, 100 * outcome.error, 100 * chosen.error,
@@ -174,7 +174,7 @@ void run(const Options& options) {
     if (!wanted(study, options)) continue;
     Target target{options.percent / 100, 0};
     if (options.milliseconds > 0) target = {0, static_cast<gicube::Picoseconds>(options.milliseconds * 1e9)};
-    const TransactionResult outcome = carry_out(study, options.size, target, options.board, options.exact);
+    const PlanOutcome outcome = carry_out(study, options.size, target, options.board, options.exact);
     print(study, outcome, options);
     if (!options.explain) continue;
     for (const std::string& line : outcome.plan.explain()) fmt::print("    {}\n", line);

@@ -89,8 +89,7 @@ std::string uri_for(const StudyScene& study, const std::string& uri) {
   return uri + separator + "set=asic.max_volume_voxels=" + std::to_string(study.max_volume_voxels);
 }
 
-TransactionResult carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri,
-                            bool exact) {
+PlanOutcome carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri, bool exact) {
   samples::Scene scene = study.scene;
   scene.view.width = scene.view.height = size;
   const samples::SceneSetup setup = samples::set_up(scene);
@@ -111,7 +110,7 @@ TransactionResult carry_out(const StudyScene& study, int size, const Target& tar
     request.volume = setup.volume_view();
     request.looks = looks;
   }
-  TransactionResult outcome;
+  PlanOutcome outcome;
   outcome.plan = make_plan(board, request);
   const Image image = render(board, outcome.plan.view(view), outcome.chosen);
   if (!scene.lighting.on) samples::load(board, setup, false);

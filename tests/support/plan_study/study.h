@@ -20,7 +20,7 @@ struct Cost {
   double host_seconds = 0;
 };
 
-struct TransactionResult {
+struct PlanOutcome {
   Plan plan;
   double error = 0;  // of the plan's whole picture against the best setting's
   Cost chosen, best, finest;
@@ -36,8 +36,8 @@ std::string uri_for(const StudyScene& study, const std::string& uri);
 
 // Plans the scene's picture of `size` x `size` pixels on a board of its own, renders it by the plan, by the best and by the
 // finest setting with the whole volume, and exactly, if asked for (not of lit scenes).
-TransactionResult carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri,
-                            bool exact = false);
+PlanOutcome carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri,
+                      bool exact = false);
 
 // Relative errors of pictures of `size` x `size` pixels by these steps, rays to their end, the whole volume, each against the
 // double-precision march at a sixteenth of a voxel. Not of lit scenes.

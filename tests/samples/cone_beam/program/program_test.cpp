@@ -25,7 +25,7 @@ class ConeBeamProgram : public ProgramTest {
   ConeBeamProgram() : ProgramTest("gicube-cone-beam") {}
 
   void expect_done(const std::string& arguments) const {
-    const TransactionResult result = run(arguments);
+    const ProgramResult result = run(arguments);
     ASSERT_EQ(result.code, 0) << arguments << "\n" << result.err;
     EXPECT_THAT(result.err, IsEmpty()) << arguments;
   }
@@ -42,8 +42,8 @@ double greatest_difference(const std::vector<float>& a, const std::vector<float>
 
 TEST_F(ConeBeamProgram, PlansForAnErrorAndExplainsItself) {
   expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
-  const TransactionResult result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") +
-                                       " --max-error 30% --explain --stats " + path("v.json"));
+  const ProgramResult result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") +
+                                   " --max-error 30% --explain --stats " + path("v.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.out, testing::AllOf(HasSubstr("plan for an error of at most 30%"), HasSubstr("views: "),
                                          HasSubstr("error: "), HasSubstr("cost: "), HasSubstr("the plan itself")));
@@ -62,8 +62,8 @@ TEST_F(ConeBeamProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
   expect_done(
       "project builtin:sphere --detector 24x20 --pitch 10 --views 16 --radius 50 --size 16,16,16 --spacing 8 -o " +
       path("p.nrrd"));
-  const TransactionResult result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") +
-                                       " --time-budget 25ms --stats " + path("v.json"));
+  const ProgramResult result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") +
+                                   " --time-budget 25ms --stats " + path("v.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(text_of(path("v.json")));
   EXPECT_EQ(json.at("board").at("fidelity"), "approximate");
@@ -84,8 +84,8 @@ TEST_F(ConeBeamProgram, RefusesPlansThatContradictOtherOptions) {
 TEST_F(ConeBeamProgram, ReconstructsWhatItProjected) {
   expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd") + " --voxels " +
               path("t.nrrd"));
-  const TransactionResult result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") + " --slices " +
-                                       path("s") + " --stats " + path("v.json"));
+  const ProgramResult result = run("reconstruct " + path("p.textproto") + " -o " + path("v.nrrd") + " --slices " +
+                                   path("s") + " --stats " + path("v.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("32 x 32 x 32 voxels from 24 views by fdk"));
   const Volume volume = read_volume(path("v.nrrd"));
@@ -143,7 +143,7 @@ TEST_F(ConeBeamProgram, SeesTheSameVolumeWhateverTheFormat) {
 TEST_F(ConeBeamProgram, SendsSoManyRaysThatNoVoxelIsLeftOut) {
   expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
   const auto rays = [&](const std::string& volume) {
-    const TransactionResult result =
+    const ProgramResult result =
         run("reconstruct " + path("p.textproto") + volume + " -o " + path("v.nrrd") + " --stats " + path("v.json"));
     EXPECT_EQ(result.code, 0) << result.err;
     const bool few = volume.find("0.4") != std::string::npos;
@@ -206,15 +206,15 @@ TEST_F(ConeBeamProgram, MakesTheSameNoiseForTheSameSeed) {
 TEST_F(ConeBeamProgram, ReconstructsAlgebraicallyAndSaysWhenItDiverges) {
   expect_done("project builtin:sphere" + std::string(kSmallScan) + "-o " + path("p.nrrd"));
   for (const char* method : {"sart", "os-sart --subsets 6", "sirt"}) {
-    const TransactionResult result = run("reconstruct " + path("p.textproto") + " --iterations 3 -o " + path("v.nrrd") +
-                                         " --stats " + path("v.json") + " --method " + method);
+    const ProgramResult result = run("reconstruct " + path("p.textproto") + " --iterations 3 -o " + path("v.nrrd") +
+                                     " --stats " + path("v.json") + " --method " + method);
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_THAT(result.out, HasSubstr("3 iterations, residual"));
     const auto json = nlohmann::json::parse(text_of(path("v.json")));
     EXPECT_EQ(json.at("residuals").size(), 3u);
     EXPECT_FALSE(json.at("diverged"));
   }
-  const TransactionResult wild =
+  const ProgramResult wild =
       run("reconstruct " + path("p.textproto") + " --method sart --relaxation 6 --allow-negative -o " + path("w.nrrd") +
           " --stats " + path("w.json"));
   ASSERT_EQ(wild.code, 0) << wild.err;
@@ -224,7 +224,7 @@ TEST_F(ConeBeamProgram, ReconstructsAlgebraicallyAndSaysWhenItDiverges) {
 
 TEST_F(ConeBeamProgram, FailsWithOneLineThatNamesWhatIsWrong) {
   const auto expect = [&](const std::string& arguments, int code, const std::string& text) {
-    const TransactionResult result = run(arguments);
+    const ProgramResult result = run(arguments);
     EXPECT_EQ(result.code, code) << arguments;
     EXPECT_THAT(result.err, HasSubstr(text)) << arguments;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;

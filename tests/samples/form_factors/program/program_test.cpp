@@ -37,7 +37,7 @@ class FormFactorProgram : public ProgramTest {
 };
 
 TEST_F(FormFactorProgram, PlansForAnErrorAndExplainsItself) {
-  const TransactionResult result =
+  const ProgramResult result =
       run("solve " GICUBE_SOURCE_DIR
           "/samples/scenes/radiosity/glowing_room.scene --volume-size 8 --max-error 40% --explain --stats " +
           path("x.json"));
@@ -55,7 +55,7 @@ TEST_F(FormFactorProgram, PlansForAnErrorAndExplainsItself) {
 }
 
 TEST_F(FormFactorProgram, KeepsATimeBudgetOnABoardThatKeepsTime) {
-  const TransactionResult result = run("solve " + room() + " --time-budget 60ms --stats " + path("x.json"));
+  const ProgramResult result = run("solve " + room() + " --time-budget 60ms --stats " + path("x.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(text_of(path("x.json")));
   EXPECT_EQ(json.at("board").at("fidelity"), "approximate");
@@ -72,8 +72,8 @@ TEST_F(FormFactorProgram, RefusesPlansThatContradictOtherOptions) {
 }
 
 TEST_F(FormFactorProgram, SolvesASceneIntoItsFiles) {
-  const TransactionResult result = run("solve " + room() + " --error 1e-2 --factors " + path("x.mtx") + " --solution " +
-                                       path("x.nrrd") + " -o " + path("x.png") + " --stats " + path("x.json"));
+  const ProgramResult result = run("solve " + room() + " --error 1e-2 --factors " + path("x.mtx") + " --solution " +
+                                   path("x.nrrd") + " -o " + path("x.png") + " --stats " + path("x.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(result.out, HasSubstr("links where a full matrix has"));
@@ -102,7 +102,7 @@ TEST_F(FormFactorProgram, SolvesASceneIntoItsFiles) {
 
 TEST_F(FormFactorProgram, FindsTheSameLightWhoeverMakesTheRays) {
   for (const char* made : {"board", "host"}) {
-    const TransactionResult result =
+    const ProgramResult result =
         run("solve " + room() + " --error 1e-2 --quiet --made " + made + " --solution " + path(made));
     ASSERT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(result.out, "");
@@ -111,7 +111,7 @@ TEST_F(FormFactorProgram, FindsTheSameLightWhoeverMakesTheRays) {
 }
 
 TEST_F(FormFactorProgram, LooksBetweenRandomVoxels) {
-  const TransactionResult result =
+  const ProgramResult result =
       run("visibility builtin:buckyball --volume-size 32 --pairs 200 --stats " + path("v.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("200 pairs"));
@@ -125,7 +125,7 @@ TEST_F(FormFactorProgram, LooksBetweenRandomVoxels) {
 
 TEST_F(FormFactorProgram, FailsWithOneLineThatNamesWhatIsWrong) {
   const auto expect = [&](const std::string& arguments, int code, const std::string& text) {
-    const TransactionResult result = run(arguments);
+    const ProgramResult result = run(arguments);
     EXPECT_EQ(result.code, code) << arguments;
     EXPECT_THAT(result.err, HasSubstr(text)) << arguments;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
