@@ -1,5 +1,6 @@
 // The approximate level: values as the functional level, time by the passes that rays take through the pipeline
-// (pass_machine.h). It knows rays that only gather and memories of their own; all else it hands to a cycle level.
+// (pass_machine.h). It answers for rays that only gather, on boards that PassMachine::covers(); all else it hands to a cycle
+// level.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// A source's rays for the pass machine: values are worked out by the functional level as rays are made, and the machine goes
-// the way of each again.
+// A source's rays for the pass machine. The functional level computes their values as they are made; the machine then computes
+// the time of each ray's passes.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace gicube::emu {
 
 class TracedPasses : public PassRaySource {
  public:
-  // The rays `which` of `source`, of a plain frame. `tracer`: made ready for it, or null. Uses `threads` of the host's less one, which the
-  // machine has.
+  // The rays `which` of `source`, of a plain frame. `tracer`: prepared for it, or null. Uses `threads` - 1 threads of the host;
+  // the machine has the other.
   TracedPasses(RaySource& source, RayRange which, const Frame& frame, const SimdTracer* tracer, unsigned threads)
       : source_(source), which_(which), frame_(frame), tracer_(tracer), threads_(threads) {}
 

@@ -1,8 +1,8 @@
 // The whole board at cycle level: DSP, ray bus, processors, links, merge tree and memories, and the clock that ticks them.
 //
-// All parts talk through registered FIFOs, so the order in which they tick within a cycle changes nothing. Time goes on
-// from command to command, and so does what the caches hold. A cycle in which the ASIC is empty and the DSP at work is not
-// ticked but booked.
+// All parts talk through registered FIFOs, so the order in which they tick within a cycle changes nothing. Time and the
+// contents of the caches go on from command to command. Cycles in which the ASIC is empty and the DSP works are not ticked,
+// only counted.
 #pragma once
 
 #include <cstdint>
@@ -37,8 +37,8 @@ class Machine {
   // For volumes of `blocks` along x, y, z.
   Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
 
-  // Takes the rays `which` of `work` to their ends. Progress is in rays that came back. Of the result's counters those of
-  // making rays; the others are the machine's (machine_counters.h). Throws Stall, and RoutineFault.
+  // Takes the rays `which` of `work` to their ends. Progress is in rays that came back. The result has the counters of making
+  // rays; all others are in machine_counters.h. Throws Stall, and RoutineFault.
   RunResult run(RaySource& work, const Frame& frame, Progress& progress, RayRange which);
   RunResult run(RaySource& work, const Frame& frame, Progress& progress) {
     return run(work, frame, progress, {0, work.count()});
@@ -48,7 +48,7 @@ class Machine {
   void invalidate_caches();
 
   void set_observer(Observer* observer) { observer_ = observer; }
-  // Parts tick in an order drawn anew each cycle. Nothing else may change by it.
+  // For tests: parts tick in an order that is drawn anew each cycle. No result may change by it.
   void shuffle_ticks(std::uint64_t seed) { shuffle_ = seed; }
 
   Cycle now() const { return now_; }

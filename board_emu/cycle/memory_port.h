@@ -40,8 +40,8 @@ class MemoryPort {
     }
     return false;
   }
-  // The same, or all that was asked for so far, each in the cycle in which it will be sent: to be called in every cycle
-  // too. What has been counted may then be ahead of the cycle.
+  // The same, or sends ahead all that was asked for so far, each request at its own cycle; also to be called in every cycle.
+  // The counters may then be ahead of the cycle.
   bool tick_ahead(Cycle now) {
     if (clients_.size() > 1) return tick(now);
     return !clients_.front().all_sent() && serve_ahead();
@@ -53,7 +53,7 @@ class MemoryPort {
   dram::Memory& channel() { return *channel_; }
 
  private:
-  // The blocks of two processors lie in turn in the memory that they share.
+  // The blocks of two processors alternate in the memory that they share.
   std::uint32_t block_in_memory(std::uint32_t block, std::size_t which) const {
     return block * static_cast<std::uint32_t>(clients_.size()) + static_cast<std::uint32_t>(which);
   }

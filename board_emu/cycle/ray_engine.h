@@ -69,7 +69,7 @@ class RayEngine {
  private:
   void work_for(Cycle now, std::uint64_t dsp_cycles);
   void take_back(Cycle now);
-  // What its routine makes of a trapped ray. kToHost: the application must answer, and has it.
+  // Scatters a trapped ray by its routine. kToHost: the application has the ray and must answer.
   enum class Scattered : std::uint8_t { kSentAgain, kEnds, kToHost };
   Scattered scatter(Cycle now, RayToken token);
   enum class Outgoing : std::uint8_t { kNothing, kRay, kRun };

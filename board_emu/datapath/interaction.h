@@ -39,13 +39,13 @@ struct Interaction {
   std::uint16_t lifetime = 0;
 };
 
-// How the energy of an irradiance carrier falls to the voxels round its position: as that of the ray which sent it did.
+// How the energy of an irradiance carrier is shared among the voxels round its position: as by the ray that sent it.
 Deposit deposit_of(const RayState& carrier, const Frame& frame);
 
 // Takes a sample, and advances or scatters the ray. `wide`, here and below: as take_sample().
 Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame, RayCounters& counters);
 
-// A flight begins: the ray, scattered, runs along `direction`.
+// Begins a new flight of a scattered ray, along `direction`.
 void redirect(RayState& ray, const Direction& direction, const Frame& frame);
 
 // A leap takes the ray through nothing: it is no longer at a surface.
@@ -88,17 +88,17 @@ inline Interaction sample(RayState& ray, WideWords* wide, const SampleSite& site
   return met;
 }
 
-// The host's answer (trap.h) to a ray that waited for it: true if the ray ends by it. The packet is then as pack() leaves
-// it, else ready for unpack(). What it brings counts as emitted.
+// Applies the host's answer (trap.h) to a ray that waited for it. Returns true if the ray ends by it: the packet is then as
+// pack() leaves it, else ready for unpack(). The energy that it brings counts as emitted.
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
 
-// The DSP scatters a trapped ray: what its routine answers. `cycles`: what it took, of the DSP. Throws RoutineFault.
-// kTrapped: the host must answer, the frame's HostTrapQueue has the ray, and it is gone without having come to an end.
+// Scatters a trapped ray by its routine on the DSP. `cycles`: receives the DSP cycles that it took. Throws RoutineFault.
+// Outcome::kTrapped: the host must answer; the frame's HostTrapQueue has the ray.
 Interaction resolve_trap(RayState& ray, WideWords* wide, const Frame& frame, RayCounters& counters,
                          std::uint32_t& cycles);
 
-// Whole energy units that the ray holds: its energy's fraction is rounded by one draw a ray, so that what it deposits on its
-// way sums exactly to what it had.
+// The whole energy units that the ray holds. Its fraction is rounded by one draw a ray, so that its deposits sum exactly to the
+// energy that it had.
 std::uint32_t energy_units(const RayState& ray, const Frame& frame);
 
 // Opacity of one voxel length at a place of the volume, 65535 = 1.

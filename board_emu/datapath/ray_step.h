@@ -18,7 +18,7 @@
 
 namespace gicube::emu {
 
-// The ray packet's words as the pipeline's registers hold them, with what its direction fixes once and for all.
+// The ray packet's words as the pipeline's registers hold them, and what follows from its direction.
 struct RayState {
   Point position{};
   Point step{};                // to the next sample
@@ -38,8 +38,8 @@ struct RayState {
 
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 
-  // The colour's 36 bits hold of a lighting ray its energy, 24.12 units; of an integral the sum of densities; and in their low
-  // 24 bits the amount that each sample of a ray leaves which backprojects.
+  // The colour's 36 bits hold the energy of a lighting ray, 24.12 units; the sum of densities of an integral; or, in their low
+  // 24 bits, the amount that each sample of a backprojecting ray leaves.
   std::uint64_t energy() const { return colour[0] | std::uint64_t{colour[1]} << 12 | std::uint64_t{colour[2]} << 24; }
   void set_energy(std::uint64_t word) {
     for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint16_t>(word >> (12 * i) & 0xFFF);

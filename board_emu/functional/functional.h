@@ -1,4 +1,4 @@
-// The functional level's way of a ray: the pipeline's pure stages in a loop, without queues, caches or clocks.
+// One ray at the functional level: the pipeline's pure stages in a loop, without queues, caches or clocks.
 //
 // What enters: a ray and the frame's constants; what leaves: the ray as it ends. Nothing a ray computes depends on other
 // rays, so any number of threads gives the same bits.
@@ -9,9 +9,9 @@
 
 namespace gicube::emu {
 
-// Takes `ray` from its position to its end: out of the volume, behind a cut plane, or opaque enough. The ray comes back
-// with its gathered colour and opacity and the position where it ended, clamped to the volume. False if it waits for the
-// host instead: the frame's HostTrapQueue has it. `steps`, if asked for, of a plain frame: that it took on its way.
+// Takes `ray` from its position to its end: out of the volume, behind a cut plane, or opaque enough. It then holds the colour
+// and opacity that it gathered, and the position where it ended, clamped to the volume. Returns false if the ray waits for the
+// host instead: the frame's HostTrapQueue has it. `steps`, if not null: receives the number of steps, in a plain frame.
 bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
 
 }  // namespace gicube::emu

@@ -1,6 +1,6 @@
-// The functional level: values without time. The DSP's time is what its rays cost it, the ASIC's none.
+// The functional level: values without time. The DSP takes the cycles that its rays cost, the ASIC none.
 //
-// Rays are spread over host threads; what they compute does not depend on it.
+// Rays are divided among host threads; their values do not depend on it.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace gicube::emu {
 
 class FunctionalLevel : public Level {
  public:
-  // Works on `threads` threads. `vectors`: rays that only gather go several side by side, where the host has vectors.
+  // Runs on `threads` threads. `vectors`: where the host has vectors, rays that only gather are traced in groups.
   explicit FunctionalLevel(unsigned threads, bool vectors = true) : threads_(threads), vectors_(vectors) {}
 
   // Progress is in batches of rays.
@@ -35,8 +35,8 @@ class FunctionalLevel : public Level {
   RayCounters rays_;
 };
 
-// Takes rays that only gather to their ends, in place, on the host's threads. `tracer`: made ready for this frame, or null.
-// `steps`: of each ray, on its way.
+// Takes rays that only gather to their ends, in place, on `threads` threads. `tracer`: prepared for this frame, or null.
+// `steps`: receives each ray's number of steps.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* tracer, unsigned threads,
                   std::span<std::int32_t> steps);
 

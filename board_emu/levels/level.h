@@ -1,6 +1,6 @@
 // A fidelity level: it takes rays to their ends, and says how long the board needs for it.
 //
-// Every level gives the same values. What they differ in is time: none, every clock, or something between.
+// Every level computes the same values. Levels differ in the time that they compute: none, every clock, or an approximation.
 #pragma once
 
 #include <atomic>
@@ -16,9 +16,9 @@
 
 namespace gicube::emu {
 
-// Shared by the thread that works and the threads that watch it.
+// Shared by the thread that runs a command and the threads that watch it.
 struct Progress {
-  std::atomic<bool> cancel{false};       // set by the watcher: finish as soon as possible, with ErrorCode::kCancelled
+  std::atomic<bool> cancel{false};       // set by a watcher: end soon, with ErrorCode::kCancelled
   std::atomic<std::uint32_t> ticket{0};  // the command in work, and how much of it is done
   std::atomic<std::uint32_t> done{0};
   std::atomic<std::uint32_t> all{0};
@@ -43,18 +43,18 @@ class Level {
  public:
   virtual ~Level() = default;
 
-  // Takes the source's rays to their ends. After one that was cancelled, or that threw (RoutineFault, Stall), the next run
-  // finds the hardware as after reset().
+  // Takes the source's rays to their ends. After a run that was cancelled, or that threw (RoutineFault, Stall), the hardware is
+  // as after reset().
   virtual RunResult run(RaySource& rays, const Frame& frame, Progress& progress) = 0;
 
-  // The volume's words have changed, or it is gone: what is cached of it is old.
+  // To be called when the volume's words have changed or it is gone: drops what is cached of it.
   virtual void volume_changed() = 0;
-  // The words that deposits go to were cleared.
+  // To be called when the words that deposits go to were cleared.
   virtual void deposits_cleared() = 0;
-  // All state back to power-up but the counters, which go on.
+  // Sets all state but the counters back to power-up.
   virtual void reset() = 0;
 
-  // What the rays of all runs did.
+  // The ray counters of all runs.
   virtual RayCounters rays() const = 0;
   // Adds the counters of the level's hardware, if it has any.
   virtual void count(std::vector<wire::Counter>& list) const = 0;

@@ -1,7 +1,6 @@
 // What a command asks of a level: rays to make, and what to do with those that come back.
 //
-// A level takes the rays one by one in their order, as the DSP does, or in batches that several threads make and take back;
-// not both in one run.
+// A level takes the rays one by one in their order, as the DSP does, or in batches on several threads; never both in one run.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +22,7 @@ struct RayBatch {
   RayBatch& operator=(const RayBatch&) = delete;
   virtual ~RayBatch() = default;
 
-  // Keeps those of the rays for which `ends(ray)` is true, in their order.
+  // Keeps the rays for which `ends(ray)` is true, in their order.
   template <typename Ends>
   void keep_if(const Ends& ends) {
     std::size_t kept = 0;
@@ -39,7 +38,7 @@ struct RayBatch {
   }
 
   std::span<wire::Ray> rays;         // those that go to the ASIC
-  std::vector<wire::Ray> room;       // where they stand, unless the source has a place for them
+  std::vector<wire::Ray> room;       // where they are kept, unless the source has a place for them
   std::vector<std::uint64_t> index;  // which of the source's rays they are; empty if it knows
   std::uint64_t returned = 0;        // rays that did not go there, and yet cost the DSP as much as one that comes back
   RayCounters counters;              // of what happened as they were made
@@ -67,18 +66,17 @@ class RaySource {
   // Rays that the DSP's memory holds between two runs of the ASIC: levels with time take so many, and then the next.
   virtual std::uint64_t max_at_once() const { return count(); }
 
-  // Makes ray `i`; nothing if it does not go to the ASIC; it is dealt with then. Called once for each. What happens to
-  // it in that is added to `counters`.
+  // Makes ray `i`, once for each. Nothing is returned for a ray that does not go to the ASIC: the source has done with it, and
+  // has counted it in `counters`.
   virtual std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) = 0;
-  // Takes ray `i` back, with what its flight has changed of it: all but its flags. Called once for each ray that was made,
-  // unless it waits for the host.
+  // Takes ray `i` back after its flight, once for each ray that was made, unless it waits for the host. Its flags mean nothing then.
   virtual void take(std::uint64_t i, const wire::Ray& ray) = 0;
 
-  // Divides the rays into batches of about `rays`, or as many as suit the source; returns how many batches there are.
+  // Divides the rays into batches of about `rays` rays, or of a size that suits the source. Returns the number of batches.
   virtual std::size_t divide(std::size_t rays) = 0;
-  // Batch `b` < divide(), each once. The source may do both for several batches at a time.
+  // Makes batch `b` < divide(), each once. Both are called from several threads, for different batches.
   virtual std::unique_ptr<RayBatch> make_batch(std::size_t b) = 0;
-  // With those of its rays that came to an end, in their order.
+  // Takes a batch back, with the rays that came to their ends, in their order.
   virtual void take_batch(RayBatch& batch) = 0;
 };
 
@@ -91,7 +89,7 @@ class RayByRaySource : public RaySource {
   void take_batch(RayBatch& batch) override;
 
  protected:
-  // Whether a ray that make() does not let go costs the DSP as much as one that comes back.
+  // Whether a ray that make() keeps back costs the DSP as much as one that returns.
   virtual bool pays_for_misses() const { return false; }
 
  private:
