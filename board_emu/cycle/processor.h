@@ -54,9 +54,9 @@ class Processor {
     return moved;
   }
   bool tick_pipeline(Cycle now);
-  // After all parts have ticked: books the cycle. `upstream` is why no ray comes, should the processor hold none.
+  // To be called after all parts have ticked: counts the cycle by its cause. `upstream`: why no ray comes, if none is here.
   void account(Cycle now, Cause upstream);
-  // Books `cycles` in which the idle processor was not ticked.
+  // Counts `cycles` in which the idle processor was not ticked.
   void account_idle(Cycle now, Cycle cycles, Cause upstream);
 
   bool idle() const;
@@ -138,7 +138,7 @@ class Processor {
   std::uint64_t holding_cycles_ = 0;
 };
 
-// In what follows conditions are added up instead of branched on: they are hard to predict, and asked for every cycle.
+// Below, conditions are added up instead of branched on: they are hard to predict, and are evaluated every cycle.
 inline bool Processor::holds_rays() const { return (sorter_.waiting() | issue_.size() | stages_.size()) != 0; }
 
 inline Cause Processor::bubble(Cause upstream) const {
@@ -160,7 +160,7 @@ inline void Processor::account(Cycle now, Cause upstream) {
   holding_cycles_ += fed_ | holds_rays();
 }
 
-// Brings what the ray's next pass will read into the host's cache, while its place is at hand.
+// Prefetches what the ray's next pass will read into the host's cache.
 inline void Processor::prefetch(const BlockView& view, const Point& position, const Point& low) const {
   const Cell at = cell(position, low);
   if (view.voxels == nullptr) return;

@@ -1,5 +1,5 @@
-// The way of a deposit from the pipeline's end into the irradiance words: read, add and write in the volume cache, the
-// changed tiles to memory, and carriers to the neighbour blocks that hold copies of the voxels [P §3.4].
+// Takes deposits from the pipeline's end into the irradiance words: it reads, adds and writes in the volume cache, sends changed
+// tiles to the memory, and sends carriers to the neighbour blocks that hold copies of the voxels [P §3.4].
 //
 // A bank reads or writes one word a cycle, so a deposit takes the cache for two cycles, in which no sample is read.
 #pragma once
@@ -41,7 +41,7 @@ class SplatUnit {
     return splat;
   }
   const Splat& oldest() const { return splats_[head_]; }
-  // Its entry has come out: the oldest begins.
+  // The oldest splat begins, when its entry comes out of the pipeline.
   void begin(Cycle now) {
     current_ = splats_[head_];
     head_ = (head_ + 1) % splats_.size();

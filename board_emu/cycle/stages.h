@@ -1,5 +1,5 @@
 // The two halves of the ray integration pipeline as one line of rays: the prefetch stages, in which a sample waits for its
-// packets, then the compute stages, which move or stand all at once [P §3.3, §3.4].
+// packets, then the compute stages, which all move or all stall [P §3.3, §3.4].
 //
 //   enter() -> prefetch stages -> start_computing() -> compute stages -> leave()
 #pragma once

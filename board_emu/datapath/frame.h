@@ -67,7 +67,7 @@ struct Frame {
   bool plain() const { return !(lights() || backprojects() || lit_by_irradiance || scatter || high_albedo); }
 };
 
-// Rendering rays gather in wide words (pipeline/wide.h).
+// Rendering rays gather in wide words (datapath/wide.h).
 inline bool gathers_wide(const Frame& frame) { return frame.wide && !frame.wide_depths.empty() && !frame.lights(); }
 
 // What the rays of `frame` read of its volume; it must outlive this. Rays that backproject read nothing.

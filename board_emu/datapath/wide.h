@@ -1,5 +1,5 @@
 // Opacity and compositing on the wide datapath [C]: what a ray has gathered is kept in floats, and a voxel's opacity has the
-// table's 12 further bits. Lanes of rays repeat these operations one by one (packet_stages-inl.h): no fused
+// table's 12 further bits. Lanes of rays repeat these operations one by one (functional/simd/stages-inl.h): no fused
 // multiply-add, so that the bits are the same.
 #pragma once
 

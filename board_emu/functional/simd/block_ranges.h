@@ -1,4 +1,4 @@
-// What the cells of one decoded block hold at most (cell_ranges.h), in the host's vectors.
+// The ranges of the cells of one decoded block (cell_ranges.h), by the host's vectors.
 #pragma once
 
 #include <cstddef>

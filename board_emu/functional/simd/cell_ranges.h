@@ -1,5 +1,5 @@
-// What cells of 4^3 voxels hold at most: the range of their densities and which tags, their further faces included. Where
-// no density of that range is seen, samples need not be taken to know that they add nothing.
+// The range of densities and the set of tags in cells of 4^3 voxels, their far faces included. Where no density of the range is
+// visible, samples add nothing and need not be taken.
 //
 // A host structure of the functional level, as DensityCopy; the board has no such memory.
 #pragma once
@@ -19,7 +19,7 @@ class CellRanges {
  public:
   static constexpr int kEdgeShift = kCellEdgeShift;
 
-  // Follows `volume`, which was decoded into `densities`, if it was decoded anew since.
+  // Updates the ranges if `volume`, with its decoded `densities`, was decoded anew since the last call.
   void follow(const VolumeMemory& volume, const std::int16_t* densities, unsigned threads);
   void clear() { *this = {}; }
 

@@ -1,5 +1,5 @@
 // The volume's densities alone, at the places of VolumeMemory::decoded(): a quarter of the bytes, and two neighbours along x
-// lie in one 32-bit word. Where the volume has nothing but densities they are those.
+// lie in one 32-bit word. A volume that was decoded to densities alone needs no copy.
 //
 // A host structure of the functional level, made when enough rays come that read it; the board has no such memory.
 #pragma once
@@ -18,7 +18,7 @@ class DensityCopy {
   void follow(const VolumeMemory& volume, unsigned threads);
   void clear();
 
-  // 12.3. None if there would be more than byte offsets of 31 bits reach.
+  // 12.3; null if byte offsets would need more than 31 bits.
   const std::int16_t* densities() const { return place_; }
 
  private:

@@ -1,4 +1,4 @@
-// The irradiance as the interpolator's 16-bit words, block behind block: for who reads many at once.
+// The irradiance as the interpolator's 16-bit words, block after block, for vectors.
 //
 // A host structure of the functional level, as DensityCopy. Blocks that no energy has reached take no memory.
 #pragma once
@@ -18,9 +18,9 @@ class IrradianceCopy {
   void follow(const IrradianceMemory& memory, std::size_t blocks, std::size_t block_words, bool narrow);
   void clear() { *this = {}; }
 
-  // 11.4. None if there would be more than byte offsets of 31 bits reach.
+  // 11.4; null if byte offsets would need more than 31 bits.
   const std::int16_t* words() const { return words_.empty() ? nullptr : words_.data(); }
-  // Where each block's begin, negative: it has none.
+  // Where each block's words begin; negative: it has none.
   const std::int32_t* first() const { return first_.data(); }
 
  private:

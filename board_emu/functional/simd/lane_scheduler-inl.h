@@ -1,4 +1,4 @@
-// Rays come and go: what is on a lane when one has ended, and what is made of the ray that has.
+// Gives lanes their rays: takes a ray that has ended off its lane, packs it, and puts the next one there.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_EXCHANGE) == defined(HWY_TARGET_TOGGLE)
@@ -23,7 +23,7 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 constexpr std::int32_t kNoLimit = std::int32_t{1} << 29;
 
-// The even steps after which the ray is out of the volume, or beyond a cut plane.
+// How many even steps take the ray out of the volume, or beyond a cut plane.
 inline std::int32_t steps_inside(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return 0;
   std::int32_t least = kNoLimit;
@@ -41,7 +41,7 @@ inline std::int32_t steps_inside(const RayState& ray, const Frame& frame) {
   return least;
 }
 
-// The rays of a span one after the other on the lanes.
+// Puts the rays of a span on the lanes, one after the other.
 class LaneScheduler {
  public:
   LaneScheduler(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters, std::span<std::int32_t> steps)
@@ -71,7 +71,7 @@ class LaneScheduler {
     }
   }
 
-  // All have ended: their colours into their packets.
+  // To be called when all have ended: writes their colours into their packets.
   void finish_colours() {
     if (!gathers_colour()) return;
     for (std::size_t i = 0; i < rays_.size(); ++i) {

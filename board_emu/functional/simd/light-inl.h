@@ -1,5 +1,5 @@
 // Stages of frames that are jittered, lit by irradiance, or on the wide datapath, for lanes of rays; as
-// packet_stages-inl.h.
+// functional/simd/stages-inl.h.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_LIGHT) == defined(HWY_TARGET_TOGGLE)

@@ -1,9 +1,9 @@
-// Samples that are seen wait here until a vector of them can be shaded: of the rays that march side by side only a part
-// meets something seen at a time, and shading is most of what a sample costs.
+// Visible samples wait here until there is a vector of them to shade: at a time only some of the rays in the lanes meet
+// something visible, and shading is most of a sample's cost.
 //
-// That a ray's colour comes later is free: its opacity, on which all else hangs, is composited at once. Its samples stay in their
-// order (floats' sums depend on it), and whole numbers reach their greatest value whether it is asked for at each
-// sum or at the end.
+// A ray's colour may come later, since its opacity, on which all else depends, is composited at once. Its samples keep their
+// order, because sums of floats depend on it. Integers saturate at their greatest value whether that is checked at each sum or
+// at the end.
 
 // Included once for each instruction set.
 #if defined(GICUBE_PACKET_SEEN) == defined(HWY_TARGET_TOGGLE)
@@ -34,7 +34,7 @@ class ShadingQueue {
 
   ColourSum& sum(std::size_t ray) { return sums_[ray]; }
 
-  // Those of `seen`. `ray`: indices of their rays; `weight`: in the ray's colour, wide: floats.
+  // Adds the samples of `seen`. `ray`: indices of their rays; `weight`: of the sample in the ray's colour, floats if wide.
   template <bool kWide>
   HWY_INLINE void add(const Place& at, V entry, V ray, V weight, V lit, Mask seen, const PacketField& field) {
     const auto put = [&](Word word, V v) { hn::StoreU(hn::Compress(v, seen), D32(), columns_[word].data() + count_); };
@@ -49,7 +49,7 @@ class ShadingQueue {
     if (count_ > kMax - hn::Lanes(D32())) shade_full<kWide>(field);
   }
 
-  // Shades what waits.
+  // Shades all samples that wait.
   template <bool kWide>
   void finish(const PacketField& field) {
     shade_full<kWide>(field);
@@ -112,7 +112,7 @@ class ShadingQueue {
 
   std::vector<ColourSum> sums_;
   std::size_t count_ = 0;
-  // Of those that wait. Where none does stands what one had before, or zero: a place that can be read.
+  // Of the samples that wait. Unused places hold old values or zero, which can be read.
   alignas(64) std::array<std::array<std::int32_t, kMax + 16>, kWords> columns_{};
 };
 

@@ -1,5 +1,5 @@
-// The functional level's fast way for rays that gather, lit by irradiance or not, and do nothing else: as many side by side
-// as the host's vectors have lanes. The same bits as integrate(), ray by ray (tests/board_emu/ray_packets_test).
+// Traces groups of rays that only gather, one ray in each lane of the host's vectors. The bits are those of integrate(), ray by
+// ray (tests/board_emu/functional/simd/simd_tracer_test.cpp).
 #pragma once
 
 #include <array>
@@ -37,7 +37,7 @@ inline constexpr std::int32_t kUnseen = -2;  // its samples count and add nothin
 
 enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
 
-// What lanes read beside them.
+// What else lanes read.
 struct PacketField {
   const std::int16_t* densities;
   const DecodedVoxel* voxels;
@@ -65,14 +65,14 @@ class SimdTracer {
  public:
   explicit SimdTracer(const OpacityCorrection& correction);
 
-  // Makes ready for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is
-  // decoded. False if they must go the plain way: they scatter or deposit, too few have come to be worth a copy of the
-  // densities, or it would be too large.
+  // Prepares for `rays` rays of this frame, whose segmentation LUT was written `lut_writes` times and whose volume is decoded.
+  // Returns false if integrate() must trace them: they scatter or deposit, too few rays have come to be worth a copy of the
+  // densities, or the copy would be too large.
   bool prepare(std::uint64_t rays, const Frame& frame, std::uint64_t lut_writes, unsigned threads);
-  // Gives the copy's memory back.
+  // Frees the copy's memory.
   void clear();
 
-  // Takes rays, at most 2^18, to their ends, in place, on the calling thread. `steps`, if there are any: of each ray, on its way there.
+  // Takes rays, at most 2^18, to their ends, in place, on the calling thread. `steps`: empty, or receives each ray's steps.
   void trace(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
              std::span<std::int32_t> steps = {}) const;
 

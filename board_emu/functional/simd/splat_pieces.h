@@ -1,5 +1,5 @@
-// Pieces of backprojecting rays, each in one block, splatted by the host's vectors: the shares of spread.h for several samples
-// at once.
+// Splats pieces of backprojecting rays, each in one block, by the host's vectors: the shares of trilinear_splat.h for several
+// samples at once.
 #pragma once
 
 #include <cstddef>
