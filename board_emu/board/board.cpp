@@ -109,9 +109,9 @@ struct Board::Parts {
   Reply cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   void control(std::uint32_t bits);
 
-  Reply finish(const wire::FrameHeader& header, const BusTransaction& errand, std::vector<std::uint8_t> payload) {
-    const std::uint64_t id = next_errand++;
-    timeline.add(header.time_ps, id, errand);
+  Reply finish(const wire::FrameHeader& header, const BusTransaction& transaction, std::vector<std::uint8_t> payload) {
+    const std::uint64_t id = next_transaction++;
+    timeline.add(header.time_ps, id, transaction);
     return {.time_ps = timeline.finish(id), .payload = std::move(payload)};
   }
   std::vector<Completion> take_completions();
@@ -124,9 +124,9 @@ struct Board::Parts {
   std::unique_ptr<Level> level;
   DspCommands commands;
   Timeline timeline;
-  std::uint64_t next_errand = 1;
-  std::unordered_map<std::uint64_t, Completion> under_way;   // by errand
-  std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> errand
+  std::uint64_t next_transaction = 1;
+  std::unordered_map<std::uint64_t, Completion> under_way;   // by transaction
+  std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> transaction
 };
 
 void Board::Parts::control(std::uint32_t bits) {
@@ -152,7 +152,7 @@ Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<con
     case FrameType::kRegisterRead: wire::store(std::span(read), 0, registers.read(offset)); break;
     case FrameType::kConfigWrite: pci.write(offset, value); return finish(header, kRegisterRead, {});
     default: {
-      timeline.add(header.time_ps, next_errand++, kRegisterWrite);
+      timeline.add(header.time_ps, next_transaction++, kRegisterWrite);
       const std::uint32_t before = registers.value(offset & (wire::kBar0Bytes - 4));
       if (!registers.write(offset, value)) return {};
       if (offset == reg::kControl) control(value);
@@ -176,21 +176,21 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
     return refuse(ErrorCode::kBadAddress,
                   "no memory of " + std::to_string(length) + " bytes at address " + std::to_string(address));
   // The DSP sends the bytes as bus master once the commands before are done.
-  const BusTransaction errand{.kind = TransferKind::kRegisterWrite,
-                              .down_bytes = kReadRequestBytes,
-                              .dsp = true,
-                              .up_bytes = length,
-                              .up_cargo = cargo_at(address),
-                              .watched = true,
-                              .name = "read memory"};
-  return finish(header, errand, std::move(*bytes));
+  const BusTransaction transaction{.kind = TransferKind::kRegisterWrite,
+                                   .down_bytes = kReadRequestBytes,
+                                   .dsp = true,
+                                   .up_bytes = length,
+                                   .up_cargo = cargo_at(address),
+                                   .watched = true,
+                                   .name = "read memory"};
+  return finish(header, transaction, std::move(*bytes));
 }
 
 void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
   if (payload.size() < 8) return registers.raise(wire::kStatusBadCommand, 0);
   const auto address = wire::load<std::uint64_t>(payload, 0);
   const auto bytes = payload.subspan(8);
-  timeline.add(header.time_ps, next_errand++, {.cargo = cargo_at(address), .down_bytes = bytes.size()});
+  timeline.add(header.time_ps, next_transaction++, {.cargo = cargo_at(address), .down_bytes = bytes.size()});
   if (!commands.aperture().write(address, bytes)) {
     registers.raise(wire::kStatusBadAddress, static_cast<std::uint32_t>(address));
   }
@@ -205,7 +205,7 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
   if (result.error != ErrorCode::kNone) {
     registers.raise(result.error == ErrorCode::kMemory ? wire::kStatusMemory : wire::kStatusBadCommand, 0);
   }
-  const std::uint64_t id = next_errand++;
+  const std::uint64_t id = next_transaction++;
   timeline.add(header.time_ps, id,
                {.cargo = result.takes_rays ? Cargo::kRays : Cargo::kCommand,
                 .down_bytes = payload.size(),

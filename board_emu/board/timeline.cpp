@@ -12,22 +12,23 @@ constexpr std::uint64_t kCompletionWordBytes = 4;  // in the host's memory
 
 }  // namespace
 
-void Timeline::add(Picoseconds stamp, std::uint64_t id, const BusTransaction& errand) {
+void Timeline::add(Picoseconds stamp, std::uint64_t id, const BusTransaction& transaction) {
   advance(stamp);
-  under_way_.emplace(id, Issued{errand, std::max(stamp, now_ps_)});
-  bus_.enqueue(Direction::kDown, {id, errand.kind, errand.cargo, errand.down_bytes, std::max(stamp, now_ps_)});
+  under_way_.emplace(id, Issued{transaction, std::max(stamp, now_ps_)});
+  bus_.enqueue(Direction::kDown,
+               {id, transaction.kind, transaction.cargo, transaction.down_bytes, std::max(stamp, now_ps_)});
 }
 
 void Timeline::end(std::uint64_t id, Picoseconds time) {
-  const auto errand = under_way_.find(id);
-  if (errand->second.errand.watched) finished_.push_back({id, time});
-  under_way_.erase(errand);
+  const auto issued = under_way_.find(id);
+  if (issued->second.transaction.watched) finished_.push_back({id, time});
+  under_way_.erase(issued);
 }
 
 void Timeline::deliver(const BusDelivery& delivery) {
   if (watcher_ != nullptr) watcher_->transferred(delivery);
   if (delivery.direction == Direction::kUp) return end(delivery.id, delivery.time_ps);
-  if (!under_way_.at(delivery.id).errand.dsp) return send_up(delivery.id, delivery.time_ps);
+  if (!under_way_.at(delivery.id).transaction.dsp) return send_up(delivery.id, delivery.time_ps);
   dsp_queue_.push_back({delivery.id, delivery.time_ps});
   begin_turns();
 }
@@ -36,13 +37,13 @@ void Timeline::begin_turns() {
   if (in_turn_ || dsp_queue_.empty()) return;
   const Arrived arrived = dsp_queue_.front();
   dsp_queue_.pop_front();
-  const auto& [errand, stamp] = under_way_.at(arrived.id);
-  const Picoseconds busy = cycles_to_ps(errand.dsp_cycles, dsp_khz_);
+  const auto& [transaction, stamp] = under_way_.at(arrived.id);
+  const Picoseconds busy = cycles_to_ps(transaction.dsp_cycles, dsp_khz_);
   const Picoseconds waiting_since = std::max(stamp, dsp_free_ps_);
   if (arrived.time_ps > waiting_since) host_bus_wait_ps_ += arrived.time_ps - waiting_since;
   const Picoseconds begin = std::max(arrived.time_ps, dsp_free_ps_);
-  dsp_free_ps_ = begin + std::max(busy, errand.asic_ps);
-  if (watcher_ != nullptr) watcher_->served(errand, begin, dsp_free_ps_);
+  dsp_free_ps_ = begin + std::max(busy, transaction.asic_ps);
+  if (watcher_ != nullptr) watcher_->served(transaction, begin, dsp_free_ps_);
   dsp_busy_ps_ += busy;
   in_turn_ = arrived.id;
 }
@@ -55,9 +56,9 @@ void Timeline::end_turn() {
 }
 
 void Timeline::send_up(std::uint64_t id, Picoseconds ready) {
-  const BusTransaction& errand = under_way_.at(id).errand;
-  if (errand.up_bytes == 0) return end(id, ready);
-  bus_.enqueue(Direction::kUp, {id, TransferKind::kBulk, errand.up_cargo, errand.up_bytes, ready});
+  const BusTransaction& transaction = under_way_.at(id).transaction;
+  if (transaction.up_bytes == 0) return end(id, ready);
+  bus_.enqueue(Direction::kUp, {id, TransferKind::kBulk, transaction.up_cargo, transaction.up_bytes, ready});
 }
 
 // The next thing that happens, if it does by `horizon`. A turn that ends is dealt with first: what it sends up competes
@@ -84,21 +85,24 @@ bool Timeline::take_back(Picoseconds stamp, std::uint64_t id) {
   const auto waits = [id](const Arrived& arrived) { return arrived.id == id; };
   const bool on_bus = bus_.carries(Direction::kDown, id);
   if (found == under_way_.end() || (!on_bus && std::none_of(dsp_queue_.begin(), dsp_queue_.end(), waits))) return false;
-  BusTransaction& errand = found->second.errand;
-  errand.dsp_cycles = 0;
-  errand.asic_ps = 0;
-  errand.up_bytes = kCompletionWordBytes;
-  errand.up_cargo = Cargo::kCompletion;
+  BusTransaction& transaction = found->second.transaction;
+  transaction.dsp_cycles = 0;
+  transaction.asic_ps = 0;
+  transaction.up_bytes = kCompletionWordBytes;
+  transaction.up_cargo = Cargo::kCompletion;
   return true;
 }
 
-Picoseconds Timeline::turn_of(Picoseconds stamp, const BusTransaction& errand) const {
+Picoseconds Timeline::turn_of(Picoseconds stamp, const BusTransaction& transaction) const {
   constexpr std::uint64_t kAhead = ~std::uint64_t{0};
   Timeline ahead = *this;
   ahead.watcher_ = nullptr;
-  ahead.add(
-      stamp, kAhead,
-      {.kind = errand.kind, .cargo = errand.cargo, .down_bytes = errand.down_bytes, .dsp = true, .watched = true});
+  ahead.add(stamp, kAhead,
+            {.kind = transaction.kind,
+             .cargo = transaction.cargo,
+             .down_bytes = transaction.down_bytes,
+             .dsp = true,
+             .watched = true});
   return ahead.finish(kAhead);
 }
 
@@ -107,7 +111,7 @@ std::optional<Picoseconds> Timeline::finish(std::uint64_t id, Picoseconds deadli
   auto found = std::find_if(finished_.begin(), finished_.end(), is_it);
   while (found == finished_.end()) {
     if (!step(deadline)) {
-      if (deadline == kNever) throw std::logic_error("errand " + std::to_string(id) + " was never added");
+      if (deadline == kNever) throw std::logic_error("transaction " + std::to_string(id) + " was never added");
       advance(deadline);
       return std::nullopt;
     }

@@ -1,7 +1,7 @@
 // Simulated time of the functional level: host bus and DSP, with an ASIC that takes none.
 //
-// An errand goes down the bus, through the DSP, and up the bus. The DSP serves errands in the order of their arrival.
-// Time advances only as far as it can no longer change: nothing older than the host's latest stamp will follow. An errand
+// A transaction goes down the bus, through the DSP, and up the bus. The DSP serves transactions in the order of their arrival.
+// Time advances only as far as it can no longer change: nothing older than the host's latest stamp will follow. A transaction
 // can be taken back until its turn at the DSP begins.
 #pragma once
 
@@ -42,19 +42,19 @@ class TimelineWatcher {
   // In the order of their ends.
   virtual void transferred(const BusDelivery& delivery) = 0;
   // A turn at the DSP; in the order of their begins.
-  virtual void served(const BusTransaction& errand, Picoseconds begin, Picoseconds end) = 0;
+  virtual void served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) = 0;
 };
 
 class Timeline {
  public:
   Timeline(const BusTiming& bus, std::uint64_t dsp_khz) : bus_(bus), dsp_khz_(dsp_khz) {}
 
-  // The host issues an errand at `stamp` and names it `id` (unique). First advances to `stamp`.
-  void add(Picoseconds stamp, std::uint64_t id, const BusTransaction& errand);
+  // The host issues a transaction at `stamp` and names it `id` (unique). First advances to `stamp`.
+  void add(Picoseconds stamp, std::uint64_t id, const BusTransaction& transaction);
 
-  // When the turn at the DSP of an errand like this will begin if it is added at `stamp`. No later errand can change it:
+  // When the turn at the DSP of a transaction like this will begin if it is added at `stamp`. No later transaction can change it:
   // they all follow on the way down. (That one before it is taken back can.)
-  Picoseconds turn_of(Picoseconds stamp, const BusTransaction& errand) const;
+  Picoseconds turn_of(Picoseconds stamp, const BusTransaction& transaction) const;
 
   // Null for none.
   void set_watcher(TimelineWatcher* watcher) { watcher_ = watcher; }
@@ -62,16 +62,16 @@ class Timeline {
   // Lets time pass up to `horizon`.
   void advance(Picoseconds horizon);
 
-  // Lets time pass until that watched errand is finished, and returns when; but no longer than to `deadline`, and then
+  // Lets time pass until that watched transaction is finished, and returns when; but no longer than to `deadline`, and then
   // nothing. It must not have been taken yet.
   std::optional<Picoseconds> finish(std::uint64_t id, Picoseconds deadline);
   Picoseconds finish(std::uint64_t id) { return *finish(id, kNever); }
 
-  // Takes an errand back at `stamp`: it costs the DSP nothing, and no more than a completion word goes up. False if its
+  // Takes a transaction back at `stamp`: it costs the DSP nothing, and no more than a completion word goes up. False if its
   // turn has begun.
   bool take_back(Picoseconds stamp, std::uint64_t id);
 
-  // The watched errands that have finished by now and were not taken yet, in the order of their time.
+  // The watched transactions that have finished by now and were not taken yet, in the order of their time.
   std::vector<Finished> take_finished();
 
   Picoseconds now() const { return now_ps_; }
@@ -97,7 +97,7 @@ class Timeline {
   Picoseconds dsp_busy_ps_ = 0;
   Picoseconds host_bus_wait_ps_ = 0;
   struct Issued {
-    BusTransaction errand;
+    BusTransaction transaction;
     Picoseconds stamp_ps = 0;
   };
   struct Arrived {
@@ -106,7 +106,7 @@ class Timeline {
   };
   std::unordered_map<std::uint64_t, Issued> under_way_;
   std::deque<Arrived> dsp_queue_;         // those that wait for their turns
-  std::optional<std::uint64_t> in_turn_;  // the errand at the DSP, until dsp_free_ps_
+  std::optional<std::uint64_t> in_turn_;  // the transaction at the DSP, until dsp_free_ps_
   std::vector<Finished> finished_;
 };
 

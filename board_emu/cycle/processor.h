@@ -90,11 +90,11 @@ class Processor {
   bool deliver(Cycle now, const InFlight& ray);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
-  Termination after(const Interaction& met, RayUnderWay& ray, InFlight& entry);
+  Termination after(const Interaction& interaction, RayUnderWay& ray, InFlight& entry);
   WideWords* wide_of(std::uint32_t ray) const { return wide_ ? &rays_.wide(ray) : nullptr; }
   Splat& add_splat(std::uint32_t block, InFlight& entry);
   Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
-  RayToken carrier(const RayState& from, const Interaction& met, std::uint32_t block);
+  RayToken carrier(const RayState& from, const Interaction& interaction, std::uint32_t block);
   Cell carrier_cell(const RayUnderWay& ray) const;
   bool tick_light(Cycle now);
   bool send_carrier(Cycle now);

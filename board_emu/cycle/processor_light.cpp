@@ -9,24 +9,24 @@ namespace gicube::emu {
 
 // What a sample of a ray that does more than gather brings about: splats, a trap, the ray's end. `ray` is still in the
 // block of the sample.
-Termination Processor::after(const Interaction& met, RayUnderWay& ray, InFlight& entry) {
+Termination Processor::after(const Interaction& interaction, RayUnderWay& ray, InFlight& entry) {
   const RayState& ray_state = ray.ray_state;
   const std::uint32_t block = ray.block;
-  if (met.deposits) {
-    const SharingBlocks sharing =
-        frame_->sums != nullptr ? frame_->sums->blocks_of(met.deposit) : frame_->irradiance->blocks_of(met.deposit);
+  if (interaction.deposits) {
+    const SharingBlocks sharing = frame_->sums != nullptr ? frame_->sums->blocks_of(interaction.deposit)
+                                                          : frame_->irradiance->blocks_of(interaction.deposit);
     Splat* work = nullptr;
     for (std::size_t i = 0; i < sharing.count; ++i) {
-      if (sharing.block[i] == block) work = &splat(block, met.deposit, entry);
+      if (sharing.block[i] == block) work = &splat(block, interaction.deposit, entry);
     }
     for (std::size_t i = 0; i < sharing.count; ++i) {
       if (sharing.block[i] == block) continue;
       if (work == nullptr) work = &add_splat(block, entry);
-      work->carrier[work->carriers++] = carrier(ray_state, met, sharing.block[i]);
+      work->carrier[work->carriers++] = carrier(ray_state, interaction, sharing.block[i]);
     }
   }
-  if (met.outcome == Outcome::kTrapped) entry.token.state = TokenStatus::kTrapped;
-  return met.outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kNot;
+  if (interaction.outcome == Outcome::kTrapped) entry.token.state = TokenStatus::kTrapped;
+  return interaction.outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kNot;
 }
 
 Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
@@ -65,15 +65,15 @@ Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& e
 }
 
 // A ray that takes the deposit to a block that has copies of its voxels [P §3.4].
-RayToken Processor::carrier(const RayState& from, const Interaction& met, std::uint32_t block) {
+RayToken Processor::carrier(const RayState& from, const Interaction& interaction, std::uint32_t block) {
   RayUnderWay ray;
-  ray.ray_state.position = met.place;
+  ray.ray_state.position = interaction.place;
   ray.ray_state.u = from.u;
   ray.ray_state.v = from.v;
-  ray.ray_state.lifetime = met.lifetime;
+  ray.ray_state.lifetime = interaction.lifetime;
   ray.ray_state.flags = wire::kLightingRay | wire::kIrradianceCarrier;
-  ray.ray_state.set_energy(frame_->sums != nullptr ? met.units & 0xFF'FFFF
-                                                   : std::uint64_t{met.units} << kEnergyFractionBits);
+  ray.ray_state.set_energy(frame_->sums != nullptr ? interaction.units & 0xFF'FFFF
+                                                   : std::uint64_t{interaction.units} << kEnergyFractionBits);
   ray.block = block;
   RayToken token;
   token.ray = rays_.add(ray);

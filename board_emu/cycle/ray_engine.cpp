@@ -74,12 +74,12 @@ void RayEngine::take_back(Cycle now) {
 RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
   RayUnderWay& ray = rays_[token.ray];
   std::uint32_t cycles = 0;
-  const Interaction met =
+  const Interaction interaction =
       resolve_trap(ray.ray_state, gathers_wide(*frame_) ? &rays_.wide(token.ray) : nullptr, *frame_, counts_, cycles);
   counts_.trap_cycles += cycles;
   work_for(now, overflow_cycles_ / 2 + cycles);
-  if (met.outcome == Outcome::kTrapped) return Scattered::kToHost;
-  if (met.outcome == Outcome::kEnded) {
+  if (interaction.outcome == Outcome::kTrapped) return Scattered::kToHost;
+  if (interaction.outcome == Outcome::kEnded) {
     count_end(ray.ray_state, Termination::kAbsorbed, *frame_, counts_);
     return Scattered::kEnds;
   }

@@ -36,7 +36,7 @@ std::uint32_t product(std::uint32_t a, std::uint32_t b) {
 
 // Opacity at which the ray interacts, 24 bits; the packet has 12 of them, the wide datapath all. The printed rules keep one
 // value for the whole path [P §2.2], which correlates its flights.
-std::uint32_t interaction(const RayState& ray, const Frame& frame) {
+std::uint32_t interaction_value(const RayState& ray, const Frame& frame) {
   const std::uint16_t flight = frame.rules == wire::EnergyRules::kAsPrinted ? std::uint16_t{0} : ray.lifetime;
   const auto value =
       static_cast<std::uint32_t>(draw(RandomStream::kInteraction, ray.u, ray.v, flight, frame.seed) >> 40);
@@ -95,7 +95,7 @@ std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material
 bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double& where) {
   const std::uint32_t before = ray.interacted;
   ray.interacted = before + product(wire::kOpacityOne - before, opacity);
-  const std::uint32_t value = interaction(ray, frame);
+  const std::uint32_t value = interaction_value(ray, frame);
   if (ray.interacted < value || ray.interacted == before) return false;
   // The depth grows evenly along the step, the opacity does not.
   const auto depth = [before](std::uint32_t until) {
@@ -146,17 +146,18 @@ Deposit spread_at(const Point& place, std::int32_t amount) {
 }
 
 // Gives `units` to the voxels round `place`.
-void deposit(Interaction& met, const RayState& ray, std::uint32_t units, const Point& place, const Frame& frame) {
+void deposit(Interaction& interaction, const RayState& ray, std::uint32_t units, const Point& place,
+             const Frame& frame) {
   if (units == 0) return;
-  met.deposits = true;
-  met.place = place;
-  met.units = units;
-  met.lifetime = ray.lifetime;
-  met.deposit = split_at(place, units, ray.u, ray.v, ray.lifetime, frame.seed);
+  interaction.deposits = true;
+  interaction.place = place;
+  interaction.units = units;
+  interaction.lifetime = ray.lifetime;
+  interaction.deposit = split_at(place, units, ray.u, ray.v, ray.lifetime, frame.seed);
 }
 
-void give_up(Interaction& met, const RayState& ray, const Frame& frame, RayCounters& counters) {
-  met.outcome = Outcome::kEnded;
+void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, RayCounters& counters) {
+  interaction.outcome = Outcome::kEnded;
   if (!ray.is(wire::kLightingRay)) return;
   const std::uint32_t units = energy_units(ray, frame);
   counters.energy.scattered_away += units;
@@ -164,15 +165,15 @@ void give_up(Interaction& met, const RayState& ray, const Frame& frame, RayCount
 }
 
 // The ray interacts at `where` of its step and is scattered.
-void scatter(Interaction& met, RayState& ray, double where, const wire::Material& material, const Sample& sample,
-             const Frame& frame, RayCounters& counters) {
+void scatter(Interaction& interaction, RayState& ray, double where, const wire::Material& material,
+             const Sample& sample, const Frame& frame, RayCounters& counters) {
   ray.position = along_step(ray, where, frame);
-  if (ray.lifetime == 0) return give_up(met, ray, frame, counters);
+  if (ray.lifetime == 0) return give_up(interaction, ray, frame, counters);
   ++counters.scatterings;
   if (material.bsdf == wire::Bsdf::kTrap) {
     ++counters.traps;
     ray.flags = static_cast<std::uint8_t>(ray.flags | wire::kTrapped | sample.tag << kTrapTagShift);
-    met.outcome = Outcome::kTrapped;
+    interaction.outcome = Outcome::kTrapped;
     return;
   }
   redirect(ray,
@@ -188,19 +189,19 @@ bool draws_scattering(const RayState& ray, const wire::Material& material, const
          std::uint64_t{material.scattering} << 16;
 }
 
-void interact_photon(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material,
+void interact_photon(Interaction& interaction, RayState& ray, std::uint32_t a, const wire::Material& material,
                      const Sample& sample, const Frame& frame, RayCounters& counters) {
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double where = 0;
   if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, where)) return advance(ray, 1);
   if (!straight && draws_scattering(ray, material, frame)) {
-    return scatter(met, ray, where, material, sample, frame, counters);
+    return scatter(interaction, ray, where, material, sample, frame, counters);
   }
-  deposit(met, ray, energy_units(ray, frame), along_step(ray, where, frame), frame);
-  met.outcome = Outcome::kEnded;
+  deposit(interaction, ray, energy_units(ray, frame), along_step(ray, where, frame), frame);
+  interaction.outcome = Outcome::kEnded;
 }
 
-void interact_bundle(Interaction& met, RayState& ray, std::uint32_t a, const wire::Material& material,
+void interact_bundle(Interaction& interaction, RayState& ray, std::uint32_t a, const wire::Material& material,
                      const Sample& sample, const Frame& frame, RayCounters& counters) {
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
   const std::uint64_t before = ray.energy(), lost = printed ? a : absorption_opacity(a, material);
@@ -217,9 +218,9 @@ void interact_bundle(Interaction& met, RayState& ray, std::uint32_t a, const wir
     counters.energy.scattered_away += given - absorbed;
     given = absorbed;
   }
-  deposit(met, ray, given, along_step(ray, 0.5, frame), frame);
+  deposit(interaction, ray, given, along_step(ray, 0.5, frame), frame);
   if (left == 0) {
-    met.outcome = Outcome::kEnded;
+    interaction.outcome = Outcome::kEnded;
     return;
   }
   double where = 0;
@@ -227,7 +228,7 @@ void interact_bundle(Interaction& met, RayState& ray, std::uint32_t a, const wir
       !interacts(ray, printed ? a : scattering_opacity(a, material), frame, where)) {
     return advance(ray, 1);
   }
-  scatter(met, ray, where, material, sample, frame, counters);
+  scatter(interaction, ray, where, material, sample, frame, counters);
 }
 
 Colour12 colour_of(const Sample& sample, const SampleSite& site, const Frame& frame) {
@@ -258,8 +259,8 @@ void absorb(RayState& ray, WideWords* wide, const Colour12& colour, std::uint32_
   over(ray, *wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
 }
 
-void interact_rendering(Interaction& met, RayState& ray, WideWords* wide, const SampleSite& site, std::uint32_t a,
-                        const wire::Material& material, const Sample& sample, const Frame& frame,
+void interact_rendering(Interaction& interaction, RayState& ray, WideWords* wide, const SampleSite& site,
+                        std::uint32_t a, const wire::Material& material, const Sample& sample, const Frame& frame,
                         RayCounters& counters) {
   const bool scatters =
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
@@ -267,7 +268,7 @@ void interact_rendering(Interaction& met, RayState& ray, WideWords* wide, const 
   if (frame.high_albedo) {
     if (!interacts(ray, a, frame, where)) return advance(ray, 1);
     if (scatters && draws_scattering(ray, material, frame)) {
-      return scatter(met, ray, where, material, sample, frame, counters);
+      return scatter(interaction, ray, where, material, sample, frame, counters);
     }
     const Colour12 colour = colour_of(sample, site, frame);
     if (wide != nullptr) {
@@ -275,36 +276,36 @@ void interact_rendering(Interaction& met, RayState& ray, WideWords* wide, const 
     } else {
       over(ray, colour, wire::kOpacityOne);
     }
-    met.outcome = Outcome::kEnded;
+    interaction.outcome = Outcome::kEnded;
     return;
   }
   absorb(ray, wide, colour_of(sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample,
          frame);
   if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, where)) return advance(ray, 1);
-  scatter(met, ray, where, material, sample, frame, counters);
+  scatter(interaction, ray, where, material, sample, frame, counters);
 }
 
 // A ray that takes nothing from its energy leaves its amount at each sample.
 Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters) {
-  Interaction met;
-  met.visible = true;
+  Interaction interaction;
+  interaction.visible = true;
   const std::int32_t amount = ray.amount();
   ++counters.deposits;
   if (frame.sums != nullptr) {
-    met.deposits = amount != 0;
-    met.place = ray.position;
-    met.units = static_cast<std::uint32_t>(amount);
-    met.deposit = spread_at(ray.position, amount);
+    interaction.deposits = amount != 0;
+    interaction.place = ray.position;
+    interaction.units = static_cast<std::uint32_t>(amount);
+    interaction.deposit = spread_at(ray.position, amount);
   } else {  // a fraction of a unit is rounded at random, and the place's own way
     constexpr int kFraction = wire::kAmountFractionBits;
     const std::uint64_t chance =
         draw_at(RandomStream::kPhase, ray.position, ray.u, ray.v, 0, frame.seed) >> (64 - kFraction);
-    deposit(met, ray, (static_cast<std::uint32_t>(amount) + static_cast<std::uint32_t>(chance)) >> kFraction,
+    deposit(interaction, ray, (static_cast<std::uint32_t>(amount) + static_cast<std::uint32_t>(chance)) >> kFraction,
             ray.position, frame);
-    counters.energy.emitted += met.units;
+    counters.energy.emitted += interaction.units;
   }
   advance(ray, 1);
-  return met;
+  return interaction;
 }
 
 }  // namespace
@@ -339,28 +340,28 @@ std::uint32_t energy_units(const RayState& ray, const Frame& frame) {
 Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame,
                      RayCounters& counters) {
   if (frame.backprojects()) return backproject(ray, frame, counters);
-  Interaction met;
+  Interaction interaction;
   const Sample sample = classify(site, frame);
   const wire::Material& material = frame.materials[sample.tag];
-  met.visible = visible(sample.index, wide, frame);
+  interaction.visible = visible(sample.index, wide, frame);
   if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
-    const bool at_surface = met.visible && material.bsdf == wire::Bsdf::kTrap;
+    const bool at_surface = interaction.visible && material.bsdf == wire::Bsdf::kTrap;
     if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
   }
-  if (!met.visible || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
+  if (!interaction.visible || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
     advance(ray, 1);
-    return met;
+    return interaction;
   }
   const std::uint32_t a = step_opacity(ray, sample.entry->opacity, frame);
   if (!ray.is(wire::kLightingRay)) {
-    interact_rendering(met, ray, wide, site, a, material, sample, frame, counters);
+    interact_rendering(interaction, ray, wide, site, a, material, sample, frame, counters);
   } else if (ray.is(wire::kHighAlbedo)) {
-    interact_photon(met, ray, a, material, sample, frame, counters);
+    interact_photon(interaction, ray, a, material, sample, frame, counters);
   } else {
-    interact_bundle(met, ray, a, material, sample, frame, counters);
+    interact_bundle(interaction, ray, a, material, sample, frame, counters);
   }
-  if (met.deposits) ++counters.deposits;
-  return met;
+  if (interaction.deposits) ++counters.deposits;
+  return interaction;
 }
 
 std::uint16_t opacity_at(const Point& position, const Frame& frame) {

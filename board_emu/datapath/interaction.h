@@ -82,10 +82,10 @@ inline Interaction sample(RayState& ray, WideWords* wide, const SampleSite& site
                           RayCounters& counters) {
   jitter_step(ray, frame);
   ++counters.samples;
-  const Interaction met = interact(ray, wide, site, frame, counters);
-  if (met.visible) ++counters.visible_samples;
+  const Interaction interaction = interact(ray, wide, site, frame, counters);
+  if (interaction.visible) ++counters.visible_samples;
   count_steps(ray, 1, frame);
-  return met;
+  return interaction;
 }
 
 // Applies the host's answer (trap.h) to a ray that waited for it. Returns true if the ray ends by it: the packet is then as

@@ -47,7 +47,7 @@ ScatterEvent event_of(const wire::TrappedRay& trapped, const wire::Material& mat
 // The ray goes on along `direction`, or ends if all of it is dropped; `dropped`: 2^24 - 1 = all.
 Interaction answer_trap(RayState& ray, WideWords* wide, const Direction& direction, std::uint32_t dropped,
                         const Frame& frame, RayCounters& counters) {
-  Interaction met;
+  Interaction interaction;
   if (dropped != 0) {
     const bool lighting = ray.is(wire::kLightingRay);
     if (lighting) {
@@ -61,12 +61,12 @@ Interaction answer_trap(RayState& ray, WideWords* wide, const Direction& directi
       over(ray, {0, 0, 0}, dropped);
     }
     if (dropped == wire::kOpacityOne || (lighting && energy_units(ray, frame) == 0)) {
-      met.outcome = Outcome::kEnded;
-      return met;
+      interaction.outcome = Outcome::kEnded;
+      return interaction;
     }
   }
   redirect(ray, direction, frame);
-  return met;
+  return interaction;
 }
 
 }  // namespace
@@ -93,9 +93,9 @@ Interaction resolve_trap(RayState& ray, WideWords* wide, const Frame& frame, Ray
   if (material.routine == wire::kHostRoutine) {
     frame.host_traps->add(trapped);
     cycles = 0;
-    Interaction met;
-    met.outcome = Outcome::kTrapped;
-    return met;
+    Interaction interaction;
+    interaction.outcome = Outcome::kTrapped;
+    return interaction;
   }
   const ScatterAnswer answer = frame.routines->scatter(material.routine, event_of(trapped, material, frame));
   cycles = answer.cycles;

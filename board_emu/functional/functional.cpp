@@ -35,9 +35,9 @@ Termination run_plain(RayState& ray_state, WideWords* wide, const Frame& frame, 
 // The DSP's routine scatters the ray; kTrapped if it is the host's to do.
 Outcome scatter_trapped(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters) {
   std::uint32_t cycles = 0;
-  const Interaction met = resolve_trap(ray_state, wide, frame, counters, cycles);
+  const Interaction interaction = resolve_trap(ray_state, wide, frame, counters, cycles);
   counters.trap_cycles += cycles;
-  return met.outcome;
+  return interaction.outcome;
 }
 
 // A ray that also deposits, or is scattered.
@@ -53,9 +53,9 @@ Termination run(RayState& ray_state, WideWords* wide, const Frame& frame, RayCou
       continue;
     }
     const SampleSite site{cell(ray_state.position, low), frame.volume->view(block), block, edge};
-    const Interaction met = sample(ray_state, wide, site, frame, counters);
-    if (met.deposits) counters.energy.deposited += frame.irradiance->add(met.deposit);
-    Outcome outcome = met.outcome;
+    const Interaction interaction = sample(ray_state, wide, site, frame, counters);
+    if (interaction.deposits) counters.energy.deposited += frame.irradiance->add(interaction.deposit);
+    Outcome outcome = interaction.outcome;
     if (outcome == Outcome::kTrapped) outcome = scatter_trapped(ray_state, wide, frame, counters);
     if (outcome == Outcome::kEnded) return Termination::kAbsorbed;
     if (outcome == Outcome::kTrapped) return Termination::kWaits;

@@ -85,15 +85,15 @@ void Observation::transferred(const BusDelivery& delivery) {
                 origin_ps_ + delivery.time_ps, fmt::format(R"("bytes":{})", delivery.bytes));
 }
 
-void Observation::served(const BusTransaction& errand, Picoseconds begin, Picoseconds end) {
+void Observation::served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) {
   if (!trace_ || end == begin) return;
   constexpr Picoseconds kMillisecond = 1'000'000'000;
   const std::uint64_t khz = config_.asic().core_khz();
   // To the nearest: asic_ps was rounded down.
-  const std::uint64_t cycles =
-      errand.asic_ps / kMillisecond * khz + (errand.asic_ps % kMillisecond * khz + kMillisecond / 2) / kMillisecond;
-  trace_->slice(kDsp, errand.name, origin_ps_ + begin, origin_ps_ + end,
-                fmt::format(R"("dsp_cycles":{},"core_cycles":{})", errand.dsp_cycles, cycles));
+  const std::uint64_t cycles = transaction.asic_ps / kMillisecond * khz +
+                               (transaction.asic_ps % kMillisecond * khz + kMillisecond / 2) / kMillisecond;
+  trace_->slice(kDsp, transaction.name, origin_ps_ + begin, origin_ps_ + end,
+                fmt::format(R"("dsp_cycles":{},"core_cycles":{})", transaction.dsp_cycles, cycles));
 }
 
 std::string Observation::fault() const {

@@ -55,7 +55,7 @@ class Observation : public BoardObserver {
   void end_command() override;
   void host_waited(const char* what, Picoseconds begin, Picoseconds end) override;
   void transferred(const BusDelivery& delivery) override;
-  void served(const BusTransaction& errand, Picoseconds begin, Picoseconds end) override;
+  void served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) override;
 
   // Which of the files could not be written to its end; empty if all is well.
   std::string fault() const;

@@ -16,14 +16,14 @@ TEST(Clock, TurnsCyclesIntoPicosecondsWithoutOverflow) {
   EXPECT_EQ(cycles_to_ps(200'000'000'000'000, 200'000), 1'000'000'000'000'000'000u);  // 11.6 days
 }
 
-TEST(Timeline, TakesAnErrandDownTheBusThroughTheDspAndUp) {
+TEST(Timeline, TakesATransactionDownTheBusThroughTheDspAndUp) {
   Timeline timeline = pci_timeline();
   timeline.add(100, 1, {.down_bytes = 4 * 8, .dsp = true, .dsp_cycles = 50, .up_bytes = 4 * 16, .watched = true});
   EXPECT_EQ(timeline.finish(1), 100 + 11 * kClock + 50 * kDspCycle + 19 * kClock);
   EXPECT_EQ(timeline.dsp_busy_ps(), 50 * kDspCycle);
 }
 
-TEST(Timeline, ServesTheDspsErrandsInTheOrderOfTheirArrival) {
+TEST(Timeline, ServesTheDspsTransactionsInTheOrderOfTheirArrival) {
   Timeline timeline = pci_timeline();
   timeline.add(0, 1, {.down_bytes = 4, .dsp = true, .dsp_cycles = 1000, .watched = true});
   timeline.add(0, 2, {.down_bytes = 4, .dsp = true, .dsp_cycles = 10, .watched = true});
@@ -69,7 +69,7 @@ TEST(Timeline, DoesNotDependOnWhenItIsAskedToAdvance) {
   EXPECT_EQ(ends[0], ends[1]);
 }
 
-TEST(Timeline, ReportsOnlyWatchedErrands) {
+TEST(Timeline, ReportsOnlyWatchedTransactions) {
   Timeline timeline = pci_timeline();
   timeline.add(0, 1, {.down_bytes = 4});
   timeline.advance(1'000'000);
@@ -78,21 +78,23 @@ TEST(Timeline, ReportsOnlyWatchedErrands) {
 
 TEST(Timeline, StopsAtADeadlineAndGoesOnFromThere) {
   Timeline timeline = pci_timeline(), other = pci_timeline();
-  const BusTransaction errand{.down_bytes = 4 * 8, .dsp = true, .dsp_cycles = 50, .up_bytes = 4 * 16, .watched = true};
-  timeline.add(100, 1, errand);
-  other.add(100, 1, errand);
+  const BusTransaction transaction{
+      .down_bytes = 4 * 8, .dsp = true, .dsp_cycles = 50, .up_bytes = 4 * 16, .watched = true};
+  timeline.add(100, 1, transaction);
+  other.add(100, 1, transaction);
   const Picoseconds end = other.finish(1);
   EXPECT_EQ(timeline.finish(1, end - 1), std::nullopt);
   EXPECT_EQ(timeline.now(), end - 1);
   EXPECT_EQ(timeline.finish(1, end), end);
 }
 
-TEST(Timeline, AnErrandThatIsTakenBackCostsTheDspNothingAndOneWordGoesUp) {
+TEST(Timeline, ATransactionThatIsTakenBackCostsTheDspNothingAndOneWordGoesUp) {
   Timeline timeline = pci_timeline();
-  const BusTransaction errand{.down_bytes = 4, .dsp = true, .dsp_cycles = 1000, .up_bytes = 4 * 16, .watched = true};
-  timeline.add(0, 1, errand);
-  timeline.add(0, 2, errand);
-  timeline.add(0, 3, errand);
+  const BusTransaction transaction{
+      .down_bytes = 4, .dsp = true, .dsp_cycles = 1000, .up_bytes = 4 * 16, .watched = true};
+  timeline.add(0, 1, transaction);
+  timeline.add(0, 2, transaction);
+  timeline.add(0, 3, transaction);
   EXPECT_TRUE(timeline.take_back(20 * kClock, 2));
   EXPECT_FALSE(timeline.take_back(20 * kClock, 1));  // its turn has begun
   EXPECT_FALSE(timeline.take_back(20 * kClock, 7));
@@ -103,7 +105,7 @@ TEST(Timeline, AnErrandThatIsTakenBackCostsTheDspNothingAndOneWordGoesUp) {
   EXPECT_EQ(timeline.dsp_busy_ps(), 2000 * kDspCycle);
 }
 
-TEST(Timeline, AnErrandOnItsWayDownCanBeTakenBackToo) {
+TEST(Timeline, ATransactionOnItsWayDownCanBeTakenBackToo) {
   Timeline timeline = pci_timeline();
   timeline.add(0, 1, {.down_bytes = 4 * 1024, .dsp = true, .dsp_cycles = 1000, .up_bytes = 64, .watched = true});
   EXPECT_TRUE(timeline.take_back(kClock, 1));

@@ -70,16 +70,16 @@ TEST(Timeline, KnowsTheBeginOfATurnBeforeItsTime) {
     Picoseconds now = 0;
     for (std::uint64_t id = 1; id < 60; ++id) {
       now += engine() % 3 == 0 ? engine() % 20'000'000 : 0;
-      BusTransaction errand;
-      errand.kind = engine() % 2 == 0 ? TransferKind::kBulk : TransferKind::kRegisterWrite;
-      errand.down_bytes = engine() % 2000;
-      errand.dsp = engine() % 2 == 0;
-      if (errand.dsp) foretold.push_back(timeline.turn_of(now, errand));
-      errand.dsp_cycles = engine() % 1000;
-      errand.asic_ps = engine() % 4'000'000;
-      errand.up_bytes = engine() % 3 == 0 ? engine() % 4000 : 0;
-      timeline.add(now, id, errand);
-      silent.add(now, id, errand);
+      BusTransaction transaction;
+      transaction.kind = engine() % 2 == 0 ? TransferKind::kBulk : TransferKind::kRegisterWrite;
+      transaction.down_bytes = engine() % 2000;
+      transaction.dsp = engine() % 2 == 0;
+      if (transaction.dsp) foretold.push_back(timeline.turn_of(now, transaction));
+      transaction.dsp_cycles = engine() % 1000;
+      transaction.asic_ps = engine() % 4'000'000;
+      transaction.up_bytes = engine() % 3 == 0 ? engine() % 4000 : 0;
+      timeline.add(now, id, transaction);
+      silent.add(now, id, transaction);
     }
     timeline.advance(Picoseconds{1} << 40);
     silent.advance(Picoseconds{1} << 40);
