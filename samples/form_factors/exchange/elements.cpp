@@ -33,16 +33,6 @@ Element box_element(const std::array<double, 3>& low, const std::array<double, 3
   return {ElementKind::kPatch, vec3_of(low), side(positive ? next : third), side(positive ? third : next), {}};
 }
 
-// Both ends of the box of a leaf.
-void widen(Cluster& cluster, const Leaf& leaf, bool fresh) {
-  const auto low = array_of(leaf.element.origin);
-  const auto high = array_of(leaf.element.origin + leaf.element.u + leaf.element.v + leaf.element.w);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    cluster.low[axis] = fresh ? low[axis] : std::min(cluster.low[axis], low[axis]);
-    cluster.high[axis] = fresh ? high[axis] : std::max(cluster.high[axis], high[axis]);
-  }
-}
-
 }  // namespace
 
 std::vector<Leaf> make_leaves(const Medium& medium, const SceneSetup& setup, const Emissions& emissions) {
@@ -106,7 +96,12 @@ Forest make_forest(std::vector<Leaf> leaves, const Edges& edges, int leaf_voxels
     double low = forest.leaves[first].kappa, high = low;
     for (std::uint32_t i = first; i < last; ++i) {
       const Leaf& leaf = forest.leaves[i];
-      widen(out, leaf, i == first);
+      const auto& [kind, origin, u, v, w] = leaf.element;
+      const auto from = array_of(origin), to = array_of(origin + u + v + w);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        out.low[axis] = i == first ? from[axis] : std::min(out.low[axis], from[axis]);
+        out.high[axis] = i == first ? to[axis] : std::max(out.high[axis], to[axis]);
+      }
       low = std::min(low, leaf.kappa);
       high = std::max(high, leaf.kappa);
       out.weight += leaf.weight;

@@ -15,10 +15,10 @@ constexpr const char* kFacings[] = {"-x", "+x", "-y", "+y", "-z", "+z", "medium"
 std::string row_of(const RadiosityResult& result, std::size_t i) {
   const Cluster& cluster = result.clusters[i];
   const bool outside = result.leaves[cluster.first].tag == kOutside;
-  return fmt::format("{},{},{},{},{},{},{},{},{},{:.9g},{:.9g},{},{},{}\n", i + 1, kFacings[cluster.facing],
-                     outside ? "outside" : std::to_string(result.leaves[cluster.first].tag), cluster.low[0],
-                     cluster.low[1], cluster.low[2], cluster.high[0], cluster.high[1], cluster.high[2], cluster.measure,
-                     cluster.weight, cluster.first + 1, cluster.last, cluster.parent == kNone ? 0 : cluster.parent + 1);
+  return fmt::format("{},{},{},{},{},{:.9g},{:.9g},{},{},{}\n", i + 1, kFacings[cluster.facing],
+                     outside ? "outside" : std::to_string(result.leaves[cluster.first].tag),
+                     fmt::join(cluster.low, ","), fmt::join(cluster.high, ","), cluster.measure, cluster.weight,
+                     cluster.first + 1, cluster.last, cluster.parent == kNone ? 0 : cluster.parent + 1);
 }
 
 }  // namespace

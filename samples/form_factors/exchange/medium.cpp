@@ -1,4 +1,4 @@
-#include "form_factors/exchange/medium.h"
+#include "form_factors/exchange/elements.h"
 
 #include <fmt/format.h>
 

@@ -38,26 +38,21 @@ LinkSampler::LinkSampler(Board& board, const Forest& forest, const Contents& con
 std::vector<PairFactor> LinkSampler::ask(std::span<const ElementPair> pairs, const PairRequest& request) {
   statistics_.pairs += pairs.size();
   statistics_.rays += std::uint64_t{request.rays} * pairs.size();
-  auto factors = board_.pair_factors(elements_, pairs, request);
-  for (const PairFactor& factor : factors) statistics_.clear_pairs += factor.clear ? 1 : 0;
-  return factors;
+  return board_.pair_factors(elements_, pairs, request);
 }
 
 void LinkSampler::estimate(Links links, int rays) {
-  // One request has one first sample.
-  std::map<std::uint32_t, std::array<std::vector<SampledLink*>, 2>> parts;
+  // One request has one first sample, and either whole clusters or members of some.
+  std::map<std::pair<std::uint32_t, bool>, std::vector<SampledLink*>> parts;
   for (SampledLink* sampled : links) {
     if (conclude_without_rays(*sampled)) continue;
     const bool full = forest_.clusters[sampled->link.a].full && forest_.clusters[sampled->link.b].full;
-    parts[sampled->next][full ? 0 : 1].push_back(sampled);
+    parts[{sampled->next, !full}].push_back(sampled);
   }
-  for (const auto& [first, part] : parts) {
-    for (std::size_t kind = 0; kind < 2; ++kind) {
-      const Links all = part[kind];
-      for (std::size_t at = 0; at < all.size(); at += kLinksAtOnce) {
-        const Links some = all.subspan(at, std::min(kLinksAtOnce, all.size() - at));
-        kind == 0 ? full_pairs(some, rays) : member_pairs(some, rays);
-      }
+  for (const auto& [request, all] : parts) {
+    for (std::size_t at = 0; at < all.size(); at += kLinksAtOnce) {
+      const Links some = Links(all).subspan(at, std::min(kLinksAtOnce, all.size() - at));
+      request.second ? member_pairs(some, rays) : full_pairs(some, rays);
     }
   }
 }

@@ -21,59 +21,56 @@ constexpr double kTimeMargin = 1.25;           // as of pictures
 // 0.6, where each solution errs by three quarters of the one before; if they erred alike, 3 (docs/guide/plan.md has what was measured).
 constexpr double kEstimate = 1, kBound = 2;
 
-class Planner {
- public:
-  Planner(Board& board, const SceneSetup& setup, const Emissions& emissions, const RadiositySettings& settings,
-          const PlanTarget& target, const RadiosityProgress& progress)
-      : board_(board), setup_(setup), emissions_(emissions), progress_(progress), first_rays_(settings.rays) {
-    plan_.settings = settings;
-    plan_.settings.hierarchy = true;
-    plan_.settings.error = kFirst;
-    plan_.target = target;
-  }
+struct Planner {
+  Board& board;
+  const SceneSetup& setup;
+  const Emissions& emissions;
+  const RadiosityProgress& progress;
+  RadiosityPlan plan;
+  int first_rays = plan.settings.rays;
+  std::uint32_t solutions = 0;
 
   RadiosityPlan make() {
     const auto start = std::chrono::steady_clock::now();
-    auto [before, point_before] = solve(plan_.settings);
-    plan_.kept = false;
-    for (int stage = 1; plan_.settings.error / kStep >= kLast; ++stage) {
-      if (plan_.target.time_budget > 0 && too_long(point_before)) break;
-      plan_.settings.error /= kStep;
-      plan_.settings.hierarchy =
-          2 * point_before.all_rays < plan_.finest_rays;  // chosen: else a full matrix does as well
-      auto [result, point] = solve(plan_.settings);
+    auto [before, point_before] = solve(plan.settings);
+    plan.kept = false;
+    for (int stage = 1; plan.settings.error / kStep >= kLast; ++stage) {
+      if (plan.target.time_budget > 0 && too_long(point_before)) break;
+      plan.settings.error /= kStep;
+      plan.settings.hierarchy =
+          2 * point_before.all_rays < plan.finest_rays;  // chosen: else a full matrix does as well
+      auto [result, point] = solve(plan.settings);
       tell(point, difference(before, result));
-      plan_.points.push_back(point);
+      plan.points.push_back(point);
       if (stage == 2) try_variants(result, point_before);
-      const bool over = plan_.target.time_budget > 0 && point.time > plan_.target.time_budget;
+      const bool over = plan.target.time_budget > 0 && point.time > plan.target.time_budget;
       if (over) break;
       before = std::move(result);
       point_before = point;
-      if (plan_.target.max_error > 0 && point.error_bound <= plan_.target.max_error) {
-        plan_.kept = true;
+      if (plan.target.max_error > 0 && point.error_bound <= plan.target.max_error) {
+        plan.kept = true;
         break;
       }
-      if (!plan_.settings.hierarchy) break;  // there is nothing finer
+      if (!plan.settings.hierarchy) break;  // there is nothing finer
     }
-    if (plan_.target.time_budget > 0) plan_.kept = point_before.time <= plan_.target.time_budget;
-    const RadiosityPlanPoint& chosen = plan_.chosen = point_before;
-    plan_.settings.hierarchy = chosen.hierarchy;
-    plan_.settings.error = chosen.threshold;
-    plan_.settings.rays = chosen.rays;
-    plan_.settings.leaf_voxels = chosen.leaf_voxels;
-    plan_.settings.seed = chosen.seed;
-    plan_.result = std::move(before);
-    const double more = chosen.all_rays > 0 ? plan_.finest_rays / chosen.all_rays : 1;
-    plan_.finest_time = static_cast<Picoseconds>(more * static_cast<double>(chosen.time));
-    plan_.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return std::move(plan_);
+    if (plan.target.time_budget > 0) plan.kept = point_before.time <= plan.target.time_budget;
+    const RadiosityPlanPoint& chosen = plan.chosen = point_before;
+    plan.settings.hierarchy = chosen.hierarchy;
+    plan.settings.error = chosen.threshold;
+    plan.settings.rays = chosen.rays;
+    plan.settings.leaf_voxels = chosen.leaf_voxels;
+    plan.settings.seed = chosen.seed;
+    plan.result = std::move(before);
+    const double more = chosen.all_rays > 0 ? plan.finest_rays / chosen.all_rays : 1;
+    plan.finest_time = static_cast<Picoseconds>(more * static_cast<double>(chosen.time));
+    plan.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return std::move(plan);
   }
 
- private:
   std::pair<RadiosityResult, RadiosityPlanPoint> solve(RadiositySettings settings) {
-    settings.seed += solutions_++;
+    settings.seed += solutions++;
     settings.max_rays = std::max(settings.max_rays, settings.rays);
-    RadiosityResult result = solve_radiosity(board_, setup_, emissions_, settings, progress_);
+    RadiosityResult result = solve_radiosity(board, setup, emissions, settings, progress);
     const RadiosityStatistics& statistics = result.statistics;
     RadiosityPlanPoint point{.hierarchy = settings.hierarchy,
                              .threshold = settings.error,
@@ -82,11 +79,11 @@ class Planner {
                              .seed = settings.seed,
                              .all_rays = static_cast<double>(statistics.rays),
                              .time = statistics.board_time};
-    plan_.all_rays += point.all_rays;
-    plan_.finest_rays = static_cast<double>(statistics.all_pairs) * first_rays_;
-    if (plan_.points.empty()) {
+    plan.all_rays += point.all_rays;
+    plan.finest_rays = static_cast<double>(statistics.all_pairs) * first_rays;
+    if (plan.points.empty()) {
       point.error = point.error_bound = 1;  // nothing is known of it
-      plan_.points.push_back(point);
+      plan.points.push_back(point);
     }
     return {std::move(result), point};
   }
@@ -99,10 +96,10 @@ class Planner {
 
   // Those of the stage before, held against this one's solution as that stage's own was.
   void try_variants(const RadiosityResult& better, const RadiosityPlanPoint& base) {
-    RadiositySettings original = plan_.settings;
+    RadiositySettings original = plan.settings;
     original.hierarchy = true;
     original.error = base.threshold;
-    double best = kGain * std::pow(plan_.points.back().difference, 2) * base.all_rays;
+    double best = kGain * std::pow(plan.points.back().difference, 2) * base.all_rays;
     // chosen: rays beside 16, and cubes twice as large
     for (const auto& [rays, times] : {std::pair{8, 1}, {32, 1}, {original.rays, 2}}) {
       RadiositySettings variant = original;
@@ -110,33 +107,38 @@ class Planner {
       variant.leaf_voxels *= times;
       auto [result, point] = solve(variant);
       tell(point, difference(result, better));
-      plan_.points.push_back(point);
+      plan.points.push_back(point);
       const double merit = point.difference * point.difference * point.all_rays;
       if (merit >= best) continue;
       best = merit;
-      plan_.settings.rays = variant.rays;
-      plan_.settings.leaf_voxels = variant.leaf_voxels;
+      plan.settings.rays = variant.rays;
+      plan.settings.leaf_voxels = variant.leaf_voxels;
     }
   }
 
   // The next solution, as the last two make one expect; where there is only one, twice as long.
   bool too_long(const RadiosityPlanPoint& point) const {
     double growth = 2;
-    for (const RadiosityPlanPoint& other : plan_.points) {
+    for (const RadiosityPlanPoint& other : plan.points) {
       if (other.threshold <= point.threshold * 1.01 || other.time == 0) continue;
       growth = std::max(1.0, static_cast<double>(point.time) / static_cast<double>(other.time));
     }
-    return kTimeMargin * (growth * static_cast<double>(point.time)) > static_cast<double>(plan_.target.time_budget);
+    return kTimeMargin * (growth * static_cast<double>(point.time)) > static_cast<double>(plan.target.time_budget);
   }
-
-  Board& board_;
-  const SceneSetup& setup_;
-  const Emissions& emissions_;
-  const RadiosityProgress& progress_;
-  const int first_rays_;
-  std::uint32_t solutions_ = 0;
-  RadiosityPlan plan_;
 };
+
+// What the result's own standard errors make one expect of the difference: the mean of |x| of a normal distribution.
+double expected_noise(const RadiosityResult& result) {
+  const double mean_of_normal = std::sqrt(2 / std::acos(-1.0));
+  double noise = 0, all = 0;
+  for (std::size_t i = 0; i < result.leaves.size(); ++i) {
+    const Leaf& leaf = result.leaves[i];
+    if (leaf.tag == kOutside) continue;
+    noise += mean_of_normal * leaf.weight * result.standard_error[i];
+    for (const double channel : result.incident[i]) all += leaf.weight * channel;
+  }
+  return noise / all;
+}
 
 }  // namespace
 
@@ -165,7 +167,69 @@ RadiosityPlan plan_radiosity(Board& board, const SceneSetup& setup, const Emissi
   if ((target.max_error > 0) == (target.time_budget > 0)) {
     throw InputError("target", "one of max_error and time_budget", target.max_error > 0 ? "both" : "none");
   }
-  return Planner(board, setup, emissions, settings, target, progress).make();
+  RadiosityPlan plan;
+  plan.target = target;
+  plan.settings = settings;
+  plan.settings.hierarchy = true;
+  plan.settings.error = kFirst;
+  return Planner{board, setup, emissions, progress, plan}.make();
+}
+
+double difference(const RadiosityResult& result, const RadiosityResult& reference) {
+  if (result.leaves.size() != reference.leaves.size()) {
+    throw InputError("reference.leaves", fmt::format("{} as the result has", result.leaves.size()),
+                     fmt::format("{}", reference.leaves.size()));
+  }
+  double off = 0, all = 0;
+  for (std::size_t i = 0; i < result.leaves.size(); ++i) {
+    const Leaf& leaf = result.leaves[i];
+    if (leaf.tag == kOutside) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      off += leaf.weight * std::abs(result.incident[i][c] - reference.incident[i][c]);
+      all += leaf.weight * reference.incident[i][c];
+    }
+  }
+  return off / all;
+}
+
+std::vector<StudyPoint> study_hierarchy(Board& board, const SceneSetup& setup, const Emissions& emissions,
+                                        const RadiositySettings& settings, const std::vector<double>& errors, bool full,
+                                        const RadiosityProgress& progress) {
+  constexpr int kMoreRays = 4;  // chosen: halves the noise
+  RadiositySettings exact = settings;
+  exact.hierarchy = false;
+  exact.rays = settings.rays * kMoreRays;
+  exact.max_rays = std::max(settings.max_rays, exact.rays);
+  exact.seed = settings.seed + 1;
+  const RadiosityResult reference = solve_radiosity(board, setup, emissions, exact, progress);
+
+  std::vector<StudyPoint> points;
+  for (std::size_t i = 0; i < errors.size() + (full ? 1 : 0); ++i) {
+    RadiositySettings changed = settings;
+    changed.hierarchy = i < errors.size();
+    if (changed.hierarchy) changed.error = errors[i];
+    const RadiosityResult result = solve_radiosity(board, setup, emissions, changed, progress);
+    points.push_back(
+        {changed.hierarchy, changed.error, difference(result, reference), expected_noise(result), result.statistics});
+  }
+  return points;
+}
+
+std::string study_point(bool hierarchy, double error) {
+  return hierarchy ? fmt::format("hierarchy/{:g}", error) : "hierarchy/full";
+}
+
+std::string csv_of(const std::vector<StudyPoint>& points, const std::string& command) {
+  std::string text =
+      "hierarchy,error,difference,standard_error,links,all_pairs,rays,board_ms,bus_bytes,closure_rms,seconds,command\n";
+  for (const StudyPoint& point : points) {
+    const RadiosityStatistics& s = point.statistics;
+    text += fmt::format("{},{:g},{:.6f},{:.6f},{},{},{},{:.3f},{},{:.6f},{:.3f},{} --point {}\n",
+                        point.hierarchy ? 1 : 0, point.error, point.difference, point.standard_error, s.links,
+                        s.all_pairs, s.rays, to_ms(s.board_time), s.bus_down_bytes + s.bus_up_bytes, s.closure_rms,
+                        s.host_seconds, command, study_point(point.hierarchy, point.error));
+  }
+  return text;
 }
 
 }  // namespace gicube::samples

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "form_factors/exchange/closed_forms.h"
+#include "form_factors/exchange/box_factor.h"
 #include "form_factors/program/options.h"
 #include "scene/formats/whole_file.h"
 #include "scene/program/board_run.h"
@@ -69,16 +69,6 @@ std::vector<double> estimates(Board& board, const Form& form, std::uint32_t rays
   return sums;
 }
 
-double slope_of(const ErrorCurve& curve) {
-  double x = 0, y = 0, xx = 0, xy = 0;
-  const auto n = static_cast<double>(curve.rays.size());
-  for (std::size_t i = 0; i < curve.rays.size(); ++i) {
-    const double lx = std::log(curve.rays[i]), ly = std::log(curve.errors[i]);
-    x += lx, y += ly, xx += lx * lx, xy += lx * ly;
-  }
-  return (n * xy - x * y) / (n * xx - x * x);
-}
-
 bool wanted(const std::string& point, const std::string& name) { return point.empty() || point == name; }
 
 // Words of a command have no blanks.
@@ -92,14 +82,17 @@ ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, dou
                     const std::string& point) {
   ErrorCurve curve{.name = name, .exact = exact, .rays = {}, .errors = {}};
   const auto parts = static_cast<std::uint32_t>(form.a.size() * form.b.size());
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (std::uint32_t rays = kMinRays; rays <= max_rays; rays *= 2) {
     if (rays < parts || !wanted(point, point_of(curve, rays / parts * parts))) continue;
     double squares = 0;
     for (const double estimate : estimates(board, form, rays)) squares += std::pow(estimate / exact - 1, 2);
     curve.rays.push_back(rays / parts * parts);
     curve.errors.push_back(std::sqrt(squares / kEstimates));
+    const double lx = std::log(curve.rays.back()), ly = std::log(curve.errors.back());
+    n += 1, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
   }
-  curve.slope = slope_of(curve);
+  curve.slope = (n * xy - x * y) / (n * xx - x * x);
   return curve;
 }
 
@@ -147,22 +140,21 @@ void write_trade(const FormFactorChartOptions& options, ProgressLine& progress) 
   std::string text =
       "bus,made,rays a pair,pairs,error,board_ms,bus_ms,rays_per_second,bus_down,bus_up,dsp,pipelines,sorter,memory,"
       "bound,command\n";
-  std::vector<double> reference;
-  for (const char* bus : {"pci33", "agp2x"}) {
-    BoardOptions chosen = options.board;
-    chosen.board = fmt::format("emu:?bus={}", bus);
-    if (chosen.fidelity.empty()) chosen.fidelity = "cycle";
+  const auto loaded = [&](const BoardOptions& chosen) {
     Board board = open_board(chosen);
     check_fits(setup.volume.dims, board.info(), setup.volume.source);
     load(board, setup, false);
+    return board;
+  };
+  BoardOptions chosen = options.board;
+  chosen.fidelity = "functional";
+  Board exact = loaded(chosen);
+  const auto reference = look(exact, pairs, {.rays = kReference, .seed = 1}).transmittances;
+  chosen.fidelity = options.board.fidelity.empty() ? "cycle" : options.board.fidelity;
+  for (const char* bus : {"pci33", "agp2x"}) {
+    chosen.board = fmt::format("emu:?bus={}", bus);
+    Board board = loaded(chosen);
     for (const PairRays made : {PairRays::kByHost, PairRays::kByBoard}) {
-      if (reference.empty()) {
-        BoardOptions fast = options.board;
-        fast.fidelity = "functional";
-        Board exact = open_board(fast);
-        load(exact, setup, false);
-        reference = look(exact, pairs, {.rays = kReference, .seed = 1}).transmittances;
-      }
       for (std::uint32_t rays = 1; rays <= options.max_rays_a_pair; rays *= 4) {
         const std::string name = fmt::format("trade/{}/{}/{}", bus, name_of(made), rays);
         if (!wanted(options.point, name)) continue;

@@ -12,10 +12,6 @@
 namespace gicube::samples {
 namespace {
 
-constexpr const char* kBuiltin = "builtin:";
-const char* const kFooter =
-    "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, limits and figures: docs/guide/form_factors.md.";
-
 // Names of before, for one release.
 const std::vector<RenamedOption> kRenamed{{"--most-rays", "--max-rays"}, {"--most-rays-a-pair", "--max-rays-a-pair"}};
 
@@ -29,10 +25,10 @@ void add_input(CLI::App& app, InputOptions& options) {
   OptionGroup group(app, "Scene");
   group.value("--volume-size", options.volume_size, "voxels along the longest edge of a world or built-in volume")
       ->check(kWorldSizes);
-  app.add_option("--transfer-function", options.transfer_function,
-                 "of all materials: a file, or a preset: " + preset_names())
-      ->type_name("FILE|NAME")
-      ->group("Scene");
+  group
+      .value("--transfer-function", options.transfer_function,
+             "of all materials: a file, or a preset: " + preset_names())
+      ->type_name("FILE|NAME");
 }
 
 // "2=5" or "2=5,4,3".
@@ -56,19 +52,20 @@ SolveOptions::ByTag by_tag(const std::string& option, const std::string& text, d
 
 void add_materials(CLI::App& app, SolveOptions& options) {
   OptionGroup group(app, "Scene");
-  group
-      .parsed("--emission", "TAG=POWER",
-              "light from a unit of a tag's surface (or of a fog's volume), as 2=5 or 2=5,4,3 for red, green and blue; "
-              "in place of the scene's; repeatable",
-              [&](const std::string& name, const std::string& text) {
-                options.emissions.push_back(by_tag(name, text, std::numeric_limits<double>::infinity()));
-              })
-      ->take_all();
-  group
-      .parsed(
-          "--albedo", "TAG=SHARE", "what a tag scatters of the light that meets it, 0..1; likewise",
-          [&](const std::string& name, const std::string& text) { options.albedos.push_back(by_tag(name, text, 1)); })
-      ->take_all();
+  const auto add = [&](const char* option, const char* type, const char* help, double most, auto& values) {
+    group
+        .parsed(option, type, help,
+                [most, &values](const std::string& name, const std::string& text) {
+                  values.push_back(by_tag(name, text, most));
+                })
+        ->take_all();
+  };
+  add("--emission", "TAG=POWER",
+      "light from a unit of a tag's surface (or of a fog's volume), as 2=5 or 2=5,4,3 for red, green and blue; in "
+      "place "
+      "of the scene's; repeatable",
+      std::numeric_limits<double>::infinity(), options.emissions);
+  add("--albedo", "TAG=SHARE", "what a tag scatters of the light that meets it, 0..1; likewise", 1, options.albedos);
 }
 
 void add_made(OptionGroup& group, PairRays& made) {
@@ -105,9 +102,7 @@ void add_output(CLI::App& app, SolveOptions& options) {
   group.file("--solution", options.solution,
              "the light that falls on each voxel, NRRD of three channels: for gicube-render --irradiance");
   group.file("-o,--output", options.picture, "a picture by the board in that light, PNG or EXR");
-  app.add_option("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")
-      ->type_name("NAME")
-      ->group("Output");
+  group.value("--camera", options.camera_name, "one of the scene's cameras by its name (the first)")->type_name("NAME");
   group.parsed("--size", "WxH", "pixels of the picture (the scene's)",
                [&options](const std::string& name, const std::string& text) {
                  const std::vector<int> sizes = parse_sizes(name, text, 2, 'x');
@@ -180,7 +175,7 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   VisibilityOptions visibility;
   FormFactorChartOptions charts;
   CLI::App app("Radiosity in volumes, its form factors by a GI-Cube board.", "gicube-form-factors");
-  app.footer(kFooter);
+  app.footer("Exit codes: 0 done, 1 failed, 2 wrong usage. Method, limits and figures: docs/guide/form_factors.md.");
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.require_subcommand(1);
   CLI::App* const solving = app.add_subcommand("solve", "spread the light of a scene's emitters");
@@ -206,29 +201,27 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   }
   check_solve(solve);
   check_plan(solve.plan);
-  if (solve.plan.wanted()) {
-    for (const char* chosen : {"--error", "--rays", "--leaf-voxels", "--full-matrix"})
-      refuse_with_plan(*solving, chosen);
+  for (const char* chosen : {"--error", "--rays", "--leaf-voxels", "--full-matrix"}) {
+    if (solve.plan.wanted()) refuse_with_plan(*solving, chosen);
   }
   return solve;
 }
 
 Scene scene_of(const InputOptions& options) {
   Scene scene;
-  if (options.input.starts_with(kBuiltin)) {
-    scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
+  if (constexpr std::string_view kBuiltin = "builtin:"; options.input.starts_with(kBuiltin)) {
+    scene.volume.builtin = options.input.substr(kBuiltin.size());
   } else if (is_scene_path(options.input)) {
     scene = at_time(read_scene(options.input), 0);
   } else {
     scene.volume.file = options.input;
   }
-  if (options.volume_size && scene.world) {
-    scene.world->size = *options.volume_size;
-  } else if (options.volume_size && !scene.volume.builtin.empty()) {
-    scene.volume.size = *options.volume_size;
-  } else if (options.volume_size) {
-    throw UsageError("--volume-size: only for a built-in volume or a world; " + in_quotes(options.input) +
-                     " has its own size");
+  if (options.volume_size) {
+    if (!scene.world && scene.volume.builtin.empty()) {
+      throw UsageError("--volume-size: only for a built-in volume or a world; " + in_quotes(options.input) +
+                       " has its own size");
+    }
+    (scene.world ? scene.world->size : scene.volume.size) = *options.volume_size;
   }
   if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
   return scene;
@@ -236,8 +229,7 @@ Scene scene_of(const InputOptions& options) {
 
 void set_materials(const SolveOptions& options, Scene& scene) {
   const auto of_tag = [&scene](int tag) -> SceneMaterial& {
-    const auto found = std::find_if(scene.materials.begin(), scene.materials.end(),
-                                    [tag](const SceneMaterial& material) { return material.tag == tag; });
+    const auto found = std::ranges::find(scene.materials, tag, &SceneMaterial::tag);
     if (found != scene.materials.end()) return *found;
     SceneMaterial made;
     made.name = "tag " + std::to_string(tag);
@@ -245,7 +237,7 @@ void set_materials(const SolveOptions& options, Scene& scene) {
     return scene.materials.emplace_back(std::move(made));
   };
   const auto put = [](const Power& value, double& most, Colour& colour) {
-    most = *std::max_element(value.begin(), value.end());
+    most = std::ranges::max(value);
     for (std::size_t c = 0; c < 3; ++c) colour[c] = most > 0 ? value[c] / most : 1;
   };
   for (const auto& emission : options.emissions) {

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "form_factors/program/options.h"

@@ -125,13 +125,12 @@ Utilisation utilisation_of(const Counters& counters, Picoseconds duration, const
 }
 
 std::string Utilisation::bound() const {
-  std::pair<double, const char*> best{bus_down + bus_up, "bus"};
-  const auto compare = [&best](double share, const char* name) { best = std::max(best, {share, name}); };
-  compare(dsp, "DSP");
-  if (sorter) compare(*sorter, "sorter");
-  if (pipelines) compare(*pipelines, "pipelines");
-  if (memory) compare(*memory, "memory");
-  return best.second;
+  return std::max({std::pair<double, std::string>{bus_down + bus_up, "bus"},
+                   {dsp, "DSP"},
+                   {sorter.value_or(-1), "sorter"},
+                   {pipelines.value_or(-1), "pipelines"},
+                   {memory.value_or(-1), "memory"}})
+      .second;
 }
 
 Json to_json(const Utilisation& utilisation) {

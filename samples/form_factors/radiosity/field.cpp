@@ -1,12 +1,11 @@
 #include "form_factors/radiosity/field.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
-#include "form_factors/exchange/medium.h"
+#include "form_factors/exchange/elements.h"
 
 namespace gicube::samples {
 namespace {
@@ -59,22 +58,20 @@ class Writer {
 
   std::size_t voxels() const { return at({0, 0, dims_[2]}); }
   std::size_t at(const GridCell& cell) const { return voxel_index(dims_, cell); }
-  bool inside(const GridCell& cell) const {
-    return std::ranges::equal(cell, dims_, [](int place, int dim) { return place >= 0 && place < dim; });
-  }
   template <typename Visit>
   void around(const GridCell& cell, int reach, const Visit& visit) const {
     for_each_voxel({-reach, -reach, -reach}, {reach + 1, reach + 1, reach + 1}, [&](const GridCell& away) {
       const auto [x, y, z] = away;
       const GridCell other{cell[0] + x, cell[1] + y, cell[2] + z};
       const int weight = (reach + 1 - std::abs(x)) * (reach + 1 - std::abs(y)) * (reach + 1 - std::abs(z));
-      if (inside(other)) visit(at(other), static_cast<double>(weight));
+      const auto inside = [](int place, int dim) { return place >= 0 && place < dim; };
+      if (std::ranges::equal(other, dims_, inside)) visit(at(other), static_cast<double>(weight));
     });
   }
 
   Power sum(std::uint32_t leaf) const {
     Power all = incident_[leaf];
-    for (std::size_t c = 0; c < 3; ++c) all[c] += result_.leaves[leaf].emission[c];
+    add(all, 1, result_.leaves[leaf].emission);
     return all;
   }
 
@@ -96,8 +93,7 @@ class Writer {
         areas = areas + (weight * result_.leaves[i].weight) * axis_of(result_.leaves[i].facing);
       }
     });
-    const double size = length(areas);
-    return size > 0 ? (1 / size) * areas : Vec3{};
+    return length(areas) > 0 ? normalise(areas) : Vec3{};
   }
 
   // Of the faces around that belong to the same surface. Light that they send out themselves has no direction, and is that
@@ -105,23 +101,20 @@ class Writer {
   Power surface(const GridCell& cell) const {
     const Vec3 n = normal(cell);
     Power flux{}, own{};
-    double area = 0, faces = 0, own_area = 0;
+    double area = 0, own_area = 0;
     around(cell, kWindow, [&](std::size_t other, double weight) {
       for (std::uint32_t i = faces_[other]; i != kNone; i = next_[i]) {
         const double facing = dot(n, axis_of(result_.leaves[i].facing));
         if (facing < kMinFacing) continue;
         const double of_face = weight * result_.leaves[i].weight;
-        for (std::size_t c = 0; c < 3; ++c) flux[c] += of_face * incident_[i][c];
+        add(flux, of_face, incident_[i]);
         area += of_face * facing;
-        faces += of_face;
       }
     });
     for (std::uint32_t i = faces_[at(cell)]; i != kNone; i = next_[i]) {
       const double of_face = result_.leaves[i].weight;
-      for (std::size_t c = 0; c < 3; ++c) {
-        own[c] += of_face * result_.leaves[i].emission[c];
-        if (area == 0) flux[c] += of_face * incident_[i][c];  // a sheet whose sides cancel
-      }
+      add(own, of_face, result_.leaves[i].emission);
+      if (area == 0) add(flux, of_face, incident_[i]);  // a sheet whose sides cancel
       own_area += of_face;
     }
     for (std::size_t c = 0; c < 3; ++c) flux[c] = flux[c] / (area > 0 ? area : own_area) + own[c] / own_area;

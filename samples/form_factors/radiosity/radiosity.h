@@ -35,6 +35,13 @@ namespace gicube::samples {
 
 using Power = std::array<double, 3>;  // red, green, blue; linear, any unit, and all powers of a solution in the same
 
+inline double total(const Power& power) { return power[0] + power[1] + power[2]; }
+// to += factor * what
+template <std::size_t N>
+void add(std::array<double, N>& to, double factor, const std::array<double, N>& what) {
+  for (std::size_t c = 0; c < N; ++c) to[c] += factor * what[c];
+}
+
 using Edges = std::array<double, 3>;  // of a voxel, physical: in smallest voxel edges
 
 enum class Solver {
@@ -106,6 +113,13 @@ struct Link {
   std::uint32_t rays = 0;      // asked for
 };
 
+// Calls visit(to, from) for both directions of a link; once for one within a cluster.
+template <typename Visit>
+void both_ways(const Link& link, const Visit& visit) {
+  visit(link.a, link.b);
+  if (link.a != link.b) visit(link.b, link.a);
+}
+
 struct Iteration {
   std::uint32_t links = 0;  // in force
   double residual = 0;      // power still under way after it, a share of the emitted power
@@ -122,7 +136,6 @@ struct RadiosityStatistics {
   std::uint64_t faces = 0, medium = 0, ends = 0, clusters = 0, links = 0;
   std::uint64_t all_pairs = 0;        // of leaves that can see each other by their sides alone: a full matrix's links
   std::uint64_t pairs = 0, rays = 0;  // asked of the board
-  std::uint64_t clear_pairs = 0;      // of them, with only empty blocks in between: no ray was sent
   std::uint64_t refinements = 0;      // links that were divided
   std::vector<Iteration> iterations;
   EnergyBalance energy;

@@ -13,20 +13,12 @@ constexpr double kSigma = 1.0 / 3;      // chosen: of a cluster's width
 constexpr double kMaxVariance = 64;     // chosen: voxels^2; bounds the number of steps
 constexpr double kTimeStep = 1.0 / 12;  // of six neighbours' flows at most half of an element's light goes
 
-double width_of(const Cluster& cluster) {
-  double width = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) width = std::max(width, cluster.high[axis] - cluster.low[axis]);
-  return width;
-}
-
-double sum(const Power& power) { return power[0] + power[1] + power[2]; }
-
 // Of each cluster, all channels together: mean radiosity of its leaves.
 std::vector<double> radiosities(const RadiosityResult& result) {
   std::vector<double> weights(result.leaves.size() + 1), powers(result.leaves.size() + 1);
   for (std::size_t i = 0; i < result.leaves.size(); ++i) {
     weights[i + 1] = weights[i] + result.leaves[i].weight;
-    powers[i + 1] = powers[i] + result.leaves[i].weight * sum(result.outgoing[i]);
+    powers[i + 1] = powers[i] + result.leaves[i].weight * total(result.outgoing[i]);
   }
   std::vector<double> out;
   for (const Cluster& cluster : result.clusters) {
@@ -43,16 +35,16 @@ std::vector<double> variances(const RadiosityResult& result) {
     double light = 0, spread = 0;
   };
   std::vector<Brought> brought(result.clusters.size());
-  const auto bring = [&](std::uint32_t to, std::uint32_t from, double exchange) {
-    const Cluster& cluster = result.clusters[to];
-    if (!(cluster.weight > 0)) return;
-    const double light = exchange * radiosity[from] / cluster.weight, sigma = kSigma * width_of(cluster);
-    brought[to].light += light;
-    brought[to].spread += light * sigma * sigma;
-  };
   for (const Link& link : result.links) {
-    bring(link.a, link.b, link.exchange);
-    if (link.a != link.b) bring(link.b, link.a, link.exchange);
+    both_ways(link, [&](std::uint32_t to, std::uint32_t from) {
+      const Cluster& cluster = result.clusters[to];
+      if (!(cluster.weight > 0)) return;
+      double width = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) width = std::max(width, cluster.high[axis] - cluster.low[axis]);
+      const double light = link.exchange * radiosity[from] / cluster.weight, sigma = kSigma * width;
+      brought[to].light += light;
+      brought[to].spread += light * sigma * sigma;
+    });
   }
   std::vector<double> out(result.leaves.size());
   for (const Cluster& lowest : result.clusters) {
@@ -71,23 +63,20 @@ std::vector<double> variances(const RadiosityResult& result) {
 
 // Leaves of one facing in neighbouring cells.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours(const RadiosityResult& result) {
-  const auto key = [](const Leaf& leaf, std::size_t axis) {
+  const auto key = [](const Leaf& leaf, std::array<int, 3> away) {
     std::uint64_t word = leaf.facing;
-    for (std::size_t a = 0; a < 3; ++a) {
-      word = word << 16 | static_cast<std::uint16_t>(leaf.cell[a] + (a == axis ? 1 : 0));
-    }
+    for (std::size_t a = 0; a < 3; ++a) word = word << 16 | static_cast<std::uint16_t>(leaf.cell[a] + away[a]);
     return word;
   };
-  constexpr std::size_t kHere = 3;
   std::unordered_map<std::uint64_t, std::uint32_t> places;
   for (std::uint32_t i = 0; i < result.leaves.size(); ++i) {
-    if (result.leaves[i].tag != kOutside) places.emplace(key(result.leaves[i], kHere), i);
+    if (result.leaves[i].tag != kOutside) places.emplace(key(result.leaves[i], {}), i);
   }
   std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
   for (std::uint32_t i = 0; i < result.leaves.size(); ++i) {
     if (result.leaves[i].tag == kOutside) continue;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto other = places.find(key(result.leaves[i], axis));
+    for (const auto& away : {std::array{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}) {
+      const auto other = places.find(key(result.leaves[i], away));
       if (other != places.end()) out.emplace_back(i, other->second);
     }
   }
@@ -99,7 +88,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours(const RadiosityR
 std::vector<Power> smoothed(const RadiosityResult& result) {
   if (result.links.empty()) return result.incident;
   const std::vector<double> variance = variances(result);
-  const double most = variance.empty() ? 0 : *std::max_element(variance.begin(), variance.end());
+  const double most = variance.empty() ? 0 : std::ranges::max(variance);
   std::vector<Power> light = result.incident;
   if (most == 0) return light;
   // In n steps a conductivity of c spreads by a variance of 2 c n kTimeStep.

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 namespace gicube::samples {
 namespace {
 
-template <std::size_t N>
-void add(std::array<double, N>& to, double factor, const std::array<double, N>& what) {
-  for (std::size_t c = 0; c < N; ++c) to[c] += factor * what[c];
+// The leaves that a cluster does not leave to its children.
+auto own_leaves(const Cluster& cluster) {
+  return std::views::iota(cluster.first, cluster.child == kNone ? cluster.last : cluster.first);
 }
-
-double total(const Power& power) { return power[0] + power[1] + power[2]; }
 
 }  // namespace
 
@@ -50,18 +49,17 @@ void RadiositySolver::push_pull() {
     const Cluster& cluster = clusters[i];
     if (cluster.parent != kNone) incident[i] = incident[cluster.parent];
     add(incident[i], 1 / cluster.weight, received_[i]);
-    if (cluster.child != kNone) continue;
-    for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
+    for (const std::uint32_t leaf : own_leaves(cluster)) {
       for (std::size_t c = 0; c < 3; ++c) {
         leaf_in_[leaf][c] = incident[i][c] + factors_[leaf] * incident[i][3 + c];
         leaf_out_[leaf][c] = forest_.leaves[leaf].emission[c] + forest_.leaves[leaf].albedo[c] * leaf_in_[leaf][c];
       }
     }
   }
-  std::fill(cluster_out_.begin(), cluster_out_.end(), Flow{});
+  std::ranges::fill(cluster_out_, Flow{});
   for (std::size_t i = clusters.size(); i-- > 0;) {
     const Cluster& cluster = clusters[i];
-    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+    for (const std::uint32_t leaf : own_leaves(cluster)) {
       const Power& out = leaf_out_[leaf];
       const double d = factors_[leaf];
       add(cluster_out_[i], forest_.leaves[leaf].weight / cluster.weight,
@@ -78,15 +76,13 @@ void RadiositySolver::index(std::span<const Link> links) {
   for (const Link& link : links) {
     const double uncertain = balance_ ? uncertain_part(link, forest_) * link.exchange : 0;
     parts_.push_back({link.exchange - uncertain, uncertain});
-    ++first_[link.a + 1];
-    if (link.a != link.b) ++first_[link.b + 1];
+    both_ways(link, [&](std::uint32_t to, std::uint32_t) { ++first_[to + 1]; });
   }
   for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
   own_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for (std::uint32_t i = 0; i < links.size(); ++i) {
-    own_[next[links[i].a]++] = i;
-    if (links[i].a != links[i].b) own_[next[links[i].b]++] = i;
+    both_ways(links[i], [&](std::uint32_t to, std::uint32_t) { own_[next[to]++] = i; });
   }
 }
 
@@ -95,19 +91,17 @@ void RadiositySolver::reach(std::span<const Link> links) {
   std::vector<double> taken(clusters.size());  // of what comes to a cluster by uncertain parts
   for (std::size_t i = clusters.size(); i-- > 0;) {
     const Cluster& cluster = clusters[i];
-    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+    for (const std::uint32_t leaf : own_leaves(cluster)) {
       taken[i] += factors_[leaf] * forest_.leaves[leaf].weight / cluster.weight;
     }
     if (cluster.parent != kNone) taken[cluster.parent] += taken[i] * cluster.weight / clusters[cluster.parent].weight;
   }
   reach_.assign(clusters.size(), {});
   for (std::size_t i = 0; i < links.size(); ++i) {
-    const auto& [a, b] = std::pair(links[i].a, links[i].b);
-    reach_[a].certain += parts_[i].certain;
-    reach_[a].uncertain += parts_[i].uncertain * taken[b];
-    if (a == b) continue;
-    reach_[b].certain += parts_[i].certain;
-    reach_[b].uncertain += parts_[i].uncertain * taken[a];
+    both_ways(links[i], [&](std::uint32_t to, std::uint32_t from) {
+      reach_[to].certain += parts_[i].certain;
+      reach_[to].uncertain += parts_[i].uncertain * taken[from];
+    });
   }
 }
 
@@ -120,7 +114,7 @@ std::vector<RadiositySolver::Parts> RadiositySolver::leaf_sums() const {
     if (cluster.parent != kNone) sums[i] = sums[cluster.parent];
     sums[i].certain += reach_[i].certain / cluster.weight;
     sums[i].uncertain += reach_[i].uncertain / cluster.weight;
-    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+    for (const std::uint32_t leaf : own_leaves(cluster)) {
       leaves[leaf] = {sums[i].certain, factors_[leaf] * sums[i].uncertain};
     }
   }
@@ -165,8 +159,7 @@ void RadiositySolver::gather(std::span<const Link> links) {
   sent_ = cluster_out_;
   std::fill(received_.begin(), received_.end(), Flow{});
   for (std::uint32_t i = 0; i < links.size(); ++i) {
-    carry(i, links[i].a, sent_[links[i].b]);
-    if (links[i].a != links[i].b) carry(i, links[i].b, sent_[links[i].a]);
+    both_ways(links[i], [&](std::uint32_t to, std::uint32_t from) { carry(i, to, sent_[from]); });
   }
   push_pull();
 }
@@ -177,7 +170,7 @@ void RadiositySolver::shoot(std::span<const Link> links) {
   for (std::uint32_t i = 0; i < unsent.size(); ++i) {
     for (const double part : under_way(i)) unsent[i] += std::abs(part);
   }
-  const double least = 0.5 * *std::max_element(unsent.begin(), unsent.end());
+  const double least = 0.5 * std::ranges::max(unsent);
   for (std::uint32_t i = 0; i < unsent.size(); ++i) {
     if (unsent[i] < least || unsent[i] == 0) continue;
     Flow shot = cluster_out_[i];
@@ -252,18 +245,16 @@ void RadiositySolver::results(RadiosityResult& result) const {
     }
   }
   for (const Link& link : result.links) {
-    const auto error = [&](std::uint32_t from, std::uint32_t to) {
+    both_ways(link, [&](std::uint32_t to, std::uint32_t from) {
       const double off = link.standard_error * total(outgoing(from)) / clusters[to].weight;
-      return off * off;
-    };
-    variance[link.a] += error(link.b, link.a);
-    if (link.a != link.b) variance[link.b] += error(link.a, link.b);
+      variance[to] += off * off;
+    });
   }
   result.standard_error.assign(forest_.leaves.size(), 0);
   for (std::uint32_t i = 0; i < clusters.size(); ++i) {
     const Cluster& cluster = clusters[i];
     if (cluster.parent != kNone) variance[i] += variance[cluster.parent];
-    for (std::uint32_t leaf = cluster.first; cluster.child == kNone && leaf < cluster.last; ++leaf) {
+    for (const std::uint32_t leaf : own_leaves(cluster)) {
       result.standard_error[leaf] = std::sqrt(variance[i]);
     }
   }

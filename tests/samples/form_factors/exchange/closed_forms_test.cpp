@@ -1,4 +1,4 @@
-#include "form_factors/exchange/closed_forms.h"
+#include "form_factors/exchange/box_factor.h"
 
 #include <gtest/gtest.h>
 
