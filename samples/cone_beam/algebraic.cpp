@@ -35,64 +35,57 @@ struct Missing {
   double relative() const { return measured == 0 ? 0 : std::sqrt(squares / measured); }
 };
 
-class Loop {
- public:
-  Loop(Board& board, const ConeGeometry& geometry, const Projections& projections, const AlgebraicSettings& settings)
-      : board_(board),
-        geometry_(geometry),
-        projections_(projections),
-        settings_(settings),
-        subsets_(view_subsets(geometry.angles.size(), settings)),
-        weights_(subsets_.size()) {
-    const std::size_t voxels = voxel_count(geometry.volume.dims);
-    out_.values.resize(voxels);
-    constexpr std::size_t kMaxBytes = std::size_t{1} << 30;  // chosen: else they are splatted again in each iteration
-    keeps_weights_ = subsets_.size() * voxels * sizeof(float) <= kMaxBytes;
-  }
+struct Loop {
+  using Densities = std::vector<std::vector<double>>;  // of views
+
+  Board& board;
+  const ConeGeometry& geometry;
+  const Projections& projections;
+  const AlgebraicSettings& settings;
+  std::vector<std::vector<std::size_t>> subsets = view_subsets(geometry.angles.size(), settings);
+  std::vector<std::vector<float>> known_weights{subsets.size()};  // of subsets, once they are known
+  Reconstruction out{.values = std::vector<float>(voxel_count(geometry.volume.dims))};
 
   Reconstruction run(const Progress& progress) {
-    const Picoseconds begin = board_.now();
-    std::vector<float> best = out_.values;
+    const Picoseconds begin = board.now();
+    std::vector<float> best = out.values;
     double least = 1;  // of nothing
     int since = 0;
     bool grew = false;
-    for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
+    for (int iteration = 0; iteration < settings.iterations; ++iteration) {
       const double residual = iterate(iteration, progress);
-      out_.residuals.push_back(residual);
-      if (subsets_.size() == 1 && iteration > 0) judge(residual, out_.residuals[out_.residuals.size() - 2]);
-      if (out_.diverged) break;
+      out.residuals.push_back(residual);
+      if (subsets.size() == 1 && iteration > 0) judge(residual, out.residuals[out.residuals.size() - 2]);
+      if (out.diverged) break;
       const bool is_least = residual < least;
       const double lowered = is_least ? 1 - residual / least : 0;
       grew = !is_least && (grew || residual > kGrown * least);
       since = is_least ? 0 : since + 1;
       if (is_least) {
         least = residual;
-        best = out_.values;
-        out_.iterations = iteration + 1;
+        best = out.values;
+        out.iterations = iteration + 1;
       }
-      out_.diverged = since >= kPatience && grew;
-      const bool first = out_.residuals.size() == 1;  // of SIRT's first, nothing's
-      if (out_.diverged || residual <= settings_.noise || (!first && lowered < settings_.stop)) break;
+      out.diverged = since >= kPatience && grew;
+      const bool first = out.residuals.size() == 1;  // of SIRT's first, nothing's
+      if (out.diverged || residual <= settings.noise || (!first && lowered < settings.stop)) break;
     }
-    out_.values = std::move(best);
-    out_.board_time = board_.now() - begin;
-    told(progress, settings_.iterations, 0);
-    return std::move(out_);
+    out.values = std::move(best);
+    out.board_time = board.now() - begin;
+    told(progress, settings.iterations, 0);
+    return std::move(out);
   }
 
- private:
-  using Densities = std::vector<std::vector<double>>;  // of views
-
   void told(const Progress& progress, int iteration, std::uint32_t done) const {
-    const auto all = static_cast<std::uint32_t>(subsets_.size());
+    const auto all = static_cast<std::uint32_t>(subsets.size());
     if (progress)
       progress(static_cast<std::uint32_t>(iteration) * all + done,
-               static_cast<std::uint32_t>(settings_.iterations) * all);
+               static_cast<std::uint32_t>(settings.iterations) * all);
   }
 
   // A correction that is not too large makes the projections of its own views better.
   void judge(double after, double before) {
-    if (!(after <= kGrown * before)) out_.diverged = true;  // also of what is not a number
+    if (!(after <= kGrown * before)) out.diverged = true;  // also of what is not a number
   }
 
   // All subsets once. Stops where a residual says that the values are worse than nothing. The first subset is projected again
@@ -100,52 +93,52 @@ class Loop {
   double iterate(int iteration, const Progress& progress) {
     Missing missing;
     std::uint32_t done = 0;
-    bool first = subsets_.size() > 1;
-    for (const std::size_t subset : subset_order(subsets_.size(), settings_, iteration)) {
+    bool first = subsets.size() > 1;
+    for (const std::size_t subset : subset_order(subsets.size(), settings, iteration)) {
       told(progress, iteration, done++);
       Densities densities;
-      const Missing here = project(subsets_[subset], densities);
+      const Missing here = project(subsets[subset], densities);
       missing.squares += here.squares;
       missing.measured += here.measured;
       judge(here.relative(), kWorseThanNothing);
-      if (out_.diverged) break;
-      move(subset, backproject(subsets_[subset], densities));
-      if (std::exchange(first, false)) judge(project(subsets_[subset], densities).relative(), here.relative());
-      if (out_.diverged) break;
+      if (out.diverged) break;
+      move(subset, backproject(subsets[subset], densities));
+      if (std::exchange(first, false)) judge(project(subsets[subset], densities).relative(), here.relative());
+      if (out.diverged) break;
     }
     return missing.relative();
   }
 
   std::vector<double> angles_of(const std::vector<std::size_t>& views) const {
     std::vector<double> angles;
-    for (const std::size_t view : views) angles.push_back(geometry_.angles[view]);
+    for (const std::size_t view : views) angles.push_back(geometry.angles[view]);
     return angles;
   }
 
   // What the views of a subset miss; and what each ray should have had more, by its length. Rays that cut a corner off are left out
   // of it all, since they say next to nothing, and loudly.
   Missing project(const std::vector<std::size_t>& views, Densities& densities) {
-    load_values(board_, geometry_.volume, out_.values);
+    load_values(board, geometry.volume, out.values);
     densities.clear();
     Missing missing;
     const auto take = [&](std::size_t i, const std::vector<float>& projected) {
       std::vector<double>& rays = densities.emplace_back(lengths_of(views[i]));
       for (std::size_t pixel = 0; pixel < rays.size(); ++pixel) {
         if (rays[pixel] == 0) continue;
-        const double wanted = double{projections_.view(views[i])[pixel]}, off = wanted - double{projected[pixel]};
+        const double wanted = double{projections.view(views[i])[pixel]}, off = wanted - double{projected[pixel]};
         missing.squares += off * off;
         missing.measured += wanted * wanted;
         rays[pixel] = off / rays[pixel];
       }
     };
-    out_.rays += project_views(board_, geometry_, angles_of(views), settings_.step, take);
+    out.rays += project_views(board, geometry, angles_of(views), settings.step, take);
     return missing;
   }
 
   std::vector<double> lengths_of(std::size_t view) const {
-    const std::vector<HostRay> rays = view_rays(geometry_, geometry_.angles[view]);
+    const std::vector<HostRay> rays = view_rays(geometry, geometry.angles[view]);
     std::vector<double> lengths;
-    for (const HostRay& ray : rays) lengths.push_back(ray.length < 1 ? 0 : length_in_space(geometry_.volume, ray));
+    for (const HostRay& ray : rays) lengths.push_back(ray.length < 1 ? 0 : length_in_space(geometry.volume, ray));
     return lengths;
   }
 
@@ -155,42 +148,34 @@ class Loop {
       for (const double density : view) most = std::max(most, std::abs(density));
     }
     return gicube::samples::backproject(
-        board_, geometry_, angles_of(views), {.step = settings_.step, .max_density = most},
-        [&](std::size_t i) { return densities[i]; }, out_);
+        board, geometry, angles_of(views), {.step = settings.step, .max_density = most},
+        [&](std::size_t i) { return densities[i]; }, out);
   }
 
   void move(std::size_t subset, const std::vector<float>& corrections) {
-    std::vector<float> weights = std::move(weights_[subset]);
+    std::vector<float> weights = std::move(known_weights[subset]);
     if (weights.empty()) {  // what a density of one on all rays leaves
       Densities ones;
-      for (const std::size_t view : subsets_[subset]) {
+      for (const std::size_t view : subsets[subset]) {
         for (double& value : ones.emplace_back(lengths_of(view))) value = value > 0 ? 1 : 0;
       }
-      weights = backproject(subsets_[subset], ones);
+      weights = backproject(subsets[subset], ones);
     }
     constexpr float kLeast = 1e-3F;  // chosen, of the greatest weight: below it rays say nothing of a voxel
     const float least = kLeast * std::ranges::max(weights);
-    const auto relaxation = static_cast<float>(settings_.relaxation);
+    const auto relaxation = static_cast<float>(settings.relaxation);
     constexpr std::size_t kPart = 1 << 16;
     in_parallel((weights.size() + kPart - 1) / kPart, 0, [&](std::size_t part) {
       for (std::size_t i = part * kPart; i < std::min(weights.size(), (part + 1) * kPart); ++i) {
         if (weights[i] <= least) continue;
-        float& value = out_.values[i];
+        float& value = out.values[i];
         value += relaxation * corrections[i] / weights[i];
-        if (settings_.non_negative) value = std::max(value, 0.0F);
+        if (settings.non_negative) value = std::max(value, 0.0F);
       }
     });
-    if (keeps_weights_) weights_[subset] = std::move(weights);
+    constexpr std::size_t kMaxBytes = std::size_t{1} << 30;  // chosen: else they are splatted again in each iteration
+    if (subsets.size() * weights.size() * sizeof(float) <= kMaxBytes) known_weights[subset] = std::move(weights);
   }
-
-  Board& board_;
-  const ConeGeometry& geometry_;
-  const Projections& projections_;
-  const AlgebraicSettings& settings_;
-  std::vector<std::vector<std::size_t>> subsets_;
-  std::vector<std::vector<float>> weights_;  // of subsets, once they are known
-  bool keeps_weights_ = false;
-  Reconstruction out_;
 };
 
 }  // namespace
@@ -223,7 +208,7 @@ std::vector<std::size_t> subset_order(std::size_t subsets, const AlgebraicSettin
 Reconstruction reconstruct_algebraic(Board& board, const ConeGeometry& geometry, const Projections& projections,
                                      const AlgebraicSettings& settings, const Progress& progress) {
   check(settings, geometry, projections);
-  return Loop(board, geometry, projections, settings).run(progress);
+  return Loop{board, geometry, projections, settings}.run(progress);
 }
 
 }  // namespace gicube::samples

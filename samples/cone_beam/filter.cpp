@@ -1,5 +1,4 @@
-#include "cone_beam/filter.h"
-
+// What Feldkamp, Davis and Kress (1984) do to projections before they are backprojected: weights, and the ramp filter along rows.
 #include <fftw3.h>
 
 #include <algorithm>
@@ -8,6 +7,8 @@
 #include <memory>
 #include <mutex>
 #include <numbers>
+
+#include "cone_beam/fdk.h"
 
 namespace gicube::samples {
 namespace {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "cone_beam/scan/formats.h"
-#include "cone_beam/scan/stack.h"
+#include "cone_beam/scan/description.h"
 #include "cone_beam/scan/scan.h"
 #include "memory_file.h"
 #include "scene/formats/file_error.h"

@@ -10,7 +10,6 @@
 #include "../samples/cone_beam/small_scan.h"
 #include "cone_beam/algebraic.h"
 #include "cone_beam/fdk.h"
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/phantom/phantom.h"
 #include "reference/fdk.h"
 #include "stability.h"

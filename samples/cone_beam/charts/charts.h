@@ -11,7 +11,6 @@
 
 #include "cone_beam/algebraic.h"
 #include "cone_beam/fdk.h"
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/phantom/phantom.h"
 #include "scene/program/board_options.h"
 #include "scene/program/progress.h"

@@ -1,9 +1,8 @@
-#include "cone_beam/phantom/comparison.h"
+#include "cone_beam/phantom/phantom.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "gicube/error.h"

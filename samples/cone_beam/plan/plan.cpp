@@ -20,6 +20,7 @@ constexpr int kMaxEvery = 8;
 constexpr int kMinSlices = 12, kMaxSlices = 40;  // chosen: of a pilot; an eighth of the volume between them
 constexpr int kFaces = 2;                        // slices at a pilot's faces that have no neighbours
 constexpr int kTries = 12;                       // chosen
+constexpr int kParts = 24;                       // of the progress
 // chosen: what other slices may err more than the pilot's worst one: all of a head err up to 1.6 times what its middle does
 // (docs/guide/plan.md has what was measured).
 constexpr double kMargin = 2;
@@ -57,54 +58,55 @@ FdkSettings with(const FdkPlanPoint& point, FdkSettings settings) {
   return settings;
 }
 
-class Planner {
- public:
-  Planner(Board& board, Board& timed, const ConeGeometry& geometry, const Projections& projections,
-          const FdkSettings& settings, const PlanTarget& target, const Progress& progress)
-      : board_(board),
-        timed_(timed),
-        geometry_(geometry),
-        projections_(projections),
-        settings_(settings),
-        progress_(progress),
-        slab_(slab_of(geometry, projections, std::clamp(geometry.volume.dims[2] / 8, kMinSlices, kMaxSlices))) {
-    plan_.target = target;
-    plan_.views = geometry.angles.size();
-    plan_.slices = slab_.geometry.volume.dims[2];
-    plan_.field = field_seen(geometry);
-    plan_.finest = {1, std::min(settings.rays + 1, 4), kFinestStep, true};
-  }
+struct Planner {
+  Board& board;
+  Board& timed;
+  const ConeGeometry& geometry;
+  const Projections& projections;
+  const FdkSettings& asked;
+  const Progress& progress;
+  FdkPlan plan;
+  Slab slab = slab_of(geometry, projections, std::clamp(geometry.volume.dims[2] / 8, kMinSlices, kMaxSlices));
+  std::vector<float> best{};
+
+  // What a view costs in the whole volume, from two views and from six of them.
+  struct Costs {
+    double deposits = 0, view = 0, rest = 0;  // of a view; picoseconds of a view, and of all that is done once
+  };
+  std::map<std::pair<int, double>, Costs> known_costs{};  // by rays and step
 
   FdkPlan make() {
     const auto start = std::chrono::steady_clock::now();
-    best_ = pilot(plan_.finest);
-    predict(plan_.finest);
+    plan.views = geometry.angles.size();
+    plan.slices = slab.geometry.volume.dims[2];
+    plan.field = field_seen(geometry);
+    plan.finest = {1, std::min(asked.rays + 1, 4), kFinestStep, true};
+    best = pilot(plan.finest);
+    predict(plan.finest);
     for (const FdkPlanPoint& one : coarser_ones()) tried(one);
-    const std::vector<FdkPlanPoint> all = together(plan_.points);
-    plan_.target.max_error > 0 ? choose_cheapest(all) : choose_within_time(all);
-    plan_.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return std::move(plan_);
+    const std::vector<FdkPlanPoint> all = together(plan.points);
+    plan.target.max_error > 0 ? choose_cheapest(all) : choose_within_time(all);
+    plan.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return std::move(plan);
   }
 
- private:
   // Of the slab.
   std::vector<float> pilot(const FdkPlanPoint& point) {
-    const std::size_t views = slab_.geometry.angles.size();
-    const Reconstruction made =
-        reconstruct_fdk(board_, some_views(slab_.geometry, point.every),
-                        some_views(slab_.projections, views, point.every), with(point, settings_));
-    ++plan_.pilots;
-    plan_.pilot_deposits += static_cast<double>(made.deposits);
-    if (progress_) progress_(static_cast<std::uint32_t>(std::min(plan_.pilots, kParts - 1)), kParts);
+    const std::size_t views = slab.geometry.angles.size();
+    const Reconstruction made = reconstruct_fdk(board, some_views(slab.geometry, point.every),
+                                                some_views(slab.projections, views, point.every), with(point, asked));
+    ++plan.pilots;
+    plan.pilot_deposits += static_cast<double>(made.deposits);
+    if (progress) progress(static_cast<std::uint32_t>(std::min(plan.pilots, kParts - 1)), kParts);
     return made.values;
   }
 
   FdkPlanPoint tried(FdkPlanPoint point) {
-    const SlabError error = error_of(slab_.geometry.volume, pilot(point), best_, plan_.field.radius);
+    const SlabError error = error_of(slab.geometry.volume, pilot(point), best, plan.field.radius);
     point.error = error.all;
     point.error_bound = error.bound;
     predict(point);
-    plan_.points.push_back(point);
+    plan.points.push_back(point);
     return point;
   }
 
@@ -112,36 +114,31 @@ class Planner {
   std::vector<FdkPlanPoint> coarser_ones() const {
     std::vector<FdkPlanPoint> out;
     const auto add = [&](auto FdkPlanPoint::*what, auto value) {
-      out.push_back(plan_.finest);
+      out.push_back(plan.finest);
       out.back().*what = value;
     };
-    for (const int every : strides_of(geometry_, kMaxEvery)) add(&FdkPlanPoint::every, every);
-    for (int rays = plan_.finest.rays - 1; rays >= 1; --rays) add(&FdkPlanPoint::rays, rays);
+    for (const int every : strides_of(geometry, kMaxEvery)) add(&FdkPlanPoint::every, every);
+    for (int rays = plan.finest.rays - 1; rays >= 1; --rays) add(&FdkPlanPoint::rays, rays);
     for (const double step : kSteps) add(&FdkPlanPoint::step, step);
     add(&FdkPlanPoint::normalise, false);
     return out;
   }
 
-  // What a view costs in the whole volume, from two views and from six of them.
-  struct Costs {
-    double deposits = 0, view = 0, rest = 0;  // of a view; picoseconds of a view, and of all that is done once
-  };
   const Costs& costs(int rays, double step) {
-    const auto [known, is_new] = costs_.try_emplace({rays, step});
+    const auto [known, is_new] = known_costs.try_emplace({rays, step});
     if (!is_new) return known->second;
-    const FdkSettings settings = with({.rays = rays, .step = step}, settings_);
     // Spread over the turn, since caches and memory take rays along an axis better than others.
-    const int all = static_cast<int>(geometry_.angles.size());
+    const int all = static_cast<int>(geometry.angles.size());
     double views[2] = {}, deposits[2] = {}, times[2] = {};
     for (const std::size_t i : {0, 1}) {
       const int every = std::max(1, all / (i == 0 ? 2 : 6));
-      const ConeGeometry few = some_views(geometry_, every);
-      const Reconstruction made =
-          reconstruct_fdk(timed_, few, some_views(projections_, geometry_.angles.size(), every), settings);
+      const ConeGeometry few = some_views(geometry, every);
+      const Reconstruction made = reconstruct_fdk(timed, few, some_views(projections, geometry.angles.size(), every),
+                                                  with({.rays = rays, .step = step}, asked));
       views[i] = static_cast<double>(few.angles.size());
       deposits[i] = static_cast<double>(made.deposits);
       times[i] = static_cast<double>(made.board_time);
-      plan_.pilot_deposits += deposits[i];
+      plan.pilot_deposits += deposits[i];
     }
     Costs& costs = known->second;
     costs.deposits = deposits[1] / views[1];
@@ -152,7 +149,7 @@ class Planner {
 
   void predict(FdkPlanPoint& point) {
     const Costs& each = costs(point.rays, point.step);
-    const auto views = static_cast<double>(some_views(geometry_, point.every).angles.size());
+    const auto views = static_cast<double>(some_views(geometry, point.every).angles.size());
     const double twice = point.normalise ? 2 : 1;
     point.deposits = twice * views * each.deposits;
     point.time = static_cast<Picoseconds>(twice * (views * each.view + each.rest));
@@ -160,11 +157,11 @@ class Planner {
 
   // Together, as the errors of each alone would add up if they knew nothing of each other.
   std::vector<FdkPlanPoint> together(const std::vector<FdkPlanPoint>& singles) {
-    std::vector<FdkPlanPoint> all{plan_.finest};
+    std::vector<FdkPlanPoint> all{plan.finest};
     const auto add = [&](auto FdkPlanPoint::*what) {
       const std::vector<FdkPlanPoint> before = all;
       for (const FdkPlanPoint& one : singles) {
-        if (one.*what == plan_.finest.*what) continue;
+        if (one.*what == plan.finest.*what) continue;
         for (FdkPlanPoint point : before) {
           point.*what = one.*what;
           point.error = std::hypot(point.error, one.error);
@@ -185,39 +182,26 @@ class Planner {
     std::ranges::stable_sort(all, {}, &FdkPlanPoint::deposits);
     int tries = 0;
     for (const FdkPlanPoint& point : all) {
-      if (point.error_bound > plan_.target.max_error || ++tries > kTries) continue;
-      plan_.chosen = tried(point);
-      plan_.kept = plan_.chosen.error_bound <= plan_.target.max_error;
-      if (plan_.kept) return;
+      if (point.error_bound > plan.target.max_error || ++tries > kTries) continue;
+      plan.chosen = tried(point);
+      plan.kept = plan.chosen.error_bound <= plan.target.max_error;
+      if (plan.kept) return;
     }
-    plan_.chosen = plan_.finest;  // what all is told against, and so without an error
-    plan_.kept = true;
+    plan.chosen = plan.finest;  // what all is told against, and so without an error
+    plan.kept = true;
   }
 
   void choose_within_time(const std::vector<FdkPlanPoint>& all) {
     const auto fits = [this](const FdkPlanPoint& point) {
-      return kTimeMargin * static_cast<double>(point.time) <= static_cast<double>(plan_.target.time_budget);
+      return kTimeMargin * static_cast<double>(point.time) <= static_cast<double>(plan.target.time_budget);
     };
     const auto better = [&](const FdkPlanPoint& a, const FdkPlanPoint& b) {
       if (fits(a) != fits(b)) return fits(a);
       return fits(a) ? a.error_bound < b.error_bound : a.time < b.time;
     };
-    plan_.chosen = tried(*std::ranges::min_element(all, better));
-    plan_.kept = plan_.chosen.time <= plan_.target.time_budget;
+    plan.chosen = tried(*std::ranges::min_element(all, better));
+    plan.kept = plan.chosen.time <= plan.target.time_budget;
   }
-
-  static constexpr int kParts = 24;  // of the progress
-
-  Board& board_;
-  Board& timed_;
-  const ConeGeometry& geometry_;
-  const Projections& projections_;
-  const FdkSettings& settings_;
-  const Progress& progress_;
-  Slab slab_;
-  std::vector<float> best_;
-  std::map<std::pair<int, double>, Costs> costs_;
-  FdkPlan plan_;
 };
 
 }  // namespace
@@ -253,7 +237,9 @@ FdkPlan plan_fdk(Board& board, const ConeGeometry& geometry, const Projections& 
   if ((target.max_error > 0) == (target.time_budget > 0)) {
     throw BadArgument("time_budget", "one of max_error and time_budget", target.max_error > 0 ? "both" : "none");
   }
-  return Planner(board, timed != nullptr ? *timed : board, geometry, projections, settings, target, progress).make();
+  FdkPlan plan;
+  plan.target = target;
+  return Planner{board, timed != nullptr ? *timed : board, geometry, projections, settings, progress, plan}.make();
 }
 
 }  // namespace gicube::samples

@@ -1,18 +1,17 @@
 // The plan step of filtered backprojection: from a target to the views that are used (each, each second, ...), the rays a pixel, their
 // step, and whether ripples are divided out.
 //
-// A pilot is the same reconstruction of a slab around the middle plane, from the detector's rows that see it. That of the finest
-// setting (all views, one ray a pixel along each axis more than asked for, half a voxel, ripples divided out) is held against others: first
-// each coarser one alone, then what together promises to be the cheapest that is good enough, until one is. What settings cost in the
-// whole volume is told by two and by six of its views. "Error" is the root of the mean square difference over that of the finest
-// setting's values, of the voxels that all views see; it is what settings do to a volume, and nothing about what a scan can show.
+// A pilot is the same reconstruction of a slab around the middle plane. That of the finest setting (all views, one ray a pixel along
+// each axis more than asked for, half a voxel, ripples divided out) is compared with others: first each coarser one alone, then the
+// cheapest combinations, until one is good enough. Two and six of its views tell what settings cost in the whole volume. "Error" is the
+// root of the mean square difference over that of the finest setting's values, of the voxels that all views see.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "cone_beam/fdk.h"
-#include "cone_beam/phantom/comparison.h"
+#include "cone_beam/phantom/phantom.h"
 #include "gicube/plan_text.h"
 
 namespace gicube::samples {
@@ -57,9 +56,9 @@ Projections some_views(const Projections& projections, std::size_t views, int ev
 // The voxels that every view sees.
 FieldOfView field_seen(const ConeGeometry& geometry);
 
-// Which of the views may be left out so that the others are as evenly spread: each so many'th is kept, of a whole turn or, of less, from
-// the first to the last. Ascending, from 2.
-std::vector<int> strides_of(const ConeGeometry& geometry, int most);
+// Of which views one in so many may be kept so that these are as evenly spread, of a short scan from the first to the last. Ascending,
+// from 2.
+std::vector<int> strides_of(const ConeGeometry& geometry, int max_stride);
 
 // Some slices around the middle plane, and the detector's rows whose rays run through them.
 struct Slab {

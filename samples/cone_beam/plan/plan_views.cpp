@@ -4,16 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cone_beam/filter.h"
+#include "cone_beam/fdk.h"
 
 namespace gicube::samples {
-namespace {
-
-double half_diagonal(const Grid& grid) {
-  return 0.5 * std::hypot((grid.dims[0] - 1) * grid.spacing.x, (grid.dims[1] - 1) * grid.spacing.y);
-}
-
-}  // namespace
 
 ConeGeometry some_views(const ConeGeometry& geometry, int every) {
   ConeGeometry some = geometry;
@@ -36,21 +29,19 @@ FieldOfView field_seen(const ConeGeometry& geometry) {
   const Detector& detector = geometry.detector;
   const double wide = 0.5 * (detector.columns - 1) * detector.pitch_u - std::abs(detector.offset_u);
   const double high = 0.5 * (detector.rows - 1) * detector.pitch_v - std::abs(detector.offset_v);
-  FieldOfView field;
-  field.radius = geometry.source_to_axis * std::sin(std::atan(std::max(0.0, wide) / geometry.source_to_detector));
   const Grid& grid = geometry.volume;
-  field.radius =
-      std::min({field.radius, 0.5 * (grid.dims[0] - 1) * grid.spacing.x, 0.5 * (grid.dims[1] - 1) * grid.spacing.y});
-  field.half_height = std::max(0.0, high) * (geometry.source_to_axis - field.radius) / geometry.source_to_detector;
-  field.half_height = std::min(field.half_height, 0.5 * (grid.dims[2] - 1) * grid.spacing.z);
-  return field;
+  const double radius =
+      std::min({geometry.source_to_axis * std::sin(std::atan(std::max(0.0, wide) / geometry.source_to_detector)),
+                0.5 * (grid.dims[0] - 1) * grid.spacing.x, 0.5 * (grid.dims[1] - 1) * grid.spacing.y});
+  const double height = std::max(0.0, high) * (geometry.source_to_axis - radius) / geometry.source_to_detector;
+  return {radius, std::min(height, 0.5 * (grid.dims[2] - 1) * grid.spacing.z)};
 }
 
-std::vector<int> strides_of(const ConeGeometry& geometry, int most) {
+std::vector<int> strides_of(const ConeGeometry& geometry, int max_stride) {
   const auto views = static_cast<int>(geometry.angles.size());
   const int steps = is_short_scan(geometry) ? views - 1 : views;
   std::vector<int> strides;
-  for (int every = 2; every <= most && steps / every >= 8; ++every) {
+  for (int every = 2; every <= max_stride && steps / every >= 8; ++every) {
     if (steps % every == 0) strides.push_back(every);
   }
   return strides;
@@ -62,7 +53,9 @@ Slab slab_of(const ConeGeometry& geometry, const Projections& projections, int s
   grid.dims[2] = std::min(slices, grid.dims[2]);
   grid.dims[2] -= (geometry.volume.dims[2] - grid.dims[2]) % 2;  // so that its voxels are voxels of the volume
   const double height = 0.5 * (grid.dims[2] - 1) * grid.spacing.z;
-  const double nearest = std::max(0.05 * geometry.source_to_axis, geometry.source_to_axis - half_diagonal(grid));
+  const double half_diagonal =
+      0.5 * std::hypot((grid.dims[0] - 1) * grid.spacing.x, (grid.dims[1] - 1) * grid.spacing.y);
+  const double nearest = std::max(0.05 * geometry.source_to_axis, geometry.source_to_axis - half_diagonal);
   constexpr int kBeyond = 3;  // rows, for interpolation between them
   const Detector& all = geometry.detector;
   const double most = height * geometry.source_to_detector / nearest + kBeyond * all.pitch_v;

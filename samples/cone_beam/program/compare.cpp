@@ -3,7 +3,7 @@
 #include <iostream>
 #include <memory>
 
-#include "cone_beam/phantom/comparison.h"
+#include "cone_beam/phantom/phantom.h"
 #include "cone_beam/program/options.h"
 #include "cone_beam/scan/formats.h"
 #include "scene/formats/whole_file.h"

@@ -3,21 +3,15 @@
 
 #include <array>
 #include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "cone_beam/algebraic.h"
-#include "cone_beam/fdk.h"
 #include "cone_beam/phantom/phantom.h"
-#include "cone_beam/plan/plan.h"
 #include "cone_beam/scan/scan.h"
 #include "gicube/image.h"
 #include "scene/program/board_options.h"
-#include "scene/program/plan_options.h"
 
 namespace gicube::samples {
 
@@ -85,33 +79,5 @@ std::array<double, 2> grey_range(std::span<const float> values);
 // Writes NAME_x.png and so on, or NAME_z75.png for planes that were asked for. Throws InputError (an index beyond the volume),
 // FileError.
 void write_slices(const SliceOptions& options, const Grid& grid, std::span<const float> values);
-
-// The names of settings, on the command line and in --stats.
-inline const std::map<std::string, Window> kWindows{
-    {"ram-lak", Window::kRamLak}, {"shepp-logan", Window::kSheppLogan}, {"hann", Window::kHann}};
-inline const std::map<std::string, Accumulator> kAccumulators{{"sums", Accumulator::kSums},
-                                                              {"irradiance", Accumulator::kIrradiance}};
-inline const std::map<std::string, ViewOrder> kViewOrders{
-    {"sequential", ViewOrder::kSequential}, {"random", ViewOrder::kRandom}, {"golden", ViewOrder::kGolden}};
-
-struct ReconstructOptions {
-  ScanOptions scan;
-  std::string method = "fdk";  // or sart, os-sart, sirt
-  FdkSettings filtered;        // its rays 0: to be chosen
-  AlgebraicSettings algebraic;
-  std::filesystem::path output;
-  SliceOptions slices;
-  PlanOptions plan;  // of fdk
-  BoardOptions board;
-
-  bool fdk() const { return method == "fdk"; }
-};
-
-// Keys: scan (views views_read repeated detector source_to_axis source_to_detector arc_degrees absorbed dead), volume (dims spacing
-// centre), method and its settings, rays, deposits, overflowed, clipped, iterations, residuals, diverged, warnings, those of `cost`
-// (cost_json()), plan: null, or max_error time_budget_ms kept chosen finest slices pilots pilot_deposits host_seconds points, each
-// point with every rays step normalise error error_bound deposits board_ms.
-nlohmann::ordered_json statistics_of(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result,
-                                     const nlohmann::ordered_json& cost, const std::optional<FdkPlan>& plan);
 
 }  // namespace gicube::samples

@@ -39,24 +39,6 @@ void check(const ProjectOptions& options) {
   for (const auto* file : {&options.output, &options.voxels, &options.board.stats}) check_folder(*file);
 }
 
-struct Made {
-  Projections projections;
-  nlohmann::ordered_json stats;
-};
-
-// By the board: `values` on the geometry's own grid.
-Made by_board(const ProjectOptions& options, const ConeGeometry& geometry, std::span<const float> values,
-              ProgressLine& progress) {
-  progress.show("starting the board");
-  Board board = open_board(options.board);
-  check_fits(geometry.volume.dims, board.info(), options.object.name);
-  RunWindow window(board);
-  Made made;
-  made.projections = project_by_board(board, geometry, values, options.step, progress.parts("projecting"));
-  made.stats = cost_json(board.info(), window);
-  return made;
-}
-
 void write_files(const ProjectOptions& options, ScanDescription description, const Projections& projections) {
   // What is written is line integrals in the geometry's own order of pixels, but for plastimatch's matrices: there rows run downwards.
   const bool matrices = options.extension() == ".pfm";
@@ -80,44 +62,50 @@ void run_project(const ProjectOptions& options) {
   check(options);
   ProgressLine progress(!options.board.quiet);
   ScanDescription description = description_of(options.scan);
-  description.geometry.angles = sorted_views(description.geometry.angles).angles;
   ConeGeometry& geometry = description.geometry;
-  Made made;
+  geometry.angles = sorted_views(geometry.angles).angles;
+  Phantom phantom;
+  std::vector<float> values;  // on the geometry's own grid
   if (is_phantom(options.object)) {
-    const Phantom phantom = phantom_of(options.object);
+    phantom = phantom_of(options.object);
     check(geometry);
-    std::vector<float> values;
     if (options.by_board || !options.voxels.empty()) values = voxels(phantom, geometry.volume);
     write_values(geometry.volume, description.centre, values, options.voxels);
-    progress.show("projecting");
-    if (options.by_board) {
-      made = by_board(options, geometry, values, progress);
-    } else {
-      made.projections = project(phantom, geometry);
-    }
   } else {
     progress.show("reading");
     GridValues object = read_values(options.object.name);
     geometry.volume = object.grid;
+    values = std::move(object.values);
     check(geometry);
-    made = by_board(options, geometry, object.values, progress);
+  }
+  Projections projections;
+  nlohmann::ordered_json stats;
+  std::string cost = "in closed form";
+  if (!phantom.empty() && !options.by_board) {
+    progress.show("projecting");
+    projections = project(phantom, geometry);
+  } else {
+    progress.show("starting the board");
+    Board board = open_board(options.board);
+    check_fits(geometry.volume.dims, board.info(), options.object.name);
+    RunWindow window(board);
+    projections = project_by_board(board, geometry, values, options.step, progress.parts("projecting"));
+    stats = cost_json(board.info(), window);
+    cost = fmt::format("{:.1f} ms simulated", stats["board_ms"].get<double>());
   }
   std::size_t unseen = 0;
-  if (options.photons > 0) unseen = add_poisson_noise(made.projections, options.photons, options.board.seed);
+  if (options.photons > 0) unseen = add_poisson_noise(projections, options.photons, options.board.seed);
   progress.show("writing");
-  write_files(options, description, made.projections);
-  made.stats.update(nlohmann::ordered_json{{"views", geometry.angles.size()},
-                                           {"photons", options.photons},
-                                           {"seed", options.board.seed},
-                                           {"unseen", unseen}});
-  if (!options.board.stats.empty()) write_json(made.stats, options.board.stats);
+  write_files(options, description, projections);
+  stats.update(nlohmann::ordered_json{{"views", geometry.angles.size()},
+                                      {"photons", options.photons},
+                                      {"seed", options.board.seed},
+                                      {"unseen", unseen}});
+  if (!options.board.stats.empty()) write_json(stats, options.board.stats);
   progress.clear();
   if (options.board.quiet) return;
-  fmt::print("{}: {} views of {} x {} pixels{}\n", options.output.string(), geometry.angles.size(),
-             made.projections.columns, made.projections.rows,
-             made.stats.contains("board_ms")
-                 ? fmt::format(", {:.1f} ms simulated", made.stats["board_ms"].get<double>())
-                 : ", in closed form");
+  fmt::print("{}: {} views of {} x {} pixels, {}\n", options.output.string(), geometry.angles.size(),
+             projections.columns, projections.rows, cost);
   if (unseen > 0) fmt::print("{} pixels were reached by no photon, and count as half a one\n", unseen);
 }
 

@@ -7,9 +7,9 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cone_beam/scan/description.h"
-#include "cone_beam/scan/view_frame.h"
 
 namespace gicube::samples {
 
@@ -32,6 +32,42 @@ std::optional<SampleType> raw_type(const std::string& name);
 std::string scan_text(const ScanDescription& description, const std::filesystem::path& folder);
 // Throws FileError; a file that was there stays until the new one is whole.
 void write_scan_file(const ScanDescription& description, const std::filesystem::path& path);
+
+// Pixel (column, row) of the file is at source + distance towards + (column - middle_column) along_u + (row - middle_row) along_v.
+struct ViewFrame {
+  Vec3 source;
+  Vec3 towards;         // unit, square to the detector
+  double distance = 0;  // from source to detector
+  Vec3 along_u, along_v;
+  double middle_column = 0, middle_row = 0;
+};
+
+std::string in_brackets(Vec3 v);  // for messages
+
+// The names of a frame's parts in its file, for messages.
+struct FrameNames {
+  std::filesystem::path file;
+  std::string normal, u, v;
+};
+
+// A detector that stands upright and faces the axis of rotation, z, squarely.
+struct FacingView {
+  double angle = 0;  // of the source, radians
+  double source_to_axis = 0, source_to_detector = 0;
+  Detector
+      detector;  // its offsets those of the files' columns and rows after they have been turned round where reversed
+  bool columns_reversed = false, rows_reversed = false;
+  Vec3 centre;  // where the ray that meets the detector squarely meets the axis
+};
+
+// `source_to_axis`: along that ray. `columns` and `rows`: of the detector. Throws FileError: a tilted or turned detector, by name;
+// directions count as the same within 1e-4 [C: a twentieth of a pixel at the edge of 1000].
+FacingView facing_view(const ViewFrame& frame, double source_to_axis, int columns, int rows, const FrameNames& names);
+
+// Of views that share all but their angle: fills geometry (without its volume), centre and reversals. `files`: of each view, for
+// messages. Throws FileError: a view whose distances, detector or axis differ from the first one's by more than a twentieth of a pixel [C].
+void describe(const std::vector<FacingView>& views, const std::vector<std::filesystem::path>& files,
+              ScanDescription& description);
 
 // CTSimU (BAM): a scenario says where source, stage and detector stand and how the stage turns, metadata which raw files hold what and
 // which volume is wanted, and where the scenario is. Format versions up to 1.2. Lengths become millimetres; the volume's coordinates

@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include "cone_beam/scan/formats.h"
-#include "cone_beam/scan/stack.h"
 #include "scene/formats/slices.h"
 #include "scene/formats/whole_file.h"
 
@@ -16,10 +15,8 @@ double read_number(std::istream& stream, const std::filesystem::path& file, cons
   stream >> word;
   char* end = nullptr;
   const double value = std::strtod(word.c_str(), &end);
-  const bool good = !word.empty() && *end == 0 && std::isfinite(value);
-  if (!good) {
-    throw FileError(file, fmt::format("{} {}", part, number), "a number", word.empty() ? "the end" : '"' + word + '"');
-  }
+  expect(!word.empty() && *end == 0 && std::isfinite(value), file, fmt::format("{} {}", part, number), "a number",
+         word.empty() ? "the end" : '"' + word + '"');
   return value;
 }
 
@@ -29,10 +26,7 @@ Vec3 row_of(const ProjectionMatrix& view, std::size_t row) {
 
 std::string rows_text(const std::vector<std::array<double, 4>>& rows) {
   std::string text;
-  for (const auto& row : rows) {
-    for (const double value : row) text += fmt::format("{:20.12e} ", value);
-    text.back() = '\n';
-  }
+  for (const auto& row : rows) text += fmt::format("{:20.12e}\n", fmt::join(row, " "));
   return text;
 }
 
@@ -49,7 +43,7 @@ std::filesystem::path image_beside(const std::filesystem::path& text) {
 
 ProjectionMatrix read_projection_matrix(const std::filesystem::path& file) {
   std::ifstream stream(file);
-  if (!stream) throw FileError(file, "file", "a text file that can be read", "none");
+  expect(bool(stream), file, "file", "a text file that can be read", "none");
   ProjectionMatrix view;
   int number = 0;
   for (double& value : view.centre) value = read_number(stream, file, "centre", ++number);
@@ -62,9 +56,8 @@ ProjectionMatrix read_projection_matrix(const std::filesystem::path& file) {
     *value = read_number(stream, file, "normal", ++number);
   }
   std::string word;
-  if (stream >> word && word != "Extrinsic") {
-    throw FileError(file, "behind the normal", "\"Extrinsic\" or the end", '"' + word + '"');
-  }
+  const bool at_end = !(stream >> word);
+  expect(at_end || word == "Extrinsic", file, "behind the normal", "\"Extrinsic\" or the end", '"' + word + '"');
   return view;
 }
 
@@ -86,12 +79,10 @@ void write_projection_matrix(const ConeGeometry& geometry, double angle, const s
 ViewFrame frame_of(const ProjectionMatrix& view, const std::filesystem::path& file) {
   const Vec3 a = row_of(view, 0), b = row_of(view, 1), c = row_of(view, 2);
   const double volume = dot(a, cross(b, c)), size = length(a) * length(b) * length(c);
-  if (!(std::abs(volume) > 1e-9 * size)) {
-    throw FileError(file, "matrix", "three independent rows", fmt::format("a determinant of {}", volume));
-  }
-  if (!(view.source_to_detector > 0)) {
-    throw FileError(file, "source to detector", "a number above 0", fmt::format("{}", view.source_to_detector));
-  }
+  expect(std::abs(volume) > 1e-9 * size, file, "matrix", "three independent rows",
+         fmt::format("a determinant of {}", volume));
+  expect(view.source_to_detector > 0, file, "source to detector", "a number above 0",
+         fmt::format("{}", view.source_to_detector));
   // Where all three rows vanish is the source.
   ViewFrame frame;
   frame.source =
@@ -109,12 +100,8 @@ ViewFrame frame_of(const ProjectionMatrix& view, const std::filesystem::path& fi
   frame.along_u = pixel_step(a, frame.middle_column, view.centre[0]);
   frame.along_v = pixel_step(b, frame.middle_row, view.centre[1]);
   const Vec3 normal = view.normal;
-  if (!(length(cross(normal, frame.towards)) < 1e-3 * length(normal))) {
-    throw FileError(file, "normal",
-                    fmt::format("along ({:.6g}, {:.6g}, {:.6g}), as the matrix says", frame.towards.x, frame.towards.y,
-                                frame.towards.z),
-                    fmt::format("({:.6g}, {:.6g}, {:.6g})", normal.x, normal.y, normal.z));
-  }
+  expect(length(cross(normal, frame.towards)) < 1e-3 * length(normal), file, "normal",
+         "along " + in_brackets(frame.towards) + ", as the matrix says", in_brackets(normal));
   return frame;
 }
 

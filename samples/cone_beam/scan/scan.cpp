@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "cone_beam/filter.h"
+#include "cone_beam/fdk.h"
 #include "cone_beam/scan/formats.h"
 #include "scene/formats/header_lines.h"
 #include "scene/program/input_error.h"
@@ -28,16 +28,13 @@ void for_each_pixel(const ScanDescription& description, int of_columns, int of_r
 }
 
 void check_size(const ScanDescription& description, const Stack& stack) {
-  const Detector& detector = description.geometry.detector;
-  if (stack.columns != detector.columns || stack.rows != detector.rows) {
-    throw FileError(description.projections.files.front(), "size",
-                    fmt::format("{} x {} pixels, as the detector has", detector.columns, detector.rows),
-                    fmt::format("{} x {}", stack.columns, stack.rows));
-  }
-  if (stack.views() != description.geometry.angles.size()) {
-    throw FileError(description.projections.files.front(), "views",
-                    fmt::format("{}, one an angle", description.geometry.angles.size()), std::to_string(stack.views()));
-  }
+  const std::filesystem::path& file = description.projections.files.front();
+  const auto& [to_axis, to_detector, detector, volume, angles] = description.geometry;
+  expect(stack.columns == detector.columns && stack.rows == detector.rows, file, "size",
+         fmt::format("{} x {} pixels, as the detector has", detector.columns, detector.rows),
+         fmt::format("{} x {}", stack.columns, stack.rows));
+  expect(stack.views() == angles.size(), file, "views", fmt::format("{}, one an angle", angles.size()),
+         std::to_string(stack.views()));
 }
 
 // Views of the same angle averaged.
@@ -57,47 +54,43 @@ Projections sorted(const Stack& stack, const ScanDescription& description, const
   return out;
 }
 
-// Turns of the source, in degrees, that measure every ray at least once.
-void warn_of_arc(const ConeGeometry& geometry, std::vector<std::string>& warnings) {
-  if (!is_short_scan(geometry)) return;
-  const Detector& detector = geometry.detector;
-  const double edge = std::max(std::abs(u_of(detector, -0.5)), std::abs(u_of(detector, detector.columns - 0.5)));
-  const double degrees = 180 / std::numbers::pi;
-  const double least = 180 + 2 * degrees * std::atan(edge / geometry.source_to_detector);
-  const double arc = degrees * arc_of(geometry);
-  if (arc >= least - 0.01) return;
-  warnings.push_back(
-      fmt::format("angles: the views stand for {:.1f} degrees, where {:.1f} would measure every ray through the "
-                  "detector's field; expect streaks and shadows",
-                  arc, least));
-}
-
-// Whether something is seen at the detector's left or right edge: the mean there against the greatest mean of a column.
-void warn_of_truncation(const Projections& projections, std::size_t views, std::vector<std::string>& warnings) {
-  const auto columns = static_cast<std::size_t>(projections.columns);
-  std::vector<double> sums(columns);
-  for (std::size_t i = 0; i < views * projections.view_size(); ++i) {
-    sums[i % columns] += static_cast<double>(projections.values[i]);
+// What the projections can't show.
+std::vector<std::string> warnings_of(const Scan& scan) {
+  std::vector<std::string> out;
+  // Turns of the source, in degrees, that measure every ray at least once.
+  const Detector& detector = scan.geometry.detector;
+  const double side = std::max(std::abs(u_of(detector, -0.5)), std::abs(u_of(detector, detector.columns - 0.5)));
+  const double degrees = 180 / std::numbers::pi, arc = degrees * arc_of(scan.geometry);
+  const double wanted = 180 + 2 * degrees * std::atan(side / scan.geometry.source_to_detector);
+  if (is_short_scan(scan.geometry) && arc < wanted - 0.01) {
+    out.push_back(
+        fmt::format("angles: the views stand for {:.1f} degrees, where {:.1f} would measure every ray through the "
+                    "detector's field; expect streaks and shadows",
+                    arc, wanted));
   }
-  const double edge = std::max(sums.front(), sums.back()), most = *std::ranges::max_element(sums);
+  // Whether something is seen at the detector's left or right edge: the mean there against the greatest mean of a column.
+  std::vector<double> sums(static_cast<std::size_t>(detector.columns));
+  for (std::size_t i = 0; i < scan.projections.values.size(); ++i) {
+    sums[i % sums.size()] += static_cast<double>(scan.projections.values[i]);
+  }
+  const double edge = std::max(sums.front(), sums.back()), most = std::ranges::max(sums);
   constexpr double kSeen = 0.05;  // chosen: above noise and flat fields' errors
-  if (!(most > 0) || edge < kSeen * most) return;
-  warnings.push_back(
-      fmt::format("projections: the object reaches beyond the detector (its edge shows {:.0f}% of the greatest mean "
-                  "of a column); values are too high, most of all near the rim of what is seen",
-                  100 * edge / most));
-}
-
-void warn_of_pixels(const FlatFieldReport& report, std::vector<std::string>& warnings) {
-  if (report.absorbed > 0) {
-    warnings.push_back(
+  if (most > 0 && edge >= kSeen * most) {
+    out.push_back(
+        fmt::format("projections: the object reaches beyond the detector (its edge shows {:.0f}% of the greatest mean "
+                    "of a column); values are too high, most of all near the rim of what is seen",
+                    100 * edge / most));
+  }
+  if (scan.flat_field.absorbed > 0) {
+    out.push_back(
         fmt::format("projections: {} values without any light left were taken as half a count; "
                     "the object is denser there than can be told",
-                    report.absorbed));
+                    scan.flat_field.absorbed));
   }
-  if (report.dead > 0) {
-    warnings.push_back(fmt::format("flat: {} dead pixels have the mean of those beside them", report.dead));
+  if (scan.flat_field.dead > 0) {
+    out.push_back(fmt::format("flat: {} dead pixels have the mean of those beside them", scan.flat_field.dead));
   }
+  return out;
 }
 
 }  // namespace
@@ -147,9 +140,7 @@ Scan load_scan(const ScanDescription& description) {
   out.views_read = stack.views();
   out.repeated = order.repeated();
   check(out.geometry);
-  warn_of_arc(out.geometry, out.warnings);
-  warn_of_truncation(out.projections, order.angles.size(), out.warnings);
-  warn_of_pixels(out.flat_field, out.warnings);
+  out.warnings = warnings_of(out);
   return out;
 }
 

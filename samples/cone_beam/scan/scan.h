@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "cone_beam/scan/description.h"
-#include "cone_beam/scan/stack.h"
 
 namespace gicube::samples {
 

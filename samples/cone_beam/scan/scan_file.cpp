@@ -19,9 +19,9 @@ constexpr int kMaxViews = 1 << 20;      // chosen
 constexpr double kRadians = std::numbers::pi / 180;
 
 // Turns the parsed message into a description; a fault leaves that part of it at its default.
-class Translator {
- public:
-  Translator(Faults& faults, std::filesystem::path folder) : faults_(faults), folder_(std::move(folder)) {}
+struct Translator {
+  Faults& faults;
+  std::filesystem::path folder;
 
   ScanDescription translate(const v1::ConeScan& source) {
     ScanDescription out;
@@ -40,25 +40,24 @@ class Translator {
     out.intensities = source.intensities();
     if (source.has_full_intensity()) out.full = positive("full_intensity", true, source.full_intensity());
     const bool corrects = !out.flats.empty() || !out.darks.empty() || source.has_full_intensity();
-    faults_.check(out.intensities || !corrects, "intensities", "true where there are flats, darks or a full_intensity",
-                  "false");
-    faults_.check(!out.intensities || !out.flats.empty() || source.has_full_intensity(), "flat",
-                  "files, or a full_intensity, where intensities is true", "none");
+    faults.check(out.intensities || !corrects, "intensities", "true where there are flats, darks or a full_intensity",
+                 "false");
+    faults.check(!out.intensities || !out.flats.empty() || source.has_full_intensity(), "flat",
+                 "files, or a full_intensity, where intensities is true", "none");
     return out;
   }
 
- private:
   double positive(const std::string& field, bool set, double value) {
-    faults_.check(set && std::isfinite(value) && value > 0, field, "a number above 0", set ? shown(value) : "none");
+    faults.check(set && std::isfinite(value) && value > 0, field, "a number above 0", set ? shown(value) : "none");
     return value;
   }
   double finite(const std::string& field, double value) {
-    faults_.check(std::isfinite(value), field, "a finite number", shown(value));
+    faults.check(std::isfinite(value), field, "a finite number", shown(value));
     return value;
   }
   int pixels(const std::string& field, bool set, std::uint32_t value, double least) {
-    faults_.check(set && value >= least && value <= kMaxPixels, field,
-                  fmt::format("a whole number from {} to {}", least, kMaxPixels), set ? std::to_string(value) : "none");
+    faults.check(set && value >= least && value <= kMaxPixels, field,
+                 fmt::format("a whole number from {} to {}", least, kMaxPixels), set ? std::to_string(value) : "none");
     return static_cast<int>(std::min(value, static_cast<std::uint32_t>(kMaxPixels)));
   }
 
@@ -77,7 +76,7 @@ class Translator {
     std::vector<double> out;
     const bool listed = source.angle_size() > 0;
     if (source.has_even_angles() == listed) {
-      faults_.fault("angle", "a list of angles, or even_angles", listed ? "both" : "none");
+      faults.fault("angle", "a list of angles, or even_angles", listed ? "both" : "none");
     }
     for (int i = 0; i < source.angle_size(); ++i) {
       out.push_back(kRadians * finite(fmt::format("angle[{}]", i), source.angle(i)));
@@ -86,12 +85,12 @@ class Translator {
     const v1::EvenAngles& even = source.even_angles();
     const auto count = even.count();
     if (!even.has_count() || count < 2 || count > kMaxViews) {
-      faults_.fault("even_angles.count", fmt::format("a whole number from 2 to {}", kMaxViews), std::to_string(count));
+      faults.fault("even_angles.count", fmt::format("a whole number from 2 to {}", kMaxViews), std::to_string(count));
       return out;
     }
     const double first = finite("even_angles.first", even.first()), arc = finite("even_angles.arc", even.arc());
     const bool at_end = even.has_last_at_end() ? even.last_at_end() : std::abs(std::abs(arc) - 360) > 1e-9;
-    faults_.check(arc != 0, "even_angles.arc", "a number but 0", "0");
+    faults.check(arc != 0, "even_angles.arc", "a number but 0", "0");
     for (std::uint32_t i = 0; i < count; ++i)
       out.push_back(kRadians * (first + arc * i / (at_end ? count - 1 : count)));
     return out;
@@ -100,7 +99,7 @@ class Translator {
   void volume(const v1::ConeVolume& source, ScanDescription& out) {
     const auto count = [&](const std::string& field, int given, bool one) {
       const bool good = given == 0 || given == 3 || (one && given == 1);
-      faults_.check(good, field, one ? "one number or three" : "three numbers", std::to_string(given));
+      faults.check(good, field, one ? "one number or three" : "three numbers", std::to_string(given));
       return good && given > 0;
     };
     if (count("volume.size", source.size_size(), false)) {
@@ -123,25 +122,22 @@ class Translator {
   StackFiles stack(const std::string& field, const v1::StackOfViews& source, const Detector& detector) {
     StackFiles out;
     for (const std::string& file : source.file()) {
-      faults_.check(!file.empty(), field + ".file", "a file's name", "an empty one");
-      out.files.push_back(folder_ / file);
+      faults.check(!file.empty(), field + ".file", "a file's name", "an empty one");
+      out.files.push_back(folder / file);
     }
     if (!source.has_type()) {
-      faults_.check(!source.big_endian() && source.skip_bytes() == 0, field + ".type",
-                    "a type of raw samples with big_endian and skip_bytes", "none");
+      faults.check(!source.big_endian() && source.skip_bytes() == 0, field + ".type",
+                   "a type of raw samples with big_endian and skip_bytes", "none");
       return out;
     }
     const auto type = raw_type(source.type());
-    faults_.check(type.has_value(), field + ".type", "uint8, uint16, int16 or float32", '"' + source.type() + '"');
+    faults.check(type.has_value(), field + ".type", "uint8, uint16, int16 or float32", '"' + source.type() + '"');
     out.raw = {.dims = {detector.columns, detector.rows, 0},
                .type = type.value_or(SampleType::kFloat32),
                .big_endian = source.big_endian(),
                .skip_bytes = source.skip_bytes()};
     return out;
   }
-
-  Faults& faults_;
-  std::filesystem::path folder_;
 };
 
 void put(const StackFiles& files, const std::filesystem::path& folder, v1::StackOfViews& out) {
@@ -174,7 +170,7 @@ std::optional<SampleType> raw_type(const std::string& name) {
 
 ScanDescription parse_scan(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
   Faults faults(name);
-  ScanDescription out = Translator(faults, folder).translate(parsed_message<v1::ConeScan>(text, kMaxNesting, faults));
+  ScanDescription out = Translator{faults, folder}.translate(parsed_message<v1::ConeScan>(text, kMaxNesting, faults));
   faults.throw_if_any();
   out.file = name;
   return out;

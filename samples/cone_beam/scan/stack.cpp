@@ -1,5 +1,3 @@
-#include "cone_beam/scan/stack.h"
-
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
@@ -9,6 +7,7 @@
 #include <ostream>
 #include <sstream>
 
+#include "cone_beam/scan/description.h"
 #include "scene/formats/data_stream.h"
 #include "scene/formats/header_lines.h"
 #include "scene/formats/slices.h"
@@ -29,15 +28,12 @@ Stack read_raw(const std::filesystem::path& file, RawLayout layout) {
   const std::uint64_t view = pixels * bytes_per_sample(layout.type);
   const std::uint64_t bytes = file_bytes(file), data = bytes - std::min(bytes, layout.skip_bytes);
   if (layout.dims[2] == 0) {
-    if (lower_case(file.extension().string()) == ".gz") {
-      throw FileError(file, "views", "the number of views of a compressed raw file", "none");
-    }
-    if (view == 0 || data == 0 || data % view != 0 || data / view > kMaxFileDim) {
-      throw FileError(file, "size",
-                      fmt::format("{} bytes and 1 to {} views of {} x {} pixels ({} bytes each)", layout.skip_bytes,
-                                  kMaxFileDim, layout.dims[0], layout.dims[1], view),
-                      fmt::format("{} bytes", bytes));
-    }
+    expect(lower_case(file.extension().string()) != ".gz", file, "views",
+           "the number of views of a compressed raw file", "none");
+    expect(view != 0 && data != 0 && data % view == 0 && data / view <= kMaxFileDim, file, "size",
+           fmt::format("{} bytes and 1 to {} views of {} x {} pixels ({} bytes each)", layout.skip_bytes, kMaxFileDim,
+                       layout.dims[0], layout.dims[1], view),
+           fmt::format("{} bytes", bytes));
     layout.dims[2] = static_cast<int>(data / view);
   }
   return stack_of(read_volume(file, layout));
@@ -94,10 +90,9 @@ Stack read_pfm(const std::filesystem::path& file) {
   std::int64_t width = 0, height = 0;
   double scale = 0;
   header >> magic >> width >> height >> scale;
-  if (!header || magic != "Pf") {
-    throw FileError(file, "header", "\"Pf\", width, height and scale", '"' + start.substr(0, start.find('\n')) + '"');
-  }
-  if (!(std::isfinite(scale) && scale != 0)) throw FileError(file, "scale", "a number but 0", fmt::format("{}", scale));
+  expect(header && magic == "Pf", file, "header", "\"Pf\", width, height and scale",
+         '"' + start.substr(0, start.find('\n')) + '"');
+  expect(std::isfinite(scale) && scale != 0, file, "scale", "a number but 0", fmt::format("{}", scale));
   const std::vector<std::int64_t> sizes{width, height, 1};
   const StoredLayout layout{
       .file = file, .dims = checked_dims(file, "size", sizes), .type = StoredType::kFloat32, .big_endian = scale > 0};
@@ -122,10 +117,9 @@ Stack read_stack(const StackFiles& files) {
       out = std::move(stack);
       continue;
     }
-    if (stack.columns != out.columns || stack.rows != out.rows) {
-      throw FileError(file, "size", fmt::format("{} x {} as in the first file", out.columns, out.rows),
-                      fmt::format("{} x {}", stack.columns, stack.rows));
-    }
+    expect(stack.columns == out.columns && stack.rows == out.rows, file, "size",
+           fmt::format("{} x {} as in the first file", out.columns, out.rows),
+           fmt::format("{} x {}", stack.columns, stack.rows));
     out.values.insert(out.values.end(), stack.values.begin(), stack.values.end());
     out.counts = out.counts && stack.counts;
   }

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "cone_beam/fdk.h"
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
 #include "small_scan.h"

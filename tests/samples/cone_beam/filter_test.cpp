@@ -1,4 +1,4 @@
-#include "cone_beam/filter.h"
+#include "cone_beam/fdk.h"
 
 #include <gtest/gtest.h>
 

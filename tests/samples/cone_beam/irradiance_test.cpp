@@ -6,7 +6,6 @@
 
 #include <cmath>
 
-#include "cone_beam/phantom/comparison.h"
 #include "cone_beam/phantom/phantom.h"
 #include "open_board.h"
 #include "small_scan.h"

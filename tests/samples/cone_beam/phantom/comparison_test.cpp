@@ -1,4 +1,4 @@
-#include "cone_beam/phantom/comparison.h"
+#include "cone_beam/phantom/phantom.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "cone_beam/scan/stack.h"
+#include "cone_beam/scan/description.h"
 #include "scene/formats/file_error.h"
 #include "temporary_directory.h"
 

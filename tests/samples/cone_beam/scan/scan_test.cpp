@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "cone_beam/scan/stack.h"
+#include "cone_beam/scan/description.h"
 #include "gicube/error.h"
 #include "scene/formats/file_error.h"
 #include "scene/program/input_error.h"

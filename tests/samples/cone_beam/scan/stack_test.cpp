@@ -1,4 +1,4 @@
-#include "cone_beam/scan/stack.h"
+#include "cone_beam/scan/description.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
