@@ -2,24 +2,115 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
+#include <map>
+#include <set>
 #include <vector>
 
+#include "scene/formats/whole_file.h"
 #include "scene/program/program.h"
 #include "scene/program/progress.h"
-#include "sweep/sweep.h"
+#include "sweep/options.h"
+#include "sweep/picture.h"
+#include "sweep/run.h"
+#include "sweep/table.h"
 
 namespace {
 
 using namespace gicube::samples;
 using namespace gicube::samples::sweep;
-using gicube::samples::run_program;
+
+constexpr const char* kPicture = "picture";
+
+struct Pair {
+  Point point;
+  Run run, reference;
+};
+
+std::vector<Pair> pairs_of(const SweepOptions& options) {
+  std::vector<Pair> pairs;
+  for (const Point& point : grid(options.parameters)) {
+    const Point all = changed(point, options.fixed);
+    pairs.push_back({point, {arguments(all)}, {arguments(changed(all, options.reference))}});
+  }
+  return pairs;
+}
+
+// Each once, in order: points, then references.
+std::vector<Run> runs_of(const std::vector<Pair>& pairs, bool with_references) {
+  std::vector<Run> runs;
+  std::set<std::string> known;
+  const auto add = [&](const Run& run) {
+    if (known.insert(run.key()).second) runs.push_back(run);
+  };
+  for (const Pair& pair : pairs) add(pair.run);
+  if (with_references) {
+    for (const Pair& pair : pairs) add(pair.reference);
+  }
+  return runs;
+}
+
+double relative(double value, double reference) {
+  return reference == 0 ? std::abs(value) : std::abs(value / reference - 1);
+}
 
 // It stands beside this program.
 std::filesystem::path render_program() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "gicube-render";
+}
+
+// Runs what FOLDER/runs does not have yet, and works out costs and errors. Throws RunFailed, FileError, InputError (a figure that a
+// run does not have).
+Table run_sweep(const SweepOptions& options, ProgressLine& progress) {
+  const RunFolder folder(options.folder / "runs");
+  const std::vector<Pair> pairs = pairs_of(options);
+  const bool one_picture = !options.reference_picture.empty();
+  const std::vector<Run> runs = runs_of(pairs, !one_picture);
+  carry_out_all(folder, runs, render_program(), options.jobs,
+                [&](std::size_t done) { progress.show(fmt::format("{} of {} runs", done, runs.size())); });
+
+  Table table{options.cost, options.error, options.also, {}};
+  for (const std::string& name : options.also_errors) table.also.push_back("error " + name);
+  std::map<std::filesystem::path, Picture> references;  // used again and again
+  for (const Pair& pair : pairs) {
+    const nlohmann::json statistics = folder.read(pair.run);
+    Row row;
+    row.point = pair.point;
+    row.cost = figure(statistics, options.cost);
+    row.command = pair.run.command();
+    for (const std::string& name : options.also) row.also.push_back(figure_or_nan(statistics, name));
+    row.is_reference = !one_picture && pair.run.key() == pair.reference.key();
+    const nlohmann::json reference = one_picture ? nlohmann::json() : folder.read(pair.reference);
+    for (const std::string& name : options.also_errors)
+      row.also.push_back(relative(figure_or_nan(statistics, name), figure(reference, name)));
+    if (options.error == kPicture) {
+      const std::filesystem::path file = one_picture ? options.reference_picture : folder.picture(pair.reference);
+      const auto [exact, fresh] = references.try_emplace(file);
+      if (fresh) exact->second = read_picture(file);
+      row.error = rmse(read_picture(folder.picture(pair.run)), exact->second);
+    } else {
+      row.error = relative(figure(statistics, options.error), figure(reference, options.error));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  mark_front(table.rows);
+  return table;
+}
+
+// CSV, JSON, the gnuplot script, and with `chart` its picture. Throws FileError; RunFailed if gnuplot fails.
+void write_files(const SweepOptions& options, const Table& table) {
+  const std::filesystem::path base = options.folder / options.name;
+  const auto with = [&](const char* extension) {
+    std::filesystem::path file = base;
+    return file += extension;
+  };
+  write_whole(with(".csv"), csv(table));
+  write_whole(with(".json"), json(table));
+  write_whole(with(".gp"), chart(table, options.name, options.title.empty() ? options.name : options.title));
+  if (options.chart) run_to_end("gnuplot", {options.name + ".gp"}, with(".log"), options.folder);
 }
 
 void print_front(const Table& table) {
@@ -37,9 +128,7 @@ int run(int argc, char** argv) {
   Table table;
   {
     ProgressLine progress(!options->quiet);
-    table = sweep::sweep(*options, render_program(), [&](std::size_t done, std::size_t all) {
-      progress.show(fmt::format("{} of {} runs", done, all));
-    });
+    table = run_sweep(*options, progress);
   }
   write_files(*options, table);
   if (!options->quiet) print_front(table);

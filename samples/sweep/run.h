@@ -4,10 +4,21 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace gicube::samples::sweep {
+
+class RunFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// `program`: a path, or a name on the PATH. What it writes goes to the file `log`; it runs in `folder`, or in this process' own.
+// Throws RunFailed unless it ends with exit code 0: how it ended, and the last line that it wrote.
+void run_to_end(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                const std::filesystem::path& log, const std::filesystem::path& folder = {});
 
 struct Run {
   std::vector<std::string> arguments;  // of gicube-render, without its output and statistics

@@ -4,12 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
-
-#include "scene/formats/file_error.h"
-#include "scene/formats/whole_file.h"
-#include "scene/text_file.h"
 
 namespace gicube::samples::sweep {
 namespace {
@@ -30,6 +25,14 @@ std::string value_of(const Point& point, const std::string& name) {
     if (setting.name == name) return setting.value;
   }
   return {};
+}
+
+// In quotes if it has commas, quotes or line ends (RFC 4180).
+std::string csv_cell(const std::string& cell) {
+  if (cell.find_first_of(",\"\n") == std::string::npos) return cell;
+  std::string quoted = "\"";
+  for (const char c : cell) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
 }
 
 nlohmann::ordered_json to_json(const Table& table, const Row& row) {
@@ -99,14 +102,6 @@ plot '{3}.csv' skip 1 using 1:($2 > 0 ? $2 : NaN) with points pt 7 ps 0.6 lc rgb
   lc rgb "#c04000" title "Pareto front"
 )",
                      title, table.cost, table.error, name);
-}
-
-void write(const std::string& text, const std::filesystem::path& file) {
-  const WholeFile whole(file);
-  std::ofstream stream(whole.path());
-  if (!(stream << text).flush()) throw FileError(file, "file", "one that can be written", "an error");
-  stream.close();
-  whole.rename();
 }
 
 }  // namespace gicube::samples::sweep

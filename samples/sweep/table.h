@@ -1,7 +1,6 @@
 // What a sweep found: one row a point, which of them are on the Pareto front, and the files for others.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -35,8 +34,5 @@ std::string csv(const Table& table);
 std::string json(const Table& table);
 // A gnuplot script that draws NAME.csv beside it as NAME.svg.
 std::string chart(const Table& table, const std::string& name, const std::string& title);
-
-// Throws FileError.
-void write(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace gicube::samples::sweep
