@@ -1,8 +1,7 @@
-#include "render/lighting_options.h"
+#include "render/options.h"
 
 #include <fmt/format.h>
 
-#include "scene/graph/lighting_names.h"
 #include "scene/program/option_group.h"
 
 namespace gicube::samples {

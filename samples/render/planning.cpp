@@ -6,7 +6,6 @@
 #include <cmath>
 #include <optional>
 
-#include "scene/geometry/codebook.h"
 #include "scene/program/board_run.h"
 #include "scene/program/run_json.h"
 
@@ -22,12 +21,6 @@ std::vector<TransferFunction> looks_of(const SceneSetup& setup) {
   return looks;
 }
 
-void set_codebook(Board& board, const SceneSetup& setup, bool own_codebook) {
-  if (!own_codebook) return;
-  const std::vector<Vec3> codebook = codebook_of(setup.gradients);
-  if (codebook.size() > 1) board.set_gradient_codebook(codebook);
-}
-
 PlanRequest request_of(const PlanOptions& wanted, const View& view) {
   PlanRequest request;
   request.view = view;
@@ -36,32 +29,30 @@ PlanRequest request_of(const PlanOptions& wanted, const View& view) {
   return request;
 }
 
+Json ms_or_null(Picoseconds time) { return time > 0 ? Json(to_ms(time)) : Json(nullptr); }
+
 Json point_json(const PlanPoint& point) {
-  Json json;
-  json["level"] = point.level;
-  json["step"] = point.step;
-  json["opacity_threshold"] = point.opacity_threshold;
-  json["error"] = point.error;
-  json["error_bound"] = point.error_bound;
-  json["samples"] = point.samples;
-  json["frame_ms"] = point.time > 0 ? Json(to_ms(point.time)) : Json(nullptr);
-  json["pilot"] = {{"width", point.pilot_width}, {"height", point.pilot_height}};
-  return json;
+  return {{"level", point.level},
+          {"step", point.step},
+          {"opacity_threshold", point.opacity_threshold},
+          {"error", point.error},
+          {"error_bound", point.error_bound},
+          {"samples", point.samples},
+          {"frame_ms", ms_or_null(point.time)},
+          {"pilot", {{"width", point.pilot_width}, {"height", point.pilot_height}}}};
 }
 
 Json point_json(const LightPoint& point) {
-  Json json;
-  json["albedo"] = point.albedo == Albedo::kHigh ? "high" : "low";
-  json["rays_per_face_voxel"] = point.rays_per_face_voxel;
-  json["step"] = point.step;
-  json["error"] = point.error;
-  json["error_bound"] = point.error_bound;
-  json["noise"] = point.noise;
-  json["bias"] = point.bias;
-  json["rays"] = point.rays;
-  json["samples"] = point.samples;
-  json["pass_ms"] = point.time > 0 ? Json(to_ms(point.time)) : Json(nullptr);
-  return json;
+  return {{"albedo", point.albedo == Albedo::kHigh ? "high" : "low"},
+          {"rays_per_face_voxel", point.rays_per_face_voxel},
+          {"step", point.step},
+          {"error", point.error},
+          {"error_bound", point.error_bound},
+          {"noise", point.noise},
+          {"bias", point.bias},
+          {"rays", point.rays},
+          {"samples", point.samples},
+          {"pass_ms", ms_or_null(point.time)}};
 }
 
 }  // namespace
@@ -72,7 +63,7 @@ Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions&
   PlanRequest request = request_of(wanted, setup.view);
   request.volume = setup.volume_view();
   request.looks = looks;
-  set_codebook(board, setup, own_codebook);
+  if (own_codebook) set_own_codebook(board, setup);
   const bool apart = options.fidelity == "cycle" && options.board.starts_with("emu:");
   if (!apart) return make_plan(board, request, progress);
 
@@ -80,7 +71,7 @@ Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions&
   sooner.fidelity = "approximate";
   Board pilots = open_board(sooner);
   pilots.set_shading(setup.shading);
-  set_codebook(pilots, setup, own_codebook);
+  if (own_codebook) set_own_codebook(pilots, setup);
   Plan plan = make_plan(pilots, request, progress);
   load_planned(board, plan, request.volume, looks);
   return plan;
@@ -89,7 +80,7 @@ Plan plan_and_load(Board& board, const BoardOptions& options, const PlanOptions&
 Placement load_derived(Board& board, SceneSetup& setup, bool crop, int level, bool own_codebook,
                        const Progress& progress) {
   const std::vector<TransferFunction> looks = looks_of(setup);
-  set_codebook(board, setup, own_codebook);
+  if (own_codebook) set_own_codebook(board, setup);
   const VolumeView whole = setup.volume_view();
   DerivedVolume derived;
   if (crop) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "render/planning.h"
-#include "scene/program/memory_counters.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {

@@ -2,20 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 #include <string>
 
 #include "scene/geometry/signed_distance.h"
-#include "scene/geometry/voxel_world.h"
-#include "scene/parallel.h"
 #include "scene/program/input_error.h"
-#include "scene/truncated_icosahedron.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr int kCell = 8;  // voxels; solids are looked up a cell at a time
+constexpr double kPhi = std::numbers::phi;
+constexpr double kBondLength = 2;  // of the coordinates below
+
+// The three even permutations of (x, y, z) under every choice of signs; a zero has no sign.
+void add_orbit(Vec3 corner, std::vector<Vec3>& atoms) {
+  for (int signs = 0; signs < 8; ++signs) {
+    const double sx = (signs & 1) != 0 ? -1 : 1, sy = (signs & 2) != 0 ? -1 : 1, sz = (signs & 4) != 0 ? -1 : 1;
+    if (corner.x == 0 && sx < 0) continue;
+    const Vec3 p{sx * corner.x, sy * corner.y, sz * corner.z};
+    atoms.insert(atoms.end(), {p, Vec3{p.y, p.z, p.x}, Vec3{p.z, p.x, p.y}});
+  }
+}
 
 struct Solid {
   enum class Kind { kSphere, kCapsule, kBox } kind;
@@ -53,100 +60,72 @@ std::vector<Solid> place_solids(const BuckyballShape& shape, double scale) {
   return solids;
 }
 
-// Fills the layers of cells that it is given; each voxel depends on its position alone.
-class Voxeliser {
- public:
-  Voxeliser(int size, const BuckyballShape& shape, Buckyball& target)
-      : size_(size), shape_(shape), scale_(size - 1), solids_(place_solids(shape, scale_)), target_(target) {}
-
-  int layers() const { return (size_ + kCell - 1) / kCell; }
-
-  void fill_layer(int layer) {
-    std::vector<const Solid*> near;
-    const double reach = kNearVoxels + kCell * std::numbers::sqrt3 / 2;
-    for (int y = 0; y < size_; y += kCell) {
-      for (int x = 0; x < size_; x += kCell) {
-        const Vec3 middle = Vec3{double(x), double(y), double(layer * kCell)} + 0.5 * (kCell - 1) * Vec3{1, 1, 1};
-        near.clear();
-        for (const Solid& solid : solids_) {
-          if (solid.distance(middle).distance < reach) near.push_back(&solid);
-        }
-        if (!near.empty()) fill_cell({x, y, layer * kCell}, near);
-      }
-    }
-  }
-
- private:
-  void fill_cell(const Dims& first, const std::vector<const Solid*>& near) {
-    for (int z = first[2]; z < std::min(first[2] + kCell, size_); ++z) {
-      for (int y = first[1]; y < std::min(first[1] + kCell, size_); ++y) {
-        for (int x = first[0]; x < std::min(first[0] + kCell, size_); ++x) fill_voxel(x, y, z, near);
-      }
-    }
-  }
-
-  void fill_voxel(int x, int y, int z, const std::vector<const Solid*>& near) {
-    const Vec3 p{double(x), double(y), double(z)};
-    Distance nearest{kNearVoxels, {}};
-    const Solid* solid = nullptr;
-    for (const Solid* candidate : near) {
-      const Distance distance = candidate->distance(p);
-      if (distance.distance < nearest.distance) nearest = distance, solid = candidate;
-    }
-    if (solid == nullptr) return;
-
-    const auto size = static_cast<std::size_t>(size_);
-    const std::size_t index =
-        (static_cast<std::size_t>(z) * size + static_cast<std::size_t>(y)) * size + static_cast<std::size_t>(x);
-    const double inside = std::clamp(0.5 - nearest.distance / kRampVoxels, 0.0, 1.0);
-    const auto density = static_cast<std::uint16_t>(std::lround(kMaxDensity * inside));
-    std::memcpy(&target_.volume.samples[2 * index], &density, sizeof density);
-    target_.tags[index] = solid->tag == kFloor ? floor_tag(p) : solid->tag;
-    if (!target_.gradients.empty() && nearest.distance > -kNearVoxels) {
-      float* gradient = &target_.gradients[3 * index];
-      gradient[0] = static_cast<float>(-nearest.away.x);
-      gradient[1] = static_cast<float>(-nearest.away.y);
-      gradient[2] = static_cast<float>(-nearest.away.z);
-    }
-  }
-
-  std::uint8_t floor_tag(Vec3 p) const {
-    const auto tile = [this](double v, double low, double high) {
-      return static_cast<int>(std::floor((v / scale_ - low) / (high - low) * shape_.floor_tiles));
-    };
-    const int sum =
-        tile(p.x, shape_.floor_low.x, shape_.floor_high.x) + tile(p.y, shape_.floor_low.y, shape_.floor_high.y);
-    return (sum & 1) == 0 ? kFloor : kFloorDark;
-  }
-
-  int size_;
-  BuckyballShape shape_;
-  double scale_;  // voxels
-  std::vector<Solid> solids_;
-  Buckyball& target_;
-};
+// Of a floor of two kinds of tiles.
+std::uint8_t floor_tag(const BuckyballShape& shape, Vec3 p) {
+  const auto tile = [&shape](double v, double low, double high) {
+    return static_cast<int>(std::floor((v - low) / (high - low) * shape.floor_tiles));
+  };
+  const int sum = tile(p.x, shape.floor_low.x, shape.floor_high.x) + tile(p.y, shape.floor_low.y, shape.floor_high.y);
+  return (sum & 1) == 0 ? kFloor : kFloorDark;
+}
 
 }  // namespace
 
-Buckyball make_buckyball(int size, bool gradients, int threads, const BuckyballShape& shape) {
+Molecule truncated_icosahedron() {
+  Molecule molecule;
+  add_orbit({0, 1, 3 * kPhi}, molecule.atoms);
+  add_orbit({1, 2 + kPhi, 2 * kPhi}, molecule.atoms);
+  add_orbit({2, 1 + 2 * kPhi, kPhi}, molecule.atoms);
+
+  const int count = static_cast<int>(molecule.atoms.size());
+  for (int a = 0; a < count; ++a) {
+    for (int b = a + 1; b < count; ++b) {
+      const double distance =
+          length(molecule.atoms[static_cast<std::size_t>(a)] - molecule.atoms[static_cast<std::size_t>(b)]);
+      if (std::abs(distance - kBondLength) < 1e-6) molecule.bonds.push_back({a, b});
+    }
+  }
+
+  // (0, 1, phi) is a five-fold axis: turn it about x onto +z, and scale to a unit circumradius.
+  const double norm = std::hypot(1.0, kPhi), cosine = kPhi / norm, sine = 1 / norm;
+  for (Vec3& p : molecule.atoms) {
+    const Vec3 turned{p.x, cosine * p.y - sine * p.z, sine * p.y + cosine * p.z};
+    p = normalise(turned);
+  }
+  return molecule;
+}
+
+VoxelWorld make_buckyball(int size, bool gradients, int threads, const BuckyballShape& shape) {
   if (size < kMinBuckyballSize || size > kMaxBuckyballSize) {
     throw InputError("buckyball size",
                      std::to_string(kMinBuckyballSize) + " to " + std::to_string(kMaxBuckyballSize) + " voxels",
                      std::to_string(size));
   }
-  Buckyball ball;
-  const std::size_t voxels =
-      static_cast<std::size_t>(size) * static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
-  ball.volume.type = SampleType::kUint12;
-  ball.volume.dims = {size, size, size};
-  ball.volume.source = "builtin:buckyball";
-  ball.volume.samples.resize(voxels * bytes_per_sample(SampleType::kUint12));
-  ball.tags.resize(voxels);
-  if (gradients) ball.gradients.resize(voxels * 3);
-
-  Voxeliser voxeliser(size, shape, ball);
-  in_parallel(static_cast<std::size_t>(voxeliser.layers()), threads,
-              [&](std::size_t layer) { voxeliser.fill_layer(static_cast<int>(layer)); });
+  const Dims dims{size, size, size};
+  const double scale = size - 1;  // voxels
+  VoxelWorld ball(dims, "builtin:buckyball", gradients);
+  const std::vector<Solid> solids = place_solids(shape, scale);
+  each_cell(dims, threads, [&](const Dims& first) {
+    const double reach = kNearVoxels + kCell * std::numbers::sqrt3 / 2;
+    std::vector<const Solid*> near;
+    for (const Solid& solid : solids) {
+      if (solid.distance(middle_of_cell(first)).distance < reach) near.push_back(&solid);
+    }
+    if (near.empty()) return;
+    each_voxel(dims, first, [&](Vec3 p, std::size_t index) {
+      Distance nearest{kNearVoxels, {}};
+      const Solid* solid = nullptr;
+      for (const Solid* candidate : near) {
+        const Distance distance = candidate->distance(p);
+        if (distance.distance < nearest.distance) nearest = distance, solid = candidate;
+      }
+      if (solid == nullptr) return;
+      ball.set_density(index, std::clamp(0.5 - nearest.distance / kRampVoxels, 0.0, 1.0));
+      const Vec3 relative{p.x / scale, p.y / scale, p.z / scale};
+      ball.tags[index] = solid->tag == kFloor ? floor_tag(shape, relative) : solid->tag;
+      if (gradients && nearest.distance > -kNearVoxels) ball.set_gradient(index, -1 * nearest.away);
+    });
+  });
   return ball;
 }
 

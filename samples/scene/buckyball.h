@@ -8,13 +8,22 @@
 
 #include "gicube/shading.h"
 #include "gicube/transfer_function.h"
-#include "scene/formats/volume_file.h"
+#include "scene/geometry/voxel_world.h"
 #include "scene/scene.h"
 
 namespace gicube::samples {
 
 // The material tag of each part.
 enum BuckyballTag : std::uint8_t { kAtom = 0, kBond = 1, kFloor = 2, kFloorDark = 3 };
+
+// The shape of C60: 60 atoms on the corners of a truncated icosahedron, 90 bonds along its edges.
+struct Molecule {
+  std::vector<Vec3> atoms;
+  std::vector<std::array<int, 2>> bonds;  // indices of atoms, the smaller first
+};
+
+// Centred on the origin, all atoms at distance 1 from it, one pentagon's centre on the +z axis.
+Molecule truncated_icosahedron();
 
 // Lengths as parts of the volume's edge, which is size - 1 voxels.
 struct BuckyballShape {
@@ -29,18 +38,11 @@ struct BuckyballShape {
   double turn_degrees = 9;  // about the vertical axis, so that no bond hides another from the default camera
 };
 
-struct Buckyball {
-  // size^3 samples of kUint12: 4095 inside, 0 outside, linear over two voxels across the surface.
-  Volume volume;
-  std::vector<std::uint8_t> tags;  // one a voxel, BuckyballTag
-  // 3 floats a voxel, pointing inwards (growing density), zero further than 3 voxels from the surface. Empty if not asked for.
-  std::vector<float> gradients;
-};
-
 constexpr int kMinBuckyballSize = 16, kMaxBuckyballSize = 1024;  // voxels an edge
 
-// The same voxels for any number of threads (0 = one a core). Throws InputError if the size is out of range.
-Buckyball make_buckyball(int size, bool gradients, int threads = 0, const BuckyballShape& shape = {});
+// size^3 voxels, a BuckyballTag each; the same for any number of threads (0 = one a core). Throws InputError if the size is out of
+// range.
+VoxelWorld make_buckyball(int size, bool gradients, int threads = 0, const BuckyballShape& shape = {});
 
 // How the scene likes to be seen: absolute transfer functions by tag, light, camera (in voxels) and background.
 Appearance buckyball_appearance(int size);

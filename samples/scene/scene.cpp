@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 
 namespace gicube::samples {
 namespace {
@@ -93,15 +93,12 @@ Vec3 shoulder_light(const View& view, const Vec3& spacing) {
 }
 
 SampleType sample_type_named(const std::string& name, const std::string& field) {
-  static constexpr std::pair<const char*, SampleType> kNames[] = {{"uint8", SampleType::kUint8},
-                                                                  {"uint12", SampleType::kUint12},
-                                                                  {"uint16", SampleType::kUint16},
-                                                                  {"int16", SampleType::kInt16},
-                                                                  {"float32", SampleType::kFloat32}};
-  for (const auto& [text, type] : kNames) {
-    if (name == text) return type;
-  }
-  throw InputError(field, "uint8, uint12, uint16, int16 or float32", in_quotes(name));
+  return named<SampleType>(field, name,
+                           {{"uint8", SampleType::kUint8},
+                            {"uint12", SampleType::kUint12},
+                            {"uint16", SampleType::kUint16},
+                            {"int16", SampleType::kInt16},
+                            {"float32", SampleType::kFloat32}});
 }
 
 void choose_camera(Scene& scene, const std::string& name) {

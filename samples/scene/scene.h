@@ -12,13 +12,13 @@
 #include "gicube/transfer_function.h"
 #include "gicube/view.h"
 #include "gicube/volume.h"
+#include "scene/formats/volume_file.h"
 #include "scene/graph/engine.h"
 #include "scene/graph/light.h"
 #include "scene/graph/material.h"
 #include "scene/graph/world.h"
 #include "scene/transfer_function_file.h"
 #include "scene/visible_box.h"
-#include "scene/volume_source.h"
 
 namespace gicube::samples {
 

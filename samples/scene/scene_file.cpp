@@ -1,7 +1,6 @@
 #include "scene/scene_file.h"
 
 #include <fmt/format.h>
-#include <google/protobuf/text_format.h>
 
 #include <cmath>
 
@@ -25,11 +24,14 @@ class Translator {
 
   Scene translate(const v1::Scene& source) {
     Scene scene;
-    if (source.has_volume()) scene.volume = volume(source.volume());
+    if (source.has_volume()) scene.volume = read_volume_source(faults_, "volume", source.volume(), folder_);
     if (source.has_volume() == source.has_world()) {
       faults_.fault("volume", "a volume or a world", source.has_world() ? "both" : "none");
     }
-    if (source.has_transfer_function()) transfer_function(source.transfer_function(), scene);
+    if (source.has_transfer_function()) {
+      scene.transfer_function =
+          read_transfer_function_of(faults_, "transfer_function", source.transfer_function(), folder_);
+    }
     if (source.has_phong()) scene.phong = phong(source.phong());
     if (source.camera_size() > 0) scene.camera = camera("camera", source.camera(0));
     for (int i = 1; i < source.camera_size(); ++i) {
@@ -43,31 +45,23 @@ class Translator {
     scene.view.opacity_threshold = number("opacity_threshold", source.opacity_threshold(), 0, 1);
     scene.view.shade = source.shade();
     scene.view.jitter = source.jitter();
-    GraphReader(faults_, folder_).read(source, scene);
+    read_graph(source, folder_, faults_, scene);
     return scene;
   }
 
  private:
   double number(const std::string& field, double value, double low, double high) {
-    faults_.check(value >= low && value <= high, field, shown(low) + " to " + shown(high), shown(value));
+    faults_.check_range(field, value, low, high);
     return value;
   }
 
   Vec3 vector(const std::string& field, const v1::Vector& v) { return finite_vector(faults_, field, v); }
 
-  VolumeSource volume(const v1::VolumeSource& source) { return read_volume_source(faults_, "volume", source, folder_); }
-
-  void transfer_function(const v1::TransferFunction& source, Scene& scene) {
-    scene.transfer_function = read_transfer_function_of(faults_, "transfer_function", source, folder_);
-  }
-
   Phong phong(const v1::Phong& source) {
-    Phong result;
-    result.ambient = number("phong.ambient", source.ambient(), 0, 1.99);
-    result.diffuse = number("phong.diffuse", source.diffuse(), 0, 1.99);
-    result.specular = number("phong.specular", source.specular(), 0, 1.99);
-    result.shininess = number("phong.shininess", source.shininess(), 1, 1000);
-    return result;
+    return {.ambient = number("phong.ambient", source.ambient(), 0, 1.99),
+            .diffuse = number("phong.diffuse", source.diffuse(), 0, 1.99),
+            .specular = number("phong.specular", source.specular(), 0, 1.99),
+            .shininess = number("phong.shininess", source.shininess(), 1, 1000)};
   }
 
   CameraSettings camera(const std::string& field, const v1::Camera& source) {
@@ -121,13 +115,7 @@ class Translator {
 
 Scene parse_scene(const std::string& text, const std::string& name, const std::filesystem::path& folder) {
   Faults faults(name);
-  google::protobuf::TextFormat::Parser parser;
-  parser.RecordErrorsTo(&faults);
-  parser.SetRecursionLimit(kMaxNesting);
-  parser.AllowUnknownField(true);  // reported by AddWarning, and the parser goes on to the next fault
-  v1::Scene message;
-  if (!parser.ParseFromString(text, &message)) faults.throw_if_any();
-  Scene scene = Translator(faults, folder).translate(message);
+  Scene scene = Translator(faults, folder).translate(parsed_message<v1::Scene>(text, kMaxNesting, faults));
   faults.throw_if_any();
   return scene;
 }

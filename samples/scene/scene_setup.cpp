@@ -1,7 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <tuple>
-#include <type_traits>
 #include <utility>
 
 #include "scene/buckyball.h"
@@ -17,7 +15,7 @@ constexpr double kLightDistance = 1.5;  // chosen: of a volume file's own point 
 
 void take_buckyball(const Scene& scene, int threads, SceneSetup& setup) {
   const int size = scene.volume.size;
-  Buckyball ball = make_buckyball(size, size <= kMaxAnalyticSize, threads);
+  VoxelWorld ball = make_buckyball(size, size <= kMaxAnalyticSize, threads);
   setup.volume = std::move(ball.volume);
   setup.tags = std::move(ball.tags);
   setup.gradients = std::move(ball.gradients);
@@ -123,22 +121,6 @@ void set_optics(const Scene& scene, SceneSetup& setup) {
   }
 }
 
-auto members(const PointLight& light) { return std::tie(light.position, light.power); }
-auto members(const DirectionalLight& light) { return std::tie(light.towards, light.irradiance); }
-auto members(const RectangleLight& light) { return std::tie(light.corner, light.edge_u, light.edge_v, light.power); }
-auto members(const SphereLight& light) { return std::tie(light.centre, light.radius, light.power); }
-
-template <typename A, typename B>
-bool same_light(const A& a, const B& b) {
-  if constexpr (std::is_same_v<A, B>) return members(a) == members(b);
-  return false;
-}
-
-bool same_settings(const Illumination& a, const Illumination& b) {
-  return a.albedo == b.albedo && a.rules == b.rules && a.rays_per_face_voxel == b.rays_per_face_voxel &&
-         a.step == b.step && a.jitter == b.jitter && a.leap == b.leap && a.lifetime == b.lifetime && a.seed == b.seed;
-}
-
 }  // namespace
 
 VolumeView SceneSetup::volume_view() const {
@@ -190,17 +172,11 @@ void set_look(const Scene& scene, SceneSetup& setup) {
 bool same_voxels(const Scene& a, const Scene& b) { return a.volume == b.volume && a.world == b.world; }
 
 bool same_illumination(const Scene& a, const Scene& b) {
-  if (!same_voxels(a, b) || a.lighting.on != b.lighting.on || a.lighting.colour_passes != b.lighting.colour_passes ||
-      !same_settings(a.lighting.settings, b.lighting.settings) || a.lights.size() != b.lights.size()) {
-    return false;
-  }
-  for (std::size_t i = 0; i < a.lights.size(); ++i) {
-    const bool alike =
-        a.lights[i].colour == b.lights[i].colour &&
-        std::visit([](const auto& x, const auto& y) { return same_light(x, y); }, a.lights[i].light, b.lights[i].light);
-    if (!alike) return false;
-  }
-  return true;
+  const auto same_light = [](const SceneLight& x, const SceneLight& y) {
+    return x.light == y.light && x.colour == y.colour;
+  };
+  return same_voxels(a, b) && a.lighting.on == b.lighting.on && a.lighting.colour_passes == b.lighting.colour_passes &&
+         a.lighting.settings == b.lighting.settings && std::ranges::equal(a.lights, b.lights, same_light);
 }
 
 }  // namespace gicube::samples

@@ -1,17 +1,13 @@
-// Small files of text, read and written whole.
+// Small files of text.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 namespace gicube::samples {
 
-// A file that a user wrote. Throws InputError: it is not there, has more than a mebibyte, or can't be read; `what` it was to be.
-std::string read_text(const std::filesystem::path& file, const std::string& what);
-// Throws InputError.
-void write_text(const std::filesystem::path& file, const std::string& text);
-
-// In quotes if it has commas, quotes or line ends (RFC 4180).
-std::string csv_cell(const std::string& cell);
+// A file that a user wrote. Throws InputError: it is not there, is larger, or can't be read; `kind` says what it was to be.
+std::string read_text(const std::filesystem::path& file, const std::string& kind, std::uintmax_t max_mib = 1);
 
 }  // namespace gicube::samples

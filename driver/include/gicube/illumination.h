@@ -15,11 +15,13 @@ namespace gicube {
 struct PointLight {
   Vec3 position;     // inside the volume or outside
   double power = 1;  // > 0, all lights of a pass in one unit
+  friend bool operator==(const PointLight&, const PointLight&) = default;
 };
 
 struct DirectionalLight {
   Vec3 towards;           // from the scene to the light; any length but 0
   double irradiance = 1;  // > 0, power on a unit area across the light
+  friend bool operator==(const DirectionalLight&, const DirectionalLight&) = default;
 };
 
 // Shines to the side of edge_u x edge_v, each point by Lambert's law.
@@ -27,12 +29,14 @@ struct RectangleLight {
   Vec3 corner;
   Vec3 edge_u, edge_v;  // physical; not parallel, not 0
   double power = 1;
+  friend bool operator==(const RectangleLight&, const RectangleLight&) = default;
 };
 
 struct SphereLight {  // shines outward from its surface, Lambert
   Vec3 centre;
   double radius = 1;  // physical, > 0
   double power = 1;
+  friend bool operator==(const SphereLight&, const SphereLight&) = default;
 };
 
 using Light = std::variant<PointLight, DirectionalLight, RectangleLight, SphereLight>;
@@ -52,6 +56,7 @@ struct Illumination {
   bool leap = true;
   int lifetime = 32;       // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;  // of all random choices: another seed is an independent experiment
+  friend bool operator==(const Illumination&, const Illumination&) = default;
 };
 
 // Where the energy went, in units of the lights' power (`unit` of it is one unit of the energy words). Exactly:

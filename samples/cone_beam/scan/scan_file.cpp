@@ -7,7 +7,8 @@
 #include "cone_beam/scan/formats.h"
 #include "gicube/v1/cone_scan.pb.h"
 #include "scene/formats/whole_file.h"
-#include "scene/graph/message_text.h"
+#include "scene/graph/faults.h"
+#include "scene/text_file.h"
 
 namespace gicube::samples {
 namespace {

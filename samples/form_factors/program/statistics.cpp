@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "form_factors/program/options.h"
-#include "scene/program/memory_counters.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {

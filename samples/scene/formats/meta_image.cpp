@@ -11,7 +11,6 @@
 #include "scene/formats/data_stream.h"
 #include "scene/formats/header_lines.h"
 #include "scene/formats/stored_samples.h"
-#include "scene/formats/text_samples.h"
 
 namespace gicube::samples {
 namespace {

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include <OpenImageIO/imageio.h>
@@ -163,54 +164,46 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
 
 namespace {
 
-// Slices on their way into a volume.
-class Pile {
- public:
-  Pile(const std::filesystem::path& source, Slice first)
-      : first_(std::move(first)), samples_(std::move(first_.samples)) {
-    layout_.file = source;
-    layout_.dims = {first_.width, first_.height, 1};
-    layout_.type = stored_type(first_.type);
-    layout_.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
+// A volume of `count` slices; read(z) gives the file and the slice.
+template <typename Read>
+Volume pile(const std::filesystem::path& source, std::size_t count, const Read& read) {
+  StoredLayout layout;
+  layout.file = source;
+  layout.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
+  Slice first;
+  std::vector<std::byte> samples;
+  for (std::size_t z = 0; z < count; ++z) {
+    auto [file, slice] = read(z);
+    samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
+    if (z > 0) {
+      check_same(file, slice, first);
+      continue;
+    }
+    layout.dims = {slice.width, slice.height, static_cast<int>(count)};
+    layout.type = stored_type(slice.type);
+    checked_bytes(layout);
+    first = std::move(slice);
   }
-
-  void expect(int slices) const {
-    StoredLayout all = layout_;
-    all.dims[2] = slices;
-    checked_bytes(all);
-  }
-  void add(const std::filesystem::path& file, const Slice& slice) {
-    check_same(file, slice, first_);
-    ++layout_.dims[2];
-    samples_.insert(samples_.end(), slice.samples.begin(), slice.samples.end());
-  }
-  Volume volume() && { return to_volume(std::move(samples_), layout_); }
-
- private:
-  Slice first_;
-  StoredLayout layout_;
-  std::vector<std::byte> samples_;
-};
+  return to_volume(std::move(samples), layout);
+}
 
 }  // namespace
 
 Volume read_slices(const std::filesystem::path& folder) {
   const auto files = slice_files(folder);
-  Pile pile(folder, read_slice(files.front()));
-  pile.expect(static_cast<int>(files.size()));
-  for (std::size_t z = 1; z < files.size(); ++z) pile.add(files[z], read_slice(files[z]));
-  return std::move(pile).volume();
+  return pile(folder, files.size(), [&](std::size_t z) { return std::pair(files[z], read_slice(files[z])); });
 }
 
 Volume read_pages(const std::filesystem::path& file) {
   const auto input = open(file);
-  Pile pile(file, read_page(file, *input, 0));
-  for (int page = 1; input->seek_subimage(page, 0); ++page) {
-    if (page == kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
-    pile.expect(page + 1);
-    pile.add(file, read_page(file, *input, page));
-  }
-  return std::move(pile).volume();
+  int pages = 1;
+  while (pages <= kMaxFileDim && input->seek_subimage(pages, 0)) ++pages;
+  if (pages > kMaxFileDim) throw FileError(file, "image", fmt::format("at most {} pages", kMaxFileDim), "more");
+  return pile(file, static_cast<std::size_t>(pages), [&](std::size_t z) {
+    const int page = static_cast<int>(z);
+    if (!input->seek_subimage(page, 0)) throw FileError(file, "image", "a whole image", input->geterror());
+    return std::pair(file, read_page(file, *input, page));
+  });
 }
 
 }  // namespace gicube::samples

@@ -14,14 +14,11 @@ namespace {
 
 // The driver's type that holds `type` unchanged, if there is one.
 std::optional<SampleType> same_type(StoredType type) {
-  switch (type) {
-    case StoredType::kUint8: return SampleType::kUint8;
-    case StoredType::kUint12: return SampleType::kUint12;
-    case StoredType::kUint16: return SampleType::kUint16;
-    case StoredType::kInt16: return SampleType::kInt16;
-    case StoredType::kFloat32: return SampleType::kFloat32;
-    default: return std::nullopt;
+  for (const SampleType own :
+       {SampleType::kUint8, SampleType::kUint12, SampleType::kUint16, SampleType::kInt16, SampleType::kFloat32}) {
+    if (stored_type(own) == type) return own;
   }
+  return std::nullopt;
 }
 
 std::optional<SampleType> kept_type(const StoredLayout& layout) {

@@ -33,16 +33,11 @@ auto with_sample(StoredType type, const Use& use) {
   }
   return use(std::uint16_t{});
 }
+
+StoredType stored_type(SampleType type);
 template <typename Use>
 auto with_sample(SampleType type, const Use& use) {
-  switch (type) {
-    case SampleType::kUint8: return use(std::uint8_t{});
-    case SampleType::kUint12:
-    case SampleType::kUint16: break;
-    case SampleType::kInt16: return use(std::int16_t{});
-    case SampleType::kFloat32: return use(float{});
-  }
-  return use(std::uint16_t{});
+  return with_sample(stored_type(type), use);
 }
 
 // The sample of that index, in the machine's byte order.
@@ -54,7 +49,6 @@ Sample sample_at(std::span<const std::byte> bytes, std::size_t index) {
 }
 
 std::size_t bytes_of(StoredType type);
-StoredType stored_type(SampleType type);
 
 struct StoredLayout {
   std::filesystem::path file;  // named in errors
@@ -76,5 +70,16 @@ std::size_t checked_bytes(const StoredLayout& layout);
 // Brings the bytes, exactly checked_bytes(layout), into the machine's order and a type that the driver takes.
 // Throws FileError when a 12-bit sample is above 4095, or a converted one is not a finite 32-bit float.
 Volume to_volume(std::vector<std::byte> stored, const StoredLayout& layout);
+
+// Samples that a file holds as text.
+
+// `count` numbers parted by white space or commas, from byte `offset` on, as samples in the machine's byte order.
+// Throws FileError: too few, no number, or out of the type's range.
+std::vector<std::byte> read_numbers(const std::filesystem::path& file, std::uint64_t offset, StoredType type,
+                                    std::size_t count);
+
+// `bytes` bytes of two hexadecimal digits each, white space allowed anywhere; the bytes as they stand.
+// Throws FileError: too few, or another character.
+std::vector<std::byte> read_hex(const std::filesystem::path& file, std::uint64_t offset, std::size_t bytes);
 
 }  // namespace gicube::samples

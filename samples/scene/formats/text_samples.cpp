@@ -1,5 +1,3 @@
-#include "scene/formats/text_samples.h"
-
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "scene/formats/data_stream.h"
+#include "scene/formats/stored_samples.h"
 
 namespace gicube::samples {
 namespace {

@@ -49,6 +49,17 @@ struct RawLayout {
   friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };
 
+// Where a volume comes from.
+struct VolumeSource {
+  std::string builtin;           // "buckyball", or empty
+  std::filesystem::path file;    // a file or a folder of slices
+  int size = 256;                // voxels an edge, builtin only
+  std::optional<RawLayout> raw;  // headerless files only
+  std::optional<Vec3> spacing;   // overrides the file's
+
+  friend bool operator==(const VolumeSource&, const VolumeSource&) = default;
+};
+
 // Types int8, int32, uint32, int64, uint64 and float64 become float32, and so does every NIfTI volume with a slope and
 // intercept other than 1 and 0: its values are the scaled ones. float32 samples are taken as they are, NaNs included.
 //

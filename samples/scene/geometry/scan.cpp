@@ -1,4 +1,4 @@
-#include "scene/geometry/scan.h"
+#include "scene/geometry/voxeliser.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,8 +34,8 @@ struct Grid {
 };
 
 double value_at(const Volume& scan, std::size_t index) {
-  return with_sample(scan.type,
-                     [&](auto sample) -> double { return sample_at<decltype(sample)>(scan.samples, index); });
+  return with_sample(
+      scan.type, [&](auto sample) { return static_cast<double>(sample_at<decltype(sample)>(scan.samples, index)); });
 }
 
 // The means of cubes of `factor` voxels an edge; a rest at the far faces is left out.

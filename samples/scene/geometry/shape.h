@@ -65,4 +65,8 @@ void check(const Shape& shape);
 // FileError for a mesh's file.
 std::vector<Field> fields_of(const Shape& shape);
 
+// A stylised human head with neck: ellipsoids, spheres and a capsule that flow into each other. The face looks along -y, the crown
+// along +z; within |x| < 0.65, -0.9 < y < 0.85, -1.1 < z < 0.9.
+Distance head_bound(Vec3 p);
+
 }  // namespace gicube::samples

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numbers>
-
-#include "scene/parallel.h"
 
 namespace gicube::samples {
 namespace {
 
-constexpr int kCell = 8;  // voxels; solids are looked up a cell at a time
 constexpr double kFar = std::numeric_limits<double>::infinity();
 // Inside fog a solid's tag ends here: visible samples of the solid, within half a ramp of the surface, have no nearer voxel.
 constexpr double kTagInFogVoxels = 1.3;
@@ -64,42 +60,24 @@ class Voxeliser {
             VoxelWorld& target)
       : dims_(grid.dims), seen_(solids.begin(), solids.end()), scans_(scans), target_(target) {}
 
-  int layers() const { return (dims_[2] + kCell - 1) / kCell; }
-
-  void fill_layer(int layer) {
-    std::vector<Candidate> near;
-    for (int y = 0; y < dims_[1]; y += kCell) {
-      for (int x = 0; x < dims_[0]; x += kCell) fill_cell({x, y, layer * kCell}, near);
-    }
-  }
-
- private:
-  void fill_cell(const Dims& first, std::vector<Candidate>& near) {
+  void fill_cell(const Dims& first) {
     const double reach = kNearVoxels + (kCell - 1) * std::numbers::sqrt3 / 2;
-    const Vec3 middle = Vec3{double(first[0]), double(first[1]), double(first[2])} + 0.5 * (kCell - 1) * Vec3{1, 1, 1};
-    near.clear();
+    std::vector<Candidate> near;
     for (const Seen& seen : seen_) {
-      const double bound = seen.bound(middle);
+      const double bound = seen.bound(middle_of_cell(first));
       if (bound < reach) near.push_back({&seen, bound < -reach});
     }
     if (near.empty() && scans_.empty()) return;
-    for (int z = first[2]; z < std::min(first[2] + kCell, dims_[2]); ++z) {
-      for (int y = first[1]; y < std::min(first[1] + kCell, dims_[1]); ++y) {
-        for (int x = first[0]; x < std::min(first[0] + kCell, dims_[0]); ++x) fill_voxel(x, y, z, near);
-      }
-    }
+    each_voxel(dims_, first, [&](Vec3 p, std::size_t index) { fill_voxel(p, index, near); });
   }
 
-  void fill_voxel(int x, int y, int z, const std::vector<Candidate>& near) {
-    const Vec3 p{double(x), double(y), double(z)};
+ private:
+  void fill_voxel(Vec3 p, std::size_t index, const std::vector<Candidate>& near) {
     Found solid, fog;
     for (const Candidate& candidate : near) {
       const Distance distance = candidate.fills ? Distance{-kFar, {}} : candidate.seen->distance(p);
       (candidate.seen->solid->fog ? fog : solid).add(distance, candidate.seen->solid->tag);
     }
-    const auto across = static_cast<std::size_t>(dims_[0]), down = static_cast<std::size_t>(dims_[1]);
-    const std::size_t index =
-        (static_cast<std::size_t>(z) * down + static_cast<std::size_t>(y)) * across + static_cast<std::size_t>(x);
     const double of_solid = ramp(solid.distance), of_fog = kFogDensity * ramp(fog.distance);
     double density = std::max(of_solid, of_fog);
     const bool free = solid.distance >= (of_fog > 0 ? kTagInFogVoxels : kNearVoxels);
@@ -110,8 +88,7 @@ class Voxeliser {
     }
     if (std::abs(solid.distance) < kNearVoxels) set_gradient(index, -1 * solid.away);
     if (solid.distance >= kTagInFogVoxels) take_scans(p, index, density);
-    const auto word = static_cast<std::uint16_t>(std::lround(kMaxDensity * density));
-    std::memcpy(&target_.volume.samples[2 * index], &word, sizeof word);
+    target_.set_density(index, density);
   }
 
   void take_scans(Vec3 p, std::size_t index, double& density) {
@@ -148,9 +125,7 @@ class Voxeliser {
   }
 
   void set_gradient(std::size_t index, Vec3 g) {
-    if (!std::isfinite(g.x + g.y + g.z)) return;
-    float* gradient = &target_.gradients[3 * index];
-    gradient[0] = static_cast<float>(g.x), gradient[1] = static_cast<float>(g.y), gradient[2] = static_cast<float>(g.z);
+    if (std::isfinite(g.x + g.y + g.z)) target_.set_gradient(index, g);
   }
 
   Dims dims_;
@@ -163,20 +138,10 @@ class Voxeliser {
 
 VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solids, const std::vector<PlacedScan>& scans,
                     int threads) {
-  VoxelWorld world;
-  std::size_t voxels = 1;
-  for (const int dim : grid.dims) voxels *= static_cast<std::size_t>(dim);
-  world.volume.type = SampleType::kUint12;
-  world.volume.dims = grid.dims;
+  VoxelWorld world(grid.dims, "world", true);
   world.volume.range = ValueRange{0, kMaxDensity};
-  world.volume.source = "world";
-  world.volume.samples.resize(voxels * bytes_per_sample(SampleType::kUint12));
-  world.tags.resize(voxels);
-  world.gradients.resize(voxels * 3);
-
   Voxeliser voxeliser(grid, solids, scans, world);
-  in_parallel(static_cast<std::size_t>(voxeliser.layers()), threads,
-              [&](std::size_t layer) { voxeliser.fill_layer(static_cast<int>(layer)); });
+  each_cell(grid.dims, threads, [&](const Dims& first) { voxeliser.fill_cell(first); });
   return world;
 }
 

@@ -34,6 +34,14 @@ struct PlacedScan {
   double visible = 0;  // from this density on its transfer function shows something
 };
 
+// The scan's space: its physical box around the origin, the longest edge 1 long.
+Affine scan_space(const Volume& scan);  // from the scan's voxels
+
+// `to_voxels`: from the scan's space to the world's voxels. Values become densities by `range`. A scan that is finer than
+// the world is first averaged over cubes of its voxels; between voxels it is interpolated trilinearly.
+// The result has its own copy of the samples. `tag` and `visible` are left to the caller.
+PlacedScan place_scan(const Volume& scan, const ValueRange& range, const Affine& to_voxels);
+
 // The same voxels for any number of threads (0 = one a core). Distances are evaluated near surfaces only.
 VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solids,
                     const std::vector<PlacedScan>& scans = {}, int threads = 0);

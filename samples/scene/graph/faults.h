@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/text_format.h>
 
+#include <algorithm>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 
@@ -26,6 +29,15 @@ class Faults : public google::protobuf::io::ErrorCollector {
   }
   void check(bool good, const std::string& field, const std::string& expected, const std::string& got) {
     if (!good) fault(field, expected, got);
+  }
+  void check_range(const std::string& field, double value, double low, double high) {
+    check(value >= low && value <= high, field, shown(low) + " to " + shown(high), shown(value));
+  }
+  // Whether exactly one of these parts is there.
+  bool check_one(const std::string& field, const std::string& expected, std::initializer_list<bool> there) {
+    const auto count = std::ranges::count(there, true);
+    check(count == 1, field, expected, count == 0 ? "none" : "several");
+    return count == 1;
   }
   // Runs something that throws InputError or FileError about its own file.
   template <typename Call>
@@ -55,5 +67,18 @@ class Faults : public google::protobuf::io::ErrorCollector {
   std::string name_;
   std::string text_;
 };
+
+// The message of a text, whose braces are nested at most so deep: that bounds the parser's stack. Throws InputError with all that is
+// wrong with the text if no message came of it.
+template <typename Message>
+Message parsed_message(const std::string& text, int max_nesting, Faults& faults) {
+  google::protobuf::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&faults);
+  parser.SetRecursionLimit(max_nesting);
+  parser.AllowUnknownField(true);  // reported by AddWarning, and the parser goes on to the next fault
+  Message message;
+  if (!parser.ParseFromString(text, &message)) faults.throw_if_any();
+  return message;
+}
 
 }  // namespace gicube::samples

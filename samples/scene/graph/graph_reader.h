@@ -1,4 +1,4 @@
-// From a parsed scene file to the structs of the scenegraph: world, materials, lights, illumination, engines.
+// From a parsed scene file to the structs of the scenegraph. A fault leaves that part of the scene at its default.
 #pragma once
 
 #include <filesystem>
@@ -9,29 +9,9 @@
 
 namespace gicube::samples {
 
-// A fault leaves that part of the scene at its default.
-class GraphReader {
- public:
-  GraphReader(Faults& faults, const std::filesystem::path& folder) : faults_(faults), folder_(folder) {}
+// World, materials, lights, illumination, engines. Paths of files are relative to `folder`.
+void read_graph(const v1::Scene& source, const std::filesystem::path& folder, Faults& faults, Scene& scene);
 
-  void read(const v1::Scene& source, Scene& scene);
-
- private:
-  World world(const v1::World& source);
-  Node node(const v1::Node& source, const std::string& place, int depth);
-  Transform transform(const v1::Transform& source, const std::string& field);
-  Content content(const v1::Node& source, const std::string& field);
-  Shape box(const v1::Box& source, const std::string& field);
-  void materials(const v1::Scene& source, Scene& scene);
-  SceneMaterial material(const v1::Material& source, int index, const std::string& field, bool in_world);
-  void lights(const v1::Scene& source, Scene& scene);
-  SceneLight light(const v1::Light& source, const std::string& field);
-  Lighting illumination(const v1::Illumination& source);
-  void engines(const v1::Scene& source, Scene& scene);
-  void check_names(const Scene& scene);
-
-  Faults& faults_;
-  const std::filesystem::path& folder_;
-};
+World read_world(const v1::World& source, const std::filesystem::path& folder, Faults& faults);
 
 }  // namespace gicube::samples

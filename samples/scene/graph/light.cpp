@@ -5,15 +5,11 @@
 namespace gicube::samples {
 namespace {
 
-void check_light(const PointLight& light) {
-  require_finite("point.position", light.position);
-  require_above_0("power", light.power);
-}
+void check_light(const PointLight& light) { require_finite("point.position", light.position); }
 
 void check_light(const DirectionalLight& light) {
   require_finite("towards", light.towards);
   if (!(length(light.towards) > 0)) throw InputError("towards", "a direction", "0 0 0");
-  require_above_0("power", light.irradiance);
 }
 
 void check_light(const RectangleLight& light) {
@@ -24,13 +20,11 @@ void check_light(const RectangleLight& light) {
   if (!(area > 1e-9 * length(light.edge_u) * length(light.edge_v))) {
     throw InputError("rectangle.edge_v", "an edge across edge_u, so that there is an area", "none");
   }
-  require_above_0("power", light.power);
 }
 
 void check_light(const SphereLight& light) {
   require_finite("sphere.centre", light.centre);
   require_above_0("sphere.radius", light.radius);
-  require_above_0("power", light.power);
 }
 
 PointLight placed(PointLight light, const WorldGrid& grid) {
@@ -56,16 +50,25 @@ SphereLight placed(SphereLight light, const WorldGrid& grid) {
   return light;
 }
 
-double& power_of(DirectionalLight& light) { return light.irradiance; }
+// Or irradiance.
 template <typename AnyLight>
-double& power_of(AnyLight& light) {
-  return light.power;
+auto& power_of(AnyLight& light) {
+  if constexpr (requires { light.power; }) {
+    return light.power;
+  } else {
+    return light.irradiance;
+  }
 }
 
 }  // namespace
 
 void check(const SceneLight& light) {
-  std::visit([](const auto& l) { check_light(l); }, light.light);
+  std::visit(
+      [](const auto& l) {
+        check_light(l);
+        require_above_0("power", power_of(l));
+      },
+      light.light);
   for (const double part : light.colour) {
     require(part >= 0 && part <= 1, "colour", "numbers from 0 to 1", part);
   }
@@ -82,6 +85,18 @@ Light scaled(const Light& light, double factor) {
         return l;
       },
       light);
+}
+
+void set_albedo(const std::string& name, const std::string& field, Lighting& lighting) {
+  const auto albedo = named<std::optional<Albedo>>(
+      field, name, {{"none", std::nullopt}, {"low", Albedo::kLow}, {"high", Albedo::kHigh}});
+  lighting.on = albedo.has_value();
+  lighting.settings.albedo = albedo.value_or(lighting.settings.albedo);
+}
+
+EnergyRules rules_named(const std::string& name, const std::string& field) {
+  return named<EnergyRules>(field, name,
+                            {{"conserving", EnergyRules::kConserving}, {"as-printed", EnergyRules::kAsPrinted}});
 }
 
 }  // namespace gicube::samples

@@ -36,4 +36,8 @@ Light in_voxels(const Light& light, const WorldGrid& grid);
 // The same with all its power, or irradiance, multiplied.
 Light scaled(const Light& light, double factor);
 
+// Names in scene files and options: "none", "low" or "high"; "conserving" or "as-printed". Throw InputError that names `field`.
+void set_albedo(const std::string& name, const std::string& field, Lighting& lighting);
+EnergyRules rules_named(const std::string& name, const std::string& field);
+
 }  // namespace gicube::samples

@@ -67,18 +67,14 @@ void check(const SceneMaterial& material) {
 }
 
 Bsdf bsdf_named(const std::string& name) {
-  static constexpr std::pair<const char*, Bsdf> kNames[] = {{"none", Bsdf::kNone},
-                                                            {"specular", Bsdf::kSpecular},
-                                                            {"dull_reflection", Bsdf::kDullReflection},
-                                                            {"dull_scattering", Bsdf::kDullScattering},
-                                                            {"isotropic", Bsdf::kIsotropic},
-                                                            {"diffuse", Bsdf::kDiffuse},
-                                                            {"trap", Bsdf::kTrap}};
-  for (const auto& [text, bsdf] : kNames) {
-    if (name == text) return bsdf;
-  }
-  throw InputError("bsdf", "none, specular, dull_reflection, dull_scattering, isotropic, diffuse or trap",
-                   in_quotes(name));
+  return named<Bsdf>("bsdf", name,
+                     {{"none", Bsdf::kNone},
+                      {"specular", Bsdf::kSpecular},
+                      {"dull_reflection", Bsdf::kDullReflection},
+                      {"dull_scattering", Bsdf::kDullScattering},
+                      {"isotropic", Bsdf::kIsotropic},
+                      {"diffuse", Bsdf::kDiffuse},
+                      {"trap", Bsdf::kTrap}});
 }
 
 int routine_named(const std::string& name) {

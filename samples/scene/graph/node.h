@@ -11,9 +11,9 @@
 #include <variant>
 #include <vector>
 
+#include "scene/formats/volume_file.h"
 #include "scene/geometry/affine.h"
 #include "scene/geometry/shape.h"
-#include "scene/volume_source.h"
 
 namespace gicube::samples {
 

@@ -8,15 +8,11 @@
 namespace gicube::samples {
 namespace {
 
-void in_range(Faults& faults, const std::string& field, double value, double low, double high) {
-  faults.check(value >= low && value <= high, field, shown(low) + " to " + shown(high), shown(value));
-}
-
 RawLayout read_raw(Faults& faults, const std::string& field, const v1::RawLayout& source) {
   RawLayout layout;
   faults.check(source.dims_size() == 3, field + ".dims", "3 numbers, x y z", std::to_string(source.dims_size()));
   for (int i = 0; i < std::min(source.dims_size(), 3); ++i) {
-    in_range(faults, field + ".dims", source.dims(i), 1, kMaxFileDim);
+    faults.check_range(field + ".dims", source.dims(i), 1, kMaxFileDim);
     layout.dims[static_cast<std::size_t>(i)] = static_cast<int>(source.dims(i));
   }
   faults.gather(field, [&] { layout.type = sample_type_named(source.type(), "type"); });
@@ -50,9 +46,9 @@ Vec3 finite_vector(Faults& faults, const std::string& field, const v1::Vector& v
 }
 
 Colour read_colour(Faults& faults, const std::string& field, const v1::Colour& colour) {
-  in_range(faults, field + ".red", colour.red(), 0, 1);
-  in_range(faults, field + ".green", colour.green(), 0, 1);
-  in_range(faults, field + ".blue", colour.blue(), 0, 1);
+  faults.check_range(field + ".red", colour.red(), 0, 1);
+  faults.check_range(field + ".green", colour.green(), 0, 1);
+  faults.check_range(field + ".blue", colour.blue(), 0, 1);
   return {colour.red(), colour.green(), colour.blue()};
 }
 
@@ -69,7 +65,7 @@ VolumeSource read_volume_source(Faults& faults, const std::string& field, const 
   if (source.has_file()) result.file = folder / source.file();
   if (source.has_size()) {
     faults.check(source.has_builtin(), field + ".size", "only with builtin", "it with a file");
-    in_range(faults, field + ".size", source.size(), kMinBuckyballSize, kMaxBuckyballSize);
+    faults.check_range(field + ".size", source.size(), kMinBuckyballSize, kMaxBuckyballSize);
   }
   result.size = static_cast<int>(source.size());
   if (source.spacing_size() != 0) {
@@ -93,10 +89,10 @@ std::optional<TransferFunctionFile> read_transfer_function_of(Faults& faults, co
                                                               const std::filesystem::path& folder) {
   std::optional<TransferFunctionFile> result;
   const bool points = source.colour_size() != 0 || source.opacity_size() != 0;
-  const int ways = int(source.has_file()) + int(source.has_preset()) + int(points);
-  if (ways != 1) {
-    faults.fault(field, "one of file, preset or points", ways == 0 ? "none" : "several");
-  } else if (source.has_file()) {
+  if (!faults.check_one(field, "one of file, preset or points", {source.has_file(), source.has_preset(), points})) {
+    return result;
+  }
+  if (source.has_file()) {
     faults.gather(field + ".file", [&] { result = read_transfer_function(folder / source.file()); });
   } else if (source.has_preset()) {
     faults.gather(field, [&] { result = find_preset(source.preset()); });

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "gicube/v1/scene.pb.h"
+#include "scene/formats/volume_file.h"
 #include "scene/graph/faults.h"
 #include "scene/transfer_function_file.h"
-#include "scene/volume_source.h"
 
 namespace gicube::samples {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "scene/geometry/scan.h"
+#include "scene/geometry/voxeliser.h"
 #include "scene/program/input_error.h"
 #include "scene/visible_box.h"
 

@@ -17,15 +17,7 @@ constexpr int kMaxThreads = 1024;  // as the driver's URI option
 // & ends an option of the URI and % starts an escape.
 std::string percent_encoded(const std::string& text) {
   std::string encoded;
-  for (const char c : text) {
-    if (c == '%') {
-      encoded += "%25";
-    } else if (c == '&') {
-      encoded += "%26";
-    } else {
-      encoded += c;
-    }
-  }
+  for (const char c : text) encoded += c == '%' ? "%25" : c == '&' ? "%26" : std::string(1, c);
   return encoded;
 }
 

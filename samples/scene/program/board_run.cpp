@@ -30,11 +30,13 @@ void check_fits(const Dims& dims, const BoardInfo& info, const std::string& sour
                    fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]));
 }
 
+void set_own_codebook(Board& board, const SceneSetup& setup) {
+  const std::vector<Vec3> codebook = codebook_of(setup.gradients);
+  if (codebook.size() > 1) board.set_gradient_codebook(codebook);
+}
+
 void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress) {
-  if (own_codebook) {
-    const std::vector<Vec3> codebook = codebook_of(setup.gradients);
-    if (codebook.size() > 1) board.set_gradient_codebook(codebook);
-  }
+  if (own_codebook) set_own_codebook(board, setup);
   VolumeView volume = setup.volume_view();
   // Only light asks for gradients: the reflectance map, scattering, and lighting rays.
   const bool gradients = setup.view.shade || setup.view.scatter || setup.lighting.on;

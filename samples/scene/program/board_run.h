@@ -16,8 +16,10 @@ Board open_board(const BoardOptions& options);
 // Throws InputError that says how an emulated board is made larger.
 void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source);
 
-// The scene's voxels and how they look. With `own_codebook` a world's normals get a codebook of their own, which only a
-// board without a volume can take.
+// A world's normals get a codebook of their own, which only a board without a volume can take.
+void set_own_codebook(Board& board, const SceneSetup& setup);
+
+// The scene's voxels and how they look; with `own_codebook` that first.
 void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress = {});
 
 // Wall and simulated time of a part of the work, and what the board counted in it.

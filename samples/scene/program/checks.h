@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "gicube/vector.h"
 #include "scene/program/input_error.h"
@@ -36,6 +37,17 @@ inline void require_above_0(const char* field, double value) {
 }
 inline void require_finite(const char* field, Vec3 v) {
   if (!is_finite(v)) throw InputError(field, "finite numbers", shown_point(v));
+}
+
+// The value of this name. Throws InputError that names `field` and all that there are.
+template <typename Value, std::size_t Count>
+Value named(const std::string& field, std::string_view name, const std::pair<const char*, Value> (&values)[Count]) {
+  std::string names;
+  for (std::size_t i = 0; i < Count; ++i) {
+    if (name == values[i].first) return values[i].second;
+    names += (i == 0 ? "" : i + 1 < Count ? ", " : " or ") + std::string(values[i].first);
+  }
+  throw InputError(field, names, in_quotes(name));
 }
 
 }  // namespace gicube::samples

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cctype>
+#include <fstream>
+
 #include "scene/program/board_run.h"
-#include "scene/text_file.h"
+#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 
@@ -31,6 +34,16 @@ double bus_ms(const Counters& counters) {
   return to_ms(counters.value("bus.down.busy_ps") + counters.value("bus.up.busy_ps"));
 }
 
+std::string memory_of(const Counters& counters) {
+  constexpr std::string_view kEnd = ".data_busy";
+  for (const Counter& counter : counters.list()) {
+    if (!counter.name.ends_with(kEnd)) continue;
+    const std::string name = counter.name.substr(0, counter.name.size() - kEnd.size());
+    if (!name.empty() && std::isdigit(static_cast<unsigned char>(name.back())) == 0) return name;
+  }
+  return {};
+}
+
 nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window) {
   const Counters counters = window.counters();
   return {{"board_ms", to_ms(window.simulated())},
@@ -43,7 +56,10 @@ nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window) {
 }
 
 void write_json(const nlohmann::ordered_json& json, const std::filesystem::path& path) {
-  write_text(path, json.dump(2) + '\n');
+  std::ofstream stream(path);
+  stream << json.dump(2) << '\n';
+  stream.close();
+  if (!stream) throw InputError(path.string(), "a file that can be written", "an error");
 }
 
 }  // namespace gicube::samples

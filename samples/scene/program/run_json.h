@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "gicube/board.h"
 
@@ -20,6 +21,10 @@ nlohmann::ordered_json to_json(const BoardInfo& board);
 
 // Time in which the bus was busy, both directions together.
 double bus_ms(const Counters& counters);
+
+// The memory's standard, as "rdram" or "ddr", under which the board counts what its memories do: the sums over all channels are
+// "rdram.reads" and so on, those of channel 0 "rdram0.reads". Empty if the board counts none.
+std::string memory_of(const Counters& counters);
 
 // What a part of the work cost. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board counters.
 nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);

@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <numbers>
 #include <utility>
 
 #include "scene/buckyball.h"
 #include "scene/geometry/codebook.h"
-#include "scene/parallel.h"
 #include "scene/program/input_error.h"
 #include "scene/scene_file.h"
 
 namespace gicube::samples::results {
 namespace {
 
-constexpr double kMaxDensity = 4095;     // of kUint12
 constexpr int kMaxGradientVoxels = 256;  // an edge: beyond it 12 bytes a voxel of normals cost too much memory
 constexpr double kFaint = 0.003;         // chosen: 443 voxels of opacity 0.003 let a quarter through
 constexpr double kDesignEdge = 256;      // voxels: opacities below are those of a volume of this edge
@@ -52,23 +49,12 @@ double cloudy_noise(Vec3 p) {
 using Density = std::function<double(Vec3)>;
 
 Volume voxelise(const Dims& dims, const Density& density, int threads) {
-  Volume volume;
-  volume.type = SampleType::kUint12;
-  volume.dims = dims;
-  volume.source = "built in";
-  const auto across = static_cast<std::size_t>(dims[0]), down = static_cast<std::size_t>(dims[1]);
-  volume.samples.resize(across * down * static_cast<std::size_t>(dims[2]) * 2);
-  in_parallel(static_cast<std::size_t>(dims[2]), threads, [&](std::size_t z) {
-    std::size_t at = z * across * down;
-    for (int y = 0; y < dims[1]; ++y) {
-      for (int x = 0; x < dims[0]; ++x, ++at) {
-        const double value = std::clamp(density({double(x), double(y), double(z)}), 0.0, 1.0);
-        const auto word = static_cast<std::uint16_t>(std::lround(kMaxDensity * value));
-        std::memcpy(&volume.samples[2 * at], &word, sizeof word);
-      }
-    }
+  VoxelWorld world(dims, "built in", false);
+  each_cell(dims, threads, [&](const Dims& first) {
+    each_voxel(dims, first,
+               [&](Vec3 p, std::size_t index) { world.set_density(index, std::clamp(density(p), 0.0, 1.0)); });
   });
-  return volume;
+  return std::move(world.volume);
 }
 
 // The opacity of a voxel of a volume of `edge`, so that the whole looks the same at every size.
@@ -76,7 +62,7 @@ double of_edge(double opacity, int edge) { return 1 - std::pow(1 - opacity, kDes
 
 SceneData make_ball(const Dims& dims, int threads) {
   SceneData scene;
-  Buckyball ball = make_buckyball(dims[0], dims[0] <= kMaxGradientVoxels, threads);
+  VoxelWorld ball = make_buckyball(dims[0], dims[0] <= kMaxGradientVoxels, threads);
   scene.volume = std::move(ball.volume);
   scene.tags = std::move(ball.tags);
   scene.gradients = std::move(ball.gradients);

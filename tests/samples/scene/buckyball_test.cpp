@@ -8,14 +8,13 @@
 
 #include "scene/geometry/signed_distance.h"
 #include "scene/program/input_error.h"
-#include "scene/truncated_icosahedron.h"
 
 namespace gicube::samples {
 namespace {
 
 constexpr int kSize = 64;
 
-int density(const Buckyball& ball, int x, int y, int z) {
+int density(const VoxelWorld& ball, int x, int y, int z) {
   const int size = ball.volume.dims[0];
   std::uint16_t value = 0;
   std::memcpy(&value, &ball.volume.samples[2 * static_cast<std::size_t>((z * size + y) * size + x)], sizeof value);
@@ -35,7 +34,7 @@ Dims voxel_of(Vec3 on_unit_sphere) {
 }
 
 TEST(Buckyball, IsDenseAtEveryAtomsCentreAndTaggedAtom) {
-  const Buckyball ball = make_buckyball(kSize, false);
+  const VoxelWorld ball = make_buckyball(kSize, false);
   for (const Vec3& atom : truncated_icosahedron().atoms) {
     const auto [x, y, z] = voxel_of(atom);
     EXPECT_EQ(density(ball, x, y, z), 4095);
@@ -44,7 +43,7 @@ TEST(Buckyball, IsDenseAtEveryAtomsCentreAndTaggedAtom) {
 }
 
 TEST(Buckyball, IsDenseInTheMiddleOfEveryBondAndTaggedBond) {
-  const Buckyball ball = make_buckyball(kSize, false);
+  const VoxelWorld ball = make_buckyball(kSize, false);
   const Molecule molecule = truncated_icosahedron();
   for (const auto& [from, to] : molecule.bonds) {
     const auto [x, y, z] =
@@ -55,14 +54,14 @@ TEST(Buckyball, IsDenseInTheMiddleOfEveryBondAndTaggedBond) {
 }
 
 TEST(Buckyball, IsEmptyInItsMiddleAndAboveIt) {
-  const Buckyball ball = make_buckyball(kSize, false);
+  const VoxelWorld ball = make_buckyball(kSize, false);
   const auto [x, y, z] = voxel_of({0, 0, 0});
   EXPECT_EQ(density(ball, x, y, z), 0);
   for (int i = 0; i < kSize; ++i) EXPECT_EQ(density(ball, i, i, kSize - 1), 0);
 }
 
 TEST(Buckyball, StandsAboveATiledFloorWithAGapBetween) {
-  const Buckyball ball = make_buckyball(kSize, false);
+  const VoxelWorld ball = make_buckyball(kSize, false);
   const int middle = kSize / 2;
   const int floor_z = static_cast<int>(std::lround(0.0525 * (kSize - 1)));
   EXPECT_EQ(density(ball, middle, middle, floor_z), 4095);
@@ -72,7 +71,7 @@ TEST(Buckyball, StandsAboveATiledFloorWithAGapBetween) {
 }
 
 TEST(Buckyball, RisesLinearlyOverTwoVoxelsAcrossTheFloorsSurface) {
-  const Buckyball ball = make_buckyball(kSize, false);
+  const VoxelWorld ball = make_buckyball(kSize, false);
   const double top = BuckyballShape{}.floor_high.z * (kSize - 1);
   for (int z = static_cast<int>(top) - 1; z <= static_cast<int>(top) + 2; ++z) {
     const double expected = 4095 * std::clamp(0.5 - (z - top) / 2, 0.0, 1.0);
@@ -81,7 +80,7 @@ TEST(Buckyball, RisesLinearlyOverTwoVoxelsAcrossTheFloorsSurface) {
 }
 
 TEST(Buckyball, GivesUnitNormalsThatPointInwardsNearTheSurfaceAndNoneFarAway) {
-  const Buckyball ball = make_buckyball(kSize, true);
+  const VoxelWorld ball = make_buckyball(kSize, true);
   const std::size_t top = index(kSize / 2, kSize / 2, 5);  // the floor's top is at 4.7
   EXPECT_FLOAT_EQ(ball.gradients[3 * top + 2], -1);
   const auto [x, y, z] = voxel_of({0, 0, 0});
@@ -99,7 +98,7 @@ TEST(Buckyball, GivesUnitNormalsThatPointInwardsNearTheSurfaceAndNoneFarAway) {
 }
 
 TEST(Buckyball, IsTheSameForAnyNumberOfThreads) {
-  const Buckyball one = make_buckyball(45, true, 1), many = make_buckyball(45, true, 5);
+  const VoxelWorld one = make_buckyball(45, true, 1), many = make_buckyball(45, true, 5);
   EXPECT_EQ(one.volume.samples, many.volume.samples);
   EXPECT_EQ(one.tags, many.tags);
   EXPECT_EQ(one.gradients, many.gradients);

@@ -1,4 +1,4 @@
-#include "scene/truncated_icosahedron.h"
+#include "scene/buckyball.h"
 
 #include <gtest/gtest.h>
 

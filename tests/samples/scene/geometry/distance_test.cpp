@@ -2,7 +2,6 @@
 
 #include <random>
 
-#include "scene/geometry/head_shape.h"
 #include "scene/geometry/shape.h"
 #include "scene/geometry/signed_distance.h"
 #include "scene/program/input_error.h"

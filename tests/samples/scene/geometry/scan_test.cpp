@@ -1,4 +1,4 @@
-#include "scene/geometry/scan.h"
+#include "scene/geometry/voxeliser.h"
 
 #include <gtest/gtest.h>
 
