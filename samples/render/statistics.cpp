@@ -43,27 +43,25 @@ void add_asic(const FrameStatistics& statistics, Json& json) {
 
 Json lighting_json(const LightingStatistics& lighting) {
   const LightingReport& report = lighting.report;
-  Json json;
-  json["channel"] = lighting.channel;
-  json["reused"] = lighting.reused;
-  json["albedo"] = lighting.settings.albedo == Albedo::kHigh ? "high" : "low";
-  json["rules"] = lighting.settings.rules == EnergyRules::kConserving ? "conserving" : "as-printed";
-  json["rays_per_face_voxel"] = lighting.settings.rays_per_face_voxel;
-  json["seed"] = lighting.settings.seed;
-  json["lights"] = lighting.lights;
-  json["pass_ms"] = to_ms(lighting.duration);
-  json["host_seconds"] = lighting.host_seconds;
-  json["rays"] = report.rays;
-  json["emitted"] = report.emitted;
-  json["deposited"] = report.deposited;
-  json["escaped"] = report.escaped;
-  json["scattered_away"] = report.scattered_away;
-  json["given_up"] = report.given_up;
-  json["clipped"] = report.clipped;
-  json["unit"] = report.unit;
-  json["warnings"] = report.warnings;
-  json["counters"] = to_json(lighting.counters);
-  return json;
+  return {{"channel", lighting.channel},
+          {"reused", lighting.reused},
+          {"albedo", lighting.settings.albedo == Albedo::kHigh ? "high" : "low"},
+          {"rules", lighting.settings.rules == EnergyRules::kConserving ? "conserving" : "as-printed"},
+          {"rays_per_face_voxel", lighting.settings.rays_per_face_voxel},
+          {"seed", lighting.settings.seed},
+          {"lights", lighting.lights},
+          {"pass_ms", to_ms(lighting.duration)},
+          {"host_seconds", lighting.host_seconds},
+          {"rays", report.rays},
+          {"emitted", report.emitted},
+          {"deposited", report.deposited},
+          {"escaped", report.escaped},
+          {"scattered_away", report.scattered_away},
+          {"given_up", report.given_up},
+          {"clipped", report.clipped},
+          {"unit", report.unit},
+          {"warnings", report.warnings},
+          {"counters", to_json(lighting.counters)}};
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "scene/formats/file_error.h"
-#include "scene/formats/nrrd.h"
+#include "scene/formats/readers.h"
 #include "scene/formats/whole_file.h"
 #include "scene/light_field.h"
 

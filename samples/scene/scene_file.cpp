@@ -6,9 +6,9 @@
 
 #include "gicube/v1/scene.pb.h"
 #include "scene/buckyball.h"
+#include "scene/formats/whole_file.h"
 #include "scene/graph/faults.h"
 #include "scene/graph/graph_reader.h"
-#include "scene/text_file.h"
 
 namespace gicube::samples {
 namespace {

@@ -7,8 +7,8 @@
 #include <optional>
 #include <sstream>
 
+#include "scene/formats/whole_file.h"
 #include "scene/program/checks.h"
-#include "scene/text_file.h"
 
 namespace gicube::samples {
 namespace {

@@ -2,9 +2,7 @@
 #include <cmath>
 
 #include "memory_file.h"
-#include "scene/formats/meta_image.h"
-#include "scene/formats/nifti.h"
-#include "scene/formats/nrrd.h"
+#include "scene/formats/readers.h"
 
 namespace gicube::fuzz {
 namespace {

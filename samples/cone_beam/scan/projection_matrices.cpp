@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "cone_beam/scan/formats.h"
-#include "scene/formats/slices.h"
+#include "scene/formats/readers.h"
 #include "scene/formats/whole_file.h"
 
 namespace gicube::samples {

@@ -8,7 +8,6 @@
 #include "gicube/v1/cone_scan.pb.h"
 #include "scene/formats/whole_file.h"
 #include "scene/graph/faults.h"
-#include "scene/text_file.h"
 
 namespace gicube::samples {
 namespace {

@@ -10,7 +10,7 @@
 #include "cone_beam/scan/description.h"
 #include "scene/formats/data_stream.h"
 #include "scene/formats/header_lines.h"
-#include "scene/formats/slices.h"
+#include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
 #include "scene/formats/volume_output.h"
 #include "scene/formats/whole_file.h"

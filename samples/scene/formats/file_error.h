@@ -12,15 +12,11 @@ class FileError : public std::runtime_error {
  public:
   FileError(const std::filesystem::path& file, const std::string& field, const std::string& expected,
             const std::string& got)
-      : std::runtime_error(file.string() + ": " + field + ": expected " + expected + ", got " + got),
-        file_(file),
-        field_(field) {}
+      : std::runtime_error(file.string() + ": " + field + ": expected " + expected + ", got " + got), field_(field) {}
 
-  const std::filesystem::path& file() const { return file_; }
   const std::string& field() const { return field_; }
 
  private:
-  std::filesystem::path file_;
   std::string field_;
 };
 

@@ -1,4 +1,4 @@
-#include "scene/formats/meta_image.h"
+#include "scene/formats/readers.h"
 
 #include <bit>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "scene/formats/nifti.h"
+#include "scene/formats/readers.h"
 
 #include <array>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "scene/formats/nrrd.h"
+#include "scene/formats/readers.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "scene/formats/slices.h"
+#include "scene/formats/readers.h"
 
 #include <algorithm>
 #include <bit>

@@ -5,10 +5,7 @@
 
 #include "scene/formats/data_stream.h"
 #include "scene/formats/header_lines.h"
-#include "scene/formats/meta_image.h"
-#include "scene/formats/nifti.h"
-#include "scene/formats/nrrd.h"
-#include "scene/formats/slices.h"
+#include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
 
 namespace gicube::samples {

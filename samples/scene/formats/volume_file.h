@@ -1,10 +1,5 @@
-// Reads a volume from a file, or from a folder of image slices, into memory.
-//
-//   .nrrd .nhdr     NRRD, header attached or detached, one data file; encodings raw, gzip, ascii, hex
-//   .mhd .mha       MetaImage, data in the same or in one other file; plain, zlib-compressed or text
-//   .nii .nii.gz    NIfTI-1 and NIfTI-2 in one file
-//   a folder        its images in natural order (slice-2 before slice-10), the first at z = 0
-//   anything else   raw samples when a RawLayout says how they lie, also gzipped (.gz); else the contents decide
+// Reads a volume into memory: from a file of a format of readers.h, from a folder of image slices, or from raw samples, also gzipped
+// (.gz), if a RawLayout says how they lie. The end of a file's name says its format, or else its contents do.
 //
 // Axes stay as the file stores them: voxel (x, y, z) is the x-th sample of the y-th row of the z-th slice. Orientation
 // and origin (NIfTI's qform, NRRD's space) are ignored. Spacing is the voxel's edge on each axis; a zero, missing or

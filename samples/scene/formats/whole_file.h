@@ -1,14 +1,19 @@
-// Files that are written whole: who reads one sees the old contents or all of the new.
+// Small files that are read whole, and files that are written whole: who reads one sees the old contents or all of the new.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <string>
 #include <string_view>
 
 #include "scene/formats/file_error.h"
 
 namespace gicube::samples {
+
+// A file that a user wrote. Throws InputError: it is not there, is larger, or can't be read; `kind` says what it was to be.
+std::string read_text(const std::filesystem::path& file, const std::string& kind, std::uintmax_t max_mib = 1);
 
 // A temporary file beside the final one, deleted unless rename() was called.
 class WholeFile {

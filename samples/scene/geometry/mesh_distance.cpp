@@ -4,7 +4,7 @@
 #include <limits>
 #include <numeric>
 
-#include "scene/geometry/mesh_surface.h"
+#include "scene/geometry/mesh.h"
 
 namespace gicube::samples {
 namespace {

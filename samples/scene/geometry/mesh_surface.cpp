@@ -1,4 +1,4 @@
-#include "scene/geometry/mesh_surface.h"
+#include "scene/geometry/mesh.h"
 
 #include <fmt/format.h>
 

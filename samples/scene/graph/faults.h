@@ -39,23 +39,19 @@ class Faults : public google::protobuf::io::ErrorCollector {
     check(count == 1, field, expected, count == 0 ? "none" : "several");
     return count == 1;
   }
-  // Runs something that throws InputError or FileError about its own file.
+  // Runs something that throws InputError or FileError about its own file; `between` the field and its message.
   template <typename Call>
-  void gather(const std::string& field, const Call& call) {
+  void gather(const std::string& field, const Call& call, const char* between = ": ") {
     try {
       call();
     } catch (const std::runtime_error& error) {
-      add(fmt::format(": {}: {}", field, error.what()));
+      add(fmt::format(": {}{}{}", field, between, error.what()));
     }
   }
   // The same where the message names a field of `field` itself: "FIELD.RADIUS: expected ...".
   template <typename Call>
   void gather_part(const std::string& field, const Call& call) {
-    try {
-      call();
-    } catch (const std::runtime_error& error) {
-      add(fmt::format(": {}.{}", field, error.what()));
-    }
+    gather(field, call, ".");
   }
   void throw_if_any() const {
     if (!text_.empty()) throw InputError(text_);

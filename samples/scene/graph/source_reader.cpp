@@ -1,4 +1,4 @@
-#include "scene/graph/source_reader.h"
+#include "scene/graph/graph_reader.h"
 
 #include <cmath>
 
