@@ -6,6 +6,7 @@
 
 #include "cone_beam/program/options.h"
 #include "cone_beam/scan/formats.h"
+#include "cone_beam/view_rays.h"
 #include "scene/formats/header_lines.h"
 #include "scene/program/board_run.h"
 #include "scene/program/input_error.h"
