@@ -3,7 +3,6 @@
 #include "capture_reader.h"
 #include "frames.h"
 #include "memory_file.h"
-#include "recorded.h"
 
 namespace gicube::fuzz {
 namespace {

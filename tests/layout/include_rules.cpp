@@ -130,8 +130,8 @@ const std::vector<Rule>& rules() {
       {"samples/small/host_bsdf",  {"samples/small/host_bsdf", "driver/include"}, {}},
       // Plain C, for the board and not for the driver.
       {"samples/small/bsdf_plugin", {"samples/small/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
-      // Like applications, and besides in the management plane's messages.
-      {"driver/tools/smi",          {"driver/tools/smi", "driver/include", "proto/gicube/v1/management.pb.h",
+      // Like applications; besides in the management plane's messages, and looks for boards as the driver does.
+      {"driver/tools/smi",          {"driver/tools/smi", "driver/include", "driver/src/transport", "proto/gicube/v1/management.pb.h",
                               "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h"}, {kAnything}},
       // Speaks the bus below the driver's public headers.
       {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire"}, {kAnything}},

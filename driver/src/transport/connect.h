@@ -1,6 +1,7 @@
 // Connects to a board that listens on a Unix socket or on TCP.
 #pragma once
 
+#include <boost/system/error_code.hpp>
 #include <chrono>
 
 #include "fd.h"
@@ -11,5 +12,7 @@ namespace gicube {
 // `watchdog`: wall-clock limit for the connection; 0 = none. Only for unix: and tcp: URIs.
 // Throws OpenFailed (nobody listens there), TimedOut, and BadArgument for a Unix path that is too long.
 Fd connect(const Uri& uri, std::chrono::milliseconds watchdog);
+// The same, with the system's error in place of OpenFailed and TimedOut; would_block: the watchdog expired.
+Fd try_to_connect(const Uri& uri, std::chrono::milliseconds watchdog, boost::system::error_code& result);
 
 }  // namespace gicube

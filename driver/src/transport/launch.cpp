@@ -81,11 +81,13 @@ struct SpawnPlan {
 
 }  // namespace
 
-std::string find_board_program() {
-  if (const char* named = std::getenv("GICUBE_BOARD"); named != nullptr && *named != '\0') {
-    if (is_program(named)) return named;
-    throw OpenFailed(std::string("the environment variable GICUBE_BOARD names no program: ") + named);
-  }
+const char* named_board_program() {
+  const char* named = std::getenv("GICUBE_BOARD");
+  return named != nullptr && *named != '\0' ? named : nullptr;
+}
+
+std::vector<fs::path> board_program_places() {
+  if (const char* named = named_board_program()) return {named};
   std::vector<fs::path> places;
   std::error_code error;
   const fs::path self = fs::read_symlink("/proc/self/exe", error);
@@ -100,10 +102,18 @@ std::string find_board_program() {
       begin = end + 1;
     }
   }
+  return places;
+}
+
+std::string find_board_program() {
+  const std::vector<fs::path> places = board_program_places();
   std::string looked;
   for (const fs::path& place : places) {
     if (is_program(place)) return place.string();
     looked += "\n  " + place.string();
+  }
+  if (const char* named = named_board_program()) {
+    throw OpenFailed(std::string("the environment variable GICUBE_BOARD names no program: ") + named);
   }
   throw OpenFailed("gicube-board was not found; the environment variable GICUBE_BOARD is not set, and it is not at" +
                    looked);

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,12 @@
 
 namespace gicube {
 
-// The gicube-board program: the environment variable GICUBE_BOARD, beside the running program, where the SDK was
-// installed, on the PATH, in this order. Throws OpenFailed that names every place looked at.
+// What the environment variable GICUBE_BOARD says, or null.
+const char* named_board_program();
+// Where gicube-board may be: that place alone; else beside the running program, where the SDK was installed, on the PATH, in
+// this order.
+std::vector<std::filesystem::path> board_program_places();
+// The first of them that can be run. Throws OpenFailed that names every place looked at.
 std::string find_board_program();
 
 // One child process that serves one socket, inherits no other file of this process, and is gone when this object is:

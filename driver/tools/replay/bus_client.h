@@ -19,8 +19,7 @@
 namespace gicube::replay {
 
 // The board refused the session, closed it, or does not answer.
-class BusError : public std::runtime_error {
- public:
+struct BusError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 

@@ -86,4 +86,39 @@ bool CaptureReader::next(CapturedFrame& frame) {
   return true;
 }
 
+Answer answer_of(const wire::FrameHeader& header, const std::vector<std::uint8_t>& payload) {
+  Answer answer{header.type, header.error, header.time_ps, payload.size(), wire::crc32c(payload), {}};
+  const std::size_t kept = std::min(payload.size(), Answer::kKept);
+  answer.payload.assign(payload.begin(), payload.begin() + static_cast<std::ptrdiff_t>(kept));
+  return answer;
+}
+
+bool HostFrames::next(CapturedFrame& frame) {
+  while (reader_.next(frame)) {
+    if (frame.record.kind != wire::CaptureKind::kDown || wire::is_free(frame.header.type)) continue;
+    if (wire::sequence_step(taken_, frame.header.sequence) <= 0) continue;
+    taken_ = frame.header.sequence;
+    return true;
+  }
+  return false;
+}
+
+Recorded read_recorded(const std::filesystem::path& file) {
+  Recorded recorded;
+  CaptureReader reader(file);
+  CapturedFrame frame;
+  std::uint32_t taken = 0;
+  while (reader.next(frame)) {
+    const wire::FrameHeader& header = frame.header;
+    recorded.largest_payload = std::max(recorded.largest_payload, header.size);
+    if (wire::is_free(header.type) || frame.record.kind == wire::CaptureKind::kDown) continue;
+    if (wire::sequence_step(taken, header.sequence) <= 0) continue;
+    taken = header.sequence;
+    const bool completes = header.type == wire::FrameType::kCompletion;
+    (completes ? recorded.completions : recorded.responses)
+        .insert_or_assign(header.id, answer_of(header, frame.payload));
+  }
+  return recorded;
+}
+
 }  // namespace gicube::replay

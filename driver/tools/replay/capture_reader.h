@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "gicube/wire/capture.h"
@@ -13,8 +15,7 @@
 namespace gicube::replay {
 
 // The file is no capture, or damaged; the text names it and the byte.
-class CaptureError : public std::runtime_error {
- public:
+struct CaptureError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -48,5 +49,41 @@ class CaptureReader {
   std::uint64_t at_ = 0;  // byte, uncompressed
   bool complete_ = false;
 };
+
+// An answer without the weight of a large payload.
+struct Answer {
+  wire::FrameType type{};
+  wire::ErrorCode error = wire::ErrorCode::kNone;
+  std::uint64_t time_ps = 0;
+  std::uint64_t bytes = 0;
+  std::uint32_t checksum = 0;         // of the payload
+  std::vector<std::uint8_t> payload;  // the first kKept bytes
+
+  static constexpr std::size_t kKept = 4096;  // chosen
+};
+
+Answer answer_of(const wire::FrameHeader& header, const std::vector<std::uint8_t>& payload);
+
+// The frames of a host in their order, those that were sent again after a resume once, without what belongs to the
+// connection alone (version, credit).
+class HostFrames {
+ public:
+  explicit HostFrames(const std::filesystem::path& file) : reader_(file) {}
+  bool next(CapturedFrame& frame);
+  bool complete() const { return reader_.complete(); }
+
+ private:
+  CaptureReader reader_;
+  std::uint32_t taken_ = 0;
+};
+
+struct Recorded {
+  std::unordered_map<std::uint32_t, Answer> responses;    // by the request's id
+  std::unordered_map<std::uint32_t, Answer> completions;  // by ticket
+  std::uint32_t largest_payload = 0;                      // of all frames
+};
+
+// Reads the whole capture. Throws CaptureError.
+Recorded read_recorded(const std::filesystem::path& file);
 
 }  // namespace gicube::replay

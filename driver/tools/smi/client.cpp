@@ -42,12 +42,14 @@ Client::Client(const Options& options) : endpoint_(options.management), board_(o
   stub_ = v1::BoardManagement::NewStub(grpc::CreateChannel(target_of(endpoint_), credentials));
 }
 
-void Client::prepare(grpc::ClientContext& context) const {
+void Client::prepare(grpc::ClientContext& context, bool limited) const {
   if (!token_.empty()) context.AddMetadata("authorization", "Bearer " + token_);
+  if (limited) context.set_deadline(std::chrono::system_clock::now() + kPatience);
 }
 
-void Client::fail(const grpc::Status& status) const {
+void Client::check(const grpc::Status& status) const {
   switch (status.error_code()) {
+    case grpc::StatusCode::OK: return;
     case grpc::StatusCode::UNAVAILABLE:
       throw CallFailed(
           fmt::format("nobody answers on {} ({}). Is a gicube-board running that was started with --management {}?",
@@ -62,75 +64,21 @@ void Client::fail(const grpc::Status& status) const {
   }
 }
 
-template <typename Request, typename Response>
-Response Client::call(grpc::Status (v1::BoardManagement::Stub::*method)(grpc::ClientContext*, const Request&,
-                                                                        Response*),
-                      Request request) {
-  grpc::ClientContext context;
-  prepare(context);
-  context.set_deadline(std::chrono::system_clock::now() + kPatience);
-  Response response;
-  const grpc::Status status = (stub_.get()->*method)(&context, request, &response);
-  if (!status.ok()) fail(status);
-  return response;
-}
-
-namespace {
-
-template <typename Request>
-Request about(std::uint32_t board) {
-  Request request;
-  request.set_board(board);
-  return request;
-}
-
-}  // namespace
-
-using Stub = v1::BoardManagement::Stub;
-
-v1::ListBoardsResponse Client::list() { return call(&Stub::ListBoards, v1::ListBoardsRequest{}); }
-v1::BoardInfo Client::info() { return call(&Stub::GetInfo, about<v1::GetInfoRequest>(board_)); }
-v1::BoardInfo Client::reset() { return call(&Stub::Reset, about<v1::ResetRequest>(board_)); }
-v1::CounterSnapshot Client::counters() { return call(&Stub::GetCounters, about<v1::GetCountersRequest>(board_)); }
-v1::FaultPlanInfo Client::fault_plan() { return call(&Stub::GetFaultPlan, about<v1::GetFaultPlanRequest>(board_)); }
-
-v1::FaultPlanInfo Client::set_fault_plan(const std::string& text) {
-  auto request = about<v1::SetFaultPlanRequest>(board_);
-  request.set_plan_text(text);
-  return call(&Stub::SetFaultPlan, request);
-}
-
-v1::FaultLog Client::fault_log(bool clear) {
-  auto request = about<v1::GetFaultLogRequest>(board_);
-  request.set_clear(clear);
-  return call(&Stub::GetFaultLog, request);
-}
-
-v1::TraceInfo Client::trace() { return call(&Stub::GetTrace, about<v1::GetTraceRequest>(board_)); }
-
-v1::TraceInfo Client::set_trace(const std::string& file) {
-  auto request = about<v1::SetTraceRequest>(board_);
-  request.set_file(file);
-  return call(&Stub::SetTrace, request);
-}
-
 void Client::watch(std::uint32_t interval_ms, const std::function<bool(const v1::CounterSnapshot&)>& each) {
   grpc::ClientContext context;
-  prepare(context);
-  auto request = about<v1::WatchCountersRequest>(board_);
+  prepare(context, false);
+  v1::WatchCountersRequest request;
+  request.set_board(board_);
   request.set_interval_ms(interval_ms);
   const auto reader = stub_->WatchCounters(&context, request);
-  v1::CounterSnapshot snapshot;
-  while (reader->Read(&snapshot)) {
-    if (each(snapshot)) continue;
-    context.TryCancel();
-    while (reader->Read(&snapshot)) {
-    }
-    reader->Finish();
-    return;
+  bool goes_on = true;
+  for (v1::CounterSnapshot snapshot; reader->Read(&snapshot);) {
+    if (!goes_on) continue;  // what came before the cancellation
+    goes_on = each(snapshot);
+    if (!goes_on) context.TryCancel();
   }
   const grpc::Status status = reader->Finish();
-  if (!status.ok()) fail(status);
+  if (goes_on) check(status);
 }
 
 }  // namespace gicube::smi

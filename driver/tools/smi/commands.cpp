@@ -1,24 +1,33 @@
+// The commands that only ask the management plane.
 #include "commands.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/text_format.h>
 
-#include "configuration.h"
-#include "json.h"
-#include "table.h"
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include "client.h"
+#include "output.h"
 
 namespace gicube::smi {
 namespace {
 
 const char* state_of(const v1::BoardInfo& board) { return board.in_use() ? "in use" : "free"; }
 
-}  // namespace
-
-int list(const Options& options) {
-  const v1::ListBoardsResponse boards = Client(options).list();
+// As JSON if that was asked for, or else by print_text(message).
+template <typename Message, typename PrintText>
+int show(const Options& options, const Message& message, const PrintText& print_text) {
   if (options.json) {
-    print(to_json(boards));
-    return 0;
+    print(to_json(message));
+  } else {
+    print_text(message);
   }
+  return 0;
+}
+
+void print_boards(const v1::ListBoardsResponse& boards) {
   Table table({{"BOARD", Align::kRight},
                {"OPEN WITH"},
                {"STATE"},
@@ -28,21 +37,16 @@ int list(const Options& options) {
                {"LARGEST VOLUME", Align::kRight},
                {"CONFIGURATION"}});
   for (const v1::BoardInfo& board : boards.boards()) {
-    const auto& asic = board.config().asic();
-    table.add({std::to_string(board.board()), board.bus_endpoint(), state_of(board), fidelity_name(board.config()),
-               bus_name(board.config()), std::to_string(asic.processors()),
-               fmt::format("{}^3", asic.max_volume_voxels()), board.config_hash()});
+    const v1::BoardConfig& config = board.config();
+    table.add({std::to_string(board.board()), board.bus_endpoint(), state_of(board),
+               v1::FidelityLevel_Name(config.fidelity()), v1::BusModel_Name(config.bus().model()),
+               std::to_string(config.asic().processors()), fmt::format("{}^3", config.asic().max_volume_voxels()),
+               board.config_hash()});
   }
   fmt::print("{}", table.text());
-  return 0;
 }
 
-int info(const Options& options) {
-  const v1::BoardInfo board = Client(options).info();
-  if (options.json) {
-    print(to_json(board));
-    return 0;
-  }
+void print_board(const v1::BoardInfo& board) {
   fmt::print("board {}: {}, version {}\n", board.board(), board.product(), board.version());
   fmt::print("open with      {}\n", board.bus_endpoint());
   fmt::print("state          {}\n", state_of(board));
@@ -55,39 +59,92 @@ int info(const Options& options) {
                   std::to_string(routine.cycle_budget()), routine.file().empty() ? "built in" : routine.file()});
   }
   if (!routines.empty()) fmt::print("{}", routines.text());
-  return 0;
 }
+
+std::string read_plan(const std::string& path) {
+  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw UsageError(fmt::format("faults set: expected a readable file, got {}", path));
+  return text;
+}
+
+void print_plan(const v1::FaultPlanInfo& plan) {
+  if (plan.plan_text().empty()) return fmt::print("board {}: no fault plan\n", plan.board());
+  fmt::print("board {}: {} faults so far, in {} messages down and {} up, by this plan:\n{}{}", plan.board(),
+             plan.faults(), plan.messages_down(), plan.messages_up(), plan.plan_text(),
+             plan.plan_text().ends_with('\n') ? "" : "\n");
+}
+
+// The log as a plan: a fault a line.
+void print_log(const v1::FaultLog& log) {
+  if (log.faults().empty()) fmt::print("# board {}: no fault has happened\n", log.board());
+  google::protobuf::TextFormat::Printer printer;
+  printer.SetSingleLineMode(true);
+  for (const v1::PlannedFault& fault : log.faults()) {
+    std::string text;
+    printer.PrintToString(fault, &text);
+    fmt::print("fault {{ {}}}\n", text);
+  }
+}
+
+int set_plan(const Options& options, const std::string& text) {
+  v1::SetFaultPlanRequest request;
+  request.set_plan_text(text);
+  return show(options, Client(options).call(&Stub::SetFaultPlan, request), print_plan);
+}
+
+void print_trace(const v1::TraceInfo& trace) {
+  if (trace.file().empty()) {
+    fmt::print("board {} writes no trace\n", trace.board());
+  } else {
+    fmt::print("board {} writes its trace to {}\n", trace.board(), trace.file());
+  }
+}
+
+v1::TraceInfo set_trace(Client& client, const std::string& file) {
+  v1::SetTraceRequest request;
+  request.set_file(file);
+  return client.call(&Stub::SetTrace, request);
+}
+
+}  // namespace
+
+int list(const Options& options) { return show(options, Client(options).call(&Stub::ListBoards), print_boards); }
+
+int info(const Options& options) { return show(options, Client(options).call(&Stub::GetInfo), print_board); }
 
 int reset(const Options& options) {
-  const v1::BoardInfo board = Client(options).reset();
-  if (options.json) {
-    print(to_json(board));
-  } else {
+  return show(options, Client(options).call(&Stub::Reset), [](const v1::BoardInfo& board) {
     fmt::print("board {} is reset and {}\n", board.board(), state_of(board));
-  }
-  return 0;
+  });
 }
 
-int trace(const Options& options) {
+int show_faults(const Options& options) { return show(options, Client(options).call(&Stub::GetFaultPlan), print_plan); }
+int set_faults(const Options& options) { return set_plan(options, read_plan(options.plan_file)); }
+int clear_faults(const Options& options) { return set_plan(options, ""); }
+
+int log_faults(const Options& options) {
+  v1::GetFaultLogRequest request;
+  request.set_clear(options.clear_log);
+  return show(options, Client(options).call(&Stub::GetFaultLog, request), print_log);
+}
+
+int show_trace(const Options& options) { return show(options, Client(options).call(&Stub::GetTrace), print_trace); }
+
+int start_trace(const Options& options) {
   Client client(options);
-  if (options.trace_action == TraceAction::kStart && options.trace_file.empty()) {
-    throw UsageError("trace start: expected the name of a file, got an empty one");
-  }
-  const v1::TraceInfo before = options.trace_action == TraceAction::kStop ? client.trace() : v1::TraceInfo{};
-  const v1::TraceInfo now =
-      options.trace_action == TraceAction::kShow
-          ? client.trace()
-          : client.set_trace(options.trace_action == TraceAction::kStart ? options.trace_file : "");
-  if (options.json) {
-    print(to_json(now));
-  } else if (options.trace_action == TraceAction::kStop && !before.file().empty()) {
+  if (options.trace_file.empty()) throw UsageError("trace start: expected the name of a file, got an empty one");
+  return show(options, set_trace(client, options.trace_file), print_trace);
+}
+
+int stop_trace(const Options& options) {
+  Client client(options);
+  const v1::TraceInfo before = client.call(&Stub::GetTrace);
+  return show(options, set_trace(client, ""), [&before](const v1::TraceInfo& now) {
+    if (before.file().empty()) return print_trace(now);
     fmt::print("board {}: {} is complete; open it in ui.perfetto.dev\n", now.board(), before.file());
-  } else if (now.file().empty()) {
-    fmt::print("board {} writes no trace\n", now.board());
-  } else {
-    fmt::print("board {} writes its trace to {}\n", now.board(), now.file());
-  }
-  return 0;
+  });
 }
 
 }  // namespace gicube::smi

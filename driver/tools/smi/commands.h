@@ -1,7 +1,6 @@
-// One function a command. Each prints to standard output and returns the exit code: 0 good, 1 not.
+// The commands (Options::run).
 #pragma once
 
-#include "client.h"
 #include "options.h"
 
 namespace gicube::smi {
@@ -11,8 +10,13 @@ int info(const Options& options);
 int top(const Options& options);
 int validate(const Options& options);
 int reset(const Options& options);
-int faults(const Options& options);
-int trace(const Options& options);
+int show_faults(const Options& options);
+int set_faults(const Options& options);
+int clear_faults(const Options& options);
+int log_faults(const Options& options);
+int show_trace(const Options& options);
+int start_trace(const Options& options);
+int stop_trace(const Options& options);
 int doctor(const Options& options);
 
 }  // namespace gicube::smi

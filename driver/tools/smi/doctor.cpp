@@ -1,36 +1,162 @@
+// gicube-smi doctor: why a board can't be opened, one step after the other, and what to do.
 #include <fmt/format.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <array>
+#include <cerrno>
 #include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
 
+#include <boost/asio/error.hpp>
+
+#include "client.h"
 #include "commands.h"
-#include "diagnosis.h"
 #include "gicube/board.h"
-#include "json.h"
-#include "table.h"
+#include "output.h"
+#include "transport/connect.h"
+#include "transport/launch.h"
+#include "transport/uri.h"
 
 namespace gicube::smi {
 namespace {
 
-constexpr std::chrono::seconds kDoctorWatchdog{5};  // chosen: a healthy board answers within milliseconds
+namespace fs = std::filesystem;
+using boost::system::error_code;
 
-// A Unix path may have %XX in it; what is wrong with the rest of a URI the driver says.
-std::string decoded(std::string_view text) {
-  std::string path;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
-                         std::isxdigit(static_cast<unsigned char>(text[i + 1])) &&
-                         std::isxdigit(static_cast<unsigned char>(text[i + 2]));
-    path += is_code ? static_cast<char>(std::stoi(std::string(text.substr(i + 1, 2)), nullptr, 16)) : text[i];
-    if (is_code) i += 2;
+constexpr std::chrono::seconds kDoctorWatchdog{5};   // chosen: a healthy board answers within milliseconds
+constexpr std::chrono::seconds kConnectPatience{3};  // chosen
+
+struct Step {
+  bool good;
+  std::string question, answer;
+  std::string advice;  // empty: none
+};
+
+// What was found, step by step. The functions below return whether the next step has a chance.
+class Diagnosis {
+ public:
+  bool good(const std::string& question, const std::string& answer) {
+    steps_.push_back({true, question, answer, ""});
+    return true;
   }
-  return path;
+  bool bad(const std::string& question, const std::string& answer, const std::string& advice) {
+    steps_.push_back({false, question, answer, advice});
+    return healthy_ = false;
+  }
+
+  const std::vector<Step>& steps() const { return steps_; }
+  bool healthy() const { return healthy_; }
+
+ private:
+  std::vector<Step> steps_;
+  bool healthy_ = true;
+};
+
+std::string user_name(uid_t user) {
+  const passwd* entry = ::getpwuid(user);
+  return entry != nullptr ? entry->pw_name : std::to_string(user);
 }
 
-bool look_at_place(const std::string& uri, Diagnosis& diagnosis) {
-  if (uri.starts_with("emu:")) return look_for_program(diagnosis);
-  if (uri.starts_with("unix:") && uri.size() > 5) return look_at_socket(decoded(uri.substr(5)), diagnosis);
-  if (uri.starts_with("tcp:") && uri.rfind(':') > 4) return look_at_port(uri.substr(4), diagnosis);
-  return true;  // the driver says what a URI is
+// What the program says to --version; empty if it can't be run.
+std::string version_of(const fs::path& program) {
+  std::string quoted = "'";
+  for (const char c : program.string()) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> pipe(::popen((quoted + "' --version 2>&1").c_str(), "r"),
+                                                             &::pclose);
+  std::array<char, 200> line{};
+  if (!pipe || std::fgets(line.data(), line.size(), pipe.get()) == nullptr) return {};
+  std::string text(line.data());
+  text.erase(text.find_last_not_of('\n') + 1);
+  return text;
+}
+
+bool look_for_program(Diagnosis& diagnosis) {
+  const std::string question = "is gicube-board there?";
+  for (const fs::path& place : board_program_places()) {
+    std::error_code error;
+    if (!fs::exists(place, error)) continue;
+    if (!fs::is_regular_file(place, error) || ::access(place.c_str(), X_OK) != 0) {
+      return diagnosis.bad(question,
+                           fmt::format("{} is no program that {} may run", place.string(), user_name(::geteuid())),
+                           fmt::format("chmod +x {}", place.string()));
+    }
+    const std::string version = version_of(place);
+    if (version.find("gicube-board") == std::string::npos) {
+      return diagnosis.bad(question,
+                           fmt::format("{} does not run: {}", place.string(), version.empty() ? "no answer" : version),
+                           "build or install it again");
+    }
+    return diagnosis.good(question, fmt::format("{} ({})", place.string(), version));
+  }
+  if (const char* named = named_board_program()) {
+    return diagnosis.bad(question, fmt::format("GICUBE_BOARD names {}, which is not there", named),
+                         "set GICUBE_BOARD to the program, or unset it");
+  }
+  return true;  // the driver names every place that it looked at
+}
+
+bool look_at_socket(const Uri& uri, Diagnosis& diagnosis) {
+  const std::string start = "start a board: gicube-board --listen unix:" + uri.path;
+  const std::string question = "is there a socket?";
+  struct stat info {};
+  if (::stat(uri.path.c_str(), &info) != 0) {
+    if (errno != EACCES) {
+      return diagnosis.bad(question, fmt::format("{}: {}", uri.path, std::strerror(errno)), start);
+    }
+    return diagnosis.bad(question, fmt::format("a folder of {} is closed to {}", uri.path, user_name(::geteuid())),
+                         "ask its owner for the right to search it");
+  }
+  if (!S_ISSOCK(info.st_mode)) {
+    return diagnosis.bad(question, fmt::format("{} is something else", uri.path),
+                         "name the path that gicube-board listens on");
+  }
+  diagnosis.good(question, fmt::format("{}, of {}, mode {:o}", uri.path, user_name(info.st_uid), info.st_mode & 0777));
+  error_code error;
+  try_to_connect(uri, kConnectPatience, error);
+  if (!error) return diagnosis.good("does somebody listen?", "yes");
+  if (error == boost::system::errc::permission_denied) {
+    return diagnosis.bad(
+        "may it be opened?", fmt::format("not by {}", user_name(::geteuid())),
+        fmt::format("run as {}, or have the socket's mode changed: a board lets nobody but its owner in",
+                    user_name(info.st_uid)));
+  }
+  const bool is_left = error == boost::asio::error::connection_refused;
+  return diagnosis.bad("does somebody listen?",
+                       is_left ? "nobody: the socket is left from a board that has ended" : error.message(), start);
+}
+
+bool look_at_port(const Uri& uri, const std::string& text, Diagnosis& diagnosis) {
+  error_code error;
+  try_to_connect(uri, kConnectPatience, error);
+  const bool is_known = !error || error.category() == boost::system::system_category();
+  if (!is_known) {
+    return diagnosis.bad("is the host known?", fmt::format("{}: {}", uri.host, error.message()), "check its name");
+  }
+  diagnosis.good("is the host known?", uri.host);
+  if (!error) return diagnosis.good("does somebody listen?", fmt::format("yes, on port {}", uri.port));
+  const std::string why = error == boost::asio::error::would_block ? std::strerror(ETIMEDOUT) : error.message();
+  return diagnosis.bad("does somebody listen?", fmt::format("port {}: {}", uri.port, why),
+                       error == boost::asio::error::connection_refused
+                           ? "start a board there: gicube-board --listen " + text
+                           : "is the host up, and does a firewall let the port through?");
+}
+
+bool look_at_place(const std::string& text, Diagnosis& diagnosis) {
+  try {
+    const Uri uri = parse_uri(text);
+    switch (uri.scheme) {
+      case UriScheme::kEmu: return look_for_program(diagnosis);
+      case UriScheme::kUnix: return look_at_socket(uri, diagnosis);
+      case UriScheme::kTcp: return look_at_port(uri, text, diagnosis);
+    }
+  } catch (const BadArgument&) {  // the driver says what is wrong with it
+  }
+  return true;
 }
 
 void try_to_open(const std::string& uri, Diagnosis& diagnosis) {
@@ -59,7 +185,7 @@ void try_to_open(const std::string& uri, Diagnosis& diagnosis) {
 void look_at_management(const Options& options, Diagnosis& diagnosis) {
   const std::string question = "what does the management plane say?";
   try {
-    const v1::ListBoardsResponse boards = Client(options).list();
+    const v1::ListBoardsResponse boards = Client(options).call(&Stub::ListBoards);
     std::string answer;
     for (const v1::BoardInfo& board : boards.boards()) {
       answer += fmt::format("{}board {} at {} is {}", answer.empty() ? "" : "; ", board.board(), board.bus_endpoint(),
@@ -78,15 +204,6 @@ std::string indented(const std::string& text) {
   return lines;
 }
 
-const char* mark_of(const Step& step) {
-  switch (step.outcome) {
-    case Step::Outcome::kGood: return "ok";
-    case Step::Outcome::kBad: return "BAD";
-    case Step::Outcome::kNote: return "note";
-  }
-  return "?";
-}
-
 }  // namespace
 
 int doctor(const Options& options) {
@@ -95,19 +212,16 @@ int doctor(const Options& options) {
   if (look_at_place(options.uri, diagnosis)) try_to_open(options.uri, diagnosis);
   if (options.json) {
     nlohmann::ordered_json steps = nlohmann::ordered_json::array();
-    for (const Step& step : diagnosis.steps()) {
-      steps.push_back({{"question", step.question},
-                       {"good", step.outcome != Step::Outcome::kBad},
-                       {"answer", step.answer},
-                       {"advice", step.advice}});
+    for (const auto& [good, question, answer, advice] : diagnosis.steps()) {
+      steps.push_back({{"question", question}, {"good", good}, {"answer", answer}, {"advice", advice}});
     }
     print({{"uri", options.uri}, {"healthy", diagnosis.healthy()}, {"steps", std::move(steps)}});
     return diagnosis.healthy() ? 0 : 1;
   }
   fmt::print("{}\n", options.uri);
-  for (const Step& step : diagnosis.steps()) {
-    fmt::print("  {:<4}  {} {}\n", mark_of(step), step.question, indented(step.answer));
-    if (!step.advice.empty()) fmt::print("        -> {}\n", step.advice);
+  for (const auto& [good, question, answer, advice] : diagnosis.steps()) {
+    fmt::print("  {:<4}  {} {}\n", good ? "ok" : "BAD", question, indented(answer));
+    if (!advice.empty()) fmt::print("        -> {}\n", advice);
   }
   return diagnosis.healthy() ? 0 : 1;
 }

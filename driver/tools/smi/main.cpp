@@ -5,38 +5,15 @@
 
 #include <exception>
 
-#include "commands.h"
 #include "options.h"
 
-namespace {
-
-using namespace gicube::smi;
-
-int run(const Options& options) {
-  switch (options.command) {
-    case Command::kList: return list(options);
-    case Command::kInfo: return info(options);
-    case Command::kTop: return top(options);
-    case Command::kValidate: return validate(options);
-    case Command::kReset: return reset(options);
-    case Command::kFaults: return faults(options);
-    case Command::kTrace: return trace(options);
-    case Command::kDoctor: return doctor(options);
-  }
-  return 2;
-}
-
-}  // namespace
-
 int main(int argc, char** argv) {
+  using namespace gicube::smi;
   try {
     std::string text;
-    const auto options = parse_options(argc, argv, text);
-    if (!options) {
-      fmt::print("{}", text);
-      return 0;
-    }
-    return run(*options);
+    if (const auto options = parse_options(argc, argv, text)) return options->run(*options);
+    fmt::print("{}", text);
+    return 0;
   } catch (const UsageError& error) {
     fmt::print(stderr, "gicube-smi: {}\n", error.what());
     return 2;

@@ -2,36 +2,41 @@
 
 #include <CLI/CLI.hpp>
 
+#include "commands.h"
+
 namespace gicube::smi {
 namespace {
 
-constexpr const char* kManagementVariable = "GICUBE_MANAGEMENT";
+using Command = int (*)(const Options&);
 
 void add_management(CLI::App& app, Options& options, bool needed) {
-  auto* endpoint = app.add_option("-m,--management", options.management,
-                                  "the board process's management plane: unix:PATH or tcp:HOST:PORT")
-                       ->type_name("ENDPOINT")
-                       ->envname(kManagementVariable);
-  if (needed) endpoint->required();
+  app.add_option("-m,--management", options.management,
+                 "the board process's management plane: unix:PATH or tcp:HOST:PORT")
+      ->type_name("ENDPOINT")
+      ->envname("GICUBE_MANAGEMENT")
+      ->required(needed);
   app.add_option("--ca", options.ca_file, "TLS: the certificate that signed the board's, PEM")->type_name("FILE");
   app.add_option("--token-file", options.token_file, "TLS: the token that the board asks for")->type_name("FILE");
 }
 
-void add_board(CLI::App& app, Options& options) {
-  app.add_option("-b,--board", options.board, "the board's number in its process")->type_name("N");
-}
-
-CLI::App* add_command(CLI::App& app, Options& options, Command command, const char* name, const char* what) {
+CLI::App* add_command(CLI::App& app, Options& options, Command run, const char* name, const char* what) {
   CLI::App* sub = app.add_subcommand(name, what);
-  sub->callback([&options, command] { options.command = command; });
+  sub->callback([&options, run] { options.run = run; });
   sub->add_flag("--json", options.json, "for programs: JSON instead of text");
   return sub;
 }
 
+// A command about one board of a process.
+CLI::App* add_board_command(CLI::App& app, Options& options, Command run, const char* name, const char* what) {
+  CLI::App* sub = add_command(app, options, run, name, what);
+  add_management(*sub, options, true);
+  sub->add_option("-b,--board", options.board, "the board's number in its process")->type_name("N");
+  return sub;
+}
+
 void add_top(CLI::App& app, Options& options) {
-  CLI::App* top = add_command(app, options, Command::kTop, "top", "what a board does, once a second; ends with Ctrl-C");
-  add_management(*top, options, true);
-  add_board(*top, options);
+  CLI::App* top =
+      add_board_command(app, options, smi::top, "top", "what a board does, once a second; ends with Ctrl-C");
   top->add_option("-i,--interval", options.interval_ms, "between two looks, 10 to 60000")
       ->type_name("MS")
       ->check(CLI::Range(10, 60000));
@@ -46,39 +51,26 @@ void add_top(CLI::App& app, Options& options) {
 void add_faults(CLI::App& app, Options& options) {
   CLI::App* faults = app.add_subcommand("faults", "the fault plan of a board: what goes wrong on purpose");
   faults->require_subcommand(1);
-  const auto add = [&](FaultAction action, const char* name, const char* what) {
-    CLI::App* sub = add_command(*faults, options, Command::kFaults, name, what);
-    sub->parse_complete_callback([&options, action] { options.fault_action = action; });
-    add_management(*sub, options, true);
-    add_board(*sub, options);
-    return sub;
-  };
-  add(FaultAction::kShow, "show", "the plan that holds, and what it has done");
-  add(FaultAction::kSet, "set", "a new plan in place of the former")
+  add_board_command(*faults, options, show_faults, "show", "the plan that holds, and what it has done");
+  add_board_command(*faults, options, set_faults, "set", "a new plan in place of the former")
       ->add_option("plan", options.plan_file, "protobuf text of gicube.v1.FaultPlan; - reads standard input")
       ->type_name("FILE")
       ->required();
-  add(FaultAction::kClear, "clear", "no more faults");
-  add(FaultAction::kLog, "log", "the faults that have happened; a plan that makes them happen again")
+  add_board_command(*faults, options, clear_faults, "clear", "no more faults");
+  add_board_command(*faults, options, log_faults, "log",
+                    "the faults that have happened; a plan that makes them happen again")
       ->add_flag("--clear", options.clear_log, "empty the log");
 }
 
 void add_trace(CLI::App& app, Options& options) {
   CLI::App* trace = app.add_subcommand("trace", "a trace of what a board does, for ui.perfetto.dev");
   trace->require_subcommand(1);
-  const auto add = [&](TraceAction action, const char* name, const char* what) {
-    CLI::App* sub = add_command(*trace, options, Command::kTrace, name, what);
-    sub->parse_complete_callback([&options, action] { options.trace_action = action; });
-    add_management(*sub, options, true);
-    add_board(*sub, options);
-    return sub;
-  };
-  add(TraceAction::kShow, "show", "where the board writes its trace");
-  add(TraceAction::kStart, "start", "traces all sessions from now on; nobody may own the board")
+  add_board_command(*trace, options, show_trace, "show", "where the board writes its trace");
+  add_board_command(*trace, options, start_trace, "start", "traces all sessions from now on; nobody may own the board")
       ->add_option("file", options.trace_file, "written by the board's process, as its user")
       ->type_name("FILE")
       ->required();
-  add(TraceAction::kStop, "stop", "completes the file; nobody may own the board");
+  add_board_command(*trace, options, stop_trace, "stop", "completes the file; nobody may own the board");
 }
 
 void add_uri(CLI::App& app, Options& options, const char* what) {
@@ -97,22 +89,18 @@ std::optional<Options> parse_options(int argc, const char* const* argv, std::str
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::simple);
 
-  add_management(*add_command(app, options, Command::kList, "list", "the boards of a process"), options, true);
-  CLI::App* info = add_command(app, options, Command::kInfo, "info", "a board's configuration and routines");
-  add_management(*info, options, true);
-  add_board(*info, options);
+  add_management(*add_command(app, options, list, "list", "the boards of a process"), options, true);
+  add_board_command(app, options, info, "info", "a board's configuration and routines");
   add_top(app, options);
-  add_uri(*add_command(app, options, Command::kValidate, "validate",
+  add_uri(*add_command(app, options, validate, "validate",
                        "opens a board and tests it; what it held is lost. Exit code 1 if a test fails"),
           options, "the board, as Board::open() takes it");
-  CLI::App* reset = add_command(app, options, Command::kReset, "reset",
-                                "the power button: ends the session that owns the board, clears all state");
-  add_management(*reset, options, true);
-  add_board(*reset, options);
+  add_board_command(app, options, reset, "reset",
+                    "the power button: ends the session that owns the board, clears all state");
   add_faults(app, options);
   add_trace(app, options);
-  CLI::App* doctor = add_command(app, options, Command::kDoctor, "doctor",
-                                 "says why a board can't be opened. Exit code 1 if it can't");
+  CLI::App* doctor =
+      add_command(app, options, smi::doctor, "doctor", "says why a board can't be opened. Exit code 1 if it can't");
   add_uri(*doctor, options, "the board that an application would open");
   add_management(*doctor, options, false);
 

@@ -8,12 +8,9 @@
 
 namespace gicube::smi {
 
-enum class Command { kList, kInfo, kTop, kValidate, kReset, kFaults, kTrace, kDoctor };
-enum class FaultAction { kShow, kSet, kClear, kLog };
-enum class TraceAction { kShow, kStart, kStop };
-
 struct Options {
-  Command command = Command::kList;
+  // The command that was asked for. It prints to standard output and returns the exit code: 0 good, 1 not.
+  int (*run)(const Options&) = nullptr;
   bool json = false;
 
   // The management plane: list, info, top, reset, faults, trace; doctor looks at it too if it is named.
@@ -26,16 +23,13 @@ struct Options {
   std::uint32_t interval_ms = 1000;
   std::uint32_t count = 0;  // top: snapshots; 0 = until it is interrupted
   bool all_counters = false;
-  FaultAction fault_action = FaultAction::kShow;
-  std::string plan_file;  // "-" = standard input
+  std::string plan_file;  // faults set; "-" = standard input
   bool clear_log = false;
-  TraceAction trace_action = TraceAction::kShow;
   std::string trace_file;
 };
 
 // The command line is wrong: exit code 2.
-class UsageError : public std::runtime_error {
- public:
+struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 

@@ -8,9 +8,9 @@
 #include <cstdio>
 #include <map>
 
+#include "client.h"
 #include "commands.h"
-#include "json.h"
-#include "table.h"
+#include "output.h"
 
 namespace gicube::smi {
 namespace {
