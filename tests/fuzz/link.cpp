@@ -89,7 +89,7 @@ void use(Link& link) {
     switch (i % 5) {
       case 0: link.post(FrameType::kRegisterWrite, now, std::vector<std::uint8_t>(8)); break;
       case 1: now = link.request(FrameType::kRegisterRead, now, std::vector<std::uint8_t>(4)).time_ps; break;
-      case 2: ticket = link.command(now, std::vector<std::uint8_t>(16)); break;
+      case 2: ticket = link.command(now, wire::share(std::vector<std::uint8_t>(16))); break;
       case 3: link.request(FrameType::kWait, now, {static_cast<std::uint8_t>(ticket), 0, 0, 0}); break;
       default:
         if (!link.take(ticket)) link.forget(ticket);

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "encode/transfer_function_check.h"
 #include "encode/volume/segmentation_lut.h"
 #include "gicube/error.h"
 #include "scene/formats/file_error.h"

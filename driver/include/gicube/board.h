@@ -68,12 +68,12 @@ struct OpenOptions {
   BackPressure back_pressure = BackPressure::kWait;
   // Keeps the volume's packed blocks in the host's memory, 4.5 bytes a stored voxel, so that reopen() can load them again.
   bool keep_volume = false;
-  // How often in a row a call resumes a session that lost its connection. Only then it throws DeviceLost or TimedOut. A
-  // resumed call goes on as if nothing had happened. Not for emu:, whose board ends with its connection.
+  // How often in a row a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut. A resumed
+  // call goes on as if nothing had happened. Not for emu:, whose board ends with its connection.
   int reopen_attempts = 0;
   // Takes the board from its owner, whose calls then throw DeviceLost with Loss::kTakenOver.
   bool force = false;
-  // How long open() waits in line while the board has an owner, first come, first served. After that it throws BoardBusy.
+  // How long open() waits in line while the board has an owner, before it throws BoardBusy. First come, first served.
   std::chrono::milliseconds wait_for_board{0};
   // Writes every frame of the session to this file, for gicube-replay (docs/guide/capture.md). New sessions of reopen() go
   // to FILE.1, FILE.2. Empty: the option capture of emu: names the file, or else the environment variable GICUBE_CAPTURE.
@@ -89,9 +89,8 @@ struct Reopened {
 // Parts done and parts in all of a long call; called on the calling thread.
 using Progress = std::function<void(std::uint32_t done, std::uint32_t all)>;
 
-// One Board owns one session, which ends with it; it can be moved, not copied. Several threads may call it. Each call is
-// one transaction, and they take turns: the simulated host is one host. A moved-from Board may only be destroyed or
-// assigned to.
+// One Board owns one session, which ends with it. It can be moved, not copied; a moved-from Board may only be destroyed or
+// assigned to. Several threads may call it: each call is one transaction, and they take turns.
 class GICUBE_API Board {
  public:
   // Opens a board and resets it.
@@ -106,12 +105,12 @@ class GICUBE_API Board {
   // Throws BadArgument (URI), OpenFailed, BoardBusy, VersionMismatch, TimedOut.
   static Board open(std::string_view uri, const OpenOptions& options = {});
 
-  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, that goes
-  // on: what was under way arrives exactly once, and the failed call may be made again. Else it is a new board (of emu: a
+  // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, the session
+  // goes on: what was under way arrives exactly once, and the failed call may be made again. Else it is a new board (of emu: a
   // new process). The host's clock goes on; registers, tables and materials are written again, with OpenOptions::keep_volume
   // the volume too; irradiance, sums and framebuffer are lost. Ray batches that were not received are sent again once there
   // is a volume. On a Board that is not lost it does nothing and reports resumed.
-  // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost; the Board then stays lost.
+  // Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, DeviceLost: the Board is still lost.
   Reopened reopen();
 
   Board(Board&&) noexcept;
@@ -120,9 +119,9 @@ class GICUBE_API Board {
 
   const BoardInfo& info() const;
 
-  // Converts, quantises gradients by the codebook, cuts into blocks and loads the volume; replaces any former one.
-  // Blocks that are zero including their shared faces are neither sent nor stored. The simulated host waits for the
-  // transfer. The transfer function is kept and the empty flags are found again.
+  // Replaces the volume: converts the samples, quantises gradients by the codebook, cuts all into blocks and sends those that are
+  // not zero including their shared faces. The simulated host waits for the transfer. The transfer functions are kept, and
+  // the empty flags are found again.
   // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags): the board keeps its volume.
   // On DeviceLost or TimedOut the volume is lost with the board.
   void load_volume(const VolumeView& volume, const Progress& progress = {});
@@ -130,15 +129,15 @@ class GICUBE_API Board {
   // The values of a box of the volume as the board holds them, 12 bits each, x fastest. The simulated host waits for the
   // transfer. Throws Rejected (no volume), BadArgument (box).
   std::vector<float> read_volume(const VoxelBox& box);
-  // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Tags stay. Gradients
-  // of the box and its neighbours are found again from the board's voxels, unless load_volume() was told to find none; so
-  // are the empty flags. The simulated host waits for the transfers, which are of whole blocks in both directions.
+  // Overwrites a box of the volume, x fastest, with values in the volume's range (others are clamped). Tags do not change.
+  // Gradients of the box and its neighbours are found again, unless load_volume() was told to find none; so are the empty
+  // flags. The simulated host waits for the transfers, which are of whole blocks in both directions.
   // Throws Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
   void write_volume(const VoxelBox& box, std::span<const float> values);
   // Has the board read its whole volume back, and compares each block with what was written there. Returns the blocks that
-  // differ, ascending, numbered as in empty_flags(). They lost bits and the memory did not notice: pictures and rays since
-  // then may be wrong, and the volume should be loaded again. The simulated host waits as long as the fullest memory channel
-  // needs to read its blocks. Throws Rejected before load_volume(), MemoryFault.
+  // differ, ascending, numbered as in empty_flags(). They lost bits unnoticed: pictures and rays since then may be wrong, and
+  // the volume should be loaded again. The simulated host waits as long as the fullest memory channel needs to read its
+  // blocks. Throws Rejected before load_volume(), MemoryFault.
   std::vector<std::size_t> verify_volume();
 
   // The map from the loaded volume's values to densities. Throws Rejected before load_volume().
@@ -149,27 +148,27 @@ class GICUBE_API Board {
   // Throws BadArgument: the board is untouched.
   void set_transfer_function(const TransferFunction& function, int tag = 0);
 
-  // Phong coefficients and light of the next renderings (the reflectance map is made for each view's direction, and sent
-  // when it changes). The simulated host waits for what must be sent at once. Throws BadArgument: the board is untouched.
+  // Phong coefficients and light of the next renderings. The reflectance map is made for each view's direction, and sent when
+  // it changes. The simulated host waits for what must be sent at once. Throws BadArgument: the board is untouched.
   void set_shading(const Shading& shading);
 
   // How tag `tag` (0..3) scatters rays. Until then it does not. Throws BadArgument: the board is untouched.
   void set_material(const Material& material, int tag = 0);
 
-  // Scatters the rays that meet a material with kTrap and kHostRoutine, in illuminate() and in pictures with View::scatter:
+  // Scatters the rays that meet a material with kTrap and kHostRoutine, in illuminate() and in pictures with View::scatter.
   // 64 bytes of each come over the bus, 32 go back, and the simulated host works `time_per_ray` on it. The routine may
   // ask this Board for now() and info() only. What it throws leaves the call that needed it; an answer that no ray can
-  // follow throws ScatteringFailed. Rays that had not ended are then lost, the irradiance is incomplete, there is no
+  // follow throws ScatteringFailed. In both cases rays that had not ended are lost, the irradiance is incomplete, there is no
   // picture, and the board is ready for the next call. An empty routine removes the former one.
   void set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray = 0);
 
   // Clears the irradiance and distributes the lights' energy by lighting rays; the simulated host waits. The irradiance
-  // stays until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
+  // remains until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
   // Throws BadArgument (a light's index and field, settings), Rejected (no volume; a routine failed or is missing); then
   // the irradiance is incomplete.
   LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
-  // One value a voxel, x fastest, in units of the lights' power; of the whole volume or of a box of it. The simulated
-  // host waits for the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
+  // One value a voxel, x fastest, in units of the lights' power: of the whole volume or of a box. The simulated host waits for
+  // the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
   std::vector<float> read_irradiance();
   std::vector<float> read_irradiance(const VoxelBox& box);
   // Overwrites it: words are rounded to the unit in force and saturate. Throws as read_irradiance(), and BadArgument
@@ -208,7 +207,7 @@ class GICUBE_API Board {
   // Both.
   Image render(const View& view, const Progress& progress = {});
 
-  // Sends rays, in as many DSP commands as they need. They are not scattered by the application. Returns at once unless
+  // Sends rays, in as many DSP commands as they need. The application's routine does not scatter them. Returns at once unless
   // too many are under way (OpenOptions::back_pressure); the simulated host goes on while the board works. Any number of
   // batches may be under way; the caller's memory is free again on return.
   // Throws BadArgument (a ray's index and field, the request's fields), Rejected (no volume; kDeposit before
@@ -217,27 +216,27 @@ class GICUBE_API Board {
   // The same with rays that lie in several places, as one batch in that order.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request = {});
   Ticket submit(std::span<const Polyline> lines);
-  // Blocks until that batch has returned and moves the simulated host's clock to its arrival. What the board refused is
-  // thrown (Rejected, Unsupported), and the batch is gone.
-  // Throws BadArgument if the ticket is unknown or its rays were received already; DeadlinePassed if the batch has not
-  // arrived by the simulated time `deadline`: the clock then stands there, the batch is still under way.
+  // Blocks until that batch has returned, and moves the simulated host's clock to its arrival.
+  // Throws BadArgument if the ticket is unknown or its rays were received already; what the board refused (Rejected,
+  // Unsupported): the batch is gone; DeadlinePassed if the batch has not arrived by the simulated time `deadline`: the clock is
+  // at the deadline, and the batch still under way.
   RayBatch receive(Ticket ticket, Picoseconds deadline = kNoDeadline);
-  // The same, with the rays straight into the caller's memory: as many as were submitted (polylines: legs; kDeposit,
-  // kBackproject and cancelled batches: none are written). Throws BadArgument if it has another size: the batch is still there.
+  // The same, with the rays straight into the caller's memory: as many as were submitted (polylines: legs). None are written of
+  // a cancelled batch, and of kDeposit and kBackproject, for which any size will do. Throws BadArgument if it has another size:
+  // the batch is still there.
   BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline = kNoDeadline);
-  // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival. One that
-  // the board refused is thrown first, and is gone; the others stay.
+  // The batches that have arrived by now() and were not received yet, in the order of their simulated arrival. If the board
+  // refused one, that is thrown first (Rejected, Unsupported): it is gone, the others are still there.
   std::vector<RayBatch> poll();
   // Takes back the part of a batch that the DSP has not begun by now(). Its rays are lost, and receive() or poll() return it
   // as cancelled. False: it is too late, and the batch comes back whole. The simulated host waits for the answer.
-  // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit and kBackproject: what they left can't be
-  // taken back.
+  // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit and kBackproject, which can't be taken back.
   bool cancel(Ticket ticket);
 
   // How much light goes between pairs of elements: one factor a pair. Sampling (step, leaping) is that of the last view
-  // rendered. The simulated host waits; the rays' making costs it no time of its own with PairRays::kByHost, unless the
-  // application adds host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), while leaping is on)
-  // are summed up here, without rays: PairFactor::clear.
+  // rendered. The simulated host waits. With PairRays::kByHost it makes rays in no time, unless the application adds
+  // host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), while leaping is on) are summed up by the
+  // driver, without rays: PairFactor::clear.
   // Throws BadArgument (an element's, a pair's index, the request's fields), Rejected (no volume): nothing was sent.
   std::vector<PairFactor> pair_factors(std::span<const Element> elements, std::span<const ElementPair> pairs,
                                        const PairRequest& request = {}, const Progress& progress = {});
@@ -246,9 +245,9 @@ class GICUBE_API Board {
   Picoseconds now() const;
   // The host works for that long; the board goes on meanwhile.
   void host_compute(Picoseconds duration);
-  // From now on a rendering or an illuminate() that lets the simulated host wait longer than `limit` throws
-  // DeadlinePassed, and the clock stands at that deadline. The board finishes its command, but the result is lost: the
-  // framebuffer's content is unknown then, the irradiance is that of the whole pass. 0: no limit.
+  // From now on a rendering or an illuminate() for which the simulated host would wait longer than `limit` throws
+  // DeadlinePassed, with the clock at that deadline. The board finishes its command, but the result is lost: the
+  // framebuffer's content is unknown, the irradiance is that of the whole pass. 0: no limit.
   void set_time_limit(Picoseconds limit);
 
   Counters counters();

@@ -5,10 +5,10 @@
  *     fprintf(stderr, "%s\n", gicube_last_error());
  *   }
  *
- * Every call returns a status and never throws, ends the process or writes to a NULL: an argument that is none, or out of its
- * range, is GICUBE_BAD_ARGUMENT with its name in gicube_last_error(). A board may be used by several threads, whose calls
- * take turns. Only gicube_close() must be the last call. Times are picoseconds of simulated time since gicube_open().
- * Counts of arrays must be what the call moves, so that no buffer is ever taken for a larger one.
+ * Every call returns a status. None throws, ends the process or writes to a NULL: an argument that is NULL or out of its range is
+ * GICUBE_BAD_ARGUMENT with its name in gicube_last_error(). Several threads may use a board; their calls take turns, and
+ * gicube_close() must be the last one. Times are picoseconds of simulated time since gicube_open(). Counts of arrays must be
+ * what the call moves, so that no buffer is ever taken for a larger one.
  */
 #ifndef GICUBE_C_API_H
 #define GICUBE_C_API_H
@@ -38,11 +38,11 @@ typedef int (*gicube_scattering_routine)(void* user, const gicube_scatter_event*
 GICUBE_API uint32_t gicube_version(void);
 /* "GICUBE_BAD_ARGUMENT" and so on; "?" if it is no status. */
 GICUBE_API const char* gicube_status_name(gicube_status status);
-/* What the last call of this thread that failed had to say; empty before the first one. Until that thread's next call. */
+/* The words of this thread's last failure; empty before the first one. Valid until the thread's next call. */
 GICUBE_API const char* gicube_last_error(void);
 /* The name of the argument or field that was wrong, as "view.width"; empty if the last failure was not GICUBE_BAD_ARGUMENT. */
 GICUBE_API const char* gicube_last_error_field(void);
-/* Why the board was lost: GICUBE_LOSS_..., of the last call of this thread that failed. */
+/* Why the board was lost: GICUBE_LOSS_..., of this thread's last failure. */
 GICUBE_API int32_t gicube_last_loss(void);
 
 /* Set all defaults, and `size` to sizeof of the caller's record: gicube_view_init(&view, sizeof view). */
@@ -61,7 +61,7 @@ GICUBE_API gicube_status gicube_batch_report_init(gicube_batch_report* report, s
 /* Opens a board and resets it; options may be NULL. *board is NULL unless it succeeds. */
 GICUBE_API gicube_status gicube_open(const char* uri, const gicube_open_options* options, gicube_board** board);
 /* After GICUBE_DEVICE_LOST or GICUBE_TIMED_OUT: connects again by the same URI and options, and goes on with the session or on
- * a new board (Board::reopen() says what is then left). reopened may be NULL. If it fails the board is as lost as before. */
+ * a new board, as Board::reopen(). reopened may be NULL. If it fails the board is still lost. */
 GICUBE_API gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened);
 /* Ends the session. NULL is no board and no error. */
 GICUBE_API void gicube_close(gicube_board* board);
@@ -135,11 +135,10 @@ GICUBE_API gicube_status gicube_submit_gather(gicube_board* board, const gicube_
 GICUBE_API gicube_status gicube_submit_polylines(gicube_board* board, const gicube_polyline* lines, size_t count,
                                                  uint32_t* ticket);
 /* Waits for that batch, and writes its rays; count is as many as were submitted (polylines: legs; deposits and backprojection: any,
- * as none come back). report may be NULL. GICUBE_DEADLINE_PASSED, GICUBE_WOULD_BLOCK and GICUBE_BAD_ARGUMENT leave the batch as it
- * is. */
+ * since none come back). report may be NULL. After GICUBE_DEADLINE_PASSED and GICUBE_BAD_ARGUMENT the batch is still there. */
 GICUBE_API gicube_status gicube_receive(gicube_board* board, uint32_t ticket, uint64_t deadline_ps,
                                         gicube_traced_ray* rays, size_t count, gicube_batch_report* report);
-/* A batch that has arrived by now, in the order of their arrival: gicube_receive() gives its rays then. report->ticket is 0 if
+/* The next batch that has arrived by now, in the order of their arrival; gicube_receive() gives its rays. report->ticket is 0 if
  * there is none. */
 GICUBE_API gicube_status gicube_poll(gicube_board* board, gicube_batch_report* report);
 /* *cancelled is 0 if it is too late: the batch comes back whole. It comes back in either case. */

@@ -1,6 +1,7 @@
 // What the board counted, as plain values.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -22,20 +23,14 @@ class Counters {
 
   const std::vector<Counter>& list() const { return list_; }
 
-  // The counter's value; 0 if the board's fidelity level does not keep it.
-  std::uint64_t value(std::string_view name) const {
-    for (const Counter& counter : list_) {
-      if (counter.name == name) return counter.value;
-    }
-    return 0;
+  // Null if the board's fidelity level does not keep it.
+  const Counter* find(std::string_view name) const {
+    const auto found = std::ranges::find(list_, name, &Counter::name);
+    return found == list_.end() ? nullptr : &*found;
   }
-
-  bool has(std::string_view name) const {
-    for (const Counter& counter : list_) {
-      if (counter.name == name) return true;
-    }
-    return false;
-  }
+  bool has(std::string_view name) const { return find(name) != nullptr; }
+  // 0 if the board's fidelity level does not keep it.
+  std::uint64_t value(std::string_view name) const { return has(name) ? find(name)->value : 0; }
 
   friend Counters operator-(const Counters& end, const Counters& begin) {
     Counters window = end;

@@ -9,8 +9,7 @@
 namespace gicube {
 
 // The parent of all errors that the driver throws.
-class GICUBE_API Error : public std::runtime_error {
- public:
+struct GICUBE_API Error : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -29,45 +28,38 @@ class GICUBE_API BadArgument : public Error {
 };
 
 // No board could be opened: the socket or the program that the URI means is not there, or nobody answers.
-class GICUBE_API OpenFailed : public Error {
- public:
+struct GICUBE_API OpenFailed : Error {
   using Error::Error;
 };
 
 // The board has another owner; the message says who, and since when.
-class GICUBE_API BoardBusy : public Error {
- public:
+struct GICUBE_API BoardBusy : Error {
   using Error::Error;
 };
 
 // Driver and board speak different major versions.
-class GICUBE_API VersionMismatch : public Error {
- public:
+struct GICUBE_API VersionMismatch : Error {
   using Error::Error;
 };
 
 // The board refused a request (its own words are the message); its state is as before the request.
-class GICUBE_API Rejected : public Error {
- public:
+struct GICUBE_API Rejected : Error {
   using Error::Error;
 };
 
 // The application's scattering routine gave an answer that no ray can follow (gicube/scattering.h).
-class GICUBE_API ScatteringFailed : public Error {
- public:
+struct GICUBE_API ScatteringFailed : Error {
   using Error::Error;
 };
 
 // The board's memory reported an error that it could not correct. The command was not carried out and nothing has
 // changed; the same call may be made again.
-class GICUBE_API MemoryFault : public Error {
- public:
+struct GICUBE_API MemoryFault : Error {
   using Error::Error;
 };
 
 // This board or fidelity level can't do what was asked; its state is as before the request.
-class GICUBE_API Unsupported : public Error {
- public:
+struct GICUBE_API Unsupported : Error {
   using Error::Error;
 };
 
@@ -92,21 +84,18 @@ class GICUBE_API DeviceLost : public Error {
 };
 
 // The simulated host waited until its deadline, a simulated time. The board works on.
-class GICUBE_API DeadlinePassed : public Error {
- public:
+struct GICUBE_API DeadlinePassed : Error {
   using Error::Error;
 };
 
 // As many rays are under way as OpenOptions::max_rays allows. Nothing was sent: receive or poll before the next try.
-class GICUBE_API WouldBlock : public Error {
- public:
+struct GICUBE_API WouldBlock : Error {
   using Error::Error;
 };
 
 // No answer came within the wall-clock watchdog. The board may still be working. As after DeviceLost, the Board takes no
 // calls until Board::reopen() succeeds.
-class GICUBE_API TimedOut : public Error {
- public:
+struct GICUBE_API TimedOut : Error {
   using Error::Error;
 };
 

@@ -1,5 +1,4 @@
-// Marks what libgicube.so shows to applications; everything else in it is hidden, and so is what a public class has marked
-// so. For C and C++.
+// Marks what libgicube.so exports; all else in it is hidden. For C and C++.
 #pragma once
 
 #if defined(__GNUC__)

@@ -44,13 +44,12 @@ struct GICUBE_API DerivedVolume {
 // The voxels of a box, with the same values, range and type. Throws BadArgument (box).
 GICUBE_API DerivedVolume cropped(const VolumeView& volume, const VoxelBox& box);
 
-// One voxel for 2^level of them on each axis, at their centre: values are their mean, tags what most of them have (the first
-// of equals), given gradients their sum. Beyond the faces values go on as they are on them. Without given gradients the
-// driver finds them anew, from the means. Values are float32 in the original's range. Level 1..6; throws BadArgument (level;
+// One voxel for 2^level of them on each axis, at their centre. Its value is their mean, its tag that of most of them (the first
+// of equals), its gradient the sum of given ones; without given gradients the driver finds them from the means. Beyond the
+// faces values go on as they are on them. Values are float32 in the original's range. Level 1..6; throws BadArgument (level;
 // fewer than two voxels on an axis are left).
 //
-// The filter is the mean of the voxels that one replaces, and of no others: wider filters have less Moiré but more blur,
-// and the blur of a surface is most of the error that rays see.
+// Wider filters than this mean have less Moiré but more blur, and the blur of a surface is most of the error that rays see.
 GICUBE_API DerivedVolume coarser(const VolumeView& volume, int level);
 
 // How far a coarser volume is from its original.

@@ -5,10 +5,10 @@
 //                                                        .max_error = gicube::share_of_light(0.05)});
 //   board.illuminate(lights, light.settings(illumination));     // what the board holds already
 //
-// Light is noise about what endless rays would leave. Two passes of one setting and different seeds tell how much: half of the
-// mean square difference of their pictures, which falls as rays grow, so that a few rays tell how many are needed; a pass of so
-// many, twice, decides. What another albedo or step does beside the noise is told by products of differences of independent
-// pairs of passes. "Error" is as in plan.h: of the picture, and of what light does to it.
+// A pass of few rays is noisy. Two passes of one setting with different seeds tell how much: the noise is half of the mean square
+// difference of their pictures. It falls as rays grow, so a few rays tell how many are needed; two passes of so many decide.
+// What another albedo or step does beside the noise is told by products of differences of independent pairs of passes. "Error"
+// is as in plan.h: of the picture, and of what light does to it.
 #pragma once
 
 #include <cstdint>

@@ -3,12 +3,12 @@
 //   gicube::Plan plan = gicube::make_plan(board, {.volume = view, .looks = looks, .view = camera, .max_error = 0.01});
 //   gicube::Image image = board.render(plan.view(camera));       // the board holds the plan's volume
 //
-// A pilot is the picture itself with few pixels, which are a systematic sample of it: each of its rays is one that the picture
-// has too. The pilot of the most accurate setting (a quarter of a voxel, the whole volume, rays to their end) is held against
-// those of others. "Error" is the root of the mean square difference of red, green, blue and alpha over all pixels, divided by
-// the root mean square of the best picture: background makes it neither larger nor smaller. It is what settings do to a
-// picture; how far the board's best one is from an exact one is in docs/studies/accuracy.md. "Cost" is told against the finest
-// setting, a sixteenth of a voxel, whose picture is the worse one: positions drift with the number of steps.
+// A pilot is the picture with few pixels, which are a systematic sample of it: each of its rays is one that the picture has too.
+// Pilots are compared with that of the most accurate setting (a quarter of a voxel, the whole volume, rays to their end).
+// "Error" is the root of the mean square difference of red, green, blue and alpha over all pixels, divided by the root mean
+// square of the best picture, so that background does not count. It is what settings do to a picture; how far the board's best
+// one is from an exact one is in docs/studies/accuracy.md. "Cost" is compared with the finest setting, a sixteenth of a voxel.
+// Its picture is the worse one: positions drift with the number of steps.
 #pragma once
 
 #include <cstdint>
@@ -29,10 +29,11 @@ struct PlanRequest {
   View view{};                                // its step and opacity_threshold don't count
   // One of both, or neither for the most accurate setting.
   double max_error = 0;  // relative, as above; > 0: the cheapest setting whose error_bound is no larger
-  Picoseconds time_budget =
-      0;  // > 0: of one picture; the most accurate setting that keeps it by prediction and a quarter more
-  int pilot_pixels = 48;  // an edge of a square pilot, 16..512; larger ones, of twice that or a third of the
-                          // picture's own edge, decide where the picture has room for them
+  // > 0: of one picture; the most accurate setting whose predicted time and a quarter more keeps it
+  Picoseconds time_budget = 0;
+  // An edge of a square pilot, 16..512. Larger ones, of twice that or a third of the picture's edge, decide where the picture
+  // has room for them.
+  int pilot_pixels = 48;
 };
 
 // One setting, and what its pilot showed.
@@ -49,9 +50,9 @@ struct PlanPoint {
 };
 
 struct GICUBE_API Plan {
-  // The error is not known before the picture is made. The bound is the pilot's mean square error with four of its standard
-  // errors added, and three times what the worst pixel adds to it (what none of n pixels shows is in fewer than 3/n of all,
-  // with 95%), and a quarter more of its root. chosen: held against scenes that it was not made with (docs/guide/plan.md).
+  // The error is not known before the picture is made. The bound is 5/4 of the root of: the pilot's mean square error, four of
+  // its standard errors, and three times what the worst pixel adds to it (what none of n pixels shows is in fewer than 3/n of
+  // all, with 95%). chosen: checked with scenes that it was not made with (docs/guide/plan.md).
   PlanPoint chosen;
   PlanPoint best;                 // what errors are told against: level 0, a quarter of a voxel, rays to their end
   PlanPoint finest;               // what costs are told against: level 0, a sixteenth of a voxel, rays to their end
@@ -79,10 +80,10 @@ struct GICUBE_API Plan {
   PlanRequest request;  // volume and looks removed: what they point to may be gone
 };
 
-// The board holds the plan's volume and looks afterwards, and so one is loaded for each level that is tried; its shading
+// A volume is loaded for each level that is tried, and the board holds the plan's volume and looks afterwards; its shading
 // (set_shading()) is used as it is. Pictures that are lit by irradiance, or scattered, are planned with what the board holds.
-// A board of another fidelity level may do it just as well: all have the same bits, and only time is missing at
-// `functional`. Throws BadArgument (request), Rejected (no volume), and as load_volume() and render() do.
+// Boards of all fidelity levels make the same plan but for times, which `functional` does not keep.
+// Throws BadArgument (request), Rejected (no volume), and as load_volume() and render() do.
 GICUBE_API Plan make_plan(Board& board, const PlanRequest& request, const Progress& progress = {});
 
 // Brings another board to where make_plan() left its own, with the same volume and looks as in the request.

@@ -90,8 +90,7 @@ struct Check {
   friend std::ostream& operator<<(std::ostream& out, const Check& check) { return out << check.message; }
 };
 
-class Failed : public std::runtime_error {
- public:
+struct Failed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 

@@ -1,37 +1,17 @@
 #include "batches.h"
 
 #include <algorithm>
+#include <ranges>
 #include <string>
 #include <utility>
 
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
-#include "lighting_ledger.h"
-#include "transport/link_error.h"
 
 namespace gicube {
 namespace {
 
 constexpr std::size_t kRaysPerCommand = 4096;  // chosen: 128 KB, so that the board's work and the bus overlap
-
-// Walks through rays that lie in several places.
-class Gather {
- public:
-  explicit Gather(std::span<const std::span<const HostRay>> parts) : parts_(parts) {}
-
-  const HostRay& peek() {
-    while (at_ == parts_.front().size()) {
-      parts_ = parts_.subspan(1);
-      at_ = 0;
-    }
-    return parts_.front()[at_];
-  }
-  void take() { ++at_; }
-
- private:
-  std::span<const std::span<const HostRay>> parts_;
-  std::size_t at_ = 0;
-};
 
 struct TraceCommand {
   std::vector<std::uint8_t> bytes;
@@ -39,23 +19,20 @@ struct TraceCommand {
   std::vector<double> units;  // kIntegral
 };
 
-// Of `max_rays` rays, or of as many as may move the sums in one command, and at least one.
-TraceCommand trace_command(Gather& rays, std::size_t max_rays, const RaySetup& setup) {
+// Of the `max_rays` rays from `ray` on, or of as many as may move the sums in one command, and at least one.
+TraceCommand trace_command(auto& ray, std::size_t max_rays, const RaySetup& setup) {
   constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;  // command.h
   TraceCommand command;
-  command.bytes.resize(wire::kTraceHeaderBytes + max_rays * wire::kRayBytes);
+  command.bytes.reserve(wire::kTraceHeaderBytes + max_rays * wire::kRayBytes);
+  command.bytes.resize(wire::kTraceHeaderBytes);
   std::uint64_t moved = 0;
-  for (; command.rays < max_rays; ++command.rays) {
-    const HostRay& ray = rays.peek();
-    const wire::Ray packet = to_wire(ray, setup);
+  for (; command.rays < max_rays; ++command.rays, ++ray) {
+    const wire::Ray packet = to_wire(*ray, setup);
     moved += max_moved(packet, setup);
     if (moved > kMaxMoved && command.rays > 0) break;
-    if (setup.request.type == RayType::kIntegral) command.units.push_back(integral_unit(ray, setup));
-    const std::size_t at = wire::kTraceHeaderBytes + command.rays * wire::kRayBytes;
-    wire::encode(packet, std::span(command.bytes).subspan(at));
-    rays.take();
+    if (setup.request.type == RayType::kIntegral) command.units.push_back(integral_unit(*ray, setup));
+    wire::append(command.bytes, packet);
   }
-  command.bytes.resize(wire::kTraceHeaderBytes + command.rays * wire::kRayBytes);
   wire::encode(trace_header(setup.request, command.rays), command.bytes);
   return command;
 }
@@ -75,7 +52,7 @@ std::size_t bytes_of_result(RayType type, std::size_t rays) {
 }  // namespace
 
 bool Batches::Batch::complete() const {
-  return std::all_of(parts.begin(), parts.end(), [](const Part& part) { return part.result.has_value(); });
+  return std::ranges::all_of(parts, [](const Part& part) { return part.result.has_value(); });
 }
 
 Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
@@ -95,11 +72,12 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   } while (last_ticket_ == 0 || batches_.contains(last_ticket_));
   const std::uint32_t ticket = last_ticket_;
   Batch& kept = batches_.emplace(ticket, std::move(batch)).first->second;
-  Gather from(rays);
+  auto all = rays | std::views::join;
+  auto ray = all.begin();
   for (std::size_t left = kept.rays; left > 0;) {
     const std::size_t count = std::min(left, max_rays);
     if (limits_.back_pressure == BackPressure::kWait) make_room(count);
-    TraceCommand made = trace_command(from, count, setup);
+    TraceCommand made = trace_command(ray, count, setup);
     auto encoded = wire::share(std::move(made.bytes));
     const std::uint32_t command = device_.command(encoded);
     kept.parts.push_back({command, made.rays, std::move(encoded), std::move(made.units), std::nullopt});
@@ -152,9 +130,9 @@ Batches::Entry Batches::find(Ticket ticket) {
 void Batches::complete(Batch& batch, Picoseconds deadline) {
   collect(batch);
   // The last part completes last, so that there is one wait; were it otherwise, the others would be waited for too.
-  for (auto part = batch.parts.rbegin(); part != batch.parts.rend(); ++part) {
-    if (part->result) continue;
-    part->result = device_.finish(part->command, {}, deadline);
+  for (Part& part : batch.parts | std::views::reverse) {
+    if (part.result) continue;
+    part.result = device_.finish(part.command, {}, deadline);
     collect(batch);
   }
   if (batch.completed > deadline) {  // the results were known before
@@ -172,7 +150,7 @@ RayBatch Batches::receive(Ticket ticket, Picoseconds deadline) {
 
 BatchReport Batches::receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline) {
   const Entry entry = find(ticket);
-  if (rays.size() != entry->second.rays) {
+  if (entry->second.comes_back() && rays.size() != entry->second.rays) {
     throw BadArgument("rays", std::to_string(entry->second.rays) + " of them, as were submitted",
                       std::to_string(rays.size()));
   }
@@ -187,12 +165,10 @@ std::vector<RayBatch> Batches::poll() {
     collect(entry->second);
     if (entry->second.complete() && entry->second.completed <= device_.clock().now()) arrived.push_back(entry);
   }
-  std::stable_sort(arrived.begin(), arrived.end(),
-                   [](Entry a, Entry b) { return a->second.completed < b->second.completed; });
+  std::ranges::stable_sort(arrived, {}, [](Entry entry) { return entry->second.completed; });
   // A refused batch comes first: what it throws must not take the rays of the others along.
-  const auto bad = std::find_if(arrived.begin(), arrived.end(), [](Entry entry) {
-    return std::any_of(entry->second.parts.begin(), entry->second.parts.end(),
-                       [](const Part& part) { return refused(*part.result); });
+  const auto bad = std::ranges::find_if(arrived, [](Entry entry) {
+    return std::ranges::any_of(entry->second.parts, [](const Part& part) { return refused(*part.result); });
   });
   if (bad != arrived.end()) release(*bad, {});
   std::vector<RayBatch> batches;
@@ -210,8 +186,8 @@ bool Batches::cancel(Ticket ticket) {
   }
   bool any = false;
   // From the end: the part in work, if any, is found last.
-  for (auto part = batch.parts.rbegin(); part != batch.parts.rend(); ++part) {
-    if (!part->result && device_.cancel(part->command)) any = true;
+  for (Part& part : batch.parts | std::views::reverse) {
+    if (!part.result && device_.cancel(part.command)) any = true;
   }
   return any;
 }
@@ -227,9 +203,8 @@ void Batches::send_again(const std::function<void(const View&, Vec3)>& set_sampl
 }
 
 RayBatch Batches::release(Entry entry) {
-  const bool cancelled = std::any_of(entry->second.parts.begin(), entry->second.parts.end(), [](const Part& part) {
-    return part.result->error == wire::ErrorCode::kCancelled;
-  });
+  const bool cancelled = std::ranges::any_of(
+      entry->second.parts, [](const Part& part) { return part.result->error == wire::ErrorCode::kCancelled; });
   RayBatch batch;
   if (!cancelled && entry->second.comes_back()) batch.rays.resize(entry->second.rays);
   static_cast<BatchReport&>(batch) = release(entry, batch.rays);
@@ -255,15 +230,9 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
       device_.give_up("the board returned " + std::to_string(bytes.size()) + " bytes for " + std::to_string(part.rays) +
                       " rays");
     }
-    if (backprojects) {
-      add(wire::decode<wire::DepositLedger>(bytes), *report.deposits);
-      continue;
-    }
-    if (deposits) {
-      add(wire::decode<wire::LightingLedger>(bytes), *report.lighting);
-      continue;
-    }
-    for (std::size_t i = 0; i < part.rays; ++i) {
+    if (backprojects) add(wire::decode<wire::DepositLedger>(bytes), *report.deposits);
+    if (deposits) add(wire::decode<wire::LightingLedger>(bytes), *report.lighting);
+    for (std::size_t i = 0; i < part.rays && batch.comes_back(); ++i) {
       const wire::Ray ray = wire::decode<wire::Ray>(bytes.subspan(i * wire::kRayBytes));
       rays[at++] = batch.type == RayType::kIntegral ? integral_from_wire(ray, part.units[i]) : from_wire(ray);
     }

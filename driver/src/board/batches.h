@@ -11,8 +11,28 @@
 #include "device.h"
 #include "encode/host_ray.h"
 #include "gicube/ray.h"
+#include "gicube/wire/command.h"
 
 namespace gicube {
+
+// The board's accounts, in units of the words, added up in the application's: each unit is worth `report.unit`.
+inline void add(const wire::LightingLedger& ledger, LightingReport& report) {
+  report.rays += ledger.rays;
+  report.emitted += static_cast<double>(ledger.emitted) * report.unit;
+  report.deposited += static_cast<double>(ledger.deposited) * report.unit;
+  report.escaped += static_cast<double>(ledger.escaped) * report.unit;
+  report.scattered_away += static_cast<double>(ledger.scattered_away) * report.unit;
+  report.given_up += static_cast<double>(ledger.given_up) * report.unit;
+  report.clipped += static_cast<double>(ledger.clipped) * report.unit;
+}
+
+inline void add(const wire::DepositLedger& ledger, DepositReport& report) {
+  report.rays += ledger.rays;
+  report.samples += ledger.samples;
+  report.kept += static_cast<double>(ledger.kept) * report.unit;
+  report.clipped += static_cast<double>(ledger.clipped) * report.unit;
+  report.overflowed += ledger.overflowed;
+}
 
 // What bounds the rays under way.
 struct BatchLimits {

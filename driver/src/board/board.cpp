@@ -1,19 +1,105 @@
+// Opening a board: who it is and what it can do; reopening it; what is neither volume, picture nor ray.
 #include "gicube/board.h"
 
+#include <chrono>
+#include <string>
+#include <utility>
+
 #include "encode/reflectance_map.h"
-#include "encode/transfer_function_check.h"
-#include "encode/volume/empty_flags.h"
+#include "encode/volume/segmentation_lut.h"
+#include "encode/volume/voxel_blocks.h"
+#include "gicube/wire/pci_config.h"
+#include "gicube/wire/registers.h"
 #include "state.h"
 
 namespace gicube {
+namespace {
 
-std::unique_lock<std::mutex> Board::State::begin() {
+namespace reg = wire::reg;
+namespace pci = wire::pci;
+
+// Longer is as good as for ever, and can't overflow the clock.
+constexpr std::chrono::hours kLongestWatchdog{24 * 365};
+
+std::chrono::milliseconds checked_watchdog(std::chrono::milliseconds watchdog) {
+  if (watchdog.count() < 0) {
+    throw BadArgument("watchdog", "0 or more milliseconds", std::to_string(watchdog.count()));
+  }
+  return watchdog > kLongestWatchdog ? std::chrono::milliseconds(0) : watchdog;
+}
+
+DeviceOptions device_options(const OpenOptions& options) {
+  constexpr std::chrono::hours kLongestWait{24 * 7};
+  if (options.wait_for_board.count() < 0 || options.wait_for_board > kLongestWait) {
+    throw BadArgument("wait_for_board", "0 milliseconds to one week", std::to_string(options.wait_for_board.count()));
+  }
+  if (options.reopen_attempts < 0) {
+    throw BadArgument("reopen_attempts", "0 or more", std::to_string(options.reopen_attempts));
+  }
+  return {checked_watchdog(options.watchdog), options.reopen_attempts, options.force, options.wait_for_board,
+          options.capture};
+}
+
+bool has_agp_capability(Device& device) {
+  std::uint32_t at = device.read_config(pci::kCapabilities) & 0xFC;
+  // Every capability has its own dwords, so a list that is longer runs in a circle.
+  for (std::size_t steps = 0; at != 0 && steps < wire::kPciConfigBytes / 4; ++steps) {
+    const std::uint32_t header = device.read_config(at);
+    if ((header & 0xFF) == pci::kCapabilityAgp) return true;
+    at = header >> 8 & 0xFC;
+  }
+  return false;
+}
+
+// A register whose value the driver relies on for sizes.
+int read_sane(Device& device, std::uint32_t offset, std::uint32_t low, std::uint32_t high) {
+  const std::uint32_t value = device.read_register(offset);
+  if (value < low || value > high) {
+    throw OpenFailed("the board's register " + std::string(wire::find_register(offset)->name) + " holds " +
+                     std::to_string(value) + ", expected " + std::to_string(low) + ".." + std::to_string(high));
+  }
+  return static_cast<int>(value);
+}
+
+BoardInfo read_info(Device& device) {
+  BoardInfo info;
+  info.protocol_major = device.agreed().major;
+  info.protocol_minor = device.agreed().minor;
+  info.host_rays = (device.agreed().capabilities & wire::kHostRays) != 0;
+  const std::uint32_t ids = device.read_config(pci::kIds);
+  info.vendor_id = static_cast<std::uint16_t>(ids);
+  info.device_id = static_cast<std::uint16_t>(ids >> 16);
+  if (info.vendor_id != wire::kVendorId || info.device_id != wire::kDeviceId) {
+    throw OpenFailed("the device there is not a GI-Cube board");
+  }
+  info.agp = has_agp_capability(device);
+  device.reset();
+  read_sane(device, reg::kId, wire::kIdValue, wire::kIdValue);
+  info.fidelity = static_cast<Fidelity>(read_sane(device, reg::kFidelity, 1, 3) - 1);  // the same order on the wire
+  info.processors = read_sane(device, reg::kProcessors, 1, 1 << 16);
+  info.block_voxels = read_sane(device, reg::kBlockVoxels, 2, 1024);
+  info.max_volume_voxels = read_sane(device, reg::kMaxVolumeVoxels, 2, 1024);
+  info.queue_rays = read_sane(device, reg::kQueueRays, 1, 1 << 30);
+  info.core_khz = device.read_register(reg::kCoreKhz);
+  info.wide = device.read_register(reg::kDatapath) == static_cast<std::uint32_t>(wire::Datapath::kWide);
+  const std::uint64_t hash_high = device.read_register(reg::kConfigHashHigh);
+  info.config_hash = hash_high << 32 | device.read_register(reg::kConfigHashLow);
+  return info;
+}
+
+}  // namespace
+
+std::unique_lock<std::mutex> Board::State::lock() {
   if (in_callback.load() == std::this_thread::get_id()) {
     throw Error("a callback may ask its Board for now() and info() only");
   }
-  std::unique_lock lock(mutex);
+  return std::unique_lock(mutex);
+}
+
+std::unique_lock<std::mutex> Board::State::begin() {
+  auto held = lock();
   device.check();
-  return lock;
+  return held;
 }
 
 Progress Board::State::watched(const Progress& progress) {
@@ -99,5 +185,68 @@ Counters Board::counters() {
   const auto lock = state_->begin();
   return state_->device.counters();
 }
+
+Board Board::open(std::string_view uri, const OpenOptions& options) {
+  const Uri parsed = parse_uri(uri);
+  if (options.max_rays < 4096) {
+    throw BadArgument("max_rays", "at least 4096", std::to_string(options.max_rays));
+  }
+  auto state = std::make_unique<State>(parsed, device_options(options),
+                                       BatchLimits{options.max_rays, options.back_pressure}, options.keep_volume);
+  try {
+    state->info = read_info(state->device);
+    state->tables.set_wide(state->info.wide);
+  } catch (const DeviceLost& error) {
+    throw OpenFailed(error.what());
+  } catch (const Rejected& error) {
+    throw OpenFailed(error.what());
+  }
+  return Board(std::move(state));
+}
+
+// Whatever can't be put back as it was is as on a board that was just opened.
+void Board::State::restore() {
+  if (!std::exchange(restoring, true)) registers_before = device.registers();
+  const int block_voxels = info.block_voxels;
+  info = read_info(device);  // resets the board
+  for (const wire::RegisterInfo& each : wire::kRegisterTable) {
+    const bool is_size = each.offset >= reg::kVolumeX && each.offset <= reg::kVolumeZ;
+    const auto held = registers_before.find(each.offset);
+    if (each.access != wire::Access::kReadWrite || is_size || held == registers_before.end()) continue;
+    device.set_register(each.offset, held->second);
+  }
+  tables.restore();
+  irradiance_unit = sum_unit = 0;
+  framebuffer_size = {};
+  if (volume && (!keep_volume || info.block_voxels != block_voxels)) volume.reset();
+  batches_wait = !volume && !batches.empty();
+  if (volume) {
+    begin_volume(*volume);
+    for (const auto& [block, bytes] : kept_blocks) device.write_memory(block_address(block), bytes);
+    tables.send_segmentation(volume->range);
+    tables.send_flags(volume->flags);
+    check_fence();
+    send_batches_again();
+  }
+  restoring = false;
+}
+
+void Board::State::need_batches() const {
+  if (batches_wait) throw Rejected("the ray batches wait for a volume on the new board: call load_volume() first");
+}
+
+Reopened Board::reopen() {
+  const auto lock = state_->lock();
+  const bool resumed = state_->device.reopen() && !state_->restoring;
+  if (!resumed) state_->restore();
+  return {resumed, state_->volume.has_value()};
+}
+
+Board::Board(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Board::Board(Board&&) noexcept = default;
+Board& Board::operator=(Board&&) noexcept = default;
+Board::~Board() = default;
+
+const BoardInfo& Board::info() const { return state_->info; }
 
 }  // namespace gicube

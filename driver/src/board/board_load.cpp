@@ -1,11 +1,12 @@
-// Loading a volume: samples to densities and gradient codes, to blocks, to the board.
+// Loading a volume: samples to densities and gradient codes, to blocks, to the board. Comparing what the board holds with it.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "encode/volume/density.h"
 #include "encode/volume/gradients.h"
-#include "encode/volume/volume_check.h"
+#include "encode/volume/samples.h"
 #include "gicube/wire/checksum.h"
+#include "gicube/wire/command.h"
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
@@ -100,6 +101,28 @@ void Board::State::check_fence() {
   device.write_register(reg::kStatusClear, faults);
   throw Rejected("the board did not take what was written to it: STATUS " + std::to_string(faults) +
                  ", ERROR_ADDRESS " + std::to_string(address));
+}
+
+std::vector<std::size_t> Board::verify_volume() {
+  const auto lock = state_->begin();
+  state_->loaded("verify_volume()");
+  Device& device = state_->device;
+  const std::vector<std::uint32_t>& sums = state_->block_sums;
+  const std::size_t max_blocks = std::min<std::size_t>(wire::kMaxVerifyBlocks, device.agreed().max_payload_bytes / 4);
+  std::vector<std::size_t> damaged;
+  for (std::size_t first = 0; first < sums.size(); first += max_blocks) {
+    const std::size_t count = std::min(max_blocks, sums.size() - first);
+    const wire::VerifyCommand command{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
+    const CommandResult result = device.run(wire::encoded(command), {});
+    if (result.payload.size() != 4 * count) {
+      device.give_up("the board summed up " + std::to_string(count) + " blocks in " +
+                     std::to_string(result.payload.size()) + " bytes");
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (wire::load<std::uint32_t>(result.payload, 4 * i) != sums[first + i]) damaged.push_back(first + i);
+    }
+  }
+  return damaged;
 }
 
 }  // namespace gicube

@@ -7,7 +7,6 @@
 #include "gicube/wire/registers.h"
 #include "transport/capture.h"
 #include "transport/connect.h"
-#include "transport/link_error.h"
 
 namespace gicube {
 namespace {
@@ -75,8 +74,7 @@ bool Device::reopen() {
 }
 
 // A private board that dies is the caller's own child: its last words say more than its silence.
-template <typename Call>
-auto Device::with_last_words(const Call& call) const {
+auto Device::with_last_words(const auto& call) const {
   try {
     return call();
   } catch (const DeviceLost& error) {
@@ -150,7 +148,7 @@ std::vector<std::uint8_t> Device::read_memory(std::uint64_t address, std::uint64
 }
 
 std::uint32_t Device::command(wire::Payload payload) {
-  return with_last_words([&] { return link_->command_shared(clock_.now(), payload); });
+  return with_last_words([&] { return link_->command(clock_.now(), payload); });
 }
 
 CommandResult Device::finish(std::uint32_t ticket, const Progress& progress, Picoseconds deadline) {

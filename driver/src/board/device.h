@@ -5,6 +5,8 @@
 // Unsupported where the board refuses.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -13,12 +15,31 @@
 #include <vector>
 
 #include "gicube/board.h"
-#include "transport/host_clock.h"
 #include "transport/launch.h"
 #include "transport/link.h"
 #include "transport/uri.h"
 
 namespace gicube {
+
+// The clock of the simulated host (docs/reference/protocol.md, simulated time). It moves when the host works and when it waits
+// for the board, never with the wall clock. now() may be read from any thread; the two others by one caller at a time.
+class HostClock {
+ public:
+  Picoseconds now() const { return now_.load(std::memory_order_relaxed); }
+
+  // The host works for `duration`. Stays at the end of time instead of starting again at 0.
+  void work(Picoseconds duration) {
+    now_.store(now() + std::min(duration, kNoDeadline - now()), std::memory_order_relaxed);
+  }
+
+  // The host was blocked until `time`; what lies in its past does not move it.
+  void wait_until(Picoseconds time) {
+    if (time > now()) now_.store(time, std::memory_order_relaxed);
+  }
+
+ private:
+  std::atomic<Picoseconds> now_{0};
+};
 
 struct DeviceOptions {
   std::chrono::milliseconds watchdog{0};  // 0 = none
@@ -81,8 +102,7 @@ class Device {
   void capture_next_session();
   std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
   std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);
-  template <typename Call>
-  auto with_last_words(const Call& call) const;
+  auto with_last_words(const auto& call) const;
 
   const Uri uri_;
   const std::string capture_file_;

@@ -1,5 +1,4 @@
-#include "host_scattering.h"
-
+// The application's scattering routine, and trapped rays in the words of the bus (gicube/wire/trap.h).
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -12,6 +11,11 @@ namespace gicube {
 namespace {
 
 constexpr std::size_t kRaysPerRound = 4096;  // chosen: 256 KB up, so that neither side holds many
+
+struct TrapList {
+  std::vector<wire::TrappedRay> rays;
+  std::uint32_t waiting = 0;  // on the board, beyond these
+};
 
 Vec3 vec3(const wire::Triple& a) { return {a[0], a[1], a[2]}; }
 
@@ -45,10 +49,7 @@ void check(const ScatterAnswer& answer) {
   }
 }
 
-}  // namespace
-
-bool asks_host(const Material& material) { return material.bsdf == Bsdf::kTrap && material.routine == kHostRoutine; }
-
+// The packet that answers `trapped`. Throws ScatteringFailed, and what the routine throws.
 wire::Ray answer(const wire::TrappedRay& trapped, const Material& material, const wire::Spacing& spacing,
                  const ScatteringRoutine& routine) {
   const ScatterAnswer answered = routine(event_of(trapped, material, spacing));
@@ -60,6 +61,7 @@ wire::Ray answer(const wire::TrappedRay& trapped, const Material& material, cons
   return ray;
 }
 
+// A command that sends these packets down and asks for at most `max_rays` more rays.
 std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std::uint32_t max_rays) {
   std::vector<std::uint8_t> bytes =
       wire::encoded(wire::ResumeHeader{static_cast<std::uint32_t>(answers.size()), max_rays});
@@ -67,6 +69,7 @@ std::vector<std::uint8_t> resume_command(std::span<const wire::Ray> answers, std
   return bytes;
 }
 
+// False if the bytes are no trap list; no bytes at all are an empty one.
 bool decode_trap_list(std::span<const std::uint8_t> bytes, TrapList& list) {
   list = {};
   if (bytes.empty()) return true;
@@ -83,16 +86,21 @@ bool decode_trap_list(std::span<const std::uint8_t> bytes, TrapList& list) {
   return true;
 }
 
+}  // namespace
+
 void Board::set_scattering_routine(ScatteringRoutine routine, Picoseconds time_per_ray) {
   const auto lock = state_->begin();
-  state_->scattering = {std::move(routine), time_per_ray};
+  state_->scattering_routine = std::move(routine);
+  state_->time_per_scattering = time_per_ray;
 }
 
 void Board::State::need_routine(bool lighting) const {
-  if (scattering.routine) return;
+  if (scattering_routine) return;
   const auto& materials = tables.materials();
   for (std::size_t tag = 0; tag < materials.size(); ++tag) {
-    if (!asks_host(materials[tag]) || !(lighting || materials[tag].seen_through_scattering)) continue;
+    const Material& material = materials[tag];
+    const bool asks_host = material.bsdf == Bsdf::kTrap && material.routine == kHostRoutine;
+    if (!asks_host || !(lighting || material.seen_through_scattering)) continue;
     throw Rejected("the material of tag " + std::to_string(tag) +
                    " is the application's to scatter: call set_scattering_routine() first");
   }
@@ -102,7 +110,7 @@ void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, cons
   TrapList list;
   if (!decode_trap_list(trap_list, list)) device.give_up("a list of trapped rays of wrong size");
   if (list.rays.empty() && list.waiting == 0) return;
-  if (!scattering.routine) device.give_up("the board has rays for the application, which did not ask for them");
+  if (!scattering_routine) device.give_up("the board has rays for the application, which did not ask for them");
   const wire::Spacing spacing = spacing_words(volume->relative_spacing);
   const std::size_t ledger_bytes = take_ledger ? wire::kLightingLedgerBytes : 0;
   const std::size_t room = device.agreed().max_payload_bytes - wire::kTrapListHeaderBytes - ledger_bytes;
@@ -119,9 +127,9 @@ void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, cons
     answers.clear();
     for (const wire::TrappedRay& trapped : list.rays) {
       const InCallback mark(*this);
-      answers.push_back(answer(trapped, tables.materials()[trapped.tag], spacing, scattering.routine));
+      answers.push_back(answer(trapped, tables.materials()[trapped.tag], spacing, scattering_routine));
     }
-    device.clock().work(scattering.time_per_ray * answers.size());
+    device.clock().work(time_per_scattering * answers.size());
   }
 }
 

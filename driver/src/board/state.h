@@ -15,7 +15,7 @@
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/board.h"
 #include "gicube/wire/command.h"
-#include "host_scattering.h"
+#include "gicube/wire/trap.h"
 #include "tables.h"
 
 namespace gicube {
@@ -42,7 +42,9 @@ struct GICUBE_HIDDEN Board::State {
 
   // Throws Rejected while the batches wait for a volume.
   void need_batches() const;
-  // Every public call but now() and info() is one transaction. Throws DeviceLost.
+  // Not from a callback of a call that runs.
+  std::unique_lock<std::mutex> lock();
+  // Every public call but now(), info() and reopen() is one transaction. Throws DeviceLost.
   std::unique_lock<std::mutex> begin();
   // While it lives, this Board takes no calls from the thread that made it: a callback of the application runs.
   class InCallback {
@@ -68,15 +70,13 @@ struct GICUBE_HIDDEN Board::State {
   std::uint64_t block_address(std::size_t block) const;
   void write_block(std::size_t block, std::span<const std::uint8_t> packed);
   std::vector<float> read_irradiance(const VoxelBox& box);
+  // Has the board clear words of `bits` of CONTROL; their unit is `unit` from now on.
+  void clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit);
   void check_fence();
   void find_flags(LoadedVolume& volume);
   void set_sampling(const View& view);
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
                 std::vector<std::size_t> lines);
-  std::vector<PairFactor> pairs_by_board(std::span<const Element> elements, std::span<const ElementPair> pairs,
-                                         const PairRequest& request, const Progress& progress);
-  std::vector<PairFactor> pairs_by_host(std::span<const Element> elements, std::span<const ElementPair> pairs,
-                                        const PairRequest& request, const Progress& progress);
   void send_batches_again();
   // Of a call that begins now.
   Picoseconds deadline() const {
@@ -100,8 +100,9 @@ struct GICUBE_HIDDEN Board::State {
   Device device;
   Tables tables;
   Batches batches;
-  HostScattering scattering;
-  Picoseconds time_limit = 0;  // of a rendering or an illumination; 0: none
+  ScatteringRoutine scattering_routine;  // the application's; empty: none
+  Picoseconds time_per_scattering = 0;   // of the host
+  Picoseconds time_limit = 0;            // of a rendering or an illumination; 0: none
   std::optional<LoadedVolume> volume;
   std::map<std::size_t, std::vector<std::uint8_t>> kept_blocks;  // packed, as last written; with keep_volume
   bool batches_wait = false;                                     // for a volume on a new board, to be sent again

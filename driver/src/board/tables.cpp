@@ -5,8 +5,8 @@
 
 #include "encode/lights.h"
 #include "encode/reflectance_map.h"
-#include "encode/volume/empty_flags.h"
 #include "encode/volume/segmentation_lut.h"
+#include "encode/volume/voxel_blocks.h"
 #include "gicube/wire/memory_map.h"
 
 namespace gicube {

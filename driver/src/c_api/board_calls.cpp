@@ -1,10 +1,8 @@
 // Opening, what the board is, simulated time, counters.
-#include <memory>
-
 #include "fields.h"
 
 struct GICUBE_HIDDEN gicube_counter_list {
-  std::vector<gicube::Counter> counters;
+  gicube::Counters counters;
 };
 
 namespace gicube::c_api {
@@ -13,28 +11,28 @@ namespace {
 OpenOptions to_options(const gicube_open_options* given) {
   if (given == nullptr) return {};
   gicube_open_options record;
-  auto options = read_fields<gicube_open_options, OpenOptions>("options", given, record);
+  auto options = read_fields<OpenOptions>("options", given, record);
   if (record.capture != nullptr) options.capture = record.capture;
   return options;
 }
 
 gicube_board_info to_c(const BoardInfo& info) {
-  gicube_board_info record{};
-  record.protocol_major = info.protocol_major;
-  record.protocol_minor = info.protocol_minor;
-  record.fidelity = static_cast<std::int32_t>(info.fidelity);
-  record.processors = info.processors;
-  record.block_voxels = info.block_voxels;
-  record.max_volume_voxels = info.max_volume_voxels;
-  record.queue_rays = info.queue_rays;
-  record.config_hash = info.config_hash;
-  record.core_khz = info.core_khz;
-  record.vendor_id = info.vendor_id;
-  record.device_id = info.device_id;
-  record.wide = info.wide;
-  record.agp = info.agp;
-  record.host_rays = info.host_rays;
-  return record;
+  return {.size = sizeof(gicube_board_info),
+          .protocol_major = info.protocol_major,
+          .protocol_minor = info.protocol_minor,
+          .fidelity = static_cast<std::int32_t>(info.fidelity),
+          .processors = info.processors,
+          .block_voxels = info.block_voxels,
+          .max_volume_voxels = info.max_volume_voxels,
+          .queue_rays = info.queue_rays,
+          .config_hash = info.config_hash,
+          .core_khz = info.core_khz,
+          .vendor_id = info.vendor_id,
+          .device_id = info.device_id,
+          .wide = info.wide,
+          .agp = info.agp,
+          .host_rays = info.host_rays,
+          .reserved = 0};
 }
 
 }  // namespace
@@ -43,6 +41,14 @@ gicube_board_info to_c(const BoardInfo& info) {
 using namespace gicube::c_api;
 
 extern "C" {
+
+gicube_status gicube_open_options_init(gicube_open_options* options, size_t size) {
+  return init<gicube::OpenOptions>("options", options, size);
+}
+
+gicube_status gicube_board_info_init(gicube_board_info* info, size_t size) {
+  return call([&] { write_record("info", info, size, {}); });
+}
 
 gicube_status gicube_open(const char* uri, const gicube_open_options* options, gicube_board** board) {
   return call([&] {
@@ -53,8 +59,7 @@ gicube_status gicube_open(const char* uri, const gicube_open_options* options, g
 }
 
 gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
+  return on_board(board, [&](gicube_board& handle) {
     const gicube::Reopened found = handle.board.reopen();
     if (!found.resumed) {  // the framebuffer is gone
       const std::scoped_lock lock(handle.mutex);
@@ -67,7 +72,7 @@ gicube_status gicube_reopen(gicube_board* board, gicube_reopened* reopened) {
 void gicube_close(gicube_board* board) { delete board; }
 
 gicube_status gicube_get_info(gicube_board* board, gicube_board_info* info) {
-  return call([&] { write_record("info", info, to_c(checked_board(board).board.info())); });
+  return on_board(board, [&](gicube_board& handle) { write_record("info", info, to_c(handle.board.info())); });
 }
 
 gicube_status gicube_now(gicube_board* board, uint64_t* now_ps) {
@@ -75,28 +80,30 @@ gicube_status gicube_now(gicube_board* board, uint64_t* now_ps) {
 }
 
 gicube_status gicube_host_compute(gicube_board* board, uint64_t duration_ps) {
-  return call([&] { checked_board(board).board.host_compute(duration_ps); });
+  return on_board(board, [&](gicube_board& handle) { handle.board.host_compute(duration_ps); });
 }
 
 gicube_status gicube_set_time_limit(gicube_board* board, uint64_t limit_ps) {
-  return call([&] { checked_board(board).board.set_time_limit(limit_ps); });
+  return on_board(board, [&](gicube_board& handle) { handle.board.set_time_limit(limit_ps); });
 }
 
 gicube_status gicube_get_counters(gicube_board* board, gicube_counter_list** list) {
   return call([&] {
     checked("list", list) = nullptr;
-    *list = new gicube_counter_list{checked_board(board).board.counters().list()};
+    *list = new gicube_counter_list{checked_board(board).board.counters()};
   });
 }
 
 void gicube_counters_free(gicube_counter_list* list) { delete list; }
 
-size_t gicube_counters_count(const gicube_counter_list* list) { return list == nullptr ? 0 : list->counters.size(); }
+size_t gicube_counters_count(const gicube_counter_list* list) {
+  return list == nullptr ? 0 : list->counters.list().size();
+}
 
 gicube_status gicube_counters_at(const gicube_counter_list* list, size_t index, const char** name, const char** unit,
                                  uint64_t* value) {
   return call([&] {
-    const auto& counters = checked("list", list).counters;
+    const auto& counters = checked("list", list).counters.list();
     if (index >= counters.size()) {
       throw gicube::BadArgument("index", "less than " + std::to_string(counters.size()), std::to_string(index));
     }
@@ -109,13 +116,9 @@ gicube_status gicube_counters_at(const gicube_counter_list* list, size_t index, 
 gicube_status gicube_counters_value(const gicube_counter_list* list, const char* name, uint64_t* value) {
   return call([&] {
     checked("value", value) = 0;
-    const std::string wanted = &checked("name", name);
-    for (const gicube::Counter& counter : checked("list", list).counters) {
-      if (counter.name != wanted) continue;
-      *value = counter.value;
-      return;
-    }
-    throw gicube::Unsupported("this board keeps no counter " + wanted);
+    const gicube::Counter* counter = checked("list", list).counters.find(&checked("name", name));
+    if (counter == nullptr) throw gicube::Unsupported(std::string("this board keeps no counter ") + name);
+    *value = counter->value;
   });
 }
 }

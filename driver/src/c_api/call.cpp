@@ -1,9 +1,9 @@
 #include "call.h"
 
+#include <algorithm>
 #include <iterator>
-#include <utility>
-
-#include "gicube/export.h"
+#include <new>
+#include <stdexcept>
 
 namespace gicube::c_api {
 namespace {
@@ -30,21 +30,29 @@ void keep(const char* words, const std::string& field, std::int32_t loss = GICUB
   last.field = field;
 }
 
-// The status of an error of the driver; the more special classes first.
+template <typename Kind>
+bool is(const Error& error) {
+  return dynamic_cast<const Kind*>(&error) != nullptr;
+}
+
 gicube_status status_of(const Error& error) {
-  if (dynamic_cast<const Stopped*>(&error) != nullptr) return GICUBE_STOPPED;
-  if (dynamic_cast<const BadArgument*>(&error) != nullptr) return GICUBE_BAD_ARGUMENT;
-  if (dynamic_cast<const OpenFailed*>(&error) != nullptr) return GICUBE_OPEN_FAILED;
-  if (dynamic_cast<const BoardBusy*>(&error) != nullptr) return GICUBE_BOARD_BUSY;
-  if (dynamic_cast<const VersionMismatch*>(&error) != nullptr) return GICUBE_VERSION_MISMATCH;
-  if (dynamic_cast<const Rejected*>(&error) != nullptr) return GICUBE_REJECTED;
-  if (dynamic_cast<const ScatteringFailed*>(&error) != nullptr) return GICUBE_SCATTERING_FAILED;
-  if (dynamic_cast<const Unsupported*>(&error) != nullptr) return GICUBE_UNSUPPORTED;
-  if (dynamic_cast<const TimedOut*>(&error) != nullptr) return GICUBE_TIMED_OUT;
-  if (dynamic_cast<const DeadlinePassed*>(&error) != nullptr) return GICUBE_DEADLINE_PASSED;
-  if (dynamic_cast<const WouldBlock*>(&error) != nullptr) return GICUBE_WOULD_BLOCK;
-  if (dynamic_cast<const MemoryFault*>(&error) != nullptr) return GICUBE_MEMORY_FAULT;
-  return GICUBE_INTERNAL;
+  struct Entry {
+    bool (*is)(const Error&);
+    gicube_status status;
+  };
+  static constexpr Entry kStatuses[] = {{is<Stopped>, GICUBE_STOPPED},
+                                        {is<OpenFailed>, GICUBE_OPEN_FAILED},
+                                        {is<BoardBusy>, GICUBE_BOARD_BUSY},
+                                        {is<VersionMismatch>, GICUBE_VERSION_MISMATCH},
+                                        {is<Rejected>, GICUBE_REJECTED},
+                                        {is<ScatteringFailed>, GICUBE_SCATTERING_FAILED},
+                                        {is<Unsupported>, GICUBE_UNSUPPORTED},
+                                        {is<TimedOut>, GICUBE_TIMED_OUT},
+                                        {is<DeadlinePassed>, GICUBE_DEADLINE_PASSED},
+                                        {is<WouldBlock>, GICUBE_WOULD_BLOCK},
+                                        {is<MemoryFault>, GICUBE_MEMORY_FAULT}};
+  const auto found = std::ranges::find_if(kStatuses, [&](const Entry& each) { return each.is(error); });
+  return found == std::end(kStatuses) ? GICUBE_INTERNAL : found->status;
 }
 
 gicube_status remember() {
@@ -59,15 +67,11 @@ gicube_status remember() {
   } catch (const Error& error) {
     keep(error.what(), {});
     return status_of(error);
-  } catch (const std::bad_alloc&) {
-    keep("out of memory", {});
-    return GICUBE_NO_MEMORY;
-  } catch (const std::length_error&) {  // a size that no memory holds
-    keep("out of memory", {});
-    return GICUBE_NO_MEMORY;
   } catch (const std::exception& error) {
-    keep(error.what(), {});
-    return GICUBE_INTERNAL;
+    const bool no_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
+                           dynamic_cast<const std::length_error*>(&error) != nullptr;  // a size that no memory holds
+    keep(no_memory ? "out of memory" : error.what(), {});
+    return no_memory ? GICUBE_NO_MEMORY : GICUBE_INTERNAL;
   } catch (...) {
     keep("something that is no std::exception was thrown", {});
     return GICUBE_INTERNAL;

@@ -1,16 +1,64 @@
-// Which field of a C record is which one of the C++ API: named once, for both ways.
+// Records of the C ABI. They begin with their size, since a caller may have been compiled with an older or a newer version of
+// them; and which of their fields is which one of the C++ API is named once, for both ways.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <string>
-#include <type_traits>
 
+#include "call.h"
 #include "gicube/board.h"
-#include "handle.h"
-#include "record.h"
 
 namespace gicube::c_api {
+
+inline constexpr std::size_t kLargestRecord = 65'536;  // bytes, chosen: a size beyond is no size but a stray value
+
+// Throws BadArgument.
+template <typename Record>
+void check_size(const std::string& name, const Record* record, std::size_t size) {
+  if (record == nullptr) throw BadArgument(name, "a pointer", "NULL");
+  if (size < sizeof(Record) || size > kLargestRecord) {
+    throw BadArgument(name + ".size",
+                      std::to_string(sizeof(Record)) + ".." + std::to_string(kLargestRecord) + " (sizeof the record)",
+                      std::to_string(size));
+  }
+}
+// Of a record that may be NULL.
+template <typename Record>
+void check_optional(const std::string& name, const Record* record) {
+  if (record != nullptr) check_size(name, record, record->size);
+}
+
+// The caller's record. Throws BadArgument.
+template <typename Record>
+Record read_record(const std::string& name, const Record* given) {
+  check_size(name, given, given == nullptr ? 0 : given->size);
+  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+  for (std::size_t i = sizeof(Record); i < given->size; ++i) {
+    if (bytes[i] != 0) {
+      throw BadArgument(
+          name, "zeros in fields that this library does not know (from byte " + std::to_string(sizeof(Record)) + " on)",
+          std::to_string(bytes[i]) + " at byte " + std::to_string(i));
+    }
+  }
+  return *given;
+}
+
+// Fills the caller's record of `size` bytes. Throws BadArgument.
+template <typename Record>
+void write_record(const std::string& name, Record* out, std::size_t size, Record record) {
+  check_size(name, out, size);
+  record.size = static_cast<std::uint32_t>(size);
+  std::memset(static_cast<void*>(out), 0, size);
+  std::memcpy(static_cast<void*>(out), &record, sizeof(Record));
+}
+template <typename Record>
+void write_record(const std::string& name, Record* out, const Record& record) {
+  write_record(name, out, out == nullptr ? 0 : out->size, record);
+}
 
 // Copies fields from a record, checked, or to it. `record`: its name in refusals.
 template <bool kToRecord>
@@ -55,17 +103,15 @@ struct Copy {
       value = std::chrono::milliseconds(std::min(c, kLongest));
     }
   }
-  template <typename C>
-  void reserved(const char* field, C& c) const {
-    if (!kToRecord) check_reserved(name(field), static_cast<std::uint32_t>(c));
+  void reserved(const char* field, auto& c) const {
+    if (!kToRecord) check_reserved(name(field), c);
   }
 
  private:
   std::string name(const char* field) const { return std::string(record) + "." + field; }
 };
 
-template <typename To>
-void copy_fields(const To& copy, gicube_open_options& c, OpenOptions& options) {
+void copy_fields(const auto& copy, gicube_open_options& c, OpenOptions& options) {
   copy.milliseconds(c.watchdog_ms, options.watchdog);
   copy.number(c.max_rays, options.max_rays);
   copy.truth("keep_volume", c.keep_volume, options.keep_volume);
@@ -76,8 +122,7 @@ void copy_fields(const To& copy, gicube_open_options& c, OpenOptions& options) {
   copy.choice("back_pressure", c.back_pressure, options.back_pressure, BackPressure::kThrow);
 }
 
-template <typename To>
-void copy_fields(const To& copy, gicube_shading& c, Shading& shading) {
+void copy_fields(const auto& copy, gicube_shading& c, Shading& shading) {
   copy.reserved("reserved", c.reserved);
   copy.number(c.ambient, shading.phong.ambient);
   copy.number(c.diffuse, shading.phong.diffuse);
@@ -86,8 +131,7 @@ void copy_fields(const To& copy, gicube_shading& c, Shading& shading) {
   copy.vector(c.light, shading.light);
 }
 
-template <typename To>
-void copy_fields(const To& copy, gicube_material& c, Material& material) {
+void copy_fields(const auto& copy, gicube_material& c, Material& material) {
   copy.number(c.scattering, material.scattering);
   copy.choice("bsdf", c.bsdf, material.bsdf, Bsdf::kTrap);
   copy.number(c.gloss, material.gloss);
@@ -96,8 +140,7 @@ void copy_fields(const To& copy, gicube_material& c, Material& material) {
   copy.truth("surface", c.surface, material.surface);
 }
 
-template <typename To>
-void copy_fields(const To& copy, gicube_illumination& c, Illumination& settings) {
+void copy_fields(const auto& copy, gicube_illumination& c, Illumination& settings) {
   copy.choice("albedo", c.albedo, settings.albedo, Albedo::kHigh);
   copy.choice("rules", c.rules, settings.rules, EnergyRules::kConserving);
   copy.number(c.rays_per_face_voxel, settings.rays_per_face_voxel);
@@ -108,8 +151,7 @@ void copy_fields(const To& copy, gicube_illumination& c, Illumination& settings)
   copy.number(c.seed, settings.seed);
 }
 
-template <typename To>
-void copy_fields(const To& copy, gicube_view& c, View& view) {
+void copy_fields(const auto& copy, gicube_view& c, View& view) {
   copy.vector(c.eye, view.eye);
   copy.vector(c.look_at, view.look_at);
   copy.vector(c.up, view.up);
@@ -134,8 +176,7 @@ void copy_fields(const To& copy, gicube_view& c, View& view) {
   copy.number(c.seed, view.seed);
 }
 
-template <typename To>
-void copy_fields(const To& copy, gicube_ray_request& c, RayRequest& request) {
+void copy_fields(const auto& copy, gicube_ray_request& c, RayRequest& request) {
   copy.choice("type", c.type, request.type, RayType::kBackproject);
   copy.number(c.opacity, request.opacity);
   copy.choice("albedo", c.albedo, request.albedo, Albedo::kHigh);
@@ -145,8 +186,7 @@ void copy_fields(const To& copy, gicube_ray_request& c, RayRequest& request) {
   copy.choice("words", c.words, request.words, SumWords::kSums);
 }
 
-template <typename To>
-void copy_fields(const To& copy, gicube_pair_request& c, PairRequest& request) {
+void copy_fields(const auto& copy, gicube_pair_request& c, PairRequest& request) {
   copy.reserved("reserved", c.reserved);
   copy.number(c.rays, request.rays);
   copy.number(c.first, request.first);
@@ -155,35 +195,36 @@ void copy_fields(const To& copy, gicube_pair_request& c, PairRequest& request) {
   copy.choice("made", c.made, request.made, PairRays::kByHost);
 }
 
-// What the C++ API has by default.
-template <typename Record, typename T>
-Record default_record() {
-  Record record{};
-  T value;
-  copy_fields(Copy<true>{""}, record, value);
-  return record;
+// For ..._init(): what the C++ API has by default.
+template <typename T, typename Record>
+gicube_status init(const char* name, Record* out, std::size_t size) {
+  return call([&] {
+    Record record{};
+    T value;
+    copy_fields(Copy<true>{""}, record, value);
+    write_record(name, out, size, record);
+  });
 }
 
-// What the caller's record says, with the defaults for what it does not have. Throws BadArgument. Leaves `record` as it was
-// read, for fields that are no plain values.
-template <typename Record, typename T>
+// What the caller's record says. Throws BadArgument. Leaves in `record` what was read, for fields that are no plain values.
+template <typename T, typename Record>
 T read_fields(const char* name, const Record* given, Record& record) {
-  record = read_record(name, given, default_record<Record, T>());
+  record = read_record(name, given);
   T value;
   copy_fields(Copy<false>{name}, record, value);
   return value;
 }
 
-template <typename Record, typename T>
+template <typename T, typename Record>
 T read_fields(const char* name, const Record* given) {
   Record record;
-  return read_fields<Record, T>(name, given, record);
+  return read_fields<T>(name, given, record);
 }
 
 // The same of a record that may be NULL, for all defaults.
-template <typename Record, typename T>
+template <typename T, typename Record>
 T read_optional(const char* name, const Record* given) {
-  return given == nullptr ? T() : read_fields<Record, T>(name, given);
+  return given == nullptr ? T() : read_fields<T>(name, given);
 }
 
 }  // namespace gicube::c_api

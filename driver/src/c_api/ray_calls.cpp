@@ -1,4 +1,4 @@
-// Rays of the caller's.
+// Rays of the caller's, and light between pairs of elements.
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
@@ -32,44 +32,22 @@ std::span<const HostRay> to_rays(const gicube_host_ray* rays, std::size_t count)
   return {reinterpret_cast<const HostRay*>(rays), count};
 }
 
-RayRequest to_request(const gicube_ray_request* given) {
-  return read_optional<gicube_ray_request, RayRequest>("request", given);
-}
-
-// Remembers the ticket of a batch of which no rays come back.
-void note(gicube_board& handle, const RayRequest& request, std::uint32_t ticket) {
-  if (request.type != RayType::kDeposit && request.type != RayType::kBackproject) return;
-  const std::scoped_lock lock(handle.mutex);
-  handle.deposits.insert(ticket);
-}
-
-// The caller need not have memory for rays of a deposit.
-BatchReport receive(gicube_board& handle, Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline) {
-  bool deposit = false;
-  {
-    const std::scoped_lock lock(handle.mutex);
-    deposit = handle.deposits.contains(ticket.id);
-  }
-  if (!deposit) return handle.board.receive(ticket, rays, deadline);
-  BatchReport report = handle.board.receive(ticket, deadline);
-  const std::scoped_lock lock(handle.mutex);
-  handle.deposits.erase(ticket.id);
-  return report;
-}
+bool comes_back(const BatchReport& batch) { return !batch.lighting && !batch.deposits && !batch.cancelled; }
 
 void write_report(gicube_batch_report* out, const BatchReport& batch, std::size_t rays) {
   if (out == nullptr) return;
-  gicube_batch_report record{};
-  record.ticket = batch.ticket.id;
-  record.completed_ps = batch.completed;
-  record.rays = rays;
-  record.cancelled = batch.cancelled;
-  record.deposited = batch.lighting.has_value();
-  record.lighting = to_c(batch.lighting.value_or(LightingReport{}));
-  record.backprojected = batch.deposits.has_value();
   const DepositReport left = batch.deposits.value_or(DepositReport{});
-  record.deposits = {left.rays, left.samples, left.kept, left.clipped, left.overflowed, left.unit};
-  write_record("report", out, record);
+  write_record("report", out,
+               {.size = 0,
+                .ticket = batch.ticket.id,
+                .completed_ps = batch.completed,
+                .rays = rays,
+                .cancelled = batch.cancelled,
+                .deposited = batch.lighting.has_value(),
+                .lighting = to_c(batch.lighting.value_or(LightingReport{})),
+                .backprojected = batch.deposits.has_value(),
+                .reserved = 0,
+                .deposits = {left.rays, left.samples, left.kept, left.clipped, left.overflowed, left.unit}});
 }
 
 // Of a batch that gicube_poll() has told of. False if it has not.
@@ -79,14 +57,25 @@ bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_r
   const auto found = handle.arrived.find(ticket);
   if (found == handle.arrived.end()) return false;
   const RayBatch& batch = found->second;
-  if (!batch.lighting && !batch.deposits && !batch.cancelled) check_count("count", count, batch.rays.size());
+  if (comes_back(batch)) check_count("count", count, batch.rays.size());
   write_report(report, batch, batch.rays.size());
   const auto* from = reinterpret_cast<const gicube_traced_ray*>(batch.rays.data());
   if (!batch.rays.empty()) std::copy(from, from + batch.rays.size(), rays);
   std::erase(handle.announce, ticket);
-  handle.deposits.erase(ticket);
   handle.arrived.erase(found);
   return true;
+}
+
+Element to_element(const gicube_element& element, std::size_t index) {
+  const std::string name = "elements[" + std::to_string(index) + "]";
+  check_reserved(name + ".reserved", element.reserved);
+  return {choice(name + ".kind", element.kind, ElementKind::kBox), to_vec3(element.origin), to_vec3(element.u),
+          to_vec3(element.v), to_vec3(element.w)};
+}
+
+ElementPair to_pair(const gicube_element_pair& pair, std::size_t index) {
+  check_reserved("pairs[" + std::to_string(index) + "].reserved", pair.reserved);
+  return {pair.a, pair.b, pair.id};
 }
 
 }  // namespace
@@ -95,6 +84,22 @@ bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_r
 using namespace gicube::c_api;
 
 extern "C" {
+
+gicube_status gicube_ray_request_init(gicube_ray_request* request, size_t size) {
+  return init<gicube::RayRequest>("request", request, size);
+}
+
+gicube_status gicube_pair_request_init(gicube_pair_request* request, size_t size) {
+  return init<gicube::PairRequest>("request", request, size);
+}
+
+gicube_status gicube_batch_report_init(gicube_batch_report* report, size_t size) {
+  return call([&] {
+    gicube_batch_report record{};
+    record.lighting.size = sizeof record.lighting;
+    write_record("report", report, size, record);
+  });
+}
 
 gicube_status gicube_ray_between(uint32_t id, const double from[3], const double to[3], gicube_host_ray* ray) {
   return call([&] {
@@ -112,9 +117,7 @@ gicube_status gicube_submit(gicube_board* board, const gicube_host_ray* rays, si
     checked("ticket", ticket) = 0;
     gicube_board& handle = checked_board(board);
     checked("rays", rays, count);
-    const gicube::RayRequest asked = to_request(request);
-    *ticket = handle.board.submit(to_rays(rays, count), asked).id;
-    note(handle, asked, *ticket);
+    *ticket = handle.board.submit(to_rays(rays, count), read_optional<gicube::RayRequest>("request", request)).id;
   });
 }
 
@@ -126,12 +129,10 @@ gicube_status gicube_submit_gather(gicube_board* board, const gicube_ray_span* s
     checked("spans", spans, span_count);
     std::vector<std::span<const gicube::HostRay>> parts;
     for (std::size_t i = 0; i < span_count; ++i) {
-      checked(("spans[" + std::to_string(i) + "].rays").c_str(), spans[i].rays, spans[i].count);
+      checked("spans[" + std::to_string(i) + "].rays", spans[i].rays, spans[i].count);
       parts.push_back(to_rays(spans[i].rays, spans[i].count));
     }
-    const gicube::RayRequest asked = to_request(request);
-    *ticket = handle.board.submit(parts, asked).id;
-    note(handle, asked, *ticket);
+    *ticket = handle.board.submit(parts, read_optional<gicube::RayRequest>("request", request)).id;
   });
 }
 
@@ -143,10 +144,9 @@ gicube_status gicube_submit_polylines(gicube_board* board, const gicube_polyline
     checked("lines", lines, count);
     std::vector<gicube::Polyline> all;
     for (std::size_t i = 0; i < count; ++i) {
-      const gicube_polyline& line = lines[i];
-      checked(("lines[" + std::to_string(i) + "].points").c_str(), reinterpret_cast<const gicube::Vec3*>(line.points),
-              line.point_count);
-      all.push_back({line.id, {reinterpret_cast<const gicube::Vec3*>(line.points), line.point_count}});
+      const auto* points = reinterpret_cast<const gicube::Vec3*>(lines[i].points);
+      checked("lines[" + std::to_string(i) + "].points", points, lines[i].point_count);
+      all.push_back({lines[i].id, {points, lines[i].point_count}});
     }
     *ticket = handle.board.submit(std::span<const gicube::Polyline>(all)).id;
   });
@@ -154,21 +154,19 @@ gicube_status gicube_submit_polylines(gicube_board* board, const gicube_polyline
 
 gicube_status gicube_receive(gicube_board* board, uint32_t ticket, uint64_t deadline_ps, gicube_traced_ray* rays,
                              size_t count, gicube_batch_report* report) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
+  return on_board(board, [&](gicube_board& handle) {
     checked("rays", rays, count);
-    if (report != nullptr) check_size<gicube_batch_report>("report", report->size, sizeof *report);
+    check_optional("report", report);
     if (receive_arrived(handle, ticket, rays, count, report)) return;
     const gicube::BatchReport batch =
-        receive(handle, {ticket}, std::span(reinterpret_cast<gicube::TracedRay*>(rays), count), deadline_ps);
-    write_report(report, batch, batch.cancelled || batch.lighting || batch.deposits ? 0 : count);
+        handle.board.receive({ticket}, {reinterpret_cast<gicube::TracedRay*>(rays), count}, deadline_ps);
+    write_report(report, batch, comes_back(batch) ? count : 0);
   });
 }
 
 gicube_status gicube_poll(gicube_board* board, gicube_batch_report* report) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
-    check_size<gicube_batch_report>("report", checked("report", report).size, sizeof *report);
+  return on_board(board, [&](gicube_board& handle) {
+    check_size("report", report, checked("report", report).size);
     std::vector<gicube::RayBatch> batches = handle.board.poll();
     const std::scoped_lock lock(handle.mutex);
     for (gicube::RayBatch& batch : batches) {
@@ -191,6 +189,26 @@ gicube_status gicube_cancel(gicube_board* board, uint32_t ticket, int32_t* cance
       if (handle.arrived.contains(ticket)) return;
     }
     *cancelled = handle.board.cancel({ticket});
+  });
+}
+
+gicube_status gicube_pair_factors(gicube_board* board, const gicube_element* elements, size_t element_count,
+                                  const gicube_element_pair* pairs, size_t pair_count,
+                                  const gicube_pair_request* request, gicube_progress progress, void* user,
+                                  gicube_pair_factor* factors, size_t count) {
+  return on_board(board, [&](gicube_board& handle) {
+    checked("elements", elements, element_count);
+    checked("pairs", pairs, pair_count);
+    check_count("count", count, pair_count);
+    checked("factors", factors, count);
+    const auto how = read_optional<gicube::PairRequest>("request", request);
+    std::vector<gicube::Element> all;
+    for (std::size_t i = 0; i < element_count; ++i) all.push_back(to_element(elements[i], i));
+    std::vector<gicube::ElementPair> between;
+    for (std::size_t i = 0; i < pair_count; ++i) between.push_back(to_pair(pairs[i], i));
+    for (const gicube::PairFactor& factor : handle.board.pair_factors(all, between, how, to_progress(progress, user))) {
+      *factors++ = {factor.transported, factor.geometric, factor.standard_error, factor.clear ? 1 : 0, 0};
+    }
   });
 }
 }

@@ -21,7 +21,7 @@ VolumeView to_volume(const gicube_volume& record) {
 
 Material to_material(const gicube_material* given) {
   gicube_material record;
-  Material material = read_fields<gicube_material, Material>("material", given, record);
+  Material material = read_fields<Material>("material", given, record);
   constexpr std::uint32_t kMax = 32;
   if (record.parameter_count > kMax) {
     throw BadArgument("material.parameter_count", "at most 32", std::to_string(record.parameter_count));
@@ -32,20 +32,22 @@ Material to_material(const gicube_material* given) {
 }
 
 gicube_scatter_event to_c(const ScatterEvent& event) {
-  gicube_scatter_event record{};
-  record.size = sizeof record;
-  record.tag = event.tag;
-  put(event.position, record.position);
-  put(event.direction, record.direction);
-  put(event.normal, record.normal);
-  record.opacity = event.opacity;
-  record.density = event.density;
-  for (std::size_t i = 0; i < event.random.size(); ++i) record.random[i] = event.random[i];
-  record.lighting = event.lighting;
-  record.generation = event.generation;
-  record.parameters = event.parameters.data();
-  record.parameter_count = event.parameters.size();
-  return record;
+  const auto& [x, y, z] = event.position;
+  const auto& [dx, dy, dz] = event.direction;
+  const auto& [nx, ny, nz] = event.normal;
+  const auto& [a, b, c, d] = event.random;
+  return {sizeof(gicube_scatter_event),
+          event.tag,
+          {x, y, z},
+          {dx, dy, dz},
+          {nx, ny, nz},
+          event.opacity,
+          event.density,
+          {a, b, c, d},
+          event.lighting,
+          event.generation,
+          event.parameters.data(),
+          event.parameters.size()};
 }
 
 ScatteringRoutine to_routine(gicube_scattering_routine routine, void* user) {
@@ -75,17 +77,9 @@ std::size_t voxels_of(const VoxelBox& box) {
 
 }  // namespace
 
-Progress to_progress(gicube_progress progress, void* user) {
-  if (progress == nullptr) return {};
-  return [progress, user](std::uint32_t done, std::uint32_t all) {
-    if (progress(user, done, all) != 0) throw Stopped("the progress callback ended the call");
-  };
-}
-
 gicube_status read_box(gicube_board* board, const gicube_box* box, float* values, std::size_t count,
                        std::vector<float> (Board::*read)(const VoxelBox&)) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
+  return on_board(board, [&](gicube_board& handle) {
     const VoxelBox voxels = to_box(box);
     check_count("count", count, voxels_of(voxels));
     checked("values", values);
@@ -96,8 +90,7 @@ gicube_status read_box(gicube_board* board, const gicube_box* box, float* values
 
 gicube_status write_box(gicube_board* board, const gicube_box* box, const float* values, std::size_t count,
                         void (Board::*write)(const VoxelBox&, std::span<const float>)) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
+  return on_board(board, [&](gicube_board& handle) {
     const VoxelBox voxels = to_box(box);
     check_count("count", count, voxels_of(voxels));
     (handle.board.*write)(voxels, {&checked("values", values), count});
@@ -110,11 +103,26 @@ using namespace gicube::c_api;
 
 extern "C" {
 
+gicube_status gicube_volume_init(gicube_volume* volume, size_t size) {
+  return call([&] {
+    gicube_volume record{};
+    put(gicube::VolumeView().spacing, record.spacing);
+    write_record("volume", volume, size, record);
+  });
+}
+
+gicube_status gicube_shading_init(gicube_shading* shading, size_t size) {
+  return init<gicube::Shading>("shading", shading, size);
+}
+
+gicube_status gicube_material_init(gicube_material* material, size_t size) {
+  return init<gicube::Material>("material", material, size);
+}
+
 gicube_status gicube_load_volume(gicube_board* board, const gicube_volume* volume, gicube_progress progress,
                                  void* user) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
-    handle.board.load_volume(to_volume(read_record("volume", volume, default_volume())), to_progress(progress, user));
+  return on_board(board, [&](gicube_board& handle) {
+    handle.board.load_volume(to_volume(read_record("volume", volume)), to_progress(progress, user));
   });
 }
 
@@ -150,34 +158,27 @@ gicube_status gicube_verify_volume(gicube_board* board, size_t* damaged, size_t 
 gicube_status gicube_set_transfer_function(gicube_board* board, int32_t tag, const gicube_colour_point* colours,
                                            size_t colour_count, const gicube_opacity_point* opacities,
                                            size_t opacity_count) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
+  return on_board(board, [&](gicube_board& handle) {
     checked("colours", colours, colour_count);
     checked("opacities", opacities, opacity_count);
     gicube::TransferFunction function;
-    for (std::size_t i = 0; i < colour_count; ++i) {
-      const auto& [value, colour] = colours[i];
+    for (const auto& [value, colour] : std::span(colours, colour_count)) {
       function.colours.push_back({value, {colour[0], colour[1], colour[2]}});
     }
-    for (std::size_t i = 0; i < opacity_count; ++i) {
-      function.opacities.push_back({opacities[i].value, opacities[i].opacity});
+    for (const auto& [value, opacity] : std::span(opacities, opacity_count)) {
+      function.opacities.push_back({value, opacity});
     }
     handle.board.set_transfer_function(function, tag);
   });
 }
 
 gicube_status gicube_set_shading(gicube_board* board, const gicube_shading* shading) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
-    handle.board.set_shading(read_fields<gicube_shading, gicube::Shading>("shading", shading));
-  });
+  return on_board(
+      board, [&](gicube_board& handle) { handle.board.set_shading(read_fields<gicube::Shading>("shading", shading)); });
 }
 
 gicube_status gicube_set_material(gicube_board* board, int32_t tag, const gicube_material* material) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
-    handle.board.set_material(to_material(material), tag);
-  });
+  return on_board(board, [&](gicube_board& handle) { handle.board.set_material(to_material(material), tag); });
 }
 
 gicube_status gicube_set_scattering_routine(gicube_board* board, gicube_scattering_routine routine, void* user,
@@ -186,8 +187,7 @@ gicube_status gicube_set_scattering_routine(gicube_board* board, gicube_scatteri
 }
 
 gicube_status gicube_set_gradient_codebook(gicube_board* board, const double* codebook, size_t codes) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
+  return on_board(board, [&](gicube_board& handle) {
     constexpr std::size_t kMax = 2048;
     if (codes > kMax) throw gicube::BadArgument("codes", "at most 2048", std::to_string(codes));
     checked("codebook", codebook, 3 * codes);
@@ -208,8 +208,7 @@ gicube_status gicube_get_blocks(gicube_board* board, int32_t blocks[3]) {
 }
 
 gicube_status gicube_set_empty_flags(gicube_board* board, const uint8_t* flags, size_t count) {
-  return call([&] {
-    gicube_board& handle = checked_board(board);
+  return on_board(board, [&](gicube_board& handle) {
     handle.board.set_empty_flags({checked("flags", flags, count), count});
   });
 }

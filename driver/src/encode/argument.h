@@ -1,6 +1,8 @@
 // The checks that every argument goes through, and the words in which a refusal names it.
 #pragma once
 
+#include <cmath>
+#include <concepts>
 #include <string>
 
 #include "gicube/error.h"
@@ -15,6 +17,16 @@ std::string number_text(double value);
 void expect_within(const std::string& field, double value, double low, double high);
 void expect_finite(const std::string& field, double value);
 void expect_finite(const std::string& field, Vec3 value);  // names the component: "eye.x"
+
+// The same with a name that is made by name() only when it is needed: for checks of millions of values.
+template <std::invocable Name>
+void expect_within(const Name& name, double value, double low, double high) {
+  if (!(value >= low && value <= high)) expect_within(std::string(name()), value, low, high);
+}
+template <std::invocable Name>
+void expect_finite(const Name& name, double value) {
+  if (!std::isfinite(value)) expect_finite(std::string(name()), value);
+}
 
 // `v` scaled to unit length; the zero vector stays zero. Its components may be of any finite size, also where their
 // squares would over- or underflow.

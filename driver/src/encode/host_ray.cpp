@@ -22,14 +22,8 @@ constexpr int kEnergyFractionBits = 12;
 
 std::array<double, 3> components(Vec3 v) { return {v.x, v.y, v.z}; }
 
-bool is_segment(RayType type) {
-  return type == RayType::kSegment || type == RayType::kOpacity || type == RayType::kIntegral ||
-         type == RayType::kBackproject;
-}
-
-bool has_threshold(RayType type) {
-  return type == RayType::kFirstHit || type == RayType::kSegment || type == RayType::kOpacity;
-}
+bool is_segment(RayType type) { return wire::is_segment(static_cast<wire::RayType>(type)); }
+bool has_threshold(RayType type) { return wire::has_threshold(static_cast<wire::RayType>(type)); }
 
 bool leaves_sums(const RaySetup& setup) {
   return setup.request.type == RayType::kBackproject && setup.request.words == SumWords::kSums;
@@ -44,17 +38,15 @@ double max_energy(const RaySetup& setup) {
 void check_position(Vec3 at, const char* what, std::size_t index, const char* field, Dims dims) {
   const std::array<double, 3> position = components(at);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double last = dims[axis] - 1;
-    if (position[axis] >= 0 && position[axis] <= last) continue;  // the name is made only when it is needed
-    expect_within(fmt::format("{}[{}].{}.{}", what, index, field, kAxisNames[axis]), position[axis], 0, last);
+    const auto name = [&] { return fmt::format("{}[{}].{}.{}", what, index, field, kAxisNames[axis]); };
+    expect_within(name, position[axis], 0, dims[axis] - 1);
   }
 }
 
 void check_direction(const HostRay& ray, std::size_t index) {
   const std::array<double, 3> direction = components(ray.direction);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (std::isfinite(direction[axis])) continue;
-    expect_finite(fmt::format("rays[{}].direction.{}", index, kAxisNames[axis]), direction[axis]);
+    expect_finite([&] { return fmt::format("rays[{}].direction.{}", index, kAxisNames[axis]); }, direction[axis]);
   }
   if (ray.direction == Vec3{}) throw BadArgument(fmt::format("rays[{}].direction", index), "any length but 0", "0");
 }
@@ -92,11 +84,12 @@ double units_of_a_step(const HostRay& ray, const RaySetup& setup) {
 }
 
 void check_energy_of_a_step(const HostRay& ray, std::size_t index, const RaySetup& setup) {
-  if (!std::isfinite(ray.energy)) expect_finite(fmt::format("rays[{}].energy", index), ray.energy);
+  const auto name = [index] { return fmt::format("rays[{}].energy", index); };
+  expect_finite(name, ray.energy);
   const double units = units_of_a_step(ray, setup), min_units = leaves_sums(setup) ? -wire::kMaxAmount : 0;
   if (units >= min_units && units <= wire::kMaxAmount) return;
   const double one = ray.energy / units;
-  expect_within(fmt::format("rays[{}].energy", index), ray.energy, min_units * one, wire::kMaxAmount * one);
+  expect_within(name(), ray.energy, min_units * one, wire::kMaxAmount * one);
 }
 
 }  // namespace
@@ -128,16 +121,13 @@ void check(const RayRequest& request) {
 void check(const HostRay& ray, std::size_t index, const RaySetup& setup) {
   check_position(ray.position, "rays", index, "position", setup.dims);
   check_direction(ray, index);
-  if (is_segment(setup.request.type) && !(ray.length >= 0 && ray.length <= kMaxLength)) {
-    expect_within(fmt::format("rays[{}].length", index), ray.length, 0, kMaxLength);
+  if (is_segment(setup.request.type)) {
+    expect_within([&] { return fmt::format("rays[{}].length", index); }, ray.length, 0, kMaxLength);
   }
   if (setup.request.type == RayType::kBackproject) check_energy_of_a_step(ray, index, setup);
   if (setup.request.type != RayType::kDeposit) return;
-  const double min_energy = std::ldexp(setup.energy_unit, -kEnergyFractionBits);
-  const double max_ray_energy = max_energy(setup) * setup.energy_unit;
-  if (!(ray.energy >= min_energy && ray.energy <= max_ray_energy)) {
-    expect_within(fmt::format("rays[{}].energy", index), ray.energy, min_energy, max_ray_energy);
-  }
+  expect_within([&] { return fmt::format("rays[{}].energy", index); }, ray.energy,
+                std::ldexp(setup.energy_unit, -kEnergyFractionBits), max_energy(setup) * setup.energy_unit);
 }
 
 void check(const Polyline& line, std::size_t index, Dims dims) {
@@ -158,13 +148,10 @@ wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays) {
   header.count = static_cast<std::uint32_t>(rays);
   header.type = static_cast<wire::RayType>(request.type);
   if (has_threshold(request.type)) header.opacity = opacity_word(request.opacity);
-  if (request.type == RayType::kBackproject) {
-    header.words = request.words == SumWords::kSums ? wire::SumWords::kWhole : wire::SumWords::kIrradiance;
-  }
+  if (request.type == RayType::kBackproject) header.words = static_cast<wire::SumWords>(request.words);
   if (request.type != RayType::kDeposit) return header;
-  header.albedo = request.albedo == Albedo::kHigh ? wire::Albedo::kHigh : wire::Albedo::kLow;
-  header.rules =
-      request.rules == EnergyRules::kConserving ? wire::EnergyRules::kConserving : wire::EnergyRules::kAsPrinted;
+  header.albedo = static_cast<wire::Albedo>(request.albedo);
+  header.rules = static_cast<wire::EnergyRules>(request.rules);
   return header;
 }
 

@@ -91,9 +91,7 @@ void check(const Material& material) {
   if (material.bsdf < Bsdf::kNone || material.bsdf > Bsdf::kTrap) {
     throw BadArgument("material.bsdf", "one of Bsdf", std::to_string(static_cast<int>(material.bsdf)));
   }
-  if (material.routine < 0 || material.routine > kHostRoutine) {
-    throw BadArgument("material.routine", "0..255", std::to_string(material.routine));
-  }
+  expect_within("material.routine", material.routine, 0, kHostRoutine);
   if (material.parameters.size() > wire::kMaterialParameters) {
     throw BadArgument("material.parameters", "at most 32", std::to_string(material.parameters.size()));
   }
@@ -189,9 +187,8 @@ double energy_unit(std::span<const Light> lights, const Illumination& settings, 
 
 wire::IlluminateCommand light_command(const Light& light, const Illumination& settings, double unit) {
   wire::IlluminateCommand command;
-  command.albedo = settings.albedo == Albedo::kHigh ? wire::Albedo::kHigh : wire::Albedo::kLow;
-  command.rules =
-      settings.rules == EnergyRules::kAsPrinted ? wire::EnergyRules::kAsPrinted : wire::EnergyRules::kConserving;
+  command.albedo = static_cast<wire::Albedo>(settings.albedo);
+  command.rules = static_cast<wire::EnergyRules>(settings.rules);
   command.rays_per_voxel = static_cast<std::uint32_t>(settings.rays_per_face_voxel);
   command.count = command.rays_per_voxel;
   command.energy = power_of(light) / unit;

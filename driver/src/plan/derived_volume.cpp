@@ -6,7 +6,6 @@
 
 #include "encode/argument.h"
 #include "encode/volume/samples.h"
-#include "encode/volume/volume_check.h"
 #include "gicube/level_of_detail.h"
 #include "gicube/wire/voxel.h"
 
@@ -15,14 +14,7 @@ namespace {
 
 constexpr int kMaxLevels = 6;
 
-std::size_t index_of(const Dims& dims, int x, int y, int z) {
-  return static_cast<std::size_t>(x) +
-         static_cast<std::size_t>(dims[0]) *
-             (static_cast<std::size_t>(y) + static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(z));
-}
-
-template <typename Take>
-void for_each_voxel(const Dims& dims, const Take& take) {
+void for_each_voxel(const Dims& dims, const auto& take) {
   for (int z = 0; z < dims[2]; ++z) {
     for (int y = 0; y < dims[1]; ++y) {
       for (int x = 0; x < dims[0]; ++x) take(x, y, z);
@@ -31,8 +23,7 @@ void for_each_voxel(const Dims& dims, const Take& take) {
 }
 
 // The originals of one coarse voxel: calls take(index of the original). Those beyond the faces stand for the last ones.
-template <typename Take>
-void for_each_original(const Dims& dims, const std::array<int, 3>& first, int edge, const Take& take) {
+void for_each_original(const Dims& dims, const std::array<int, 3>& first, int edge, const auto& take) {
   for (int z = first[2]; z < first[2] + edge; ++z) {
     for (int y = first[1]; y < first[1] + edge; ++y) {
       for (int x = first[0]; x < first[0] + edge; ++x) {
@@ -50,8 +41,7 @@ std::uint8_t commonest(const std::array<int, wire::kTags>& counts) {
   return static_cast<std::uint8_t>(std::max_element(counts.begin(), counts.end()) - counts.begin());
 }
 
-template <typename Source>
-void average(const VolumeView& volume, const Source& source, int edge, DerivedVolume& out) {
+void average(const VolumeView& volume, const auto& source, int edge, DerivedVolume& out) {
   std::vector<float> values(voxel_count(out.dims));
   const double share = 1.0 / (edge * edge * edge);
   for_each_voxel(out.dims, [&](int x, int y, int z) {

@@ -1,8 +1,7 @@
-// A plan in words.
+// Plans in words: what they have in common, of pictures, of light.
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "gicube/light_plan.h"
 #include "gicube/plan.h"
 #include "gicube/plan_text.h"
 
@@ -58,7 +57,42 @@ void cost_lines(const Plan& plan, std::vector<std::string>& lines) {
                               count_text(plan.pilot_samples), plan.pilot_host_seconds));
 }
 
+constexpr const char* kChannels[] = {"", " in red", " in green", " in blue"};
+
+std::string setting_text(const LightPoint& point) {
+  return fmt::format("{} albedo, {} rays a face voxel, step {:g}", point.albedo == Albedo::kLow ? "low" : "high",
+                     point.rays_per_face_voxel, point.step);
+}
+
 }  // namespace
+
+std::string count_text(double count) {
+  if (count >= 1e6) return fmt::format("{:.1f} million", count * 1e-6);
+  return fmt::format("{:.0f} thousand", count * 1e-3);
+}
+
+std::string plan_headline(const std::string& of, const PlanTarget& target, bool kept) {
+  std::string what = "the most accurate setting";
+  if (target.max_error > 0) what = fmt::format("an error of at most {:.3g}%", 100 * target.max_error);
+  if (target.time_budget > 0) what = fmt::format("at most {:.4g} ms of board time", to_ms(target.time_budget));
+  return fmt::format("plan {}{}for {}{}", of, of.empty() ? "" : " ", what,
+                     kept ? "" : ": NOT REACHED, this comes nearest");
+}
+
+std::string plan_error_line(double error, const std::string& where, double bound) {
+  return fmt::format("error: {:.2g}% {}, bound {:.2g}%", 100 * error, where, 100 * bound);
+}
+
+std::string plan_cost_line(const std::string& what, double chosen, const std::string& dearest, double dearest_cost) {
+  return fmt::format("cost: {} {}, where {} takes {} ({:.1f} times as many)", count_text(chosen), what, dearest,
+                     count_text(dearest_cost), chosen > 0 ? dearest_cost / chosen : 1);
+}
+
+std::string plan_time_line(Picoseconds chosen, const std::string& dearest, Picoseconds dearest_time) {
+  return fmt::format("board time: {:.4g} ms predicted, {} {:.4g} ms ({:.1f} times as long)", to_ms(chosen), dearest,
+                     to_ms(dearest_time),
+                     chosen > 0 ? static_cast<double>(dearest_time) / static_cast<double>(chosen) : 1);
+}
 
 std::vector<std::string> Plan::explain() const {
   std::vector<std::string> lines{
@@ -92,6 +126,23 @@ std::vector<std::string> Plan::explain() const {
     lines.push_back(fmt::format("passed over: {}: error {:.2g}%, at most {:.2g}%, {} samples", setting_text(*point),
                                 100 * point->error, 100 * point->error_bound, count_text(point->samples)));
   }
+  return lines;
+}
+
+std::vector<std::string> LightPlan::explain() const {
+  std::vector<std::string> lines{plan_headline(fmt::format("of the light{}", kChannels[channel + 1]), target, kept)};
+  lines.push_back("light: " + setting_text(chosen));
+  lines.push_back(plan_error_line(
+      chosen.error,
+      fmt::format("between two passes (noise {:.2g}%, bias {:.2g}%)", 100 * chosen.noise, 100 * chosen.bias),
+      chosen.error_bound));
+  if (at_limit) lines.push_back("more rays bring nothing: what is left is the rounding of the board's energy words");
+  constexpr const char* kAsked = "what the scene asks for";
+  lines.push_back(plan_cost_line("samples", chosen.samples, kAsked, asked.samples));
+  if (chosen.time > 0) lines.push_back(plan_time_line(chosen.time, kAsked, asked.time));
+  lines.push_back(fmt::format("that is {}, with an error of about {:.2g}%", setting_text(asked), 100 * asked.error));
+  lines.push_back(fmt::format("the plan itself: {} passes, {} samples, {:.2f} s of the host", passes,
+                              count_text(pass_samples), host_seconds));
   return lines;
 }
 

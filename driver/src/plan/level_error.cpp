@@ -2,11 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "encode/volume/samples.h"
-#include "encode/volume/volume_check.h"
 #include "gicube/level_of_detail.h"
 #include "gicube/wire/voxel.h"
 

@@ -4,12 +4,8 @@
 #include <limits>
 #include <numbers>
 
-#include "encode/transfer_function_check.h"
-#include "encode/volume/density.h"
-#include "encode/volume/empty_flags.h"
 #include "encode/volume/samples.h"
 #include "encode/volume/segmentation_lut.h"
-#include "encode/volume/volume_check.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/level_of_detail.h"
 
@@ -69,8 +65,7 @@ class Row {
 
  private:
   void add(int y, int z) {
-    const std::size_t from =
-        size_ * (static_cast<std::size_t>(y) + static_cast<std::size_t>(volume_.dims[1]) * static_cast<std::size_t>(z));
+    const std::size_t from = index_of(volume_.dims, 0, y, z);
     Value* const low = min_.data();
     Value* const high = max_.data();
     for (std::size_t x = 0; x < size_; ++x) {
@@ -103,8 +98,7 @@ struct BlockRange {
 };
 
 // The blocks in which something shows, between their voxels and those of their upper neighbours.
-template <typename Source>
-BlockRange visible_blocks(const Source& source, const VolumeView& volume, ValueRange range,
+BlockRange visible_blocks(const auto& source, const VolumeView& volume, ValueRange range,
                           std::span<const wire::SegmentationEntry> table) {
   BlockRange out{volume.dims};
   Row row(source, volume);

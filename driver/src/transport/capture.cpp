@@ -10,8 +10,7 @@
 namespace gicube {
 namespace {
 
-template <typename Bytes>
-void put(std::ofstream& file, const Bytes& bytes) {
+void put(std::ofstream& file, const auto& bytes) {
   file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 

@@ -16,6 +16,8 @@
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <ranges>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -95,11 +97,8 @@ std::vector<fs::path> board_program_places() {
   if (const auto programs = programs_of_this_library()) places.push_back(*programs / kProgram);
   places.push_back(fs::path(GICUBE_INSTALL_BINDIR) / kProgram);
   if (const char* path = std::getenv("PATH")) {
-    const std::string list = path;
-    for (std::size_t begin = 0; begin <= list.size();) {
-      const std::size_t end = std::min(list.find(':', begin), list.size());
-      if (end > begin) places.push_back(fs::path(list.substr(begin, end - begin)) / kProgram);
-      begin = end + 1;
+    for (const auto folder : std::string_view(path) | std::views::split(':')) {
+      if (!folder.empty()) places.push_back(fs::path(folder.begin(), folder.end()) / kProgram);
     }
   }
   return places;
@@ -127,10 +126,7 @@ ChildProcess::ChildProcess(const std::string& program, const std::vector<std::st
   Fd memory(::memfd_create("gicube-board stderr", MFD_CLOEXEC));
   if (memory.get() < 0) throw spawn_error(program, errno);
   stderr_ = raised(std::move(memory));
-  start(program, arguments, child_end);
-}
 
-void ChildProcess::start(const std::string& program, const std::vector<std::string>& arguments, const Fd& child_end) {
   std::vector<std::string> words{program};
   words.insert(words.end(), arguments.begin(), arguments.end());
   words.insert(words.end(), {"--listen", "fd:3", "--private", "--quiet"});

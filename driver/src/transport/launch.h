@@ -42,8 +42,6 @@ class ChildProcess {
   std::string last_words();
 
  private:
-  void start(const std::string& program, const std::vector<std::string>& arguments, const Fd& child_end);
-
   Fd socket_;
   Fd stderr_;  // a file in memory: nobody has to read it for the child to go on
   pid_t pid_ = -1;

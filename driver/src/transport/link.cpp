@@ -3,15 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "gicube/error.h"
-#include "link_error.h"
-
 namespace gicube {
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-}  // namespace
 
 wire::VersionInfo driver_version() {
   wire::VersionInfo info;
@@ -31,10 +23,7 @@ Link::Link(Fd socket, const LinkOptions& options) : options_(options), agreed_(o
 Link::~Link() {
   const std::lock_guard lock(mutex_);
   if (phase_ != Phase::kOpen) return;
-  wire::FrameHeader goodbye;
-  goodbye.type = wire::FrameType::kVersion;
-  goodbye.flags = wire::kPosted;
-  stream_->send(goodbye, wire::no_payload());
+  stream_->send({wire::FrameType::kVersion, wire::kPosted}, wire::no_payload());
 }
 
 void Link::refuse_to_open() {
@@ -77,12 +66,7 @@ void Link::give_up(const std::string& reason) {
 
 void Link::post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
   Lock lock(mutex_);
-  await_credit(lock, payload.size());
-  wire::FrameHeader header;
-  header.type = type;
-  header.flags = wire::kPosted;
-  header.id = next_id();
-  header.time_ps = now_ps;
+  const wire::FrameHeader header = next_header(lock, type, wire::kPosted, now_ps, payload.size());
   send_with_credit(header, wire::share(std::move(payload)));
 }
 
@@ -90,21 +74,12 @@ Response Link::request(wire::FrameType type, std::uint64_t now_ps, std::vector<s
   return exchange(type, now_ps, std::move(payload), 0, {});
 }
 
-std::uint32_t Link::command_shared(std::uint64_t now_ps, wire::Payload payload) {
+std::uint32_t Link::command(std::uint64_t now_ps, wire::Payload payload) {
   Lock lock(mutex_);
-  await_credit(lock, payload->size());
-  wire::FrameHeader header;
-  header.type = wire::FrameType::kCommand;
-  header.flags = wire::kPosted;
-  header.id = next_id();
-  header.time_ps = now_ps;
+  const wire::FrameHeader header = next_header(lock, wire::FrameType::kCommand, wire::kPosted, now_ps, payload->size());
   commands_.emplace(header.id, Command{});
   send_with_credit(header, std::move(payload));
   return header.id;
-}
-
-std::uint32_t Link::command(std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
-  return command_shared(now_ps, wire::share(std::move(payload)));
 }
 
 Response Link::wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds deadline, const OnProgress& on_progress) {
@@ -138,11 +113,7 @@ void Link::forget(std::uint32_t ticket) {
 Response Link::exchange(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload,
                         std::uint32_t watched_ticket, const OnProgress& on_progress) {
   Lock lock(mutex_);
-  await_credit(lock, payload.size());
-  wire::FrameHeader header;
-  header.type = type;
-  header.id = next_id();
-  header.time_ps = now_ps;
+  const wire::FrameHeader header = next_header(lock, type, 0, now_ps, payload.size());
   Pending& pending = pending_[header.id];
   pending.type = type;
   pending.watched_ticket = watched_ticket;
@@ -193,16 +164,23 @@ void Link::await_response(Lock& lock, std::uint32_t id, const OnProgress& on_pro
   }
 }
 
-void Link::await_credit(Lock& lock, std::size_t payload) {
+// Waits for credit. Requests and tickets share the numbers; after 2^32 of them those still in use are passed over.
+wire::FrameHeader Link::next_header(Lock& lock, wire::FrameType type, std::uint16_t flags, std::uint64_t now_ps,
+                                    std::size_t payload) {
   if (payload > agreed_.max_payload_bytes) {
     throw BadArgument("payload", "at most " + std::to_string(agreed_.max_payload_bytes) + " bytes",
                       std::to_string(payload));
   }
   await(lock, [this, payload] { return phase_ == Phase::kOpen && window_.can_send(payload); });
+  do {
+    ++last_id_;
+  } while (last_id_ == 0 || pending_.contains(last_id_) || commands_.contains(last_id_));
+  wire::FrameHeader header{type, flags, last_id_};
+  header.time_ps = now_ps;
+  return header;
 }
 
-template <typename Ready>
-void Link::await(Lock& lock, const Ready& ready) {
+void Link::await(Lock& lock, const auto& ready) {
   auto begin = Clock::now();
   while (!ready()) {
     if (phase_ == Phase::kBroken) {
@@ -219,7 +197,10 @@ void Link::await(Lock& lock, const Ready& ready) {
     const auto probe = std::max(begin, last_frame_) + options_.probe;
     const auto deadline = std::max(begin, last_heard_) + options_.watchdog;
     if (options_.watchdog.count() != 0 && now >= deadline) {
-      expire(lock);
+      const std::string text = "no answer of the board within " + std::to_string(options_.watchdog.count()) + " ms";
+      break_off({text, Loss::kTimedOut});
+      if (!can_recover()) throw TimedOut(text);
+      recover_or_throw(lock);
       begin = Clock::now();
       continue;
     }
@@ -230,14 +211,6 @@ void Link::await(Lock& lock, const Ready& ready) {
     }
     changed_.wait_until(lock, options_.watchdog.count() != 0 ? std::min(probe, deadline) : probe);
   }
-}
-
-void Link::expire(Lock& lock) {
-  const std::string text = "no answer of the board within " + std::to_string(options_.watchdog.count()) + " ms";
-  break_off({text, Loss::kTimedOut});
-  if (!can_recover()) throw TimedOut(text);
-  recover(lock);
-  if (phase_ == Phase::kBroken) throw_broken();
 }
 
 void Link::break_off(const StreamFault& reason) {
@@ -257,14 +230,6 @@ void Link::send_with_credit(const wire::FrameHeader& header, wire::Payload paylo
 }
 
 void Link::send_credit(std::uint16_t flags) { stream_->send(window_.credit_frame(flags), wire::no_payload()); }
-
-// Requests and tickets share the numbers; after 2^32 of them those still in use are passed over.
-std::uint32_t Link::next_id() {
-  do {
-    ++last_id_;
-  } while (last_id_ == 0 || pending_.contains(last_id_) || commands_.contains(last_id_));
-  return last_id_;
-}
 
 void Link::throw_broken() const { throw DeviceLost("the board is lost: " + broken_.text, broken_.cause); }
 

@@ -20,6 +20,7 @@
 
 #include "fd.h"
 #include "frame_stream.h"
+#include "gicube/error.h"
 #include "gicube/time.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/reliable_window.h"
@@ -54,6 +55,20 @@ struct CommandResult {
   std::vector<std::uint8_t> payload;  // with an error: its text
 };
 
+// The board's error replies as the driver's typed errors.
+
+// The text of an error payload: printable, and cut at a length that fits a message.
+std::string error_text(std::span<const std::uint8_t> payload);
+
+// True if the board closes the session with this error.
+bool ends_session(wire::ErrorCode code);
+
+// What a board's last word with this error means for the session.
+Loss cause_of(wire::ErrorCode last_word);
+
+// Throws what `code` stands for, `text` being the board's own words. Only for codes other than kNone.
+[[noreturn]] void throw_error(wire::ErrorCode code, const std::string& text);
+
 class Link : private FrameSink {
  public:
   using OnProgress = std::function<void(std::uint32_t done, std::uint32_t all)>;
@@ -86,9 +101,7 @@ class Link : private FrameSink {
   Response request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload);
 
   // Posts a DSP command; its result is kept until it is taken or forgotten. Returns the ticket, which is never 0.
-  std::uint32_t command(std::uint64_t now_ps, std::vector<std::uint8_t> payload);
-  // The same with bytes that the caller keeps too.
-  std::uint32_t command_shared(std::uint64_t now_ps, wire::Payload payload);
+  std::uint32_t command(std::uint64_t now_ps, wire::Payload payload);
 
   // Waits until the command has completed on the board, or simulated time has come to `deadline` (kNoDeadline: none): the
   // response's error says which. `on_progress` is called on this thread, with no lock held; what
@@ -119,6 +132,7 @@ class Link : private FrameSink {
   };
 
   using Lock = std::unique_lock<std::mutex>;
+  using Clock = std::chrono::steady_clock;
 
   StreamFault check_header(const wire::FrameHeader& header) override;
   StreamFault take_frame(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) override;
@@ -136,18 +150,16 @@ class Link : private FrameSink {
   Response exchange(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload,
                     std::uint32_t watched_ticket, const OnProgress& on_progress);
   void await_response(Lock& lock, std::uint32_t id, const OnProgress& on_progress);
-  void await_credit(Lock& lock, std::size_t payload);
-  template <typename Ready>
-  void await(Lock& lock, const Ready& ready);
+  wire::FrameHeader next_header(Lock& lock, wire::FrameType type, std::uint16_t flags, std::uint64_t now_ps,
+                                std::size_t payload);
+  void await(Lock& lock, const auto& ready);
   void send_with_credit(const wire::FrameHeader& header, wire::Payload payload);
   void send_credit(std::uint16_t flags);
-  std::uint32_t next_id();
   bool can_recover() const;
   void recover(Lock& lock);
   void recover_or_throw(Lock& lock);
   [[noreturn]] void throw_broken() const;
   void break_off(const StreamFault& reason);
-  void expire(Lock& lock);
 
   const LinkOptions options_;
   wire::VersionInfo agreed_;  // written once, before the constructor returns
@@ -161,8 +173,8 @@ class Link : private FrameSink {
   int attempts_ = 0;                                  // to resume, since the board last took or sent something
   std::uint32_t known_taken_ = 0;  // the last frame of ours that the board has said it took, when it was resumed
   bool deaf_ = false;              // what the stream reports belongs to a connection that is given up
-  std::chrono::steady_clock::time_point last_heard_;  // a sign of life
-  std::chrono::steady_clock::time_point last_frame_;  // any frame either way that a probe would only repeat
+  Clock::time_point last_heard_;   // a sign of life
+  Clock::time_point last_frame_;   // any frame either way that a probe would only repeat
   wire::ReliableWindow window_;
   std::uint32_t last_id_ = 0;
   std::map<std::uint32_t, Pending> pending_;

@@ -3,14 +3,11 @@
 #include <thread>
 #include <utility>
 
-#include "gicube/error.h"
 #include "link.h"
-#include "link_error.h"
 
 namespace gicube {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 // chosen: before the second attempt in a row; each later one waits twice as long, up to the longest pause.
@@ -38,10 +35,8 @@ void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
   mine.session = session_;
   window_.announce(mine);
   if (session_ != 0) mine.flags = mine.wait_ms = 0;
-  wire::FrameHeader header;
-  header.type = wire::FrameType::kVersion;
   stream_->start();
-  stream_->send(header, wire::version_payload(mine));
+  stream_->send({wire::FrameType::kVersion}, wire::version_payload(mine));
 
   const auto deadline = Clock::now() + limit;
   while (phase_ == Phase::kHandshake) {

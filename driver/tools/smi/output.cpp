@@ -6,7 +6,6 @@
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 
 namespace gicube::smi {

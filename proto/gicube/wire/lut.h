@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "gicube/wire/record.h"
 #include "gicube/wire/voxel.h"

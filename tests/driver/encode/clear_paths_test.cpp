@@ -1,5 +1,5 @@
 // What the empty flags prove of pairs of elements, against points on many rays between them.
-#include "encode/clear_paths.h"
+#include "encode/pairs.h"
 
 #include <gtest/gtest.h>
 

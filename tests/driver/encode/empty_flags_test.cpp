@@ -1,4 +1,4 @@
-#include "encode/volume/empty_flags.h"
+#include "encode/volume/voxel_blocks.h"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -43,9 +43,9 @@ TEST(EmptyFlags, ABlockThatIsNotStoredShowsDensityZeroOfTagZero) {
   ASSERT_FALSE(blocks.stored(0));
   Lut lut = invisible();
   lut[1].opacity = lut[1 << 12].opacity = 65535;
-  EXPECT_EQ(find_empty_blocks(blocks, lut), std::vector<std::uint8_t>{1});
+  EXPECT_EQ(find_empty_blocks(blocks.statistics(), lut), std::vector<std::uint8_t>{1});
   lut[0].opacity = 1;
-  EXPECT_EQ(find_empty_blocks(blocks, lut), std::vector<std::uint8_t>{0});
+  EXPECT_EQ(find_empty_blocks(blocks.statistics(), lut), std::vector<std::uint8_t>{0});
 }
 
 TEST(EmptyFlags, TheLutMustBeWhole) {
@@ -96,7 +96,7 @@ TEST(EmptyFlags, AgreeWithLookingAtEveryVoxelAndEntry) {
       for (std::size_t e = first; e < last; ++e) lut[e].opacity = 1;
     }
     const VoxelBlocks blocks(dims, 4, densities, codes, tags);
-    const auto flags = find_empty_blocks(blocks, lut);
+    const auto flags = find_empty_blocks(blocks.statistics(), lut);
     const auto [nx, ny, nz] = blocks.blocks();
     for (int b = 0; b < nx * ny * nz; ++b) {
       RC_ASSERT(flags[static_cast<std::size_t>(b)] ==

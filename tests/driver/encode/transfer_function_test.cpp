@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "encode/transfer_function_check.h"
+#include "encode/volume/segmentation_lut.h"
 #include "refusal.h"
 
 namespace gicube {

@@ -1,4 +1,4 @@
-#include "encode/volume/volume_check.h"
+#include "encode/volume/samples.h"
 
 #include <gtest/gtest.h>
 

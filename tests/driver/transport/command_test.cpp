@@ -31,7 +31,7 @@ TEST(Command, TheTicketIsTheFramesId) {
       self.drain();
     });
     Link link(board.take_socket(), kPatient);
-    ticket = link.command(0, bytes_of("draw"));
+    ticket = link.command(0, wire::share(bytes_of("draw")));
     link.request(FrameType::kPoll, 0, {});
   }
   EXPECT_NE(ticket, 0u);
@@ -50,8 +50,8 @@ TEST(Command, AResultIsKeptUntilItIsTakenOnce) {
     self.drain();
   });
   Link link(board.take_socket(), kPatient);
-  const auto first = link.command(0, {});
-  const auto second = link.command(0, {});
+  const auto first = link.command(0, wire::no_payload());
+  const auto second = link.command(0, wire::no_payload());
   EXPECT_FALSE(link.take(first));
   link.request(FrameType::kPoll, 40, {});
   EXPECT_EQ(link.take(first)->payload, bytes_of("one"));
@@ -70,7 +70,7 @@ TEST(Command, ACompletionTwiceIsAFault) {
     self.drain();
   });
   Link link(board.take_socket(), kPatient);
-  const auto ticket = link.command(0, {});
+  const auto ticket = link.command(0, wire::no_payload());
   EXPECT_THROW(link.wait(ticket, 0, kNoDeadline, {}), DeviceLost);
 }
 
@@ -84,7 +84,7 @@ TEST(Command, AForgottenResultIsDroppedWhenItComes) {
     self.drain();
   });
   Link link(board.take_socket(), kPatient);
-  const auto ticket = link.command(0, {});
+  const auto ticket = link.command(0, wire::no_payload());
   link.forget(ticket);
   EXPECT_NO_THROW(link.request(FrameType::kPoll, 40, {}));
   EXPECT_FALSE(link.take(ticket));
@@ -102,7 +102,7 @@ TEST(Command, ProgressReachesTheWaitingCallerOnItsOwnThread) {
     self.drain();
   });
   Link link(board.take_socket(), kPatient);
-  const auto ticket = link.command(0, {});
+  const auto ticket = link.command(0, wire::no_payload());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
   const auto caller = std::this_thread::get_id();
   link.wait(ticket, 0, kNoDeadline, [&](std::uint32_t done, std::uint32_t all) {
@@ -125,7 +125,7 @@ TEST(Command, WhatAProgressCallbackThrowsLeavesTheWaitAndTheLinkGoesOn) {
     self.drain();
   });
   Link link(board.take_socket(), kPatient);
-  const auto ticket = link.command(0, {});
+  const auto ticket = link.command(0, wire::no_payload());
   EXPECT_THROW(
       link.wait(ticket, 0, kNoDeadline, [](std::uint32_t, std::uint32_t) { throw std::runtime_error("enough"); }),
       std::runtime_error);

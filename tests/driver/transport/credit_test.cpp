@@ -156,7 +156,7 @@ TEST(Credit, ABoardThatOnlySendsGetsCreditFramesAtHalfTheWindow) {
     options.mine.window_slots = 16;
     Link link(board.take_socket(), options);
     std::vector<std::uint32_t> tickets;
-    for (int i = 0; i < 8; ++i) tickets.push_back(link.command(0, {}));
+    for (int i = 0; i < 8; ++i) tickets.push_back(link.command(0, wire::no_payload()));
     while (!link.take(tickets.back())) std::this_thread::yield();
   }
 }
@@ -178,7 +178,7 @@ TEST(Credit, ALargeWriteAndALargeAnswerDoNotWaitForEachOther) {
   });
   Link link(board.take_socket(), kPatient);
   std::uint32_t last = 0;
-  for (int i = 0; i < kCommands; ++i) last = link.command(0, std::vector<std::uint8_t>(kBytes));
+  for (int i = 0; i < kCommands; ++i) last = link.command(0, wire::share(std::vector<std::uint8_t>(kBytes)));
   EXPECT_NO_THROW(link.wait(last, 0, kNoDeadline, {}));
   EXPECT_EQ(link.take(last)->payload.size(), kBytes);
 }

@@ -181,7 +181,7 @@ TEST(Link, EveryWaiterLearnsThatTheBoardVanished) {
   EXPECT_EQ(lost, 3);
   EXPECT_THROW(link.post(FrameType::kRegisterWrite, 0, {}), DeviceLost);
   EXPECT_THROW(link.request(FrameType::kCounters, 0, {}), DeviceLost);
-  EXPECT_THROW(link.command(0, {}), DeviceLost);
+  EXPECT_THROW(link.command(0, wire::no_payload()), DeviceLost);
 }
 
 TEST(Link, ABoardThatVanishesInTheMiddleOfAResponseIsLost) {
@@ -318,7 +318,7 @@ TEST(Link, ProgressKeepsTheWatchdogQuiet) {
     self.drain();
   });
   Link link(board.take_socket(), {.watchdog = std::chrono::milliseconds(800)});
-  const auto ticket = link.command(0, bytes_of("draw"));
+  const auto ticket = link.command(0, wire::share(bytes_of("draw")));
   EXPECT_NO_THROW(link.wait(ticket, 0, kNoDeadline, {}));
 }
 

@@ -219,7 +219,7 @@ TEST(Resume, ACompletionThatCameBeforeTheBoardKnewOfTheSecondWaitCounts) {
                    self.drain();
                  }});
   Link link(boards.connect(), boards.options());
-  const std::uint32_t ticket = link.command(0, bytes_of("render"));
+  const std::uint32_t ticket = link.command(0, wire::share(bytes_of("render")));
   EXPECT_THROW(link.wait(ticket, 0, kNoDeadline, {}), DeviceLost);
   EXPECT_TRUE(link.resume());
   EXPECT_EQ(link.wait(ticket, 0, kNoDeadline, {}).time_ps, 50u);

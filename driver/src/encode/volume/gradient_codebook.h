@@ -1,7 +1,6 @@
 // The gradient codebook: which unit directions the 11-bit gradient codes stand for [P §3.3].
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -7,7 +7,6 @@
 #include <type_traits>
 
 #include "encode/volume/samples.h"
-#include "encode/volume/volume_check.h"
 
 namespace gicube {
 namespace {
@@ -23,8 +22,7 @@ class SobelRows {
  public:
   using Word = std::conditional_t<std::is_floating_point_v<T>, double, std::int32_t>;
 
-  SobelRows(Samples<T> samples, Dims dims)
-      : samples_(samples), nx_(static_cast<std::size_t>(dims[0])), ny_(dims[1]), nz_(dims[2]) {
+  SobelRows(Samples<T> samples, Dims dims) : samples_(samples), dims_(dims), nx_(static_cast<std::size_t>(dims[0])) {
     for (auto* rows : {&sum_, &difference_}) {
       for (auto& row : *rows) row.resize(nx_);
     }
@@ -32,12 +30,11 @@ class SobelRows {
   }
 
   // Calls take(y, gx, gy, gz) with the sums of each row of plane z, kSobelWeight times the difference a voxel.
-  template <typename Take>
-  void plane(int z, Take&& take) {
+  void plane(int z, auto&& take) {
     std::vector<Word> gx(nx_), gy(nx_), gz(nx_);
     read_row(0, z);
-    for (int y = 0; y < ny_; ++y) {
-      if (y + 1 < ny_) read_row(y + 1, z);
+    for (int y = 0; y < dims_[1]; ++y) {
+      if (y + 1 < dims_[1]) read_row(y + 1, z);
       filter_along_y(y);
       for (std::size_t x = 0; x < nx_; ++x) {
         gx[x] = x_[x + 2] - x_[x];
@@ -50,11 +47,7 @@ class SobelRows {
 
  private:
   void read_row(int y, int z) {
-    const auto row = [&](int plane) {
-      return (static_cast<std::size_t>(std::clamp(plane, 0, nz_ - 1)) * static_cast<std::size_t>(ny_) +
-              static_cast<std::size_t>(y)) *
-             nx_;
-    };
+    const auto row = [&](int plane) { return index_of(dims_, 0, y, std::clamp(plane, 0, dims_[2] - 1)); };
     const std::size_t before = row(z - 1), here = row(z), after = row(z + 1);
     Word* sum = sum_[static_cast<std::size_t>(y % 3)].data();
     Word* difference = difference_[static_cast<std::size_t>(y % 3)].data();
@@ -67,7 +60,7 @@ class SobelRows {
 
   void filter_along_y(int y) {
     const auto before = static_cast<std::size_t>(std::max(y - 1, 0) % 3), here = static_cast<std::size_t>(y % 3),
-               after = static_cast<std::size_t>(std::min(y + 1, ny_ - 1) % 3);
+               after = static_cast<std::size_t>(std::min(y + 1, dims_[1] - 1) % 3);
     const Word *s0 = sum_[before].data(), *s1 = sum_[here].data(), *s2 = sum_[after].data();
     const Word *d0 = difference_[before].data(), *d1 = difference_[here].data(), *d2 = difference_[after].data();
     Word *gx = x_.data() + 1, *gy = y_.data() + 1, *gz = z_.data() + 1;
@@ -83,8 +76,8 @@ class SobelRows {
   }
 
   Samples<T> samples_;
+  Dims dims_;
   std::size_t nx_;
-  int ny_, nz_;
   std::array<std::vector<Word>, 3> sum_, difference_;  // along z; row y stands at y mod 3
   std::vector<Word> x_, y_, z_;                        // along z and y, with a clamped voxel at both ends
 };
@@ -92,11 +85,11 @@ class SobelRows {
 template <typename T>
 void sobel_slab(Samples<T> samples, Dims dims, Vec3 scale, const GradientCodebook& codebook, int begin, int end,
                 std::uint16_t* codes) {
-  const auto nx = static_cast<std::size_t>(dims[0]), ny = static_cast<std::size_t>(dims[1]);
+  const auto nx = static_cast<std::size_t>(dims[0]);
   SobelRows<T> rows(samples, dims);
   for (int z = begin; z < end; ++z) {
     rows.plane(z, [&](int y, const auto* gx, const auto* gy, const auto* gz) {
-      std::uint16_t* out = codes + (static_cast<std::size_t>(z) * ny + static_cast<std::size_t>(y)) * nx;
+      std::uint16_t* out = codes + index_of(dims, 0, y, z);
       for (std::size_t x = 0; x < nx; ++x) {
         const Vec3 gradient{scale.x * gx[x], scale.y * gy[x], scale.z * gz[x]};
         const bool flat = dot(gradient, gradient) < kMinMagnitude * kMinMagnitude;
@@ -107,16 +100,14 @@ void sobel_slab(Samples<T> samples, Dims dims, Vec3 scale, const GradientCodeboo
 }
 
 void supplied_slab(const VolumeView& view, const GradientCodebook& codebook, int begin, int end, std::uint16_t* codes) {
-  const std::size_t plane = static_cast<std::size_t>(view.dims[0]) * static_cast<std::size_t>(view.dims[1]);
-  for (std::size_t i = plane * static_cast<std::size_t>(begin); i < plane * static_cast<std::size_t>(end); ++i) {
+  for (std::size_t i = index_of(view.dims, 0, 0, begin); i < index_of(view.dims, 0, 0, end); ++i) {
     const float* g = view.gradients.data() + 3 * i;
     codes[i] = codebook.nearest({g[0], g[1], g[2]});
   }
 }
 
 // Calls work(begin, end) for slabs that make up 0..planes, each on a thread of its own.
-template <typename Work>
-void for_each_slab(int planes, unsigned threads, const Work& work) {
+void for_each_slab(int planes, unsigned threads, const auto& work) {
   const unsigned wanted = threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : threads;
   const int slabs = static_cast<int>(std::min(wanted, static_cast<unsigned>(planes)));
   std::vector<std::future<void>> others;

@@ -1,14 +1,27 @@
-// A volume's samples as numbers of their own type, wherever they stand in the caller's memory.
+// A volume's samples: whether they can go to the board at all, their numbers wherever they stand in the caller's memory, and the
+// board's 12-bit densities for them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 #include "gicube/volume.h"
 
 namespace gicube {
+
+// Throws BadArgument naming the field, and the first voxel where a sample, gradient or tag is wrong.
+// `max_volume_voxels`: the board's largest volume edge N.
+void check_volume(const VolumeView& view, int max_volume_voxels);
+
+// The view's own range, or the default that volume.h states. Only for a view that passed check_volume().
+// A constant volume of value v, which has no span of its own, gets v .. v + 1.
+ValueRange resolve_range(const VolumeView& view);
+
+// The voxel edges over the smallest of them: 1..64 each.
+Vec3 relative_spacing(Vec3 spacing);
 
 // Reads through memcpy, since a file mapped into memory need not be aligned.
 template <typename T>
@@ -40,8 +53,22 @@ decltype(auto) with_samples(const VolumeView& view, F&& f) {
   return std::forward<F>(f)(Samples<std::uint16_t>(view));
 }
 
+// Of voxel (x, y, z), x fastest.
+constexpr std::size_t index_of(Dims dims, int x, int y, int z) {
+  return static_cast<std::size_t>(x) +
+         static_cast<std::size_t>(dims[0]) *
+             (static_cast<std::size_t>(y) + static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(z));
+}
+
 constexpr std::size_t voxel_count(Dims dims) {
   return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
 }
+
+// Of one value, as below.
+std::uint16_t to_density(double value, ValueRange range);
+
+// round(4095 (v - low) / (high - low)), clamped to 0..4095; one a voxel, x fastest.
+// For a view that passed check_volume().
+std::vector<std::uint16_t> to_densities(const VolumeView& view, ValueRange range);
 
 }  // namespace gicube

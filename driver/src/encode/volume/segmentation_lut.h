@@ -1,4 +1,4 @@
-// One tag's quarter of the segmentation LUT.
+// Transfer functions, and one tag's quarter of the segmentation LUT that is made of one.
 #pragma once
 
 #include <vector>
@@ -9,6 +9,10 @@
 #include "gicube/wire/lut.h"
 
 namespace gicube {
+
+// Throws BadArgument naming the point: "opacities[3].opacity: expected 0..1, got 1.7". The tag must be 0..3, both lists
+// hold a point, values are finite and rise strictly, but two points (not three) may share one value.
+void check(const TransferFunction& function, int tag);
 
 // 4096 entries, index = density d, which stands for the value low + d / 4095 (high - low). Colour is rounded to 12 bits
 // and opacity to 16: 1 is 65535 exactly, and what is below 2^-17 is invisible. Shading coefficients come from Phong,

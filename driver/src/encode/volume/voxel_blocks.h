@@ -1,4 +1,5 @@
-// A volume cut into the board's blocks: what each holds, whether it need be sent, and its packed words.
+// A volume cut into the board's blocks: what each holds, whether it need be sent, its packed words, and whether a ray may leap
+// over it because nothing in it can be seen.
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "gicube/vector.h"
+#include "gicube/wire/lut.h"
 
 namespace gicube {
 
@@ -62,5 +64,15 @@ class VoxelBlocks {
   std::vector<BlockStatistics> statistics_;
   std::vector<bool> stored_;
 };
+
+// One value a block, 1 = no sample in it can be visible: for every tag that it holds, all entries between its least and
+// its greatest density have opacity 0. `lut`: all 2^14 entries, index = tag << 12 | density. Never 1 for a block that
+// shows something, whatever the interpolation; a block of density 0 and tag 0 (one that is not stored) counts as such.
+// Throws BadArgument if the LUT has another size.
+std::vector<std::uint8_t> find_empty_blocks(std::span<const BlockStatistics> blocks,
+                                            std::span<const wire::SegmentationEntry> lut);
+
+// The bits of memory_map.h's empty_flags region: block b in bit b % 8 of byte b / 8; any nonzero flag is a one.
+std::vector<std::uint8_t> pack_flags(std::span<const std::uint8_t> flags);
 
 }  // namespace gicube

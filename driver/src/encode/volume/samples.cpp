@@ -1,4 +1,4 @@
-#include "encode/volume/volume_check.h"
+#include "encode/volume/samples.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "encode/argument.h"
-#include "encode/volume/samples.h"
 #include "gicube/wire/registers.h"
 #include "gicube/wire/voxel.h"
 
@@ -87,22 +86,40 @@ void check_samples(const VolumeView& view) {
   if (view.type == SampleType::kUint12) {
     const Samples<std::uint16_t> samples(view);
     for (std::size_t i = 0; i < count; ++i) {
-      if (samples[i] > wire::kDensityMax)
+      if (samples[i] > wire::kDensityMax) {
         expect_within(at_voxel("samples", i, view.dims), samples[i], 0, wire::kDensityMax);
+      }
     }
   }
   if (view.type == SampleType::kFloat32) {
     const Samples<float> samples(view);
     for (std::size_t i = 0; i < count; ++i) {
-      if (!std::isfinite(samples[i])) expect_finite(at_voxel("samples", i, view.dims), samples[i]);
+      expect_finite([&] { return at_voxel("samples", i, view.dims); }, samples[i]);
     }
   }
   for (std::size_t i = 0; i < view.gradients.size(); ++i) {
-    if (!std::isfinite(view.gradients[i])) expect_finite(at_voxel("gradients", i / 3, view.dims), view.gradients[i]);
+    expect_finite([&] { return at_voxel("gradients", i / 3, view.dims); }, view.gradients[i]);
   }
   for (std::size_t i = 0; i < view.tags.size(); ++i) {
     if (view.tags[i] >= wire::kTags) expect_within(at_voxel("tags", i, view.dims), view.tags[i], 0, wire::kTags - 1);
   }
+}
+
+std::vector<std::uint16_t> convert(Samples<float> samples, std::size_t count, ValueRange range) {
+  std::vector<std::uint16_t> densities(count);
+  for (std::size_t i = 0; i < count; ++i) densities[i] = to_density(samples[i], range);
+  return densities;
+}
+
+// An integer type has few values: each is converted once.
+template <typename T>
+std::vector<std::uint16_t> convert(Samples<T> samples, std::size_t count, ValueRange range) {
+  constexpr int low = std::numeric_limits<T>::min(), high = std::numeric_limits<T>::max();
+  std::vector<std::uint16_t> table;
+  for (int value = low; value <= high; ++value) table.push_back(to_density(value, range));
+  std::vector<std::uint16_t> densities(count);
+  for (std::size_t i = 0; i < count; ++i) densities[i] = table[static_cast<std::size_t>(samples[i] - low)];
+  return densities;
 }
 
 }  // namespace
@@ -135,6 +152,16 @@ ValueRange resolve_range(const VolumeView& view) {
 Vec3 relative_spacing(Vec3 spacing) {
   const double smallest = std::min({spacing.x, spacing.y, spacing.z});
   return {spacing.x / smallest, spacing.y / smallest, spacing.z / smallest};
+}
+
+std::uint16_t to_density(double value, ValueRange range) {
+  const double density = wire::kDensityMax * (value - range.low) / (range.high - range.low);
+  // floor((2 d + 1) / 2): rounds like lround, without a library call for each of millions of samples.
+  return static_cast<std::uint16_t>(static_cast<int>(2 * std::clamp(density, 0.0, double{wire::kDensityMax}) + 1) / 2);
+}
+
+std::vector<std::uint16_t> to_densities(const VolumeView& view, ValueRange range) {
+  return with_samples(view, [&](auto samples) { return convert(samples, voxel_count(view.dims), range); });
 }
 
 }  // namespace gicube
