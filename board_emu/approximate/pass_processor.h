@@ -27,7 +27,7 @@
 #include "asic/latencies.h"
 #include "asic/memory_standards.h"
 #include "asic/partition.h"
-#include "asic/sorter/exact_maximum.h"
+#include "asic/sorter/insertion_sorter.h"
 #include "datapath/frame.h"
 #include "datapath/ray_step.h"
 #include "gicube/v1/board_config.pb.h"

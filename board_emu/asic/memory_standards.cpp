@@ -2,27 +2,62 @@
 
 #include <algorithm>
 
-#include "asic/ddr/standard.h"
-#include "asic/rdram/standard.h"
+#include "asic/ddr/channel.h"
+#include "asic/ddr/layout.h"
+#include "asic/rdram/channel.h"
+#include "asic/rdram/layout.h"
 
 namespace gicube::emu {
 
 namespace {
 
+dram::Standard rdram_standard(const v1::BoardConfig& config) {
+  return {.name = "rdram",
+          .label = "RDRAM",
+          .clock = "tCYCLE",
+          .signals = "18 data + 8 row and column + 4 clock + 4 serial",
+          .signal_count = 34,
+          .sharing = config.rdram().processors_per_rdram(),
+          .clocks_per_core_cycle = config.rdram().clocks_per_core_cycle(),
+          .latency = config.rdram().rac_latency(),
+          .packet_clocks = rdram::kPacket,
+          .max_devices = 32};  // that the controller of a channel drives [Direct RDRAM data book]
+}
+
+std::unique_ptr<dram::Memory> make_rdram(const v1::BoardConfig& config, std::uint32_t blocks) {
+  return std::make_unique<dram::LaidOut<rdram::Layout, rdram::Channel>>(
+      rdram::Layout(blocks, config.asic().block_voxels(), config.rdram().device_mbit()), config.rdram());
+}
+
+dram::Standard ddr_standard(const v1::BoardConfig& config) {
+  return {.name = "ddr",
+          .label = "DDR",
+          .clock = "clock",
+          .signals = "72 data + 9 strobe + 12 address + 2 bank + 4 command + 2 clock + 4 rank select",
+          .signal_count = 105,
+          .sharing = config.ddr().processors_per_channel(),
+          .clocks_per_core_cycle = config.ddr().clocks_per_core_cycle(),
+          .latency = config.ddr().controller_latency(),
+          .packet_clocks = ddr::kBurst,
+          .max_devices = 4};  // chosen: two modules of two ranks load the wires as a board of 2000 could bear
+}
+
+std::unique_ptr<dram::Memory> make_ddr(const v1::BoardConfig& config, std::uint32_t blocks) {
+  return std::make_unique<dram::LaidOut<ddr::Layout, ddr::Channel>>(ddr::Layout(blocks, config.asic().block_voxels()),
+                                                                    config.ddr());
+}
+
 struct Row {
   v1::MemoryStandard memory;
   dram::Standard (*standard)(const v1::BoardConfig& config);
   std::unique_ptr<dram::Memory> (*make)(const v1::BoardConfig& config, std::uint32_t blocks);
-  std::uint32_t (*devices_needed)(const v1::BoardConfig& config, std::uint32_t blocks);
 };
 
-constexpr Row kRows[] = {{v1::rdram, rdram::standard, rdram::make_memory, rdram::devices_needed},
-                         {v1::ddr, ddr::standard, ddr::make_memory, ddr::devices_needed}};
+constexpr Row kRows[] = {{v1::rdram, rdram_standard, make_rdram}, {v1::ddr, ddr_standard, make_ddr}};
 
 // The configuration has been checked; what is not there has the first's numbers.
 const Row& row(const v1::BoardConfig& config) {
-  const auto* found =
-      std::find_if(std::begin(kRows), std::end(kRows), [&](const Row& each) { return each.memory == config.memory(); });
+  const auto* found = std::ranges::find(kRows, config.memory(), &Row::memory);
   return found == std::end(kRows) ? kRows[0] : *found;
 }
 
@@ -32,10 +67,6 @@ dram::Standard memory_standard(const v1::BoardConfig& config) { return row(confi
 
 std::unique_ptr<dram::Memory> make_memory(const v1::BoardConfig& config, std::uint32_t blocks) {
   return row(config).make(config, std::max(1u, blocks));
-}
-
-std::uint32_t memory_devices_needed(const v1::BoardConfig& config, std::uint32_t blocks) {
-  return row(config).devices_needed(config, blocks);
 }
 
 }  // namespace gicube::emu

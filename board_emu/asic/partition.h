@@ -1,6 +1,7 @@
 // Which processor owns a block, and its number there: the three ways of Figure 1 to spread a volume [P §2.1].
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,13 +20,31 @@ class Partition {
  public:
   // `blocks`: how many blocks the volume has along x, y, z. A processor numbers its blocks with x slowest and z fastest:
   // for simple slabs at the design point that is the paper's q = (x' << 6) + (y' << 3) + z' [P §3.2].
-  Partition(v1::Partition kind, unsigned processors, const std::array<int, 3>& blocks);
+  Partition(v1::Partition kind, unsigned processors, const std::array<int, 3>& blocks) : blocks_(processors) {
+    const auto across = static_cast<unsigned>(blocks[0]), down = static_cast<unsigned>(blocks[1]),
+               deep = static_cast<unsigned>(blocks[2]);
+    homes_.resize(std::size_t{across} * down * deep);
+    for (unsigned x = 0; x < across; ++x) {
+      for (unsigned y = 0; y < down; ++y) {
+        for (unsigned z = 0; z < deep; ++z) {
+          const std::size_t block = x + std::size_t{across} * (y + std::size_t{down} * z);
+          const unsigned owner = kind == v1::repeated_slab  ? x % processors
+                                 : kind == v1::skewed_block ? (x + y + z) % processors
+                                                            : x * processors / across;
+          homes_[block] = {static_cast<std::uint32_t>(blocks_[owner].size()), static_cast<std::uint8_t>(owner)};
+          blocks_[owner].push_back(block);
+        }
+      }
+    }
+  }
 
   const Home& home(std::size_t block) const { return homes_[block]; }
   // The block with that number.
   std::size_t block(unsigned processor, std::uint32_t number) const { return blocks_[processor][number]; }
   std::size_t blocks_of(unsigned processor) const { return blocks_[processor].size(); }
-  std::size_t max_blocks() const;  // of any processor
+  std::size_t max_blocks() const {  // of any processor
+    return std::ranges::max(blocks_, {}, &std::vector<std::size_t>::size).size();
+  }
 
  private:
   std::vector<Home> homes_;

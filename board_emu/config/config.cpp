@@ -156,7 +156,7 @@ void check_memory(const v1::BoardConfig& config, const FieldLines& lines, std::v
   const std::uint32_t processors = config.asic().processors();
   const std::uint32_t blocks =
       (edge * edge * edge + processors - 1) / processors * std::min(memory.sharing, processors);
-  const std::uint32_t devices = memory_devices_needed(config, blocks);
+  const std::uint32_t devices = make_memory(config, blocks)->devices();
   if (devices <= memory.max_devices) return;
   found.push_back(
       {"asic.max_volume_voxels",

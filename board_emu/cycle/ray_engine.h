@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "asic/partition.h"
-#include "asic/raybus/ray_run.h"
+#include "asic/raybus/ray_bus.h"
 #include "asic/sim/fifo.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "asic/dram/access.h"
+#include "asic/dram/memory.h"
 
 namespace gicube::reference {
 

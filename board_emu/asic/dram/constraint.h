@@ -3,11 +3,14 @@
 // A time is a clock of the memory's interface, and a command's time is the clock in which its packet begins on the wires.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace gicube::emu::dram {
@@ -29,8 +32,14 @@ inline constexpr std::size_t kScopes = 5;
 constexpr std::size_t index(Command command) { return static_cast<std::size_t>(command); }
 constexpr std::size_t index(Scope scope) { return static_cast<std::size_t>(scope); }
 
-const char* to_string(Command command);
-const char* to_string(Scope scope);
+constexpr const char* to_string(Command command) {
+  constexpr std::array kNames{"ACT", "PRE", "RD", "WR", "REFA", "DATA"};
+  return kNames[index(command)];
+}
+constexpr const char* to_string(Scope scope) {
+  constexpr std::array kNames{"bank", "neighbour", "device", "channel", "other device"};
+  return kNames[index(scope)];
+}
 
 // `to` may begin `cycles` after `from` began, not earlier. With `to` = kData: the data begin exactly then.
 struct Constraint {
@@ -43,14 +52,27 @@ struct Constraint {
   friend bool operator==(const Constraint&, const Constraint&) = default;
 };
 
+using Delays = std::array<std::array<std::array<std::uint32_t, kCommands>, kCommands>, kScopes>;
+
 class ConstraintTable {
  public:
   using Honoured = bool (*)(Scope scope, Command from, Command to);
 
   // Throws std::invalid_argument if a row names a pair that the model of this standard does not honour.
-  ConstraintTable(std::string_view standard, Honoured honoured, std::vector<Constraint> rows);
+  ConstraintTable(std::string_view standard, Honoured honoured, std::vector<Constraint> rows) : rows_(std::move(rows)) {
+    for (const Constraint& row : rows_) {
+      if (!honoured(row.scope, row.from, row.to)) {
+        throw std::invalid_argument(std::string(standard) + " timing " + row.name +
+                                    ": expected a pair that the model honours, got " + to_string(row.from) + " to " +
+                                    to_string(row.to) + " in a " + to_string(row.scope));
+      }
+      std::uint32_t& delay = delays_[index(row.scope)][index(row.from)][index(row.to)];
+      delay = std::max(delay, row.cycles);
+    }
+  }
 
   const std::vector<Constraint>& rows() const { return rows_; }
+  const Delays& delays() const { return delays_; }
   // The longest of the table's rows for this pair; 0 if there is none.
   std::uint32_t delay(Scope scope, Command from, Command to) const {
     return delays_[index(scope)][index(from)][index(to)];
@@ -58,7 +80,7 @@ class ConstraintTable {
 
  private:
   std::vector<Constraint> rows_;
-  std::array<std::array<std::array<std::uint32_t, kCommands>, kCommands>, kScopes> delays_{};
+  Delays delays_{};
 };
 
 }  // namespace gicube::emu::dram

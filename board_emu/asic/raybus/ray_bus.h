@@ -4,7 +4,7 @@
 //                 +-- one packet a cycle -+       ...       +->    ...
 //   runs ---------+                       +-- run buffer p -+-> from_bus p-1
 //
-// A ray goes to its owner's FIFO, one packet, and waits at the head if that is full. A run (ray_run.h) is two packets
+// A ray goes to its owner's FIFO, one packet, and waits at the head if that is full. A run (RunPool) is two packets
 // that all processors hear; each then extrapolates its own rays of it, one a cycle, into its FIFO. A processor buffers
 // two runs; the bus takes the next only if every processor has room. Rays and runs take turns when both can
 // go, and so do a ray and an extrapolated ray that are for the same FIFO.
@@ -13,13 +13,40 @@
 #include <array>
 #include <cstdint>
 #include <iosfwd>
+#include <span>
 #include <vector>
 
-#include "asic/raybus/ray_run.h"
 #include "asic/sim/fifo.h"
 #include "words/words.h"
 
 namespace gicube::emu {
+
+// Runs of viewing rays, the ray differentials of [P §3.6], on their way to the processors. On the bus a run is two packets:
+// its first ray, and the differential and count from which each processor extrapolates its own rays. Here it is the list of
+// the rays' tokens: the DSP's own arithmetic made the packets, so that differentials change time and no bit of an image.
+class RunPool {
+ public:
+  using Run = std::uint32_t;  // handle
+
+  explicit RunPool(std::uint32_t listeners) : listeners_(listeners) {}
+
+  // A run of at least one ray. The handle goes into the bus's FIFO of runs.
+  Run add(std::span<const RayToken> rays);
+  std::span<const RayToken> rays(Run run) const { return runs_[run].rays; }
+  // One listener has no more use for it; the last one frees it.
+  void release(Run run);
+  std::uint32_t in_use() const { return static_cast<std::uint32_t>(runs_.size() - free_.size()); }
+
+ private:
+  struct Entry {
+    std::vector<RayToken> rays;
+    std::uint32_t holders = 0;
+  };
+
+  std::uint32_t listeners_;
+  std::vector<Entry> runs_;
+  std::vector<Run> free_;
+};
 
 struct RayBusCounters {
   std::uint64_t rays = 0;      // sent one by one

@@ -1,45 +1,28 @@
-// Where the tiles of the blocks lie in one channel's memory.
+// Where the tiles of the blocks lie in one channel's RDRAMs.
 //
-// A page is one row of one bank: 128 dualocts (288 Mbit) or 64 (144 Mbit). It holds a brick of neighbouring tiles (3 x 6 x
-// 7 at n = 32), so that rays that march together hit open rows in whatever direction they go. All pages of a block lie in
-// banks of one parity, 16 of them side by side in one row number, so none of its pages is in the way of another but those
-// of the same bank; and bricks that touch, even at a corner, are never in the same bank. So of the packets of a
-// trilinear neighbourhood, and of any four consecutive tiles, those that need an activation have banks of their own, none
-// next to another: RDRAM's four-access rule. Measurements in docs/reference/hardware.md.
+// A page is one row of one bank: 128 dualocts (288 Mbit) or 64 (144 Mbit), a brick of 3 x 6 x 7 tiles at n = 32. All pages of
+// a block lie in banks of one parity, 16 of them side by side in one row number, so none of its pages is in the way of
+// another but those of the same bank; and bricks that touch, even at a corner, are never in the same bank. So of the packets
+// of a trilinear neighbourhood, and of any four consecutive tiles, those that need an activation have banks of their own,
+// none next to another: RDRAM's four-access rule. Measurements in docs/reference/hardware.md.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <vector>
 
-#include "asic/dram/access.h"
+#include "asic/dram/layout.h"
+#include "asic/dram/memory.h"
 
 namespace gicube::emu::rdram {
 
-using dram::Location;
+using dram::Bricks, dram::Location;
 
-// How a block of n^3 voxels with its +1 faces is cut into pages.
-struct Bricks {
-  std::array<std::uint32_t, 3> tiles{};   // of the block, per axis: n/2 + 1, n/2 + 1, n + 1
-  std::array<std::uint32_t, 3> size{};    // of a brick, in tiles
-  std::array<std::uint32_t, 3> stride{};  // pages from a brick to the next along each axis
-  std::uint32_t pages = 0;                // of a block
-};
-
-// The bricks with the least product of pages and surface of those that keep the four-access rule.
+// The cheapest bricks of those that keep the four-access rule.
 Bricks cut_block(std::uint32_t block_voxels, std::uint32_t device_mbit);
 
-// Devices that a channel needs for so many blocks; at least 1.
-std::uint32_t devices_needed(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t device_mbit);
-
-class Layout {
+class Layout : public dram::LayoutBase {
  public:
   // `blocks` of n = `block_voxels` in this channel (n even, 8..64); `device_mbit` is 144 or 288.
   Layout(std::uint32_t blocks, std::uint32_t block_voxels, std::uint32_t device_mbit);
-
-  std::uint32_t devices() const { return devices_; }
-  std::uint32_t tiles() const { return static_cast<std::uint32_t>(places_.size()); }  // of a block
-  const Bricks& bricks() const { return bricks_; }
 
   // Tile `tile` (x fastest) of the channel's block `block`, each counted from 0.
   Location locate(std::uint32_t block, std::uint32_t tile) const {
@@ -60,18 +43,10 @@ class Layout {
   static constexpr std::uint32_t kOpenBanks = 16;  // that can be open together: every other of 32
 
  private:
-  struct Place {
-    std::uint16_t page;
-    std::uint8_t column;
-  };
-
   // Exact for up to 2^20 groups and 2^10 devices, that is for every volume of the board.
   static constexpr unsigned kReciprocalBits = 40;
 
-  Bricks bricks_;
-  std::uint32_t devices_;
   std::uint64_t reciprocal_;
-  std::vector<Place> places_;
 };
 
 }  // namespace gicube::emu::rdram

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "asic/sorter/policies/policy.h"
+#include "asic/sorter/policies.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -20,7 +20,8 @@ class Queues {
   static constexpr std::uint32_t kUnlimited = ~std::uint32_t{0};
 
   // `capacity` in rays; kUnlimited for queues that never overflow.
-  Queues(std::uint32_t queues, std::uint32_t capacity, v1::QueuePolicy policy);
+  Queues(std::uint32_t queues, std::uint32_t capacity, v1::QueuePolicy policy)
+      : capacity_(capacity), importance_of_(emu::importance_of(policy)), states_(queues) {}
 
   bool has_slot(std::uint32_t queue) const { return states_[queue].slots < capacity_; }
   // Writes a ray under way to the queue's tail. It takes a slot unless it kept its own. Returns the rays in the queue.
@@ -56,8 +57,11 @@ class Queues {
   };
   static std::uint32_t weight(const RayToken& token) { return std::max<std::uint32_t>(1, token.contribution); }
 
-  // A new record's number.
-  std::uint32_t grow();
+  // A new record's number. Out of line: it is rare.
+  [[gnu::noinline]] std::uint32_t grow() {
+    records_.emplace_back();
+    return static_cast<std::uint32_t>(records_.size() - 1);
+  }
 
   std::uint32_t capacity_;
   ImportanceOf importance_of_;

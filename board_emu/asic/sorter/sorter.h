@@ -23,7 +23,6 @@
 #include <vector>
 
 #include "asic/sim/fifo.h"
-#include "asic/sorter/exact_maximum.h"
 #include "asic/sorter/insertion_sorter.h"
 #include "asic/sorter/queues.h"
 #include "words/words.h"

@@ -1,4 +1,4 @@
-#include "asic/ddr/rank.h"
+#include "asic/ddr/channel.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ TEST(DdrRank, ActivatesOnlyAPrechargedBank) {
   Rank rank(kTiming);
   rank.issue(kActivate, {1, 7}, 0);
   EXPECT_EQ(rank.probe(kActivate, {1, 8}, 100), kNever);
-  for (const std::uint32_t other : {0u, 2u, 3u}) EXPECT_EQ(rank.probe(kActivate, {other, 8}, 100), 100u);
+  for (const int other : {0, 2, 3}) EXPECT_EQ(rank.probe(kActivate, {other, 8}, 100), 100u);
 }
 
 TEST(DdrRank, ReadsAndPrechargesOnlyAnOpenBank) {

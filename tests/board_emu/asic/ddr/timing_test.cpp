@@ -1,13 +1,12 @@
 // Every row of the timing table, alone: the later command is blocked at n - 1 and ready at n.
-#include "asic/ddr/timing.h"
+#include "asic/ddr/channel.h"
 
 #include <gtest/gtest.h>
 
 #include <cctype>
 #include <stdexcept>
 
-#include "asic/ddr/data_wires.h"
-#include "asic/ddr/rank.h"
+#include "asic/dram/wires.h"
 
 namespace gicube::emu::ddr {
 namespace {
@@ -59,8 +58,8 @@ class DdrConstraint : public testing::TestWithParam<Constraint> {};
 // When `row.to` may begin in a rank that knows only this row, after `row.from` began at `t`.
 Tcycle ready_in_rank(const Constraint& row, Tcycle t) {
   Rank rank(Timing({row}));
-  const std::uint32_t from = 1, to = row.scope == kBank ? 1 : 2;
-  const auto open = [&rank](std::uint32_t bank) {
+  const int from = 1, to = row.scope == kBank ? 1 : 2;
+  const auto open = [&rank](int bank) {
     if (rank.open_row(bank) == kClosed) rank.issue(kActivate, {bank, 7}, 0);
   };
   // Both banks are brought to their states long before, so that only what is issued at `t` counts.
@@ -73,7 +72,7 @@ Tcycle ready_in_rank(const Constraint& row, Tcycle t) {
 }
 
 Tcycle ready_on_wires(const Constraint& row, Tcycle t) {
-  DataWires wires(Timing({row}));
+  dram::ColumnWires<true> wires(Timing({row}));
   if (row.to == kData) return wires.data(row.from, t);
   wires.reserve(row.from, 3, t);
   return wires.probe(row.to, row.scope == kOtherDevice ? 2 : 3, t);

@@ -1,4 +1,4 @@
-#include "asic/rdram/device.h"
+#include "asic/rdram/channel.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "asic/rdram/device.h"
+#include "asic/rdram/channel.h"
 
 namespace gicube::emu::rdram {
 namespace {
@@ -97,10 +97,10 @@ TEST(RdramLayoutOfTheDesignPoint, IsBricksOfSixByThreeBySevenTiles) {
 }
 
 TEST(RdramLayoutOfTheDesignPoint, NeedsADeviceFor182Blocks) {
-  EXPECT_EQ(devices_needed(0, 32, 288), 1u);
-  EXPECT_EQ(devices_needed(128, 32, 288), 1u) << "256^3 on four processors";
-  EXPECT_EQ(devices_needed(182, 32, 288), 1u);  // 91 of a parity, 90 pages each, of 8192
-  EXPECT_EQ(devices_needed(183, 32, 288), 2u);
+  EXPECT_EQ(Layout(0, 32, 288).devices(), 1u);
+  EXPECT_EQ(Layout(128, 32, 288).devices(), 1u) << "256^3 on four processors";
+  EXPECT_EQ(Layout(182, 32, 288).devices(), 1u);  // 91 of a parity, 90 pages each, of 8192
+  EXPECT_EQ(Layout(183, 32, 288).devices(), 2u);
 }
 
 TEST(RdramLayoutOfTheDesignPoint, RefusesWhatItCannotCut) {

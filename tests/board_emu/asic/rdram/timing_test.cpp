@@ -1,12 +1,11 @@
 // Every row of the timing table, alone: the later command is blocked at n - 1 and ready at n.
-#include "asic/rdram/timing.h"
+#include "asic/rdram/channel.h"
 
 #include <gtest/gtest.h>
 
 #include <stdexcept>
 
-#include "asic/rdram/device.h"
-#include "asic/rdram/wires.h"
+#include "asic/dram/wires.h"
 
 namespace gicube::emu::rdram {
 namespace {
@@ -71,14 +70,12 @@ Tcycle ready_in_device(const Constraint& row, Tcycle t) {
 }
 
 Tcycle ready_on_wires(const Constraint& row, Tcycle t) {
-  RowWires rows;
+  dram::GapWires<kPacket> rows;
   rows.reserve(t);
-  ColumnWires columns(Timing({row}));
-  if (row.from == kRead) columns.reserve<kRead>(t);
-  if (row.from == kWrite) columns.reserve<kWrite>(t);
-  if (row.to == kRead) return columns.probe<kRead>(t);
-  if (row.to == kWrite) return columns.probe<kWrite>(t);
-  if (row.to == kData) return row.from == kRead ? columns.data<kRead>(t) : columns.data<kWrite>(t);
+  dram::ColumnWires<false> columns(Timing({row}));
+  if (row.from == kRead || row.from == kWrite) columns.reserve(row.from, 0, t);
+  if (row.to == kRead || row.to == kWrite) return columns.probe(row.to, 0, t);
+  if (row.to == kData) return columns.data(row.from, t);
   return rows.probe(t);
 }
 

@@ -1,6 +1,4 @@
-// A queue policy: what a queue's importance is, from what the queues know of it. The sorter takes the most important queue.
-//
-// A policy is a function in a file of its own in this folder, its name in board_config.proto and its row in policy.cpp.
+// Queue policies: what a queue's importance is, from what the queues know of it. The sorter takes the most important queue.
 #pragma once
 
 #include <cstdint>

@@ -1,0 +1,202 @@
+// The controller of one channel: serves packets in the order in which they are asked for, with open pages.
+//
+// It keeps no queue. A call places all commands of its packet at once, each at its earliest legal clock, and says when the
+// data come; so the caller's queue depth is the look-ahead. RD and WR keep the order of requests, so do ACT with refreshes,
+// and PRE; but a command may take free clocks before one of another kind that is already placed. A bank stays open until
+// another row needs it or what it shares. Requests at hand go before a refresh that is due, by no more than the caller's
+// queue.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "asic/dram/device.h"
+#include "asic/dram/memory.h"
+#include "asic/dram/wires.h"
+
+namespace gicube::emu::dram {
+
+// `Rules`: of the standard, as Device's, and kName, kDevices, kClock, kPacket, kOneBus (RD and WR share the wires of the other
+// commands), kSwitches (wires.h), kLeavesGaps (activate() below). `Derived` has the standard's way to refresh:
+// refresh_until() and held_by_refresh().
+template <typename Derived, typename Rules>
+class Channel {
+ public:
+  // The packet at `at`, asked for at `arrival`, which never decreases from call to call (reads and writes together).
+  Access read(const Location& at, Tcycle arrival) { return serve<Command::kRead>(at, arrival); }
+  Access write(const Location& at, Tcycle arrival) { return serve<Command::kWrite>(at, arrival); }
+  // Carries out the refreshes that were due by `t`; no packet may arrive before it afterwards.
+  void advance(Tcycle t) {
+    if (t >= next_event_) [[unlikely]]
+      static_cast<Derived*>(this)->refresh_until(t);
+  }
+
+  // Until `t` no packet would be delayed by one that was asked for before.
+  bool idle(Tcycle t) const { return dq_free_ <= t; }
+  ChannelCounters counters() const {
+    return {.packets_read = reads_,
+            .packets_written = writes_,
+            .row_hits = reads_ + writes_ - misses_,
+            .row_misses = misses_,
+            .conflicts = conflicts_,
+            .activates = misses_,
+            .precharges = precharges_,
+            .refreshes = refresh_count_,
+            .dq_busy = (reads_ + writes_) * Rules::kPacket,
+            .turnaround = turnaround_};
+  }
+  void describe(std::ostream& out) const {  // for a stall report
+    out << Rules::kName << ": " << devices_.size() << ' ' << Rules::kDevices << ", " << reads_ << " packets read, "
+        << writes_ << " written, data wires free from " << Rules::kClock << ' ' << dq_free_ << " on\n";
+    if (refresh_interval_ != 0) {
+      out << Rules::kName << ": next refresh due at " << Rules::kClock << ' ' << refresh_due_ << "\n";
+    }
+  }
+  // Every command from now on is appended, in the order of placing; null stops it.
+  void set_trace(std::vector<IssuedCommand>* sink) { trace_ = sink; }
+
+ protected:
+  // `devices` from 1 on; each is refreshed once every `refresh_interval`, spread evenly over it; 0: never.
+  Channel(const ConstraintTable& timing, std::uint32_t devices, std::uint64_t refresh_interval)
+      : column_wires_(timing),
+        refresh_interval_(refresh_interval),
+        precharge_gap_(timing.delay(Scope::kDevice, Command::kPrecharge, Command::kPrecharge)) {
+    if (devices == 0) {
+      throw std::invalid_argument(std::string(Rules::kName) + " " + Rules::kDevices +
+                                  " of a channel: expected at least 1, got 0");
+    }
+    devices_.assign(devices, Device<Rules>(timing));
+    if (refresh_interval_ != 0) refresh_due_ = next_event_ = refresh_interval_ / devices;
+  }
+
+  // True if it had to wait for the wires or the device, not for its bank.
+  bool precharge(std::uint16_t device, int bank, Tcycle asked) {
+    constexpr Command kThis = Command::kPrecharge;
+    Device<Rules>& target = devices_[device];
+    const Tcycle floor = std::max(asked, target.bank_ready(kThis, bank));
+    const Tcycle wanted = std::max({floor, last_precharge_, target.device_ready(kThis)});
+    const Tcycle begin = wires_.probe(wanted);
+    record(kThis, wanted >= wires_.horizon(), {device, 0, static_cast<std::uint8_t>(bank), 0}, begin, asked);
+    wires_.reserve(begin);
+    target.template issue<kThis>(bank, 0, begin);
+    last_precharge_ = begin;
+    ++precharges_;
+    return begin > floor;
+  }
+
+  // With `leave_gap` it goes after the place of the next precharge, if it would be within a packet of it; at once, it would
+  // push that precharge, which the next activation needs, and rows would open every 12 tCYCLE of an RDRAM instead of every
+  // 8. The one case of a command later than it could be.
+  template <Command kOpens>
+  Tcycle activate(const Location& at, Tcycle asked, bool leave_gap) {
+    Device<Rules>& device = devices_[at.device];
+    Tcycle wanted = std::max({asked, last_open_, device.bank_ready(kOpens, at.bank), device.device_ready(kOpens)});
+    if constexpr (Rules::kLeavesGaps) {
+      const Tcycle next = last_precharge_ + precharge_gap_;
+      leave_gap = leave_gap && wanted + Rules::kPacket > next && wanted < next + Rules::kPacket;
+      if (leave_gap) wanted = next + Rules::kPacket;
+    } else {
+      leave_gap = false;
+    }
+    const Tcycle begin = wires_.probe(wanted);
+    record(kOpens, !leave_gap && wanted >= wires_.horizon(), at, begin, asked);
+    wires_.reserve(begin);
+    device.template issue<kOpens>(at.bank, at.row, begin);
+    last_open_ = begin;
+    last_open_was_refresh_ = kOpens == Command::kRefresh;
+    return begin;
+  }
+
+  // Refreshes `at`, for which it precharges what is in the way, and returns when.
+  Tcycle refresh_next(const Location& at) {
+    std::uint32_t open = devices_[at.device].in_the_way(Command::kRefresh, at.bank);
+    for (; open != 0; open &= open - 1) precharge(at.device, std::countr_zero(open), refresh_due_);
+    const Tcycle begin = activate<Command::kRefresh>(at, refresh_due_, false);
+    ++refresh_count_;
+    refresh_due_ = (refresh_count_ + 1) * refresh_interval_ / devices_.size();
+    return begin;
+  }
+
+  std::vector<Device<Rules>> devices_;
+  Tcycle last_open_ = 0;  // ACT or refresh
+  bool last_open_was_refresh_ = false;
+  std::uint64_t refresh_count_ = 0;  // also tells device and bank of the next
+  Tcycle refresh_due_ = kNever;
+  Tcycle next_event_ = kNever;  // of refresh_until()
+
+ private:
+  Delay open(const Location& at, Tcycle arrival) {
+    std::uint32_t in_the_way = devices_[at.device].in_the_way(Command::kActivate, at.bank);
+    const bool refresh_before = static_cast<Derived*>(this)->held_by_refresh(at, arrival);
+    const bool conflict = in_the_way != 0;
+    bool rows_queue = false;
+    if (conflict) {
+      rows_queue = precharge(at.device, std::countr_zero(in_the_way), arrival);
+      in_the_way &= in_the_way - 1;  // what is left is the other neighbour
+      if (in_the_way != 0) precharge(at.device, std::countr_zero(in_the_way), arrival);
+    }
+    const Tcycle begin = activate<Command::kActivate>(at, arrival, rows_queue);
+    ++misses_;
+    conflicts_ += conflict;
+    if (begin == arrival) return Delay::kTransfer;
+    return refresh_before ? Delay::kRefresh : Delay::kBank;
+  }
+
+  // Inline: the memory model is asked for every packet of a simulated frame.
+  template <Command kCommand>
+  Access serve(const Location& at, Tcycle arrival) {
+    advance(arrival);
+    constexpr bool kWrite = kCommand == Command::kWrite;
+    Device<Rules>& device = devices_[at.device];
+    Delay row_delay = Delay::kTransfer;
+    if (device.open_row(at.bank) != at.row) row_delay = open(at, arrival);
+    const Tcycle bank_ready = std::max(arrival, device.bank_ready(kCommand, at.bank));
+    const Tcycle wires_ready =
+        std::max(device.device_ready(kCommand), column_wires_.probe(kCommand, at.device, arrival));
+    Tcycle begin = std::max(bank_ready, wires_ready);
+    bool tight = true;
+    if constexpr (Rules::kOneBus) {
+      tight = begin >= wires_.horizon();
+      begin = wires_.probe(begin);
+      wires_.reserve(begin);
+    }
+    Access access;
+    access.data_begin = column_wires_.data(kCommand, begin);
+    access.data_end = access.data_begin + Rules::kPacket;
+    if (bank_ready > wires_ready) access.cause = row_delay;
+    if (kWrite != last_was_write_) {
+      const Tcycle without = std::max(dq_free_, column_wires_.data(kCommand, bank_ready));
+      turnaround_ += access.data_begin - without;
+      last_was_write_ = kWrite;
+    }
+    column_wires_.reserve(kCommand, at.device, begin);
+    device.template issue<kCommand>(at.bank, at.row, begin);
+    dq_free_ = access.data_end;
+    ++(kWrite ? writes_ : reads_);
+    record(kCommand, tight, at, begin, arrival);
+    return access;
+  }
+
+  void record(Command command, bool tight, const Location& at, Tcycle begin, Tcycle asked) const {
+    if (trace_ == nullptr) [[likely]]
+      return;
+    trace_->push_back({command, tight, at.device, at.row, at.bank, at.column, begin, asked});
+  }
+
+  GapWires<Rules::kPacket> wires_;  // of rows, or of all commands
+  ColumnWires<Rules::kSwitches> column_wires_;
+  Tcycle last_precharge_ = 0;
+  Tcycle dq_free_ = 0;
+  bool last_was_write_ = false;
+  std::uint64_t refresh_interval_;
+  std::uint32_t precharge_gap_;
+  std::uint64_t reads_ = 0, writes_ = 0, misses_ = 0, conflicts_ = 0, precharges_ = 0, turnaround_ = 0;
+  std::vector<IssuedCommand>* trace_ = nullptr;
+};
+
+}  // namespace gicube::emu::dram

@@ -1,0 +1,118 @@
+// One device of a channel (an RDRAM, or a rank of DDR SDRAM): the state of its banks, and when a command may come. It has no
+// clock; callers pass the time.
+//
+// Commands may be issued in another order than that of their times, as long as those which a constraint ties together are
+// issued in the order of their times. Inline, because a packet takes three of these calls.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "asic/dram/constraint.h"
+
+namespace gicube::emu::dram {
+
+inline constexpr std::int32_t kClosed = -1;      // instead of an open row
+inline constexpr std::int32_t kRefreshRow = -2;  // open at the row of the device's own refresh counter
+
+struct BankAddress {
+  int bank = 0;
+  std::int32_t row = 0;  // only for kActivate
+};
+
+// `Rules` has what a standard demands: kDevice, kBanks, kBankGroup, kRefreshOpens, must_be_closed() and honoured().
+template <typename Rules>
+class Device {
+ public:
+  explicit Device(const ConstraintTable& timing) : delays_(timing.delays()) {}
+
+  // The earliest time from `t` on at which the command is legal here; kNever if a bank is in the wrong state: ACT and REFA
+  // need must_be_closed() precharged, RD and WR need the bank open, PRE needs something to precharge. The channel's wires
+  // are not this device's matter.
+  Tcycle probe(Command command, BankAddress at, Tcycle t) const {
+    bool legal = false;
+    switch (command) {
+      case Command::kActivate:
+      case Command::kRefresh: legal = in_the_way(command, at.bank) == 0; break;
+      case Command::kPrecharge: legal = (open_ >> at.bank & 1) != 0; break;
+      case Command::kRead:
+      case Command::kWrite: legal = open_row(at.bank) >= 0; break;
+      case Command::kData: refuse_data();
+    }
+    return legal ? std::max({t, bank_ready(command, at.bank), device_ready(command)}) : kNever;
+  }
+  // Carries the command out at `t`, which probe() must have allowed.
+  void issue(Command command, BankAddress at, Tcycle t) {
+    switch (command) {
+      case Command::kActivate: return issue<Command::kActivate>(at.bank, at.row, t);
+      case Command::kRefresh: return issue<Command::kRefresh>(at.bank, at.row, t);
+      case Command::kPrecharge: return issue<Command::kPrecharge>(at.bank, at.row, t);
+      case Command::kRead: return issue<Command::kRead>(at.bank, at.row, t);
+      case Command::kWrite: return issue<Command::kWrite>(at.bank, at.row, t);
+      case Command::kData: refuse_data();
+    }
+  }
+  template <Command kFrom>
+  void issue(int bank, std::int32_t row, Tcycle t) {
+    Bank& own = banks_[place(bank)];
+    raise<Scope::kBank, kFrom>(own.ready, t, kTargets);
+    raise<Scope::kDevice, kFrom>(ready_, t, kTargets);
+    if constexpr (kFrom == Command::kPrecharge) {
+      for (Bank* other : {&own - 1, &own + 1}) raise<Scope::kNeighbour, kFrom>(other->ready, t, kTargets);
+      own.row = kClosed;
+      open_ &= ~(1u << bank);
+    } else if constexpr (kFrom == Command::kActivate || (kFrom == Command::kRefresh && Rules::kRefreshOpens)) {
+      own.row = kFrom == Command::kRefresh ? kRefreshRow : row;
+      open_ |= 1u << bank;
+    }
+  }
+
+  std::int32_t open_row(int bank) const { return banks_[place(bank)].row; }
+  std::uint32_t open_banks() const { return open_; }  // mask
+  // Banks, as a mask, to be precharged before `opens` (ACT or REFA) of `bank`.
+  std::uint32_t in_the_way(Command opens, int bank) const { return open_ & Rules::must_be_closed(opens, bank); }
+
+  // Whatever the state: what commands to this bank and its neighbours allow, and those to the whole device.
+  Tcycle bank_ready(Command command, int bank) const { return banks_[place(bank)].ready[index(command)]; }
+  Tcycle device_ready(Command command) const { return ready_[index(command)]; }
+
+ private:
+  using Ready = std::array<Tcycle, kCommands - 1>;  // per command, without kData
+  static constexpr auto kTargets = std::make_index_sequence<kCommands - 1>();
+
+  struct Bank {
+    Ready ready{};
+    std::int32_t row = kClosed;
+  };
+
+  [[noreturn]] static void refuse_data() {
+    throw std::invalid_argument(std::string(Rules::kDevice) + ": expected a command, got data");
+  }
+
+  template <Scope kScope, Command kFrom, std::size_t... kTo>
+  void raise(Ready& ready, Tcycle t, std::index_sequence<kTo...>) const {
+    const auto one = [&]<std::size_t kOne>() {
+      if constexpr (Rules::honoured(kScope, kFrom, static_cast<Command>(kOne))) {
+        ready[kOne] = std::max(ready[kOne], t + delays_[index(kScope)][index(kFrom)][kOne]);
+      }
+    };
+    (one.template operator()<kTo>(), ...);
+  }
+
+  // A place before and after each group of banks that share sense amps, so that every bank has two neighbours to tell.
+  static constexpr std::size_t place(int bank) {
+    const auto plain = static_cast<std::size_t>(bank);
+    return plain + 1 + plain / Rules::kBankGroup * 2;
+  }
+
+  std::array<Bank, Rules::kBanks + 2 * (Rules::kBanks / Rules::kBankGroup)> banks_{};
+  Ready ready_{};           // of the whole device
+  std::uint32_t open_ = 0;  // mask of banks that are not precharged
+  Delays delays_;
+};
+
+}  // namespace gicube::emu::dram

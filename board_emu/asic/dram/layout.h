@@ -1,0 +1,82 @@
+// How a block of n^3 voxels with its +1 faces is cut into pages, rows of a bank: each holds a brick of neighbouring tiles, so
+// that rays that march together hit open rows in whatever direction they go.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace gicube::emu::dram {
+
+struct Bricks {
+  std::array<std::uint32_t, 3> tiles{};  // of the block, per axis: n/2 + 1, n/2 + 1, n + 1
+  std::array<std::uint32_t, 3> size{};   // of a brick, in tiles
+  std::array<std::uint32_t, 3> count{};  // bricks, per axis
+  std::uint32_t pages = 0;               // of a block: bricks in all
+
+  // A tile's brick, and its place there.
+  struct Place {
+    std::array<std::uint32_t, 3> brick;
+    std::uint16_t column;
+  };
+  std::uint32_t all_tiles() const { return tiles[0] * tiles[1] * tiles[2]; }
+  Place place(std::uint32_t tile) const {
+    const std::uint32_t x = tile % tiles[0], y = tile / tiles[0] % tiles[1], z = tile / (tiles[0] * tiles[1]);
+    const std::uint32_t column = x % size[0] + size[0] * (y % size[1] + size[1] * (z % size[2]));
+    return {{x / size[0], y / size[1], z / size[2]}, static_cast<std::uint16_t>(column)};
+  }
+  // Pages of a block times the surface of a brick in voxel faces (a tile is 2 x 2 x 1 voxels): memory that a block takes, and
+  // pages that rays which march together have open at once.
+  std::uint32_t cost() const {
+    const std::uint32_t x = 2 * size[0], y = 2 * size[1], z = size[2];
+    return pages * (x * y + y * z + z * x);
+  }
+};
+
+// The cheapest bricks of those that `accepted`. `standard`: named where the block can't be cut; `row`: packets of a page.
+template <typename Accepted>
+Bricks cut_block(const char* standard, std::uint32_t block_voxels, std::uint32_t row, const Accepted& accepted) {
+  if (block_voxels < 2 || block_voxels > 64 || block_voxels % 2 != 0) {
+    throw std::invalid_argument(std::string("block of the ") + standard +
+                                " layout: expected an even 2 to 64 voxels, got " + std::to_string(block_voxels));
+  }
+  const std::uint32_t flat = block_voxels / 2 + 1, deep = block_voxels + 1;
+  Bricks best;
+  for (std::uint32_t x = 1; x <= std::min(flat, row); ++x) {
+    for (std::uint32_t y = 1; y <= std::min(flat, row / x); ++y) {
+      for (std::uint32_t z = 1; z <= std::min(deep, row / (x * y)); ++z) {
+        Bricks bricks{{flat, flat, deep}, {x, y, z}, {}, 1};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          bricks.count[axis] = (bricks.tiles[axis] + bricks.size[axis] - 1) / bricks.size[axis];
+          bricks.pages *= bricks.count[axis];
+        }
+        if ((best.pages == 0 || bricks.cost() < best.cost()) && accepted(bricks)) best = bricks;
+      }
+    }
+  }
+  return best;
+}
+
+// What the layouts of all standards have.
+class LayoutBase {
+ public:
+  std::uint32_t devices() const { return devices_; }                                  // of a channel, at least 1
+  std::uint32_t tiles() const { return static_cast<std::uint32_t>(places_.size()); }  // of a block
+  const Bricks& bricks() const { return bricks_; }
+
+ protected:
+  struct Place {
+    std::uint16_t page;
+    std::uint16_t column;
+  };
+  explicit LayoutBase(const Bricks& bricks) : bricks_(bricks) {}
+
+  Bricks bricks_;
+  std::uint32_t devices_ = 1;
+  std::vector<Place> places_;  // by tile, x fastest
+};
+
+}  // namespace gicube::emu::dram

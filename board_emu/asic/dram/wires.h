@@ -1,0 +1,84 @@
+// The wires of a channel: when a packet may begin so that no two overlap.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "asic/dram/constraint.h"
+
+namespace gicube::emu::dram {
+
+// Wires on which a later packet may take a gap before one that is already placed. Remembers the last clocks before the latest
+// packet; what is older counts as taken. chosen: one machine word. No branches: with random packets nothing here can be
+// predicted.
+template <Tcycle kPacket>
+class GapWires {
+ public:
+  // The first clock from which on gaps are known.
+  Tcycle horizon() const { return base_; }
+  // The earliest free begin of a packet from `t` on.
+  Tcycle probe(Tcycle t) const {
+    t = std::max(t, base_);
+    const Tcycle bit = t - base_ + kReach;
+    const std::uint64_t blocked = bit < kBits ? blocked_ >> bit : 0;
+    return t + static_cast<unsigned>(std::countr_one(blocked));
+  }
+  // A packet begins at `t`, which probe() must have allowed.
+  void reserve(Tcycle t) {
+    constexpr std::uint64_t kOverlaps = (std::uint64_t{1} << (2 * kReach + 1)) - 1;
+    const Tcycle last = t - base_ + 2 * kReach;  // bit of the last begin that would overlap
+    const Tcycle shift = std::max(last, kBits - 1) - (kBits - 1);
+    blocked_ = shift < kBits ? blocked_ >> shift : 0;
+    base_ += shift;
+    blocked_ |= kOverlaps << (t - base_);
+  }
+
+ private:
+  static constexpr Tcycle kBits = 64;
+  static constexpr Tcycle kReach = kPacket - 1;  // packets that begin so near overlap
+
+  Tcycle base_ = 0;
+  std::uint64_t blocked_ = 0;  // bit kReach + i: no packet may begin at base_ + i
+};
+
+// RD and WR, strictly in order: their packets where those have wires of their own, and their data, which so keep apart.
+// `kSwitches`: data of another device than the last wait longer.
+template <bool kSwitches>
+class ColumnWires {
+ public:
+  explicit ColumnWires(const ConstraintTable& timing) {
+    for (const Command from : {Command::kRead, Command::kWrite}) {
+      for (const Command to : {Command::kRead, Command::kWrite}) {
+        delay_[is_write(from)][is_write(to)] = timing.delay(Scope::kChannel, from, to);
+        other_delay_[is_write(from)][is_write(to)] = timing.delay(Scope::kOtherDevice, from, to);
+      }
+      data_[is_write(from)] = timing.delay(Scope::kChannel, from, Command::kData);
+    }
+  }
+
+  Tcycle probe(Command command, std::uint16_t device, Tcycle t) const {
+    const std::size_t to = is_write(command);
+    t = std::max(t, ready_[to]);
+    return kSwitches && device != last_device_ ? std::max(t, other_ready_[to]) : t;
+  }
+  void reserve(Command command, std::uint16_t device, Tcycle t) {
+    for (const std::size_t to : {0u, 1u}) {
+      ready_[to] = t + delay_[is_write(command)][to];
+      if constexpr (kSwitches) other_ready_[to] = t + other_delay_[is_write(command)][to];
+    }
+    last_device_ = device;
+  }
+  // When the data of a packet that begins at `t` begin.
+  Tcycle data(Command command, Tcycle t) const { return t + data_[is_write(command)]; }
+
+ private:
+  static constexpr std::size_t is_write(Command command) { return command == Command::kWrite ? 1 : 0; }
+
+  std::uint32_t delay_[2][2] = {}, other_delay_[2][2] = {};  // [from is write][to is write]
+  std::uint32_t data_[2] = {};
+  Tcycle ready_[2] = {}, other_ready_[2] = {};
+  std::uint16_t last_device_ = 0;
+};
+
+}  // namespace gicube::emu::dram
