@@ -13,10 +13,8 @@
 
 namespace gicube::emu {
 
-struct ParsedConfig {
-  v1::BoardConfig config;  // only what the text sets
-  FieldLines lines;
-  std::vector<Diagnostic> diagnostics;  // of syntax, names and types; ranges are check()'s
+struct ParsedConfig : TextReading {  // ranges are check()'s
+  v1::BoardConfig config;            // only what the text sets
 };
 
 // Reads protobuf text. A faulty value is reported and skipped, so that one call finds all of them; only text whose

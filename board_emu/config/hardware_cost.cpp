@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <string_view>
 
 #include "asic/memory_standards.h"
@@ -24,14 +25,26 @@ constexpr std::uint64_t kOtherRegisterBits = 55;  // [P Table 1]
 constexpr std::uint64_t kKilobit = 1 << 10;
 constexpr std::uint64_t kMegabit = 1 << 20;
 
-CostItem ray_queues(const v1::BoardConfig& config) {
-  const v1::AsicConfig& asic = config.asic();
-  std::uint64_t queues = asic.processors();
-  if (config.sorter().queues() != v1::single) {
-    const std::uint64_t across = std::max(1u, asic.max_volume_voxels() / asic.block_voxels());
-    queues = across * across * across;
+struct Factor {
+  std::uint64_t base;
+  int power = 1;
+};
+
+CostItem product(std::initializer_list<Factor> factors) {
+  CostItem item{"", 1};
+  for (const auto& [base, power] : factors) {
+    item.formula += (item.formula.empty() ? "" : " x ") + std::to_string(base);
+    if (power > 1) item.formula += "^" + std::to_string(power);
+    for (int i = 0; i < power; ++i) item.bits *= base;
   }
-  return {fmt::format("{} x {} x {}", queues, asic.queue_rays(), kRayBits), queues * asic.queue_rays() * kRayBits};
+  return item;
+}
+
+std::uint64_t queues(const v1::BoardConfig& config) {
+  const v1::AsicConfig& asic = config.asic();
+  if (config.sorter().queues() == v1::single) return asic.processors();
+  const std::uint64_t across = std::max(1u, asic.max_volume_voxels() / asic.block_voxels());
+  return across * across * across;
 }
 
 }  // namespace
@@ -40,19 +53,14 @@ HardwareCost hardware_cost(const v1::BoardConfig& config) {
   const std::uint64_t p = config.asic().processors();
   const std::uint64_t edge = config.asic().block_voxels() + 1;
   const std::uint64_t stages = config.pipeline().prefetch_stages() + config.pipeline().compute_stages();
-  constexpr std::uint64_t kFaces = wire::kReflectanceFaces, kSize = wire::kReflectanceSize;
+  const CostItem rays = product({{stages}, {kRayBits}}), others = product({{kOtherRegisters}, {kOtherRegisterBits}});
   HardwareCost cost;
-  cost.ray_queues = ray_queues(config);
-  cost.volume_cache = {fmt::format("{} x {}^3 x {}", p, edge, wire::kVoxelBits),
-                       p * edge * edge * edge * wire::kVoxelBits};
-  cost.gradient_lut = {fmt::format("{} x {} x {} x {}", p, wire::kGradientCodes, kGradientReaders, kGradientBits),
-                       p * wire::kGradientCodes * kGradientReaders * kGradientBits};
-  cost.registers = {fmt::format("{} x {} + {} x {}", stages, kRayBits, kOtherRegisters, kOtherRegisterBits),
-                    stages * kRayBits + kOtherRegisters * kOtherRegisterBits};
-  cost.segmentation_lut = {fmt::format("{} x {} x {}", p, wire::kSegmentationEntries, kSegmentationBits),
-                           p * wire::kSegmentationEntries * kSegmentationBits};
-  cost.reflectance_map = {fmt::format("{} x {}^2 x {} x {}", p, kSize, kFaces, kReflectanceBits),
-                          p * kSize * kSize * kFaces * kReflectanceBits};
+  cost.ray_queues = product({{queues(config)}, {config.asic().queue_rays()}, {kRayBits}});
+  cost.volume_cache = product({{p}, {edge, 3}, {wire::kVoxelBits}});
+  cost.gradient_lut = product({{p}, {wire::kGradientCodes}, {kGradientReaders}, {kGradientBits}});
+  cost.registers = {rays.formula + " + " + others.formula, rays.bits + others.bits};
+  cost.segmentation_lut = product({{p}, {wire::kSegmentationEntries}, {kSegmentationBits}});
+  cost.reflectance_map = product({{p}, {wire::kReflectanceSize, 2}, {wire::kReflectanceFaces}, {kReflectanceBits}});
   cost.sram = {fmt::format("with {} x registers", p), cost.volume_cache.bits + cost.gradient_lut.bits +
                                                           p * cost.registers.bits + cost.segmentation_lut.bits +
                                                           cost.reflectance_map.bits};

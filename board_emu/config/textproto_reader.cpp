@@ -7,9 +7,12 @@
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <utility>
 
-#include "text_schema.h"
+#include "gicube/v1/field_range.pb.h"
 
 namespace gicube::emu {
 namespace {
@@ -169,6 +172,17 @@ class Reader {
   std::map<std::string, int> instances_;  // of repeated fields
 };
 
+std::vector<std::uint64_t> numbers_in(std::string_view text) {
+  std::vector<std::uint64_t> numbers;
+  for (const char* at = text.begin(); at != text.end();) {
+    std::uint64_t number = 0;
+    const auto [end, error] = std::from_chars(at, text.end(), number);
+    if (error == std::errc()) numbers.push_back(number);
+    at = std::max(end, at + 1);
+  }
+  return numbers;
+}
+
 }  // namespace
 
 std::string to_string(const Diagnostic& diagnostic) {
@@ -181,6 +195,50 @@ std::string to_string(std::span<const Diagnostic> diagnostics) {
   std::string text;
   for (const Diagnostic& each : diagnostics) text += (text.empty() ? "" : "\n") + to_string(each);
   return text;
+}
+
+std::string expected_names(const google::protobuf::Descriptor& type) {
+  std::string names;
+  for (int i = 0; i < type.field_count(); ++i) names += (i > 0 ? ", " : "one of ") + type.field(i)->name();
+  return names;
+}
+
+std::string expected_value(const FieldDescriptor& field) {
+  if (field.message_type() != nullptr) return "a message in braces";
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_UINT64) return "a whole number from 0 to 18446744073709551615";
+  if (field.enum_type() == nullptr) return "a whole number from 0 to 4294967295";
+  std::string names;
+  for (int i = 0; i < field.enum_type()->value_count(); ++i) {
+    const auto* value = field.enum_type()->value(i);
+    if (value->number() != 0) names += (names.empty() ? "one of " : ", ") + value->name();
+  }
+  return names;
+}
+
+std::optional<Diagnostic> fault_of(const Message& message, const FieldDescriptor& field) {
+  const auto& reflection = *message.GetReflection();
+  if (field.enum_type() != nullptr) {
+    const auto* value = reflection.GetEnum(message, &field);
+    if (value->number() != 0) return std::nullopt;
+    return Diagnostic{"", expected_value(field), value->name()};
+  }
+  if (!field.options().HasExtension(v1::range) || !reflection.HasField(message, &field)) return std::nullopt;
+  const std::string& range = field.options().GetExtension(v1::range);
+  const std::uint64_t value = field.cpp_type() == FieldDescriptor::CPPTYPE_UINT64
+                                  ? reflection.GetUInt64(message, &field)
+                                  : reflection.GetUInt32(message, &field);
+  const auto numbers = numbers_in(range);
+  const std::size_t dots = range.find("..");
+  if (dots == std::string::npos) {
+    if (std::ranges::find(numbers, value) != numbers.end()) return std::nullopt;
+    return Diagnostic{"", range, std::to_string(value)};
+  }
+  const std::string unit = range.substr(range.find(' '));
+  const bool is_open = range[dots + 2] == ' ';
+  if (value >= numbers[0] && (is_open || value <= numbers[1])) return std::nullopt;
+  const std::string expected =
+      is_open ? fmt::format("at least {}", numbers[0]) : fmt::format("{} to {}", numbers[0], numbers[1]);
+  return Diagnostic{"", expected + unit, std::to_string(value)};
 }
 
 bool read_value(const std::string& text, const FieldDescriptor& field, Message& message) {

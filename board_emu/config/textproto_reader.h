@@ -4,12 +4,14 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace google::protobuf {
+class Descriptor;
 class FieldDescriptor;
 class Message;
 }  // namespace google::protobuf
@@ -47,6 +49,16 @@ struct TextReading {
 // one call finds all of them. Text whose structure is broken ends the search at that line.
 TextReading read_text(std::string_view text, google::protobuf::Message& message,
                       std::span<const RenamedField> renamed = {});
+
+// What a schema says, in words for faults: "one of processors, block_voxels, ...".
+std::string expected_names(const google::protobuf::Descriptor& type);
+// A whole number, one of an enumeration's names (0 is its "unspecified"), or a message.
+std::string expected_value(const google::protobuf::FieldDescriptor& field);
+
+// Why the schema refuses a scalar's value: a number that is set and beyond its `range` (field_range.proto), or an enumeration
+// without a value. Without path and line.
+std::optional<Diagnostic> fault_of(const google::protobuf::Message& message,
+                                   const google::protobuf::FieldDescriptor& field);
 
 // Sets a number or an enumeration from its text. False, and nothing has changed, if that is no such value.
 bool read_value(const std::string& text, const google::protobuf::FieldDescriptor& field,

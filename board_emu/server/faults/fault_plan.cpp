@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "config/text_schema.h"
+#include "words/mix64.h"
 
 namespace gicube::emu {
 namespace {
@@ -18,45 +18,25 @@ using google::protobuf::Message;
 using v1::PlannedFault;
 using v1::RandomFaults;
 
-struct Range {
-  std::uint64_t low, high;
-  const char* unit;
-};
-
-constexpr Range kDelay{1, 60'000, "ms"};
-constexpr Range kRate{1'000, 1'000'000'000, "bytes a second"};
-constexpr Range kSlowMessages{1, 1'000'000, "messages"};
-constexpr Range kMean{1, std::uint64_t{1} << 32, "messages"};
-constexpr Range kMessage{1, ~std::uint64_t{0}, "(messages are counted from 1)"};
-
 // Names that a plan of an earlier release may have.
 constexpr std::array kRenamed{RenamedField{"most_faults", "max_faults"}, RenamedField{"most_delay_ms", "max_delay_ms"}};
 
-// A field that some kinds use, and must have unless `may_be_left_out`.
+// A field that some kinds use, and must have unless `may_be_left_out`, in the messages that have it.
 struct Parameter {
   const char* field;
-  Range range;
   bool may_be_left_out;
   std::vector<PlannedFault::Kind> kinds;
 };
 
-const std::vector<Parameter>& planned_parameters() {
-  constexpr Range kAny{0, ~std::uint32_t{0}, ""};
+const std::vector<Parameter>& parameters() {
   static const std::vector<Parameter> table{
-      {"delay_ms", kDelay, false, {PlannedFault::delay}},
-      {"bit", kAny, true, {PlannedFault::corrupt, PlannedFault::memory_detected, PlannedFault::memory_silent}},
-      {"block", kAny, true, {PlannedFault::memory_detected, PlannedFault::memory_silent}},
-      {"bytes_per_second", kRate, false, {PlannedFault::slow}},
-      {"messages", kSlowMessages, false, {PlannedFault::slow}},
-  };
-  return table;
-}
-
-const std::vector<Parameter>& random_parameters() {
-  static const std::vector<Parameter> table{
-      {"max_delay_ms", kDelay, false, {PlannedFault::delay}},
-      {"bytes_per_second", kRate, false, {PlannedFault::slow}},
-      {"slow_messages", kSlowMessages, false, {PlannedFault::slow}},
+      {"delay_ms", false, {PlannedFault::delay}},
+      {"max_delay_ms", false, {PlannedFault::delay}},
+      {"bit", true, {PlannedFault::corrupt, PlannedFault::memory_detected, PlannedFault::memory_silent}},
+      {"block", true, {PlannedFault::memory_detected, PlannedFault::memory_silent}},
+      {"bytes_per_second", false, {PlannedFault::slow}},
+      {"messages", false, {PlannedFault::slow}},
+      {"slow_messages", false, {PlannedFault::slow}},
   };
   return table;
 }
@@ -74,46 +54,34 @@ class Check {
         {where + "." + field, std::move(expected), std::move(got), line == lines_.end() ? 0 : line->second});
   }
 
-  // False, and reported, if the field is missing or holds no value of its kind.
+  // False, and reported, if the field is missing, or holds no value of its kind or range.
   bool need(const std::string& where, const Message& message, const char* name) {
     const FieldDescriptor& field = *message.GetDescriptor()->FindFieldByName(name);
-    const auto& reflection = *message.GetReflection();
-    const bool is_set = reflection.HasField(message, &field);
-    const bool is_enum = field.enum_type() != nullptr;
-    if (is_set && (!is_enum || reflection.GetEnumValue(message, &field) != 0)) return true;
-    report(where, name, expected_value(field), is_set ? reflection.GetEnum(message, &field)->name() : "nothing");
+    if (message.GetReflection()->HasField(message, &field)) return in_range(where, message, name);
+    report(where, name, expected_value(field), "nothing");
     return false;
   }
 
-  void range(const std::string& where, const Message& message, const char* name, const Range& range) {
-    const FieldDescriptor& field = *message.GetDescriptor()->FindFieldByName(name);
-    const auto& reflection = *message.GetReflection();
-    if (!reflection.HasField(message, &field)) return;
-    const std::uint64_t value = field.cpp_type() == FieldDescriptor::CPPTYPE_UINT64
-                                    ? reflection.GetUInt64(message, &field)
-                                    : reflection.GetUInt32(message, &field);
-    if (value >= range.low && value <= range.high) return;
-    const std::string expected = range.high == ~std::uint64_t{0}
-                                     ? fmt::format("at least {} {}", range.low, range.unit)
-                                     : fmt::format("{} to {} {}", range.low, range.high, range.unit);
-    report(where, name, expected, std::to_string(value));
+  bool in_range(const std::string& where, const Message& message, const char* name) {
+    auto what = fault_of(message, *message.GetDescriptor()->FindFieldByName(name));
+    if (what) report(where, name, std::move(what->expected), std::move(what->got));
+    return !what;
   }
 
   // Every parameter that `kinds` use must be there, and no other.
-  void parameters(const std::string& where, const Message& message, const std::vector<Parameter>& table,
-                  const std::set<PlannedFault::Kind>& kinds) {
-    for (const Parameter& parameter : table) {
+  void need_parameters(const std::string& where, const Message& message, const std::set<PlannedFault::Kind>& kinds) {
+    for (const Parameter& parameter : parameters()) {
+      const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(parameter.field);
+      if (field == nullptr) continue;
       std::string users;
       bool used = false;
       for (const PlannedFault::Kind kind : parameter.kinds) {
         users += (users.empty() ? "" : ", ") + PlannedFault::Kind_Name(kind);
         used = used || kinds.contains(kind);
       }
-      const FieldDescriptor& field = *message.GetDescriptor()->FindFieldByName(parameter.field);
       if (used) {
         if (!parameter.may_be_left_out) need(where, message, parameter.field);
-        range(where, message, parameter.field, parameter.range);
-      } else if (message.GetReflection()->HasField(message, &field)) {
+      } else if (message.GetReflection()->HasField(message, field)) {
         report(where, parameter.field, "it for no other kind than " + users, "it without use");
       }
     }
@@ -126,12 +94,12 @@ class Check {
 
 void check_planned(const std::string& where, const PlannedFault& fault, Check& check) {
   check.need(where, fault, "direction");
-  if (check.need(where, fault, "message")) check.range(where, fault, "message", kMessage);
+  check.need(where, fault, "message");
   if (!check.need(where, fault, "kind")) return;
   if (is_memory_fault(fault.kind()) && fault.direction() == PlannedFault::up) {
     check.report(where, "direction", "down for " + PlannedFault::Kind_Name(fault.kind()), "up");
   }
-  check.parameters(where, fault, planned_parameters(), {fault.kind()});
+  check.need_parameters(where, fault, {fault.kind()});
 }
 
 void check_random(const std::string& where, const RandomFaults& random, Check& check) {
@@ -153,9 +121,19 @@ void check_random(const std::string& where, const RandomFaults& random, Check& c
       random.direction() == PlannedFault::up) {
     check.report(where, "direction", "down, since all its kinds are memory faults", "up");
   }
-  if (check.need(where, random, "mean_messages")) check.range(where, random, "mean_messages", kMean);
-  check.range(where, random, "first_message", kMessage);
-  check.parameters(where, random, random_parameters(), kinds);
+  check.need(where, random, "mean_messages");
+  check.in_range(where, random, "first_message");
+  check.need_parameters(where, random, kinds);
+}
+
+// SplitMix64's numbers [Steele, Lea, Flood, OOPSLA 2014].
+std::uint64_t mix(std::uint64_t x) { return mix64(x + 0x9E3779B97F4A7C15u); }
+
+// What is drawn for a message: whether, which kind, and its parameters are independent of one another.
+enum class Purpose : std::uint64_t { kHit, kKind, kFirst, kSecond };
+
+std::uint64_t chance(std::uint64_t stream, std::uint64_t message, Purpose purpose) {
+  return mix(mix(stream ^ message) ^ static_cast<std::uint64_t>(purpose));
 }
 
 }  // namespace
@@ -166,11 +144,9 @@ bool is_memory_fault(PlannedFault::Kind kind) {
 
 ParsedFaultPlan parse_fault_plan(std::string_view text) {
   ParsedFaultPlan parsed;
-  TextReading reading = read_text(text, parsed.plan, kRenamed);
-  parsed.notes = std::move(reading.notes);
-  parsed.diagnostics = std::move(reading.diagnostics);
+  static_cast<TextReading&>(parsed) = read_text(text, parsed.plan, kRenamed);
   if (!parsed.diagnostics.empty()) return parsed;  // what could not be read would be missed once more
-  Check check(reading.lines);
+  Check check(parsed.lines);
   std::set<std::pair<int, std::uint64_t>> taken;
   for (int i = 0; i < parsed.plan.fault_size(); ++i) {
     const PlannedFault& fault = parsed.plan.fault(i);
@@ -195,6 +171,72 @@ std::string to_text(const PlannedFault& fault) {
   printer.PrintToString(fault, &text);
   while (text.ends_with(' ')) text.pop_back();
   return "fault { " + text + " }";
+}
+
+FaultEngine::FaultEngine(const v1::FaultPlan& plan) {
+  for (const PlannedFault& fault : plan.fault()) {
+    lanes_[lane(fault.direction())].planned.emplace(fault.message(), fault);
+  }
+  std::uint64_t part = 0;
+  for (const v1::RandomFaults& rule : plan.random()) {
+    ++part;
+    for (const PlannedFault::Direction direction : {PlannedFault::down, PlannedFault::up}) {
+      if (rule.has_direction() && rule.direction() != direction) continue;
+      // Parts with one seed, and the directions of one part, are independent of one another.
+      const std::uint64_t stream = mix(mix(mix(rule.seed()) ^ part) ^ static_cast<std::uint64_t>(direction));
+      Random random{rule, stream, {}};
+      for (int i = 0; i < rule.kinds_size(); ++i) {
+        if (direction == PlannedFault::down || !is_memory_fault(rule.kinds(i))) random.kinds.push_back(rule.kinds(i));
+      }
+      if (!random.kinds.empty()) lanes_[lane(direction)].random.push_back(std::move(random));
+    }
+  }
+}
+
+std::optional<PlannedFault> FaultEngine::next(PlannedFault::Direction direction, std::size_t frame_bytes) {
+  Lane& lane = lanes_[this->lane(direction)];
+  const std::uint64_t message = ++lane.message;
+  std::optional<PlannedFault> hit;
+  // Each draws for itself, so that a named fault or another part does not move what comes later.
+  for (Random& random : lane.random) {
+    auto drawn = draw(random, direction, message);
+    if (drawn && !hit) hit = std::move(drawn);
+  }
+  const auto planned = lane.planned.find(message);
+  if (planned != lane.planned.end()) hit = planned->second;
+  if (hit && hit->kind() == PlannedFault::corrupt) {
+    hit->set_bit(static_cast<std::uint32_t>(hit->bit() % (frame_bytes * 8)));
+  }
+  return hit;
+}
+
+std::optional<PlannedFault> FaultEngine::draw(Random& random, PlannedFault::Direction direction,
+                                              std::uint64_t message) {
+  const v1::RandomFaults& rule = random.rule;
+  const auto drawn = [&](Purpose purpose) { return chance(random.stream, message, purpose); };
+  if (message < rule.first_message() || (rule.has_max_faults() && random.hits >= rule.max_faults())) return {};
+  if (drawn(Purpose::kHit) % rule.mean_messages() != 0) return {};
+  ++random.hits;
+  PlannedFault fault;
+  fault.set_direction(direction);
+  fault.set_message(message);
+  fault.set_kind(random.kinds[drawn(Purpose::kKind) % random.kinds.size()]);
+  const std::uint64_t first = drawn(Purpose::kFirst), second = drawn(Purpose::kSecond);
+  switch (fault.kind()) {
+    case PlannedFault::delay: fault.set_delay_ms(static_cast<std::uint32_t>(1 + first % rule.max_delay_ms())); break;
+    case PlannedFault::corrupt: fault.set_bit(static_cast<std::uint32_t>(first)); break;
+    case PlannedFault::slow:
+      fault.set_bytes_per_second(rule.bytes_per_second());
+      fault.set_messages(rule.slow_messages());
+      break;
+    case PlannedFault::memory_detected:
+    case PlannedFault::memory_silent:
+      fault.set_block(static_cast<std::uint32_t>(first));
+      fault.set_bit(static_cast<std::uint32_t>(second));
+      break;
+    default: break;
+  }
+  return fault;
 }
 
 }  // namespace gicube::emu

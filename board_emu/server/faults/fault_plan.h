@@ -1,8 +1,13 @@
 // A board's fault plan: protobuf text in, a complete and checked plan out.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "config/textproto_reader.h"
@@ -10,10 +15,8 @@
 
 namespace gicube::emu {
 
-struct ParsedFaultPlan {
-  v1::FaultPlan plan;
-  std::vector<Diagnostic> diagnostics;  // what is wrong with the text; the plan may be used if this is empty
-  std::vector<std::string> notes;       // for a log
+struct ParsedFaultPlan : TextReading {
+  v1::FaultPlan plan;  // may be used if there are no diagnostics
 };
 
 // Reads and checks a plan. Every faulty field is found: unknown, missing, out of its range, without use for its kind, and
@@ -25,5 +28,39 @@ bool is_memory_fault(v1::PlannedFault::Kind kind);
 
 // One line of plan text: "fault { direction: down message: 7 kind: corrupt bit: 12 }".
 std::string to_text(const v1::PlannedFault& fault);
+
+// What a fault plan does to the messages of a board: a pure function of plan, direction and message number.
+class FaultEngine {
+ public:
+  FaultEngine() = default;  // no faults
+  // `plan` must have passed parse_fault_plan().
+  explicit FaultEngine(const v1::FaultPlan& plan);
+
+  // The fault of a direction's next message, with all its parameters; `frame_bytes` is its size with the header. Counts
+  // the message, whose number message() then tells.
+  std::optional<v1::PlannedFault> next(v1::PlannedFault::Direction direction, std::size_t frame_bytes);
+
+  // The last message of a direction, 0 before the first.
+  std::uint64_t message(v1::PlannedFault::Direction direction) const { return lanes_[lane(direction)].message; }
+
+ private:
+  struct Random {
+    v1::RandomFaults rule;
+    std::uint64_t stream = 0;                   // of random numbers
+    std::vector<v1::PlannedFault::Kind> kinds;  // that can hit a message of this direction
+    std::uint64_t hits = 0;
+  };
+  struct Lane {
+    std::uint64_t message = 0;
+    std::unordered_map<std::uint64_t, v1::PlannedFault> planned;
+    std::vector<Random> random;
+  };
+
+  static std::size_t lane(v1::PlannedFault::Direction direction) { return direction == v1::PlannedFault::up ? 1 : 0; }
+  static std::optional<v1::PlannedFault> draw(Random& random, v1::PlannedFault::Direction direction,
+                                              std::uint64_t message);
+
+  std::array<Lane, 2> lanes_;
+};
 
 }  // namespace gicube::emu

@@ -1,8 +1,6 @@
 #include "fault_point.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -18,33 +16,6 @@
 namespace gicube::emu {
 
 using v1::PlannedFault;
-
-// Lines of plan text, each in one write, so that a process that is killed has written them.
-class FaultLogFile {
- public:
-  explicit FaultLogFile(const std::string& path)
-      : path_(path), fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600)) {
-    if (fd_ < 0) throw std::runtime_error(fmt::format("{}: {}", path, std::generic_category().message(errno)));
-  }
-  ~FaultLogFile() { ::close(fd_); }
-  FaultLogFile(const FaultLogFile&) = delete;
-  FaultLogFile& operator=(const FaultLogFile&) = delete;
-
-  void write(const PlannedFault& fault) {
-    const std::string line = to_text(fault) + "\n";
-    if (::write(fd_, line.data(), line.size()) == static_cast<ssize_t>(line.size()) || failed_) return;
-    failed_ = true;
-    spdlog::error("{}: {}: faults from here on are missing", path_, std::generic_category().message(errno));
-  }
-
- private:
-  const std::string path_;
-  const int fd_;
-  bool failed_ = false;
-};
-
-FaultPoint::FaultPoint() = default;
-FaultPoint::~FaultPoint() = default;
 
 std::vector<Diagnostic> FaultPoint::set_plan(std::string_view text) {
   ParsedFaultPlan parsed = parse_fault_plan(text);
@@ -72,16 +43,18 @@ std::vector<PlannedFault> FaultPoint::log(bool clear) {
     sorted = log_;
     if (clear) log_.clear();
   }
-  std::sort(sorted.begin(), sorted.end(), [](const PlannedFault& a, const PlannedFault& b) {
-    return std::tuple(a.direction(), a.message()) < std::tuple(b.direction(), b.message());
-  });
+  std::ranges::sort(sorted, {}, [](const PlannedFault& each) { return std::tuple(each.direction(), each.message()); });
   return sorted;
 }
 
 void FaultPoint::append_log_to(const std::string& path) {
-  auto file = std::make_unique<FaultLogFile>(path);
+  std::ofstream file;
+  file.rdbuf()->pubsetbuf(nullptr, 0);  // each line is one write, so that a process that is killed has written it
+  file.open(path, std::ios::app);
+  if (!file) throw std::runtime_error(fmt::format("{}: {}", path, std::generic_category().message(errno)));
   const std::lock_guard lock(mutex_);
   file_ = std::move(file);
+  file_name_ = path;
 }
 
 FaultAction FaultPoint::next(PlannedFault::Direction direction, std::size_t frame_bytes) {
@@ -92,7 +65,9 @@ FaultAction FaultPoint::next(PlannedFault::Direction direction, std::size_t fram
   if (fault) {
     ++faults_;
     log_.push_back(*fault);
-    if (file_) file_->write(*fault);
+    if (file_.is_open() && file_ && !(file_ << to_text(*fault) + "\n")) {
+      spdlog::error("{}: {}: faults from here on are missing", file_name_, std::generic_category().message(errno));
+    }
     action = act(*fault);
   }
   Slow& slow = slow_[direction == PlannedFault::up ? 1 : 0];

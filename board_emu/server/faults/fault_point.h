@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <fstream>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -17,7 +17,7 @@
 
 #include "board/board.h"
 #include "config/textproto_reader.h"
-#include "fault_engine.h"
+#include "fault_plan.h"
 
 namespace gicube::emu {
 
@@ -46,15 +46,8 @@ inline void flip_bit(std::size_t bit, std::span<std::uint8_t> header, std::span<
   byte = static_cast<std::uint8_t>(byte ^ (1u << bit % 8));
 }
 
-class FaultLogFile;
-
 class FaultPoint {
  public:
-  FaultPoint();
-  ~FaultPoint();
-  FaultPoint(const FaultPoint&) = delete;
-  FaultPoint& operator=(const FaultPoint&) = delete;
-
   // The host's next message has come undamaged and in order; `frame_bytes` with the header.
   FaultAction taken(std::size_t frame_bytes) { return next(v1::PlannedFault::down, frame_bytes); }
   // The board is about to send its next message.
@@ -94,7 +87,8 @@ class FaultPoint {
   std::array<Slow, 2> slow_;  // down, up
   std::uint64_t faults_ = 0;
   std::vector<v1::PlannedFault> log_;
-  std::unique_ptr<FaultLogFile> file_;
+  std::ofstream file_;  // of the log, if it is open
+  std::string file_name_;
 };
 
 }  // namespace gicube::emu

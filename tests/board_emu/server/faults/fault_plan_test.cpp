@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/faults/fault_engine.h"
+#include "server/faults/fault_plan.h"
 
 namespace gicube::emu {
 namespace {
