@@ -1,11 +1,9 @@
 #include "board.h"
 
-#include <array>
 #include <string>
 #include <unordered_map>
 #include <utility>
 
-#include "board/board_observer.h"
 #include "firmware/commands/commands.h"
 #include "firmware/make_level.h"
 #include "firmware/register_file.h"
@@ -21,13 +19,10 @@ using wire::ErrorCode;
 using wire::FrameType;
 namespace reg = wire::reg;
 
-std::uint32_t agp_rates(v1::BusModel model) {
-  switch (model) {
-    case v1::agp1x: return 1;
-    case v1::agp2x: return 3;  // a faster card can also go slower
-    case v1::agp4x: return 7;
-    default: return 0;
-  }
+// As the card's configuration space has them; a faster card can also go slower.
+std::uint32_t agp_rates(const v1::BusConfig& config) {
+  const std::uint32_t rate = BusTiming(config).agp_rate;
+  return rate == 0 ? 0 : 2 * rate - 1;
 }
 
 bool posted(FrameType type) {
@@ -36,6 +31,11 @@ bool posted(FrameType type) {
 
 Reply refuse(ErrorCode error, const std::string& text) {
   return {.error = error, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
+}
+
+Reply refuse_payload(const char* expected, std::span<const std::uint8_t> payload) {
+  return refuse(ErrorCode::kBadValue,
+                std::string("payload: expected ") + expected + ", got " + std::to_string(payload.size()) + " bytes");
 }
 
 // A processor's accesses, in dwords on the bus; a memory read is asked for by its address and length.
@@ -80,7 +80,7 @@ struct Board::Parts {
         const Routines* routines)
       : config(board_config),
         observer(board_observer),
-        pci(agp_rates(config.bus().model())),
+        pci(agp_rates(config.bus())),
         level(make_level(config, observer != nullptr ? observer->observer() : nullptr)),
         commands(config, registers, *level),
         timeline(BusTiming(config.bus()), config.dsp().clock_khz()) {
@@ -141,9 +141,9 @@ void Board::Parts::control(std::uint32_t bits) {
 
 Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
   const bool writes = header.type == FrameType::kConfigWrite || header.type == FrameType::kRegisterWrite;
-  if (payload.size() != (writes ? 8u : 4u))
-    return refuse(ErrorCode::kBadValue, "payload: expected an offset" + std::string(writes ? " and a value" : "") +
-                                            ", got " + std::to_string(payload.size()) + " bytes");
+  if (payload.size() != (writes ? 8u : 4u)) {
+    return refuse_payload(writes ? "an offset and a value" : "an offset", payload);
+  }
   const auto offset = wire::load<std::uint32_t>(payload, 0);
   const std::uint32_t value = writes ? wire::load<std::uint32_t>(payload, 4) : 0;
   std::vector<std::uint8_t> read(4);
@@ -167,9 +167,7 @@ Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<con
 }
 
 Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
-  if (payload.size() != 16)
-    return refuse(ErrorCode::kBadValue,
-                  "payload: expected an address and a length, got " + std::to_string(payload.size()) + " bytes");
+  if (payload.size() != 16) return refuse_payload("an address and a length", payload);
   const auto address = wire::load<std::uint64_t>(payload, 0), length = wire::load<std::uint64_t>(payload, 8);
   auto bytes = commands.aperture().read(address, length);
   if (!bytes)
@@ -222,8 +220,7 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
 
 Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
   if (payload.size() != 4 && payload.size() != 12) {
-    return refuse(ErrorCode::kBadValue, "payload: expected a ticket, or a ticket and a deadline, got " +
-                                            std::to_string(payload.size()) + " bytes");
+    return refuse_payload("a ticket, or a ticket and a deadline", payload);
   }
   const auto ticket = wire::load<std::uint32_t>(payload, 0);
   const Picoseconds deadline = payload.size() == 12 ? wire::load<std::uint64_t>(payload, 4) : kNever;
@@ -239,8 +236,7 @@ Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
 
 // A processor's access, as a register's; the DSP looks through its list meanwhile.
 Reply Board::Parts::cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
-  if (payload.size() != 4)
-    return refuse(ErrorCode::kBadValue, "payload: expected a ticket, got " + std::to_string(payload.size()) + " bytes");
+  if (payload.size() != 4) return refuse_payload("a ticket", payload);
   const auto found = tickets.find(wire::load<std::uint32_t>(payload, 0));
   const bool cancelled = found != tickets.end() && under_way.at(found->second).can_be_cancelled &&
                          timeline.take_back(header.time_ps, found->second);
@@ -257,7 +253,7 @@ Reply Board::Parts::cancel(const wire::FrameHeader& header, std::span<const std:
 
 std::vector<Completion> Board::Parts::take_completions() {
   std::vector<Completion> completions;
-  for (const Finished& finished : timeline.take_finished()) {
+  for (const TimeOf& finished : timeline.take_finished()) {
     const auto found = under_way.find(finished.id);
     if (found == under_way.end()) continue;
     completions.push_back(std::move(found->second));
@@ -271,7 +267,7 @@ std::vector<Completion> Board::Parts::take_completions() {
 std::vector<wire::Counter> Board::Parts::count() const {
   std::vector<wire::Counter> list;
   for (const auto& [name, direction] :
-       {std::pair("bus.down.", Direction::kDown), std::pair("bus.up.", Direction::kUp)}) {
+       {std::pair("bus.down.", BusDirection::kDown), std::pair("bus.up.", BusDirection::kUp)}) {
     const BusCounters& bus = timeline.bus().counters(direction);
     const std::string prefix(name);
     list.push_back({prefix + "bytes", "byte", bus.bytes});

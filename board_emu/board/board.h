@@ -16,7 +16,7 @@
 #include "gicube/wire/counter_list.h"
 #include "gicube/wire/frame.h"
 #include "levels/level.h"
-#include "memory/memory_error.h"
+#include "words/words.h"
 
 namespace gicube::emu {
 

@@ -1,28 +1,37 @@
 // What a board tells of its inside while it works; observe/ makes files of it.
 #pragma once
 
-#include "board/timeline.h"
 #include "gicube/v1/board_config.pb.h"
+#include "words/clock.h"
 
 namespace gicube::emu {
 
 class Observer;
+struct BusDelivery;
+struct BusTransaction;
 
-class BoardObserver : public TimelineWatcher {
+class BoardObserver {
  public:
+  virtual ~BoardObserver() = default;
+
   // A board of this configuration begins anew, at time 0.
-  virtual void power_up(const v1::BoardConfig& config) = 0;
+  virtual void power_up(const v1::BoardConfig& /*config*/) {}
 
   // For the machine of a level that has cycles; null if nobody looks at them.
-  virtual Observer* observer() = 0;
+  virtual Observer* observer() { return nullptr; }
   // Whether begin_command() needs to know the time.
-  virtual bool places_cycles() const = 0;
+  virtual bool places_cycles() const { return false; }
   // The machine's next cycles belong to a command whose turn at the DSP begins at `begin`, until end_command().
-  virtual void begin_command(Picoseconds begin) = 0;
-  virtual void end_command() = 0;
+  virtual void begin_command(Picoseconds /*begin*/) {}
+  virtual void end_command() {}
 
   // The host waited for the board: "read register", "wait".
-  virtual void host_waited(const char* what, Picoseconds begin, Picoseconds end) = 0;
+  virtual void host_waited(const char* /*what*/, Picoseconds /*begin*/, Picoseconds /*end*/) {}
+
+  // What can no longer change. A transfer; in the order of their ends.
+  virtual void transferred(const BusDelivery& delivery) = 0;
+  // A turn at the DSP; in the order of their begins.
+  virtual void served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) = 0;
 };
 
 }  // namespace gicube::emu

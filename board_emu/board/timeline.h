@@ -5,12 +5,16 @@
 // can be taken back until its turn at the DSP begins.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "board/board_observer.h"
 #include "board/bus/host_bus.h"
 #include "gicube/v1/board_config.pb.h"
 #include "words/clock.h"
@@ -30,19 +34,10 @@ struct BusTransaction {
   const char* name = "";  // of its turn at the DSP, in a trace
 };
 
-struct Finished {
+// A time of a transaction: of its arrival at the DSP, of its end.
+struct TimeOf {
   std::uint64_t id = 0;
   Picoseconds time_ps = 0;
-};
-
-// Hears of everything as soon as it can no longer change.
-class TimelineWatcher {
- public:
-  virtual ~TimelineWatcher() = default;
-  // In the order of their ends.
-  virtual void transferred(const BusDelivery& delivery) = 0;
-  // A turn at the DSP; in the order of their begins.
-  virtual void served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) = 0;
 };
 
 class Timeline {
@@ -50,29 +45,83 @@ class Timeline {
   Timeline(const BusTiming& bus, std::uint64_t dsp_khz) : bus_(bus), dsp_khz_(dsp_khz) {}
 
   // The host issues a transaction at `stamp` and names it `id` (unique). First advances to `stamp`.
-  void add(Picoseconds stamp, std::uint64_t id, const BusTransaction& transaction);
+  void add(Picoseconds stamp, std::uint64_t id, const BusTransaction& transaction) {
+    advance(stamp);
+    under_way_.emplace(id, Issued{transaction, std::max(stamp, now_ps_)});
+    bus_.enqueue(BusDirection::kDown,
+                 {id, transaction.kind, transaction.cargo, transaction.down_bytes, std::max(stamp, now_ps_)});
+  }
 
   // When the turn at the DSP of a transaction like this will begin if it is added at `stamp`. No later transaction can change it:
   // they all follow on the way down. (That one before it is taken back can.)
-  Picoseconds turn_of(Picoseconds stamp, const BusTransaction& transaction) const;
+  Picoseconds turn_of(Picoseconds stamp, const BusTransaction& transaction) const {
+    constexpr std::uint64_t kAhead = ~std::uint64_t{0};
+    Timeline ahead = *this;
+    ahead.watcher_ = nullptr;
+    ahead.add(stamp, kAhead,
+              {.kind = transaction.kind,
+               .cargo = transaction.cargo,
+               .down_bytes = transaction.down_bytes,
+               .dsp = true,
+               .watched = true});
+    return ahead.finish(kAhead);
+  }
 
   // Null for none.
-  void set_watcher(TimelineWatcher* watcher) { watcher_ = watcher; }
+  void set_watcher(BoardObserver* watcher) { watcher_ = watcher; }
 
   // Lets time pass up to `horizon`.
-  void advance(Picoseconds horizon);
+  void advance(Picoseconds horizon) {
+    while (step(horizon)) continue;
+    now_ps_ = std::max(now_ps_, horizon);
+  }
 
   // Lets time pass until that watched transaction is finished, and returns when; but no longer than to `deadline`, and then
   // nothing. It must not have been taken yet.
-  std::optional<Picoseconds> finish(std::uint64_t id, Picoseconds deadline);
+  std::optional<Picoseconds> finish(std::uint64_t id, Picoseconds deadline) {
+    const auto is_it = [id](const TimeOf& finished) { return finished.id == id; };
+    auto found = std::find_if(finished_.begin(), finished_.end(), is_it);
+    while (found == finished_.end()) {
+      if (!step(deadline)) {
+        if (deadline == kNever) throw std::logic_error("transaction " + std::to_string(id) + " was never added");
+        advance(deadline);
+        return std::nullopt;
+      }
+      found = std::find_if(finished_.begin(), finished_.end(), is_it);
+    }
+    const Picoseconds time = found->time_ps;
+    advance(time);
+    return time;
+  }
   Picoseconds finish(std::uint64_t id) { return *finish(id, kNever); }
 
   // Takes a transaction back at `stamp`: it costs the DSP nothing, and no more than a completion word goes up. False if its
   // turn has begun.
-  bool take_back(Picoseconds stamp, std::uint64_t id);
+  bool take_back(Picoseconds stamp, std::uint64_t id) {
+    advance(stamp);
+    const auto found = under_way_.find(id);
+    const auto waits = [id](const TimeOf& arrived) { return arrived.id == id; };
+    const bool on_bus = bus_.carries(BusDirection::kDown, id);
+    if (found == under_way_.end() || (!on_bus && std::none_of(dsp_queue_.begin(), dsp_queue_.end(), waits)))
+      return false;
+    BusTransaction& transaction = found->second.transaction;
+    transaction.dsp_cycles = 0;
+    transaction.asic_ps = 0;
+    transaction.up_bytes = kCompletionWordBytes;
+    transaction.up_cargo = Cargo::kCompletion;
+    return true;
+  }
 
   // The watched transactions that have finished by now and were not taken yet, in the order of their time.
-  std::vector<Finished> take_finished();
+  std::vector<TimeOf> take_finished() {
+    const auto later = std::stable_partition(finished_.begin(), finished_.end(),
+                                             [this](const TimeOf& finished) { return finished.time_ps <= now_ps_; });
+    std::vector<TimeOf> taken(finished_.begin(), later);
+    finished_.erase(finished_.begin(), later);
+    std::stable_sort(taken.begin(), taken.end(),
+                     [](const TimeOf& a, const TimeOf& b) { return a.time_ps < b.time_ps; });
+    return taken;
+  }
 
   Picoseconds now() const { return now_ps_; }
   Picoseconds dsp_busy_ps() const { return dsp_busy_ps_; }
@@ -81,17 +130,62 @@ class Timeline {
   const HostBus& bus() const { return bus_; }
 
  private:
+  static constexpr std::uint64_t kCompletionWordBytes = 4;  // in the host's memory
+
   // Everything but advance() and take_back() counts on no turn being over that has not been ended.
-  bool step(Picoseconds horizon);
-  void deliver(const BusDelivery& delivery);
-  void begin_turns();
-  void end_turn();
-  void send_up(std::uint64_t id, Picoseconds ready);
-  void end(std::uint64_t id, Picoseconds time);
+  // The next thing that happens, if it does by `horizon`. A turn that ends is dealt with first: what it sends up competes
+  // with what is on its way down.
+  bool step(Picoseconds horizon) {
+    const Picoseconds turn_ends = in_turn_ ? dsp_free_ps_ : kNever;
+    if (const auto delivery = bus_.next_delivery(std::min(horizon, turn_ends))) {
+      deliver(*delivery);
+      return true;
+    }
+    if (turn_ends == kNever || turn_ends > horizon) return false;
+    end_turn();
+    return true;
+  }
+  void deliver(const BusDelivery& delivery) {
+    if (watcher_ != nullptr) watcher_->transferred(delivery);
+    if (delivery.direction == BusDirection::kUp) return end(delivery.id, delivery.time_ps);
+    if (!under_way_.at(delivery.id).transaction.dsp) return send_up(delivery.id, delivery.time_ps);
+    dsp_queue_.push_back({delivery.id, delivery.time_ps});
+    begin_turns();
+  }
+  void begin_turns() {
+    if (in_turn_ || dsp_queue_.empty()) return;
+    const TimeOf arrived = dsp_queue_.front();
+    dsp_queue_.pop_front();
+    const auto& [transaction, stamp] = under_way_.at(arrived.id);
+    const Picoseconds busy = cycles_to_ps(transaction.dsp_cycles, dsp_khz_);
+    const Picoseconds waiting_since = std::max(stamp, dsp_free_ps_);
+    if (arrived.time_ps > waiting_since) host_bus_wait_ps_ += arrived.time_ps - waiting_since;
+    const Picoseconds begin = std::max(arrived.time_ps, dsp_free_ps_);
+    dsp_free_ps_ = begin + std::max(busy, transaction.asic_ps);
+    if (watcher_ != nullptr) watcher_->served(transaction, begin, dsp_free_ps_);
+    dsp_busy_ps_ += busy;
+    in_turn_ = arrived.id;
+  }
+  void end_turn() {
+    const std::uint64_t id = *in_turn_;
+    in_turn_.reset();
+    send_up(id, dsp_free_ps_);
+    begin_turns();
+  }
+  void send_up(std::uint64_t id, Picoseconds ready) {
+    const BusTransaction& transaction = under_way_.at(id).transaction;
+    if (transaction.up_bytes == 0) return end(id, ready);
+    bus_.enqueue(BusDirection::kUp, {id, TransferKind::kBulk, transaction.up_cargo, transaction.up_bytes, ready});
+  }
+  void end(std::uint64_t id, Picoseconds time) {
+    const auto transaction = under_way_.find(id);
+    if (transaction->second.transaction.watched) finished_.push_back({id, time});
+    under_way_.erase(transaction);
+  }
 
   HostBus bus_;
   std::uint64_t dsp_khz_;
-  TimelineWatcher* watcher_ = nullptr;
+  BoardObserver* watcher_ = nullptr;
   Picoseconds now_ps_ = 0;
   Picoseconds dsp_free_ps_ = 0;
   Picoseconds dsp_busy_ps_ = 0;
@@ -100,14 +194,10 @@ class Timeline {
     BusTransaction transaction;
     Picoseconds stamp_ps = 0;
   };
-  struct Arrived {
-    std::uint64_t id = 0;
-    Picoseconds time_ps = 0;
-  };
   std::unordered_map<std::uint64_t, Issued> under_way_;
-  std::deque<Arrived> dsp_queue_;         // those that wait for their turns
+  std::deque<TimeOf> dsp_queue_;          // those that wait for their turns
   std::optional<std::uint64_t> in_turn_;  // the transaction at the DSP, until dsp_free_ps_
-  std::vector<Finished> finished_;
+  std::vector<TimeOf> finished_;
 };
 
 }  // namespace gicube::emu

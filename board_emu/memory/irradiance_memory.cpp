@@ -4,47 +4,27 @@
 #include <utility>
 
 #include "gicube/wire/bytes.h"
-#include "gicube/wire/memory_map.h"
 
 namespace gicube::emu {
 
-IrradianceMemory::IrradianceMemory(int block_voxels, std::uint32_t most)
-    : n_(block_voxels),
-      edge_(static_cast<std::size_t>(block_voxels) + 1),
-      most_(most),
-      block_bytes_(wire::kIrradianceBytes * static_cast<std::uint64_t>(block_voxels) *
-                   static_cast<std::uint64_t>(block_voxels) * static_cast<std::uint64_t>(block_voxels)) {}
-
 void IrradianceMemory::resize(const std::array<int, 3>& size) {
-  size_ = size;
   ++changes_;
-  std::size_t count = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    blocks_[axis] = (size[axis] + n_ - 1) / n_;
-    count *= static_cast<std::size_t>(blocks_[axis]);
-  }
+  const std::size_t count = resize_blocks(size);
   words_ = std::vector<Words>(count);
   owned_.clear();
   owned_.resize(count);
 }
-
-void IrradianceMemory::clear() { resize(size_); }
 
 std::size_t IrradianceMemory::stored_blocks() const {
   return static_cast<std::size_t>(
       std::count_if(words_.begin(), words_.end(), [](const Words& block) { return block != nullptr; }));
 }
 
-std::array<int, 3> IrradianceMemory::place(std::size_t block) const {
-  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
-  return {static_cast<int>(block % nx), static_cast<int>(block / nx % ny), static_cast<int>(block / (nx * ny))};
-}
-
 // The first thread that comes makes the block's words; who comes at the same time drops what it has made.
 std::uint32_t* IrradianceMemory::storage(std::size_t block) {
   std::uint32_t* words = words_[block].load(std::memory_order_acquire);
   if (words != nullptr) return words;
-  auto made = std::make_unique<std::uint32_t[]>(edge_ * edge_ * edge_);
+  auto made = std::make_unique<std::uint32_t[]>(voxels_and_faces());
   if (words_[block].compare_exchange_strong(words, made.get(), std::memory_order_acq_rel)) {
     owned_[block] = std::move(made);
     return owned_[block].get();
@@ -70,7 +50,7 @@ SharingBlocks IrradianceMemory::blocks_of(const Deposit& deposit) const {
     for (int y = first[1]; y <= last[1]; ++y) {
       for (int x = first[0]; x <= last[0]; ++x) {
         if (out.count == out.block.size()) return out;
-        out.block[out.count++] = static_cast<std::uint32_t>(x + blocks_[0] * (y + blocks_[1] * z));
+        out.block[out.count++] = static_cast<std::uint32_t>(block_at(x, y, z));
       }
     }
   }
@@ -106,10 +86,11 @@ Deposited IrradianceMemory::add(const Deposit& deposit, std::uint32_t block) {
 
 void IrradianceMemory::write(std::uint64_t offset, std::span<const std::uint8_t> bytes) {
   ++changes_;
+  const std::uint64_t block_bytes = this->block_bytes();
   for (std::size_t i = 0; i + 4 <= bytes.size(); i += 4) {
     const std::uint64_t at = offset + i;
-    const std::array<int, 3> block = place(static_cast<std::size_t>(at / block_bytes_));
-    const auto word = static_cast<int>(at % block_bytes_ / wire::kIrradianceBytes);
+    const std::array<int, 3> block = place(static_cast<std::size_t>(at / block_bytes));
+    const auto word = static_cast<int>(at % block_bytes / wire::kIrradianceBytes);
     Deposit one;
     one.voxel = {block[0] * n_ + word % n_, block[1] * n_ + word / n_ % n_, block[2] * n_ + word / (n_ * n_)};
     one.shares[0] = 1;
@@ -125,10 +106,11 @@ void IrradianceMemory::write(std::uint64_t offset, std::span<const std::uint8_t>
 }
 
 void IrradianceMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const {
+  const std::uint64_t block_bytes = this->block_bytes();
   for (std::size_t i = 0; i + 4 <= out.size(); i += 4) {
     const std::uint64_t at = offset + i;
-    const std::uint32_t* words = view(static_cast<std::size_t>(at / block_bytes_));
-    const auto word = static_cast<int>(at % block_bytes_ / wire::kIrradianceBytes);
+    const std::uint32_t* words = view(static_cast<std::size_t>(at / block_bytes));
+    const auto word = static_cast<int>(at % block_bytes / wire::kIrradianceBytes);
     const std::uint32_t value = words == nullptr ? 0 : words[index(word % n_, word / n_ % n_, word / (n_ * n_))];
     wire::store(out, i, value);
   }

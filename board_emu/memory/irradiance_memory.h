@@ -14,6 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "gicube/wire/memory_map.h"
+#include "memory/blocked.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -36,16 +38,16 @@ struct SharingBlocks {
   std::array<std::uint32_t, 8> block{};
 };
 
-class IrradianceMemory {
+class IrradianceMemory : public Blocked {
  public:
   static constexpr std::uint32_t kPaperMost = (1u << 11) - 1;  // [P §4.2]
   static constexpr std::uint32_t kWideMost = ~std::uint32_t{0};
 
   // `most`: at which a word saturates.
-  IrradianceMemory(int block_voxels, std::uint32_t most);
+  IrradianceMemory(int block_voxels, std::uint32_t most) : Blocked(block_voxels), most_(most) {}
 
   void resize(const std::array<int, 3>& size);  // voxels; forgets everything
-  void clear();
+  void clear() { resize(size_); }
 
   // Counts what may have changed words: those calls, write(), and what announces deposits by expect_deposits().
   std::uint64_t changes() const { return changes_; }
@@ -68,25 +70,16 @@ class IrradianceMemory {
 
   // Bytes of the address range (memory_map.h): n^3 words a block. `offset` and the length are multiples of four, within
   // bytes(). Writing sets all copies; a word beyond `most` saturates.
-  std::uint64_t bytes() const { return words_.size() * block_bytes_; }
+  std::uint64_t bytes() const { return words_.size() * block_bytes(); }
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
  private:
   using Words = std::atomic<std::uint32_t*>;
 
+  std::uint64_t block_bytes() const { return wire::kIrradianceBytes * voxels_of_block(); }
   std::uint32_t* storage(std::size_t block);
-  std::array<int, 3> place(std::size_t block) const;
-  std::size_t index(int x, int y, int z) const {
-    return static_cast<std::size_t>(x) + edge_ * (static_cast<std::size_t>(y) + edge_ * static_cast<std::size_t>(z));
-  }
-
-  int n_;
-  std::size_t edge_;  // n + 1
   std::uint32_t most_;
-  std::uint64_t block_bytes_;
-  std::array<int, 3> size_{};
-  std::array<int, 3> blocks_{};
   std::uint64_t changes_ = 1;
   std::vector<Words> words_;
   std::vector<std::unique_ptr<std::uint32_t[]>> owned_;  // what words_ point to

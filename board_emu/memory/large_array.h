@@ -2,6 +2,8 @@
 // them, since a first frame otherwise waits for thousands of page faults, and gathers for the translation of addresses.
 #pragma once
 
+#include <sys/mman.h>
+
 #include <cstddef>
 #include <new>
 #include <type_traits>
@@ -13,8 +15,19 @@ inline constexpr std::size_t kHugePage = std::size_t{1} << 21;  // bytes, of x86
 
 // As operator new and delete; from kHugePage bytes on aligned to it and for huge pages, if the host gives them on demand
 // (transparent_hugepage: madvise or always).
-void* allocate_large(std::size_t bytes);
-void free_large(void* place, std::size_t bytes) noexcept;
+inline void* allocate_large(std::size_t bytes) {
+  if (bytes < kHugePage) return ::operator new(bytes);
+  void* const place = ::operator new (bytes, std::align_val_t{kHugePage});
+#ifdef MADV_HUGEPAGE
+  // Whole huge pages only: the rest would take memory that nobody asked for. A wish, so what comes of it does not matter.
+  static_cast<void>(madvise(place, bytes / kHugePage * kHugePage, MADV_HUGEPAGE));
+#endif
+  return place;
+}
+inline void free_large(void* place, std::size_t bytes) noexcept {
+  if (bytes < kHugePage) return ::operator delete(place);
+  ::operator delete (place, std::align_val_t{kHugePage});
+}
 
 template <typename T>
 struct LargeAllocator {

@@ -15,12 +15,7 @@ std::int64_t upper(std::int64_t pair) { return (pair - lower(pair)) >> 32; }
 }  // namespace
 
 void SumMemory::resize(const std::array<int, 3>& size) {
-  size_ = size;
-  std::size_t count = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    blocks_[axis] = (size[axis] + n_ - 1) / n_;
-    count *= static_cast<std::size_t>(blocks_[axis]);
-  }
+  const std::size_t count = resize_blocks(size);
   for (std::vector<Words>* all : {&blocks_words_, &blocks_pairs_}) {
     all->clear();
     all->resize(count);
@@ -37,14 +32,9 @@ std::size_t SumMemory::stored_blocks() const {
   return count;
 }
 
-std::array<int, 3> SumMemory::place(std::size_t block) const {
-  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
-  return {static_cast<int>(block % nx), static_cast<int>(block / nx % ny), static_cast<int>(block / (nx * ny))};
-}
-
 std::int64_t* SumMemory::storage(std::size_t block) {
   auto& words = blocks_words_[block];
-  if (words == nullptr) words = std::make_unique<std::int64_t[]>(edge_ * edge_ * edge_);
+  if (words == nullptr) words = std::make_unique<std::int64_t[]>(voxels_and_faces());
   return words.get();
 }
 
@@ -54,7 +44,7 @@ std::int64_t* SumMemory::pairs(std::size_t block, std::uint64_t by) {
   if (pairs_bounds_[block] + by > kMax) join_pairs(block);
   pairs_bounds_[block] += by;
   Words& pairs = blocks_pairs_[block];
-  if (pairs == nullptr) pairs = std::make_unique<std::int64_t[]>(edge_ * edge_ * edge_);
+  if (pairs == nullptr) pairs = std::make_unique<std::int64_t[]>(voxels_and_faces());
   return pairs.get();
 }
 
@@ -63,7 +53,7 @@ void SumMemory::join_pairs(std::size_t block) {
   std::int64_t* const pairs = blocks_pairs_[block].get();
   if (pairs == nullptr) return;
   std::int64_t* const words = storage(block);
-  for (std::size_t i = 0; i + 1 < edge_ * edge_ * edge_; ++i) {  // a row's last has no pair
+  for (std::size_t i = 0; i + 1 < voxels_and_faces(); ++i) {  // a row's last has no pair
     words[i] += lower(pairs[i]);
     words[i + 1] += upper(pairs[i]);
     pairs[i] = 0;
@@ -149,18 +139,18 @@ Overflow SumMemory::settle() {
   gather_parts();
   for (std::size_t block = 0; block < blocks_words_.size(); ++block) {
     std::int64_t* const words = blocks_words_[block].get();
-    std::int64_t most = 0;
+    std::int64_t largest = 0;
     bounds_[block] = 0;
     if (words == nullptr) continue;
-    for (std::size_t i = 0; i < edge_ * edge_ * edge_; ++i) {
+    for (std::size_t i = 0; i < voxels_and_faces(); ++i) {
       const std::int64_t value = words[i];
-      most = std::max(most, std::abs(value));
+      largest = std::max(largest, std::abs(value));
       if (std::abs(value) <= wire::kMaxSum) continue;
       words[i] = std::clamp(value, -wire::kMaxSum, wire::kMaxSum);
       ++out.words;
       out.clipped += value - words[i];
     }
-    bounds_[block] = static_cast<std::uint64_t>(std::min(most, wire::kMaxSum));
+    bounds_[block] = static_cast<std::uint64_t>(std::min(largest, wire::kMaxSum));
   }
   return out;
 }

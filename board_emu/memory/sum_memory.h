@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "gicube/wire/command.h"
+#include "memory/blocked.h"
 #include "memory/irradiance_memory.h"
 #include "words/words.h"
 
@@ -28,9 +29,9 @@ struct Overflow {
   std::int64_t clipped = 0;  // signed, as what was lost
 };
 
-class SumMemory {
+class SumMemory : public Blocked {
  public:
-  explicit SumMemory(int block_voxels) : n_(block_voxels), edge_(static_cast<std::size_t>(block_voxels) + 1) {}
+  explicit SumMemory(int block_voxels) : Blocked(block_voxels) {}
 
   void resize(const std::array<int, 3>& size);  // voxels; forgets everything
   void clear() { resize(size_); }
@@ -61,16 +62,7 @@ class SumMemory {
   std::size_t stored_blocks() const;
 
  private:
-  std::uint64_t block_bytes() const {
-    return static_cast<std::uint64_t>(n_) * static_cast<std::uint64_t>(n_) * static_cast<std::uint64_t>(n_) * 9 / 2;
-  }
-  std::array<int, 3> place(std::size_t block) const;
-  std::size_t block_at(int x, int y, int z) const {
-    return static_cast<std::size_t>(x + blocks_[0] * (y + blocks_[1] * z));
-  }
-  std::size_t index(int x, int y, int z) const {
-    return static_cast<std::size_t>(x) + edge_ * (static_cast<std::size_t>(y) + edge_ * static_cast<std::size_t>(z));
-  }
+  std::uint64_t block_bytes() const { return voxels_of_block() * 9 / 2; }
   // Of the block's own words and pairs.
   std::int64_t part(std::size_t block, std::size_t index, bool first) const;
   std::int64_t value(std::size_t block, int x, int y, int z) const;
@@ -78,10 +70,6 @@ class SumMemory {
   void gather_parts();
   bool can_overflow() const;
 
-  int n_;
-  std::size_t edge_;  // n + 1
-  std::array<int, 3> size_{};
-  std::array<int, 3> blocks_{};
   using Words = std::unique_ptr<std::int64_t[]>;
   std::vector<Words> blocks_words_;
   std::vector<Words> blocks_pairs_;

@@ -16,23 +16,10 @@ constexpr std::size_t kTagsBeyond = 3;  // so that the last tag too can be read 
 }  // namespace
 
 VolumeMemory::VolumeMemory(int block_voxels)
-    : n_(block_voxels),
-      block_bytes_(
-          wire::packed36_bytes(static_cast<std::size_t>(block_voxels) * static_cast<std::size_t>(block_voxels) *
-                               static_cast<std::size_t>(block_voxels))) {}
-
-std::size_t VolumeMemory::block_voxels_and_faces() const {
-  const auto edge = static_cast<std::size_t>(n_) + 1;
-  return edge * edge * edge;
-}
+    : Blocked(block_voxels), block_bytes_(wire::packed36_bytes(voxels_of_block())) {}
 
 void VolumeMemory::resize(const std::array<int, 3>& size) {
-  size_ = size;
-  std::size_t count = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    blocks_[axis] = (size[axis] + n_ - 1) / n_;
-    count *= static_cast<std::size_t>(blocks_[axis]);
-  }
+  const std::size_t count = resize_blocks(size);
   packed_.assign(count, {});
   stale_.assign(count, 0);
   first_.assign(count, 0);
@@ -47,20 +34,12 @@ std::size_t VolumeMemory::stored_blocks() const {
       std::count_if(packed_.begin(), packed_.end(), [](const auto& block) { return !block.empty(); }));
 }
 
-std::size_t VolumeMemory::block_index(int bx, int by, int bz) const {
-  return static_cast<std::size_t>(bx) +
-         static_cast<std::size_t>(blocks_[0]) *
-             (static_cast<std::size_t>(by) + static_cast<std::size_t>(blocks_[1]) * static_cast<std::size_t>(bz));
-}
-
 // A block's voxels stand also on the +1 faces of up to seven blocks before it.
 void VolumeMemory::mark_stale(std::size_t block) {
-  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
-  const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
-            bz = static_cast<int>(block / (nx * ny));
+  const auto [bx, by, bz] = place(block);
   for (int dz = 0; dz <= std::min(bz, 1); ++dz) {
     for (int dy = 0; dy <= std::min(by, 1); ++dy) {
-      for (int dx = 0; dx <= std::min(bx, 1); ++dx) stale_[block_index(bx - dx, by - dy, bz - dz)] = 1;
+      for (int dx = 0; dx <= std::min(bx, 1); ++dx) stale_[block_at(bx - dx, by - dy, bz - dz)] = 1;
     }
   }
 }
@@ -113,15 +92,13 @@ void VolumeMemory::flip(const BitPlace& place) {
 }
 
 bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes, bool only_tags) {
-  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
-  const int bx = static_cast<int>(block % nx), by = static_cast<int>(block / nx % ny),
-            bz = static_cast<int>(block / (nx * ny));
+  const auto [bx, by, bz] = place(block);
   BlockWords from;
   from.voxels = static_cast<std::size_t>(n_);
   for (int i = 0; i < 8; ++i) {
     const int x = bx + (i & 1), y = by + (i >> 1 & 1), z = bz + (i >> 2);
     const bool inside = x < blocks_[0] && y < blocks_[1] && z < blocks_[2];
-    if (inside) from.packed[static_cast<std::size_t>(i)] = packed_[block_index(x, y, z)];
+    if (inside) from.packed[static_cast<std::size_t>(i)] = packed_[block_at(x, y, z)];
   }
   const std::size_t first = first_[block];
   DecodedBlock to;
@@ -143,16 +120,16 @@ void VolumeMemory::take_form(bool gradients) {
   tags_ = {};
   std::fill(first_.begin(), first_.end(), std::size_t{0});
   if (gradients) {
-    voxels_.resize(block_voxels_and_faces(), DecodedVoxel{});
+    voxels_.resize(voxels_and_faces(), DecodedVoxel{});
   } else {
-    densities_.resize(block_voxels_and_faces() + 1, 0);
+    densities_.resize(voxels_and_faces() + 1, 0);
   }
   resized_ = true;
 }
 
 // Each stored block that is read has its place. Those that have one keep it.
 void VolumeMemory::make_places(std::span<const std::uint8_t> leapt_over) {
-  const std::size_t voxels = block_voxels_and_faces(), begin = places();
+  const std::size_t voxels = voxels_and_faces(), begin = places();
   std::size_t end = begin;
   for (std::size_t block = 0; block < packed_.size(); ++block) {
     if (packed_[block].empty() || first_[block] != 0 || (!leapt_over.empty() && leapt_over[block] != 0)) continue;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gicube/wire/lut.h"
+#include "memory/blocked.h"
 #include "memory/large_array.h"
 #include "words/words.h"
 
@@ -30,17 +31,14 @@ struct VolumeReads {
   std::span<const std::uint8_t> leapt_over{};  // one a block, nonzero: never; none: all blocks are read
 };
 
-class VolumeMemory {
+class VolumeMemory : public Blocked {
  public:
   explicit VolumeMemory(int block_voxels);
 
   // Forgets everything; `size` in voxels, all at least 2, or all 0 for no volume.
   void resize(const std::array<int, 3>& size);
 
-  const std::array<int, 3>& size() const { return size_; }
-  const std::array<int, 3>& blocks() const { return blocks_; }
   std::size_t block_count() const { return packed_.size(); }
-  int block_voxels() const { return n_; }
   std::uint64_t bytes() const { return block_count() * block_bytes_; }  // of the address range
   std::size_t stored_blocks() const;
 
@@ -81,9 +79,7 @@ class VolumeMemory {
   std::uint64_t decodings() const { return decodings_; }
 
  private:
-  std::size_t block_index(int bx, int by, int bz) const;
   void mark_stale(std::size_t block);
-  std::size_t block_voxels_and_faces() const;
   std::size_t places() const { return voxels_.empty() ? densities_.size() - 1 : voxels_.size(); }
   void take_form(bool gradients);
   void make_places(std::span<const std::uint8_t> leapt_over);
@@ -92,10 +88,7 @@ class VolumeMemory {
   void decode_blocks(std::span<const std::size_t> which, std::span<const DecodedVoxel> codes, unsigned threads,
                      bool only_tags = false);
 
-  int n_;
   std::size_t block_bytes_;
-  std::array<int, 3> size_{};
-  std::array<int, 3> blocks_{};
   std::vector<std::vector<std::uint8_t>> packed_;  // empty: never written
   std::vector<std::uint8_t> stale_;                // one a block
   std::vector<std::size_t> first_;                 // of each block in:

@@ -5,8 +5,13 @@
 // that are still open are kept.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cycle/machine.h"
@@ -24,14 +29,46 @@ class MachineTrace : public Observer {
   explicit MachineTrace(TraceFile& file) : file_(file) {}
 
   // The next cycle that is seen begins at `at`, on a board of that configuration.
-  void begin(Picoseconds at, const v1::BoardConfig& config);
-  void see(Cycle now, const Machine& machine) override;
+  void begin(Picoseconds at, const v1::BoardConfig& config) {
+    end();
+    begin_ps_ = at;
+    core_khz_ = config.asic().core_khz();
+    single_queue_ = config.sorter().queues() == v1::single;
+  }
+  void see(Cycle now, const Machine& machine) override {
+    if (!seen_) [[unlikely]]
+      first_cycle(now, machine);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      lanes_[i].causes.add(now, machine.processors()[i]->latest(),
+                           [this, i](const CauseSlice& s) { write_cause(i, s); });
+      follow_active(i, now, machine);
+    }
+    next_ = now + 1;
+    if (next_ >= next_sample_) sample(machine);
+  }
   // Closes what is open: the cycle that was seen last was the last of its command.
-  void end();
+  void end() {
+    if (!seen_) return;
+    seen_ = false;
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      lanes_[i].causes.finish(next_, [this, i](const CauseSlice& slice) { write_cause(i, slice); });
+      close_active(i, next_);
+    }
+    quiet();
+    end_ps_ = time(next_);
+  }
   // The end of the cycle that was seen last, once it has been seen.
   Picoseconds end_ps() const { return end_ps_; }
 
  private:
+  static constexpr std::uint64_t kKhzPerMhz = 1000;  // cycles in a microsecond
+  static constexpr const char* kRaysWaiting = "rays waiting";
+  static constexpr const char* kRaysOnLinks = "rays on links";
+
+  static int process_of(std::size_t lane) { return kProcessor + static_cast<int>(lane); }
+  static Track active_track(std::size_t lane) { return {process_of(lane), 10 * process_of(lane) + 1}; }
+  static Track cause_track(std::size_t lane) { return {process_of(lane), 10 * process_of(lane) + 2}; }
+
   struct Lane {
     CauseRuns causes;
     ActiveQueue active;
@@ -44,28 +81,115 @@ class MachineTrace : public Observer {
     std::uint64_t waiting = 0;  // as shown
   };
   struct Rate {
+    std::string name;
     std::uint64_t count = 0;
     std::uint64_t shown = 0;
   };
 
   Picoseconds time(Cycle cycle) const { return begin_ps_ + cycles_to_ps(cycle - begin_cycle_, core_khz_); }
-  void first_cycle(Cycle now, const Machine& machine);
-  void name_tracks(const Machine& machine);
-  void follow_active(std::size_t lane, Cycle now, const Machine& machine);
-  void close_active(std::size_t lane, Cycle end);
-  void write_cause(std::size_t lane, const CauseSlice& slice);
-  std::string block_name(std::size_t lane, std::uint32_t queue, const Machine& machine) const;
-  Cycle microsecond() const;
-  std::string memory_counter(std::size_t memory) const;
-  void sample(const Machine& machine);
-  void quiet();
+  void first_cycle(Cycle now, const Machine& machine) {
+    seen_ = true;
+    begin_cycle_ = now;
+    next_sample_ = now + microsecond();
+    name_tracks(machine);
+    lanes_.resize(machine.processors().size());
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      const Sorter& sorter = machine.processors()[i]->sorter();
+      lanes_[i].causes.start(now);
+      lanes_[i].active = {};
+      lanes_[i].active.see(sorter);  // no ray has come to it yet in this command
+      lanes_[i].issued = sorter.counters().issued;
+    }
+    packets_.resize(machine.memories().size());
+    for (std::size_t i = 0; i < packets_.size(); ++i) {
+      packets_[i].name = fmt::format("{} {} packets/us", machine.memory_standard().label, i);
+      packets_[i].count = machine.memories()[i]->channel().counters().packets_read;
+    }
+  }
+  void name_tracks(const Machine& machine) {
+    if (named_lanes_ == 0) {
+      file_.name_process(kLinks, "links");
+      file_.name_process(kMemory, "memory");
+    }
+    for (; named_lanes_ < machine.processors().size(); ++named_lanes_) {
+      file_.name_process(process_of(named_lanes_), fmt::format("processor {}", named_lanes_));
+      file_.name_track(active_track(named_lanes_), "active block");
+      file_.name_track(cause_track(named_lanes_), "pipeline");
+    }
+  }
+  void follow_active(std::size_t lane, Cycle now, const Machine& machine) {
+    const Sorter& sorter = machine.processors()[lane]->sorter();
+    Lane& at = lanes_[lane];
+    at.active.see(sorter);
+    if (at.active.began()) {
+      at.open = true;
+      at.queue = sorter.latest_active();
+      at.since = now;
+      at.block = block_name(lane, at.queue, machine);
+      at.issued_before = at.issued;
+    }
+    at.issued = sorter.counters().issued;
+    if (at.active.ended()) close_active(lane, now + 1);
+  }
+  void close_active(std::size_t lane, Cycle end) {
+    Lane& at = lanes_[lane];
+    if (!at.open) return;
+    at.open = false;
+    file_.slice(active_track(lane), at.block, time(at.since), time(end),
+                fmt::format(R"("queue":{},"rays":{})", at.queue, at.issued - at.issued_before));
+  }
+  void write_cause(std::size_t lane, const CauseSlice& slice) {
+    std::string args;
+    for (std::size_t i = 0; i < kCauses; ++i) {
+      if (slice.counts[i] == 0) continue;
+      fmt::format_to(std::back_inserter(args), R"({}"{}":{})", args.empty() ? "" : ",", kCauseNames[i],
+                     slice.counts[i]);
+    }
+    file_.slice(cause_track(lane), kCauseNames[static_cast<std::size_t>(slice.cause())], time(slice.begin),
+                time(slice.end), args);
+  }
+  std::string block_name(std::size_t lane, std::uint32_t queue, const Machine& machine) const {
+    if (single_queue_) return "all blocks";
+    const std::size_t block = machine.partition().block(static_cast<unsigned>(lane), queue);
+    const auto across = static_cast<std::size_t>(machine.blocks()[0]);
+    const auto down = static_cast<std::size_t>(machine.blocks()[1]);
+    return fmt::format("block {} {} {}", block % across, block / across % down, block / (across * down));
+  }
+  // In core cycles, at least one.
+  Cycle microsecond() const { return std::max<Cycle>(1, core_khz_ / kKhzPerMhz); }
+  // A counter, where it changes.
+  void show(int process, std::string_view name, Picoseconds at, std::uint64_t value, std::uint64_t& shown) {
+    if (value != shown) file_.counter(process, name, at, value);
+    shown = value;
+  }
+  void sample(const Machine& machine) {
+    const Picoseconds at = time(next_);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      show(process_of(i), kRaysWaiting, at, machine.processors()[i]->sorter().waiting(), lanes_[i].waiting);
+    }
+    show(kLinks, kRaysOnLinks, at, machine.links().inside(), on_links_);
+    for (std::size_t i = 0; i < packets_.size(); ++i) {
+      Rate& packets = packets_[i];
+      const std::uint64_t count = machine.memories()[i]->channel().counters().packets_read;
+      // What came in the microsecond is shown over it.
+      show(kMemory, packets.name, time(next_ - microsecond()), count - packets.count, packets.shown);
+      packets.count = count;
+    }
+    next_sample_ += microsecond();
+  }
+  // Between commands nothing waits and nothing moves.
+  void quiet() {
+    const Picoseconds at = time(next_);
+    for (std::size_t i = 0; i < lanes_.size(); ++i) show(process_of(i), kRaysWaiting, at, 0, lanes_[i].waiting);
+    show(kLinks, kRaysOnLinks, at, 0, on_links_);
+    for (Rate& packets : packets_) show(kMemory, packets.name, at, 0, packets.shown);
+  }
 
   TraceFile& file_;
   Picoseconds begin_ps_ = 0;
   Picoseconds end_ps_ = 0;
   std::uint64_t core_khz_ = 1;
   bool single_queue_ = false;
-  std::string memory_label_;
   Cycle begin_cycle_ = 0;
   Cycle next_ = 0;  // after the one seen last
   Cycle next_sample_ = 0;

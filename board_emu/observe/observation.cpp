@@ -36,12 +36,8 @@ Observation::Observation(const ObservationOptions& options) : options_(options) 
     trace_.emplace(options.trace_file);
     name_tracks(*trace_);
     cycles_.emplace(*trace_);
-    observers_.add(&*cycles_);
   }
-  if (!options.vcd_file.empty()) {
-    waveform_.emplace(options.vcd_file, options.vcd_window);
-    observers_.add(&*waveform_);
-  }
+  if (!options.vcd_file.empty()) waveform_.emplace(options.vcd_file, options.vcd_window);
 }
 
 void Observation::power_up(const v1::BoardConfig& config) {
@@ -80,7 +76,7 @@ void Observation::host_waited(const char* what, Picoseconds begin, Picoseconds e
 
 void Observation::transferred(const BusDelivery& delivery) {
   if (!trace_) return;
-  trace_->slice(delivery.direction == Direction::kDown ? kBusDown : kBusUp,
+  trace_->slice(delivery.direction == BusDirection::kDown ? kBusDown : kBusUp,
                 kCargoNames[static_cast<std::size_t>(delivery.cargo)], origin_ps_ + delivery.begin_ps,
                 origin_ps_ + delivery.time_ps, fmt::format(R"("bytes":{})", delivery.bytes));
 }

@@ -4,12 +4,10 @@
 // Time goes on in the trace where a power-up sets the board's time back to 0.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "board/board_observer.h"
+#include "board/timeline.h"
 #include "cycle/machine.h"
 #include "observe/machine_trace.h"
 #include "observe/trace_file.h"
@@ -28,20 +26,7 @@ struct ObservationOptions {
 // Board 0 writes the files as they are named, board i > 0 to FILE.i.
 ObservationOptions for_board(const ObservationOptions& options, std::uint32_t board);
 
-// Passes each cycle on to all of `observers`.
-class FanOut : public Observer {
- public:
-  void add(Observer* observer) { observers_.push_back(observer); }
-  bool empty() const { return observers_.empty(); }
-  void see(Cycle now, const Machine& machine) override {
-    for (Observer* observer : observers_) observer->see(now, machine);
-  }
-
- private:
-  std::vector<Observer*> observers_;
-};
-
-class Observation : public BoardObserver {
+class Observation : public BoardObserver, private Observer {
  public:
   // Opens the files; throws std::runtime_error that names the one that can't be.
   explicit Observation(const ObservationOptions& options);
@@ -49,7 +34,7 @@ class Observation : public BoardObserver {
   const ObservationOptions& options() const { return options_; }
 
   void power_up(const v1::BoardConfig& config) override;
-  Observer* observer() override { return observers_.empty() ? nullptr : &observers_; }
+  Observer* observer() override { return options_.any() ? this : nullptr; }
   bool places_cycles() const override { return cycles_.has_value(); }
   void begin_command(Picoseconds begin) override;
   void end_command() override;
@@ -61,12 +46,16 @@ class Observation : public BoardObserver {
   std::string fault() const;
 
  private:
+  void see(Cycle now, const Machine& machine) override {
+    if (cycles_) cycles_->see(now, machine);
+    if (waveform_) waveform_->see(now, machine);
+  }
+
   const ObservationOptions options_;
   v1::BoardConfig config_;
   std::optional<TraceFile> trace_;
   std::optional<MachineTrace> cycles_;
   std::optional<Waveform> waveform_;
-  FanOut observers_;
   Picoseconds origin_ps_ = 0;  // of the board's time in the trace
   Picoseconds host_free_ps_ = 0;
   Picoseconds cycles_free_ps_ = 0;

@@ -2,30 +2,47 @@
 // leaves behind ends with a whole record.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstddef>
 #include <fstream>
+#include <iterator>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace gicube::emu {
 
 class TextFile {
  public:
   // Creates the file anew. Throws std::runtime_error that names it.
-  explicit TextFile(const std::string& path);
+  explicit TextFile(const std::string& path) : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
+    if (!file_) throw std::runtime_error("expected a file that can be written, got " + path);
+    text_.reserve(2 * kPiece);
+  }
   ~TextFile() { flush(); }
 
   TextFile(const TextFile&) = delete;
   TextFile& operator=(const TextFile&) = delete;
 
-  // The end of what was not written yet: records are appended here, then end_record().
-  std::string& text() { return text_; }
+  // A part of a record.
+  template <typename... Args>
+  void add(fmt::format_string<Args...> text, Args&&... args) {
+    fmt::format_to(std::back_inserter(text_), text, std::forward<Args>(args)...);
+  }
   void end_record() {
     if (text_.size() >= kPiece) flush();
   }
-  void flush();
+  void flush() { flush_with(""); }
   // Writes everything, and `ending` behind it; the next record will overwrite the ending.
-  void flush_with(std::string_view ending);
+  void flush_with(std::string_view ending) {
+    file_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
+    text_.clear();
+    const std::streampos end = file_.tellp();
+    file_ << ending << std::flush;
+    if (!ending.empty()) file_.seekp(end);
+  }
 
   const std::string& path() const { return path_; }
   // False once a write has failed, on a full disk for instance; nothing is written after that.
@@ -36,7 +53,7 @@ class TextFile {
 
   std::string path_;
   std::ofstream file_;
-  std::string text_;
+  std::string text_;  // not written yet
 };
 
 }  // namespace gicube::emu

@@ -4,9 +4,13 @@
 // touch. Slices of a track must not overlap and must come in order.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "observe/text_file.h"
 #include "words/clock.h"
@@ -22,20 +26,38 @@ struct Track {
 class TraceFile {
  public:
   // Throws std::runtime_error that names the file.
-  explicit TraceFile(const std::string& path) : file_(path) { file_.text() += "["; }
+  explicit TraceFile(const std::string& path) : file_(path) { file_.add("["); }
   ~TraceFile() { complete(); }
 
   TraceFile(const TraceFile&) = delete;
   TraceFile& operator=(const TraceFile&) = delete;
 
   // Processes are shown in the order of their numbers.
-  void name_process(int process, std::string_view name);
-  void name_track(Track track, std::string_view name);
+  void name_process(int process, std::string_view name) {
+    event(0, R"("ph":"M","name":"process_name","pid":{},"args":{{"name":"{}"}})", process, name);
+    event(0, R"("ph":"M","name":"process_sort_index","pid":{0},"args":{{"sort_index":{0}}})", process);
+  }
+  void name_track(Track track, std::string_view name) {
+    event(0, R"("ph":"M","name":"thread_name","pid":{},"tid":{},"args":{{"name":"{}"}})", track.process, track.thread,
+          name);
+  }
   // `args`: members of a JSON object, as "\"bytes\":4".
-  void slice(Track track, std::string_view name, Picoseconds begin, Picoseconds end, std::string_view args);
-  void instant(Track track, std::string_view name, Picoseconds at);
+  void slice(Track track, std::string_view name, Picoseconds begin, Picoseconds end, std::string_view args) {
+    const std::uint64_t from = begin / 1000, length = end / 1000 - from;  // ns
+    event(end, R"("ph":"X","pid":{},"tid":{},"ts":{}.{:03},"dur":{}.{:03},"name":"{}","args":{{{}}})", track.process,
+          track.thread, from / 1000, from % 1000, length / 1000, length % 1000, name, args);
+  }
+  void instant(Track track, std::string_view name, Picoseconds at) {
+    const std::uint64_t ns = at / 1000;
+    event(at, R"("ph":"i","s":"g","pid":{},"tid":{},"ts":{}.{:03},"name":"{}")", track.process, track.thread, ns / 1000,
+          ns % 1000, name);
+  }
   // The value from `at` on.
-  void counter(int process, std::string_view name, Picoseconds at, std::uint64_t value);
+  void counter(int process, std::string_view name, Picoseconds at, std::uint64_t value) {
+    const std::uint64_t ns = at / 1000;
+    event(at, R"("ph":"C","pid":{},"ts":{}.{:03},"name":"{}","args":{{"value":{}}})", process, ns / 1000, ns % 1000,
+          name, value);
+  }
 
   // Makes the file a whole one as it stands; more may follow.
   void complete() { file_.flush_with("\n]\n"); }
@@ -45,8 +67,16 @@ class TraceFile {
   const TextFile& file() const { return file_; }
 
  private:
-  void begin_event();
-  void saw(Picoseconds time) { latest_ = time > latest_ ? time : latest_; }
+  // One JSON object of these members.
+  template <typename... Args>
+  void event(Picoseconds end, fmt::format_string<Args...> members, Args&&... args) {
+    file_.add("{}\n{{", first_ ? "" : ",");
+    first_ = false;
+    file_.add(members, std::forward<Args>(args)...);
+    file_.add("}}");
+    file_.end_record();
+    latest_ = std::max(latest_, end);
+  }
 
   TextFile file_;
   bool first_ = true;

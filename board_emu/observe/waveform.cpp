@@ -13,6 +13,46 @@ constexpr unsigned kCauseBits = 4, kCountBits = 32, kFifoBits = 8;
 static_assert(kCauses <= 1u << kCauseBits);
 constexpr std::uint64_t kPicosecondsPerKhz = 1'000'000'000;  // of a 1 kHz period
 
+// The signals of a part, in the order in which they are declared and set.
+using Value = std::optional<std::uint64_t>;
+template <typename Part>
+struct Signal {
+  const char* name;
+  unsigned bits;
+  Value (*value)(const Part& part);
+};
+
+struct SeenBoard {
+  const Machine& machine;
+  Cycle now;
+  bool bus_moved;
+};
+constexpr Signal<SeenBoard> kBoardSignals[] = {
+    {"dsp_busy", 1, [](const SeenBoard& b) -> Value { return b.machine.dsp().busy(b.now) ? 1 : 0; }},
+    {"ray_bus_busy", 1, [](const SeenBoard& b) -> Value { return b.bus_moved ? 1 : 0; }},
+    {"fifo_down", kFifoBits, [](const SeenBoard& b) -> Value { return b.machine.down().size(); }},
+    {"fifo_runs", kFifoBits, [](const SeenBoard& b) -> Value { return b.machine.runs().size(); }},
+    {"fifo_up", kFifoBits, [](const SeenBoard& b) -> Value { return b.machine.up().size(); }},
+    {"link_rays", kCountBits, [](const SeenBoard& b) -> Value { return b.machine.links().inside(); }}};
+
+struct SeenProcessor {
+  const Processor& part;
+  const ActiveQueue& active;
+};
+constexpr Signal<SeenProcessor> kProcessorSignals[] = {
+    {"cause", kCauseBits, [](const SeenProcessor& p) -> Value { return static_cast<std::uint64_t>(p.part.latest()); }},
+    {"active_queue", kCountBits, [](const SeenProcessor& p) -> Value { return p.active.queue(); }},
+    {"rays_waiting", kCountBits, [](const SeenProcessor& p) -> Value { return p.part.sorter().waiting(); }},
+    {"prefetch", kCountBits, [](const SeenProcessor& p) -> Value { return p.part.stages().prefetching(); }},
+    {"compute", kCountBits, [](const SeenProcessor& p) -> Value { return p.part.stages().computing(); }},
+    {"packets_under_way", kCountBits, [](const SeenProcessor& p) -> Value { return p.part.misses().size(); }},
+    {"fifo_from_bus", kFifoBits, [](const SeenProcessor& p) -> Value { return p.part.from_bus.size(); }},
+    {"fifo_from_left", kFifoBits, [](const SeenProcessor& p) -> Value { return p.part.from_left.size(); }},
+    {"fifo_from_right", kFifoBits, [](const SeenProcessor& p) -> Value { return p.part.from_right.size(); }},
+    {"fifo_out_links", kFifoBits, [](const SeenProcessor& p) -> Value { return p.part.out_links.size(); }},
+    {"fifo_done", kFifoBits, [](const SeenProcessor& p) -> Value { return p.part.done.size(); }},
+    {"fifo_overflow", kFifoBits, [](const SeenProcessor& p) -> Value { return p.part.overflow.size(); }}};
+
 }  // namespace
 
 Waveform::~Waveform() {
@@ -46,53 +86,16 @@ void Waveform::begin(Cycle now, const Machine& machine) {
     for (; period_ps % (unit_ps_ * 10) == 0; unit_ps_ *= 10) ++exponent;
   }
   vcd_.timescale(exponent);
-  declare(machine.processors().size());
-  vcd_.begin(time(now));
-  state_ = State::kWriting;
-}
-
-void Waveform::declare(std::size_t processors) {
   vcd_.open_scope("board");
-  board_ = {.dsp_busy = vcd_.declare("dsp_busy", 1),
-            .ray_bus_busy = vcd_.declare("ray_bus_busy", 1),
-            .down = vcd_.declare("fifo_down", kFifoBits),
-            .runs = vcd_.declare("fifo_runs", kFifoBits),
-            .up = vcd_.declare("fifo_up", kFifoBits),
-            .link_rays = vcd_.declare("link_rays", kCountBits)};
-  for (std::size_t i = 0; i < processors; ++i) {
+  for (const auto& signal : kBoardSignals) vcd_.declare(signal.name, signal.bits);
+  for (std::size_t i = 0; i < machine.processors().size(); ++i) {
     vcd_.open_scope(fmt::format("processor{}", i));
-    processors_.push_back({.cause = vcd_.declare("cause", kCauseBits),
-                           .active_queue = vcd_.declare("active_queue", kCountBits),
-                           .rays_waiting = vcd_.declare("rays_waiting", kCountBits),
-                           .prefetch = vcd_.declare("prefetch", kCountBits),
-                           .compute = vcd_.declare("compute", kCountBits),
-                           .packets = vcd_.declare("packets_under_way", kCountBits),
-                           .from_bus = vcd_.declare("fifo_from_bus", kFifoBits),
-                           .from_left = vcd_.declare("fifo_from_left", kFifoBits),
-                           .from_right = vcd_.declare("fifo_from_right", kFifoBits),
-                           .out_links = vcd_.declare("fifo_out_links", kFifoBits),
-                           .done = vcd_.declare("fifo_done", kFifoBits),
-                           .overflow = vcd_.declare("fifo_overflow", kFifoBits)});
+    for (const auto& signal : kProcessorSignals) vcd_.declare(signal.name, signal.bits);
     vcd_.close_scope();
   }
   vcd_.close_scope();
-}
-
-void Waveform::set(std::size_t number, const Processor& processor) {
-  const ProcessorSignals& signals = processors_[number];
-  const Sorter& sorter = processor.sorter();
-  vcd_.set(signals.cause, static_cast<std::uint64_t>(processor.latest()));
-  vcd_.set(signals.active_queue, active_[number].queue());
-  vcd_.set(signals.rays_waiting, sorter.waiting());
-  vcd_.set(signals.prefetch, processor.stages().prefetching());
-  vcd_.set(signals.compute, processor.stages().computing());
-  vcd_.set(signals.packets, processor.misses().size());
-  vcd_.set(signals.from_bus, processor.from_bus.size());
-  vcd_.set(signals.from_left, processor.from_left.size());
-  vcd_.set(signals.from_right, processor.from_right.size());
-  vcd_.set(signals.out_links, processor.out_links.size());
-  vcd_.set(signals.done, processor.done.size());
-  vcd_.set(signals.overflow, processor.overflow.size());
+  vcd_.begin(time(now));
+  state_ = State::kWriting;
 }
 
 void Waveform::record(Cycle now, const Machine& machine) {
@@ -104,13 +107,12 @@ void Waveform::record(Cycle now, const Machine& machine) {
   if (now < window_.begin) return;  // only to know what was before
   if (state_ == State::kWaiting) begin(now, machine);
   vcd_.time(time(now));
-  vcd_.set(board_.dsp_busy, machine.dsp().busy(now) ? 1 : 0);
-  vcd_.set(board_.ray_bus_busy, bus_moved ? 1 : 0);
-  vcd_.set(board_.down, machine.down().size());
-  vcd_.set(board_.runs, machine.runs().size());
-  vcd_.set(board_.up, machine.up().size());
-  vcd_.set(board_.link_rays, machine.links().inside());
-  for (std::size_t i = 0; i < processors_.size(); ++i) set(i, *machine.processors()[i]);
+  VcdFile::Signal next{};
+  for (const auto& signal : kBoardSignals) vcd_.set(next++, signal.value({machine, now, bus_moved}));
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const SeenProcessor seen{*machine.processors()[i], active_[i]};
+    for (const auto& signal : kProcessorSignals) vcd_.set(next++, signal.value(seen));
+  }
   next_ = now + 1;
   if (next_ >= window_.end) end_machine();
 }

@@ -44,18 +44,8 @@ class Waveform : public Observer {
 
  private:
   enum class State : std::uint8_t { kWaiting, kWriting, kEnded };
-  struct ProcessorSignals {
-    VcdFile::Signal cause, active_queue, rays_waiting, prefetch, compute, packets;
-    VcdFile::Signal from_bus, from_left, from_right, out_links, done, overflow;
-  };
-  struct BoardSignals {
-    VcdFile::Signal dsp_busy, ray_bus_busy, down, runs, up, link_rays;
-  };
-
   void record(Cycle now, const Machine& machine);
   void begin(Cycle now, const Machine& machine);
-  void declare(std::size_t processors);
-  void set(std::size_t number, const Processor& processor);
   std::uint64_t time(Cycle cycle) const;
 
   VcdFile vcd_;
@@ -64,9 +54,7 @@ class Waveform : public Observer {
   std::uint64_t core_khz_ = 1;
   std::uint64_t unit_ps_ = 1;
   Cycle next_ = 0;
-  std::uint64_t bus_cycles_ = 0;  // in which the ray bus was busy, so far
-  BoardSignals board_{};
-  std::vector<ProcessorSignals> processors_;
+  std::uint64_t bus_cycles_ = 0;     // in which the ray bus was busy, so far
   std::vector<ActiveQueue> active_;  // by processor
 };
 

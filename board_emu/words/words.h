@@ -57,6 +57,14 @@ struct Deposit {
   Shares shares{};
 };
 
+// A bit error of the board's memory. `block` counts the blocks that are stored, `bit` the bits of its packed words; both
+// count round.
+struct MemoryError {
+  std::uint32_t block = 0;
+  std::uint32_t bit = 0;
+  bool detected = false;
+};
+
 // A ray as the cycle level's FIFOs carry it. The 256-bit packet itself stays in one place (ray_store.h); what travels is its
 // handle and what the sorter's wires would read off it.
 struct RayToken {

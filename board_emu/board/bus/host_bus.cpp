@@ -6,33 +6,33 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr Direction other(Direction direction) {
-  return direction == Direction::kDown ? Direction::kUp : Direction::kDown;
+constexpr BusDirection other(BusDirection direction) {
+  return direction == BusDirection::kDown ? BusDirection::kUp : BusDirection::kDown;
 }
 
 constexpr std::uint64_t to_dwords(std::uint64_t bytes) { return (bytes + 3) / 4; }
 
 }  // namespace
 
-void HostBus::enqueue(Direction direction, const BusTransfer& transfer) {
+void HostBus::enqueue(BusDirection direction, const BusTransfer& transfer) {
   Side& to = side(direction);
   to.queue.push_back(transfer);
   if (to.queue.size() == 1) to.dwords_left = to_dwords(transfer.bytes);
 }
 
-bool HostBus::carries(Direction direction, std::uint64_t id) const {
+bool HostBus::carries(BusDirection direction, std::uint64_t id) const {
   const auto& queue = side(direction).queue;
   return std::any_of(queue.begin(), queue.end(), [id](const BusTransfer& transfer) { return transfer.id == id; });
 }
 
-Picoseconds HostBus::head_ready(Direction direction) const {
+Picoseconds HostBus::head_ready(BusDirection direction) const {
   const Side& from = side(direction);
   return from.queue.empty() ? kNever : from.queue.front().ready_ps;
 }
 
 // Full-length bursts that the head can send back to back before `limit`, leaving its last burst to the caller: a long
 // transfer that is alone costs one step, not one for each burst.
-std::uint64_t HostBus::bursts_alone(Direction direction, Picoseconds start, Picoseconds limit) const {
+std::uint64_t HostBus::bursts_alone(BusDirection direction, Picoseconds start, Picoseconds limit) const {
   const Side& from = side(direction);
   const TransferKind kind = from.queue.front().kind;
   const std::uint64_t longest = timing_.longest_burst(direction, kind);
@@ -45,13 +45,14 @@ std::uint64_t HostBus::bursts_alone(Direction direction, Picoseconds start, Pico
 
 std::optional<BusDelivery> HostBus::next_delivery(Picoseconds horizon) {
   for (;;) {
-    const Picoseconds down_ready = head_ready(Direction::kDown), up_ready = head_ready(Direction::kUp);
+    const Picoseconds down_ready = head_ready(BusDirection::kDown), up_ready = head_ready(BusDirection::kUp);
     if (down_ready == kNever && up_ready == kNever) return std::nullopt;
 
     const Picoseconds start = std::max(free_ps_, std::min(down_ready, up_ready));
     if (start > horizon) return std::nullopt;
     const bool contended = down_ready <= start && up_ready <= start;
-    const Direction turn = contended ? other(last_) : (down_ready <= start ? Direction::kDown : Direction::kUp);
+    const BusDirection turn =
+        contended ? other(last_) : (down_ready <= start ? BusDirection::kDown : BusDirection::kUp);
     Side& from = side(turn);
     const BusTransfer head = from.queue.front();
     const Picoseconds rival_ps = head_ready(other(turn));

@@ -10,7 +10,7 @@
 namespace gicube::emu {
 namespace {
 
-class Notes : public TimelineWatcher {
+class Notes : public BoardObserver {
  public:
   void transferred(const BusDelivery& delivery) override { deliveries.push_back(delivery); }
   void served(const BusTransaction&, Picoseconds begin, Picoseconds end) override { turns.emplace_back(begin, end); }
@@ -51,7 +51,7 @@ TEST(TimelineWatcher, TransfersOfADirectionNeverOverlap) {
   }
   timeline.advance(Picoseconds{1} << 40);
   EXPECT_EQ(notes.turns.size(), 199u);
-  std::map<Direction, Picoseconds> end;
+  std::map<BusDirection, Picoseconds> end;
   for (const BusDelivery& delivery : notes.deliveries) {
     EXPECT_GE(delivery.begin_ps, end[delivery.direction]);
     EXPECT_GE(delivery.time_ps, delivery.begin_ps);
@@ -86,8 +86,8 @@ TEST(Timeline, KnowsTheBeginOfATurnBeforeItsTime) {
     ASSERT_EQ(notes.turns.size(), foretold.size());
     for (std::size_t i = 0; i < foretold.size(); ++i) EXPECT_EQ(notes.turns[i].first, foretold[i]);
     EXPECT_EQ(timeline.dsp_busy_ps(), silent.dsp_busy_ps());
-    EXPECT_EQ(timeline.bus().counters(Direction::kUp).busy_ps, silent.bus().counters(Direction::kUp).busy_ps);
-    EXPECT_EQ(timeline.bus().counters(Direction::kDown).wait_ps, silent.bus().counters(Direction::kDown).wait_ps);
+    EXPECT_EQ(timeline.bus().counters(BusDirection::kUp).busy_ps, silent.bus().counters(BusDirection::kUp).busy_ps);
+    EXPECT_EQ(timeline.bus().counters(BusDirection::kDown).wait_ps, silent.bus().counters(BusDirection::kDown).wait_ps);
   }
 }
 

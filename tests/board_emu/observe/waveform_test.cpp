@@ -72,6 +72,17 @@ class Recorder : public Observer {
   }
 };
 
+class Both : public Observer {
+ public:
+  Both(Observer& first, Observer& second) : observers_{&first, &second} {}
+  void see(Cycle now, const Machine& machine) override {
+    for (Observer* observer : observers_) observer->see(now, machine);
+  }
+
+ private:
+  std::array<Observer*, 2> observers_;
+};
+
 struct Recorded {
   ReadVcd vcd;
   Recorder recorder;
@@ -85,9 +96,7 @@ Recorded record(const v1::BoardConfig& config, const CycleWindow& window) {
   {
     Waveform waveform(folder.file("v"), window);
     waveform.set_clock(config.asic().core_khz());
-    FanOut both;
-    both.add(&recorded.recorder);
-    both.add(&waveform);
+    Both both(recorded.recorder, waveform);
     Machine machine(config, {3, 3, 3});
     machine.set_observer(&both);
     cycle_picture(scene, corner_view(kObservedSize, 16), config, machine);

@@ -18,11 +18,12 @@ BusTiming timing(v1::BusModel model) {
 
 // MB/s of one burst of `dwords`.
 double rate(const BusTiming& bus, TransferKind kind, std::uint32_t dwords) {
-  const double seconds = static_cast<double>(bus.burst_clocks(Direction::kDown, kind, dwords) * bus.clock_ps) * 1e-12;
+  const double seconds =
+      static_cast<double>(bus.burst_clocks(BusDirection::kDown, kind, dwords) * bus.clock_ps) * 1e-12;
   return 4.0 * dwords / seconds * 1e-6;
 }
 
-Picoseconds alone(v1::BusModel model, Direction direction, std::uint64_t bytes) {
+Picoseconds alone(v1::BusModel model, BusDirection direction, std::uint64_t bytes) {
   HostBus bus(timing(model));
   bus.enqueue(direction, {.id = 1, .bytes = bytes});
   return bus.next_delivery(kNever)->time_ps;
@@ -52,30 +53,30 @@ TEST(BusTiming, AgpSustainsHalfToFourFifthsOfItsPeakOnShortReads) {
 // Closed forms, written out apart from the code under test. A 256^3 volume is 75,497,472 bytes of packed words.
 TEST(HostBus, LoadsA256CubedVolumeInTheClosedFormTimeOnEveryModel) {
   constexpr std::uint64_t kDwords = 75'497'472 / 4;
-  EXPECT_EQ(alone(v1::pci33, Direction::kDown, kDwords * 4), kDwords / 256 * 259 * 30'000);
-  EXPECT_EQ(alone(v1::agp1x, Direction::kDown, kDwords * 4), kDwords / 64 * (64 + 2) * 15'000);
-  EXPECT_EQ(alone(v1::agp2x, Direction::kDown, kDwords * 4), kDwords / 64 * (32 + 2) * 15'000);
-  EXPECT_EQ(alone(v1::agp4x, Direction::kDown, kDwords * 4), kDwords / 64 * (16 + 2) * 15'000);
+  EXPECT_EQ(alone(v1::pci33, BusDirection::kDown, kDwords * 4), kDwords / 256 * 259 * 30'000);
+  EXPECT_EQ(alone(v1::agp1x, BusDirection::kDown, kDwords * 4), kDwords / 64 * (64 + 2) * 15'000);
+  EXPECT_EQ(alone(v1::agp2x, BusDirection::kDown, kDwords * 4), kDwords / 64 * (32 + 2) * 15'000);
+  EXPECT_EQ(alone(v1::agp4x, BusDirection::kDown, kDwords * 4), kDwords / 64 * (16 + 2) * 15'000);
 }
 
 TEST(HostBus, SendsA512SquaredFrameInTheClosedFormTimeOnEveryModel) {
   constexpr std::uint64_t kDwords = 512 * 512 * 36 / 8 / 4;
-  EXPECT_EQ(alone(v1::pci33, Direction::kUp, kDwords * 4), kDwords / 256 * 259 * 30'000);
+  EXPECT_EQ(alone(v1::pci33, BusDirection::kUp, kDwords * 4), kDwords / 256 * 259 * 30'000);
   for (const auto model : {v1::agp1x, v1::agp2x, v1::agp4x}) {
-    EXPECT_EQ(alone(model, Direction::kUp, kDwords * 4), kDwords / 256 * 259 * 15'000);
+    EXPECT_EQ(alone(model, BusDirection::kUp, kDwords * 4), kDwords / 256 * 259 * 15'000);
   }
 }
 
 TEST(HostBus, RoundsBytesUpToDwordsAndEndsWithAShortBurst) {
-  EXPECT_EQ(alone(v1::pci33, Direction::kDown, 4 * 256 + 1), (259 + 4) * 30'000u);
+  EXPECT_EQ(alone(v1::pci33, BusDirection::kDown, 4 * 256 + 1), (259 + 4) * 30'000u);
 }
 
-TEST(HostBus, GivesATransferOfNoBytesNoTime) { EXPECT_EQ(alone(v1::pci33, Direction::kDown, 0), 0u); }
+TEST(HostBus, GivesATransferOfNoBytesNoTime) { EXPECT_EQ(alone(v1::pci33, BusDirection::kDown, 0), 0u); }
 
 TEST(HostBus, KeepsTheOrderOfADirectionWhateverTheReadyTimes) {
   HostBus bus(timing(v1::pci33));
-  bus.enqueue(Direction::kDown, {.id = 1, .bytes = 4, .ready_ps = 1'000'000});
-  bus.enqueue(Direction::kDown, {.id = 2, .bytes = 4, .ready_ps = 0});
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4, .ready_ps = 1'000'000});
+  bus.enqueue(BusDirection::kDown, {.id = 2, .bytes = 4, .ready_ps = 0});
   EXPECT_EQ(bus.next_delivery(kNever)->id, 1u);
   const auto second = bus.next_delivery(kNever);
   EXPECT_EQ(second->id, 2u);
@@ -86,8 +87,8 @@ TEST(HostBus, SharesPciFairlyInBurstsOfTheLatencyTimerWhenBothDirectionsAsk) {
   // Two equal transfers: 61 dwords in each 64 clocks, in turns, so both end within a burst of the sum of their times.
   HostBus bus(timing(v1::pci33));
   constexpr std::uint64_t kBursts = 1000, kBytes = kBursts * 61 * 4;
-  bus.enqueue(Direction::kDown, {.id = 1, .bytes = kBytes});
-  bus.enqueue(Direction::kUp, {.id = 2, .bytes = kBytes});
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = kBytes});
+  bus.enqueue(BusDirection::kUp, {.id = 2, .bytes = kBytes});
   const auto first = bus.next_delivery(kNever), second = bus.next_delivery(kNever);
   EXPECT_EQ(second->time_ps, 2 * kBursts * 64 * 30'000);
   EXPECT_EQ(second->time_ps - first->time_ps, 64 * 30'000u);
@@ -95,8 +96,8 @@ TEST(HostBus, SharesPciFairlyInBurstsOfTheLatencyTimerWhenBothDirectionsAsk) {
 
 TEST(HostBus, GivesTheLongerTransferLongBurstsAgainOnceTheOtherIsDone) {
   HostBus bus(timing(v1::pci33));
-  bus.enqueue(Direction::kDown, {.id = 1, .bytes = 4 * (61 * 10 + 256 * 100)});
-  bus.enqueue(Direction::kUp, {.id = 2, .bytes = 4 * 61 * 10});
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * (61 * 10 + 256 * 100)});
+  bus.enqueue(BusDirection::kUp, {.id = 2, .bytes = 4 * 61 * 10});
   EXPECT_EQ(bus.next_delivery(kNever)->id, 2u);
   EXPECT_EQ(bus.next_delivery(kNever)->time_ps, (2 * 10 * 64 + 100 * 259) * 30'000u);
 }
@@ -104,8 +105,8 @@ TEST(HostBus, GivesTheLongerTransferLongBurstsAgainOnceTheOtherIsDone) {
 TEST(HostBus, EndsARunningBurstWhenTheOtherDirectionBeginsToAskButNotBeforeTheLatencyTimer) {
   for (const std::uint64_t asked_clock : {10u, 64u, 100u, 258u}) {
     HostBus bus(timing(v1::pci33));
-    bus.enqueue(Direction::kDown, {.id = 1, .bytes = 4 * 256});
-    bus.enqueue(Direction::kUp, {.id = 2, .bytes = 4 * 8, .ready_ps = asked_clock * 30'000});
+    bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * 256});
+    bus.enqueue(BusDirection::kUp, {.id = 2, .bytes = 4 * 8, .ready_ps = asked_clock * 30'000});
     const std::uint64_t first_burst = std::max<std::uint64_t>(asked_clock, 64);
     EXPECT_EQ(bus.next_delivery(kNever)->time_ps, (first_burst + 11) * 30'000) << asked_clock;
   }
@@ -116,13 +117,13 @@ TEST(HostBus, DecidesTheSameWhetherTheFutureIsKnownOrComesLater) {
   std::vector<Picoseconds> ends[2];
   for (const bool early : {true, false}) {
     HostBus bus(timing(v1::pci33));
-    bus.enqueue(Direction::kDown, {.id = 1, .bytes = 4 * 10'000});
+    bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * 10'000});
     const BusTransfer rival{.id = 2, .bytes = 4 * 500, .ready_ps = 1000 * 30'000};
     if (early) {
-      bus.enqueue(Direction::kUp, rival);
+      bus.enqueue(BusDirection::kUp, rival);
     } else {
       for (Picoseconds now = 0; now <= rival.ready_ps; now += 7 * 30'000) ASSERT_FALSE(bus.next_delivery(now));
-      bus.enqueue(Direction::kUp, rival);
+      bus.enqueue(BusDirection::kUp, rival);
     }
     while (const auto delivery = bus.next_delivery(kNever)) ends[early ? 0 : 1].push_back(delivery->time_ps);
   }
@@ -131,33 +132,33 @@ TEST(HostBus, DecidesTheSameWhetherTheFutureIsKnownOrComesLater) {
 
 TEST(HostBus, CountsBytesTransfersBurstsAndBusyTimeOfEachDirection) {
   HostBus bus(timing(v1::pci33));
-  bus.enqueue(Direction::kDown, {.id = 1, .bytes = 4 * 512});
-  bus.enqueue(Direction::kUp, {.id = 2, .bytes = 4 * 8, .ready_ps = 60'000'000});
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * 512});
+  bus.enqueue(BusDirection::kUp, {.id = 2, .bytes = 4 * 8, .ready_ps = 60'000'000});
   while (bus.next_delivery(kNever)) {
   }
-  const BusCounters& down = bus.counters(Direction::kDown);
+  const BusCounters& down = bus.counters(BusDirection::kDown);
   EXPECT_EQ(down.bytes, 2048u);
   EXPECT_EQ(down.transfers, 1u);
   EXPECT_EQ(down.bursts, 2u);
   EXPECT_EQ(down.busy_ps, 2 * 259 * 30'000u);
-  EXPECT_EQ(bus.counters(Direction::kUp).busy_ps, 11 * 30'000u);
-  EXPECT_EQ(bus.counters(Direction::kUp).wait_ps, 0u);
+  EXPECT_EQ(bus.counters(BusDirection::kUp).busy_ps, 11 * 30'000u);
+  EXPECT_EQ(bus.counters(BusDirection::kUp).wait_ps, 0u);
 }
 
 TEST(HostBus, CountsTheTimeThatAReadyTransferWaitsForTheOtherDirection) {
   HostBus bus(timing(v1::pci33));
-  bus.enqueue(Direction::kDown, {.id = 1, .bytes = 4 * 256});
-  bus.enqueue(Direction::kUp, {.id = 2, .bytes = 4, .ready_ps = 10 * 30'000});
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * 256});
+  bus.enqueue(BusDirection::kUp, {.id = 2, .bytes = 4, .ready_ps = 10 * 30'000});
   while (bus.next_delivery(kNever)) {
   }
-  EXPECT_EQ(bus.counters(Direction::kUp).wait_ps, (64 - 10) * 30'000u);
+  EXPECT_EQ(bus.counters(BusDirection::kUp).wait_ps, (64 - 10) * 30'000u);
 }
 
 TEST(HostBus, CountsTheTimeOfEachTransferByItsCargo) {
   HostBus bus(timing(v1::pci33));
-  bus.enqueue(Direction::kDown, {.id = 1, .cargo = Cargo::kVolume, .bytes = 4 * 256});
-  bus.enqueue(Direction::kDown, {.id = 2, .cargo = Cargo::kTable, .bytes = 4 * 8, .ready_ps = 50'000'000});
-  bus.enqueue(Direction::kUp, {.id = 3, .cargo = Cargo::kImage, .bytes = 4 * 16, .ready_ps = 50'000'000 + 30'000});
+  bus.enqueue(BusDirection::kDown, {.id = 1, .cargo = Cargo::kVolume, .bytes = 4 * 256});
+  bus.enqueue(BusDirection::kDown, {.id = 2, .cargo = Cargo::kTable, .bytes = 4 * 8, .ready_ps = 50'000'000});
+  bus.enqueue(BusDirection::kUp, {.id = 3, .cargo = Cargo::kImage, .bytes = 4 * 16, .ready_ps = 50'000'000 + 30'000});
   while (bus.next_delivery(kNever)) {
   }
   EXPECT_EQ(bus.counters(Cargo::kVolume).time_ps, 259 * 30'000u);
