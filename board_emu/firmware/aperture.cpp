@@ -12,11 +12,6 @@ wire::GradientEntry decode_gradient(std::span<const std::uint8_t> bytes) {
 
 bool is(const wire::MemoryRegion* region, const wire::MemoryRegion& which) { return region->base == which.base; }
 
-std::vector<std::uint8_t> slice(std::span<const std::uint8_t> bytes, std::uint64_t offset, std::uint64_t length) {
-  const auto part = bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
-  return {part.begin(), part.end()};
-}
-
 }  // namespace
 
 Aperture::Aperture(int block_voxels, std::uint32_t max_irradiance)
@@ -61,32 +56,25 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
   const wire::MemoryRegion* region = wire::find_region(address, length);
   if (region == nullptr) return std::nullopt;
   const std::uint64_t offset = address - region->base;
-  if (is(region, wire::kVolume)) {
-    if (offset + length > volume_.bytes()) return std::nullopt;
+  // Of memory that is read in pieces of `unit` bytes.
+  const auto read_from = [&](const auto& memory, std::uint64_t unit) -> std::optional<std::vector<std::uint8_t>> {
+    if (offset + length > memory.bytes() || offset % unit != 0 || length % unit != 0) return std::nullopt;
     std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
-    volume_.read(offset, out);
+    memory.read(offset, out);
     return out;
-  }
-  if (is(region, wire::kIrradiance)) {
-    if (offset + length > irradiance_.bytes() || offset % 4 != 0 || length % 4 != 0) return std::nullopt;
-    std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
-    irradiance_.read(offset, out);
-    return out;
-  }
-  if (is(region, wire::kSums)) {
-    if (offset + length > sums_.bytes() || offset % 9 != 0 || length % 9 != 0) return std::nullopt;
-    std::vector<std::uint8_t> out(static_cast<std::size_t>(length));
-    sums_.read(offset, out);
-    return out;
-  }
-  if (is(region, wire::kMaterials)) return slice(materials_.bytes(), offset, length);
-  if (is(region, wire::kFramebuffer)) {
-    if (offset + length > pixels_.size()) return std::nullopt;
-    return slice(pixels_, offset, length);
-  }
-  if (is(region, wire::kSegmentationLut)) return slice(segmentation_.bytes(), offset, length);
-  if (is(region, wire::kGradientLut)) return slice(gradients_.bytes(), offset, length);
-  return slice(is(region, wire::kReflectanceMap) ? reflectance_map_ : empty_flags_, offset, length);
+  };
+  if (is(region, wire::kVolume)) return read_from(volume_, 1);
+  if (is(region, wire::kIrradiance)) return read_from(irradiance_, 4);
+  if (is(region, wire::kSums)) return read_from(sums_, 9);
+  const std::span<const std::uint8_t> bytes = is(region, wire::kMaterials)         ? materials_.bytes()
+                                              : is(region, wire::kFramebuffer)     ? std::span(pixels_)
+                                              : is(region, wire::kSegmentationLut) ? segmentation_.bytes()
+                                              : is(region, wire::kGradientLut)     ? gradients_.bytes()
+                                              : is(region, wire::kReflectanceMap)  ? std::span(reflectance_map_)
+                                                                                   : std::span(empty_flags_);
+  if (offset + length > bytes.size()) return std::nullopt;
+  const auto part = bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
+  return std::vector(part.begin(), part.end());
 }
 
 void Aperture::resize_volume(const std::array<int, 3>& size) {

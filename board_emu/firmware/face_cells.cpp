@@ -30,14 +30,6 @@ double mix(double a, double b, double t) { return a + t * (b - a); }
 
 }  // namespace
 
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-double length(const Vector& a) { return std::sqrt(dot(a, a)); }
-
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 double solid_angle(const SeenRectangle& seen) {
   const auto [a, b, c, d] = corners(seen, seen.height);
   // Both triangles' triple product: the height times twice their area.

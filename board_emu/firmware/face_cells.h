@@ -4,15 +4,10 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/vectors.h"
 #include "words/words.h"
 
 namespace gicube::emu {
-
-using Vector = std::array<double, 3>;
-
-double dot(const Vector& a, const Vector& b);
-double length(const Vector& a);
-Vector cross(const Vector& a, const Vector& b);
 
 // A rectangle seen from the origin: it lies at `height` > 0 along the third axis, spans [low, high] in the other two.
 struct SeenRectangle {

@@ -34,7 +34,7 @@ void Framebuffer::clear(int width, int height, wire::Filter filter) {
 
 void Framebuffer::add(int x, int y, std::uint32_t weight, const wire::Ray& ray) {
   if (weight == 0 || x < 0 || x >= width_ || y < 0 || y >= height_) return;
-  Sum& sum = sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  Sum& sum = sums_[index(x, y)];
   for (std::size_t c = 0; c < 3; ++c) add_atomically(sum.colour[c], ray.colour[c] * weight);
   add_atomically(sum.weight, weight);
   add_atomically(sum.opacity, std::uint64_t{ray.opacity} * weight);
@@ -57,7 +57,7 @@ void Framebuffer::add(const wire::Ray& ray) {
 void Framebuffer::add_alone(const wire::Ray& ray) {
   const int x = ray.u / kSubPixels, y = ray.v / kSubPixels;
   if (filter_ != wire::Filter::kBox || x >= width_ || y >= height_) return add(ray);
-  Sum& sum = sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+  Sum& sum = sums_[index(x, y)];
   for (std::size_t c = 0; c < 3; ++c) sum.colour[c] += ray.colour[c];
   sum.weight += 1;
   sum.opacity += ray.opacity;
@@ -74,10 +74,6 @@ wire::Pixel Framebuffer::resolve(const Sum& sum) {
   };
   return {colour(0), colour(1), colour(2),
           static_cast<std::uint16_t>(resolved(sum.opacity, wire::kOpacityOne, wire::kColourOne))};
-}
-
-wire::Pixel Framebuffer::pixel(int x, int y) const {
-  return resolve(sums_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)]);
 }
 
 std::vector<std::uint8_t> Framebuffer::packed(unsigned threads) const {

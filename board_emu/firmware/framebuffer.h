@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "gicube/wire/command.h"
@@ -29,7 +28,7 @@ class Framebuffer {
   // The same, from a thread that alone adds to the pixel of (u, v). Atomic sums would cost as much as making the ray.
   void add_alone(const wire::Ray& ray);
 
-  wire::Pixel pixel(int x, int y) const;
+  wire::Pixel pixel(int x, int y) const { return resolve(sums_[index(x, y)]); }
   // All pixels in rows from the top, packed 36 bits each: the host's view of the framebuffer. Made on `threads` threads.
   std::vector<std::uint8_t> packed(unsigned threads = 1) const;
 
@@ -40,6 +39,9 @@ class Framebuffer {
     std::uint64_t opacity = 0;
   };
 
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
+  }
   void add(int x, int y, std::uint32_t weight, const wire::Ray& ray);
   static wire::Pixel resolve(const Sum& sum);
 

@@ -2,10 +2,12 @@
 // has fetched them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "datapath/scattering.h"
@@ -19,18 +21,42 @@ class HostTraps : public HostTrapQueue {
   static constexpr std::size_t kMax = std::size_t{1} << 22;  // chosen: 128 MB of packets in the DSP's SDRAM
 
   // Forgets all rays; `light` tells what the rays of the command to come are, and `rules` holds for lighting rays.
-  void begin(bool light, wire::EnergyRules rules);
+  void begin(bool light, wire::EnergyRules rules) {
+    added_.clear();
+    waiting_.clear();
+    out_ = 0;
+    light_ = light;
+    rules_ = rules;
+  }
   bool is_light() const { return light_; }
   wire::EnergyRules rules() const { return rules_; }
 
-  void add(const wire::TrappedRay& ray) override;
+  void add(const wire::TrappedRay& ray) override {
+    const std::lock_guard lock(mutex_);
+    if (added_.size() + waiting_.size() == kMax) {
+      throw RoutineFault("more than " + std::to_string(kMax) +
+                         " rays wait for the host: a smaller image or fewer lighting rays a command would help");
+    }
+    added_.push_back(ray);
+  }
 
   // The others: between commands, or steps of one.
-  // Puts what was added in its order, which does not depend on threads and time.
-  void settle();
+  // Puts what was added in its order, which does not depend on threads and time: no two rays of a command have the same
+  // (v, u).
+  void settle() {
+    std::ranges::sort(added_, {}, [](const wire::TrappedRay& trapped) { return trapped.ray.host_id(); });
+    waiting_.insert(waiting_.end(), added_.begin(), added_.end());
+    added_ = {};
+  }
   std::size_t waiting() const { return waiting_.size(); }
   // The first of those that wait; they are then out.
-  std::vector<wire::TrappedRay> take(std::size_t most);
+  std::vector<wire::TrappedRay> take(std::size_t max_rays) {
+    const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(std::min(max_rays, waiting_.size()));
+    std::vector<wire::TrappedRay> first(waiting_.begin(), end);
+    waiting_.erase(waiting_.begin(), end);
+    out_ += first.size();
+    return first;
+  }
   // Rays that the host has and has not answered.
   std::uint64_t out() const { return out_; }
   void answered(std::uint64_t rays) { out_ -= rays; }

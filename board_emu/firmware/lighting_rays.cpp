@@ -25,10 +25,6 @@ bool all_within(const Vector& v, double limit) {
   return std::all_of(v.begin(), v.end(), [limit](double x) { return std::abs(x) <= limit; });  // false for a NaN
 }
 
-Vector scaled(const Vector& v, double factor) { return {factor * v[0], factor * v[1], factor * v[2]}; }
-Vector sum(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-Vector difference(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-
 // Of any finite length but 0.
 Vector unit(const Vector& v) {
   const double largest = std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])});
@@ -90,7 +86,7 @@ LightingRays::LightingRays(const wire::IlluminateCommand& command, const Point& 
     : command_(command),
       cells_(extent),
       extent_(extent),
-      most_(static_cast<double>((std::uint64_t{1} << energy_bits) - 1)),
+      max_energy_(static_cast<double>((std::uint64_t{1} << energy_bits) - 1)),
       seed_(seed) {
   // The lights of a pass share its seed and must not share its random numbers.
   for (const Vector& v : {command.position, command.u, command.v}) {
@@ -107,7 +103,7 @@ std::optional<wire::Ray> LightingRays::make(std::uint64_t i) const {
   const Aim aimed = aim(i);
   if (!(aimed.energy > 0)) return std::nullopt;
   const double dither = to_unit(hash(hash(seed_, kRoundingStream), aimed.number));
-  const auto energy = static_cast<std::uint32_t>(std::min(std::floor(aimed.energy + dither), most_));
+  const auto energy = static_cast<std::uint32_t>(std::min(std::floor(aimed.energy + dither), max_energy_));
   if (energy == 0) return std::nullopt;
 
   Vector direction = difference(aimed.through, aimed.start);

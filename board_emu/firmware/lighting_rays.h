@@ -70,7 +70,7 @@ class LightingRays {
   Vector spacing_{};
   Vector box_{};       // physical
   Vector position_{};  // physical
-  double most_;        // full scale of an energy word
+  double max_energy_;  // full scale of an energy word
   std::uint64_t seed_;
 };
 

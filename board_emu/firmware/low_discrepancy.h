@@ -5,7 +5,6 @@
 // and each point by itself is uniform. Coordinates are pure functions of (index, dimension, seed).
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "words/mix64.h"

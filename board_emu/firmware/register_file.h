@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 
+#include "gicube/wire/memory_map.h"
 #include "gicube/wire/pci_config.h"
 #include "gicube/wire/registers.h"
 
@@ -16,18 +17,43 @@ class RegisterFile {
   RegisterFile() { reset(); }
 
   // Read-write registers and STATUS back to their reset values; what set_fixed() set stays.
-  void reset();
+  void reset() {
+    for (const wire::RegisterInfo& info : wire::kRegisterTable) {
+      const bool fixed = info.access == wire::Access::kReadOnly && info.offset != wire::reg::kStatus &&
+                         info.offset != wire::reg::kErrorAddress && info.offset != wire::reg::kId;
+      if (!fixed) words_[info.offset / 4] = info.reset;
+    }
+  }
 
   // A read-only register whose value comes from the configuration.
   void set_fixed(std::uint32_t offset, std::uint32_t value) { words_[offset / 4] = value; }
 
   // The host's read: all ones where no readable register is.
-  std::uint32_t read(std::uint32_t offset) const;
+  std::uint32_t read(std::uint32_t offset) const {
+    const wire::RegisterInfo* info = wire::find_register(offset);
+    if (info == nullptr || info->access == wire::Access::kWriteOnly) return wire::kUnmappedRead;
+    return words_[offset / 4];
+  }
   // The host's write of a read-write register; anything else sets bad_address and returns false. STATUS_CLEAR works.
-  bool write(std::uint32_t offset, std::uint32_t value);
+  bool write(std::uint32_t offset, std::uint32_t value) {
+    if (offset == wire::reg::kStatusClear) {
+      words_[wire::reg::kStatus / 4] &= ~value;
+      return true;
+    }
+    const wire::RegisterInfo* info = wire::find_register(offset);
+    if (info == nullptr || info->access == wire::Access::kReadOnly) {
+      raise(wire::kStatusBadAddress, offset);
+      return false;
+    }
+    if (info->access == wire::Access::kReadWrite) words_[offset / 4] = value;
+    return true;
+  }
 
   std::uint32_t value(std::uint32_t offset) const { return words_[offset / 4]; }
-  void raise(wire::StatusBit bit, std::uint32_t address);
+  void raise(wire::StatusBit bit, std::uint32_t address) {
+    words_[wire::reg::kStatus / 4] |= bit;
+    words_[wire::reg::kErrorAddress / 4] = address;
+  }
 
  private:
   std::array<std::uint32_t, wire::kBar0Bytes / 4> words_{};
@@ -39,8 +65,24 @@ class PciConfigFile {
  public:
   explicit PciConfigFile(std::uint32_t agp_rates) : space_(wire::pci_config_at_reset(agp_rates)) {}
 
-  std::uint32_t read(std::uint32_t offset) const;
-  void write(std::uint32_t offset, std::uint32_t value);
+  std::uint32_t read(std::uint32_t offset) const {
+    if (offset % 4 != 0 || offset >= wire::kPciConfigBytes) return wire::kUnmappedRead;
+    return space_[offset / 4];
+  }
+  void write(std::uint32_t offset, std::uint32_t value) {
+    namespace pci = wire::pci;
+    // BAR2 covers the memory map, rounded up to a power of two.
+    constexpr std::uint64_t kBar2Bytes = std::uint64_t{1} << 34;
+    static_assert(wire::kVolume.base + wire::kVolume.bytes <= kBar2Bytes);
+    switch (offset) {
+      case pci::kCommandStatus: space_[offset / 4] = (space_[offset / 4] & 0xFFFF'0000u) | (value & 0x0007u); break;
+      case pci::kBar0Register: space_[offset / 4] = value & ~(wire::kBar0Bytes - 1); break;
+      case pci::kBar2Low: space_[offset / 4] = (value & static_cast<std::uint32_t>(~(kBar2Bytes - 1))) | 0xC; break;
+      case pci::kBar2High: space_[offset / 4] = value & static_cast<std::uint32_t>(~(kBar2Bytes - 1) >> 32); break;
+      case pci::kInterrupt: space_[offset / 4] = (space_[offset / 4] & ~0xFFu) | (value & 0xFFu); break;
+      default: break;
+    }
+  }
 
  private:
   wire::PciConfigSpace space_;

@@ -1,29 +1,52 @@
-// What is wrong with a command, as the text of its error completion.
+// What is wrong with a command.
 #pragma once
 
-#include <array>
+#include <cmath>
 #include <cstdint>
-#include <optional>
 #include <string>
 
-#include "command_result.h"
-#include "gicube/wire/command.h"
+#include "datapath/advance.h"
+#include "gicube/wire/frame.h"
 #include "gicube/wire/ray.h"
 #include "words/words.h"
 
 namespace gicube::emu {
 
-inline constexpr const char* kNoVolume = "no volume: VOLUME_X, VOLUME_Y and VOLUME_Z are not all set";
+// Thrown where a command ends without a result.
+struct CommandFault {
+  wire::ErrorCode error = wire::ErrorCode::kBadValue;
+  std::string text;  // of the error completion
+};
 
-CommandResult refuse(const std::string& text);
+[[noreturn]] inline void refuse(const std::string& text) { throw CommandFault{.text = text}; }
+[[noreturn]] inline void refuse(const std::string& field, const std::string& range, std::uint64_t got) {
+  refuse(field + ": expected " + range + ", got " + std::to_string(got));
+}
+inline void expect(bool good, const char* field, const char* range, std::uint64_t got) {
+  if (!good) [[unlikely]]
+    refuse(field, range, got);
+}
 
-// "field: expected range, got value"
-std::string expected(const std::string& field, const std::string& range, std::uint64_t got);
+// Checks the `number`-th of a command's parts, whose faults are then told with it: "ray 7: ...".
+template <typename Check>
+void check_part(const char* what, std::size_t number, const Check& check) {
+  try {
+    check();
+  } catch (CommandFault& fault) {
+    fault.text = std::string(what) + " " + std::to_string(number) + ": " + fault.text;
+    throw;
+  }
+}
 
-// Of a rendering command, if anything.
-std::optional<std::string> fault(const wire::RenderCommand& command, std::uint64_t framebuffer_mb);
-
-// Of a ray that the host sent, if anything.
-std::optional<std::string> fault(const wire::Ray& ray, const Point& extent);
+// Checks a ray that the host sent.
+inline void check_ray(const wire::Ray& ray, const Point& extent) {
+  const Point position{static_cast<std::int32_t>(ray.position[0]), static_cast<std::int32_t>(ray.position[1]),
+                       static_cast<std::int32_t>(ray.position[2])};
+  if (!inside(position, extent)) refuse("position: expected a point of the volume");
+  const Point d{ray.direction[0], ray.direction[1], ray.direction[2]};
+  const double length = std::sqrt(static_cast<double>(dot(d, d))) / (1 << wire::kDirectionFractionBits);
+  // A shorter direction could round to a step of nothing.
+  if (!(std::abs(length - 1) < 0.01)) refuse("direction: expected a unit vector to within 1%");
+}
 
 }  // namespace gicube::emu

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "command_fault.h"
-#include "datapath/advance.h"
 #include "datapath/interaction.h"
 #include "datapath/scattering.h"
 #include "firmware/lighting_rays.h"
@@ -34,6 +32,26 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
     at[axis] = static_cast<std::int32_t>(voxels * wire::kVoxel);
   }
   return opacity_at(at, frame) >= wire::kClassifiedOpacityOne / 2;
+}
+
+void check_image(const wire::RenderCommand& command, std::uint64_t framebuffer_mb) {
+  expect(command.width >= 1 && command.width <= wire::kMaxImageSize, "width", "1..4095", command.width);
+  expect(command.height >= 1 && command.height <= wire::kMaxImageSize, "height", "1..4095", command.height);
+  expect(command.projection <= wire::Projection::kPerspective, "projection", "0 or 1",
+         static_cast<std::uint64_t>(command.projection));
+  const int samples = command.samples_per_axis;
+  expect(samples == 1 || samples == 2 || samples == 4, "samples_per_axis", "1, 2 or 4", command.samples_per_axis);
+  expect(command.filter <= wire::Filter::kTent, "filter", "0 or 1", static_cast<std::uint64_t>(command.filter));
+  for (const auto* vector : {&command.origin, &command.forward, &command.du, &command.dv}) {
+    if (!std::ranges::all_of(*vector, [](double x) { return std::isfinite(x); })) {
+      refuse("origin, forward, du, dv: expected finite numbers");
+    }
+  }
+  const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel;
+  if (bytes > framebuffer_mb * 1'000'000) {
+    refuse("width x height: expected an image whose sums fit dsp.framebuffer_mb = " + std::to_string(framebuffer_mb) +
+           ", got " + std::to_string(bytes) + " bytes");
+  }
 }
 
 std::uint32_t max_irradiance(const v1::BoardConfig& config) {
@@ -80,7 +98,8 @@ RunResult DspCommands::run_level(RaySource& rays, const Frame& frame, Progress& 
   if (level_volume_ != aperture_.volume_writes()) level_.volume_changed();
   level_volume_ = aperture_.volume_writes();
   const RunResult ran = level_.run(rays, frame, work);
-  if (!ran.cancelled) ++answered_[static_cast<std::size_t>(ran.answered)];
+  if (ran.cancelled) throw CommandFault{ErrorCode::kCancelled, ""};
+  ++answered_[static_cast<std::size_t>(ran.answered)];
   return ran;
 }
 
@@ -106,30 +125,28 @@ bool DspCommands::accept_register(std::uint32_t offset) {
   }
 }
 
-// What is wrong with a material that the host wrote, if anything.
-std::optional<std::string> DspCommands::material_fault(bool host_answers) const {
+void DspCommands::check_volume() const {
+  if (aperture_.volume().block_count() == 0) refuse("no volume: VOLUME_X, VOLUME_Y and VOLUME_Z are not all set");
+}
+
+void DspCommands::check_materials(bool host_answers) const {
   for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
     const wire::Material& material = aperture_.materials()[tag];
-    const std::string which = "material " + std::to_string(tag) + ": ";
-    if (material.bsdf > wire::Bsdf::kTrap) {
-      return which + expected("bsdf", "0..6", static_cast<std::uint64_t>(material.bsdf));
-    }
-    if (material.parameter_count > wire::kMaterialParameters) {
-      return which + expected("parameters", "at most 32", material.parameter_count);
-    }
-    if (material.bsdf != wire::Bsdf::kTrap) continue;
-    if (material.routine == wire::kHostRoutine) {
-      if (!host_answers) return which + "routine 255: the host is not asked for rays of a trace command";
-      continue;
-    }
-    if (routines_ == nullptr || !routines_->has(material.routine)) {
-      return which + expected("routine", "the number of a routine that the board has", material.routine);
-    }
-    const auto what =
-        routines_->fault(material.routine, std::span(material.parameters).first(material.parameter_count));
-    if (what) return which + *what;
+    check_part("material", tag, [&] {
+      expect(material.bsdf <= wire::Bsdf::kTrap, "bsdf", "0..6", static_cast<std::uint64_t>(material.bsdf));
+      expect(material.parameter_count <= wire::kMaterialParameters, "parameters", "at most 32",
+             material.parameter_count);
+      if (material.bsdf != wire::Bsdf::kTrap) return;
+      if (material.routine == wire::kHostRoutine) {
+        if (!host_answers) refuse("routine 255: the host is not asked for rays of a trace command");
+        return;
+      }
+      expect(routines_ != nullptr && routines_->has(material.routine), "routine",
+             "the number of a routine that the board has", material.routine);
+      const auto parameters = std::span(material.parameters).first(material.parameter_count);
+      if (const auto what = routines_->fault(material.routine, parameters)) refuse(*what);
+    });
   }
-  return std::nullopt;
 }
 
 std::span<const float> DspCommands::current_wide_depths() {
@@ -184,40 +201,52 @@ Frame DspCommands::frame() {
 }
 
 CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& work) {
+  const auto error = [](ErrorCode code, const std::string& text) {
+    return CommandResult{.error = code, .payload = {text.begin(), text.end()}};
+  };
+  using wire::Opcode;
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
-  const auto first = static_cast<std::uint32_t>(wire::Opcode::kRender);
-  const auto last = static_cast<std::uint32_t>(wire::Opcode::kPairs);
-  if (!memory_errors_.empty() && opcode >= first && opcode <= last) return meet_memory_error();
+  const bool known = opcode >= 1 && opcode <= static_cast<std::uint32_t>(Opcode::kPairs);
   try {
-    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kRender)) return render(payload, work);
-    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kTrace)) return trace(payload, work);
-    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kIlluminate)) return illuminate(payload, work);
-    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kResume)) return resume(payload, work);
-    if (opcode == static_cast<std::uint32_t>(wire::Opcode::kVerify)) return verify(payload);
-    if (opcode == last) return pairs(payload, work);
+    if (known && !memory_errors_.empty()) meet_memory_error();
+    switch (static_cast<Opcode>(opcode)) {
+      case Opcode::kRender: return render(payload, work);
+      case Opcode::kTrace: return trace(payload, work);
+      case Opcode::kIlluminate: return illuminate(payload, work);
+      case Opcode::kResume: return resume(payload, work);
+      case Opcode::kVerify: return verify(payload);
+      case Opcode::kPairs: return pairs(payload, work);
+    }
+    refuse("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs)", opcode);
+  } catch (const CommandFault& fault) {
+    return error(fault.error, fault.text);
   } catch (const RoutineFault& fault) {
-    return refuse(fault.what());
+    return error(ErrorCode::kBadValue, fault.what());
   } catch (const Stall& stall) {
-    const std::string text = stall.what();
-    return {.error = ErrorCode::kInternal, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
+    return error(ErrorCode::kInternal, stall.what());
   }
-  return refuse(
-      expected("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs)", opcode));
+}
+
+// A command whose rays leave their energy in the volume.
+void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
+  aperture_.irradiance().expect_deposits();
+  frame.type = wire::RayType::kDeposit;
+  frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
+  frame.rules = rules;
 }
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progress& work) {
-  if (payload.size() != wire::kRenderCommandBytes) return refuse(expected("payload", "112 bytes", payload.size()));
+  expect(payload.size() == wire::kRenderCommandBytes, "payload", "112 bytes", payload.size());
   const auto command = wire::decode<wire::RenderCommand>(payload);
-  if (const auto what = fault(command, config_.dsp().framebuffer_mb())) return refuse(*what);
-  if (!has_volume()) return refuse(kNoVolume);
-  if (const auto what = material_fault()) return refuse(*what);
+  check_image(command, config_.dsp().framebuffer_mb());
+  check_volume();
+  check_materials();
 
   host_traps_.begin(false, {});
   const Frame frame = this->frame();
   aperture_.decode(threads_, reads(frame));
   ImageRays rays(command, frame, aperture_.framebuffer(), config_.dsp());
   const RunResult ran = run_level(rays, frame, work);
-  if (ran.cancelled) return {.error = ErrorCode::kCancelled};
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   aperture_.resolve_framebuffer(threads_);
   viewing_rays_ += rays.count();
@@ -226,24 +255,19 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
 }
 
 CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Progress& work) {
-  if (payload.size() != wire::kIlluminateCommandBytes) return refuse(expected("payload", "104 bytes", payload.size()));
+  expect(payload.size() == wire::kIlluminateCommandBytes, "payload", "104 bytes", payload.size());
   const auto command = wire::decode<wire::IlluminateCommand>(payload);
-  if (!has_volume()) return refuse(kNoVolume);
-  if (const auto what = material_fault()) return refuse(*what);
+  check_volume();
+  check_materials();
   Frame frame = this->frame();
-  if (const auto what = LightingRays::fault(command, frame.extent)) return refuse(*what);
+  if (const auto what = LightingRays::fault(command, frame.extent)) refuse(*what);
   host_traps_.begin(true, command.rules);
-  aperture_.irradiance().expect_deposits();
-
-  frame.type = wire::RayType::kDeposit;
-  frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
-  frame.rules = command.rules;
+  set_light(frame, command.rules);
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
   aperture_.decode(threads_, reads(frame));
   const LightingRays maker(command, frame.extent, frame.spacing, bits, frame.seed);
   LightRays rays(maker, frame, config_.dsp());
   const RunResult ran = run_level(rays, frame, work);
-  if (ran.cancelled) return {.error = ErrorCode::kCancelled};
   lighting_rays_ += ran.made;
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   add_ledger(result, ran.rays, light_in_solid(command, frame));

@@ -5,21 +5,31 @@
 #include <array>
 #include <cstdint>
 #include <deque>
-#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "command_result.h"
 #include "datapath/frame.h"
 #include "firmware/aperture.h"
 #include "firmware/host_traps.h"
 #include "firmware/register_file.h"
 #include "gicube/v1/board_config.pb.h"
+#include "gicube/wire/frame.h"
 #include "levels/level.h"
-#include "memory/memory_error.h"
+#include "words/clock.h"
 
 namespace gicube::emu {
+
+// What a command brought about, and what it costs.
+struct CommandResult {
+  wire::ErrorCode error = wire::ErrorCode::kNone;
+  std::vector<std::uint8_t> payload{};  // of the completion; with an error: its text
+  std::uint64_t dsp_cycles = 0;
+  Picoseconds asic_ps = 0;     // how long the ASIC works at it; 0 at the functional level
+  std::uint64_t up_bytes = 4;  // at least the completion word in the host's memory
+  bool takes_rays = false;
+  bool returns_rays = false;
+  bool leaves_nothing = false;  // but what it returns: it may be taken back
+};
 
 // Sets the frame for rays between two points that gather opacity alone, up to `opacity` (24 bits).
 void set_opacity_rays(Frame& frame, std::uint32_t opacity);
@@ -55,15 +65,17 @@ class DspCommands {
   CommandResult verify(std::span<const std::uint8_t> payload);
   CommandResult pairs(std::span<const std::uint8_t> payload, Progress& work);
   Picoseconds reading_time(std::size_t first, std::size_t count) const;
-  CommandResult meet_memory_error();
+  [[noreturn]] void meet_memory_error();
   static void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid);
-  void add_trap_list(CommandResult& result, std::size_t most);
+  void add_trap_list(CommandResult& result, std::size_t max_rays);
   Frame frame();
-  // The level's answer to a command.
+  void set_light(Frame& frame, wire::EnergyRules rules);
+  // The level's answer to a command. Throws CommandFault if it was cancelled.
   RunResult run_level(RaySource& rays, const Frame& frame, Progress& work);
   std::span<const float> current_wide_depths();
-  std::optional<std::string> material_fault(bool host_answers = true) const;
-  bool has_volume() const { return aperture_.volume().block_count() > 0; }
+  // Throw CommandFault if there is none, or for what is wrong with what the host wrote.
+  void check_volume() const;
+  void check_materials(bool host_answers = true) const;
 
   const v1::BoardConfig& config_;
   const RegisterFile& registers_;

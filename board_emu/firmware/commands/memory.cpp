@@ -22,7 +22,7 @@ void DspCommands::add_memory_error(const MemoryError& error) {
 }
 
 // chosen: the error strikes the first word that the command reads, so nothing has been changed.
-CommandResult DspCommands::meet_memory_error() {
+void DspCommands::meet_memory_error() {
   const MemoryError error = memory_errors_.front();
   memory_errors_.pop_front();
   std::string text =
@@ -30,18 +30,17 @@ CommandResult DspCommands::meet_memory_error() {
   const auto place = aperture_.volume().find_bit(error.block, error.bit);
   if (place)
     text += ": block " + std::to_string(place->block) + ", word " + std::to_string(place->bit / wire::kVoxelBits);
-  return {.error = wire::ErrorCode::kMemory, .payload = std::vector<std::uint8_t>(text.begin(), text.end())};
+  throw CommandFault{wire::ErrorCode::kMemory, text};
 }
 
 CommandResult DspCommands::verify(std::span<const std::uint8_t> payload) {
-  if (payload.size() != wire::kVerifyCommandBytes) return refuse(expected("payload", "16 bytes", payload.size()));
-  if (!has_volume()) return refuse(kNoVolume);
+  expect(payload.size() == wire::kVerifyCommandBytes, "payload", "16 bytes", payload.size());
+  check_volume();
   const VolumeMemory& volume = aperture_.volume();
   const std::size_t first = wire::load<std::uint32_t>(payload, 4), count = wire::load<std::uint32_t>(payload, 8);
-  if (count < 1 || count > wire::kMaxVerifyBlocks) return refuse(expected("count", "1..65536", count));
+  expect(count >= 1 && count <= wire::kMaxVerifyBlocks, "count", "1..65536", count);
   if (first + count > volume.block_count()) {
-    return refuse(
-        expected("first + count", "at most " + std::to_string(volume.block_count()) + " blocks", first + count));
+    refuse("first + count", "at most " + std::to_string(volume.block_count()) + " blocks", first + count);
   }
   const std::vector<std::uint8_t> zeros(volume.block_bytes());
   const std::uint32_t never_written = wire::crc32c(zeros);

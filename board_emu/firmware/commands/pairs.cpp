@@ -11,71 +11,58 @@ namespace gicube::emu {
 
 namespace {
 
-using wire::ErrorCode;
-
-std::optional<std::string> fault_of_header(const wire::PairsHeader& header, std::size_t payload_bytes) {
+void check_header(const wire::PairsHeader& header, std::size_t payload_bytes) {
   const std::uint64_t bytes = wire::kPairsHeaderBytes + std::uint64_t{header.elements} * wire::kElementBytes +
                               std::uint64_t{header.pairs} * wire::kPairBytes;
   if (payload_bytes != bytes) {
-    return expected("payload",
-                    "32 + 56 bytes for each of its " + std::to_string(header.elements) + " elements + 12 for each of " +
-                        std::to_string(header.pairs) + " pairs",
-                    payload_bytes);
+    refuse("payload",
+           "32 + 56 bytes for each of its " + std::to_string(header.elements) + " elements + 12 for each of " +
+               std::to_string(header.pairs) + " pairs",
+           payload_bytes);
   }
-  if (header.rays < 1 || header.rays > wire::kMaxRaysPerPair) return expected("rays", "1..65536", header.rays);
-  if (std::uint64_t{header.pairs} * header.rays > wire::kMaxPairRays) {
-    return expected("pairs x rays", "at most 2^22", std::uint64_t{header.pairs} * header.rays);
-  }
-  if (header.first > std::numeric_limits<std::uint32_t>::max() - header.rays) {
-    return expected("first", "below 2^32 - rays", header.first);
-  }
-  if (header.opacity < 1 || header.opacity > wire::kOpacityOne) {
-    return expected("opacity", "1..2^24 - 1", header.opacity);
-  }
-  return std::nullopt;
+  const std::uint64_t rays = std::uint64_t{header.pairs} * header.rays;
+  expect(header.rays >= 1 && header.rays <= wire::kMaxRaysPerPair, "rays", "1..65536", header.rays);
+  expect(rays <= wire::kMaxPairRays, "pairs x rays", "at most 2^22", rays);
+  expect(header.first <= std::numeric_limits<std::uint32_t>::max() - header.rays, "first", "below 2^32 - rays",
+         header.first);
+  expect(header.opacity >= 1 && header.opacity <= wire::kOpacityOne, "opacity", "1..2^24 - 1", header.opacity);
 }
 
 // All points of an element lie in the volume if its corners do.
-std::optional<std::string> fault_of_element(const wire::Element& element, const Point& extent) {
-  if (element.kind > wire::ElementKind::kBox) {
-    return expected("kind", "0 or 1", static_cast<std::uint64_t>(element.kind));
-  }
+void check_element(const wire::Element& element, const Point& extent) {
+  expect(element.kind <= wire::ElementKind::kBox, "kind", "0 or 1", static_cast<std::uint64_t>(element.kind));
   for (int corner = 0; corner < 8; ++corner) {
     const wire::Vector s{corner & 1 ? 1.0 : 0.0, corner & 2 ? 1.0 : 0.0, corner & 4 ? 1.0 : 0.0};
     const wire::Vector point = wire::point_of(element, s);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double last = extent[axis] / double{wire::kVoxel};
-      if (!(point[axis] >= 0 && point[axis] <= last)) return "origin, u, v, w: expected corners in the volume";
+      if (!(point[axis] >= 0 && point[axis] <= last)) refuse("origin, u, v, w: expected corners in the volume");
     }
   }
-  return std::nullopt;
 }
 
 }  // namespace
 
 CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress& work) {
-  if (payload.size() < wire::kPairsHeaderBytes) return refuse(expected("payload", "at least 32 bytes", payload.size()));
+  expect(payload.size() >= wire::kPairsHeaderBytes, "payload", "at least 32 bytes", payload.size());
   PairJob job;
   job.header = wire::decode<wire::PairsHeader>(payload);
-  if (const auto what = fault_of_header(job.header, payload.size())) return refuse(*what);
-  if (!has_volume()) return refuse(kNoVolume);
+  check_header(job.header, payload.size());
+  check_volume();
   Frame frame = this->frame();
   set_opacity_rays(frame, job.header.opacity);
   for (std::size_t axis = 0; axis < 3; ++axis) job.spacing[axis] = frame.spacing[axis] / double{wire::kSpacingOne};
   std::size_t at = wire::kPairsHeaderBytes;
   for (std::uint32_t e = 0; e < job.header.elements; ++e, at += wire::kElementBytes) {
     job.elements.push_back(wire::decode<wire::Element>(payload.subspan(at)));
-    if (const auto what = fault_of_element(job.elements[e], frame.extent)) {
-      return refuse("element " + std::to_string(e) + ": " + *what);
-    }
+    check_part("element", e, [&] { check_element(job.elements[e], frame.extent); });
     job.normals.push_back(wire::normal_of(job.elements[e], job.spacing));
   }
   for (std::uint32_t p = 0; p < job.header.pairs; ++p, at += wire::kPairBytes) {
     job.pairs.push_back(wire::decode<wire::Pair>(payload.subspan(at)));
     if (job.pairs[p].a < job.header.elements && job.pairs[p].b < job.header.elements) continue;
-    return refuse("pair " + std::to_string(p) + ": " +
-                  expected("a, b", "elements below " + std::to_string(job.header.elements),
-                           std::max(job.pairs[p].a, job.pairs[p].b)));
+    refuse("pair " + std::to_string(p) + ": a, b", "elements below " + std::to_string(job.header.elements),
+           std::max(job.pairs[p].a, job.pairs[p].b));
   }
 
   aperture_.decode(threads_, reads(frame));
@@ -83,7 +70,6 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress
   PairRays rays(job, config_.dsp(), results);
   pair_rays_ += rays.count();
   const RunResult ran = run_level(rays, frame, work);
-  if (ran.cancelled) return {.error = ErrorCode::kCancelled};
   const std::uint64_t up_bytes = std::max<std::uint64_t>(results.size(), 4);
   return {.payload = std::move(results), .dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps, .up_bytes = up_bytes};
 }

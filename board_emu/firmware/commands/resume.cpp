@@ -1,5 +1,4 @@
 // Rays that only the host can scatter: they go to it, come back, and go on.
-#include <algorithm>
 
 #include "command_fault.h"
 #include "commands.h"
@@ -12,13 +11,12 @@ namespace {
 
 constexpr std::uint32_t kMaxInList = 1u << 16;  // chosen: 4 MiB, the largest payload
 
-std::optional<std::string> fault_of_answer(const wire::Ray& ray, const Point& extent, bool light) {
-  if (const auto what = fault(ray, extent)) return what;
-  if (ray.lifetime == 0) return "lifetime: expected at least 1, got 0";
+void check_answer(const wire::Ray& ray, const Point& extent, bool light) {
+  check_ray(ray, extent);
+  expect(ray.lifetime >= 1, "lifetime", "at least 1", 0);
   if (((ray.flags & wire::kLightingRay) != 0) != light) {
-    return std::string("flags: expected a ") + (light ? "lighting" : "rendering") + " ray";
+    refuse(std::string("flags: expected a ") + (light ? "lighting" : "rendering") + " ray");
   }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -38,11 +36,11 @@ void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, b
   result.up_bytes = result.payload.size();
 }
 
-// Hands at most `most` of the waiting rays out. Without any that wait there is no list.
-void DspCommands::add_trap_list(CommandResult& result, std::size_t most) {
+// Hands at most `max_rays` of the waiting rays out. Without any that wait there is no list.
+void DspCommands::add_trap_list(CommandResult& result, std::size_t max_rays) {
   host_traps_.settle();
   if (host_traps_.waiting() == 0) return;
-  const std::vector<wire::TrappedRay> rays = host_traps_.take(most);
+  const std::vector<wire::TrappedRay> rays = host_traps_.take(max_rays);
   wire::append(result.payload, wire::TrapListHeader{static_cast<std::uint32_t>(rays.size()),
                                                     static_cast<std::uint32_t>(host_traps_.waiting())});
   for (const wire::TrappedRay& ray : rays) wire::append(result.payload, ray);
@@ -56,35 +54,24 @@ void DspCommands::add_trap_list(CommandResult& result, std::size_t most) {
 }
 
 CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progress& work) {
-  if (payload.size() < wire::kResumeHeaderBytes)
-    return refuse(expected("payload", "at least 16 bytes", payload.size()));
-  const auto [count, most] = wire::decode<wire::ResumeHeader>(payload);
+  expect(payload.size() >= wire::kResumeHeaderBytes, "payload", "at least 16 bytes", payload.size());
+  const auto [count, max_rays] = wire::decode<wire::ResumeHeader>(payload);
   if (payload.size() != wire::kResumeHeaderBytes + std::uint64_t{count} * wire::kRayBytes) {
-    return refuse(
-        expected("payload", "16 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size()));
+    refuse("payload", "16 + 32 bytes for each of its " + std::to_string(count) + " rays", payload.size());
   }
-  if (most > kMaxInList) return refuse(expected("most", "0..65536", most));
+  expect(max_rays <= kMaxInList, "most", "0..65536", max_rays);
   if (count > host_traps_.out()) {
-    return refuse(
-        expected("count", "at most the rays handed out and not answered, " + std::to_string(host_traps_.out()), count));
+    refuse("count", "at most the rays handed out and not answered, " + std::to_string(host_traps_.out()), count);
   }
-  if (!has_volume()) return refuse(kNoVolume);
-  if (const auto what = material_fault()) return refuse(*what);
+  check_volume();
+  check_materials();
   Frame frame = this->frame();
   const bool light = host_traps_.is_light();
-  if (light) {
-    aperture_.irradiance().expect_deposits();
-    frame.type = wire::RayType::kDeposit;
-    frame.opacity_threshold = wire::kOpacityOne;
-    frame.rules = host_traps_.rules();
-  }
-
+  if (light) set_light(frame, host_traps_.rules());
   std::vector<wire::Ray> answers(count);
   for (std::size_t i = 0; i < count; ++i) {
     answers[i] = wire::decode<wire::Ray>(payload.subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes));
-    if (const auto what = fault_of_answer(answers[i], frame.extent, light)) {
-      return refuse("ray " + std::to_string(i) + ": " + *what);
-    }
+    check_part("ray", i, [&] { check_answer(answers[i], frame.extent, light); });
   }
   aperture_.decode(threads_, reads(frame));
   host_traps_.answered(count);
@@ -92,7 +79,6 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
   if (count > 0) {
     ResumedRays rays(answers, frame, aperture_.framebuffer(), config_.dsp());
     ran = run_level(rays, frame, work);
-    if (ran.cancelled) return {.error = wire::ErrorCode::kCancelled};
   }
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   result.takes_rays = count > 0;
@@ -101,7 +87,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
   } else {
     aperture_.resolve_framebuffer(threads_);
   }
-  add_trap_list(result, most);
+  add_trap_list(result, max_rays);
   return result;
 }
 

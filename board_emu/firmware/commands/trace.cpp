@@ -19,29 +19,22 @@ constexpr std::uint64_t kMaxMoved = std::uint64_t{1} << 34;
 bool comes_back(RayType type) { return type != RayType::kDeposit && type != RayType::kBackproject; }
 
 // A byte of the header that only rays of one type have: 0 or 1, of others 0.
-std::optional<std::string> fault_of_choice(const char* name, unsigned value, bool has) {
-  if (value <= (has ? 1u : 0u)) return std::nullopt;
-  return expected(name, has ? "0 or 1" : "0", value);
+void check_choice(const char* name, unsigned value, bool has) {
+  expect(value <= (has ? 1u : 0u), name, has ? "0 or 1" : "0", value);
 }
 
-std::optional<std::string> fault(const wire::TraceHeader& header, std::size_t payload_bytes) {
-  const std::uint64_t bytes = wire::kTraceHeaderBytes + std::uint64_t{header.count} * wire::kRayBytes;
-  if (payload_bytes != bytes) {
-    return expected("payload", "16 + 32 bytes for each of its " + std::to_string(header.count) + " rays",
-                    payload_bytes);
+void check_header(const wire::TraceHeader& header, std::size_t payload_bytes) {
+  if (payload_bytes != wire::kTraceHeaderBytes + std::uint64_t{header.count} * wire::kRayBytes) {
+    refuse("payload", "16 + 32 bytes for each of its " + std::to_string(header.count) + " rays", payload_bytes);
   }
-  if (header.type > RayType::kBackproject) return expected("type", "0..6", static_cast<std::uint64_t>(header.type));
-  const bool deposit = header.type == RayType::kDeposit;
-  if (auto what = fault_of_choice("albedo", static_cast<unsigned>(header.albedo), deposit)) return what;
-  if (auto what = fault_of_choice("rules", static_cast<unsigned>(header.rules), deposit)) return what;
-  if (auto what = fault_of_choice("words", static_cast<unsigned>(header.words), header.type == RayType::kBackproject)) {
-    return what;
-  }
-  if (!wire::has_threshold(header.type) && header.opacity != 0) return expected("opacity", "0", header.opacity);
-  if (wire::has_threshold(header.type) && (header.opacity < 1 || header.opacity > wire::kOpacityOne)) {
-    return expected("opacity", "1..2^24 - 1", header.opacity);
-  }
-  return std::nullopt;
+  expect(header.type <= RayType::kBackproject, "type", "0..6", static_cast<std::uint64_t>(header.type));
+  const bool deposit = header.type == RayType::kDeposit, threshold = wire::has_threshold(header.type);
+  check_choice("albedo", static_cast<unsigned>(header.albedo), deposit);
+  check_choice("rules", static_cast<unsigned>(header.rules), deposit);
+  check_choice("words", static_cast<unsigned>(header.words), header.type == RayType::kBackproject);
+  expect(threshold || header.opacity == 0, "opacity", "0", header.opacity);
+  expect(!threshold || (header.opacity >= 1 && header.opacity <= wire::kOpacityOne), "opacity", "1..2^24 - 1",
+         header.opacity);
 }
 
 std::uint8_t flags_of(const wire::TraceHeader& header) {
@@ -51,26 +44,26 @@ std::uint8_t flags_of(const wire::TraceHeader& header) {
 }
 
 // As many bits as a ray's energy has [P §4.2].
-std::uint64_t max_energy(const wire::TraceHeader& header, bool wide) {
+std::uint64_t max_energy_of(const wire::TraceHeader& header, bool wide) {
   const unsigned bits = wide ? 24 : header.albedo == wire::Albedo::kHigh ? 4 : 8;
   return ((std::uint64_t{1} << bits) - 1) << kEnergyFractionBits;
 }
 
-std::optional<std::string> fault_of_words(const wire::Ray& ray, const wire::TraceHeader& header, std::uint64_t most) {
+void check_words(const wire::Ray& ray, const wire::TraceHeader& header, std::uint64_t max_energy) {
   const std::uint64_t word = ray.colour_word();
-  if (wire::is_segment(header.type) && word > wire::kMaxLength)
-    return expected("length", "0..4096 voxels in 16.16", word);
+  const bool segment = wire::is_segment(header.type);
+  expect(!segment || word <= wire::kMaxLength, "length", "0..4096 voxels in 16.16", word);
   if (header.type == RayType::kBackproject) {
     const std::int32_t amount = wire::sign_extend(ray.opacity, 24);
     const bool whole = header.words == wire::SumWords::kWhole;
-    if (amount <= wire::kMaxAmount && amount >= (whole ? -wire::kMaxAmount : 0)) return std::nullopt;
-    return expected("opacity", whole ? "an amount of at least -(2^23 - 1)" : "an amount of 0..2^23 - 1", ray.opacity);
+    expect(amount <= wire::kMaxAmount && amount >= (whole ? -wire::kMaxAmount : 0), "opacity",
+           whole ? "an amount of at least -(2^23 - 1)" : "an amount of 0..2^23 - 1", ray.opacity);
+    return;
   }
-  if (wire::is_segment(header.type) && ray.opacity != 0) return expected("opacity", "0 of a segment", ray.opacity);
-  if (header.type == RayType::kDeposit && (word == 0 || word > most)) {
-    return expected("energy", "1.." + std::to_string(most) + " (24.12)", word);
+  expect(!segment || ray.opacity == 0, "opacity", "0 of a segment", ray.opacity);
+  if (header.type == RayType::kDeposit && (word == 0 || word > max_energy)) {
+    refuse("energy", "1.." + std::to_string(max_energy) + " (24.12)", word);
   }
-  return std::nullopt;
 }
 
 // How far the rays can move one sum.
@@ -83,15 +76,9 @@ std::uint64_t max_moved(std::span<const wire::Ray> rays, const Frame& frame) {
   return sum;
 }
 
-// What of the frame is otherwise for rays of this type.
+// What of the frame is otherwise for rays of this type, which do not deposit.
 void set_type(Frame& frame, const wire::TraceHeader& header) {
   frame.type = header.type;
-  if (frame.lights()) {
-    frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
-    frame.rules = header.rules;
-    frame.cut_planes.clear();  // they cut what the eye sees
-    return;
-  }
   if (header.type == RayType::kIntegrate) return;
   frame.opacity_threshold = frame.to_the_hit() ? header.opacity : wire::kOpacityOne;
   frame.scatter = frame.high_albedo = false;
@@ -121,42 +108,41 @@ void set_opacity_rays(Frame& frame, std::uint32_t opacity) {
 }
 
 CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress& work) {
-  if (payload.size() < wire::kTraceHeaderBytes) return refuse(expected("payload", "at least 16 bytes", payload.size()));
+  expect(payload.size() >= wire::kTraceHeaderBytes, "payload", "at least 16 bytes", payload.size());
   const auto header = wire::decode<wire::TraceHeader>(payload);
-  if (const auto what = fault(header, payload.size())) return refuse(*what);
-  if (!has_volume()) return refuse(kNoVolume);
+  check_header(header, payload.size());
+  check_volume();
   const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type);
   Frame frame = this->frame();
-  set_type(frame, header);
-  if (header.words == wire::SumWords::kWhole) frame.sums = &aperture_.sums();
-  if (frame.scatter || deposit) {
-    if (const auto what = material_fault(false)) return refuse(*what);
+  if (deposit) {
+    set_light(frame, header.rules);
+    frame.cut_planes.clear();  // they cut what the eye sees
+  } else {
+    set_type(frame, header);
   }
-  if (deposit || (frame.backprojects() && frame.sums == nullptr)) aperture_.irradiance().expect_deposits();
+  if (header.words == wire::SumWords::kWhole) frame.sums = &aperture_.sums();
+  if (frame.scatter || deposit) check_materials(false);
+  if (frame.backprojects() && frame.sums == nullptr) aperture_.irradiance().expect_deposits();
   const std::size_t count = header.count;
-  const std::uint64_t most = max_energy(header, frame.wide);
+  const std::uint64_t max_energy = max_energy_of(header, frame.wide);
   std::vector<wire::Ray>& rays = host_ray_room_;
   rays.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     rays[i] = wire::decode<wire::Ray>(payload.subspan(wire::kTraceHeaderBytes + i * wire::kRayBytes));
-    const auto which = [i] { return "ray " + std::to_string(i) + ": "; };
-    if (rays[i].flags != flags_of(header)) {
-      return refuse(which() + expected("flags", std::to_string(flags_of(header)), rays[i].flags));
-    }
-    if (const auto what = fault(rays[i], frame.extent)) return refuse(which() + *what);
-    if (const auto what = fault_of_words(rays[i], header, most)) return refuse(which() + *what);
+    check_part("ray", i, [&] {
+      if (rays[i].flags != flags_of(header)) refuse("flags", std::to_string(flags_of(header)), rays[i].flags);
+      check_ray(rays[i], frame.extent);
+      check_words(rays[i], header, max_energy);
+    });
   }
   if (frame.sums != nullptr) {
     frame.max_moved = max_moved(rays, frame);
-    if (frame.max_moved > kMaxMoved) {
-      return refuse(expected("rays", "that can move no sum by more than 2^34", frame.max_moved));
-    }
+    expect(frame.max_moved <= kMaxMoved, "rays", "that can move no sum by more than 2^34", frame.max_moved);
   }
   if (!frame.backprojects()) aperture_.decode(threads_, reads(frame));
   const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
   HostRays source(rays, frame, back, {first, back ? both - first : 0});
   const RunResult ran = run_level(source, frame, work);
-  if (ran.cancelled) return {.error = wire::ErrorCode::kCancelled};
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   host_rays_ += count;
   result.takes_rays = count > 0;

@@ -1,9 +1,13 @@
 // Rays that the host made, in the DSP's memory: they go back into their places, or leave only what they deposit.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
+#include "datapath/interaction.h"
+#include "datapath/ray_step.h"
+#include "firmware/viewing_rays.h"
 #include "levels/ray_source.h"
 
 namespace gicube::emu {
@@ -23,12 +27,52 @@ class HostRays : public RaySource {
   std::uint32_t make_cycles() const override { return cycles_.make; }
   std::uint32_t take_cycles() const override { return cycles_.take; }
 
-  std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override;
-  void take(std::uint64_t i, const wire::Ray& ray) override;
+  std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
+    wire::Ray& ray = rays_[i];
+    if (!frame_.cut_planes.empty() && !enter(ray, frame_.extent, frame_.cut_planes)) return std::nullopt;
+    if (frame_.lights()) counters.energy.emitted += energy_units(unpack(ray, frame_), frame_);
+    return ray;
+  }
+  void take(std::uint64_t i, const wire::Ray& ray) override {
+    if (!come_back_) return;
+    wire::Ray& mine = rays_[i];
+    const std::uint8_t flags = mine.flags;
+    const std::uint16_t interaction = mine.interaction;
+    mine = ray;
+    mine.flags = flags;
+    mine.interaction = interaction;
+  }
 
-  std::size_t divide(std::size_t rays) override;
-  std::unique_ptr<RayBatch> make_batch(std::size_t b) override;
-  void take_batch(RayBatch& batch) override;
+  std::size_t divide(std::size_t rays) override {
+    batch_rays_ = std::max<std::size_t>(rays, 1);
+    return (rays_.size() + batch_rays_ - 1) / batch_rays_;
+  }
+  // Rays are traced where they stand, unless some of them do not enter.
+  std::unique_ptr<RayBatch> make_batch(std::size_t b) override {
+    auto batch = std::make_unique<RayBatch>();
+    const std::size_t begin = b * batch_rays_, count = std::min(batch_rays_, rays_.size() - begin);
+    if (frame_.cut_planes.empty()) {
+      batch->rays = rays_.subspan(begin, count);
+      if (!frame_.lights()) return batch;
+      for (const wire::Ray& ray : batch->rays) {
+        batch->counters.energy.emitted += energy_units(unpack(ray, frame_), frame_);
+      }
+      return batch;
+    }
+    for (std::size_t i = begin; i < begin + count; ++i) {
+      if (const auto ray = make(i, batch->counters)) {
+        batch->room.push_back(*ray);
+        batch->index.push_back(i);
+      } else {
+        ++batch->returned;
+      }
+    }
+    batch->rays = batch->room;
+    return batch;
+  }
+  void take_batch(RayBatch& batch) override {
+    for (std::size_t k = 0; k < batch.index.size(); ++k) rays_[batch.index[k]] = batch.rays[k];
+  }
 
  private:
   std::span<wire::Ray> rays_;

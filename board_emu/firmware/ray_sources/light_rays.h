@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "datapath/ray_step.h"
 #include "firmware/lighting_rays.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"
@@ -21,7 +22,13 @@ class LightRays : public RayByRaySource {
   std::uint32_t take_cycles() const override { return 0; }
   bool misses_are_free() const override { return true; }
 
-  std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override;
+  std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
+    auto ray = rays_.make(i);
+    if (!ray) return ray;
+    ray->lifetime = frame_.lifetime;
+    counters.energy.emitted += ray->colour_word() >> kEnergyFractionBits;
+    return ray;
+  }
   void take(std::uint64_t, const wire::Ray&) override {}
 
   std::size_t divide(std::size_t rays) override {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "datapath/interaction.h"
 #include "firmware/framebuffer.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"
@@ -22,8 +23,15 @@ class ResumedRays : public RayByRaySource {
   std::uint32_t take_cycles() const override { return frame_.lights() ? 0 : dsp_.returned_ray_cycles(); }
 
   // A ray that ends by its answer goes no further. What answers bring and take counts.
-  std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override;
-  void take(std::uint64_t i, const wire::Ray& ray) override;
+  std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
+    wire::Ray ray = answers_[i];
+    if (!take_answer(ray, frame_, counters)) return ray;
+    take(i, ray);
+    return std::nullopt;
+  }
+  void take(std::uint64_t, const wire::Ray& ray) override {
+    if (!frame_.lights()) framebuffer_.add(ray);
+  }
 
  protected:
   bool pays_for_misses() const override { return true; }

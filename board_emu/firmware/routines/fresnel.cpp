@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "firmware/routines/built_in.h"
-#include "firmware/routines/vectors.h"
+#include "firmware/vectors.h"
 
 namespace gicube::emu {
 
@@ -21,7 +21,7 @@ ScatterAnswer scatter(const ScatterEvent& event) {
   ScatterAnswer answer{.direction = event.direction, .cycles = kBuiltInCycles};
   if (event.normal == Vector{}) return answer;
   const double index = event.parameters.empty() ? kGlass : event.parameters[0];
-  const double slope = inner(event.direction, event.normal);
+  const double slope = dot(event.direction, event.normal);
   const bool enters = slope < 0;
   const double from = enters ? 1 : index, to = enters ? index : 1;
   const double cosine = std::fmin(std::fabs(slope), 1.0);

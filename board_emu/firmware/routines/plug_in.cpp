@@ -23,8 +23,8 @@ std::string last_dl_error() {
   return text != nullptr ? text : "no reason given";
 }
 
-std::string printable(const char* text, std::size_t most) {
-  std::string out(text, ::strnlen(text, most));
+std::string printable(const char* text, std::size_t max_length) {
+  std::string out(text, ::strnlen(text, max_length));
   std::replace_if(
       out.begin(), out.end(), [](char c) { return c < 0x20 || c > 0x7E; }, '?');
   return out;

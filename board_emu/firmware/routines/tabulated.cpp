@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "firmware/routines/built_in.h"
-#include "firmware/routines/vectors.h"
+#include "firmware/vectors.h"
 
 namespace gicube::emu {
 

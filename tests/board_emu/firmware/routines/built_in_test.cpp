@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "firmware/routines/vectors.h"
+#include "firmware/vectors.h"
 
 namespace gicube::emu {
 namespace {
@@ -27,7 +27,7 @@ void draw(const BuiltIn& routine, ScatterEvent event, int count, const Take& tak
   for (int i = 0; i < count; ++i) {
     for (double& number : event.random) number = static_cast<double>(random()) * 0x1p-32;
     const ScatterAnswer answer = routine.scatter(event);
-    ASSERT_NEAR(inner(answer.direction, answer.direction), 1, 1e-9);
+    ASSERT_NEAR(dot(answer.direction, answer.direction), 1, 1e-9);
     take(answer.direction);
   }
 }
@@ -102,7 +102,7 @@ TEST(Fresnel, LetsARayPassWhereThereIsNoSurface) {
   const float none = 1;
   ScatterEvent event = falling(50 * kDegree);
   event.parameters = std::span(&none, 1);
-  EXPECT_NEAR(inner(kFresnel.scatter(event).direction, event.direction), 1, 1e-12) << "index 1";
+  EXPECT_NEAR(dot(kFresnel.scatter(event).direction, event.direction), 1, 1e-12) << "index 1";
   event.parameters = {};
   event.normal = {};
   EXPECT_EQ(kFresnel.scatter(event).direction, event.direction) << "no gradient";
@@ -117,7 +117,7 @@ TEST(HenyeyGreenstein, HasTheMeanCosineG) {
     double sum = 0, squares = 0;
     Vector across{};
     draw(kHenyeyGreenstein, event, kCount, [&](const Vector& out) {
-      const double cosine = inner(out, event.direction);
+      const double cosine = dot(out, event.direction);
       sum += cosine;
       squares += cosine * cosine;
       across = along(across, 1, along(out, -cosine, event.direction));
@@ -125,7 +125,7 @@ TEST(HenyeyGreenstein, HasTheMeanCosineG) {
     const double mean = sum / kCount, deviation = std::sqrt((squares / kCount - mean * mean) / kCount);
     EXPECT_NEAR(mean, g, 4 * deviation) << g;
     EXPECT_NEAR(squares / kCount, (1 + 2 * double{g} * g) / 3, 0.01) << g;
-    EXPECT_LT(std::sqrt(inner(across, across)) / kCount, 0.02) << "even about the axis, g = " << g;
+    EXPECT_LT(std::sqrt(dot(across, across)) / kCount, 0.02) << "even about the axis, g = " << g;
   }
 }
 
@@ -154,7 +154,7 @@ TEST(TabulatedPhaseFunction, IsDrawnAsItsTableSays) {
     event.direction = {0, 0.6, 0.8};
     event.parameters = table;
     draw(kTabulated, event, kCount, [&](const Vector& out) {
-      const double bin = std::floor((inner(out, event.direction) + 1) / 2 * kBins);
+      const double bin = std::floor((dot(out, event.direction) + 1) / 2 * kBins);
       ++drawn[static_cast<std::size_t>(std::clamp(bin, 0.0, kBins - 1.0))];
     });
     for (std::size_t bin = 0; bin < kBins; ++bin) {

@@ -1,4 +1,4 @@
-// Vectors of three doubles, as far as the routines need them.
+// Vectors of three doubles, as far as lighting rays and scattering routines need them.
 #pragma once
 
 #include <array>
@@ -9,7 +9,14 @@ namespace gicube::emu {
 
 using Vector = std::array<double, 3>;
 
-inline double inner(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline double length(const Vector& a) { return std::sqrt(dot(a, a)); }
+inline Vector cross(const Vector& a, const Vector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline Vector scaled(const Vector& a, double s) { return {s * a[0], s * a[1], s * a[2]}; }
+inline Vector sum(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Vector difference(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 // a + s b
 inline Vector along(const Vector& a, double s, const Vector& b) {
