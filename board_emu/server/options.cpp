@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
-#include <exception>
 #include <fstream>
 #include <iterator>
 #include <string_view>
@@ -27,89 +26,66 @@ struct Flags {
 };
 
 void add_flags(CLI::App& app, Flags& flags, Options& options) {
-  app.add_option("--listen", flags.listen,
-                 "where drivers open the board: unix:PATH, tcp:HOST:PORT (port 0 = any free one), or\n"
-                 "fd:N for a connected socket; board i > 0 is at PATH.i or PORT+i")
-      ->type_name("ENDPOINT");
-  app.add_option("--boards", options.boards, fmt::format("how many boards, 1 to {}", kMaxBoards))->type_name("N");
+  const auto add = [&app](const char* name, auto& value, const char* type, const std::string& help) {
+    return app.add_option(name, value, help)->type_name(type);
+  };
+  add("--listen", flags.listen, "ENDPOINT",
+      "where drivers open the board: unix:PATH, tcp:HOST:PORT (port 0 = any free one), or\n"
+      "fd:N for a connected socket; board i > 0 is at PATH.i or PORT+i");
+  add("--boards", options.boards, "N", fmt::format("how many boards, 1 to {}", kMaxBoards));
   app.add_flag("--private", options.is_private, "with fd:N: end with that session");
   app.add_flag("--allow-remote-bus", flags.allow_remote_bus,
                "let --listen be an address that other machines can reach; the bus has no password");
   app.add_flag("--quiet", options.quiet, "log warnings only");
-
-  app.add_option("--bsdf", options.bsdf_files,
-                 "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
-                 "times: the first is routine 8, the next 9. Its code runs in this process, with all its rights")
-      ->type_name("FILE")
+  add("--bsdf", options.bsdf_files, "FILE",
+      "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
+      "times: the first is routine 8, the next 9. Its code runs in this process, with all its rights")
       ->allow_extra_args(false);
-
-  app.add_option("--config", flags.config_file, "board configuration, protobuf text of gicube.v1.BoardConfig")
-      ->type_name("FILE")
-      ->group("Configuration");
-  app.add_option("--set", flags.overrides, "set one field after that, as asic.processors=8; may come several times")
-      ->type_name("FIELD=VALUE")
-      ->allow_extra_args(false)
-      ->group("Configuration");
-  app.add_flag("--print-config", options.print_config, "print the resolved configuration and its hash, then end")
-      ->group("Configuration");
-  app.add_flag("--hardware-cost", options.print_hardware_cost,
-               "print what the configuration's ASIC holds in memories, Table 1 of the paper, then end")
-      ->group("Configuration");
-  app.add_flag("--registers", options.print_registers, "print the register table and the memory map, then end")
-      ->group("Configuration");
-
-  app.add_option("--trace", flags.trace_file, "write a trace for ui.perfetto.dev; board i > 0 writes FILE.i")
-      ->type_name("FILE")
-      ->group("Observation");
-  app.add_option("--vcd", flags.vcd_file,
-                 "write a waveform for GTKWave of the window; needs fidelity=cycle; board i > 0 writes FILE.i")
-      ->type_name("FILE")
-      ->group("Observation");
-  app.add_option("--vcd-window", flags.vcd_window, "core cycles of the machine's clock, END left out")
-      ->type_name("BEGIN:END")
-      ->group("Observation");
-
-  app.add_option("--resume-seconds", flags.resume_seconds,
-                 "how long a session whose connection broke waits for its client, unless another one comes; 0 = not")
-      ->type_name("N")
+  add("--resume-seconds", flags.resume_seconds, "N",
+      "how long a session whose connection broke waits for its client, unless another one comes; 0 = not")
       ->check(CLI::Range(0u, 86'400u))
       ->capture_default_str();
 
-  app.add_option(
-         "--faults", flags.fault_file,
-         "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/guide/faults.md)")
-      ->type_name("FILE")
-      ->group("Faults");
-  app.add_option("--fault-log", options.fault_log_file,
-                 "append each fault to FILE before it takes effect; board i > 0 writes FILE.i")
-      ->type_name("FILE")
-      ->group("Faults");
+  app.option_defaults()->group("Configuration");
+  add("--config", flags.config_file, "FILE", "board configuration, protobuf text of gicube.v1.BoardConfig");
+  add("--set", flags.overrides, "FIELD=VALUE", "set one field after that, as asic.processors=8; may come several times")
+      ->allow_extra_args(false);
+  app.add_flag("--print-config", options.print_config, "print the resolved configuration and its hash, then end");
+  app.add_flag("--hardware-cost", options.print_hardware_cost,
+               "print what the configuration's ASIC holds in memories, Table 1 of the paper, then end");
+  app.add_flag("--registers", options.print_registers, "print the register table and the memory map, then end");
 
-  app.add_option("--management", flags.management, "serve the management plane (gRPC) at unix:PATH or tcp:HOST:PORT")
-      ->type_name("ENDPOINT")
-      ->group("Management");
-  app.add_option("--management-cert", flags.certificate_file, "TLS certificate, PEM; needed beyond this machine")
-      ->type_name("FILE")
-      ->group("Management");
-  app.add_option("--management-key", flags.key_file, "its private key, PEM")->type_name("FILE")->group("Management");
-  app.add_option(
-         "--management-token-file", flags.token_file,
-         "the token that callers must send as \"authorization: Bearer TOKEN\"; only its owner may read the file")
-      ->type_name("FILE")
-      ->group("Management");
+  app.option_defaults()->group("Observation");
+  add("--trace", flags.trace_file, "FILE", "write a trace for ui.perfetto.dev; board i > 0 writes FILE.i");
+  add("--vcd", flags.vcd_file, "FILE",
+      "write a waveform for GTKWave of the window; needs fidelity=cycle; board i > 0 writes FILE.i");
+  add("--vcd-window", flags.vcd_window, "BEGIN:END", "core cycles of the machine's clock, END left out");
+
+  app.option_defaults()->group("Faults");
+  add("--faults", flags.fault_file, "FILE",
+      "what goes wrong between driver and board, protobuf text of gicube.v1.FaultPlan (docs/guide/faults.md)");
+  add("--fault-log", options.fault_log_file, "FILE",
+      "append each fault to FILE before it takes effect; board i > 0 writes FILE.i");
+
+  app.option_defaults()->group("Management");
+  add("--management", flags.management, "ENDPOINT", "serve the management plane (gRPC) at unix:PATH or tcp:HOST:PORT");
+  add("--management-cert", flags.certificate_file, "FILE", "TLS certificate, PEM; needed beyond this machine");
+  add("--management-key", flags.key_file, "FILE", "its private key, PEM");
+  add("--management-token-file", flags.token_file, "FILE",
+      "the token that callers must send as \"authorization: Bearer TOKEN\"; only its owner may read the file");
+}
+
+// Empty without a file.
+std::string read_file(const char* flag, const std::string& path, std::vector<std::string>& errors) {
+  if (path.empty()) return {};
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) errors.push_back(fmt::format("{}: expected a readable file, got {}", flag, path));
+  return text;
 }
 
 v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& errors) {
-  ParsedConfig parsed;
-  if (!flags.config_file.empty()) {
-    std::ifstream file(flags.config_file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    if (!file) {
-      errors.push_back(fmt::format("--config: expected a readable file, got {}", flags.config_file));
-    } else {
-      parsed = parse_config(text);
-    }
-  }
+  ParsedConfig parsed = parse_config(read_file("--config", flags.config_file, errors));
   for (const Diagnostic& each : parsed.diagnostics) {
     errors.push_back(fmt::format("{}: {}", flags.config_file, to_string(each)));
   }
@@ -125,13 +101,7 @@ v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& errors
 }
 
 void read_fault_plan(const Flags& flags, Options& options, std::vector<std::string>& errors) {
-  if (flags.fault_file.empty()) return;
-  std::ifstream file(flags.fault_file, std::ios::binary);
-  options.fault_plan = {std::istreambuf_iterator<char>(file), {}};
-  if (!file) {
-    errors.push_back(fmt::format("--faults: expected a readable file, got {}", flags.fault_file));
-    return;
-  }
+  options.fault_plan = read_file("--faults", flags.fault_file, errors);
   for (const Diagnostic& each : parse_fault_plan(options.fault_plan).diagnostics) {
     errors.push_back(fmt::format("{}: {}", flags.fault_file, to_string(each)));
   }

@@ -111,8 +111,8 @@ const std::vector<Rule>& rules() {
                                "board_emu/firmware"}),
       // Watches the whole machine, and is watched by none of its parts.
       room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board"}, {"fmt"}),
-      {"board_emu/server",   {"board_emu/server", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
-                              "board_emu/config/text_schema.h", "board_emu/config/hardware_cost.h",
+      {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
+                              "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},
                              {kAnything}},
 

@@ -1,6 +1,7 @@
 #include "board_slot.h"
 
 #include <chrono>
+#include <filesystem>
 #include <future>
 #include <utility>
 
@@ -8,6 +9,8 @@
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/post.hpp>
+
+#include "words/finally.h"
 
 namespace gicube::emu {
 namespace {
@@ -27,7 +30,11 @@ BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::un
 
 BoardSlot::~BoardSlot() {
   compute_.join();
-  const std::string fault = observation_ ? observation_->fault() : "";
+  log_fault(observation_.get());
+}
+
+void BoardSlot::log_fault(const Observation* observation) const {
+  const std::string fault = observation != nullptr ? observation->fault() : "";
   if (!fault.empty()) spdlog::error("board {}: {}", index_, fault);
 }
 
@@ -66,10 +73,15 @@ void BoardSlot::ask_to_end(wire::ErrorCode error, const std::string& text) {
   std::exchange(end_session_, nullptr)(error, text);
 }
 
-void BoardSlot::end_away(std::unique_lock<std::mutex>& lock) {
-  if (owner_ != Owner::kSession || !away_) return;
-  ask_to_end(wire::ErrorCode::kCancelled, "the management plane has rebuilt the board");
-  released_.wait_for(lock, kReleaseTimeout, [this] { return owner_ == Owner::kNone; });
+// A session whose client is away makes way.
+bool BoardSlot::take_for_management(std::unique_lock<std::mutex>& lock) {
+  if (owner_ == Owner::kSession && away_) {
+    ask_to_end(wire::ErrorCode::kCancelled, "the management plane has rebuilt the board");
+    released_.wait_for(lock, kReleaseTimeout, [this] { return owner_ == Owner::kNone; });
+  }
+  if (owner_ != Owner::kNone) return false;
+  owner_ = Owner::kManagement;
+  return true;
 }
 
 std::string BoardSlot::owner() const {
@@ -139,21 +151,54 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Di
     found = std::move(parsed.diagnostics);
     for (Diagnostic& each : check(merged, parsed.lines)) found.push_back(std::move(each));
     if (!found.empty()) return Configured::kFaulty;
-    end_away(lock);
-    if (owner_ != Owner::kNone) return Configured::kInUse;
-    owner_ = Owner::kManagement;
+    if (!take_for_management(lock)) return Configured::kInUse;
   }
   // Allocating a large board takes a while, so the lock is not held; the claim keeps everyone else out.
-  try {
-    auto rebuilt = std::make_unique<Board>(merged, config_hash(merged), observation_.get(), routines_);
-    const std::lock_guard lock(mutex_);
-    board_.swap(rebuilt);
-    config_ = std::move(merged);
-  } catch (...) {
-    release();
-    throw;
+  const Finally released{[this] { release(); }};
+  auto rebuilt = std::make_unique<Board>(merged, config_hash(merged), observation_.get(), routines_);
+  const std::lock_guard lock(mutex_);
+  board_.swap(rebuilt);
+  config_ = std::move(merged);
+  return Configured::kDone;
+}
+
+std::string BoardSlot::trace_file() const {
+  const std::lock_guard lock(mutex_);
+  return observation_ ? observation_->options().trace_file : std::string();
+}
+
+BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& reason) {
+  v1::BoardConfig config;
+  {
+    std::unique_lock lock(mutex_);
+    if (observation_ && !observation_->options().vcd_file.empty()) {
+      reason = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
+      return Configured::kFaulty;
+    }
+    std::error_code ignored;
+    if (std::filesystem::exists(file, ignored)) {
+      reason = "file: expected the name of a new file, got " + file;
+      return Configured::kFaulty;
+    }
+    if (!take_for_management(lock)) return Configured::kInUse;
+    config = config_;
   }
-  release();
+  // As in configure(). The board is gone before what it speaks to, and both before the release.
+  const Finally released{[this] { release(); }};
+  std::unique_ptr<Observation> observation;
+  std::unique_ptr<Board> board;
+  try {
+    if (!file.empty()) observation = std::make_unique<Observation>(ObservationOptions{file, {}, {}});
+    board = std::make_unique<Board>(config, config_hash(config), observation.get(), routines_);
+    const std::lock_guard lock(mutex_);
+    board_.swap(board);
+    observation_.swap(observation);
+  } catch (const std::exception& error) {
+    reason = error.what();
+    return Configured::kFaulty;
+  }
+  board.reset();
+  log_fault(observation.get());
   return Configured::kDone;
 }
 

@@ -12,7 +12,6 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -111,8 +110,8 @@ class BoardSlot {
  private:
   enum class Owner { kNone, kSession, kManagement };
 
-  // A session whose client is away makes way.
-  void end_away(std::unique_lock<std::mutex>& lock);
+  bool take_for_management(std::unique_lock<std::mutex>& lock);
+  void log_fault(const Observation* observation) const;
   void ask_to_end(wire::ErrorCode error, const std::string& text);
 
   const std::uint32_t index_;

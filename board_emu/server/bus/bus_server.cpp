@@ -9,9 +9,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstring>
 #include <exception>
+#include <optional>
+#include <random>
 #include <stdexcept>
 
+#include <boost/asio/basic_socket_acceptor.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/generic/stream_protocol.hpp>
@@ -22,20 +26,59 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
+#include "words/finally.h"
+
 namespace gicube::emu {
 
 namespace asio = boost::asio;
+using asio::awaitable;
 using boost::system::error_code;
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+using wire::ErrorCode;
+using wire::FrameType;
 
 namespace {
 
-constexpr std::chrono::milliseconds kAcceptPause{100};  // chosen: until descriptors may be free again
+constexpr milliseconds kAcceptPause{100};  // chosen: until descriptors may be free again
 
 // Which file is at `path`, so that one that has taken our place is left alone.
 std::pair<dev_t, ino_t> identity(const std::string& path) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return {};
   return {status.st_dev, status.st_ino};
+}
+
+constexpr milliseconds kBusyPatience{200};  // chosen: an owner may just be closing its socket
+constexpr milliseconds kClaimInterval{10};  // chosen
+
+// Why a client is refused by its first frame, if it is.
+std::optional<LastWord> refusal(const Connection::Incoming& incoming, const wire::VersionInfo& ours) {
+  if (incoming.fault && incoming.fault->error == ErrorCode::kTooLarge) return incoming.fault;
+  const auto& frame = incoming.frame;
+  const bool is_version = frame && frame->header.type == FrameType::kVersion && frame->header.flags == 0 &&
+                          frame->header.error == ErrorCode::kNone;
+  if (!is_version) {
+    const std::string damage = incoming.fault ? ": " + incoming.fault->text : "";
+    return LastWord{ErrorCode::kProtocol, 0, "expected a version frame first, got something else" + damage};
+  }
+  const std::uint32_t id = frame->header.id;
+  if (frame->payload.size() < wire::kVersionBytes) {
+    return LastWord{
+        ErrorCode::kProtocol, id,
+        fmt::format("expected {} bytes of version payload, got {}", wire::kVersionBytes, frame->payload.size())};
+  }
+  const wire::VersionInfo theirs = wire::decode<wire::VersionInfo>(frame->payload);
+  if (wire::agree(ours, theirs)) return std::nullopt;
+  if (theirs.major != ours.major) {
+    return LastWord{ErrorCode::kVersion, id,
+                    fmt::format("expected major version {}, got {}", ours.major, theirs.major)};
+  }
+  return LastWord{
+      ErrorCode::kProtocol, id,
+      fmt::format("expected max_payload_bytes of at least {}, window_slots of at least 1 and window_bytes of at least "
+                  "twice the payload limit, got {}, {} and {}",
+                  wire::kMaxHandshakePayload, theirs.max_payload_bytes, theirs.window_slots, theirs.window_bytes)};
 }
 
 }  // namespace
@@ -46,62 +89,53 @@ wire::VersionInfo board_version() {
   return info;
 }
 
-// Either acceptor of Asio as one of generic protocol: after bind() they no longer differ.
+// Unix and tcp sockets as those of a generic protocol: once they are bound they do not differ.
 class BusServer::Listener {
  public:
   Listener(BusServer& server, BoardSlot& slot, const Endpoint& endpoint)
       : server_(server), slot_(slot), endpoint_(endpoint), pause_(server.io_) {
     if (endpoint.kind == EndpointKind::kUnix) {
-      open_unix();
+      remove_stale_socket(endpoint_.path);
+      bind(asio::local::stream_protocol::endpoint(endpoint_.path));
+      file_ = identity(endpoint_.path);
+      ::chmod(endpoint_.path.c_str(), S_IRUSR | S_IWUSR);
     } else {
-      open_tcp();
+      bind(asio::ip::tcp::endpoint(asio::ip::make_address(endpoint_.address), endpoint_.port));
+      asio::ip::tcp::endpoint bound;
+      const auto generic = acceptor_.local_endpoint();
+      std::memcpy(bound.data(), generic.data(), generic.size());
+      endpoint_.port = bound.port();
     }
+    acceptor_.listen();
   }
 
   ~Listener() { close(); }
 
   const Endpoint& endpoint() const { return endpoint_; }
 
-  void start() {
-    if (unix_.is_open()) asio::co_spawn(server_.io_, accept_on(unix_), asio::detached);
-    if (tcp_.is_open()) asio::co_spawn(server_.io_, accept_on(tcp_), asio::detached);
-  }
+  void start() { asio::co_spawn(server_.io_, accept(), asio::detached); }
 
   void close() {
+    if (!acceptor_.is_open()) return;
     error_code ignored;
     pause_.cancel();
-    tcp_.close(ignored);
-    if (!unix_.is_open()) return;
-    if (identity(endpoint_.path) == file_) ::unlink(endpoint_.path.c_str());
-    unix_.close(ignored);
+    if (endpoint_.kind == EndpointKind::kUnix && identity(endpoint_.path) == file_) ::unlink(endpoint_.path.c_str());
+    acceptor_.close(ignored);
   }
 
  private:
-  void open_unix() {
-    remove_stale_socket(endpoint_.path);
-    unix_.open();
-    unix_.bind(asio::local::stream_protocol::endpoint(endpoint_.path));
-    file_ = identity(endpoint_.path);
-    ::chmod(endpoint_.path.c_str(), S_IRUSR | S_IWUSR);
-    unix_.listen();
+  void bind(const asio::generic::stream_protocol::endpoint& endpoint) {
+    acceptor_.open(endpoint.protocol());
+    acceptor_.set_option(asio::socket_base::reuse_address(true));
+    acceptor_.bind(endpoint);
   }
 
-  void open_tcp() {
-    const asio::ip::tcp::endpoint address(asio::ip::make_address(endpoint_.address), endpoint_.port);
-    tcp_.open(address.protocol());
-    tcp_.set_option(asio::socket_base::reuse_address(true));
-    tcp_.bind(address);
-    tcp_.listen();
-    endpoint_.port = tcp_.local_endpoint().port();
-  }
-
-  template <typename Acceptor>
-  asio::awaitable<void> accept_on(Acceptor& acceptor) {
-    while (acceptor.is_open()) {
-      typename Acceptor::protocol_type::socket socket(server_.io_);
+  awaitable<void> accept() {
+    while (acceptor_.is_open()) {
+      Connection::Socket socket(server_.io_);
       error_code error;
-      co_await acceptor.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
-      if (!acceptor.is_open()) break;
+      co_await acceptor_.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
+      if (!acceptor_.is_open()) break;
       if (error) {
         spdlog::warn("{}: {}", to_string(endpoint_), error.message());
         pause_.expires_after(kAcceptPause);
@@ -109,10 +143,8 @@ class BusServer::Listener {
         continue;
       }
       error_code ignored;
-      if constexpr (std::is_same_v<typename Acceptor::protocol_type, asio::ip::tcp>) {
-        socket.set_option(asio::ip::tcp::no_delay(true), ignored);
-      }
-      server_.welcome(Connection::Socket(std::move(socket)), slot_, false);
+      if (endpoint_.kind == EndpointKind::kTcp) socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+      server_.welcome(std::move(socket), slot_, false);
     }
   }
 
@@ -120,12 +152,11 @@ class BusServer::Listener {
   BoardSlot& slot_;
   Endpoint endpoint_;
   std::pair<dev_t, ino_t> file_{};
-  asio::local::stream_protocol::acceptor unix_{server_.io_};
-  asio::ip::tcp::acceptor tcp_{server_.io_};
+  asio::basic_socket_acceptor<asio::generic::stream_protocol> acceptor_{server_.io_};
   asio::steady_timer pause_;
 };
 
-BusServer::BusServer(BusOptions options) : options_(std::move(options)), acceptor_(options_) {}
+BusServer::BusServer(BusOptions options) : options_(std::move(options)) {}
 
 BusServer::~BusServer() = default;
 
@@ -165,9 +196,9 @@ void BusServer::welcome(Connection::Socket socket, BoardSlot& slot, bool is_priv
   asio::co_spawn(io_, serve(std::move(connection), slot, is_private), asio::detached);
 }
 
-asio::awaitable<void> BusServer::serve(std::shared_ptr<Connection> connection, BoardSlot& slot, bool is_private) {
+awaitable<void> BusServer::serve(std::shared_ptr<Connection> connection, BoardSlot& slot, bool is_private) {
   try {
-    co_await acceptor_.receive(std::move(connection), slot, !is_private);
+    co_await receive(std::move(connection), slot, !is_private);
   } catch (const std::exception& error) {
     spdlog::error("a session ended by a fault of the server: {}", error.what());
   }
@@ -199,7 +230,126 @@ void BusServer::stop_now() {
   stopped_ = true;
   signals_.cancel();
   for (const auto& listener : listeners_) listener->close();
-  acceptor_.close();
+  send_away();
+}
+
+// ---- clients: their version frame, their place in line for a board, their session
+
+awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume) {
+  guests_.push_back(connection);
+  const Finally left{[&] { std::erase(guests_, connection); }};
+  if (stopped_) co_return connection->close();
+  if (guests_.size() > options_.max_unowned) {
+    connection->refuse({ErrorCode::kBusy, 0, fmt::format("{} connections own no board yet", options_.max_unowned)});
+    co_return;
+  }
+  std::uint32_t id = 0;
+  wire::VersionInfo theirs;
+  const bool welcome = co_await read_version(*connection, id, theirs);
+  if (!welcome) co_return;
+  if (theirs.session != 0) co_return resume(connection, slot, id, theirs);
+
+  const std::uint64_t token = new_token();
+  const wire::VersionInfo agreed = *wire::agree(options_.version, theirs);
+  const auto session = std::make_shared<Session>(connection->executor(), slot, options_, token, agreed, theirs);
+  const bool claimed = co_await claim(connection, session, slot, id, theirs);
+  if (!claimed) co_return;
+  std::erase(guests_, connection);
+  sessions_.emplace(token, session);
+  session->attach(connection, id, theirs);  // the board is ours, even if the client has gone
+  if (stopped_) session->end(ErrorCode::kCancelled, "the board shuts down");
+  co_await session->run(can_resume);
+  sessions_.erase(token);
+}
+
+// The client's first frame, if it is what it must be.
+awaitable<bool> BusServer::read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs) {
+  asio::steady_timer deadline(connection.executor(), options_.handshake_deadline);
+  const auto come = std::make_shared<bool>(false);
+  deadline.async_wait([self = connection.shared_from_this(), come, this](const error_code& cancelled) {
+    if (cancelled || *come) return;
+    const auto seconds = std::chrono::duration<double>(options_.handshake_deadline).count();
+    self->refuse({ErrorCode::kProtocol, 0, fmt::format("expected a version frame within {} s, got none", seconds)});
+  });
+  Connection::Incoming incoming = co_await connection.read(wire::kMaxHandshakePayload);
+  *come = true;
+  deadline.cancel();
+  if (!connection.is_open()) co_return false;
+  if (!incoming.frame && !incoming.fault) {
+    connection.close();
+    co_return false;
+  }
+  if (const auto word = refusal(incoming, options_.version)) {
+    connection.refuse(*word);
+    co_return false;
+  }
+  id = incoming.frame->header.id;
+  theirs = wire::decode<wire::VersionInfo>(incoming.frame->payload);
+  co_return true;
+}
+
+void BusServer::resume(std::shared_ptr<Connection> connection, BoardSlot& slot, std::uint32_t id,
+                       const wire::VersionInfo& theirs) {
+  const auto found = sessions_.find(theirs.session);
+  if (found == sessions_.end() || found->second->ended() || !found->second->serves(slot)) {
+    connection->refuse({ErrorCode::kNoSession, id, "the session to resume has ended, or never was"});
+    return;
+  }
+  const std::string fault = found->second->resume_fault(theirs);
+  if (!fault.empty()) return connection->refuse({ErrorCode::kProtocol, id, fault});
+  found->second->attach(std::move(connection), id, theirs);
+}
+
+// Stands in line. An owner that is about to leave is waited for; one that stays, as long as the client wants.
+awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::shared_ptr<Session> session,
+                                 BoardSlot& slot, std::uint32_t id, const wire::VersionInfo& theirs) {
+  Claimant who;
+  who.name = connection->peer();
+  who.force = (theirs.flags & wire::kForce) != 0;
+  who.end_session = [weak = std::weak_ptr(session), executor = connection->executor()](ErrorCode error,
+                                                                                       std::string text) {
+    asio::post(executor, [weak, error, text = std::move(text)] {
+      const auto self = weak.lock();
+      if (self) self->end(error, text);
+    });
+  };
+  who.place = slot.stand_in_line(who.force);
+  const Finally left{[&] { slot.leave_line(who.place); }};
+  const auto patience = steady_clock::now() + std::max(kBusyPatience, milliseconds(theirs.wait_ms));
+  asio::steady_timer timer(connection->executor());
+  while (connection->is_open()) {
+    const Claim claim = slot.claim(who);
+    if (claim == Claim::kGranted) co_return true;
+    if (claim == Claim::kBusy && steady_clock::now() > patience) {
+      const std::string owner = slot.owner();
+      connection->refuse(
+          {ErrorCode::kBusy, id,
+           fmt::format("board {} has an owner: {}", slot.index(), owner.empty() ? "others wait" : owner)});
+      break;
+    }
+    timer.expires_after(kClaimInterval);
+    error_code ignored;
+    co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    if (connection->client_has_left()) connection->close();
+  }
+  co_return false;
+}
+
+// Not to be guessed by other clients, for whom it would be the key to this one's session.
+std::uint64_t BusServer::new_token() const {
+  std::random_device random;
+  for (;;) {
+    const std::uint64_t token = std::uint64_t{random()} << 32 | random();
+    if (token != 0 && !sessions_.contains(token)) return token;
+  }
+}
+
+void BusServer::send_away() {
+  const LastWord word{ErrorCode::kCancelled, 0, "the board shuts down"};
+  const auto guests = guests_;
+  for (const auto& guest : guests) guest->refuse(word);
+  const auto sessions = sessions_;
+  for (const auto& [token, session] : sessions) session->end(word.error, word.text);
 }
 
 }  // namespace gicube::emu

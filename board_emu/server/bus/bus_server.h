@@ -1,18 +1,21 @@
-// The data plane's sockets: accepts connections for the boards of this process, on one io thread.
+// The data plane's sockets: accepts connections for the boards of this process, on one io thread, and gives each client its
+// session. A client that is refused gets a last word.
 #pragma once
 
-#include <cstddef>
 #include <initializer_list>
 #include <memory>
-#include <string>
+#include <unordered_map>
+#include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
 #include <vector>
 
+#include <boost/asio/awaitable.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 
 #include "board_slot.h"
+#include "connection.h"
 #include "endpoint.h"
-#include "session_acceptor.h"
+#include "session.h"
 
 namespace gicube::emu {
 
@@ -48,9 +51,21 @@ class BusServer {
   void stop_now();
   boost::asio::awaitable<void> serve(std::shared_ptr<Connection> connection, BoardSlot& slot, bool is_private);
 
+  // Serves one connection. If it opens a session, returns when that has ended and the board is free again; `can_resume`:
+  // the session may go on over other connections. If it resumes one, or is refused, returns at once.
+  boost::asio::awaitable<void> receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume);
+  boost::asio::awaitable<bool> read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs);
+  void resume(std::shared_ptr<Connection> connection, BoardSlot& slot, std::uint32_t id,
+              const wire::VersionInfo& theirs);
+  boost::asio::awaitable<bool> claim(std::shared_ptr<Connection> connection, std::shared_ptr<Session> session,
+                                     BoardSlot& slot, std::uint32_t id, const wire::VersionInfo& theirs);
+  std::uint64_t new_token() const;
+  void send_away();
+
   const BusOptions options_;
-  SessionAcceptor acceptor_;
   bool stopped_ = false;
+  std::vector<std::shared_ptr<Connection>> guests_;                       // that own no board yet
+  std::unordered_map<std::uint64_t, std::shared_ptr<Session>> sessions_;  // by token
   boost::asio::io_context io_{1};
   boost::asio::signal_set signals_{io_};
   std::vector<BoardSlot*> slots_;  // those that were served

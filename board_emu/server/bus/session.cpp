@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <exception>
 
 #include <boost/asio/co_spawn.hpp>
@@ -20,12 +19,6 @@ using boost::system::error_code;
 using wire::ErrorCode;
 using wire::FrameHeader;
 using wire::FrameType;
-
-namespace {
-
-constexpr std::chrono::milliseconds kForever = std::chrono::hours(24);
-
-}  // namespace
 
 Session::Session(const Connection::Executor& executor, BoardSlot& slot, const BusOptions& options, std::uint64_t token,
                  const wire::VersionInfo& agreed, const wire::VersionInfo& theirs)
@@ -45,8 +38,10 @@ awaitable<void> Session::run(bool can_resume) {
   can_resume_ = can_resume && options_.resume_limit.count() > 0;
   try {
     co_await work();
+  } catch (const LastWord& fault) {
+    fail(fault);
   } catch (const std::exception& error) {
-    fail(ErrorCode::kInternal, 0, error.what());
+    fail({ErrorCode::kInternal, 0, error.what()});
   }
   co_await give_board_back();
 }
@@ -98,11 +93,11 @@ void Session::lose(const Connected& connection, const std::optional<LastWord>& w
 // ---- end
 
 // The first fault is the one that the client hears of.
-void Session::fail(ErrorCode error, std::uint32_t id, std::string text) {
+void Session::fail(const LastWord& fault) {
   if (stopped_) return;
   stop();
   if (!connection_) return;
-  connection_->refuse({error, id, std::move(text)});
+  connection_->refuse(fault);
   connection_.reset();
 }
 
@@ -123,7 +118,7 @@ awaitable<void> Session::give_board_back() {
   slot_.release();
 }
 
-awaitable<void> Session::wait(std::chrono::milliseconds limit) {
+awaitable<void> Session::wait(std::chrono::steady_clock::duration limit) {
   wake_.expires_after(limit);
   error_code ignored;
   co_await wake_.async_wait(asio::redirect_error(use_awaitable, ignored));
@@ -153,7 +148,7 @@ awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job,
   };
   asio::post(slot_.compute(), std::move(run_it));
   while (!job_done_) {
-    co_await wait(shows_progress ? options_.progress_interval : kForever);
+    co_await wait(shows_progress ? options_.progress_interval : kUntilWoken);
     if (shows_progress && !job_done_ && !stopped_) send_progress();
   }
   co_return fault;

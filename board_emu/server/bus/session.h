@@ -64,40 +64,38 @@ class Session : public std::enable_shared_from_this<Session> {
   boost::asio::awaitable<void> run(bool can_resume);
 
   // Ends the session, with a last word to the client. On the io thread, at any time.
-  void end(wire::ErrorCode error, std::string text) { fail(error, 0, std::move(text)); }
+  void end(wire::ErrorCode error, std::string text) { fail({error, 0, std::move(text)}); }
 
  private:
-  struct Frame {
-    wire::FrameHeader header;
-    std::vector<std::uint8_t> payload;
+  struct Frame : Connection::Frame {
     std::optional<MemoryError> memory_error;  // of the fault plan
   };
   using Connected = std::shared_ptr<Connection>;
+  static constexpr std::chrono::milliseconds kUntilWoken = std::chrono::hours(24);
 
   static boost::asio::awaitable<void> read_frames(std::shared_ptr<Session> self, Connected connection);
   boost::asio::awaitable<bool> take(const Connected& connection, Connection::Frame frame);
   boost::asio::awaitable<bool> take_numbered(const Connected& connection, Connection::Frame frame);
-  bool admit(const wire::FrameHeader& header);
-  bool take_credit(const wire::FrameHeader& header);
+  void admit(const wire::FrameHeader& header);
 
   boost::asio::awaitable<void> work();
-  bool book_command(const wire::FrameHeader& header);
+  void book_command(const wire::FrameHeader& header);
   void settle_command(std::uint32_t ticket);
   boost::asio::awaitable<TransactionResult> transact(const Frame& frame);
   boost::asio::awaitable<void> send_result(const wire::FrameHeader& request, TransactionResult result);
   boost::asio::awaitable<void> keep_pace(std::uint64_t time_ps);
   void send_progress();
   void return_credit();
-  boost::asio::awaitable<bool> send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
+  boost::asio::awaitable<void> send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
   boost::asio::awaitable<void> deliver(const wire::ReliableWindow::Sent& frame);
   void put(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
   boost::asio::awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress);
 
   boost::asio::awaitable<void> give_board_back();
-  boost::asio::awaitable<void> wait(std::chrono::milliseconds limit);
+  boost::asio::awaitable<void> wait(std::chrono::steady_clock::duration limit);
   boost::asio::awaitable<void> pause(std::chrono::microseconds duration);
   void lose(const Connected& connection, const std::optional<LastWord>& word);
-  void fail(wire::ErrorCode error, std::uint32_t id, std::string text);
+  void fail(const LastWord& fault);
   void stop();
 
   BoardSlot& slot_;

@@ -10,14 +10,9 @@
 #include "server/faults/fault_point.h"
 #include "session.h"
 
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/use_awaitable.hpp>
-
 namespace gicube::emu {
 
-namespace asio = boost::asio;
-using asio::awaitable;
-using boost::system::error_code;
+using boost::asio::awaitable;
 using wire::ErrorCode;
 using wire::FrameHeader;
 using wire::FrameType;
@@ -25,7 +20,6 @@ using Arrival = wire::ReliableWindow::Arrival;
 
 namespace {
 
-constexpr std::chrono::hours kUntilWoken{24};
 constexpr std::uint64_t kCommandOverhead = 1024;  // chosen: bytes of bookkeeping for one command
 
 enum class Manner { kNotFromHost, kPosted, kNonPosted };
@@ -70,12 +64,14 @@ awaitable<void> Session::read_frames(std::shared_ptr<Session> self, Connected co
       }
       more = co_await self->take(connection, std::move(*incoming.frame));
     }
+  } catch (const LastWord& fault) {
+    self->fail(fault);
   } catch (const std::exception& error) {  // no memory for a payload
-    self->fail(ErrorCode::kInternal, 0, error.what());
+    self->fail({ErrorCode::kInternal, 0, error.what()});
   }
 }
 
-// False once nothing more is to be read from this connection.
+// False once nothing more is to be read from this connection. Throws LastWord for what ends the session.
 awaitable<bool> Session::take(const Connected& connection, Connection::Frame frame) {
   const FrameHeader header = frame.header;
   if (!wire::is_free(header.type)) {
@@ -86,7 +82,7 @@ awaitable<bool> Session::take(const Connected& connection, Connection::Frame fra
     stop();  // the client's goodbye
     co_return false;
   }
-  if (!admit(header)) co_return false;
+  admit(header);
   if (window_.arrival(header) == Arrival::kGap) {
     lose(connection,
          LastWord{ErrorCode::kCorrupted, header.id,
@@ -135,58 +131,48 @@ awaitable<bool> Session::take_numbered(const Connected& connection, Connection::
     if (connection_ != connection) co_return false;
   }
   window_.take();
-  if (!admit(header)) co_return false;
-  if (requested_bytes(header, frame.payload) > agreed_.max_payload_bytes) {
-    fail(ErrorCode::kTooLarge, header.id,
-         fmt::format("expected a read of at most {} bytes, got {}", agreed_.max_payload_bytes,
-                     requested_bytes(header, frame.payload)));
-    co_return false;
+  admit(header);
+  if (const std::uint64_t bytes = requested_bytes(header, frame.payload); bytes > agreed_.max_payload_bytes) {
+    throw LastWord{ErrorCode::kTooLarge, header.id,
+                   fmt::format("expected a read of at most {} bytes, got {}", agreed_.max_payload_bytes, bytes)};
   }
-  inbox_.push_back(Frame{header, std::move(frame.payload), action.memory_error});
+  inbox_.push_back(Frame{{header, std::move(frame.payload)}, action.memory_error});
   wake_.cancel();
   co_return true;
 }
 
 // Judges a whole frame by its header.
-bool Session::admit(const FrameHeader& header) {
+void Session::admit(const FrameHeader& header) {
   const Manner manner = manner_of(header.type);
+  const bool is_credit = header.type == FrameType::kCredit;
   const int type = static_cast<int>(header.type);
+  const auto refuse = [&header](ErrorCode error, std::string text) {
+    throw LastWord{error, header.id, std::move(text)};
+  };
   if (manner == Manner::kNotFromHost || header.error != ErrorCode::kNone) {
-    fail(ErrorCode::kProtocol, header.id,
-         fmt::format("expected a request, got a frame of type {} with error {}", type,
-                     static_cast<std::uint32_t>(header.error)));
-    return false;
+    refuse(ErrorCode::kProtocol, fmt::format("expected a request, got a frame of type {} with error {}", type,
+                                             static_cast<std::uint32_t>(header.error)));
   }
   const unsigned flags = manner == Manner::kPosted ? unsigned{wire::kPosted} : 0u;
-  // kCredit has no flags to tell apart: it is always posted.
-  if (header.flags != flags && header.type != FrameType::kCredit) {
-    fail(ErrorCode::kProtocol, header.id,
-         fmt::format("expected flags {} on a frame of type {}, got {}", flags, type, header.flags));
-    return false;
+  // Credit has no flags to tell apart: it is always posted.
+  if (header.flags != flags && !is_credit) {
+    refuse(ErrorCode::kProtocol,
+           fmt::format("expected flags {} on a frame of type {}, got {}", flags, type, header.flags));
   }
-  if (header.type == FrameType::kCredit && header.size != 0) {
-    fail(ErrorCode::kTooLarge, header.id, fmt::format("expected no payload with credit, got {} bytes", header.size));
-    return false;
+  if (is_credit && header.size != 0) {
+    refuse(ErrorCode::kTooLarge, fmt::format("expected no payload with credit, got {} bytes", header.size));
   }
-  if (!take_credit(header)) return false;
-  if (header.type == FrameType::kCredit || window_.accept(header.size)) return true;
-  fail(ErrorCode::kProtocol, header.id,
-       fmt::format("expected at most {} frames and {} bytes in flight, got a frame of {} bytes beyond that",
-                   options_.version.window_slots, options_.version.window_bytes, header.size));
-  return false;
-}
-
-bool Session::take_credit(const FrameHeader& header) {
   if (!window_.take_credit(header)) {
     const std::uint64_t bytes =
         header.credit_slots <= window_.kept_frames() ? window_.bytes_of(header.credit_slots) : window_.kept_bytes();
-    fail(ErrorCode::kProtocol, header.id,
-         fmt::format("expected credit for at most {} frames and {} bytes, got {} and {}", window_.kept_frames(), bytes,
-                     header.credit_slots, header.credit_bytes));
-    return false;
+    refuse(ErrorCode::kProtocol, fmt::format("expected credit for at most {} frames and {} bytes, got {} and {}",
+                                             window_.kept_frames(), bytes, header.credit_slots, header.credit_bytes));
   }
   if (header.credit_slots > 0) wake_.cancel();
-  return true;
+  if (is_credit || window_.accept(header.size)) return;
+  refuse(ErrorCode::kProtocol,
+         fmt::format("expected at most {} frames and {} bytes in flight, got a frame of {} bytes beyond that",
+                     options_.version.window_slots, options_.version.window_bytes, header.size));
 }
 
 // ---- worker
@@ -199,7 +185,7 @@ awaitable<void> Session::work() {
     }
     const Frame frame = std::move(inbox_.front());
     inbox_.pop_front();
-    if (!book_command(frame.header)) break;
+    book_command(frame.header);
     TransactionResult result = co_await transact(frame);
     window_.consume(frame.header.size);
     if (stopped_) break;
@@ -209,17 +195,17 @@ awaitable<void> Session::work() {
   }
 }
 
-// False if the client piles up results that it never fetches.
-bool Session::book_command(const FrameHeader& header) {
-  if (header.type != FrameType::kCommand) return true;
+// Throws LastWord if the client piles up results that it never fetches.
+void Session::book_command(const FrameHeader& header) {
+  if (header.type != FrameType::kCommand) return;
   const std::uint64_t bytes = kCommandOverhead + header.size;  // rays come back in as many bytes as they were sent
   unclaimed_[header.id] += bytes;
   unclaimed_bytes_ += bytes;
-  if (unclaimed_bytes_ <= options_.max_unclaimed_bytes) return true;
-  fail(ErrorCode::kTooLarge, header.id,
-       fmt::format("expected at most {} bytes of commands before their completions are waited or polled for, got {}",
-                   options_.max_unclaimed_bytes, unclaimed_bytes_));
-  return false;
+  if (unclaimed_bytes_ <= options_.max_unclaimed_bytes) return;
+  throw LastWord{
+      ErrorCode::kTooLarge, header.id,
+      fmt::format("expected at most {} bytes of commands before their completions are waited or polled for, got {}",
+                  options_.max_unclaimed_bytes, unclaimed_bytes_)};
 }
 
 void Session::settle_command(std::uint32_t ticket) {
@@ -231,8 +217,7 @@ void Session::settle_command(std::uint32_t ticket) {
 
 awaitable<TransactionResult> Session::transact(const Frame& frame) {
   TransactionResult result;
-  progress_.all = 0;
-  progress_.done = 0;
+  progress_.all = progress_.done = 0;
   progress_.ticket = frame.header.id;
   std::function<void()> job = [this, &frame, &result] {
     if (frame.memory_error) slot_.board().add_memory_error(*frame.memory_error);
@@ -265,11 +250,7 @@ awaitable<void> Session::send_result(const FrameHeader& request, TransactionResu
 awaitable<void> Session::keep_pace(std::uint64_t time_ps) {
   if (!realtime_) co_return;
   const auto due = begin_ + std::chrono::nanoseconds(time_ps / 1000);
-  while (!stopped_ && std::chrono::steady_clock::now() < due) {
-    wake_.expires_at(due);
-    error_code ignored;
-    co_await wake_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
-  }
+  while (!stopped_ && std::chrono::steady_clock::now() < due) co_await wait(due - std::chrono::steady_clock::now());
 }
 
 void Session::send_progress() {
@@ -289,21 +270,19 @@ void Session::return_credit() {
   if (connection_ && window_.owes_credit()) connection_->send(window_.credit_frame(wire::kPosted), wire::no_payload());
 }
 
-// Waits until the client has room. False if the session ends instead.
-awaitable<bool> Session::send(FrameHeader header, std::vector<std::uint8_t> payload) {
+// Waits until the client has room, or the session ends instead.
+awaitable<void> Session::send(FrameHeader header, std::vector<std::uint8_t> payload) {
   if (payload.size() > agreed_.max_payload_bytes) {
-    fail(ErrorCode::kInternal, header.id,
-         fmt::format("the answer has {} bytes, {} are agreed", payload.size(), agreed_.max_payload_bytes));
-    co_return false;
+    throw LastWord{ErrorCode::kInternal, header.id,
+                   fmt::format("the answer has {} bytes, {} are agreed", payload.size(), agreed_.max_payload_bytes)};
   }
   while (!stopped_ && !window_.can_send(payload.size())) {
     return_credit();
     co_await wait(kUntilWoken);
   }
-  if (stopped_) co_return false;
+  if (stopped_) co_return;
   const wire::ReliableWindow::Sent frame = window_.keep(header, wire::share(std::move(payload)));
   co_await deliver(frame);
-  co_return true;
 }
 
 // Sends a frame for the first time. If the connection ends, the next one will bring it.

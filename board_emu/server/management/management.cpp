@@ -1,9 +1,12 @@
 #include "management.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -15,7 +18,7 @@
 #include <utility>
 
 #include "gicube/v1/management.grpc.pb.h"
-#include "token.h"
+#include "words/finally.h"
 
 namespace gicube::emu {
 namespace {
@@ -39,9 +42,7 @@ class Service final : public v1::BoardManagement::Service {
     return Status::OK;
   }
 
-  Status GetInfo(ServerContext*, const v1::GetInfoRequest* request, v1::BoardInfo* info) override {
-    return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *info); });
-  }
+  Status GetInfo(ServerContext*, const v1::GetInfoRequest* in, v1::BoardInfo* out) override { return show(in, out); }
 
   Status Configure(ServerContext*, const v1::ConfigureRequest* request, v1::BoardInfo* info) override {
     return on_board(*request, [&](BoardSlot& slot) {
@@ -58,11 +59,8 @@ class Service final : public v1::BoardManagement::Service {
     });
   }
 
-  Status GetCounters(ServerContext*, const v1::GetCountersRequest* request, v1::CounterSnapshot* snapshot) override {
-    return on_board(*request, [&](BoardSlot& slot) {
-      *snapshot = take_snapshot(slot);
-      return Status::OK;
-    });
+  Status GetCounters(ServerContext*, const v1::GetCountersRequest* in, v1::CounterSnapshot* out) override {
+    return show(in, out);
   }
 
   Status SetTrace(ServerContext*, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
@@ -73,9 +71,7 @@ class Service final : public v1::BoardManagement::Service {
     });
   }
 
-  Status GetTrace(ServerContext*, const v1::GetTraceRequest* request, v1::TraceInfo* info) override {
-    return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *info); });
-  }
+  Status GetTrace(ServerContext*, const v1::GetTraceRequest* in, v1::TraceInfo* out) override { return show(in, out); }
 
   Status WatchCounters(ServerContext* context, const v1::WatchCountersRequest* request,
                        grpc::ServerWriter<v1::CounterSnapshot>* writer) override {
@@ -90,8 +86,8 @@ class Service final : public v1::BoardManagement::Service {
     });
   }
 
-  Status GetFaultPlan(ServerContext*, const v1::GetFaultPlanRequest* request, v1::FaultPlanInfo* info) override {
-    return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *info); });
+  Status GetFaultPlan(ServerContext*, const v1::GetFaultPlanRequest* in, v1::FaultPlanInfo* out) override {
+    return show(in, out);
   }
 
   Status GetFaultLog(ServerContext*, const v1::GetFaultLogRequest* request, v1::FaultLog* log) override {
@@ -110,20 +106,17 @@ class Service final : public v1::BoardManagement::Service {
   }
 
  private:
-  struct Watch {
-    explicit Watch(std::atomic<int>& all) : counter(all), number(++all) {}
-    ~Watch() { --counter; }
-    Watch(const Watch&) = delete;
-    Watch& operator=(const Watch&) = delete;
-    std::atomic<int>& counter;
-    int number;
-  };
-
   // Has `work` do what a request asks of the board that it names.
   template <typename Request, typename Work>
   Status on_board(const Request& request, const Work& work) const {
     if (request.board() < boards_.size()) return work(*boards_[request.board()]);
     return {StatusCode::NOT_FOUND, fmt::format("board: expected 0 to {}, got {}", boards_.size() - 1, request.board())};
+  }
+
+  // What one may see of the board that a request names.
+  template <typename Request, typename Message>
+  Status show(const Request* request, Message* out) const {
+    return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *out); });
   }
 
   // Why a board was not rebuilt.
@@ -139,13 +132,16 @@ class Service final : public v1::BoardManagement::Service {
       return {StatusCode::INVALID_ARGUMENT,
               fmt::format("interval_ms: expected 0 or {} to {}, got {}", kMinIntervalMs, kMaxIntervalMs, interval_ms)};
     }
-    const Watch watch(watchers_);
-    if (watch.number > kMaxWatchers) {
+    const int number = ++watchers_;
+    const Finally left{[this] { --watchers_; }};
+    if (number > kMaxWatchers) {
       return {StatusCode::RESOURCE_EXHAUSTED, fmt::format("expected at most {} watches at a time", kMaxWatchers)};
     }
     auto next = std::chrono::steady_clock::now();
     do {
-      if (!writer.Write(take_snapshot(slot))) return Status::OK;
+      v1::CounterSnapshot snapshot;
+      describe(slot, snapshot);
+      if (!writer.Write(snapshot)) return Status::OK;
       next += std::chrono::milliseconds(interval_ms);
     } while (sleep_until(next, context));
     if (context.IsCancelled()) return Status::CANCELLED;
@@ -188,18 +184,17 @@ class Service final : public v1::BoardManagement::Service {
     return Status::OK;
   }
 
-  static v1::CounterSnapshot take_snapshot(const BoardSlot& slot) {
+  static Status describe(const BoardSlot& slot, v1::CounterSnapshot& out) {
     const BoardSlot::Snapshot counted = slot.counters();
-    v1::CounterSnapshot snapshot;
-    snapshot.set_board(slot.index());
-    snapshot.set_simulated_ps(counted.simulated_ps);
+    out.set_board(slot.index());
+    out.set_simulated_ps(counted.simulated_ps);
     for (const wire::Counter& counter : counted.counters) {
-      v1::Counter* out = snapshot.add_counters();
-      out->set_name(counter.name);
-      out->set_unit(counter.unit);
-      out->set_value(counter.value);
+      v1::Counter* added = out.add_counters();
+      added->set_name(counter.name);
+      added->set_unit(counter.unit);
+      added->set_value(counter.value);
     }
-    return snapshot;
+    return Status::OK;
   }
 
   // False if the call was cancelled or the service stops before that.
@@ -256,6 +251,42 @@ std::shared_ptr<grpc::ServerCredentials> credentials(const ManagementOptions& op
 }
 
 }  // namespace
+
+std::string read_token(const std::string& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) throw std::runtime_error(fmt::format("{}: {}", path, std::generic_category().message(errno)));
+  struct stat status {};
+  const bool is_file = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
+  const bool is_private = is_file && (status.st_mode & (S_IRWXG | S_IRWXO)) == 0;
+  std::array<char, 4096> bytes{};
+  const ssize_t size = is_private ? ::read(fd, bytes.data(), bytes.size()) : 0;
+  ::close(fd);
+  if (!is_file) throw std::runtime_error(fmt::format("{}: expected a file with a token", path));
+  if (!is_private) {
+    throw std::runtime_error(fmt::format("{}: expected a file that only its owner can read (mode 600), got mode {:o}",
+                                         path, status.st_mode & 0777u));
+  }
+  std::string token(bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
+  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
+  if (token.size() < kMinTokenBytes || token.size() >= bytes.size()) {
+    throw std::runtime_error(fmt::format("{}: expected a token of {} to {} characters, got {}", path, kMinTokenBytes,
+                                         bytes.size() - 1, token.size()));
+  }
+  return token;
+}
+
+bool is_authorized(std::string_view authorization, std::string_view token) {
+  constexpr std::string_view kScheme = "Bearer ";
+  if (!authorization.starts_with(kScheme)) return false;
+  authorization.remove_prefix(kScheme.size());
+  // Only the length, which is no secret, can end it early.
+  if (authorization.size() != token.size()) return false;
+  std::uint8_t difference = 0;
+  for (std::size_t i = 0; i < token.size(); ++i) {
+    difference = static_cast<std::uint8_t>(difference | (static_cast<std::uint8_t>(authorization[i] ^ token[i])));
+  }
+  return difference == 0;
+}
 
 std::vector<Diagnostic> check(const ManagementOptions& options) {
   const std::array<std::pair<const char*, const std::string*>, 3> files{

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <memory>
-#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/bus/board_slot.h"
@@ -23,6 +23,13 @@ struct ManagementOptions {
 
 // Why these options are refused, by flag; empty if they are good. Reads no file.
 std::vector<Diagnostic> check(const ManagementOptions& options);
+
+// The secret of remote management: the file's content without its line end. Throws std::runtime_error if the file can't be
+// read, if others than its owner may, or if the token is too short.
+inline constexpr std::size_t kMinTokenBytes = 16;  // chosen: 64 bits and more, if its digits are random
+std::string read_token(const std::string& path);
+// True if the header is "Bearer " and the token; takes the same time wherever they differ.
+bool is_authorized(std::string_view authorization, std::string_view token);
 
 class Management {
  public:

@@ -1,4 +1,4 @@
-#include "server/management/token.h"
+#include "server/management/management.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
