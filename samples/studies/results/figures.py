@@ -193,10 +193,10 @@ def scatterings_a_ray(m):
 
 
 class Residency(NamedTuple):
-    """Samples and leaps (turns) by how many of them were taken while a queue was the active one."""
-    turns: int  # at least 1, 2, 4 .. and fewer than twice as many
+    """Samples and leaps (steps) by how many of them were taken while a queue was the active one."""
+    steps: int  # at least 1, 2, 4 .. and fewer than twice as many
     activations: float  # share of all, 0..1
-    issued: float  # share of the turns, 0..1
+    issued: float  # share of the steps, 0..1
 
 
 def residencies(m):
@@ -207,9 +207,9 @@ def residencies(m):
             for size, a, i in zip(sizes, activations, issued)]
 
 
-def issued_in_short_residencies(m, turns=32):
-    """The share of turns in residencies of fewer. Those shorter than the pipeline end before a ray comes round [P §5.1]."""
-    return sum((each.issued for each in residencies(m) if each.turns < turns), 0.0)
+def issued_in_short_residencies(m, steps=32):
+    """The share of steps in residencies of fewer. Those shorter than the pipeline end before a ray comes round [P §5.1]."""
+    return sum((each.issued for each in residencies(m) if each.steps < steps), 0.0)
 
 
 class Millisecond(NamedTuple):

@@ -118,7 +118,7 @@ def light_sweep(bench):
     """Row 4, and what rows 2 and 6 depend on."""
     bench.page.heading("What decides a lighting pass")
     bench.page.text(
-        "A stay is the time that a queue is the active one; a turn is a sample or leap in it. Stays of fewer than 32 turns are short: "
+        "A residency is the time that a queue is the active one; a step is a sample or leap in it. Residencies of fewer than 32 steps are short: "
         "the pipeline is longer than that, so that no ray of them comes round.")
     rays_claim(bench)
     parameters(bench)
@@ -139,7 +139,7 @@ def rays_claim(bench):
             rows[-1] += [number(frame_ms(m)), *cells(m, ["M samples/s", "memory in use"]),
                          percent(issued_in_short_residencies(m), 1), percent(m.clipped, 1)]
     page.chart(chart, "The number of lighting rays decides a pass's length.")
-    common = ["M samples/s", "memory in use", "turns in short stays", "energy clipped"]
+    common = ["M samples/s", "memory in use", "steps in short residencies", "energy clipped"]
     page.table("light-rays-table", ["k", "low: M rays", "ms", *common, "high: ms", *common], rows)
 
     def nearest(high_albedo):
@@ -175,8 +175,8 @@ def parameters(bench):
                  "voxel steps, two processors share an RDRAM": SHARED_MEMORY}
     others = {"ms": lambda m: number(asic_ms(m)),
               "combined": lambda m: percent(tiles_combined(m)),
-              "short stays": lambda m: percent(issued_in_short_residencies(m), 1)}
-    columns = ["ms", "M samples/s", "memory GB/s", "memory in use", "combined", "short stays"]
+              "short residencies": lambda m: percent(issued_in_short_residencies(m), 1)}
+    columns = ["ms", "M samples/s", "memory GB/s", "memory in use", "combined", "short residencies"]
     swept = [BALL, "fog-box"]
     rows, near_samples, near_use = [], [], []
     for name, settings in variants.items():
@@ -217,9 +217,9 @@ def block_loads(bench):
         chart.points = [(ms, [max(value, 1.0) for value in each])  # for the logarithm
                         for ms, each in enumerate(milliseconds(bench.get(bench.light(scene))))]
         page.chart(chart, "A block load is a queue that becomes the active one.")
-    chart = Chart("stays", "Turns by the length of their stay", "turns of a stay, at least", "share of all turns", log_x=True,
+    chart = Chart("residencies", "Steps by the length of their residency", "steps of a residency, at least", "share of all steps", log_x=True,
                   series=list(LIT_SCENES))
-    chart.points = [(lengths[0].turns, [each.issued for each in lengths])
+    chart.points = [(lengths[0].steps, [each.issued for each in lengths])
                     for lengths in zip(*bench.over(bench.lights(), residencies))]
     page.chart(chart, "Lighting passes, low albedo, k = 1.")
 
@@ -228,7 +228,7 @@ def block_loads(bench):
         for part, run in (("pass", bench.light(scene)), ("frame", bench.lit(scene))):
             m = bench.get(run)
             loads = m["processor.sorter.activations"]
-            short_loads = sum(each.activations for each in residencies(m) if each.turns < 32)
+            short_loads = sum(each.activations for each in residencies(m) if each.steps < 32)
             time_share, sample_share, load_share = tail_of(milliseconds(m))
             short = issued_in_short_residencies(m)
             rows.append([scene, part, number(loads, 0), number(ratio(m["processor.sorter.issued"], loads)), percent(1 - short, 1),
@@ -237,9 +237,9 @@ def block_loads(bench):
                 tails.append(sample_share)
                 shorts.append(short)
     page.text(
-        "Stays and turns as in the section before. Tail: the milliseconds at the end in none of which half as many samples are taken as "
+        "Residencies and steps as in the section before. Tail: the milliseconds at the end in none of which half as many samples are taken as "
         "in the mean one.")
-    page.table("block-loads", ["scene", "part", "block loads", "turns a load", "turns in stays of 32 or more", "loads in short stays",
+    page.table("block-loads", ["scene", "part", "block loads", "steps a load", "steps in residencies of 32 or more", "loads in short residencies",
                                "tail: share of time", "of samples", "of block loads"], rows)
 
     def short_with(settings):
@@ -248,12 +248,12 @@ def block_loads(bench):
     tail, short = mean_of(tails), mean_of(shorts)
     page.claim(
         18, "block loads in global illumination (5.1, Figure 15)", "99.6% of the computation in long queues, 0.4% thrash",
-        f"{percent(1 - short, 1)} in stays of 32 turns or more, {percent(short, 1)} in short ones; the tail at the end holds "
+        f"{percent(1 - short, 1)} in residencies of 32 steps or more, {percent(short, 1)} in short ones; the tail at the end holds "
         f"{percent(tail, 2)} of the samples",
         differs(short, 0.004),
-        "short stays come not only at the end: a processor that gets few rays, since the light comes from one side and the DSP makes "
+        "short residencies come not only at the end: a processor that gets few rays, since the light comes from one side and the DSP makes "
         "one in 60 cycles, goes from queue to queue all the time. On the mirrored buckyball they hold "
-        f"{short_with({})} of the turns; {short_with(SKEWED)} with skewed blocks, which spread the rays evenly, "
+        f"{short_with({})} of the steps; {short_with(SKEWED)} with skewed blocks, which spread the rays evenly, "
         f"{short_with({'dsp.lighting_ray_cycles': 15})} with 15 DSP cycles a ray, {short_with({QUEUE: 1024})} with queues of 1024 rays, "
         f"{short_with({'pipeline.compute_stages': 4})} with a pipeline of 4 compute stages. Lost cycles of all passes: "
         f"{bench.lost_cycles(bench.lights())}")

@@ -80,7 +80,7 @@ class ResultFigures(unittest.TestCase):
                 "processor.sorter.issued_in_activations_of_rays.1": 30, "processor.sorter.issued_in_activations_of_rays.64": 970})
         residencies = figures.residencies(m)
         self.equal(residencies[0].activations, 0.75)
-        self.equal(residencies[6].turns, 64)
+        self.equal(residencies[6].steps, 64)
         self.equal(residencies[6].issued, 0.97)
         self.equal(figures.issued_in_short_residencies(m, 32), 0.03)
         self.equal(figures.issued_in_short_residencies(m, 128), 1)
