@@ -38,14 +38,23 @@ concept Record = ByteFields<T> || BitFields<T>;
 namespace detail {
 
 template <typename T>
-constexpr std::size_t count = 1;
-template <typename T, std::size_t Size>
-constexpr std::size_t count<std::array<T, Size>> = Size;
+concept Array = requires {
+  std::tuple_size<T>::value;
+};
+
+template <typename T>
+constexpr std::size_t count_of() {
+  if constexpr (Array<T>) {
+    return std::tuple_size_v<T>;
+  } else {
+    return 1;
+  }
+}
 
 // Calls take() for the value, or for each of an array.
 template <typename T>
 constexpr void for_each(T& value, const auto& take) {
-  if constexpr (requires { std::tuple_size<T>::value; }) {
+  if constexpr (Array<T>) {
     std::apply([&](auto&... each) { (take(each), ...); }, value);
   } else {
     take(value);
@@ -62,7 +71,7 @@ constexpr std::size_t bytes_of() {
     T{}.fields([&size]<typename... Field>(Field&&...) { size = (bytes_of<std::remove_cvref_t<Field>>() + ...); });
   } else if constexpr (BitFields<T>) {
     T{}.bits([&size]<typename... Field>(unsigned width, Field&&...) {
-      size += width * (detail::count<std::remove_cvref_t<Field>> + ...);
+      size += width * (detail::count_of<std::remove_cvref_t<Field>>() + ...);
     });
     size /= 8;
   } else {
