@@ -70,7 +70,7 @@ struct Machine {
 
   static v1::BoardConfig resolved(const char* text) { return emu::resolve(emu::parse_config(text).config); }
 
-  emu::ProgramResult send(const Move& move, emu::Progress& work) {
+  emu::TransactionResult send(const Move& move, emu::Progress& work) {
     return board.transact(move.header, move.payload, work);
   }
 
@@ -82,7 +82,7 @@ struct Machine {
     std::uint64_t now = 0;
     for (Move move : known_moves()) {
       move.header.time_ps = now;
-      const emu::ProgramResult outcome = send(move, work);
+      const emu::TransactionResult outcome = send(move, work);
       for (const emu::Completion& completion : outcome.completions) {
         all.insert(all.end(), completion.payload.begin(), completion.payload.end());
         append(all, completion.time_ps);
@@ -115,7 +115,7 @@ void play(Machine& machine, Input& input, emu::Progress& work) {
     const bool warps = move.header.time_ps != 0;
     if (!warps) move.header.time_ps = now;
     if (move.header.type == FrameType::kCommand) ++issued[move.header.id];
-    const emu::ProgramResult outcome = machine.send(move, work);
+    const emu::TransactionResult outcome = machine.send(move, work);
     expect(outcome.reply.has_value() != is_posted(move.header.type), "what is posted has no reply, all else has one");
     std::uint64_t last = 0;
     for (const emu::Completion& completion : outcome.completions) {
