@@ -165,18 +165,22 @@ TEST(Hierarchy, HasAFractionOfTheLinks) {
   EXPECT_LT(points[0].difference, 0.04);
   EXPECT_LT(points[1].difference, 0.02);
   EXPECT_LT(points[2].difference, 0.002);
+  EXPECT_GT(static_cast<double>(points[2].statistics.links),
+            0.95 * static_cast<double>(points[2].statistics.all_pairs));
   EXPECT_LT(12 * points[0].statistics.links, points[2].statistics.links);
   EXPECT_LT(6 * points[1].statistics.links, points[2].statistics.links);
   EXPECT_THAT(csv_of(points), HasSubstr("hierarchy,error,difference"));
 }
 
-// Where the light is even enough for a hierarchy to pay: at one percent, at least ten times fewer links.
+// Where the light is even enough for a hierarchy to pay: at one percent, at least ten times fewer links. Without a hierarchy there
+// are as many as pairs, but for some 3% that are proved to have no light between them.
 TEST(Hierarchy, HasATenthOfTheLinksAtOnePercent) {
   Board board = reference::open_board(kUri);
-  const auto points = study_hierarchy(board, reference::setup_of(furnished(12, 0.05)), kCeilingLamp, {}, {3e-6});
-  ASSERT_EQ(points.size(), 2u);
+  const auto points =
+      study_hierarchy(board, reference::setup_of(furnished(11, 0.05)), kCeilingLamp, {.rays = 8}, {6e-6}, false);
+  ASSERT_EQ(points.size(), 1u);
   EXPECT_LT(points[0].difference, 0.01);
-  EXPECT_LT(10 * points[0].statistics.links, points[1].statistics.links);
+  EXPECT_LT(10 * points[0].statistics.links, 0.95 * static_cast<double>(points[0].statistics.all_pairs));
   std::cout << csv_of(points);
 }
 
