@@ -1,4 +1,4 @@
-// Which layer may include which: the rules of docs/design/architecture.md as a table, and a checker over #include lines.
+// Which layer may include which: the rules of docs/ARCHITECTURE.md as a table, and a checker over #include lines.
 #pragma once
 
 #include <set>
