@@ -121,26 +121,27 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   const Point low = grid_.low(ray_state.position);
   const BlockView view = frame_->volume->view(ray.block);
   const bool carries = scatters_or_deposits_ && ray_state.is(wire::kIrradianceCarrier);
-  const SampleSite site{carries ? carrier_cell(ray) : cell(ray_state.position, low), view, ray.block, edge_};
   entry.sampled = carries || !is_leapt_over(ray.block, *frame_);
-  if (entry.sampled) {
-    const Misses& misses = cache_.check(ray.block, site.cell.voxel);
+  Termination how = Termination::kNot;
+  if (!entry.sampled) {
+    leap(ray_state, low, grid_.size(), *frame_, counts_);
+  } else {
+    const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
+    const SampleSite site{at, view, ray.block, edge_};
+    const Misses& misses = cache_.check(ray.block, at.voxel);
     if (misses.count > 0 && !ideal_memory_) {
       entry.packets = static_cast<std::uint8_t>(misses.count);
       const std::uint32_t number = partition_.home(ray.block).number;
       for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
     }
-  }
-  Termination how = Termination::kNot;
-  if (carries) {
-    splat(ray.block, deposit_of(ray_state, *frame_), entry);
-    how = Termination::kAbsorbed;
-  } else if (!entry.sampled) {
-    leap(ray_state, low, grid_.size(), *frame_, counts_);
-  } else if (!scatters_or_deposits_) {
-    gather(ray_state, wide_of(issued.ray), site, *frame_, counts_);
-  } else {
-    how = after(sample(ray_state, wide_of(issued.ray), site, *frame_, counts_), ray, entry);
+    if (carries) {
+      splat(ray.block, deposit_of(ray_state, *frame_), entry);
+      how = Termination::kAbsorbed;
+    } else if (!scatters_or_deposits_) {
+      gather(ray_state, wide_of(issued.ray), site, *frame_, counts_);
+    } else {
+      how = after(sample(ray_state, wide_of(issued.ray), site, *frame_, counts_), ray, entry);
+    }
   }
 
   token.contribution = contribution(ray_state);

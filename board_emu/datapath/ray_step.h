@@ -164,15 +164,16 @@ inline bool visible(std::size_t index, const WideWords* wide, const Frame& frame
 
 // Where a sample lies: its place in a block of (edge)^3 voxels, +1 faces included, and the block's number.
 struct SampleSite {
-  Cell cell;
-  BlockView view;
+  const Cell& cell;
+  const BlockView& view;
   std::size_t block = 0;
   std::size_t edge = 0;
 };
 
 // Resamples, classifies, shades and composites. False if the sample has no opacity. `wide`: the ray's, of a frame that
-// gathers_wide(); else null.
-inline bool take_sample(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame) {
+// gathers_wide(); else null. Inline, since each pass takes one: a call would put the place into memory.
+[[gnu::always_inline]] inline bool take_sample(RayState& ray, WideWords* wide, const SampleSite& site,
+                                               const Frame& frame) {
   const Cell& at = site.cell;
   const BlockView& view = site.view;
   const std::size_t row = site.edge, slice = site.edge * site.edge;

@@ -11,22 +11,24 @@ namespace {
 Termination run_plain(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters,
                       std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
-  SampleSite site{{}, {}, ~std::size_t{0}, static_cast<std::size_t>(frame.volume->block_voxels()) + 1};
+  const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
+  std::size_t here = ~std::size_t{0};
+  BlockView view;
   Point low{};
   Termination how = Termination::kNot;
   while ((how = end(ray_state, frame)) == Termination::kNot) {
     const std::size_t block = grid.block(ray_state.position);
-    if (block != site.block) {
-      site.block = block;
-      site.view = frame.volume->view(block);
+    if (block != here) {
+      here = block;
+      view = frame.volume->view(block);
       low = grid.low(ray_state.position);
     }
     if (is_leapt_over(block, frame)) {
       taken += leap(ray_state, low, grid.size(), frame, counters);
       continue;
     }
-    site.cell = cell(ray_state.position, low);
-    gather(ray_state, wide, site, frame, counters);
+    const Cell at = cell(ray_state.position, low);
+    gather(ray_state, wide, {at, view, block, edge}, frame, counters);
     ++taken;
   }
   return how;
@@ -52,8 +54,9 @@ Termination run(RayState& ray_state, WideWords* wide, const Frame& frame, RayCou
       leap(ray_state, low, grid.size(), frame, counters);
       continue;
     }
-    const SampleSite site{cell(ray_state.position, low), frame.volume->view(block), block, edge};
-    const Interaction interaction = sample(ray_state, wide, site, frame, counters);
+    const Cell at = cell(ray_state.position, low);
+    const BlockView view = frame.volume->view(block);
+    const Interaction interaction = sample(ray_state, wide, {at, view, block, edge}, frame, counters);
     if (interaction.deposits) counters.energy.deposited += frame.irradiance->add(interaction.deposit);
     Outcome outcome = interaction.outcome;
     if (outcome == Outcome::kTrapped) outcome = scatter_trapped(ray_state, wide, frame, counters);

@@ -130,7 +130,8 @@ class Channel {
   Tcycle next_event_ = kNever;  // of refresh_until()
 
  private:
-  Delay open(const Location& at, Tcycle arrival) {
+  // Not inline: most packets find their row open.
+  [[gnu::noinline]] Delay open(const Location& at, Tcycle arrival) {
     std::uint32_t in_the_way = devices_[at.device].in_the_way(Command::kActivate, at.bank);
     const bool refresh_before = static_cast<Derived*>(this)->held_by_refresh(at, arrival);
     const bool conflict = in_the_way != 0;

@@ -67,7 +67,7 @@ class ColumnWires {
       ready_[to] = t + delay_[is_write(command)][to];
       if constexpr (kSwitches) other_ready_[to] = t + other_delay_[is_write(command)][to];
     }
-    last_device_ = device;
+    if constexpr (kSwitches) last_device_ = device;
   }
   // When the data of a packet that begins at `t` begin.
   Tcycle data(Command command, Tcycle t) const { return t + data_[is_write(command)]; }
