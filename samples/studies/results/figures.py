@@ -17,11 +17,9 @@ class Measurement:
         self.core_hz = core_hz
         self.clipped = clipped  # of an illumination pass: the part of its energy that did not fit the irradiance words
 
-    def count(self, name):
-        return self.counters.get(name, 0)
-
     def __getitem__(self, name):
-        return float(self.count(name))
+        """A counter; 0 if the board has none of that name."""
+        return self.counters.get(name, 0)
 
 
 def ratio(part, whole):
@@ -42,6 +40,13 @@ def seconds(m):
     return ratio(m["asic.cycles"], m.core_hz)
 
 
+def over(whole, *counters, factor=1):
+    """The figure that is the sum of these counters over `whole`, a counter or another figure, times `factor`."""
+    def figure(m):
+        return factor * ratio(sum(m[name] for name in counters), m[whole] if isinstance(whole, str) else whole(m))
+    return figure
+
+
 def frame_ms(m):
     """As the host sees it, image transfer included."""
     return to_ms(m.time_ps)
@@ -55,18 +60,9 @@ def asic_ms(m):
     return 1e3 * seconds(m)
 
 
-def samples_per_second(m):
-    return ratio(m["processor.samples"], seconds(m))
-
-
-def throughput(m):
-    """Samples a pipeline cycle, 0..1."""
-    return ratio(m["processor.samples"], pipeline_cycles(m))
-
-
-def misses_a_sample(m):
-    """0..8."""
-    return ratio(m["processor.cache.missed_voxels"], m["processor.cache.checks"])
+samples_per_second = over(seconds, "processor.samples")
+throughput = over(pipeline_cycles, "processor.samples")  # samples a pipeline cycle, 0..1
+misses_a_sample = over("processor.cache.checks", "processor.cache.missed_voxels")  # 0..8
 
 
 def hit_ratio(m):
@@ -80,11 +76,6 @@ def miss_histogram(m):
     return [ratio(count, sum(counts)) for count in counts]
 
 
-def memory_gb_s(m):
-    packets = m["rdram.reads"] + m["rdram.writes"]
-    return ratio(packets * PACKET_BYTES, seconds(m)) * 1e-9
-
-
 def memory_clocks(m):
     memories = 0
     while f"rdram{memories}.data_busy" in m.counters:
@@ -92,14 +83,10 @@ def memory_clocks(m):
     return m["asic.cycles"] * CLOCKS_PER_CYCLE * memories
 
 
-def memory_use(m):
-    """Share of the time in which the memories' data pins were busy, 0..1."""
-    return ratio(m["rdram.data_busy"], memory_clocks(m))
-
-
-def memory_turnaround(m):
-    """Share of it in which they stood still since reads followed writes, or writes reads, 0..1."""
-    return ratio(m["rdram.turnaround"], memory_clocks(m))
+memory_gb_s = over(seconds, "rdram.reads", "rdram.writes", factor=PACKET_BYTES * 1e-9)
+# Shares of the time, 0..1: the memories' data pins were busy; they stood still since reads followed writes, or writes reads.
+memory_use = over(memory_clocks, "rdram.data_busy")
+memory_turnaround = over(memory_clocks, "rdram.turnaround")
 
 
 def memory_use_uncombined(m):
@@ -109,30 +96,13 @@ def memory_use_uncombined(m):
     return memory_use(m) + ratio(more, memory_clocks(m) / CLOCKS_PER_CYCLE)
 
 
-def rays_sent(m):
-    """A processor and 100 cycles."""
-    return 100 * ratio(m["link.rays_sent"], pipeline_cycles(m))
-
-
-def links_busy(m):
-    """Cycles in which one of a processor's two links moved bits, of 100."""
-    return 100 * ratio(m["link.busy"], 2 * pipeline_cycles(m))
-
-
-def bisection_mb_s(m):
-    """Rays over the cut that halves the ring."""
-    return ratio(m["link.bisection_rays"] * RAY_BYTES, seconds(m)) * 1e-6
-
-
-# The mean over the processors of the part of the time in which one was busy [P §5.4].
-def balance_held(m):
-    """Busy is: it holds rays."""
-    return ratio(m["processor.rays_held"], pipeline_cycles(m))
-
-
-def balance_working(m):
-    """Busy is: its pipeline has a sample or leap in hand."""
-    return ratio(m["processor.cycles.busy"] + m["processor.cycles.leap"], pipeline_cycles(m))
+rays_sent = over(pipeline_cycles, "link.rays_sent", factor=100)  # a processor and 100 cycles
+links_busy = over(pipeline_cycles, "link.busy", factor=100 / 2)  # of 100 cycles, those in which one of its two links moved bits
+bisection_mb_s = over(seconds, "link.bisection_rays", factor=RAY_BYTES * 1e-6)  # rays over the cut that halves the ring
+# The mean over the processors of the part of the time in which one was busy [P §5.4]: it holds rays, or its pipeline has a sample or
+# leap in hand.
+balance_held = over(pipeline_cycles, "processor.rays_held")
+balance_working = over(pipeline_cycles, "processor.cycles.busy", "processor.cycles.leap")
 
 
 def work_balance(m):
@@ -144,11 +114,15 @@ def work_balance(m):
 
 def dsp_use(m):
     """0..1."""
-    return ratio(to_ms(m.count("dsp.busy_ps")), asic_ms(m))
+    return ratio(to_ms(m["dsp.busy_ps"]), asic_ms(m))
 
 
-def overflows_a_ray(m):
-    return ratio(m["dsp.overflows"], m["dsp.rays_taken"])
+overflows_a_ray = over("dsp.rays_taken", "dsp.overflows")
+# Of lighting passes.
+deposits_a_sample = over("processor.samples", "processor.splat.deposits")
+tiles_a_deposit = over("processor.splat.deposits", "processor.splat.tiles")  # changed tiles
+tiles_combined = over("processor.splat.tiles", "processor.splat.tiles_combined")  # share written with an earlier change, 0..1
+scatterings_a_ray = over("dsp.rays_taken", "pipeline.scatterings")  # rays scattered a ray sent for the first time
 
 
 def cause_shares(m):
@@ -168,28 +142,8 @@ def sum_of(a, b):
     """Both windows added; empty if one of them is."""
     if a.processors == 0 or b.processors == 0:
         return Measurement()
-    counters = {name: value + a.count(name) for name, value in b.counters.items()}
+    counters = {name: value + a[name] for name, value in b.counters.items()}
     return Measurement(counters, a.time_ps + b.time_ps, a.processors, a.core_hz, a.clipped)
-
-
-# Of lighting passes.
-def deposits_a_sample(m):
-    return ratio(m["processor.splat.deposits"], m["processor.samples"])
-
-
-def tiles_a_deposit(m):
-    """Changed tiles."""
-    return ratio(m["processor.splat.tiles"], m["processor.splat.deposits"])
-
-
-def tiles_combined(m):
-    """The share of changed tiles that were written together with an earlier change, 0..1."""
-    return ratio(m["processor.splat.tiles_combined"], m["processor.splat.tiles"])
-
-
-def scatterings_a_ray(m):
-    """Rays scattered a ray sent for the first time."""
-    return ratio(m["pipeline.scatterings"], m["dsp.rays_taken"])
 
 
 class Residency(NamedTuple):

@@ -24,10 +24,10 @@ Board open_board(const Run& run) {
 void load(Board& board, const SceneData& scene, bool be_faint) {
   board.set_shading(scene.shading);
   if (scene.codebook.size() > 1) board.set_gradient_codebook(scene.codebook);
-  board.load_volume(scene.view());
-  for (std::size_t tag = 0; tag < scene.transfer_functions.size(); ++tag) {
-    board.set_transfer_function(be_faint ? faint(scene.transfer_functions[tag]) : scene.transfer_functions[tag],
-                                static_cast<int>(tag));
+  board.load_volume(scene.volume_view());
+  for (std::size_t tag = 0; tag < scene.materials.size(); ++tag) {
+    const TransferFunction& function = scene.materials[tag].function;  // in densities
+    board.set_transfer_function(be_faint ? faint(function) : function, static_cast<int>(tag));
   }
   for (std::size_t tag = 0; tag < scene.optics.size(); ++tag) {
     board.set_material(scene.optics[tag], static_cast<int>(tag));
@@ -60,7 +60,7 @@ Json window(Board& board, const Work& work) {
 }
 
 LightingReport illuminate(Board& board, const Run& run, const SceneData& scene) {
-  Illumination settings = scene.illumination;
+  Illumination settings = scene.lighting.settings;
   settings.rays_per_face_voxel = run.light_rays;
   settings.albedo = run.high_albedo ? Albedo::kHigh : Albedo::kLow;
   settings.step = run.step;

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <utility>
 
-#include "scene/buckyball.h"
 #include "scene/geometry/codebook.h"
 #include "scene/program/input_error.h"
 #include "scene/scene_file.h"
@@ -14,9 +13,8 @@
 namespace gicube::samples::results {
 namespace {
 
-constexpr int kMaxGradientVoxels = 256;  // an edge: beyond it 12 bytes a voxel of normals cost too much memory
-constexpr double kFaint = 0.003;         // chosen: 443 voxels of opacity 0.003 let a quarter through
-constexpr double kDesignEdge = 256;      // voxels: opacities below are those of a volume of this edge
+constexpr double kFaint = 0.003;     // chosen: 443 voxels of opacity 0.003 let a quarter through
+constexpr double kDesignEdge = 256;  // voxels: opacities below are those of a volume of this edge
 
 // Smooth noise without a period: values of 0..1 at hashed lattice points, joined by cubic weights.
 double lattice_value(int x, int y, int z) {
@@ -60,21 +58,6 @@ Volume voxelise(const Dims& dims, const Density& density, int threads) {
 // The opacity of a voxel of a volume of `edge`, so that the whole looks the same at every size.
 double of_edge(double opacity, int edge) { return 1 - std::pow(1 - opacity, kDesignEdge / edge); }
 
-SceneData make_ball(const Dims& dims, int threads) {
-  SceneData scene;
-  VoxelWorld ball = make_buckyball(dims[0], dims[0] <= kMaxGradientVoxels, threads);
-  scene.volume = std::move(ball.volume);
-  scene.tags = std::move(ball.tags);
-  scene.gradients = std::move(ball.gradients);
-  const Appearance appearance = buckyball_appearance(dims[0]);
-  for (const TransferFunctionFile& material : appearance.materials) {
-    scene.transfer_functions.push_back(in_values_of({0, kMaxDensity}, material));
-  }
-  scene.shading = {appearance.phong, *appearance.light};
-  scene.camera = appearance.camera;
-  return scene;
-}
-
 SceneData make_head(const Dims& dims, int edge, int threads) {
   const Vec3 half{0.5 * (dims[0] - 1), 0.5 * (dims[1] - 1), 0.5 * (dims[2] - 1)};
   const double lattice = edge / 16.0;
@@ -100,9 +83,10 @@ SceneData make_head(const Dims& dims, int edge, int threads) {
       threads);
   // Skin that shows the skull, bone that shows a little of the brain.
   const double skin = of_edge(0.02, edge), bone = of_edge(0.12, edge), brain = of_edge(0.05, edge);
-  scene.transfer_functions = {
-      {{{0, {0.8, 0.6, 0.5}}, {1300, {0.85, 0.65, 0.55}}, {1800, {0.7, 0.45, 0.45}}, {3000, {0.95, 0.92, 0.85}}},
-       {{200, 0}, {900, skin}, {1400, skin}, {1800, brain}, {2300, brain}, {3000, bone}}}};
+  scene.materials = {
+      {{{{0, {0.8, 0.6, 0.5}}, {1300, {0.85, 0.65, 0.55}}, {1800, {0.7, 0.45, 0.45}}, {3000, {0.95, 0.92, 0.85}}},
+        {{200, 0}, {900, skin}, {1400, skin}, {1800, brain}, {2300, brain}, {3000, bone}}}}};
+  scene.box = visible_box(scene.volume, scene.materials.front());
   return scene;
 }
 
@@ -112,8 +96,8 @@ SceneData make_noise(const Dims& dims, int edge, double low, double high, Colour
   SceneData scene;
   scene.volume = voxelise(
       dims, [&](Vec3 p) { return 0.1 + 0.8 * cloudy_noise((1 / lattice) * p); }, threads);
-  scene.transfer_functions = {
-      {{{1000, dark}, {3000, light}}, {{1000, of_edge(low, edge)}, {3000, of_edge(high, edge)}}}};
+  scene.materials = {{{{{1000, dark}, {3000, light}}, {{1000, of_edge(low, edge)}, {3000, of_edge(high, edge)}}}}};
+  scene.box = whole_box(dims);
   return scene;
 }
 
@@ -123,22 +107,9 @@ SceneData make_lit_scene(const std::string& name, int edge, int threads) {
   Scene scene = parse_scene(text->second, name + ".scene", {});
   if (!scene.world) throw InputError(name, "a scene with a world", "none");
   scene.world->size = edge;
-  SceneSetup setup = set_up(scene, threads);
-  SceneData data;
-  data.volume = std::move(setup.volume);
-  data.tags = std::move(setup.tags);
-  data.gradients = std::move(setup.gradients);
+  SceneData data{set_up(scene, threads), {}};
   if (scene.own_codebook) data.codebook = codebook_of(data.gradients);
-  for (const TransferFunctionFile& file : setup.materials) {
-    data.transfer_functions.push_back(in_values_of({0, kMaxDensity}, file));
-  }
-  data.shading = setup.shading;
-  data.box = setup.box;
-  data.optics = std::move(setup.optics);
-  data.lights = std::move(setup.lights);
-  data.illumination = setup.lighting.settings;
-  setup.view.exposure = setup.lighting.exposure;
-  data.lit_view = setup.view;
+  data.view.exposure = data.lighting.exposure;
   return data;
 }
 
@@ -157,28 +128,17 @@ Colour background_of(const std::string& scene) {
   return scene == "buckyball" ? Colour{0.075, 0.085, 0.11} : Colour{0, 0, 0};
 }
 
-VolumeView SceneData::view() const {
-  VolumeView result = volume.view();
-  result.tags = tags;
-  result.gradients = gradients;
-  return result;
-}
-
 SceneData make_scene(const std::string& name, const Dims& dims, int edge, int threads) {
-  SceneData scene;
   if (name == "buckyball") {
-    scene = make_ball(dims, threads);
-  } else if (name == "head") {
-    scene = make_head(dims, edge, threads);
-  } else if (name == "cloud") {
-    scene = make_noise(dims, edge, 0.001, 0.007, {0.5, 0.6, 0.8}, {1, 1, 1}, threads);
-  } else if (name == "rock") {
-    scene = make_noise(dims, edge, 0.03, 0.12, {0.3, 0.2, 0.15}, {0.8, 0.75, 0.6}, threads);
-  } else {
-    return make_lit_scene(name, edge, threads);
+    Scene scene;
+    scene.volume.builtin = name;
+    scene.volume.size = dims[0];
+    return {set_up(scene, threads), {}};
   }
-  scene.box = name == "head" ? visible_box(scene.volume, {scene.transfer_functions.front(), false}) : whole_box(dims);
-  return scene;
+  if (name == "head") return make_head(dims, edge, threads);
+  if (name == "cloud") return make_noise(dims, edge, 0.001, 0.007, {0.5, 0.6, 0.8}, {1, 1, 1}, threads);
+  if (name == "rock") return make_noise(dims, edge, 0.03, 0.12, {0.3, 0.2, 0.15}, {0.8, 0.75, 0.6}, threads);
+  return make_lit_scene(name, edge, threads);
 }
 
 TransferFunction faint(TransferFunction transfer_function) {
@@ -187,17 +147,18 @@ TransferFunction faint(TransferFunction transfer_function) {
 }
 
 View make_view(const SceneData& scene, const std::string& name, int width, int height, bool orthographic) {
-  View view = scene.lit_view && name == "oblique" ? *scene.lit_view : View{};
+  const bool own_camera = name == "oblique" && !scene.lights.empty();
+  View view = own_camera ? scene.view : View{};
   view.width = width;
   view.height = height;
   view.samples_per_axis = 1;
+  if (own_camera) return view;
   const VoxelBox& box = scene.box;
   if (name == "oblique") {
-    if (scene.lit_view) return view;
-    fit_camera(scene.camera.value_or(CameraSettings{}), box, {1, 1, 1}, view);
+    fit_camera(scene.built_in.camera, box, {1, 1, 1}, view);
     return view;
   }
-  const Vec3 direction = (1 / length(direction_of(name))) * direction_of(name);
+  const Vec3 direction = normalise(direction_of(name));
   view.look_at = 0.5 * (box.low + box.high);
   view.up = name == "along z" ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
   const double radius = 0.5 * length(box.high - box.low);
@@ -208,7 +169,7 @@ View make_view(const SceneData& scene, const std::string& name, int width, int h
   }
   // As near as all corners allow.
   constexpr double kMargin = 1.02;  // chosen
-  const Vec3 right = (1 / length(cross(view.up, direction))) * cross(view.up, direction), up = cross(direction, right);
+  const Vec3 right = normalise(cross(view.up, direction)), up = cross(direction, right);
   const double tan_up = std::tan(view.fov_degrees * std::numbers::pi / 360), tan_side = tan_up * width / height;
   double distance = 0;
   for (int corner = 0; corner < 8; ++corner) {

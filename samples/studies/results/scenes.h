@@ -1,16 +1,10 @@
 // The scenes that are measured: all procedural, no scan is needed, and any size shows the same thing.
 #pragma once
 
-#include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "gicube/illumination.h"
-#include "gicube/material.h"
-#include "gicube/view.h"
-#include "gicube/volume.h"
 #include "scene/scene.h"
 
 namespace gicube::samples::results {
@@ -20,23 +14,9 @@ const std::map<std::string, std::string>& lit_scene_texts();
 
 Colour background_of(const std::string& scene);
 
-struct SceneData {
-  Volume volume;
-  std::vector<std::uint8_t> tags;
-  std::vector<float> gradients;
-  std::vector<TransferFunction> transfer_functions;  // by tag
-  Shading shading;
-  std::optional<CameraSettings> camera;  // of the oblique view
-  VoxelBox box;                          // what is to be seen
-
-  // Of scenes of global illumination.
-  std::vector<Material> optics;  // by tag
-  std::vector<Light> lights;
-  Illumination illumination;
-  std::vector<Vec3> codebook;    // empty: the board's own
-  std::optional<View> lit_view;  // the scene's camera, exposure and sampling
-
-  VolumeView view() const;
+// Without lights its camera and sampling are the view's own to choose.
+struct SceneData : SceneSetup {
+  std::vector<Vec3> codebook;  // empty: the board's own
 };
 
 // `name`: buckyball, head, cloud, rock, or one of lit_scene_texts(). `edge`: voxels to which lengths refer, those along the

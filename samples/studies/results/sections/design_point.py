@@ -178,10 +178,10 @@ def bus(bench):
     for name in ("pci33", "agp1x", "agp2x", "agp4x"):
         run = design if name == "pci33" else design.on({"bus.model": name})
         image, rays = bench.get(run), bench.get(run.but(kind="host_rays"))
-        image_ms = to_ms(image.count("bus.image.time_ps"))
-        rays_ms = to_ms(rays.count("bus.down.busy_ps") + rays.count("bus.up.busy_ps"))
+        image_ms = to_ms(image["bus.image.time_ps"])
+        rays_ms = to_ms(rays["bus.down.busy_ps"] + rays["bus.up.busy_ps"])
         share[name], rate[name] = image_ms * REAL_TIME * 1e-3, rate_hz(rays)
-        rows.append([name, number(image_ms, 2), percent(share[name]), str(rays.count("dsp.host_rays")),
+        rows.append([name, number(image_ms, 2), percent(share[name]), str(rays["dsp.host_rays"]),
                      number(rays["bus.rays.bytes"] * 1e-6, 1), number(rays_ms, 1), number(ratio(1e3, rays_ms)),
                      number(frame_ms(rays), 1), number(rate_hz(rays))])
     page.text(f"The buckyball with {design.width}^2 pixels: the image's way to the host, and the same rays made by the host, sent "

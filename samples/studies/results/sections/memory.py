@@ -185,8 +185,8 @@ def one_block(bench):
     for scene in ("buckyball", "cloud", "rock"):
         for step in (1, 0.5, 0.25):
             m = bench.get(bench.run(scene, step=step, kind="fill_block", faint=True, leap=False))
-            fetched, samples = m.count("processor.cache.filled_voxels"), m.count("processor.samples")
-            hits = m.count("processor.cache.samples_with_misses.0")
+            fetched, samples = m["processor.cache.filled_voxels"], m["processor.samples"]
+            hits = m["processor.cache.samples_with_misses.0"]
             if step == 1:
                 hits_at_one = hits
             # All samples but the first of each cell hit, whatever the first did.

@@ -99,7 +99,7 @@ class ResultFigures(unittest.TestCase):
         both = figures.sum_of(a, b)
         self.equal(figures.throughput(both), 0.5)
         self.equal(figures.frame_ms(both), 0.04)
-        self.assertEqual(both.count("rdram.reads"), 3)
+        self.assertEqual(both["rdram.reads"], 3)
         self.assertEqual(figures.frame_ms(figures.sum_of(a, Measurement())), 0)
 
     def test_DspIsMeasuredAgainstTheTimeOfTheAsic(self):

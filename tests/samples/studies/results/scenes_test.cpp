@@ -23,7 +23,7 @@ std::vector<double> values_of(const SceneData& scene) {
 
 // Natural logarithm of what a ray of `voxels` through the value lets pass.
 double depth(const SceneData& scene, double value, double voxels) {
-  return -voxels * std::log(1 - scene.transfer_functions.front().opacity_at(value));
+  return -voxels * std::log(1 - scene.materials.front().function.opacity_at(value));
 }
 
 TEST(ResultScenes, CloudIsVisibleEverywhereAndNeverOpaque) {
@@ -31,7 +31,7 @@ TEST(ResultScenes, CloudIsVisibleEverywhereAndNeverOpaque) {
   const std::vector<double> values = values_of(cloud);
   ASSERT_EQ(values.size(), std::size_t{kEdge} * kEdge * kEdge);
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  EXPECT_GT(cloud.transfer_functions.front().opacity_at(*least), 0);
+  EXPECT_GT(cloud.materials.front().function.opacity_at(*least), 0);
   EXPECT_LT(depth(cloud, *most, std::sqrt(3) * kEdge), -std::log(1 - 0.98));  // even its densest value on the diagonal
 }
 
@@ -54,7 +54,7 @@ TEST(ResultScenes, HeadLeavesCornersEmpty) {
 TEST(ResultScenes, FaintLooksShowTheSameValues) {
   for (const char* name : {"buckyball", "head", "cloud", "rock"}) {
     const SceneData scene = make_scene(name, {kEdge, kEdge, kEdge}, kEdge, 1);
-    const TransferFunction &plain = scene.transfer_functions.front(), thin = faint(plain);
+    const TransferFunction &plain = scene.materials.front().function, thin = faint(plain);
     for (double value = 0; value <= 4095; value += 65) {
       EXPECT_EQ(plain.opacity_at(value) > 0, thin.opacity_at(value) > 0) << name << ' ' << value;
       EXPECT_LT(thin.opacity_at(value), 0.0031);
