@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
+#include <ranges>
 
 #include "scene/formats/whole_file.h"
 #include "scene/program/checks.h"
@@ -13,19 +13,14 @@
 namespace gicube::samples {
 namespace {
 
-std::vector<std::string> words_of(std::string_view line) {
-  std::istringstream stream{std::string(line.substr(0, line.find('#')))};
-  std::vector<std::string> words;
-  for (std::string word; stream >> word;) words.push_back(word);
-  return words;
-}
+using Words = std::vector<std::string_view>;  // of a line, without its comment
 
 // Reads one statement a call; gathers the faults of all.
 class Parser {
  public:
   explicit Parser(std::string name) : name_(std::move(name)) {}
 
-  void statement(int line, const std::vector<std::string>& words) {
+  void statement(int line, const Words& words) {
     line_ = line;
     if (words.empty()) return;
     if (words[0] == "values") return scale(words);
@@ -48,7 +43,7 @@ class Parser {
     faults_ += fmt::format("{}{}: {}: expected {}, got {}", faults_.empty() ? "" : "\n", place, field, expected, got);
   }
 
-  void scale(const std::vector<std::string>& words) {
+  void scale(const Words& words) {
     if (!file_.function.colours.empty() || !file_.function.opacities.empty() || scaled_) {
       return fault("values", "one such statement, before all points", "another");
     }
@@ -60,10 +55,9 @@ class Parser {
   }
 
   // The numbers behind the statement's name, or nothing if there is a fault.
-  std::optional<std::vector<double>> numbers(const std::vector<std::string>& words, std::size_t count,
-                                             const char* form) {
+  std::optional<std::vector<double>> numbers(const Words& words, std::size_t count, const char* form) {
     if (words.size() != count + 1) {
-      fault(words[0], form, std::to_string(words.size() - 1) + " values");
+      fault(std::string(words[0]), form, std::to_string(words.size() - 1) + " values");
       return std::nullopt;
     }
     std::vector<double> values;
@@ -71,7 +65,7 @@ class Parser {
       const auto value = parse_number<double>(words[i]);
       const bool unit = i > 1;
       if (!value || !std::isfinite(*value) || (unit && (*value < 0 || *value > 1))) {
-        fault(words[0] + (unit ? "" : " value"), unit ? "a number from 0 to 1" : "a finite number",
+        fault(std::string(words[0]) + (unit ? "" : " value"), unit ? "a number from 0 to 1" : "a finite number",
               in_quotes(words[i]));
         return std::nullopt;
       }
@@ -89,15 +83,15 @@ class Parser {
     return false;
   }
 
-  void colour_point(const std::vector<std::string>& words) {
+  void colour_point(const Words& words) {
     const auto values = numbers(words, 4, "VALUE RED GREEN BLUE");
-    if (!values || !rises(file_.function.colours, (*values)[0], words[0])) return;
+    if (!values || !rises(file_.function.colours, (*values)[0], std::string(words[0]))) return;
     file_.function.colours.push_back({(*values)[0], {(*values)[1], (*values)[2], (*values)[3]}});
   }
 
-  void opacity_point(const std::vector<std::string>& words) {
+  void opacity_point(const Words& words) {
     const auto values = numbers(words, 2, "VALUE ALPHA");
-    if (!values || !rises(file_.function.opacities, (*values)[0], words[0])) return;
+    if (!values || !rises(file_.function.opacities, (*values)[0], std::string(words[0]))) return;
     file_.function.opacities.push_back({(*values)[0], (*values)[1]});
   }
 
@@ -112,10 +106,10 @@ class Parser {
 
 TransferFunctionFile parse_transfer_function(std::string_view text, const std::string& name) {
   Parser parser(name);
-  for (int line = 1; !text.empty(); ++line) {
-    const std::string_view row = text.substr(0, text.find('\n'));
-    parser.statement(line, words_of(row));
-    text.remove_prefix(std::min(row.size() + 1, text.size()));
+  int number = 0;
+  for (const auto part : std::views::split(text, '\n')) {
+    const std::string_view line(part.begin(), part.end());
+    parser.statement(++number, words_of(line.substr(0, line.find('#'))));
   }
   return parser.finish();
 }

@@ -121,8 +121,8 @@ const std::vector<Rule>& rules() {
       // Solids, meshes and their voxels know neither the scene that they stand in nor its file.
       {"samples/scene/geometry",
                              {"samples/scene/geometry", "samples/scene/buckyball.h", "samples/scene/formats/file_error.h",
-                              "samples/scene/formats/stored_samples.h", "samples/scene/formats/volume_file.h",
-                              "samples/scene/parallel.h", "samples/scene/program/checks.h",
+                              "samples/scene/formats/header_lines.h", "samples/scene/formats/stored_samples.h",
+                              "samples/scene/formats/volume_file.h", "samples/scene/formats/whole_file.h", "samples/scene/parallel.h", "samples/scene/program/checks.h",
                               "samples/scene/program/input_error.h", "driver/include"}, {"fmt"}},
       {"samples/scene/graph", {"samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {"fmt", "google/protobuf"}},

@@ -4,7 +4,6 @@
 
 #include <fstream>
 #include <random>
-#include <sstream>
 
 #include "scene/program/input_error.h"
 
@@ -13,14 +12,15 @@ namespace gicube::samples {
 std::string read_text(const std::filesystem::path& file, const std::string& kind, std::uintmax_t max_mib) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw InputError(file.string(), kind, "no such file");
-  if (const auto bytes = std::filesystem::file_size(file, error); bytes > max_mib << 20) {
+  const auto bytes = std::filesystem::file_size(file, error);
+  if (!error && bytes > max_mib << 20) {
     throw InputError(file.string(), fmt::format("{} of at most {} MiB", kind, max_mib), fmt::format("{} bytes", bytes));
   }
+  std::string text(error ? 0 : bytes, '\0');
   std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw InputError(file.string(), kind, "one that can't be read");
-  return text.str();
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (error || !stream) throw InputError(file.string(), kind, "one that can't be read");
+  return text;
 }
 
 WholeFile::WholeFile(const std::filesystem::path& final_path) : final_(final_path), path_(final_path) {

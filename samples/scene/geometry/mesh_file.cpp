@@ -1,38 +1,27 @@
 #include "scene/geometry/mesh_file.h"
 
-#include <algorithm>
-#include <fstream>
 #include <string>
 
+#include "scene/formats/header_lines.h"
+#include "scene/formats/whole_file.h"
 #include "scene/program/input_error.h"
 
 namespace gicube::samples {
-namespace {
 
-std::string read_all(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) throw FileError(path, "file", "a mesh", "no such file");
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || bytes > kMaxMeshBytes) {
-    throw FileError(path, "size", "at most " + std::to_string(kMaxMeshBytes) + " bytes", std::to_string(bytes));
+bool add_fan(std::span<const std::uint32_t> corners, Mesh& mesh) {
+  if (mesh.triangles.size() + corners.size() > kMaxTriangles + 2) return false;
+  for (std::size_t i = 2; i < corners.size(); ++i) {
+    mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
   }
-  std::string text(static_cast<std::size_t>(bytes), '\0');
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!stream) throw FileError(path, "file", "one that can be read", "an error");
-  return text;
+  return true;
 }
 
-}  // namespace
-
 Mesh read_mesh(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_case(path.extension().string());
   if (extension != ".obj" && extension != ".ply") {
     throw FileError(path, "name", "an ending .obj or .ply", in_quotes(extension));
   }
-  const std::string text = read_all(path);
+  const std::string text = read_text(path, "a mesh", kMaxMeshMib);
   return extension == ".obj" ? parse_obj(text, path) : parse_ply(text, path);
 }
 

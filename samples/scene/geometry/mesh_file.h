@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string_view>
 
 #include "scene/formats/file_error.h"
@@ -16,15 +17,18 @@
 
 namespace gicube::samples {
 
-constexpr std::uintmax_t kMaxMeshBytes = 512u << 20;  // chosen: of the file
-constexpr std::size_t kMaxTriangles = 8u << 20;       // chosen: far finer than any board's voxels
+constexpr std::uintmax_t kMaxMeshMib = 512;      // chosen: of the file
+constexpr std::size_t kMaxTriangles = 8u << 20;  // chosen: far finer than any board's voxels
 
-// By the extension. Memory is taken only as far as the file's real size can back it. Throws FileError: the file can't be
-// read, is truncated or damaged, names points that it does not have, holds no triangle, or exceeds the limits above.
+// By the extension. Memory is taken only as far as the file's real size can back it. Throws InputError: the file is not
+// there, is too large or can't be read. Throws FileError: it is truncated or damaged, names points that it does not have, holds no triangle, or too many.
 Mesh read_mesh(const std::filesystem::path& path);
 
 // The same for text or bytes in memory; `name` stands for the file in messages.
 Mesh parse_obj(std::string_view text, const std::filesystem::path& name);
 Mesh parse_ply(std::string_view bytes, const std::filesystem::path& name);
+
+// Adds a polygon as a fan of triangles around its first corner. False, and adds nothing: the mesh had more than kMaxTriangles then.
+bool add_fan(std::span<const std::uint32_t> corners, Mesh& mesh);
 
 }  // namespace gicube::samples

@@ -1,4 +1,4 @@
-#include <cmath>
+#include <ranges>
 #include <string>
 
 #include "scene/geometry/mesh_file.h"
@@ -7,45 +7,36 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::string_view kBlank = " \t\r";
-
-// Cuts the next word off `line`; empty at its end.
-std::string_view next_word(std::string_view& line) {
-  line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
-  const std::string_view word = line.substr(0, line.find_first_of(kBlank));
-  line.remove_prefix(word.size());
-  return word;
-}
+using Words = std::vector<std::string_view>;  // of a statement, its keyword first
 
 class ObjReader {
  public:
   explicit ObjReader(const std::filesystem::path& name) : name_(name) {}
 
-  void statement(std::string_view line) {
-    ++line_;
-    line = line.substr(0, line.find('#'));
-    const std::string_view keyword = next_word(line);
-    if (keyword == "v") point(line);
-    if (keyword == "f") face(line);
-  }
-
-  Mesh finish() {
+  Mesh read(std::string_view text) {
+    for (const auto part : std::views::split(text, '\n')) {
+      const std::string_view line(part.begin(), part.end());
+      ++line_;
+      const Words words = words_of(line.substr(0, line.find('#')));
+      if (!words.empty() && words[0] == "v") point(words);
+      if (!words.empty() && words[0] == "f") face(words);
+    }
     if (mesh_.triangles.empty()) throw FileError(name_, "faces", "at least one", "none");
     return std::move(mesh_);
   }
 
  private:
   [[noreturn]] void fail(const std::string& field, const std::string& expected, const std::string& got) const {
-    throw FileError(name_, "line " + std::to_string(line_) + ": " + field, expected, got);
+    throw FileError(name_, fmt::format("line {}: {}", line_, field), expected, got);
   }
 
-  void point(std::string_view line) {
+  void point(const Words& words) {
     double values[3];
-    for (double& value : values) {  // a fourth one, the weight, and vertex colours are of no use here
-      const std::string_view word = next_word(line);
+    for (std::size_t i = 0; i < 3; ++i) {  // a fourth one, the weight, and vertex colours are of no use here
+      const std::string_view word = i + 1 < words.size() ? words[i + 1] : "";
       const auto number = parse_number<double>(word);
       if (!number || !std::isfinite(*number)) fail("v", "three finite numbers", in_quotes(word));
-      value = *number;
+      values[i] = *number;
     }
     mesh_.points.push_back({values[0], values[1], values[2]});
   }
@@ -55,24 +46,16 @@ class ObjReader {
     const auto number = parse_number<std::int64_t>(word.substr(0, word.find('/')));
     const auto points = static_cast<std::int64_t>(mesh_.points.size());
     if (!number || *number == 0 || *number > points || *number < -points) {
-      fail("f", "a point from 1 to " + std::to_string(points), in_quotes(word));
+      fail("f", fmt::format("a point from 1 to {}", points), in_quotes(word));
     }
     return static_cast<std::uint32_t>(*number > 0 ? *number - 1 : points + *number);
   }
 
-  void face(std::string_view line) {
-    std::uint32_t first = 0, last = 0;
-    int corners = 0;
-    for (std::string_view word = next_word(line); !word.empty(); word = next_word(line), ++corners) {
-      const std::uint32_t next = corner(word);
-      if (corners == 0) first = next;
-      if (corners >= 2) {
-        if (mesh_.triangles.size() >= kMaxTriangles) fail("f", "at most " + std::to_string(kMaxTriangles), "more");
-        mesh_.triangles.push_back({first, last, next});
-      }
-      last = next;
-    }
-    if (corners < 3) fail("f", "at least 3 corners", std::to_string(corners));
+  void face(const Words& words) {
+    std::vector<std::uint32_t> corners;
+    for (const std::string_view word : words | std::views::drop(1)) corners.push_back(corner(word));
+    if (corners.size() < 3) fail("f", "at least 3 corners", std::to_string(corners.size()));
+    if (!add_fan(corners, mesh_)) fail("f", fmt::format("at most {}", kMaxTriangles), "more");
   }
 
   const std::filesystem::path& name_;
@@ -82,14 +65,6 @@ class ObjReader {
 
 }  // namespace
 
-Mesh parse_obj(std::string_view text, const std::filesystem::path& name) {
-  ObjReader reader(name);
-  while (!text.empty()) {
-    const std::string_view line = text.substr(0, text.find('\n'));
-    reader.statement(line);
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
-  }
-  return reader.finish();
-}
+Mesh parse_obj(std::string_view text, const std::filesystem::path& name) { return ObjReader(name).read(text); }
 
 }  // namespace gicube::samples

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <string>
 
 #include "scene/formats/stored_samples.h"
@@ -30,6 +31,8 @@ struct Element {
   std::vector<Property> properties;
 };
 
+using Words = std::vector<std::string_view>;  // of a line
+
 std::optional<Type> type_named(std::string_view name) {
   static const std::map<std::string_view, Type> kTypes{
       {"char", Type::kInt8},     {"int8", Type::kInt8},       {"uchar", Type::kUint8},    {"uint8", Type::kUint8},
@@ -50,13 +53,9 @@ class PlyReader {
       check_size(element);
       for (std::uint64_t i = 0; i < element.count; ++i) item(element, i);
     }
-    const std::size_t points = mesh_.points.size();
-    for (const auto& triangle : mesh_.triangles) {
-      for (const std::uint32_t corner : triangle) {
-        if (corner >= points) {
-          fail("face", "a vertex from 0 to " + std::to_string(points - 1), std::to_string(corner));
-        }
-      }
+    for (const std::uint32_t corner : mesh_.triangles | std::views::join) {
+      if (corner < mesh_.points.size()) continue;
+      fail("face", fmt::format("a vertex from 0 to {}", mesh_.points.size() - 1), std::to_string(corner));
     }
     if (mesh_.triangles.empty()) fail("faces", "at least one", "none");
     return std::move(mesh_);
@@ -67,29 +66,23 @@ class PlyReader {
     throw FileError(name_, field, expected, got);
   }
 
-  std::vector<std::string> header_line() {
+  Words header_line() {
     const std::size_t end = rest_.find('\n');
     if (end == std::string_view::npos || end > 4096) fail("header", "end_header", "the end of the file");
-    std::string_view line = rest_.substr(0, end);
+    const std::string_view line = rest_.substr(0, end);
     rest_.remove_prefix(end + 1);
-    std::vector<std::string> words;
-    while (true) {
-      line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
-      if (line.empty()) return words;
-      words.emplace_back(line.substr(0, line.find_first_of(" \t\r")));
-      line.remove_prefix(words.back().size());
-    }
+    return words_of(line);
   }
 
   void header() {
-    if (header_line() != std::vector<std::string>{"ply"}) fail("header", "ply in the first line", "something else");
+    if (header_line() != Words{"ply"}) fail("header", "ply in the first line", "something else");
     bool format = false;
     while (true) {
-      const std::vector<std::string> words = header_line();
+      const Words words = header_line();
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
       if (words[0] == "format") {
-        set_format(words);
+        set_format(words.size() > 1 ? words[1] : "");
         format = true;
       } else if (words[0] == "element") {
         add_element(words);
@@ -103,54 +96,41 @@ class PlyReader {
     for (const Element& element : elements_) check_element(element);
   }
 
-  void set_format(const std::vector<std::string>& words) {
-    const std::string name = words.size() > 1 ? words[1] : "";
+  void set_format(std::string_view name) {
     if (name != "ascii" && name != "binary_little_endian" && name != "binary_big_endian") {
       fail("format", "ascii, binary_little_endian or binary_big_endian", in_quotes(name));
     }
     format_ = name == "ascii" ? Format::kAscii : name == "binary_big_endian" ? Format::kBig : Format::kLittle;
   }
 
-  void add_element(const std::vector<std::string>& words) {
-    Element element;
-    if (words.size() == 3) {
-      element.name = words[1];
-      if (const auto count = parse_number<std::uint64_t>(words[2])) {
-        element.count = *count;
-        elements_.push_back(element);
-        return;
-      }
-    }
-    fail("element", "a name and a count", words.size() > 1 ? in_quotes(words.back()) : "nothing");
+  void add_element(const Words& words) {
+    const auto count = words.size() == 3 ? parse_number<std::uint64_t>(words[2]) : std::nullopt;
+    if (!count) fail("element", "a name and a count", words.size() > 1 ? in_quotes(words.back()) : "nothing");
+    elements_.push_back({std::string(words[1]), *count, {}});
   }
 
-  void add_property(const std::vector<std::string>& words) {
+  void add_property(const Words& words) {
     if (elements_.empty()) fail("property", "an element before it", "none");
-    Property property;
     const bool list = words.size() == 5 && words[1] == "list";
     if (!list && words.size() != 3) fail("property", "TYPE NAME or list COUNT_TYPE TYPE NAME", "something else");
-    const auto type = type_named(words[list ? 3 : 1]);
-    if (list) property.count = type_named(words[2]);
-    if (!type || (list && !property.count)) fail("property", "a type, char to double", in_quotes(words[list ? 3 : 1]));
-    if (list && (*property.count == Type::kFloat32 || *property.count == Type::kFloat64)) {
+    const std::string_view name = words[words.size() - 2];
+    const auto type = type_named(name), count = list ? type_named(words[2]) : std::nullopt;
+    if (!type || (list && !count)) fail("property", "a type, char to double", in_quotes(name));
+    if (count == Type::kFloat32 || count == Type::kFloat64) {
       fail("property", "a whole number as a list's count", in_quotes(words[2]));
     }
-    property.type = *type;
-    property.name = words.back();
-    elements_.back().properties.push_back(property);
+    elements_.back().properties.push_back({std::string(words.back()), *type, count});
   }
 
   void check_element(const Element& element) const {
     if (element.count > 0 && element.properties.empty()) fail("element " + element.name, "properties", "none");
-    if (element.name == "vertex") {
-      for (const char* axis : {"x", "y", "z"}) {
-        const bool there =
-            std::any_of(element.properties.begin(), element.properties.end(),
-                        [axis](const Property& property) { return property.name == axis && !property.count; });
-        if (!there) fail("element vertex", std::string("property ") + axis, "none");
+    for (const std::string axis : {"x", "y", "z"}) {
+      const auto is_axis = [&](const Property& property) { return property.name == axis && !property.count; };
+      if (element.name == "vertex" && std::ranges::none_of(element.properties, is_axis)) {
+        fail("element vertex", "property " + axis, "none");
       }
     }
-    if (element.name == "face" && std::none_of(element.properties.begin(), element.properties.end(), is_corner_list)) {
+    if (element.name == "face" && std::ranges::none_of(element.properties, is_corner_list)) {
       fail("element face", "a list vertex_indices or vertex_index", "none");
     }
   }
@@ -166,7 +146,7 @@ class PlyReader {
       least += format_ == Format::kAscii ? 2 : bytes_of(property.count.value_or(property.type));
     }
     if (element.count == 0 || element.count <= (rest_.size() + 1) / least) return;
-    fail("element " + element.name, "at most " + std::to_string((rest_.size() + 1) / least) + " that fit into the file",
+    fail("element " + element.name, fmt::format("at most {} that fit into the file", (rest_.size() + 1) / least),
          std::to_string(element.count));
   }
 
@@ -222,21 +202,16 @@ class PlyReader {
     if (!(count >= (corners ? 3 : 0)) || count > 1e9 || count != std::floor(count)) {
       fail(field, corners ? "at least 3 corners" : "a count", std::to_string(count));
     }
-    std::uint32_t first = 0, last = 0;
+    std::vector<std::uint32_t> polygon;
     for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {  // ends with the file, whatever the count
       const double number = value(property.type, field);
       if (!corners) continue;
       if (!(number >= 0) || number >= 4294967295.0 || number != std::floor(number)) {
         fail(field, "the number of a vertex", std::to_string(number));
       }
-      const auto next = static_cast<std::uint32_t>(number);
-      if (i == 0) first = next;
-      if (i >= 2) {
-        if (mesh_.triangles.size() >= kMaxTriangles) fail(field, "at most " + std::to_string(kMaxTriangles), "more");
-        mesh_.triangles.push_back({first, last, next});
-      }
-      last = next;
+      polygon.push_back(static_cast<std::uint32_t>(number));
     }
+    if (corners && !add_fan(polygon, mesh_)) fail(field, fmt::format("at most {}", kMaxTriangles), "more");
   }
 
   std::string_view rest_;

@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "gicube/vector.h"
 #include "scene/program/input_error.h"
@@ -21,6 +23,17 @@ std::optional<Number> parse_number(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+// Parted by white space.
+inline std::vector<std::string_view> words_of(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r\n\v\f";
+  std::vector<std::string_view> words;
+  for (std::size_t end = 0, begin; (begin = text.find_first_not_of(kBlank, end)) != text.npos;) {
+    end = std::min(text.find_first_of(kBlank, begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+  }
+  return words;
 }
 
 inline bool is_finite(Vec3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }

@@ -58,7 +58,7 @@ template <typename Call>
 std::string fault_of(const Call& call) {
   try {
     call();
-  } catch (const FileError& error) {
+  } catch (const std::runtime_error& error) {  // FileError or InputError
     return error.what();
   }
   return "none";
