@@ -1,16 +1,11 @@
 #include "render/colour_passes.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "scene/light_field.h"
 #include "scene/program/input_error.h"
 
 namespace gicube::samples {
-namespace {
-
-constexpr double kOpaque = 4095;  // alpha
-
-}  // namespace
 
 const char* name_of(const LightPass& pass) {
   constexpr const char* kNames[] = {"all", "red", "green", "blue"};
@@ -44,18 +39,8 @@ std::vector<LightPass> passes_of(const SceneSetup& setup) {
 void put_together(const LightPass& pass, const Image& from, const std::optional<Colour>& background, Image& into) {
   if (pass.channel < 0) {
     into = from;
-    return;
-  }
-  if (into.pixels.empty()) into = {from.width, from.height, std::vector<Pixel>(from.pixels.size())};
-  constexpr std::uint8_t Pixel::*kChannels[] = {&Pixel::red, &Pixel::green, &Pixel::blue};
-  const auto channel = static_cast<std::size_t>(pass.channel);
-  for (std::size_t i = 0; i < into.pixels.size(); ++i) {
-    const Pixel& source = from.pixels[i];
-    Pixel& target = into.pixels[i];
-    double value = source.*kChannels[channel];
-    if (background) value += (1 - source.alpha / kOpaque) * 255 * (*background)[channel];
-    target.*kChannels[channel] = static_cast<std::uint8_t>(std::min(std::lround(value), 255L));
-    target.alpha = background ? static_cast<std::uint16_t>(kOpaque) : std::max(target.alpha, source.alpha);
+  } else {
+    take_channel(from, pass.channel, background, into);
   }
 }
 

@@ -22,8 +22,7 @@ const char* name_of(const LightPass& pass);
 // InputError: coloured lights with an exposure that the driver would choose anew for each pass.
 std::vector<LightPass> passes_of(const SceneSetup& setup);
 
-// Takes the pass's channel from `from`. What is seen through has another alpha in each channel, so that a background is
-// blended in here, and the result is opaque; without one alpha is the greatest of all passes.
+// Takes the pass's channel from `from` (take_channel()), or the whole picture.
 void put_together(const LightPass& pass, const Image& from, const std::optional<Colour>& background, Image& into);
 
 }  // namespace gicube::samples

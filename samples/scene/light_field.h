@@ -24,16 +24,17 @@ void write_light_field(const LightField& field, Vec3 spacing, const std::filesys
 // Throws FileError: no such file, another type than float, other axes, a value that is below 0 or not finite.
 LightField read_light_field(const std::filesystem::path& path);
 
+// Takes one channel (0 red, 1 green, 2 blue) of a picture. What is seen through may have another alpha in each: a background is
+// blended in here, and the result is opaque; without one alpha is the greatest of all channels.
+void take_channel(const Image& from, int channel, const std::optional<Colour>& background, Image& into);
+
 // Brightness of a unit of it that shows the lighter parts well: nine in ten values above 0 are below 0.8 of white [C]; 1 for
 // a field without light.
 double exposure_for(const LightField& field);
 
-// Writes a channel as the board's irradiance, in place of what was there. What shows brighter than four times white under
-// `exposure` is clipped [C], so that the paper's 11 bits are left for the rest.
-void put_on(Board& board, const LightField& field, int channel, double exposure);
-
 // A picture of the volume on the board, which has the field's size, in that light: one rendering, or one a channel whose
-// channels are put together. Opaque over a background; without one alpha is the volume's.
+// channels are put together. Opaque over a background; without one alpha is the volume's. What shows brighter than four times white
+// under `exposure` is clipped [C], so that the paper's 11 bits of irradiance are left for the rest.
 Image picture_of(Board& board, const LightField& field, View view, double exposure,
                  const std::optional<Colour>& background, const Progress& progress = {});
 

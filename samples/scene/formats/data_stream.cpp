@@ -1,15 +1,12 @@
 #include "scene/formats/data_stream.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 namespace gicube::samples {
 namespace {
@@ -22,104 +19,75 @@ constexpr int kGzipOrZlib = MAX_WBITS + 32;                // zlib.h: detect the
   throw FileError(place.file, "data", fmt::format("{} bytes", wanted), got + " (truncated, or the header is wrong)");
 }
 
-void check_nothing_after(const DataPlace& place, DataStream& stream, std::size_t bytes) {
-  std::array<std::byte, 1> one;
-  // Reading past the end also makes zlib check the stream's checksum.
-  const bool more = stream.read(one) != 0;
-  if (more && place.nothing_after) throw FileError(place.file, "data", fmt::format("{} bytes", bytes), "more");
-}
-
 }  // namespace
 
-struct DataStream::State {
-  std::filesystem::path file;
-  std::ifstream input;
-  std::uint64_t bytes = 0;  // of the file, behind the offset
-  bool compressed = false;
-  bool ended = false;
-  z_stream inflater{};
-  std::array<char, 65536> buffer;
-
-  std::size_t read_plain(std::span<std::byte> out) {
-    input.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(out.size()));
-    if (input.bad()) throw FileError(file, "data", "readable bytes", std::strerror(errno));
-    return static_cast<std::size_t>(input.gcount());
-  }
-
-  bool refill() {
-    input.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-    if (input.bad()) throw FileError(file, "data", "readable bytes", std::strerror(errno));
-    inflater.next_in = reinterpret_cast<Bytef*>(buffer.data());
-    inflater.avail_in = static_cast<uInt>(input.gcount());
-    return inflater.avail_in > 0;
-  }
-
-  // A gzip file may consist of several streams; what else follows one is not ours.
-  void end_member() {
-    const bool more = inflater.avail_in > 0 || refill();
-    ended = !more || *inflater.next_in != 0x1f;
-    if (!ended) inflateReset(&inflater);
-  }
-
-  // One call of inflate() with at most 2^32 - 1 bytes of output.
-  void inflate_some(std::span<std::byte> out) {
-    if (inflater.avail_in == 0 && !refill()) {
-      throw FileError(file, "compressed data", "a whole gzip or zlib stream", "its beginning (truncated)");
-    }
-    inflater.next_out = reinterpret_cast<Bytef*>(out.data());
-    inflater.avail_out = static_cast<uInt>(std::min<std::size_t>(out.size(), std::numeric_limits<uInt>::max()));
-    const int status = inflate(&inflater, Z_NO_FLUSH);
-    if (status == Z_STREAM_END) {
-      end_member();
-    } else if (status != Z_OK && status != Z_BUF_ERROR) {
-      throw FileError(file, "compressed data", "a gzip or zlib stream",
-                      inflater.msg != nullptr ? inflater.msg : zError(status));
-    }
-  }
-
-  std::size_t read_compressed(std::span<std::byte> out) {
-    std::size_t done = 0;
-    while (done < out.size() && !ended) {
-      const auto rest = out.subspan(done);
-      inflate_some(rest);
-      done = static_cast<std::size_t>(reinterpret_cast<std::byte*>(inflater.next_out) - out.data());
-    }
-    return done;
-  }
-
-  ~State() {
-    if (compressed) inflateEnd(&inflater);
-  }
-};
-
 DataStream::DataStream(const std::filesystem::path& file, std::uint64_t offset, bool compressed)
-    : state_(std::make_unique<State>()) {
-  const std::uint64_t all = file_bytes(file);
-  if (offset > all) {
+    : file_(file), bytes_(file_bytes(file)), compressed_(compressed) {
+  if (offset > bytes_) {
     throw FileError(file, "data", fmt::format("to begin at byte {}", offset),
-                    fmt::format("a file of {} bytes (truncated, or the header is wrong)", all));
+                    fmt::format("a file of {} bytes (truncated, or the header is wrong)", bytes_));
   }
-  state_->file = file;
-  state_->bytes = all - offset;
-  state_->input.open(file, std::ios::binary);
-  if (!state_->input) throw FileError(file, "file", "a readable file", std::strerror(errno));
-  state_->input.seekg(static_cast<std::streamoff>(offset));
-  if (compressed && inflateInit2(&state_->inflater, kGzipOrZlib) != Z_OK) throw std::bad_alloc();
-  state_->compressed = compressed;
+  bytes_ -= offset;
+  input_.open(file, std::ios::binary);
+  if (!input_) throw FileError(file, "file", "a readable file", std::strerror(errno));
+  input_.seekg(static_cast<std::streamoff>(offset));
+  if (compressed && inflateInit2(&inflater_, kGzipOrZlib) != Z_OK) throw std::bad_alloc();
 }
 
-DataStream::DataStream(DataStream&&) noexcept = default;
-DataStream::~DataStream() = default;
+DataStream::~DataStream() {
+  if (compressed_) inflateEnd(&inflater_);
+}
+
+std::size_t DataStream::read_file(void* bytes, std::size_t count) {
+  input_.read(static_cast<char*>(bytes), static_cast<std::streamsize>(count));
+  if (input_.bad()) throw FileError(file_, "data", "readable bytes", std::strerror(errno));
+  return static_cast<std::size_t>(input_.gcount());
+}
+
+bool DataStream::refill() {
+  inflater_.avail_in = static_cast<uInt>(read_file(buffer_.data(), buffer_.size()));
+  inflater_.next_in = reinterpret_cast<Bytef*>(buffer_.data());
+  return inflater_.avail_in > 0;
+}
+
+// A gzip file may consist of several streams; what else follows one is not ours.
+void DataStream::end_member() {
+  const bool more = inflater_.avail_in > 0 || refill();
+  ended_ = !more || *inflater_.next_in != 0x1f;
+  if (!ended_) inflateReset(&inflater_);
+}
+
+// One call of inflate() with at most 2^32 - 1 bytes of output.
+void DataStream::inflate_some(std::span<std::byte> out) {
+  if (inflater_.avail_in == 0 && !refill()) {
+    throw FileError(file_, "compressed data", "a whole gzip or zlib stream", "its beginning (truncated)");
+  }
+  inflater_.next_out = reinterpret_cast<Bytef*>(out.data());
+  inflater_.avail_out = static_cast<uInt>(std::min<std::size_t>(out.size(), std::numeric_limits<uInt>::max()));
+  const int status = inflate(&inflater_, Z_NO_FLUSH);
+  if (status == Z_STREAM_END) {
+    end_member();
+  } else if (status != Z_OK && status != Z_BUF_ERROR) {
+    throw FileError(file_, "compressed data", "a gzip or zlib stream",
+                    inflater_.msg != nullptr ? inflater_.msg : zError(status));
+  }
+}
 
 std::size_t DataStream::read(std::span<std::byte> bytes) {
-  return state_->compressed ? state_->read_compressed(bytes) : state_->read_plain(bytes);
+  if (!compressed_) return read_file(bytes.data(), bytes.size());
+  std::size_t done = 0;
+  while (done < bytes.size() && !ended_) {
+    inflate_some(bytes.subspan(done));
+    done = static_cast<std::size_t>(reinterpret_cast<std::byte*>(inflater_.next_out) - bytes.data());
+  }
+  return done;
 }
 
 std::uint64_t DataStream::max_bytes() const {
   // A file system's sizes are below 2^63, but not 1032 times below.
-  if (!state_->compressed) return state_->bytes;
+  if (!compressed_) return bytes_;
   constexpr std::uint64_t kMax = std::numeric_limits<std::uint64_t>::max() / kMaxDeflateRatio;
-  return std::min(state_->bytes, kMax) * kMaxDeflateRatio;
+  return std::min(bytes_, kMax) * kMaxDeflateRatio;
 }
 
 std::uint64_t file_bytes(const std::filesystem::path& file) {
@@ -165,7 +133,10 @@ std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes) {
     const std::size_t came = stream.read(std::span(out).subspan(had));
     if (had + came < out.size()) throw_truncated(place, bytes, fmt::format("{}", had + came));
   }
-  check_nothing_after(place, stream, bytes);
+  // Reading past the end also makes zlib check the stream's checksum.
+  std::byte one;
+  const bool more = stream.read({&one, 1}) != 0;
+  if (more && place.nothing_after) throw FileError(place.file, "data", fmt::format("{} bytes", bytes), "more");
   return out;
 }
 

@@ -1,10 +1,13 @@
 // Bytes of a file, as they are or out of a gzip or zlib stream.
 #pragma once
 
+#include <zlib.h>
+
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
+#include <fstream>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,7 +30,8 @@ class DataStream {
  public:
   // Throws FileError when the file is missing, unreadable, no regular file, or shorter than the offset.
   DataStream(const std::filesystem::path& file, std::uint64_t offset, bool compressed);
-  DataStream(DataStream&&) noexcept;
+  DataStream(const DataStream&) = delete;
+  DataStream& operator=(const DataStream&) = delete;
   ~DataStream();
 
   // Fills `bytes`, or as much of it as there is; how many bytes came.
@@ -37,8 +41,18 @@ class DataStream {
   std::uint64_t max_bytes() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::size_t read_file(void* bytes, std::size_t count);
+  bool refill();
+  void end_member();
+  void inflate_some(std::span<std::byte> out);
+
+  std::filesystem::path file_;
+  std::ifstream input_;
+  std::uint64_t bytes_;  // of the file, behind the offset
+  bool compressed_;
+  bool ended_ = false;
+  z_stream inflater_{};
+  std::array<char, 65536> buffer_;
 };
 
 // The size of a regular file. Throws FileError when it is missing or not regular.

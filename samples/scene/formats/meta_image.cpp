@@ -1,7 +1,6 @@
 #include "scene/formats/readers.h"
 
 #include <bit>
-#include <charconv>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "scene/formats/data_stream.h"
 #include "scene/formats/header_lines.h"
 #include "scene/formats/stored_samples.h"
+#include "scene/program/checks.h"
 
 namespace gicube::samples {
 namespace {
@@ -25,7 +25,7 @@ class Header {
       const std::size_t equals = line.find('=');
       if (trimmed(line).empty()) continue;
       if (equals == std::string::npos)
-        throw FileError(file, "header", "lines \"Key = Value\"", '"' + line.substr(0, 40) + '"');
+        throw FileError(file, "header", "lines \"Key = Value\"", in_quotes(line.substr(0, 40)));
       values_[std::string(key_of(line))] = std::string(trimmed(std::string_view(line).substr(equals + 1)));
     }
   }
@@ -46,21 +46,17 @@ class Header {
     const std::string value = lower_case(text(key));
     if (value == "true" || value == "t" || value == "1") return true;
     if (value == "false" || value == "f" || value == "0") return false;
-    throw FileError(file_, key, "True or False", '"' + text(key) + '"');
+    throw FileError(file_, key, "True or False", in_quotes(text(key)));
   }
 
   template <typename Number>
   std::vector<Number> numbers(const std::string& key) const {
     const std::string& value = text(key);
     std::vector<Number> list;
-    for (std::string_view rest = trimmed(value); !rest.empty(); rest = trimmed(rest)) {
-      Number number{};
-      const auto result = std::from_chars(rest.data(), rest.data() + rest.size(), number);
-      const auto used = static_cast<std::size_t>(result.ptr - rest.data());
-      const bool parted = used == rest.size() || rest[used] == ' ' || rest[used] == '\t';
-      if (result.ec != std::errc() || !parted) throw FileError(file_, key, "numbers", '"' + value + '"');
-      list.push_back(number);
-      rest.remove_prefix(used);
+    for (const std::string_view word : words_of(value)) {
+      const auto number = parse_number<Number>(word);
+      if (!number) throw FileError(file_, key, "numbers", in_quotes(value));
+      list.push_back(*number);
     }
     return list;
   }
@@ -68,7 +64,7 @@ class Header {
   std::int64_t number(const std::string& key, std::int64_t otherwise) const {
     if (!has(key)) return otherwise;
     const auto list = numbers<std::int64_t>(key);
-    if (list.size() != 1) throw FileError(file_, key, "one number", '"' + text(key) + '"');
+    if (list.size() != 1) throw FileError(file_, key, "one number", in_quotes(text(key)));
     return list[0];
   }
 
@@ -87,7 +83,7 @@ StoredType type_of(const std::filesystem::path& file, const std::string& name) {
       {"MET_LONG_LONG", StoredType::kInt64}, {"MET_ULONG_LONG", StoredType::kUint64},
       {"MET_FLOAT", StoredType::kFloat32},   {"MET_DOUBLE", StoredType::kFloat64}};
   const auto found = kTypes.find(name);
-  if (found == kTypes.end()) throw FileError(file, "ElementType", "a MET_ number type", '"' + name + '"');
+  if (found == kTypes.end()) throw FileError(file, "ElementType", "a MET_ number type", in_quotes(name));
   return found->second;
 }
 
@@ -95,7 +91,7 @@ Vec3 spacing_of(const std::filesystem::path& file, const Header& header) {
   const std::string key = header.has("ElementSpacing") ? "ElementSpacing" : "ElementSize";
   if (!header.has(key)) return {1, 1, 1};
   const auto list = header.numbers<double>(key);
-  if (list.size() < 3) throw FileError(file, key, "three numbers", '"' + header.text(key) + '"');
+  if (list.size() < 3) throw FileError(file, key, "three numbers", in_quotes(header.text(key)));
   return {list[0], list[1], list[2]};
 }
 
@@ -104,7 +100,7 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   layout.file = file;
   const auto sizes = header.numbers<std::int64_t>("DimSize");
   if (const auto axes = header.number("NDims", 3); axes != static_cast<std::int64_t>(sizes.size())) {
-    throw FileError(file, "DimSize", fmt::format("NDims = {} numbers", axes), '"' + header.text("DimSize") + '"');
+    throw FileError(file, "DimSize", fmt::format("NDims = {} numbers", axes), in_quotes(header.text("DimSize")));
   }
   layout.dims = checked_dims(file, "DimSize", sizes);
   if (const auto channels = header.number("ElementNumberOfChannels", 1); channels != 1) {
@@ -127,7 +123,7 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, std:
     return place;
   }
   if (name.empty() || name.starts_with("LIST") || name.find('%') != std::string::npos) {
-    throw FileError(file, "ElementDataFile", "LOCAL or the name of one file", '"' + name + '"');
+    throw FileError(file, "ElementDataFile", "LOCAL or the name of one file", in_quotes(name));
   }
   place.file = beside(file, name);
   const std::int64_t skip = header.number("HeaderSize", 0);
@@ -156,7 +152,7 @@ Volume read_meta_image(const std::filesystem::path& file) {
     throw FileError(file, "header", "\"ObjectType = Image\" or \"NDims = 3\" first", "another beginning");
   const Header header(file);
   if (header.has("ObjectType") && header.text("ObjectType") != "Image") {
-    throw FileError(file, "ObjectType", "Image", '"' + header.text("ObjectType") + '"');
+    throw FileError(file, "ObjectType", "Image", in_quotes(header.text("ObjectType")));
   }
   StoredLayout layout = layout_of(file, header);
   const std::size_t bytes = checked_bytes(layout);

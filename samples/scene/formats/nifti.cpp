@@ -1,5 +1,6 @@
 #include "scene/formats/readers.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -7,7 +8,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nifti2_io.h>
@@ -20,34 +20,25 @@ namespace {
 
 static_assert(sizeof(nifti_1_header) == 348 && sizeof(nifti_2_header) == 540);
 
-// What both versions say of the samples.
 struct Header {
-  std::string magic;
-  std::vector<std::int64_t> sizes;  // dim[1] to dim[dim[0]]; dim[0] alone if that is out of 1..7
-  std::int64_t axes = 0;            // dim[0]
-  int datatype = 0;
-  Vec3 spacing;
-  double data_offset = 0;
+  nifti_2_header raw{};         // of version 1 too: what counts of it in the fields of version 2
+  double data_offset = 0;       // a float in version 1
   std::int64_t min_offset = 0;  // header and the four bytes that announce extensions
-  double slope = 0, intercept = 0;
   bool swapped = false;
   bool gzipped = false;
+
+  std::string magic() const { return {raw.magic, strnlen(raw.magic, 4)}; }
 };
 
 template <typename Raw>
 Header from(const Raw& raw, bool swapped) {
-  Header header;
-  header.magic.assign(raw.magic, strnlen(raw.magic, 4));
-  header.axes = raw.dim[0];
-  for (std::int64_t i = 1; i <= header.axes && header.axes <= 7; ++i) header.sizes.push_back(raw.dim[i]);
-  header.datatype = raw.datatype;
-  header.spacing = {static_cast<double>(raw.pixdim[1]), static_cast<double>(raw.pixdim[2]),
-                    static_cast<double>(raw.pixdim[3])};
-  header.data_offset = static_cast<double>(raw.vox_offset);
-  header.min_offset = sizeof(Raw) + 4;
-  header.slope = static_cast<double>(raw.scl_slope);
-  header.intercept = static_cast<double>(raw.scl_inter);
-  header.swapped = swapped;
+  Header header{.data_offset = static_cast<double>(raw.vox_offset), .min_offset = sizeof(Raw) + 4, .swapped = swapped};
+  std::ranges::copy(raw.dim, header.raw.dim);
+  std::ranges::copy(raw.pixdim, header.raw.pixdim);
+  std::copy_n(raw.magic, 4, header.raw.magic);
+  header.raw.datatype = raw.datatype;
+  header.raw.scl_slope = static_cast<double>(raw.scl_slope);
+  header.raw.scl_inter = static_cast<double>(raw.scl_inter);
   return header;
 }
 
@@ -91,28 +82,25 @@ StoredType type_of(const std::filesystem::path& file, int datatype) {
   }
 }
 
-void set_scale(const Header& header, StoredLayout& layout) {
-  if (header.slope == 0 || std::isnan(header.slope)) return;
-  if (!std::isfinite(header.slope) || !std::isfinite(header.intercept)) {
-    throw FileError(layout.file, "scl_slope, scl_inter", "finite numbers",
-                    fmt::format("{}, {}", header.slope, header.intercept));
-  }
-  layout.slope = header.slope;
-  layout.intercept = header.intercept;
-}
-
 StoredLayout layout_of(const std::filesystem::path& file, const Header& header) {
-  if (header.magic != "n+1" && header.magic != "n+2") {
-    throw FileError(file, "magic", "\"n+1\" or \"n+2\" (header and data in one file)", '"' + header.magic + '"');
+  const nifti_2_header& raw = header.raw;
+  if (header.magic() != "n+1" && header.magic() != "n+2") {
+    throw FileError(file, "magic", "\"n+1\" or \"n+2\" (header and data in one file)", '"' + header.magic() + '"');
   }
-  if (header.axes < 3 || header.axes > 7) throw FileError(file, "dim[0]", "3..7", fmt::format("{}", header.axes));
+  if (raw.dim[0] < 3 || raw.dim[0] > 7) throw FileError(file, "dim[0]", "3..7", fmt::format("{}", raw.dim[0]));
   StoredLayout layout;
   layout.file = file;
-  layout.dims = checked_dims(file, "dim", header.sizes);
-  layout.type = type_of(file, header.datatype);
-  layout.spacing = header.spacing;
+  layout.dims = checked_dims(file, "dim", {raw.dim + 1, static_cast<std::size_t>(raw.dim[0])});
+  layout.type = type_of(file, raw.datatype);
+  layout.spacing = {raw.pixdim[1], raw.pixdim[2], raw.pixdim[3]};
   layout.big_endian = header.swapped == (std::endian::native == std::endian::little);
-  set_scale(header, layout);
+  if (raw.scl_slope == 0 || std::isnan(raw.scl_slope)) return layout;
+  if (!std::isfinite(raw.scl_slope) || !std::isfinite(raw.scl_inter)) {
+    throw FileError(file, "scl_slope, scl_inter", "finite numbers",
+                    fmt::format("{}, {}", raw.scl_slope, raw.scl_inter));
+  }
+  layout.slope = raw.scl_slope;
+  layout.intercept = raw.scl_inter;
   return layout;
 }
 
@@ -134,7 +122,7 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header) {
 
 bool is_nifti(const std::filesystem::path& file) {
   const auto header = read_header(file);
-  return header && (header->magic.starts_with("n+") || header->magic.starts_with("ni"));
+  return header && (header->magic().starts_with("n+") || header->magic().starts_with("ni"));
 }
 
 Volume read_nifti(const std::filesystem::path& file) {

@@ -4,8 +4,10 @@
 #include <nifti2_io.h>
 #include <teem/nrrd.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
@@ -33,28 +35,36 @@ FileError unwritable(const std::filesystem::path& path, const std::string& why) 
   return {path, "file", "a place to write to", why};
 }
 
-void write_nrrd(const FloatVolume& volume, const std::filesystem::path& path) {
+// `describe` says where the samples lie, as far as teem takes it: it gets the axis that is x.
+template <typename Describe>
+void save_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const NrrdEncoding* encoding,
+               const Describe& describe) {
   const std::unique_ptr<Nrrd, decltype(&nrrdNix)> nrrd(nrrdNew(), &nrrdNix);  // nix: the values stay ours
   const std::unique_ptr<NrrdIoState, decltype(&nrrdIoStateNix)> io(nrrdIoStateNew(), &nrrdIoStateNix);
   auto* values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast): teem only reads it
-  const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
-  std::array<std::size_t, 3> sizes{};
-  double directions[3][NRRD_SPACE_DIM_MAX] = {};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    sizes[axis] = static_cast<std::size_t>(volume.dims[axis]);
-    directions[axis][axis] = edges[axis];
-  }
-  io->encoding = nrrdEncodingRaw;
-  const WholeFile file(path);
-  const bool failed = nrrdWrap_nva(nrrd.get(), values, nrrdTypeFloat, 3, sizes.data()) != 0 ||
-                      nrrdSpaceDimensionSet(nrrd.get(), 3) != 0 || nrrdSpaceOriginSet(nrrd.get(), origin.data()) != 0;
-  nrrdAxisInfoSet_nva(nrrd.get(), nrrdAxisInfoSpaceDirection, directions);
+  const unsigned first = volume.channels > 1 ? 1 : 0;
+  std::array<std::size_t, 4> sizes{static_cast<std::size_t>(volume.channels)};
+  for (unsigned axis = 0; axis < 3; ++axis) sizes[first + axis] = static_cast<std::size_t>(volume.dims[axis]);
   io->format = nrrdFormatNRRD;
-  if (failed || nrrdSave(file.path().string().c_str(), nrrd.get(), io.get()) != 0) {
+  io->encoding = encoding;
+  const WholeFile file(path);
+  if (nrrdWrap_nva(nrrd.get(), values, nrrdTypeFloat, first + 3, sizes.data()) != 0 || !describe(nrrd.get(), first) ||
+      nrrdSave(file.path().string().c_str(), nrrd.get(), io.get()) != 0) {
     const std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
     throw unwritable(path, text ? text.get() : "an error of teem");
   }
   file.rename();
+}
+
+void write_nrrd(const FloatVolume& volume, const std::filesystem::path& path) {
+  save_nrrd(volume, path, nrrdEncodingRaw, [&](Nrrd* nrrd, unsigned) {
+    const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
+    double directions[3][NRRD_SPACE_DIM_MAX] = {};
+    for (std::size_t axis = 0; axis < 3; ++axis) directions[axis][axis] = edges[axis];
+    const bool good = nrrdSpaceDimensionSet(nrrd, 3) == 0 && nrrdSpaceOriginSet(nrrd, origin.data()) == 0;
+    nrrdAxisInfoSet_nva(nrrd, nrrdAxisInfoSpaceDirection, directions);
+    return good;
+  });
 }
 
 void write_bytes(const FloatVolume& volume, const std::string& header, const std::filesystem::path& path) {
@@ -119,6 +129,17 @@ void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, c
 }
 
 }  // namespace
+
+void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path) {
+  const auto* encoding = nrrdEncodingGzip->available() != 0 ? nrrdEncodingGzip : nrrdEncodingRaw;
+  save_nrrd(volume, path, encoding, [&](Nrrd* nrrd, unsigned first) {
+    std::array<double, 4> spacings{std::nan("")};  // channels have none
+    std::ranges::copy(in_order(volume.spacing), spacings.begin() + first);
+    nrrdAxisInfoSet_nva(nrrd, nrrdAxisInfoSpacing, spacings.data());
+    if (first > 0) nrrd->axis[0].kind = nrrdKindRGBColor;
+    return true;
+  });
+}
 
 bool is_volume_output(const std::filesystem::path& path) { return !ending_of(path).empty(); }
 

@@ -14,6 +14,7 @@ struct FloatVolume {
   Vec3 spacing{1, 1, 1};          // voxel edges, > 0
   Vec3 origin;                    // of the first voxel's centre; axes run along x, y, z
   std::span<const float> values;  // x fastest
+  int channels = 1;               // or 3, a voxel's side by side: write_compressed_nrrd() only
 };
 
 // Whether write_volume() knows the extension.
@@ -22,5 +23,8 @@ bool is_volume_output(const std::filesystem::path& path);
 // as they are, in NIfTI spacing and origin as 32-bit floats. A file that was there stays until the new one is whole.
 // Throws FileError: another extension, a wrong number of values, a place that can't be written to.
 void write_volume(const FloatVolume& volume, const std::filesystem::path& path);
+
+// As NRRD, compressed, without an origin. Throws FileError.
+void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path);
 
 }  // namespace gicube::samples
