@@ -130,16 +130,14 @@ void check_output(const std::filesystem::path& output) {
 }
 
 // A plan chooses these itself, and knows nothing of a field of light.
-void check_plan_options(const RenderOptions& options) {
+void check_plan_options(const CLI::App& app, const RenderOptions& options) {
   check_plan(options.plan);
   if (!options.plan.wanted()) return;
-  const auto refuse = [](bool given, const char* names, const char* why) {
-    if (given) throw UsageError(std::string(names) + ": expected none with --max-error and --time-budget" + why);
-  };
-  refuse(options.step || options.threshold, "--step, --threshold", ", which choose them");
-  refuse(options.lighting.rays.has_value(), "--light-rays", ", which choose them");
-  refuse(options.crop || options.level_of_detail > 0, "--crop, --level-of-detail", ", which choose them");
-  refuse(!options.lighting.field.empty(), "--irradiance", "");
+  for (const char* chosen : {"--step", "--threshold", "--light-rays", "--crop", "--level-of-detail"}) {
+    refuse_with_plan(app, chosen);
+  }
+  if (!options.lighting.field.empty())
+    throw UsageError("--irradiance: expected none with --max-error and --time-budget");
 }
 
 bool has_layout(const RenderOptions& options) {
@@ -241,7 +239,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   if (!parsed(app, argc, argv, out)) return std::nullopt;
   check_output(options.output);
   check_animation(options.animation);
-  check_plan_options(options);
+  check_plan_options(app, options);
   return options;
 }
 

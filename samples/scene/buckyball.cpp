@@ -5,7 +5,6 @@
 #include <numbers>
 #include <string>
 
-#include "scene/geometry/signed_distance.h"
 #include "scene/program/input_error.h"
 
 namespace gicube::samples {
@@ -25,38 +24,24 @@ void add_orbit(Vec3 corner, std::vector<Vec3>& atoms) {
 }
 
 struct Solid {
-  enum class Kind { kSphere, kCapsule, kBox } kind;
-  Vec3 a, b;
-  double radius;
+  Field field;
   std::uint8_t tag;
-
-  Distance distance(Vec3 p) const {
-    switch (kind) {
-      case Kind::kSphere: return sphere_distance(p, a, radius);
-      case Kind::kCapsule: return capsule_distance(p, a, b, radius);
-      case Kind::kBox: return box_distance(p, a, b, radius);
-    }
-    return {};
-  }
 };
 
 // All solids in voxels. `scale` is the volume's edge.
 std::vector<Solid> place_solids(const BuckyballShape& shape, double scale) {
-  std::vector<Solid> solids;
-  const Molecule molecule = truncated_icosahedron();
+  Molecule molecule = truncated_icosahedron();
   const double turn = shape.turn_degrees * std::numbers::pi / 180, cosine = std::cos(turn), sine = std::sin(turn);
-  std::vector<Vec3> atoms;
-  for (const Vec3& p : molecule.atoms) {
+  for (Vec3& p : molecule.atoms) {
     const Vec3 turned{cosine * p.x - sine * p.y, sine * p.x + cosine * p.y, p.z};
-    atoms.push_back(scale * (shape.centre + shape.circumradius * turned));
-    solids.push_back({Solid::Kind::kSphere, atoms.back(), {}, scale * shape.atom_radius, kAtom});
+    p = scale * (shape.centre + shape.circumradius * turned);
   }
-  for (const auto& [from, to] : molecule.bonds) {
-    solids.push_back({Solid::Kind::kCapsule, atoms[static_cast<std::size_t>(from)], atoms[static_cast<std::size_t>(to)],
-                      scale * shape.bond_radius, kBond});
-  }
-  solids.push_back(
-      {Solid::Kind::kBox, scale * shape.floor_low, scale * shape.floor_high, scale * shape.floor_rounding, kFloor});
+  std::vector<Solid> solids;
+  for (const Field& atom : atom_fields(molecule, scale * shape.atom_radius)) solids.push_back({atom, kAtom});
+  for (const Field& bond : bond_fields(molecule, scale * shape.bond_radius)) solids.push_back({bond, kBond});
+  const Vec3 low = scale * shape.floor_low, high = scale * shape.floor_high;
+  const double rounding = scale * shape.floor_rounding;
+  solids.push_back({[=](Vec3 p) { return box_distance(p, low, high, rounding); }, kFloor});
   return solids;
 }
 
@@ -95,6 +80,21 @@ Molecule truncated_icosahedron() {
   return molecule;
 }
 
+std::vector<Field> atom_fields(const Molecule& molecule, double radius) {
+  std::vector<Field> fields;
+  for (const Vec3& a : molecule.atoms) fields.push_back([=](Vec3 p) { return sphere_distance(p, a, radius); });
+  return fields;
+}
+
+std::vector<Field> bond_fields(const Molecule& molecule, double radius) {
+  std::vector<Field> fields;
+  for (const auto& [from, to] : molecule.bonds) {
+    const Vec3 a = molecule.atoms[static_cast<std::size_t>(from)], b = molecule.atoms[static_cast<std::size_t>(to)];
+    fields.push_back([=](Vec3 p) { return capsule_distance(p, a, b, radius); });
+  }
+  return fields;
+}
+
 VoxelWorld make_buckyball(int size, bool gradients, int threads, const BuckyballShape& shape) {
   if (size < kMinBuckyballSize || size > kMaxBuckyballSize) {
     throw InputError("buckyball size",
@@ -109,14 +109,14 @@ VoxelWorld make_buckyball(int size, bool gradients, int threads, const Buckyball
     const double reach = kNearVoxels + kCell * std::numbers::sqrt3 / 2;
     std::vector<const Solid*> near;
     for (const Solid& solid : solids) {
-      if (solid.distance(middle_of_cell(first)).distance < reach) near.push_back(&solid);
+      if (solid.field(middle_of_cell(first)).distance < reach) near.push_back(&solid);
     }
     if (near.empty()) return;
     each_voxel(dims, first, [&](Vec3 p, std::size_t index) {
       Distance nearest{kNearVoxels, {}};
       const Solid* solid = nullptr;
       for (const Solid* candidate : near) {
-        const Distance distance = candidate->distance(p);
+        const Distance distance = candidate->field(p);
         if (distance.distance < nearest.distance) nearest = distance, solid = candidate;
       }
       if (solid == nullptr) return;

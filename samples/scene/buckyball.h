@@ -8,6 +8,7 @@
 
 #include "gicube/shading.h"
 #include "gicube/transfer_function.h"
+#include "scene/geometry/signed_distance.h"
 #include "scene/geometry/voxel_world.h"
 #include "scene/scene.h"
 
@@ -24,6 +25,10 @@ struct Molecule {
 
 // Centred on the origin, all atoms at distance 1 from it, one pentagon's centre on the +z axis.
 Molecule truncated_icosahedron();
+
+// A sphere an atom, a capsule a bond.
+std::vector<Field> atom_fields(const Molecule& molecule, double radius);
+std::vector<Field> bond_fields(const Molecule& molecule, double radius);
 
 // Lengths as parts of the volume's edge, which is size - 1 voxels.
 struct BuckyballShape {

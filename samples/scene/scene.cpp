@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "scene/geometry/signed_distance.h"
 #include "scene/program/checks.h"
 
 namespace gicube::samples {
@@ -30,11 +31,6 @@ struct SeenBox {
 struct Frame {
   Vec3 towards_eye, right, up;
 };
-
-Vec3 unit_or_zero(Vec3 a) {
-  const double norm = length(a);
-  return norm > 0 ? (1 / norm) * a : Vec3{};
-}
 
 Frame make_frame(Vec3 up, Vec3 towards_eye) {
   const Vec3 right = unit_or_zero(cross(up, towards_eye));
@@ -103,11 +99,10 @@ SampleType sample_type_named(const std::string& name, const std::string& field) 
 
 void choose_camera(Scene& scene, const std::string& name) {
   if (scene.camera.name == name) return;
+  const auto found = std::ranges::find(scene.more_cameras, name, &CameraSettings::name);
+  if (found != scene.more_cameras.end()) return std::swap(*found, scene.camera);
   std::string names = scene.camera.name;
-  for (CameraSettings& camera : scene.more_cameras) {
-    if (camera.name == name) return std::swap(camera, scene.camera);
-    names += (names.empty() ? "" : ", ") + camera.name;
-  }
+  for (const CameraSettings& camera : scene.more_cameras) names += (names.empty() ? "" : ", ") + camera.name;
   throw InputError("camera", names.empty() ? "a scene with named cameras" : "one of " + names, in_quotes(name));
 }
 

@@ -64,10 +64,7 @@ struct Scene {
 void choose_camera(Scene& scene, const std::string& name);
 
 // Owns what a VolumeView points to. Everything in it is in voxels.
-struct SceneSetup {
-  Volume volume;
-  std::vector<std::uint8_t> tags;
-  std::vector<float> gradients;
+struct SceneSetup : VoxelWorld {
   WorldGrid grid;       // of the scene's units; the identity without a world
   VoxelBox box;         // what the camera is to see, unless it is told
   Appearance built_in;  // what a built-in volume, or the preset of a file, brings along

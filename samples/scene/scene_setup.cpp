@@ -15,19 +15,14 @@ constexpr double kLightDistance = 1.5;  // chosen: of a volume file's own point 
 
 void take_buckyball(const Scene& scene, int threads, SceneSetup& setup) {
   const int size = scene.volume.size;
-  VoxelWorld ball = make_buckyball(size, size <= kMaxAnalyticSize, threads);
-  setup.volume = std::move(ball.volume);
-  setup.tags = std::move(ball.tags);
-  setup.gradients = std::move(ball.gradients);
+  static_cast<VoxelWorld&>(setup) = make_buckyball(size, size <= kMaxAnalyticSize, threads);
   setup.built_in = buckyball_appearance(size);
 }
 
 void take_world(const Scene& scene, int threads, SceneSetup& setup) {
   BuiltWorld built = build(*scene.world, scene.materials, threads);
   setup.grid = built.grid;
-  setup.volume = std::move(built.voxels.volume);
-  setup.tags = std::move(built.voxels.tags);
-  setup.gradients = std::move(built.voxels.gradients);
+  static_cast<VoxelWorld&>(setup) = std::move(built.voxels);
   setup.built_in.materials = std::move(built.looks);
 }
 

@@ -24,8 +24,8 @@ class Parser {
     line_ = line;
     if (words.empty()) return;
     if (words[0] == "values") return scale(words);
-    if (words[0] == "colour" || words[0] == "color") return colour_point(words);
-    if (words[0] == "opacity") return opacity_point(words);
+    if (words[0] == "colour" || words[0] == "color") return point(words, true);
+    if (words[0] == "opacity") return point(words, false);
     fault("statement", "values, colour or opacity", in_quotes(words[0]));
   }
 
@@ -75,24 +75,22 @@ class Parser {
   }
 
   template <typename Point>
-  bool rises(const std::vector<Point>& points, double value, const std::string& kind) {
+  bool rises(const std::vector<Point>& points, double value, std::string_view kind) {
     const std::size_t n = points.size();
     if (n == 0 || value > points[n - 1].value) return true;
     if (value == points[n - 1].value && (n == 1 || points[n - 2].value < value)) return true;
-    fault(kind + " value", fmt::format("a number above {}", points[n - 1].value), fmt::format("{}", value));
+    fault(std::string(kind) + " value", fmt::format("a number above {}", points[n - 1].value),
+          fmt::format("{}", value));
     return false;
   }
 
-  void colour_point(const Words& words) {
-    const auto values = numbers(words, 4, "VALUE RED GREEN BLUE");
-    if (!values || !rises(file_.function.colours, (*values)[0], std::string(words[0]))) return;
-    file_.function.colours.push_back({(*values)[0], {(*values)[1], (*values)[2], (*values)[3]}});
-  }
-
-  void opacity_point(const Words& words) {
-    const auto values = numbers(words, 2, "VALUE ALPHA");
-    if (!values || !rises(file_.function.opacities, (*values)[0], std::string(words[0]))) return;
-    file_.function.opacities.push_back({(*values)[0], (*values)[1]});
+  void point(const Words& words, bool colour) {
+    const auto given = numbers(words, colour ? 4 : 2, colour ? "VALUE RED GREEN BLUE" : "VALUE ALPHA");
+    if (!given) return;
+    const std::vector<double>& v = *given;
+    TransferFunction& function = file_.function;
+    if (colour && rises(function.colours, v[0], words[0])) function.colours.push_back({v[0], {v[1], v[2], v[3]}});
+    if (!colour && rises(function.opacities, v[0], words[0])) function.opacities.push_back({v[0], v[1]});
   }
 
   std::string name_;
@@ -128,22 +126,17 @@ TransferFunction in_values_of(const ValueRange& range, const TransferFunctionFil
 }
 
 std::string preset_names() {
-  std::string names;
-  for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + std::string(preset.name);
-  return names;
+  return fmt::format("{}", fmt::join(presets() | std::views::transform(&Preset::name), ", "));
 }
 
 TransferFunctionFile find_preset(std::string_view name) {
-  for (const Preset& preset : presets()) {
-    if (preset.name == name) return parse_transfer_function(preset.text, std::string(name));
-  }
+  const auto found = std::ranges::find(presets(), name, &Preset::name);
+  if (found != presets().end()) return parse_transfer_function(found->text, std::string(name));
   throw InputError("preset", "one of " + preset_names(), in_quotes(name));
 }
 
 TransferFunctionFile find_transfer_function(const std::string& preset_or_path) {
-  for (const Preset& preset : presets()) {
-    if (preset.name == preset_or_path) return find_preset(preset_or_path);
-  }
+  if (std::ranges::count(presets(), preset_or_path, &Preset::name) > 0) return find_preset(preset_or_path);
   std::error_code error;
   if (std::filesystem::exists(preset_or_path, error)) return read_transfer_function(preset_or_path);
   throw InputError("transfer function", "a file, or one of the presets " + preset_names(), in_quotes(preset_or_path));

@@ -42,14 +42,10 @@ std::vector<Pair> pairs_of(const SweepOptions& options) {
 // Each once, in order: points, then references.
 std::vector<Run> runs_of(const std::vector<Pair>& pairs, bool with_references) {
   std::vector<Run> runs;
+  for (const Pair& pair : pairs) runs.push_back(pair.run);
+  if (with_references) std::ranges::transform(pairs, std::back_inserter(runs), &Pair::reference);
   std::set<std::string> known;
-  const auto add = [&](const Run& run) {
-    if (known.insert(run.key()).second) runs.push_back(run);
-  };
-  for (const Pair& pair : pairs) add(pair.run);
-  if (with_references) {
-    for (const Pair& pair : pairs) add(pair.reference);
-  }
+  std::erase_if(runs, [&](const Run& run) { return !known.insert(run.key()).second; });
   return runs;
 }
 
@@ -116,9 +112,8 @@ void write_files(const SweepOptions& options, const Table& table) {
 void print_front(const Table& table) {
   fmt::print("{:>12}  {:>12}  of {} runs, no other is cheaper and better:\n", table.cost, "error", table.rows.size());
   std::vector<Row> front;
-  std::copy_if(table.rows.begin(), table.rows.end(), std::back_inserter(front),
-               [](const Row& row) { return row.on_front; });
-  std::sort(front.begin(), front.end(), [](const Row& a, const Row& b) { return a.cost < b.cost; });
+  std::ranges::copy_if(table.rows, std::back_inserter(front), &Row::on_front);
+  std::ranges::sort(front, {}, &Row::cost);
   for (const Row& row : front) fmt::print("{:12.6g}  {:12.6g}  {}\n", row.cost, row.error, row.command);
 }
 

@@ -20,7 +20,7 @@ const char* const kFooter =
 
 // CLI11 would cut them at commas.
 struct Texts {
-  std::vector<std::string> inputs, vary, fix, reference, also, also_errors;
+  std::vector<std::string> inputs, vary, fix, reference;
 };
 
 void add_options(CLI::App& app, SweepOptions& options, Texts& texts) {
@@ -42,8 +42,8 @@ void add_options(CLI::App& app, SweepOptions& options, Texts& texts) {
   app.add_option("--error", options.error,
                  "picture: root mean square difference; or a number as for --cost: relative difference")
       ->capture_default_str();
-  all(app.add_option("--also", texts.also, "further numbers as for --cost, as columns"))->type_name("FIGURE");
-  all(app.add_option("--also-error", texts.also_errors, "the same of further numbers' relative differences"))
+  all(app.add_option("--also", options.also, "further numbers as for --cost, as columns"))->type_name("FIGURE");
+  all(app.add_option("--also-error", options.also_errors, "the same of further numbers' relative differences"))
       ->type_name("FIGURE");
   app.add_option("-o,--output", options.folder, "NAME.csv, NAME.json, NAME.gp and runs/ go there")
       ->type_name("FOLDER")
@@ -95,11 +95,8 @@ std::optional<SweepOptions> parse_sweep_options(int argc, const char* const* arg
   } catch (const InputError& error) {
     throw UsageError(error.what());
   }
-  options.also = texts.also;
-  options.also_errors = texts.also_errors;
-  if (std::none_of(options.fixed.begin(), options.fixed.end(), [](const Setting& s) { return s.name == "threads"; }) &&
-      std::none_of(options.parameters.begin(), options.parameters.end(),
-                   [](const Parameter& p) { return p.name == "threads"; })) {
+  if (std::ranges::count(options.fixed, "threads", &Setting::name) == 0 &&
+      std::ranges::count(options.parameters, "threads", &Parameter::name) == 0) {
     options.fixed.push_back({"threads", "1"});
   }
   check(options);

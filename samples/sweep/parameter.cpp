@@ -1,6 +1,7 @@
 #include "sweep/parameter.h"
 
 #include <algorithm>
+#include <ranges>
 
 #include "scene/program/input_error.h"
 
@@ -17,14 +18,12 @@ Parameter parse_parameter(const std::string& text) {
   const Setting setting = parse_setting(text);
   const char separator = setting.value.find(';') == std::string::npos ? ',' : ';';
   Parameter parameter{setting.name, {}};
-  for (std::size_t at = 0; at <= setting.value.size();) {
-    const std::size_t end = std::min(setting.value.find(separator, at), setting.value.size());
-    const std::string value = setting.value.substr(at, end - at);
+  for (const auto part : std::views::split(setting.value, separator)) {
+    const std::string value(part.begin(), part.end());
     if (value.empty()) throw InputError(setting.name, "values between separators", in_quotes(text));
-    if (std::find(parameter.values.begin(), parameter.values.end(), value) != parameter.values.end())
+    if (std::ranges::count(parameter.values, value) > 0)
       throw InputError(setting.name, "each value once", in_quotes(value) + " twice");
     parameter.values.push_back(value);
-    at = end + 1;
   }
   return parameter;
 }
@@ -46,8 +45,7 @@ std::vector<Point> grid(const std::vector<Parameter>& parameters) {
 
 Point changed(Point point, const std::vector<Setting>& changes) {
   for (const Setting& change : changes) {
-    const auto same = [&](const Setting& setting) { return setting.name == change.name; };
-    const auto place = std::find_if(point.begin(), point.end(), same);
+    const auto place = std::ranges::find(point, change.name, &Setting::name);
     if (place == point.end()) {
       point.push_back(change);
     } else {

@@ -14,17 +14,15 @@ std::vector<std::string> setting_names(const Table& table) {
   std::vector<std::string> names;
   for (const Row& row : table.rows) {
     for (const Setting& setting : row.point) {
-      if (std::find(names.begin(), names.end(), setting.name) == names.end()) names.push_back(setting.name);
+      if (std::ranges::count(names, setting.name) == 0) names.push_back(setting.name);
     }
   }
   return names;
 }
 
 std::string value_of(const Point& point, const std::string& name) {
-  for (const Setting& setting : point) {
-    if (setting.name == name) return setting.value;
-  }
-  return {};
+  const auto found = std::ranges::find(point, name, &Setting::name);
+  return found != point.end() ? found->value : "";
 }
 
 // In quotes if it has commas, quotes or line ends (RFC 4180).

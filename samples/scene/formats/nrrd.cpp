@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <vector>
 
@@ -72,10 +73,8 @@ void check_begin_and_fields(const std::filesystem::path& file, const std::vector
 std::string teem_error() {
   const std::unique_ptr<char, decltype(&std::free)> all(biffGetDone(NRRD), &std::free);
   std::string text;
-  for (std::string_view rest = all ? all.get() : ""; !rest.empty();) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    const std::string_view line = trimmed(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
+  for (const auto part : std::views::split(std::string_view(all ? all.get() : ""), '\n')) {
+    const std::string_view line = trimmed({part.begin(), part.end()});
     const std::size_t message = line.find(": ");
     if (message == std::string_view::npos || line.find("nrrdRead:") != std::string_view::npos) continue;
     if (line.ends_with("trouble reading NRRD file") || line.ends_with(": trouble")) continue;
@@ -199,12 +198,6 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, bool
   return place;
 }
 
-}  // namespace
-
-bool is_nrrd(const std::filesystem::path& file) { return file_start(file, 7) == "NRRD000"; }
-
-namespace {
-
 Volume read_data_of(const std::filesystem::path& file, const Header& header, StoredLayout layout) {
   const std::size_t bytes = checked_bytes(layout);
   const NrrdEncoding* encoding = header.io->encoding;
@@ -222,6 +215,8 @@ Volume read_data_of(const std::filesystem::path& file, const Header& header, Sto
 }
 
 }  // namespace
+
+bool is_nrrd(const std::filesystem::path& file) { return file_start(file, 7) == "NRRD000"; }
 
 Volume read_nrrd(const std::filesystem::path& file) {
   const Header header = read_header(file);

@@ -126,6 +126,29 @@ void check_same(const std::filesystem::path& file, const Slice& slice, const Sli
   if (slice.type != first.type) throw FileError(file, "sample type", "that of the first slice", "another");
 }
 
+// A volume of `count` slices; read(z) gives the file and the slice.
+template <typename Read>
+Volume pile(const std::filesystem::path& source, std::size_t count, const Read& read) {
+  StoredLayout layout;
+  layout.file = source;
+  layout.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
+  Slice first;
+  std::vector<std::byte> samples;
+  for (std::size_t z = 0; z < count; ++z) {
+    auto [file, slice] = read(z);
+    samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
+    if (z > 0) {
+      check_same(file, slice, first);
+      continue;
+    }
+    layout.dims = {slice.width, slice.height, static_cast<int>(count)};
+    layout.type = stored_type(slice.type);
+    checked_bytes(layout);
+    first = std::move(slice);
+  }
+  return to_volume(std::move(samples), layout);
+}
+
 }  // namespace
 
 bool natural_less(std::string_view a, std::string_view b) {
@@ -161,33 +184,6 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
       files, [](const auto& a, const auto& b) { return natural_less(a.filename().string(), b.filename().string()); });
   return files;
 }
-
-namespace {
-
-// A volume of `count` slices; read(z) gives the file and the slice.
-template <typename Read>
-Volume pile(const std::filesystem::path& source, std::size_t count, const Read& read) {
-  StoredLayout layout;
-  layout.file = source;
-  layout.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
-  Slice first;
-  std::vector<std::byte> samples;
-  for (std::size_t z = 0; z < count; ++z) {
-    auto [file, slice] = read(z);
-    samples.insert(samples.end(), slice.samples.begin(), slice.samples.end());
-    if (z > 0) {
-      check_same(file, slice, first);
-      continue;
-    }
-    layout.dims = {slice.width, slice.height, static_cast<int>(count)};
-    layout.type = stored_type(slice.type);
-    checked_bytes(layout);
-    first = std::move(slice);
-  }
-  return to_volume(std::move(samples), layout);
-}
-
-}  // namespace
 
 Volume read_slices(const std::filesystem::path& folder) {
   const auto files = slice_files(folder);

@@ -12,21 +12,15 @@
 namespace gicube::samples {
 namespace {
 
-// The driver's type that holds `type` unchanged, if there is one.
-std::optional<SampleType> same_type(StoredType type) {
-  for (const SampleType own :
-       {SampleType::kUint8, SampleType::kUint12, SampleType::kUint16, SampleType::kInt16, SampleType::kFloat32}) {
-    if (stored_type(own) == type) return own;
-  }
-  return std::nullopt;
-}
+// That hold each SampleType, in its order.
+constexpr std::array kOwnTypes = {StoredType::kUint8, StoredType::kUint12, StoredType::kUint16, StoredType::kInt16,
+                                  StoredType::kFloat32};
 
+// The driver's type that holds the samples unchanged, if there is one.
 std::optional<SampleType> kept_type(const StoredLayout& layout) {
-  return layout.slope == 1 && layout.intercept == 0 ? same_type(layout.type) : std::nullopt;
-}
-
-std::size_t voxels(Dims dims) {
-  return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+  const auto* found = std::ranges::find(kOwnTypes, layout.type);
+  if (layout.slope != 1 || layout.intercept != 0 || found == kOwnTypes.end()) return std::nullopt;
+  return static_cast<SampleType>(found - kOwnTypes.begin());
 }
 
 void to_machine_order(std::span<std::byte> samples, const StoredLayout& layout) {
@@ -68,16 +62,7 @@ std::size_t bytes_of(StoredType type) {
   return with_sample(type, [](auto sample) { return sizeof sample; });
 }
 
-StoredType stored_type(SampleType type) {
-  switch (type) {
-    case SampleType::kUint8: return StoredType::kUint8;
-    case SampleType::kUint12: return StoredType::kUint12;
-    case SampleType::kUint16: return StoredType::kUint16;
-    case SampleType::kInt16: return StoredType::kInt16;
-    case SampleType::kFloat32: return StoredType::kFloat32;
-  }
-  return StoredType::kUint8;
-}
+StoredType stored_type(SampleType type) { return kOwnTypes.at(static_cast<std::size_t>(type)); }
 
 Dims checked_dims(const std::filesystem::path& file, const std::string& field, std::span<const std::int64_t> sizes) {
   const std::string got = fmt::format("{}", fmt::join(sizes, " x "));
@@ -95,7 +80,7 @@ Dims checked_dims(const std::filesystem::path& file, const std::string& field, s
 
 std::size_t checked_bytes(const StoredLayout& layout) {
   // At most 2^36 voxels of 8 bytes: no overflow.
-  const std::uint64_t count = voxels(layout.dims);
+  const std::uint64_t count = voxels_of(layout.dims);
   const std::size_t kept = kept_type(layout) ? bytes_of(layout.type) : sizeof(float);
   const std::uint64_t bytes = count * std::max(kept, bytes_of(layout.type));
   if (bytes > kMaxVolumeBytes) {

@@ -66,13 +66,6 @@ bool parse(const std::string& word, double& value) {
   return result.ec == std::errc() && result.ptr == end;
 }
 
-int hex_value(int digit) {
-  if (digit >= '0' && digit <= '9') return digit - '0';
-  if (digit >= 'a' && digit <= 'f') return digit - 'a' + 10;
-  if (digit >= 'A' && digit <= 'F') return digit - 'A' + 10;
-  return -1;
-}
-
 }  // namespace
 
 std::vector<std::byte> read_numbers(const std::filesystem::path& file, std::uint64_t offset, StoredType type,
@@ -101,8 +94,9 @@ std::vector<std::byte> read_hex(const std::filesystem::path& file, std::uint64_t
       throw FileError(file, "data", fmt::format("{} hexadecimal digits", 2 * bytes), fmt::format("{}", digit));
     }
     if (std::isspace(next)) continue;
-    const int value = hex_value(next);
-    if (value < 0) {
+    const char text = static_cast<char>(next);
+    std::uint8_t value = 0;
+    if (std::from_chars(&text, &text + 1, value, 16).ec != std::errc()) {
       throw FileError(file, fmt::format("digit {}", digit), "0..9 or a..f", fmt::format("character code {}", next));
     }
     samples[digit / 2] = (samples[digit / 2] << 4) | static_cast<std::byte>(value);

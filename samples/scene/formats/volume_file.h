@@ -21,6 +21,10 @@ namespace gicube::samples {
 constexpr int kMaxFileDim = 4096;  // chosen: voxels an axis, far above what a board holds
 constexpr std::uint64_t kMaxVolumeBytes = std::uint64_t{8} << 30;  // chosen: of the samples, stored or converted
 
+constexpr std::size_t voxels_of(const Dims& dims) {
+  return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+}
+
 struct Volume {
   std::vector<std::byte> samples;  // dims[0] * dims[1] * dims[2], x fastest, the machine's byte order
   SampleType type = SampleType::kUint8;

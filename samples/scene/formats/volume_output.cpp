@@ -14,6 +14,7 @@
 #include <string>
 
 #include "scene/formats/header_lines.h"
+#include "scene/formats/volume_file.h"
 #include "scene/formats/whole_file.h"
 
 namespace gicube::samples {
@@ -144,9 +145,7 @@ void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::pat
 bool is_volume_output(const std::filesystem::path& path) { return !ending_of(path).empty(); }
 
 void write_volume(const FloatVolume& volume, const std::filesystem::path& path) {
-  const auto count = static_cast<std::size_t>(volume.dims[0]) * static_cast<std::size_t>(volume.dims[1]) *
-                     static_cast<std::size_t>(volume.dims[2]);
-  if (count == 0 || volume.values.size() != count) {
+  if (volume.values.empty() || volume.values.size() != voxels_of(volume.dims)) {
     throw FileError(path, "values", fmt::format("{} x {} x {}", volume.dims[0], volume.dims[1], volume.dims[2]),
                     std::to_string(volume.values.size()));
   }

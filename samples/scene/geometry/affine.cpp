@@ -13,27 +13,18 @@ Affine compose(const Affine& outer, const Affine& inner) {
   return result;
 }
 
-Affine translation(Vec3 by) {
-  Affine result;
-  result.offset = by;
-  return result;
-}
+Affine translation(Vec3 by) { return {.offset = by}; }
 
+// Rodrigues' formula.
 Affine rotation(Vec3 axis, double degrees) {
   const Vec3 k = normalise(axis);
   const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle), d = 1 - c;
-  Affine result;  // Rodrigues
-  result.rows = {Vec3{c + d * k.x * k.x, d * k.x * k.y - s * k.z, d * k.x * k.z + s * k.y},
-                 Vec3{d * k.y * k.x + s * k.z, c + d * k.y * k.y, d * k.y * k.z - s * k.x},
-                 Vec3{d * k.z * k.x - s * k.y, d * k.z * k.y + s * k.x, c + d * k.z * k.z}};
-  return result;
+  return {.rows = {Vec3{c + d * k.x * k.x, d * k.x * k.y - s * k.z, d * k.x * k.z + s * k.y},
+                   Vec3{d * k.y * k.x + s * k.z, c + d * k.y * k.y, d * k.y * k.z - s * k.x},
+                   Vec3{d * k.z * k.x - s * k.y, d * k.z * k.y + s * k.x, c + d * k.z * k.z}}};
 }
 
-Affine scaling(Vec3 factors) {
-  Affine result;
-  result.rows = {Vec3{factors.x, 0, 0}, Vec3{0, factors.y, 0}, Vec3{0, 0, factors.z}};
-  return result;
-}
+Affine scaling(Vec3 factors) { return {.rows = {Vec3{factors.x, 0, 0}, Vec3{0, factors.y, 0}, Vec3{0, 0, factors.z}}}; }
 
 double determinant(const Affine& map) { return dot(map.rows[0], cross(map.rows[1], map.rows[2])); }
 

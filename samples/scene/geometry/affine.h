@@ -10,7 +10,7 @@ namespace gicube::samples {
 // p -> linear p + offset.
 struct Affine {
   std::array<Vec3, 3> rows{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
-  Vec3 offset;
+  Vec3 offset{};
 
   Vec3 vector(Vec3 v) const { return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)}; }
   Vec3 point(Vec3 p) const { return vector(p) + offset; }

@@ -11,20 +11,6 @@ namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;  // chosen: a box test costs about as much as one triangle
 
-struct Bounds {
-  Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
-
-  void add(Vec3 p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  double squared_distance(Vec3 p) const {
-    const Vec3 beyond{std::max({low.x - p.x, p.x - high.x, 0.0}), std::max({low.y - p.y, p.y - high.y, 0.0}),
-                      std::max({low.z - p.z, p.z - high.z, 0.0})};
-    return dot(beyond, beyond);
-  }
-};
-
 struct Nearest {
   double squared = std::numeric_limits<double>::infinity();
   Vec3 point, normal;  // the surface's pseudonormal there, of any length
@@ -60,70 +46,60 @@ void nearest_on(const SurfaceTriangle& t, Vec3 p, Nearest& best) {
 
 }  // namespace
 
-struct MeshDistance::Tree {
-  struct Box {
-    Bounds bounds;
-    std::uint32_t first = 0;  // triangle of a leaf, or else the first of two boxes
-    std::uint32_t count = 0;  // triangles; 0 = two boxes
-  };
+void MeshDistance::Bounds::add(Vec3 p) {
+  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+}
 
-  explicit Tree(std::vector<SurfaceTriangle> triangles) : surface(std::move(triangles)) {
-    boxes.emplace_back();
-    build(0, 0, static_cast<std::uint32_t>(surface.size()));
-  }
-
-  // Halves at the median along the longest side, so the depth is at most log2 of the count.
-  void build(std::size_t index, std::uint32_t first, std::uint32_t last) {
-    Bounds all, centres;
-    for (std::uint32_t i = first; i < last; ++i) {
-      const auto& [a, b, c] = surface[i].corners;
-      all.add(a), all.add(b), all.add(c), centres.add(a + b + c);
-    }
-    boxes[index] = {all, first, last - first};
-    if (last - first <= kLeafTriangles) return;
-    const Vec3 side = centres.high - centres.low;
-    const auto along = [&side](const SurfaceTriangle& t) {
-      const Vec3 sum = t.corners[0] + t.corners[1] + t.corners[2];
-      return side.x >= side.y && side.x >= side.z ? sum.x : side.y >= side.z ? sum.y : sum.z;
-    };
-    const std::uint32_t middle = first + (last - first) / 2;
-    const auto begin = surface.begin();
-    std::nth_element(begin + first, begin + middle, begin + last,
-                     [&](const SurfaceTriangle& a, const SurfaceTriangle& b) { return along(a) < along(b); });
-    const auto child = static_cast<std::uint32_t>(boxes.size());
-    boxes[index] = {all, child, 0};
-    boxes.resize(boxes.size() + 2);
-    build(child, first, middle);
-    build(child + 1, middle, last);
-  }
-
-  Nearest nearest(Vec3 p) const {
-    Nearest best;
-    std::array<std::uint32_t, 64> stack{};  // the depth is at most log2 of kMaxTriangles, two boxes a level
-    std::size_t depth = 1;
-    while (depth > 0) {
-      const Box& box = boxes[stack[--depth]];
-      if (box.bounds.squared_distance(p) >= best.squared) continue;
-      for (std::uint32_t i = 0; i < box.count; ++i) nearest_on(surface[box.first + i], p, best);
-      if (box.count != 0) continue;
-      const bool swap = boxes[box.first].bounds.squared_distance(p) < boxes[box.first + 1].bounds.squared_distance(p);
-      stack[depth++] = box.first + (swap ? 1 : 0);  // the nearer one is taken first
-      stack[depth++] = box.first + (swap ? 0 : 1);
-    }
-    return best;
-  }
-
-  std::vector<SurfaceTriangle> surface;
-  std::vector<Box> boxes;
-};
+double MeshDistance::Bounds::squared_distance(Vec3 p) const {
+  const Vec3 beyond{std::max({low.x - p.x, p.x - high.x, 0.0}), std::max({low.y - p.y, p.y - high.y, 0.0}),
+                    std::max({low.z - p.z, p.z - high.z, 0.0})};
+  return dot(beyond, beyond);
+}
 
 MeshDistance::MeshDistance(const Mesh& mesh, const std::string& name)
-    : tree_(std::make_unique<Tree>(closed_surface(mesh, name))) {}
-MeshDistance::~MeshDistance() = default;
-MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;
+    : surface_(closed_surface(mesh, name)), boxes_(1) {
+  build(0, 0, static_cast<std::uint32_t>(surface_.size()));
+}
+
+// Halves at the median along the longest side, so the depth is at most log2 of the count.
+void MeshDistance::build(std::size_t index, std::uint32_t first, std::uint32_t last) {
+  Bounds all, centres;
+  for (std::uint32_t i = first; i < last; ++i) {
+    const auto& [a, b, c] = surface_[i].corners;
+    all.add(a), all.add(b), all.add(c), centres.add(a + b + c);
+  }
+  boxes_[index] = {all, first, last - first};
+  if (last - first <= kLeafTriangles) return;
+  const Vec3 side = centres.high - centres.low;
+  const auto along = [&side](const SurfaceTriangle& t) {
+    const Vec3 sum = t.corners[0] + t.corners[1] + t.corners[2];
+    return side.x >= side.y && side.x >= side.z ? sum.x : side.y >= side.z ? sum.y : sum.z;
+  };
+  const std::uint32_t middle = first + (last - first) / 2;
+  const auto begin = surface_.begin();
+  std::nth_element(begin + first, begin + middle, begin + last,
+                   [&](const SurfaceTriangle& a, const SurfaceTriangle& b) { return along(a) < along(b); });
+  const auto child = static_cast<std::uint32_t>(boxes_.size());
+  boxes_[index] = {all, child, 0};
+  boxes_.resize(boxes_.size() + 2);
+  build(child, first, middle);
+  build(child + 1, middle, last);
+}
 
 Distance MeshDistance::at(Vec3 p) const {
-  const Nearest nearest = tree_->nearest(p);
+  Nearest nearest;
+  std::array<std::uint32_t, 64> stack{};  // the depth is at most log2 of kMaxTriangles, two boxes a level
+  std::size_t depth = 1;
+  while (depth > 0) {
+    const Box& box = boxes_[stack[--depth]];
+    if (box.bounds.squared_distance(p) >= nearest.squared) continue;
+    for (std::uint32_t i = 0; i < box.count; ++i) nearest_on(surface_[box.first + i], p, nearest);
+    if (box.count != 0) continue;
+    const bool swap = boxes_[box.first].bounds.squared_distance(p) < boxes_[box.first + 1].bounds.squared_distance(p);
+    stack[depth++] = box.first + (swap ? 1 : 0);  // the nearer one is taken first
+    stack[depth++] = box.first + (swap ? 0 : 1);
+  }
   const Vec3 offset = p - nearest.point;
   const double distance = length(offset), side = dot(offset, nearest.normal) < 0 ? -1 : 1;
   // On the surface itself the offset has no direction.

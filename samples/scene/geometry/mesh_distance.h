@@ -3,8 +3,8 @@
 // Angle Weighted Pseudonormal, IEEE TVCG 11(3), 2005).
 #pragma once
 
-#include <memory>
 #include <string>
+#include <vector>
 
 #include "scene/geometry/mesh.h"
 #include "scene/geometry/signed_distance.h"
@@ -18,14 +18,25 @@ class MeshDistance {
   // the points, coordinates over 1e9 or not finite, edges that have not two triangles (the surface is open, or branches), triangles that look to opposite
   // sides across an edge, no volume.
   MeshDistance(const Mesh& mesh, const std::string& name);
-  ~MeshDistance();
-  MeshDistance(MeshDistance&&) noexcept;
-
   Distance at(Vec3 p) const;
 
  private:
-  struct Tree;
-  std::unique_ptr<Tree> tree_;
+  struct Bounds {
+    Vec3 low{1e300, 1e300, 1e300}, high{-1e300, -1e300, -1e300};
+
+    void add(Vec3 p);
+    double squared_distance(Vec3 p) const;
+  };
+  struct Box {
+    Bounds bounds;
+    std::uint32_t first = 0;  // triangle of a leaf, or else the first of two boxes
+    std::uint32_t count = 0;  // triangles; 0 = two boxes
+  };
+
+  void build(std::size_t index, std::uint32_t first, std::uint32_t last);
+
+  std::vector<SurfaceTriangle> surface_;
+  std::vector<Box> boxes_;
 };
 
 }  // namespace gicube::samples

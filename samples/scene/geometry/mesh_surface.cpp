@@ -7,6 +7,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "scene/geometry/signed_distance.h"
 #include "scene/program/input_error.h"
 
 namespace gicube::samples {
@@ -66,11 +67,6 @@ void check_closed(const std::vector<Vec3>& points, const std::vector<Triangle>& 
       fmt::format("{} open edges and {} with triangles that branch or look to opposite sides (first from {} to {})",
                   open, crossed, shown(points[static_cast<std::size_t>(example >> 32)]),
                   shown(points[static_cast<std::size_t>(example & 0xffffffff)])));
-}
-
-Vec3 unit_or_zero(Vec3 a) {
-  const double norm = length(a);
-  return norm > 0 ? (1 / norm) * a : Vec3{};
 }
 
 double angle_at(Vec3 corner, Vec3 a, Vec3 b) {

@@ -49,23 +49,6 @@ void check_shape(const BuiltinShape& s) {
   throw InputError("builtin", "buckyball, buckyball_atoms, buckyball_bonds or head", in_quotes(s.name));
 }
 
-std::vector<Field> buckyball_fields(bool atoms, bool bonds) {
-  const BuckyballShape shape;
-  const double atom = shape.atom_radius / shape.circumradius, bond = shape.bond_radius / shape.circumradius;
-  const Molecule molecule = truncated_icosahedron();
-  std::vector<Field> result;
-  if (atoms) {
-    for (const Vec3& a : molecule.atoms) result.push_back([a, atom](Vec3 p) { return sphere_distance(p, a, atom); });
-  }
-  if (bonds) {
-    for (const auto& [from, to] : molecule.bonds) {
-      const Vec3 a = molecule.atoms[static_cast<std::size_t>(from)], b = molecule.atoms[static_cast<std::size_t>(to)];
-      result.push_back([a, b, bond](Vec3 p) { return capsule_distance(p, a, b, bond); });
-    }
-  }
-  return result;
-}
-
 std::vector<Field> fields(const SphereShape& s) {
   return {[s](Vec3 p) { return sphere_distance(p, {}, s.radius); }};
 }
@@ -90,7 +73,13 @@ std::vector<Field> fields(const MeshShape& s) {
 
 std::vector<Field> fields(const BuiltinShape& s) {
   if (s.name == "head") return {head_bound};
-  return buckyball_fields(s.name != "buckyball_bonds", s.name != "buckyball_atoms");
+  const BuckyballShape shape;
+  const Molecule molecule = truncated_icosahedron();
+  std::vector<Field> result = atom_fields(molecule, shape.atom_radius / shape.circumradius);
+  if (s.name == "buckyball_bonds") result.clear();
+  if (s.name != "buckyball_atoms")
+    std::ranges::copy(bond_fields(molecule, shape.bond_radius / shape.circumradius), std::back_inserter(result));
+  return result;
 }
 
 Distance outside_of(Distance d) { return {-d.distance, -1 * d.away}; }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
 #include <variant>
@@ -53,10 +52,6 @@ struct BuiltinShape {
 };
 
 using Shape = std::variant<SphereShape, BoxShape, TorusShape, CylinderShape, MeshShape, BuiltinShape>;
-
-// At a point of the shape's own space: zero on the surface, negative inside, its gradient `away` at most 1 long (so that
-// it is never further from zero than the distance is).
-using Field = std::function<Distance(Vec3)>;
 
 // Throws InputError with the name of the shape's field ("radius: expected ..."). Does not open a mesh's file.
 void check(const Shape& shape);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "gicube/vector.h"
 
@@ -14,10 +15,16 @@ struct Distance {
   Vec3 away;  // zero where no direction is nearest
 };
 
-inline Distance away_from(Vec3 offset, double radius) {
-  const double norm = length(offset);
-  return {norm - radius, norm > 0 ? (1 / norm) * offset : Vec3{}};
+// At a point of a solid's own space: zero on the surface, negative inside, its gradient `away` at most 1 long (so that
+// it is never further from zero than the distance is).
+using Field = std::function<Distance(Vec3)>;
+
+inline Vec3 unit_or_zero(Vec3 a) {
+  const double norm = length(a);
+  return norm > 0 ? (1 / norm) * a : Vec3{};
 }
+
+inline Distance away_from(Vec3 offset, double radius) { return {length(offset) - radius, unit_or_zero(offset)}; }
 
 inline Distance sphere_distance(Vec3 p, Vec3 centre, double radius) { return away_from(p - centre, radius); }
 

@@ -38,8 +38,7 @@ struct VoxelWorld {
 
   VoxelWorld() = default;
   VoxelWorld(const Dims& dims, const char* source, bool with_gradients) {
-    std::size_t voxels = 1;
-    for (const int dim : dims) voxels *= static_cast<std::size_t>(dim);
+    const std::size_t voxels = voxels_of(dims);
     volume.type = SampleType::kUint12;
     volume.dims = dims;
     volume.source = source;

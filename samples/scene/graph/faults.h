@@ -30,8 +30,13 @@ class Faults : public google::protobuf::io::ErrorCollector {
   void check(bool good, const std::string& field, const std::string& expected, const std::string& got) {
     if (!good) fault(field, expected, got);
   }
-  void check_range(const std::string& field, double value, double low, double high) {
+  // The value; a whole number within its range, so that it fits into an int.
+  double check_range(const std::string& field, double value, double low, double high) {
     check(value >= low && value <= high, field, shown(low) + " to " + shown(high), shown(value));
+    return value;
+  }
+  int check_whole(const std::string& field, std::uint32_t value, int low, int high) {
+    return static_cast<int>(std::clamp<double>(check_range(field, value, low, high), low, high));
   }
   // Whether exactly one of these parts is there.
   bool check_one(const std::string& field, const std::string& expected, std::initializer_list<bool> there) {

@@ -6,10 +6,10 @@
 namespace gicube::samples {
 namespace {
 
-constexpr std::uint32_t kMaxRays = 4096;     // as Illumination::rays_per_face_voxel
-constexpr std::uint32_t kMaxFlights = 1023;  // as its lifetime
-constexpr std::size_t kMaxEngines = 1000;    // chosen
-constexpr int kMaxMaterials = 4;             // tags
+constexpr int kMaxRays = 4096;             // as Illumination::rays_per_face_voxel
+constexpr int kMaxFlights = 1023;          // as its lifetime
+constexpr std::size_t kMaxEngines = 1000;  // chosen
+constexpr int kMaxMaterials = 4;           // tags
 
 SceneMaterial read_material(const v1::Material& source, int index, const std::string& field, bool in_world,
                             const std::filesystem::path& folder, Faults& faults) {
@@ -103,17 +103,15 @@ Lighting read_illumination(const v1::Illumination& source, Faults& faults) {
   Lighting result;
   faults.gather("illumination", [&] { set_albedo(source.albedo(), "albedo", result); });
   faults.gather("illumination", [&] { result.settings.rules = rules_named(source.rules(), "rules"); });
-  faults.check_range("illumination.rays_per_face_voxel", source.rays_per_face_voxel(), 1, kMaxRays);
-  faults.check_range("illumination.step", source.step(), 1.0 / 64, 16);
-  faults.check_range("illumination.lifetime", source.lifetime(), 0, kMaxFlights);
+  Illumination& settings = result.settings;
+  settings.rays_per_face_voxel =
+      faults.check_whole("illumination.rays_per_face_voxel", source.rays_per_face_voxel(), 1, kMaxRays);
+  settings.step = faults.check_range("illumination.step", source.step(), 1.0 / 64, 16);
+  settings.jitter = source.jitter();
+  settings.lifetime = faults.check_whole("illumination.lifetime", source.lifetime(), 0, kMaxFlights);
+  settings.seed = source.seed();
   faults.check(source.exposure() >= 0 && std::isfinite(source.exposure()), "illumination.exposure",
                "a number above 0, or 0 for the driver's choice", shown(source.exposure()));
-  Illumination& settings = result.settings;
-  settings.rays_per_face_voxel = static_cast<int>(std::min(source.rays_per_face_voxel(), kMaxRays));
-  settings.step = source.step();
-  settings.jitter = source.jitter();
-  settings.lifetime = static_cast<int>(std::min(source.lifetime(), kMaxFlights));
-  settings.seed = source.seed();
   result.exposure = source.exposure();
   result.colour_passes = source.colour_passes();
   return result;
@@ -148,8 +146,7 @@ void check_names(const Scene& scene, Faults& faults) {
   const auto visit = [&](const auto& self, const Node& node, const std::string& material) -> void {
     const std::string& own = node.material.empty() ? material : node.material;
     if (!std::holds_alternative<Group>(node.content)) {
-      bool found = false;
-      for (const SceneMaterial& candidate : scene.materials) found = found || candidate.name == own;
+      const bool found = std::ranges::count(scene.materials, own, &SceneMaterial::name) > 0;
       faults.check(found && !own.empty(), "node[" + node.name + "].material", "a material of the scene",
                    own.empty() ? "none" : in_quotes(own));
     }
@@ -167,8 +164,7 @@ void read_graph(const v1::Scene& source, const std::filesystem::path& folder, Fa
   read_lights(source, faults, scene);
   read_engines(source, faults, scene);
   if (source.has_background()) scene.background = read_colour(faults, "background", source.background());
-  faults.check(source.lifetime() <= kMaxFlights, "lifetime", "0 to 1023", std::to_string(source.lifetime()));
-  scene.view.lifetime = static_cast<int>(std::min(source.lifetime(), kMaxFlights));
+  scene.view.lifetime = faults.check_whole("lifetime", source.lifetime(), 0, kMaxFlights);
   scene.view.high_albedo = source.high_albedo();
   faults.check(!source.high_albedo() || scene.lighting.on, "high_albedo", "an illumination with it", "none");
   scene.view.seed = source.seed();

@@ -27,27 +27,21 @@ void check_light(const SphereLight& light) {
   require_above_0("sphere.radius", light.radius);
 }
 
-PointLight placed(PointLight light, const WorldGrid& grid) {
-  light.position = grid.voxel_of(light.position);
-  return light;
-}
+void place(PointLight& light, const WorldGrid& grid) { light.position = grid.voxel_of(light.position); }
 
-DirectionalLight placed(DirectionalLight light, const WorldGrid& grid) {
+void place(DirectionalLight& light, const WorldGrid& grid) {
   light.irradiance *= grid.voxel * grid.voxel;  // of a unit area, which is now a voxel's face
-  return light;
 }
 
-RectangleLight placed(RectangleLight light, const WorldGrid& grid) {
+void place(RectangleLight& light, const WorldGrid& grid) {
   light.corner = grid.voxel_of(light.corner);
   light.edge_u = (1 / grid.voxel) * light.edge_u;
   light.edge_v = (1 / grid.voxel) * light.edge_v;
-  return light;
 }
 
-SphereLight placed(SphereLight light, const WorldGrid& grid) {
+void place(SphereLight& light, const WorldGrid& grid) {
   light.centre = grid.voxel_of(light.centre);
   light.radius /= grid.voxel;
-  return light;
 }
 
 // Or irradiance.
@@ -74,17 +68,14 @@ void check(const SceneLight& light) {
   }
 }
 
-Light in_voxels(const Light& light, const WorldGrid& grid) {
-  return std::visit([&grid](const auto& l) -> Light { return placed(l, grid); }, light);
+Light in_voxels(Light light, const WorldGrid& grid) {
+  std::visit([&grid](auto& l) { place(l, grid); }, light);
+  return light;
 }
 
-Light scaled(const Light& light, double factor) {
-  return std::visit(
-      [factor](auto l) -> Light {
-        power_of(l) *= factor;
-        return l;
-      },
-      light);
+Light scaled(Light light, double factor) {
+  std::visit([factor](auto& l) { power_of(l) *= factor; }, light);
+  return light;
 }
 
 void set_albedo(const std::string& name, const std::string& field, Lighting& lighting) {

@@ -32,9 +32,9 @@ struct Lighting {
 void check(const SceneLight& light);
 
 // In voxels of `grid`.
-Light in_voxels(const Light& light, const WorldGrid& grid);
+Light in_voxels(Light light, const WorldGrid& grid);
 // The same with all its power, or irradiance, multiplied.
-Light scaled(const Light& light, double factor);
+Light scaled(Light light, double factor);
 
 // Names in scene files and options: "none", "low" or "high"; "conserving" or "as-printed". Throw InputError that names `field`.
 void set_albedo(const std::string& name, const std::string& field, Lighting& lighting);

@@ -12,8 +12,7 @@ RawLayout read_raw(Faults& faults, const std::string& field, const v1::RawLayout
   RawLayout layout;
   faults.check(source.dims_size() == 3, field + ".dims", "3 numbers, x y z", std::to_string(source.dims_size()));
   for (int i = 0; i < std::min(source.dims_size(), 3); ++i) {
-    faults.check_range(field + ".dims", source.dims(i), 1, kMaxFileDim);
-    layout.dims[static_cast<std::size_t>(i)] = static_cast<int>(source.dims(i));
+    layout.dims[static_cast<std::size_t>(i)] = faults.check_whole(field + ".dims", source.dims(i), 1, kMaxFileDim);
   }
   faults.gather(field, [&] { layout.type = sample_type_named(source.type(), "type"); });
   layout.big_endian = source.big_endian();
@@ -46,10 +45,9 @@ Vec3 finite_vector(Faults& faults, const std::string& field, const v1::Vector& v
 }
 
 Colour read_colour(Faults& faults, const std::string& field, const v1::Colour& colour) {
-  faults.check_range(field + ".red", colour.red(), 0, 1);
-  faults.check_range(field + ".green", colour.green(), 0, 1);
-  faults.check_range(field + ".blue", colour.blue(), 0, 1);
-  return {colour.red(), colour.green(), colour.blue()};
+  return {faults.check_range(field + ".red", colour.red(), 0, 1),
+          faults.check_range(field + ".green", colour.green(), 0, 1),
+          faults.check_range(field + ".blue", colour.blue(), 0, 1)};
 }
 
 VolumeSource read_volume_source(Faults& faults, const std::string& field, const v1::VolumeSource& source,

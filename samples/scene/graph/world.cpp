@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <ranges>
 
 #include "scene/geometry/voxeliser.h"
 #include "scene/program/input_error.h"
@@ -45,7 +46,7 @@ class Walk {
     const std::string& own = node.material.empty() ? material : node.material;
     if (!std::holds_alternative<Group>(node.content)) {
       if (!node.children.empty()) throw InputError("node[" + name + "]", "children or a content", "both");
-      named(name, [&] { add(node.content, map, own); });
+      named(name, [&] { std::visit([&](const auto& content) { add(content, map, find(own)); }, node.content); });
     }
     for (const Node& child : node.children) visit(child, map, name, own, depth + 1);
   }
@@ -68,32 +69,26 @@ class Walk {
   }
 
   std::size_t find(const std::string& name) const {
-    for (std::size_t i = 0; i < materials_.size(); ++i) {
-      if (materials_[i].name == name) return i;
-    }
-    std::string names;
-    for (const SceneMaterial& material : materials_) names += (names.empty() ? "" : ", ") + material.name;
+    const auto found = std::ranges::find(materials_, name, &SceneMaterial::name);
+    if (found != materials_.end()) return static_cast<std::size_t>(found - materials_.begin());
+    const auto names = fmt::format("{}", fmt::join(materials_ | std::views::transform(&SceneMaterial::name), ", "));
     throw InputError("material", names.empty() ? "a material of the scene, which has none" : "one of " + names,
                      in_quotes(name));
   }
 
-  void add(const Content& content, const Affine& map, const std::string& material) {
-    const std::size_t index = find(material);
-    if (const Shape* shape = std::get_if<Shape>(&content)) add_shape(*shape, map, index);
-    if (const ScanContent* scan = std::get_if<ScanContent>(&content)) add_scan(*scan, map, index);
-  }
+  void add(const Group&, const Affine&, std::size_t) {}
 
-  void add_shape(const Shape& shape, const Affine& map, std::size_t material) {
-    if (ranges_[material]) throw InputError("material", "one that no scan is made of", in_quotes(name_of(material)));
-    used_by_solid_[material] = true;
+  void add(const Shape& shape, const Affine& map, std::size_t material) {
     const SceneMaterial& made_of = materials_[material];
+    if (ranges_[material]) throw InputError("material", "one that no scan is made of", in_quotes(made_of.name));
+    used_by_solid_[material] = true;
     const bool fog = look_as<FogLook>(made_of) != nullptr;
     for (Field& field : fields_of(shape)) {
       solids.push_back({std::move(field), compose(to_voxels_, map), static_cast<std::uint8_t>(made_of.tag), fog});
     }
   }
 
-  void add_scan(const ScanContent& content, const Affine& map, std::size_t material) {
+  void add(const ScanContent& content, const Affine& map, std::size_t material) {
     const SceneMaterial& made_of = materials_[material];
     const auto* function = look_as<TransferFunctionFile>(made_of);
     if (function == nullptr || used_by_solid_[material]) {
@@ -112,8 +107,6 @@ class Walk {
     placed.visible = first_visible(in_values_of(range, *function), range);
     scans.push_back(std::move(placed));
   }
-
-  const std::string& name_of(std::size_t material) const { return materials_[material].name; }
 
   // The least density that shows anything.
   static double first_visible(const TransferFunction& function, const ValueRange& range) {

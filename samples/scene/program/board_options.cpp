@@ -1,12 +1,12 @@
 #include "scene/program/board_options.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iostream>
 #include <iterator>
+#include <ranges>
 
-#include "scene/program/input_error.h"
+#include "scene/program/checks.h"
 #include "scene/program/option_group.h"
 
 namespace gicube::samples {
@@ -24,13 +24,10 @@ std::string percent_encoded(const std::string& text) {
 template <typename Number>
 std::vector<Number> split_numbers(const std::string& text, char separator) {
   std::vector<Number> numbers;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, start), text.size());
-    Number value{};
-    const auto [stop, error] = std::from_chars(text.data() + start, text.data() + end, value);
-    if (error != std::errc{} || stop != text.data() + end) return {};
-    numbers.push_back(value);
-    start = end + 1;
+  for (const auto part : std::views::split(text, separator)) {
+    const auto number = parse_number<Number>({part.begin(), part.end()});
+    if (!number) return {};
+    numbers.push_back(*number);
   }
   return numbers;
 }

@@ -12,22 +12,23 @@ from bench import Bench  # noqa: E402
 from page import Page  # noqa: E402
 from sections import design_point, light, memory, processors, scanline  # noqa: E402
 
-SECTIONS = {"scenes": design_point.scenes,
-            "bounds": design_point.bounds,
-            "baseline": scanline.baseline,
-            "illumination": light.illumination,
-            "light-sweep": light.light_sweep,
-            "block-loads": light.block_loads,
-            "lit-baseline": scanline.lit_baseline,
-            "partition": processors.partition,
-            "gains": design_point.gains,
-            "speed-up": processors.speed_up,
-            "scaling": processors.scaling,
-            "cache": memory.cache,
-            "sampling": memory.sampling,
-            "bus": design_point.bus,
-            "cost": design_point.cost,
-            "parameters": design_point.parameters}
+SECTIONS = {  # by the name that --only takes: heading, and what writes it
+    "scenes": ("Scenes at the design point", design_point.scenes),
+    "bounds": ("Bounds, and where the cycles go", design_point.bounds),
+    "baseline": ("Reordering against scanline order", scanline.baseline),
+    "illumination": ("Global illumination", light.illumination),
+    "light-sweep": ("What decides a lighting pass", light.light_sweep),
+    "block-loads": ("Block loads", light.block_loads),
+    "lit-baseline": ("Reordering against scanline order in global illumination", scanline.lit_baseline),
+    "partition": ("Partitions, links and load balance", processors.partition),
+    "gains": ("Space leaping, early termination, VolumePro", design_point.gains),
+    "speed-up": ("Scaling", processors.speed_up),
+    "scaling": ("", processors.scaling),
+    "cache": ("Blocks and queues", memory.cache),
+    "sampling": ("Sampling distance and image size", memory.sampling),
+    "bus": ("Host bus", design_point.bus),
+    "cost": ("Hardware cost", design_point.cost),
+    "parameters": ("Free parameters", design_point.parameters)}
 
 PROGRAMS = pathlib.Path(__file__).absolute().parent  # the build makes a link to this file beside its programs
 
@@ -91,8 +92,9 @@ def main():
     pictures = {run: folder / f"scene-{run.scene}.png" for run in bench.oblique() + bench.lit_scenes()}
     while True:
         bench.page = Page()
-        for name, section in SECTIONS.items():
+        for name, (heading, section) in SECTIONS.items():
             if name in given.only:
+                bench.page.heading(heading)
                 section(bench)
         if bench.complete():
             break

@@ -95,7 +95,7 @@ class Page:
         self._claims = []
 
     def heading(self, text):
-        self.body += f"## {text}\n\n"
+        self.body += f"## {text}\n\n" if text else ""
 
     def text(self, text):
         self.body += text + "\n\n"

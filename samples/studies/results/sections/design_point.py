@@ -14,7 +14,6 @@ REAL_TIME = 30  # Hz
 def scenes(bench):
     """Rows 2, 5, 6 and 23."""
     page = bench.page
-    page.heading("Scenes at the design point")
     about = []
     for run in bench.oblique():
         m = bench.get(run)
@@ -78,7 +77,6 @@ def rate_claim(bench):
 def bounds(bench):
     """Where the time goes."""
     page = bench.page
-    page.heading("Bounds, and where the cycles go")
     page.text(
         "ASIC time of the oblique view with parts that have no limits: every packet in the cache when it is asked for; queues that "
         "never overflow; the most important queue known at once. The last column is the cost-effective variant of section 3.3.")
@@ -101,7 +99,6 @@ def gains(bench):
     """Rows 11 and 20."""
     volume_pro = 301e6  # samples a second at 100 MHz [P §5.1]
     page = bench.page
-    page.heading("Space leaping, early termination, VolumePro")
     page.text(
         "Gain is the growth of the rate of the ASIC. Without termination the same scene has opacities so low that no ray gets opaque: "
         "nothing else of it takes time. *Worth* is the rate of a machine that takes all samples of the volume, as a VolumePro has to, "
@@ -152,7 +149,6 @@ def parameters(bench):
     variants["queues by contribution"] = {"sorter.policy": "most_contribution"}
 
     page = bench.page
-    page.heading("Free parameters")
     page.text("What the paper leaves open, one at a time; oblique views, ASIC ms. Link width: above.")
     swept = ["buckyball", "head", "rock"]
     rows, far = [], []
@@ -172,7 +168,6 @@ def parameters(bench):
 def bus(bench):
     """Row 21."""
     page = bench.page
-    page.heading("Host bus")
     design = bench.run("buckyball").but(width=2 * bench.image, height=2 * bench.image)
     rows, share, rate = [], {}, {}
     for name in ("pci33", "agp1x", "agp2x", "agp4x"):
@@ -198,7 +193,6 @@ def bus(bench):
 def cost(bench):
     """Row 22."""
     page = bench.page
-    page.heading("Hardware cost")
     # As the driver looks for it.
     program = os.environ.get("GICUBE_BOARD") or bench.programs / "gicube-board"
     text = subprocess.run([program, "--hardware-cost"], stdout=subprocess.PIPE, text=True).stdout

@@ -17,7 +17,6 @@ def millions(m, name):
 def illumination(bench):
     """Rows 2, 3, 5 and 6."""
     page = bench.page
-    page.heading("Global illumination")
     for scene in LIT_SCENES:
         page.picture(f"scene-{scene}.png", scene)
     page.table("lit-scenes", ["scene", "what it is there for"], [list(each) for each in LIT_SCENES.items()])
@@ -116,7 +115,6 @@ def memory_claims(bench):
 
 def light_sweep(bench):
     """Row 4, and what rows 2 and 6 depend on."""
-    bench.page.heading("What decides a lighting pass")
     bench.page.text(
         "A residency is the time that a queue is the active one; a step is a sample or leap in it. Residencies of fewer than 32 steps are short: "
         "the pipeline is longer than that, so that no ray of them comes round.")
@@ -210,7 +208,6 @@ def tail_of(times):
 def block_loads(bench):
     """Row 18."""
     page = bench.page
-    page.heading("Block loads")
     for scene in (BALL, "fog-box"):
         chart = Chart(f"block-loads-{scene}", f"Figure 15: block loads in a lighting pass, {scene}", "ms", "in a millisecond",
                       log_y=True, series=["block loads", "samples"])

@@ -52,7 +52,6 @@ def queue_table(bench, name, variants, get):
 def cache(bench):
     """Rows 15 and 16."""
     page = bench.page
-    page.heading("Blocks and queues")
     grids = [Grid(bench, scene, bench.run(scene)) for scene in ("buckyball", "head")]
     # One volume of as many voxels as the largest block has, and one processor: n = N.
     whole = grids[0].blocks[-1]
@@ -123,7 +122,6 @@ def at_image(run, image):
 def sampling(bench):
     """Rows 17 and 19."""
     page = bench.page
-    page.heading("Sampling distance and image size")
     for scene in ("buckyball", "cloud"):
         chart = Chart(f"misses-{scene}", f"Figure 9: misses a sample, {scene}", "misses of a sample", "share of samples", bars=True,
                       series=[f"step {step:g}" for step in STEPS])

@@ -29,7 +29,6 @@ def time_over_slab(bench, runs, settings, bits=DESIGN_BITS):
 def partition(bench):
     """Rows 7 to 10."""
     page = bench.page
-    page.heading("Partitions, links and load balance")
     page.text(
         "Mean (least to most) over all scenes and views. Balance is the paper's: the mean over the processors of the part of the time "
         "in which one was busy; *holds rays* counts a processor as busy while a ray is in its queues or its pipeline, *works* only in "
@@ -148,7 +147,6 @@ def speed_up(bench):
     """Row 12."""
     most = 16
     page = bench.page
-    page.heading("Scaling")
     fast = SKEWED | FAST_FRONT_END
     small = fast | {"asic.block_voxels": max(8, bench.block // 2)}
     machines = {"slab": SLAB,

@@ -22,7 +22,6 @@ def baseline(bench):
     """Row 1."""
     queues = (16, 32, 64, 128, 256, 512, 1024, 4096)  # rays
     page = bench.page
-    page.heading("Reordering against scanline order")
     page.text(
         "The machine of section 5.1 that reordering is measured against, for rendering: one queue a processor, rays in the order in "
         "which they come, a direct-mapped cache of the same size with a tag a word, addressed by the voxel's place in the whole volume; "
@@ -83,7 +82,6 @@ def lit_baseline(bench):
     """Row 1."""
     queues = (16, 64, 256, 1024)  # rays
     page = bench.page
-    page.heading("Reordering against scanline order in global illumination")
     page.text(
         "The same two machines with a lighting pass of k = 1 in low albedo, and a frame whose rays scatter. The baseline has its best "
         "queue of those below.")
