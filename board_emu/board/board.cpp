@@ -1,5 +1,8 @@
 #include "board.h"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -34,8 +37,7 @@ Reply refuse(ErrorCode error, const std::string& text) {
 }
 
 Reply refuse_payload(const char* expected, std::span<const std::uint8_t> payload) {
-  return refuse(ErrorCode::kBadValue,
-                std::string("payload: expected ") + expected + ", got " + std::to_string(payload.size()) + " bytes");
+  return refuse(ErrorCode::kBadValue, fmt::format("payload: expected {}, got {} bytes", expected, payload.size()));
 }
 
 // A processor's accesses, in dwords on the bus; a memory read is asked for by its address and length.
@@ -47,24 +49,15 @@ constexpr std::uint64_t kReadRequestBytes = 16;
 constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
 
 const char* command_name(std::span<const std::uint8_t> payload) {
+  constexpr std::array kNames{"render", "render", "trace", "illuminate", "resume", "verify", "pairs"};  // by opcode
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
-  switch (static_cast<wire::Opcode>(opcode)) {
-    case wire::Opcode::kTrace: return "trace";
-    case wire::Opcode::kIlluminate: return "illuminate";
-    case wire::Opcode::kResume: return "resume";
-    case wire::Opcode::kVerify: return "verify";
-    case wire::Opcode::kPairs: return "pairs";
-    default: return "render";
-  }
+  return kNames[opcode < kNames.size() ? opcode : 0];
 }
 
 // What a host does that waits for the reply.
 const char* wait_name(FrameType type) {
-  switch (type) {
-    case FrameType::kMemoryRead: return "read memory";
-    case FrameType::kWait: return "wait";
-    default: return "access register";
-  }
+  if (type == FrameType::kMemoryRead) return "read memory";
+  return type == FrameType::kWait ? "wait" : "access register";
 }
 
 Cargo cargo_at(std::uint64_t address) {
@@ -171,8 +164,7 @@ Reply Board::Parts::read_memory(const wire::FrameHeader& header, std::span<const
   const auto address = wire::load<std::uint64_t>(payload, 0), length = wire::load<std::uint64_t>(payload, 8);
   auto bytes = commands.aperture().read(address, length);
   if (!bytes)
-    return refuse(ErrorCode::kBadAddress,
-                  "no memory of " + std::to_string(length) + " bytes at address " + std::to_string(address));
+    return refuse(ErrorCode::kBadAddress, fmt::format("no memory of {} bytes at address {}", length, address));
   // The DSP sends the bytes as bus master once the commands before are done.
   const BusTransaction transaction{.kind = TransferKind::kRegisterWrite,
                                    .down_bytes = kReadRequestBytes,
@@ -225,11 +217,9 @@ Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
   const auto ticket = wire::load<std::uint32_t>(payload, 0);
   const Picoseconds deadline = payload.size() == 12 ? wire::load<std::uint64_t>(payload, 4) : kNever;
   const auto found = tickets.find(ticket);
-  if (found == tickets.end())
-    return refuse(ErrorCode::kBadValue, "ticket " + std::to_string(ticket) + " is not under way");
+  if (found == tickets.end()) return refuse(ErrorCode::kBadValue, fmt::format("ticket {} is not under way", ticket));
   if (const auto time = timeline.finish(found->second, std::max(deadline, timeline.now()))) return {.time_ps = *time};
-  Reply late = refuse(ErrorCode::kDeadline,
-                      "ticket " + std::to_string(ticket) + " has not completed at " + std::to_string(deadline) + " ps");
+  Reply late = refuse(ErrorCode::kDeadline, fmt::format("ticket {} has not completed at {} ps", ticket, deadline));
   late.time_ps = timeline.now();
   return late;
 }
@@ -266,10 +256,9 @@ std::vector<Completion> Board::Parts::take_completions() {
 
 std::vector<wire::Counter> Board::Parts::count() const {
   std::vector<wire::Counter> list;
-  for (const auto& [name, direction] :
-       {std::pair("bus.down.", BusDirection::kDown), std::pair("bus.up.", BusDirection::kUp)}) {
+  for (const BusDirection direction : {BusDirection::kDown, BusDirection::kUp}) {
     const BusCounters& bus = timeline.bus().counters(direction);
-    const std::string prefix(name);
+    const std::string prefix = direction == BusDirection::kDown ? "bus.down." : "bus.up.";
     list.push_back({prefix + "bytes", "byte", bus.bytes});
     list.push_back({prefix + "transfers", "transfer", bus.transfers});
     list.push_back({prefix + "bursts", "burst", bus.bursts});
@@ -313,8 +302,7 @@ TransactionResult Board::transact(const wire::FrameHeader& header, std::span<con
   TransactionResult outcome;
   if (header.time_ps > kEndOfTime) {
     parts_->registers.raise(wire::kStatusBadCommand, 0);
-    outcome.reply =
-        refuse(ErrorCode::kBadValue, "time_ps: expected at most 2^62, got " + std::to_string(header.time_ps));
+    outcome.reply = refuse(ErrorCode::kBadValue, fmt::format("time_ps: expected at most 2^62, got {}", header.time_ps));
     outcome.reply->time_ps = parts_->timeline.now();
     if (posted(header.type)) outcome.reply.reset();
     return outcome;
@@ -355,16 +343,6 @@ void Board::publish() {
   const std::lock_guard lock(published_mutex_);
   published_ = std::move(counters);
   published_ps_ = parts_->timeline.now();
-}
-
-std::vector<wire::Counter> Board::counters() const {
-  const std::lock_guard lock(published_mutex_);
-  return published_;
-}
-
-std::uint64_t Board::simulated_ps() const {
-  const std::lock_guard lock(published_mutex_);
-  return published_ps_;
 }
 
 }  // namespace gicube::emu

@@ -46,9 +46,8 @@ class Routines;
 
 class Board {
  public:
-  // `config` must be resolved and checked, and the hash its own (config.h). `observer` may be null, or else must outlive
-  // the board, and no two boards in use can share it. `routines`: for materials that trap, or null for the built-in ones;
-  // must outlive the board.
+  // `config`: resolved and checked; the hash is its own (config.h). `observer`: of this board alone, or null. `routines`: for
+  // materials that trap; null: the built-in ones. Both must outlive the board.
   Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObserver* observer = nullptr,
         const Routines* routines = nullptr);
   ~Board();
@@ -65,8 +64,14 @@ class Board {
   void reset();
 
   // The counters after the latest transaction. Any thread.
-  std::vector<wire::Counter> counters() const;
-  std::uint64_t simulated_ps() const;
+  std::vector<wire::Counter> counters() const {
+    const std::lock_guard lock(published_mutex_);
+    return published_;
+  }
+  std::uint64_t simulated_ps() const {
+    const std::lock_guard lock(published_mutex_);
+    return published_ps_;
+  }
 
  private:
   struct Parts;

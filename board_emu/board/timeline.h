@@ -1,8 +1,7 @@
 // Simulated time of the functional level: host bus and DSP, with an ASIC that takes none.
 //
-// A transaction goes down the bus, through the DSP, and up the bus. The DSP serves transactions in the order of their arrival.
-// Time advances only as far as it can no longer change: nothing older than the host's latest stamp will follow. A transaction
-// can be taken back until its turn at the DSP begins.
+// A transaction goes down the bus, through the DSP in the order of arrival, and up the bus. It can be taken back until its turn
+// at the DSP begins. Time advances only as far as it can no longer change: nothing older than the host's latest stamp follows.
 #pragma once
 
 #include <algorithm>
@@ -52,8 +51,7 @@ class Timeline {
                  {id, transaction.kind, transaction.cargo, transaction.down_bytes, std::max(stamp, now_ps_)});
   }
 
-  // When the turn at the DSP of a transaction like this will begin if it is added at `stamp`. No later transaction can change it:
-  // they all follow on the way down. (That one before it is taken back can.)
+  // When the turn at the DSP of a transaction like this will begin if it is added at `stamp`, unless one before is taken back.
   Picoseconds turn_of(Picoseconds stamp, const BusTransaction& transaction) const {
     constexpr std::uint64_t kAhead = ~std::uint64_t{0};
     Timeline ahead = *this;
@@ -76,8 +74,7 @@ class Timeline {
     now_ps_ = std::max(now_ps_, horizon);
   }
 
-  // Lets time pass until that watched transaction is finished, and returns when; but no longer than to `deadline`, and then
-  // nothing. It must not have been taken yet.
+  // Lets time pass until that watched transaction, which was not taken yet, is finished: when; nothing if not by `deadline`.
   std::optional<Picoseconds> finish(std::uint64_t id, Picoseconds deadline) {
     const auto is_it = [id](const TimeOf& finished) { return finished.id == id; };
     auto found = std::find_if(finished_.begin(), finished_.end(), is_it);
@@ -95,8 +92,7 @@ class Timeline {
   }
   Picoseconds finish(std::uint64_t id) { return *finish(id, kNever); }
 
-  // Takes a transaction back at `stamp`: it costs the DSP nothing, and no more than a completion word goes up. False if its
-  // turn has begun.
+  // Takes a transaction back at `stamp`: it costs the DSP nothing, and only a completion word goes up. False: it is too late.
   bool take_back(Picoseconds stamp, std::uint64_t id) {
     advance(stamp);
     const auto found = under_way_.find(id);
@@ -132,9 +128,8 @@ class Timeline {
  private:
   static constexpr std::uint64_t kCompletionWordBytes = 4;  // in the host's memory
 
-  // Everything but advance() and take_back() counts on no turn being over that has not been ended.
-  // The next thing that happens, if it does by `horizon`. A turn that ends is dealt with first: what it sends up competes
-  // with what is on its way down.
+  // The next thing that happens, if it does by `horizon`. The end of a turn comes first: what it sends up competes with what
+  // is on its way down.
   bool step(Picoseconds horizon) {
     const Picoseconds turn_ends = in_turn_ ? dsp_free_ps_ : kNever;
     if (const auto delivery = bus_.next_delivery(std::min(horizon, turn_ends))) {

@@ -17,8 +17,7 @@ struct ParsedConfig : TextReading {  // ranges are check()'s
   v1::BoardConfig config;            // only what the text sets
 };
 
-// Reads protobuf text. A faulty value is reported and skipped, so that one call finds all of them; only text whose
-// structure is broken ends the search at that line.
+// Reads protobuf text, as read_text(): one call finds all faulty values.
 ParsedConfig parse_config(std::string_view text);
 
 // Sets one field from "asic.processors=8". If that is wrong the configuration stays as it was.

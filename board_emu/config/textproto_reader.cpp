@@ -1,5 +1,4 @@
-// One pass over protobuf's own tokens, since its TextFormat ends at the first value that it can't read. Each single value is
-// TextFormat's to read.
+// One pass over protobuf's tokens, since TextFormat ends at the first value that it can't read. It reads the single values.
 #include "textproto_reader.h"
 
 #include <fmt/format.h>

@@ -55,8 +55,7 @@ std::string expected_names(const google::protobuf::Descriptor& type);
 // A whole number, one of an enumeration's names (0 is its "unspecified"), or a message.
 std::string expected_value(const google::protobuf::FieldDescriptor& field);
 
-// Why the schema refuses a scalar's value: a number that is set and beyond its `range` (field_range.proto), or an enumeration
-// without a value. Without path and line.
+// Why the schema refuses a scalar's value: a number beyond its `range` (field_range.proto), or no value of an enumeration.
 std::optional<Diagnostic> fault_of(const google::protobuf::Message& message,
                                    const google::protobuf::FieldDescriptor& field);
 

@@ -1,9 +1,8 @@
 // Joins the causes of a processor's cycles into slices that can be read.
 //
 // A run of one cause of kLongRun cycles or more is a slice. Shorter runs that follow one another share a slice, which ends
-// with the run that brings it to kMixed cycles or when a long run comes. What is still shorter than kLongRun joins the
-// slice before it, and so does a long run of that slice's cause: a short interruption does not cut a slice in two. Every
-// cycle is in exactly one slice, and a slice knows how many of each cause.
+// with the run that brings it to kMixed cycles or when a long run comes. What is still shorter than kLongRun joins the slice
+// before it, and so does a long run of that slice's cause. Every cycle is in one slice, which counts its causes.
 #pragma once
 
 #include <algorithm>

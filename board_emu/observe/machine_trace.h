@@ -1,8 +1,7 @@
 // Writes what the processors, links and memories do, cycle by cycle, to a trace.
 //
-// A processor has a track of its active blocks, a track of its pipeline's causes (cause_runs.h) and a counter of waiting
-// rays. Counters are sampled every simulated microsecond and written when they change. Memory is bounded: only the slices
-// that are still open are kept.
+// A processor has a track of its active blocks, one of its pipeline's causes (cause_runs.h) and a counter of waiting rays.
+// Counters are sampled every simulated microsecond and written when they change. Only slices that are open are kept.
 #pragma once
 
 #include <fmt/format.h>

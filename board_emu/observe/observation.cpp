@@ -54,18 +54,6 @@ void Observation::power_up(const v1::BoardConfig& config) {
   }
 }
 
-void Observation::begin_command(Picoseconds begin) {
-  if (!cycles_) return;
-  // Only behind a command that broke off, whose turn is shorter than what was seen of it, is this not `begin`.
-  cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_), config_);
-}
-
-void Observation::end_command() {
-  if (!cycles_) return;
-  cycles_->end();
-  cycles_free_ps_ = cycles_->end_ps();
-}
-
 void Observation::host_waited(const char* what, Picoseconds begin, Picoseconds end) {
   if (!trace_) return;
   const Picoseconds from = std::max(origin_ps_ + begin, host_free_ps_), to = origin_ps_ + end;

@@ -1,7 +1,6 @@
 // What a board shows of its inside while it works: a trace for Perfetto and a waveform for GTKWave, each if asked for.
 //
-// A board tells it of power-ups, of what its timeline decides, and of commands; the machine is seen through observer().
-// Time goes on in the trace where a power-up sets the board's time back to 0.
+// The machine is seen through observer(). Time goes on in the trace where a power-up sets the board's time back to 0.
 #pragma once
 
 #include <optional>
@@ -36,8 +35,16 @@ class Observation : public BoardObserver, private Observer {
   void power_up(const v1::BoardConfig& config) override;
   Observer* observer() override { return options_.any() ? this : nullptr; }
   bool places_cycles() const override { return cycles_.has_value(); }
-  void begin_command(Picoseconds begin) override;
-  void end_command() override;
+  void begin_command(Picoseconds begin) override {
+    if (!cycles_) return;
+    // Only behind a command that broke off, whose turn is shorter than what was seen of it, is this not `begin`.
+    cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_), config_);
+  }
+  void end_command() override {
+    if (!cycles_) return;
+    cycles_->end();
+    cycles_free_ps_ = cycles_->end_ps();
+  }
   void host_waited(const char* what, Picoseconds begin, Picoseconds end) override;
   void transferred(const BusDelivery& delivery) override;
   void served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) override;

@@ -1,5 +1,4 @@
-// A text file that grows record by record and is written in large pieces of whole records, so that what a killed process
-// leaves behind ends with a whole record.
+// A text file that is written in large pieces of whole records, so that what a killed process leaves ends with one.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // A trace in the JSON array form of the Trace Event Format, which Perfetto (ui.perfetto.dev) and chrome://tracing open.
 //
-// Times come in picoseconds and are written in microseconds to the whole nanosecond below, so slices that touch still
-// touch. Slices of a track must not overlap and must come in order.
+// Times, picoseconds, are written in microseconds to the nanosecond below. Slices of a track come in order and don't overlap.
 #pragma once
 
 #include <fmt/format.h>

@@ -64,15 +64,6 @@ Waveform::~Waveform() {
   vcd_.end(0);
 }
 
-void Waveform::end_machine() {
-  if (state_ != State::kWriting) return;
-  vcd_.end(time(next_));
-  state_ = State::kEnded;
-}
-
-// A clock whose period is a whole number of picoseconds has times without rounding, in the coarsest unit that fits.
-std::uint64_t Waveform::time(Cycle cycle) const { return cycles_to_ps(cycle, core_khz_) / unit_ps_; }
-
 void Waveform::begin(Cycle now, const Machine& machine) {
   std::string causes;
   for (std::size_t i = 0; i < kCauses; ++i) {

@@ -1,8 +1,7 @@
 // Writes the signals of the board's clocked parts to a value change dump, for a window of core cycles.
 //
 // The value of a signal at a cycle is what the parts hold at the clock edge that ends it, or what they did in it (cause,
-// active queue, busy). The window is written once: when
-// a machine's clock first passes through it, up to its end or the end of that machine.
+// active queue, busy). The window is written once, by the first machine whose clock comes to it.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +37,11 @@ class Waveform : public Observer {
     record(now, machine);
   }
   // There is no such machine any more.
-  void end_machine();
+  void end_machine() {
+    if (state_ != State::kWriting) return;
+    vcd_.end(time(next_));
+    state_ = State::kEnded;
+  }
 
   const TextFile& file() const { return vcd_.file(); }
 
@@ -46,7 +49,8 @@ class Waveform : public Observer {
   enum class State : std::uint8_t { kWaiting, kWriting, kEnded };
   void record(Cycle now, const Machine& machine);
   void begin(Cycle now, const Machine& machine);
-  std::uint64_t time(Cycle cycle) const;
+  // A clock whose period is a whole number of picoseconds has times without rounding, in the coarsest unit that fits.
+  std::uint64_t time(Cycle cycle) const { return cycles_to_ps(cycle, core_khz_) / unit_ps_; }
 
   VcdFile vcd_;
   CycleWindow window_;

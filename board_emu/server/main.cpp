@@ -1,7 +1,6 @@
 // gicube-board: one process, one or more emulated boards.
 //
-// Exit codes: 0 ended by a signal or with its private session, 1 a socket or file could not be had, 2 faults in flags or
-// configuration.
+// Exit codes: 0 ended by a signal or with its private session, 1 no socket or file, 2 faults in flags or configuration.
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>

@@ -1,7 +1,5 @@
 #include "board/bus/host_bus.h"
 
-#include <algorithm>
-
 namespace gicube::emu {
 
 namespace {
@@ -20,18 +18,7 @@ void HostBus::enqueue(BusDirection direction, const BusTransfer& transfer) {
   if (to.queue.size() == 1) to.dwords_left = to_dwords(transfer.bytes);
 }
 
-bool HostBus::carries(BusDirection direction, std::uint64_t id) const {
-  const auto& queue = side(direction).queue;
-  return std::any_of(queue.begin(), queue.end(), [id](const BusTransfer& transfer) { return transfer.id == id; });
-}
-
-Picoseconds HostBus::head_ready(BusDirection direction) const {
-  const Side& from = side(direction);
-  return from.queue.empty() ? kNever : from.queue.front().ready_ps;
-}
-
-// Full-length bursts that the head can send back to back before `limit`, leaving its last burst to the caller: a long
-// transfer that is alone costs one step, not one for each burst.
+// Full-length bursts that the head can send before `limit`, but its last: a long transfer that is alone costs one step.
 std::uint64_t HostBus::bursts_alone(BusDirection direction, Picoseconds start, Picoseconds limit) const {
   const Side& from = side(direction);
   const TransferKind kind = from.queue.front().kind;

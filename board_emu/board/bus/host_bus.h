@@ -124,7 +124,10 @@ class HostBus {
   explicit HostBus(const BusTiming& timing) : timing_(timing) {}
 
   // Whether a transfer waits or is under way.
-  bool carries(BusDirection direction, std::uint64_t id) const;
+  bool carries(BusDirection direction, std::uint64_t id) const {
+    const auto& queue = side(direction).queue;
+    return std::any_of(queue.begin(), queue.end(), [id](const BusTransfer& transfer) { return transfer.id == id; });
+  }
 
   // Within one direction transfers are served in this order, whatever their ready times.
   void enqueue(BusDirection direction, const BusTransfer& transfer);
@@ -149,7 +152,10 @@ class HostBus {
   Side& side(BusDirection direction) { return sides_[static_cast<std::size_t>(direction)]; }
   const Side& side(BusDirection direction) const { return sides_[static_cast<std::size_t>(direction)]; }
   // When the head of a direction could take the bus; kNever without one.
-  Picoseconds head_ready(BusDirection direction) const;
+  Picoseconds head_ready(BusDirection direction) const {
+    const Side& from = side(direction);
+    return from.queue.empty() ? kNever : from.queue.front().ready_ps;
+  }
   std::uint64_t bursts_alone(BusDirection direction, Picoseconds start, Picoseconds limit) const;
 
   BusTiming timing_;

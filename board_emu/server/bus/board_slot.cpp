@@ -1,6 +1,5 @@
 #include "board_slot.h"
 
-#include <chrono>
 #include <filesystem>
 #include <future>
 #include <utility>
@@ -36,18 +35,6 @@ BoardSlot::~BoardSlot() {
 void BoardSlot::log_fault(const Observation* observation) const {
   const std::string fault = observation != nullptr ? observation->fault() : "";
   if (!fault.empty()) spdlog::error("board {}: {}", index_, fault);
-}
-
-std::uint64_t BoardSlot::stand_in_line(bool at_head) {
-  const std::lock_guard lock(mutex_);
-  const std::uint64_t place = ++last_place_;
-  line_.insert(at_head ? line_.begin() : line_.end(), place);
-  return place;
-}
-
-void BoardSlot::leave_line(std::uint64_t place) {
-  const std::lock_guard lock(mutex_);
-  std::erase(line_, place);
 }
 
 Claim BoardSlot::claim(const Claimant& who) {
@@ -94,95 +81,45 @@ std::string BoardSlot::owner() const {
                      fmt::gmtime(std::chrono::system_clock::to_time_t(owner_since_)), seconds.count());
 }
 
-void BoardSlot::set_away(bool away) {
-  const std::lock_guard lock(mutex_);
-  away_ = away && owner_ == Owner::kSession;
-}
-
-bool BoardSlot::realtime() const {
-  const std::lock_guard lock(mutex_);
-  return config_.pace() == v1::realtime;
-}
-
-void BoardSlot::announce_release() {
-  const std::lock_guard lock(mutex_);
-  releasing_ = true;
-}
-
-void BoardSlot::release() {
-  {
-    const std::lock_guard lock(mutex_);
-    owner_ = Owner::kNone;
-    releasing_ = false;
-    away_ = false;
-    end_session_ = nullptr;
-  }
-  released_.notify_all();
-}
-
 void BoardSlot::settle() {
   const auto settled = std::make_shared<std::promise<void>>();
   boost::asio::post(compute_, [settled] { settled->set_value(); });
   settled->get_future().wait();
 }
 
-void BoardSlot::set_endpoint(std::string endpoint) {
-  const std::lock_guard lock(mutex_);
-  endpoint_ = std::move(endpoint);
-}
-
-BoardSlot::Info BoardSlot::info() const {
-  const std::lock_guard lock(mutex_);
-  return {index_, endpoint_, owner_ == Owner::kSession && !away_, config_, routines_->list()};
-}
-
-BoardSlot::Snapshot BoardSlot::counters() const {
-  const std::lock_guard lock(mutex_);
-  return {board_->simulated_ps(), board_->counters()};
-}
-
 BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Diagnostic>& found) {
   ParsedConfig parsed = parse_config(text);
-  v1::BoardConfig merged;
-  {
-    std::unique_lock lock(mutex_);
-    merged = config_;
-    merged.MergeFrom(parsed.config);
-    found = std::move(parsed.diagnostics);
-    for (Diagnostic& each : check(merged, parsed.lines)) found.push_back(std::move(each));
-    if (!found.empty()) return Configured::kFaulty;
-    if (!take_for_management(lock)) return Configured::kInUse;
-  }
+  std::unique_lock lock(mutex_);
+  v1::BoardConfig merged = config_;
+  merged.MergeFrom(parsed.config);
+  found = std::move(parsed.diagnostics);
+  for (Diagnostic& each : check(merged, parsed.lines)) found.push_back(std::move(each));
+  if (!found.empty()) return Configured::kFaulty;
+  if (!take_for_management(lock)) return Configured::kInUse;
+  lock.unlock();
   // Allocating a large board takes a while, so the lock is not held; the claim keeps everyone else out.
   const Finally released{[this] { release(); }};
   auto rebuilt = std::make_unique<Board>(merged, config_hash(merged), observation_.get(), routines_);
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard swapping(mutex_);
   board_.swap(rebuilt);
   config_ = std::move(merged);
   return Configured::kDone;
 }
 
-std::string BoardSlot::trace_file() const {
-  const std::lock_guard lock(mutex_);
-  return observation_ ? observation_->options().trace_file : std::string();
-}
-
 BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& reason) {
-  v1::BoardConfig config;
-  {
-    std::unique_lock lock(mutex_);
-    if (observation_ && !observation_->options().vcd_file.empty()) {
-      reason = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
-      return Configured::kFaulty;
-    }
-    std::error_code ignored;
-    if (std::filesystem::exists(file, ignored)) {
-      reason = "file: expected the name of a new file, got " + file;
-      return Configured::kFaulty;
-    }
-    if (!take_for_management(lock)) return Configured::kInUse;
-    config = config_;
+  std::unique_lock lock(mutex_);
+  if (observation_ && !observation_->options().vcd_file.empty()) {
+    reason = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
+    return Configured::kFaulty;
   }
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored)) {
+    reason = "file: expected the name of a new file, got " + file;
+    return Configured::kFaulty;
+  }
+  if (!take_for_management(lock)) return Configured::kInUse;
+  const v1::BoardConfig config = config_;
+  lock.unlock();
   // As in configure(). The board is gone before what it speaks to, and both before the release.
   const Finally released{[this] { release(); }};
   std::unique_ptr<Observation> observation;
@@ -190,7 +127,7 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   try {
     if (!file.empty()) observation = std::make_unique<Observation>(ObservationOptions{file, {}, {}});
     board = std::make_unique<Board>(config, config_hash(config), observation.get(), routines_);
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard swapping(mutex_);
     board_.swap(board);
     observation_.swap(observation);
   } catch (const std::exception& error) {
@@ -203,16 +140,15 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
 }
 
 bool BoardSlot::power_reset() {
-  {
-    std::unique_lock lock(mutex_);
-    const std::uint64_t session = sessions_;
-    if (owner_ == Owner::kSession) ask_to_end(wire::ErrorCode::kCancelled, "the management plane has reset the board");
-    // A session that ends resets the board; one that came after it has found it so.
-    const auto ended = [this, session] { return owner_ == Owner::kNone || sessions_ != session; };
-    if (!released_.wait_for(lock, kReleaseTimeout, ended)) return false;
-    if (owner_ != Owner::kNone) return true;
-    owner_ = Owner::kManagement;
-  }
+  std::unique_lock lock(mutex_);
+  const std::uint64_t session = sessions_;
+  if (owner_ == Owner::kSession) ask_to_end(wire::ErrorCode::kCancelled, "the management plane has reset the board");
+  // A session that ends resets the board; one that came after it has found it so.
+  const auto ended = [this, session] { return owner_ == Owner::kNone || sessions_ != session; };
+  if (!released_.wait_for(lock, kReleaseTimeout, ended)) return false;
+  if (owner_ != Owner::kNone) return true;
+  owner_ = Owner::kManagement;
+  lock.unlock();
   board_->reset();
   release();
   return true;

@@ -51,18 +51,38 @@ class BoardSlot {
   std::uint32_t index() const { return index_; }
 
   // A place in line, at its end or at its head; it must be left again.
-  std::uint64_t stand_in_line(bool at_head);
-  void leave_line(std::uint64_t place);
+  std::uint64_t stand_in_line(bool at_head) {
+    const std::lock_guard lock(mutex_);
+    const std::uint64_t place = ++last_place_;
+    line_.insert(at_head ? line_.begin() : line_.end(), place);
+    return place;
+  }
+  void leave_line(std::uint64_t place) {
+    const std::lock_guard lock(mutex_);
+    std::erase(line_, place);
+  }
   // For a session.
   Claim claim(const Claimant& who);
   // The owner, and since when; empty if there is none.
   std::string owner() const;
   // The session's client is away, or back again. While it is away the board counts as free.
-  void set_away(bool away);
+  void set_away(bool away) {
+    const std::lock_guard lock(mutex_);
+    away_ = away && owner_ == Owner::kSession;
+  }
   // The session still owns the board, but will release it as soon as the running work has ended.
-  void announce_release();
+  void announce_release() {
+    const std::lock_guard lock(mutex_);
+    releasing_ = true;
+  }
   // The board must have been reset.
-  void release();
+  void release() {
+    const std::lock_guard lock(mutex_);
+    owner_ = Owner::kNone;
+    releasing_ = away_ = false;
+    end_session_ = nullptr;
+    released_.notify_all();
+  }
 
   // Only for the owner, and only from work on compute().
   Board& board() { return *board_; }
@@ -71,10 +91,16 @@ class BoardSlot {
   // Returns when all work given to compute() so far has ended. Not from compute() itself.
   void settle();
 
-  void set_endpoint(std::string endpoint);
+  void set_endpoint(std::string endpoint) {
+    const std::lock_guard lock(mutex_);
+    endpoint_ = std::move(endpoint);
+  }
 
   // Answers are held back until the wall clock has come to their simulated time.
-  bool realtime() const;
+  bool realtime() const {
+    const std::lock_guard lock(mutex_);
+    return config_.pace() == v1::realtime;
+  }
 
   // What goes wrong between a driver and this board; any thread.
   FaultPoint& faults() { return faults_; }
@@ -86,20 +112,29 @@ class BoardSlot {
     v1::BoardConfig config;  // resolved
     std::vector<RoutineInfo> routines{};
   };
-  Info info() const;
+  Info info() const {
+    const std::lock_guard lock(mutex_);
+    return {index_, endpoint_, owner_ == Owner::kSession && !away_, config_, routines_->list()};
+  }
 
   struct Snapshot {
     std::uint64_t simulated_ps = 0;
     std::vector<wire::Counter> counters;
   };
-  Snapshot counters() const;
+  Snapshot counters() const {
+    const std::lock_guard lock(mutex_);
+    return {board_->simulated_ps(), board_->counters()};
+  }
 
   enum class Configured { kDone, kInUse, kFaulty };
   // Merges configuration text and builds the board anew. On anything but kDone nothing has changed.
   Configured configure(std::string_view text, std::vector<Diagnostic>& found);
 
   // The file that the board writes its trace to; empty: none.
-  std::string trace_file() const;
+  std::string trace_file() const {
+    const std::lock_guard lock(mutex_);
+    return observation_ ? observation_->options().trace_file : std::string();
+  }
   // Builds the board anew, to write its trace to a file that is not there yet; empty: to none, and the former file is
   // completed. On anything but kDone nothing has changed; kFaulty: `reason` says why.
   Configured set_trace_file(const std::string& file, std::string& reason);

@@ -16,23 +16,13 @@
 #include <stdexcept>
 
 #include <boost/asio/basic_socket_acceptor.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
-#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
 
 #include "words/finally.h"
 
 namespace gicube::emu {
 
-namespace asio = boost::asio;
-using asio::awaitable;
-using boost::system::error_code;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using wire::ErrorCode;
@@ -40,7 +30,9 @@ using wire::FrameType;
 
 namespace {
 
-constexpr milliseconds kAcceptPause{100};  // chosen: until descriptors may be free again
+constexpr milliseconds kAcceptPause{100};   // chosen: until descriptors may be free again
+constexpr milliseconds kBusyPatience{200};  // chosen: an owner may just be closing its socket
+constexpr milliseconds kClaimInterval{10};  // chosen
 
 // Which file is at `path`, so that one that has taken our place is left alone.
 std::pair<dev_t, ino_t> identity(const std::string& path) {
@@ -48,9 +40,6 @@ std::pair<dev_t, ino_t> identity(const std::string& path) {
   if (::lstat(path.c_str(), &status) != 0) return {};
   return {status.st_dev, status.st_ino};
 }
-
-constexpr milliseconds kBusyPatience{200};  // chosen: an owner may just be closing its socket
-constexpr milliseconds kClaimInterval{10};  // chosen
 
 // Why a client is refused by its first frame, if it is.
 std::optional<LastWord> refusal(const Connection::Incoming& incoming, const wire::VersionInfo& ours) {
@@ -70,10 +59,8 @@ std::optional<LastWord> refusal(const Connection::Incoming& incoming, const wire
   }
   const wire::VersionInfo theirs = wire::decode<wire::VersionInfo>(frame->payload);
   if (wire::agree(ours, theirs)) return std::nullopt;
-  if (theirs.major != ours.major) {
-    return LastWord{ErrorCode::kVersion, id,
-                    fmt::format("expected major version {}, got {}", ours.major, theirs.major)};
-  }
+  const std::string majors = fmt::format("expected major version {}, got {}", ours.major, theirs.major);
+  if (theirs.major != ours.major) return LastWord{ErrorCode::kVersion, id, majors};
   return LastWord{
       ErrorCode::kProtocol, id,
       fmt::format("expected max_payload_bytes of at least {}, window_slots of at least 1 and window_bytes of at least "
@@ -134,17 +121,16 @@ class BusServer::Listener {
     while (acceptor_.is_open()) {
       Connection::Socket socket(server_.io_);
       error_code error;
-      co_await acceptor_.async_accept(socket, asio::redirect_error(asio::use_awaitable, error));
+      co_await acceptor_.async_accept(socket, into(error));
       if (!acceptor_.is_open()) break;
       if (error) {
         spdlog::warn("{}: {}", to_string(endpoint_), error.message());
-        pause_.expires_after(kAcceptPause);
-        co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, error));
+        co_await sleep(pause_, kAcceptPause);
         continue;
       }
       error_code ignored;
       if (endpoint_.kind == EndpointKind::kTcp) socket.set_option(asio::ip::tcp::no_delay(true), ignored);
-      server_.welcome(std::move(socket), slot_, false);
+      asio::co_spawn(server_.io_, server_.serve(std::move(socket), slot_, false), asio::detached);
     }
   }
 
@@ -188,17 +174,12 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
   socket.assign(asio::generic::stream_protocol(address.ss_family, 0), fd);
   slot.set_endpoint(fmt::format("fd:{}", fd));
   slots_.push_back(&slot);
-  welcome(std::move(socket), slot, is_private);
+  asio::co_spawn(io_, serve(std::move(socket), slot, is_private), asio::detached);
 }
 
-void BusServer::welcome(Connection::Socket socket, BoardSlot& slot, bool is_private) {
-  auto connection = std::make_shared<Connection>(std::move(socket));
-  asio::co_spawn(io_, serve(std::move(connection), slot, is_private), asio::detached);
-}
-
-awaitable<void> BusServer::serve(std::shared_ptr<Connection> connection, BoardSlot& slot, bool is_private) {
+awaitable<void> BusServer::serve(Connection::Socket socket, BoardSlot& slot, bool is_private) {
   try {
-    co_await receive(std::move(connection), slot, !is_private);
+    co_await receive(std::make_shared<Connection>(std::move(socket)), slot, !is_private);
   } catch (const std::exception& error) {
     spdlog::error("a session ended by a fault of the server: {}", error.what());
   }
@@ -230,7 +211,11 @@ void BusServer::stop_now() {
   stopped_ = true;
   signals_.cancel();
   for (const auto& listener : listeners_) listener->close();
-  send_away();
+  const LastWord word{ErrorCode::kCancelled, 0, "the board shuts down"};
+  const auto guests = guests_;
+  for (const auto& guest : guests) guest->refuse(word);
+  const auto sessions = sessions_;
+  for (const auto& [token, session] : sessions) session->end(word.error, word.text);
 }
 
 // ---- clients: their version frame, their place in line for a board, their session
@@ -327,9 +312,7 @@ awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::sh
            fmt::format("board {} has an owner: {}", slot.index(), owner.empty() ? "others wait" : owner)});
       break;
     }
-    timer.expires_after(kClaimInterval);
-    error_code ignored;
-    co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    co_await sleep(timer, kClaimInterval);
     if (connection->client_has_left()) connection->close();
   }
   co_return false;
@@ -342,14 +325,6 @@ std::uint64_t BusServer::new_token() const {
     const std::uint64_t token = std::uint64_t{random()} << 32 | random();
     if (token != 0 && !sessions_.contains(token)) return token;
   }
-}
-
-void BusServer::send_away() {
-  const LastWord word{ErrorCode::kCancelled, 0, "the board shuts down"};
-  const auto guests = guests_;
-  for (const auto& guest : guests) guest->refuse(word);
-  const auto sessions = sessions_;
-  for (const auto& [token, session] : sessions) session->end(word.error, word.text);
 }
 
 }  // namespace gicube::emu

@@ -4,13 +4,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <boost/asio/buffer.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
 
 #include "gicube/wire/checksum.h"
@@ -18,10 +13,6 @@
 
 namespace gicube::emu {
 
-namespace asio = boost::asio;
-using asio::awaitable;
-using asio::use_awaitable;
-using boost::system::error_code;
 using wire::ErrorCode;
 using wire::FrameHeader;
 
@@ -59,8 +50,7 @@ Connection::Connection(Socket socket)
 
 awaitable<error_code> Connection::read_exactly(std::span<std::uint8_t> bytes) {
   error_code error;
-  co_await asio::async_read(socket_, asio::buffer(bytes.data(), bytes.size()),
-                            asio::redirect_error(use_awaitable, error));
+  co_await asio::async_read(socket_, asio::buffer(bytes.data(), bytes.size()), into(error));
   ended_ = ended_ || error;
   co_return error;
 }
@@ -136,7 +126,7 @@ awaitable<void> Connection::write_queued(std::shared_ptr<Connection> self) {
       if (!frame.payload->empty()) buffers.push_back(asio::buffer(*frame.payload));
     }
     error_code error;
-    co_await asio::async_write(self->socket_, buffers, asio::redirect_error(use_awaitable, error));
+    co_await asio::async_write(self->socket_, buffers, into(error));
     self->in_flight_.clear();
     if (error) self->close();  // the reader sees it end
   }
@@ -166,19 +156,11 @@ awaitable<void> Connection::drop_input() {
   // Asio waits for ever when it is asked once more after the end.
   while (!ended_ && socket_.is_open()) {
     error_code error;
-    co_await socket_.async_read_some(asio::buffer(scrap), asio::redirect_error(use_awaitable, error));
+    co_await socket_.async_read_some(asio::buffer(scrap), into(error));
     ended_ = ended_ || error;
   }
   linger_.cancel();
   close();
-}
-
-void Connection::close() {
-  closing_ = true;
-  queued_.clear();
-  linger_.cancel();
-  error_code ignored;
-  socket_.close(ignored);
 }
 
 bool Connection::client_has_left() {

@@ -1,7 +1,6 @@
 // One socket of the data plane, whatever session it serves: whole, undamaged frames in, frames out.
 //
-// What is queued goes out in as few writes as the socket allows, payloads uncopied. Nothing here is locked: all of it runs
-// on the server's io thread.
+// What is queued goes out in as few writes as the socket allows, payloads uncopied. Only for the server's io thread.
 #pragma once
 
 #include <array>
@@ -11,20 +10,15 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
 #include <vector>
 
-#include <boost/asio/awaitable.hpp>
-#include <boost/asio/generic/stream_protocol.hpp>
-#include <boost/asio/steady_timer.hpp>
-
+#include "coroutines.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/reliable_window.h"
 
 namespace gicube::emu {
 
-// What a client is told before its connection is closed: a frame kVersion | kResponse, which costs no credit, with the id
-// of the frame at fault.
+// What a client is told before its connection is closed: a frame kVersion | kResponse with the id of the frame at fault.
 struct LastWord {
   wire::ErrorCode error{};
   std::uint32_t id = 0;
@@ -33,7 +27,7 @@ struct LastWord {
 
 class Connection : public std::enable_shared_from_this<Connection> {
  public:
-  using Socket = boost::asio::generic::stream_protocol::socket;
+  using Socket = asio::generic::stream_protocol::socket;
   using Executor = Socket::executor_type;
 
   explicit Connection(Socket socket);
@@ -48,22 +42,27 @@ class Connection : public std::enable_shared_from_this<Connection> {
     std::optional<LastWord> fault;  // what came is no frame, too large or damaged: nothing after it can be read
   };
   // One reader at a time.
-  boost::asio::awaitable<Incoming> read(std::uint32_t max_payload);
+  awaitable<Incoming> read(std::uint32_t max_payload);
 
   // Queues a frame; `size` and `checksum` are set. With `flipped_bit` it is damaged on its way.
   void send(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
   // True if nothing waits to be written.
   bool idle() const { return queued_.empty() && !writing_; }
 
-  // Says why, and closes once the client has closed or its time is up: closing on unread bytes could take the last word
-  // from it.
+  // Says why, and closes once the client has closed or its time is up: closing on unread bytes could lose the last word.
   void refuse(const LastWord& word);
-  void close();
+  void close() {
+    closing_ = true;
+    queued_.clear();
+    linger_.cancel();
+    error_code ignored;
+    socket_.close(ignored);
+  }
   // From now on nothing passes any more, in either direction, until the client closes.
   void hang() { hanging_ = true; }
   bool is_open() const { return !closing_; }
   // Reads and forgets until the client closes, then closes too.
-  boost::asio::awaitable<void> drop_input();
+  awaitable<void> drop_input();
   // True if the client has closed its end: found without reading.
   bool client_has_left();
 
@@ -77,12 +76,12 @@ class Connection : public std::enable_shared_from_this<Connection> {
     wire::Payload payload;
   };
 
-  boost::asio::awaitable<boost::system::error_code> read_exactly(std::span<std::uint8_t> bytes);
-  boost::asio::awaitable<Incoming> read_one(std::uint32_t max_payload);
-  static boost::asio::awaitable<void> write_queued(std::shared_ptr<Connection> self);
+  awaitable<error_code> read_exactly(std::span<std::uint8_t> bytes);
+  awaitable<Incoming> read_one(std::uint32_t max_payload);
+  static awaitable<void> write_queued(std::shared_ptr<Connection> self);
 
   Socket socket_;
-  boost::asio::steady_timer linger_;
+  asio::steady_timer linger_;
   std::string peer_;
   std::deque<Outgoing> queued_;
   std::deque<Outgoing> in_flight_;

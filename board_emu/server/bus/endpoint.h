@@ -33,8 +33,7 @@ bool is_local(const Endpoint& endpoint);
 // std::invalid_argument if the port passes 65535 or the endpoint is one socket.
 Endpoint for_board(const Endpoint& endpoint, std::uint32_t board);
 
-// Makes room for a socket file: removes one that nobody answers on. Throws std::runtime_error if someone does, or if
-// something else than a socket is there.
+// Removes a socket file that nobody answers on. Throws std::runtime_error if someone does, or if it is no socket.
 void remove_stale_socket(const std::string& path);
 
 }  // namespace gicube::emu

@@ -2,20 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <exception>
-
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/use_awaitable.hpp>
-
 namespace gicube::emu {
 
-namespace asio = boost::asio;
-using asio::awaitable;
-using asio::use_awaitable;
-using boost::system::error_code;
 using wire::ErrorCode;
 using wire::FrameHeader;
 using wire::FrameType;
@@ -92,23 +80,6 @@ void Session::lose(const Connected& connection, const std::optional<LastWord>& w
 
 // ---- end
 
-// The first fault is the one that the client hears of.
-void Session::fail(const LastWord& fault) {
-  if (stopped_) return;
-  stop();
-  if (!connection_) return;
-  connection_->refuse(fault);
-  connection_.reset();
-}
-
-void Session::stop() {
-  if (stopped_) return;
-  stopped_ = true;
-  progress_.cancel = true;
-  absence_.cancel();
-  wake_.cancel();
-}
-
 awaitable<void> Session::give_board_back() {
   stop();
   if (connection_) std::exchange(connection_, nullptr)->close();
@@ -118,17 +89,10 @@ awaitable<void> Session::give_board_back() {
   slot_.release();
 }
 
-awaitable<void> Session::wait(std::chrono::steady_clock::duration limit) {
-  wake_.expires_after(limit);
-  error_code ignored;
-  co_await wake_.async_wait(asio::redirect_error(use_awaitable, ignored));
-}
-
 awaitable<void> Session::pause(std::chrono::microseconds duration) {
   if (duration.count() <= 0) co_return;
-  asio::steady_timer timer(wake_.get_executor(), duration);
-  error_code ignored;
-  co_await timer.async_wait(asio::redirect_error(use_awaitable, ignored));
+  asio::steady_timer timer(wake_.get_executor());
+  co_await sleep(timer, duration);
 }
 
 awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job, bool shows_progress) {
@@ -148,7 +112,7 @@ awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job,
   };
   asio::post(slot_.compute(), std::move(run_it));
   while (!job_done_) {
-    co_await wait(shows_progress ? options_.progress_interval : kUntilWoken);
+    co_await sleep(wake_, shows_progress ? options_.progress_interval : kUntilWoken);
     if (shows_progress && !job_done_ && !stopped_) send_progress();
   }
   co_return fault;

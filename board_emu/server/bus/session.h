@@ -1,10 +1,9 @@
 // One owner's time on a board: from the claim to the reset, over as many connections as it takes.
 //
 // A reader takes frames off the connection into an inbox that the granted credits bound. The worker takes them out one by
-// one, has the board carry them out on its compute thread, and sends what comes of it as far as the client's credits
-// reach. What was sent is kept until its credit has come back: after a broken connection the client resumes the session by
-// its token, each side says what it has taken, and sends the rest again. Everything but Board::transact runs on the
-// server's io thread, so nothing here is locked.
+// one, has the board carry them out on its compute thread, and sends what comes of it as far as the client's credits reach.
+// What was sent is kept until its credit has come back: after a broken connection the client resumes the session by its token,
+// and each side sends again what the other has not taken. All but Board::transact runs on the io thread: nothing is locked.
 //
 // A fault of the client ends its session with a last word. However a session ends, the board is reset before the next one.
 #pragma once
@@ -18,11 +17,8 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
-#include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
+#include <utility>
 #include <vector>
-
-#include <boost/asio/awaitable.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "board_slot.h"
 #include "connection.h"
@@ -51,7 +47,6 @@ class Session : public std::enable_shared_from_this<Session> {
   Session(const Connection::Executor& executor, BoardSlot& slot, const BusOptions& options, std::uint64_t token,
           const wire::VersionInfo& agreed, const wire::VersionInfo& theirs);
 
-  std::uint64_t token() const { return token_; }
   bool ended() const { return stopped_; }
   bool serves(const BoardSlot& slot) const { return &slot_ == &slot; }
 
@@ -61,7 +56,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void attach(std::shared_ptr<Connection> connection, std::uint32_t id, const wire::VersionInfo& theirs);
 
   // Works until the session has ended; on return the board is free again. `can_resume`: a broken connection is not the end.
-  boost::asio::awaitable<void> run(bool can_resume);
+  awaitable<void> run(bool can_resume);
 
   // Ends the session, with a last word to the client. On the io thread, at any time.
   void end(wire::ErrorCode error, std::string text) { fail({error, 0, std::move(text)}); }
@@ -73,30 +68,47 @@ class Session : public std::enable_shared_from_this<Session> {
   using Connected = std::shared_ptr<Connection>;
   static constexpr std::chrono::milliseconds kUntilWoken = std::chrono::hours(24);
 
-  static boost::asio::awaitable<void> read_frames(std::shared_ptr<Session> self, Connected connection);
-  boost::asio::awaitable<bool> take(const Connected& connection, Connection::Frame frame);
-  boost::asio::awaitable<bool> take_numbered(const Connected& connection, Connection::Frame frame);
+  static awaitable<void> read_frames(std::shared_ptr<Session> self, Connected connection);
+  awaitable<bool> take(const Connected& connection, Connection::Frame frame);
+  awaitable<bool> take_numbered(const Connected& connection, Connection::Frame frame);
   void admit(const wire::FrameHeader& header);
 
-  boost::asio::awaitable<void> work();
+  awaitable<void> work();
   void book_command(const wire::FrameHeader& header);
-  void settle_command(std::uint32_t ticket);
-  boost::asio::awaitable<TransactionResult> transact(const Frame& frame);
-  boost::asio::awaitable<void> send_result(const wire::FrameHeader& request, TransactionResult result);
-  boost::asio::awaitable<void> keep_pace(std::uint64_t time_ps);
+  void settle_command(std::uint32_t ticket) {
+    const auto found = unclaimed_.find(ticket);
+    if (found == unclaimed_.end()) return;
+    unclaimed_bytes_ -= found->second;
+    unclaimed_.erase(found);
+  }
+  awaitable<TransactionResult> transact(const Frame& frame);
+  awaitable<void> send_result(const wire::FrameHeader& request, TransactionResult result);
+  awaitable<void> keep_pace(std::uint64_t time_ps);
   void send_progress();
   void return_credit();
-  boost::asio::awaitable<void> send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
-  boost::asio::awaitable<void> deliver(const wire::ReliableWindow::Sent& frame);
+  awaitable<void> send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
+  awaitable<void> deliver(const wire::ReliableWindow::Sent& frame);
   void put(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
-  boost::asio::awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress);
+  awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress);
 
-  boost::asio::awaitable<void> give_board_back();
-  boost::asio::awaitable<void> wait(std::chrono::steady_clock::duration limit);
-  boost::asio::awaitable<void> pause(std::chrono::microseconds duration);
+  awaitable<void> give_board_back();
+  awaitable<void> pause(std::chrono::microseconds duration);
   void lose(const Connected& connection, const std::optional<LastWord>& word);
-  void fail(const LastWord& fault);
-  void stop();
+  // The first fault is the one that the client hears of.
+  void fail(const LastWord& fault) {
+    if (stopped_) return;
+    stop();
+    if (!connection_) return;
+    connection_->refuse(fault);
+    connection_.reset();
+  }
+  void stop() {
+    if (stopped_) return;
+    stopped_ = true;
+    progress_.cancel = true;
+    absence_.cancel();
+    wake_.cancel();
+  }
 
   BoardSlot& slot_;
   const BusOptions& options_;
@@ -119,8 +131,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool stopped_ = false;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 
-  boost::asio::steady_timer wake_;     // the worker sleeps on it; whoever has news cancels it
-  boost::asio::steady_timer absence_;  // the client's
+  asio::steady_timer wake_;     // the worker sleeps on it; whoever has news cancels it
+  asio::steady_timer absence_;  // the client's
 };
 
 }  // namespace gicube::emu

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
-#include <exception>
 
 #include "gicube/wire/checksum.h"
 #include "server/faults/fault_point.h"
@@ -12,7 +11,6 @@
 
 namespace gicube::emu {
 
-using boost::asio::awaitable;
 using wire::ErrorCode;
 using wire::FrameHeader;
 using wire::FrameType;
@@ -25,21 +23,12 @@ constexpr std::uint64_t kCommandOverhead = 1024;  // chosen: bytes of bookkeepin
 enum class Manner { kNotFromHost, kPosted, kNonPosted };
 
 Manner manner_of(FrameType type) {
-  switch (type) {
-    case FrameType::kCredit:
-    case FrameType::kRegisterWrite:
-    case FrameType::kMemoryWrite:
-    case FrameType::kCommand: return Manner::kPosted;
-    case FrameType::kConfigRead:
-    case FrameType::kConfigWrite:
-    case FrameType::kRegisterRead:
-    case FrameType::kMemoryRead:
-    case FrameType::kWait:
-    case FrameType::kPoll:
-    case FrameType::kCancel:
-    case FrameType::kCounters: return Manner::kNonPosted;
-    default: return Manner::kNotFromHost;
-  }
+  using enum FrameType;
+  constexpr std::array kPosted{kCredit, kRegisterWrite, kMemoryWrite, kCommand};
+  constexpr std::array kNotFromHost{kVersion, kCompletion, kProgress};
+  if (std::ranges::find(kPosted, type) != kPosted.end()) return Manner::kPosted;
+  const bool from_host = std::ranges::find(kNotFromHost, type) == kNotFromHost.end();
+  return from_host ? Manner::kNonPosted : Manner::kNotFromHost;
 }
 
 // The length that a kMemoryRead asks for; 0 if its payload is malformed, which the board reports.
@@ -180,7 +169,7 @@ void Session::admit(const FrameHeader& header) {
 awaitable<void> Session::work() {
   while (!stopped_) {
     if (inbox_.empty()) {
-      co_await wait(kUntilWoken);
+      co_await sleep(wake_, kUntilWoken);
       continue;
     }
     const Frame frame = std::move(inbox_.front());
@@ -206,13 +195,6 @@ void Session::book_command(const FrameHeader& header) {
       ErrorCode::kTooLarge, header.id,
       fmt::format("expected at most {} bytes of commands before their completions are waited or polled for, got {}",
                   options_.max_unclaimed_bytes, unclaimed_bytes_)};
-}
-
-void Session::settle_command(std::uint32_t ticket) {
-  const auto found = unclaimed_.find(ticket);
-  if (found == unclaimed_.end()) return;
-  unclaimed_bytes_ -= found->second;
-  unclaimed_.erase(found);
 }
 
 awaitable<TransactionResult> Session::transact(const Frame& frame) {
@@ -250,7 +232,9 @@ awaitable<void> Session::send_result(const FrameHeader& request, TransactionResu
 awaitable<void> Session::keep_pace(std::uint64_t time_ps) {
   if (!realtime_) co_return;
   const auto due = begin_ + std::chrono::nanoseconds(time_ps / 1000);
-  while (!stopped_ && std::chrono::steady_clock::now() < due) co_await wait(due - std::chrono::steady_clock::now());
+  while (!stopped_ && std::chrono::steady_clock::now() < due) {
+    co_await sleep(wake_, due - std::chrono::steady_clock::now());
+  }
 }
 
 void Session::send_progress() {
@@ -278,7 +262,7 @@ awaitable<void> Session::send(FrameHeader header, std::vector<std::uint8_t> payl
   }
   while (!stopped_ && !window_.can_send(payload.size())) {
     return_credit();
-    co_await wait(kUntilWoken);
+    co_await sleep(wake_, kUntilWoken);
   }
   if (stopped_) co_return;
   const wire::ReliableWindow::Sent frame = window_.keep(header, wire::share(std::move(payload)));

@@ -3,8 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/text_format.h>
 
-#include <array>
-#include <cstdint>
+#include <initializer_list>
 #include <set>
 #include <utility>
 
@@ -25,21 +24,16 @@ constexpr std::array kRenamed{RenamedField{"most_faults", "max_faults"}, Renamed
 struct Parameter {
   const char* field;
   bool may_be_left_out;
-  std::vector<PlannedFault::Kind> kinds;
+  std::initializer_list<PlannedFault::Kind> kinds;
 };
-
-const std::vector<Parameter>& parameters() {
-  static const std::vector<Parameter> table{
-      {"delay_ms", false, {PlannedFault::delay}},
-      {"max_delay_ms", false, {PlannedFault::delay}},
-      {"bit", true, {PlannedFault::corrupt, PlannedFault::memory_detected, PlannedFault::memory_silent}},
-      {"block", true, {PlannedFault::memory_detected, PlannedFault::memory_silent}},
-      {"bytes_per_second", false, {PlannedFault::slow}},
-      {"messages", false, {PlannedFault::slow}},
-      {"slow_messages", false, {PlannedFault::slow}},
-  };
-  return table;
-}
+constexpr Parameter kParameters[] = {
+    {"delay_ms", false, {PlannedFault::delay}},
+    {"max_delay_ms", false, {PlannedFault::delay}},
+    {"bit", true, {PlannedFault::corrupt, PlannedFault::memory_detected, PlannedFault::memory_silent}},
+    {"block", true, {PlannedFault::memory_detected, PlannedFault::memory_silent}},
+    {"bytes_per_second", false, {PlannedFault::slow}},
+    {"messages", false, {PlannedFault::slow}},
+    {"slow_messages", false, {PlannedFault::slow}}};
 
 class Check {
  public:
@@ -70,7 +64,7 @@ class Check {
 
   // Every parameter that `kinds` use must be there, and no other.
   void need_parameters(const std::string& where, const Message& message, const std::set<PlannedFault::Kind>& kinds) {
-    for (const Parameter& parameter : parameters()) {
+    for (const Parameter& parameter : kParameters) {
       const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(parameter.field);
       if (field == nullptr) continue;
       std::string users;
@@ -177,8 +171,7 @@ FaultEngine::FaultEngine(const v1::FaultPlan& plan) {
   for (const PlannedFault& fault : plan.fault()) {
     lanes_[lane(fault.direction())].planned.emplace(fault.message(), fault);
   }
-  std::uint64_t part = 0;
-  for (const v1::RandomFaults& rule : plan.random()) {
+  for (std::uint64_t part = 0; const v1::RandomFaults& rule : plan.random()) {
     ++part;
     for (const PlannedFault::Direction direction : {PlannedFault::down, PlannedFault::up}) {
       if (rule.has_direction() && rule.direction() != direction) continue;

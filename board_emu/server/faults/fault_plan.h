@@ -19,8 +19,7 @@ struct ParsedFaultPlan : TextReading {
   v1::FaultPlan plan;  // may be used if there are no diagnostics
 };
 
-// Reads and checks a plan. Every faulty field is found: unknown, missing, out of its range, without use for its kind, and
-// two faults for one message.
+// Finds every faulty field: unknown, missing, out of its range, without use for its kind; and two faults for one message.
 ParsedFaultPlan parse_fault_plan(std::string_view text);
 
 // Memory faults happen on the board, all others on the way to or from it.
@@ -36,10 +35,10 @@ class FaultEngine {
   // `plan` must have passed parse_fault_plan().
   explicit FaultEngine(const v1::FaultPlan& plan);
 
-  // The fault of a direction's next message, with all its parameters; `frame_bytes` is its size with the header. Counts
-  // the message, whose number message() then tells.
+  // Counts a direction's next message, of `frame_bytes` with its header: its fault, with all parameters.
   std::optional<v1::PlannedFault> next(v1::PlannedFault::Direction direction, std::size_t frame_bytes);
 
+  static std::size_t lane(v1::PlannedFault::Direction direction) { return direction == v1::PlannedFault::up ? 1 : 0; }
   // The last message of a direction, 0 before the first.
   std::uint64_t message(v1::PlannedFault::Direction direction) const { return lanes_[lane(direction)].message; }
 
@@ -56,7 +55,6 @@ class FaultEngine {
     std::vector<Random> random;
   };
 
-  static std::size_t lane(v1::PlannedFault::Direction direction) { return direction == v1::PlannedFault::up ? 1 : 0; }
   static std::optional<v1::PlannedFault> draw(Random& random, v1::PlannedFault::Direction direction,
                                               std::uint64_t message);
 

@@ -11,8 +11,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include "fault_plan.h"
-
 namespace gicube::emu {
 
 using v1::PlannedFault;
@@ -29,11 +27,6 @@ std::vector<Diagnostic> FaultPoint::set_plan(std::string_view text) {
   log_.clear();
   has_plan_ = parsed.plan.fault_size() > 0 || parsed.plan.random_size() > 0;
   return {};
-}
-
-FaultPoint::Info FaultPoint::info() const {
-  const std::lock_guard lock(mutex_);
-  return {plan_text_, engine_.message(PlannedFault::down), engine_.message(PlannedFault::up), faults_};
 }
 
 std::vector<PlannedFault> FaultPoint::log(bool clear) {
@@ -70,7 +63,7 @@ FaultAction FaultPoint::next(PlannedFault::Direction direction, std::size_t fram
     }
     action = act(*fault);
   }
-  Slow& slow = slow_[direction == PlannedFault::up ? 1 : 0];
+  Slow& slow = slow_[FaultEngine::lane(direction)];
   if (slow.messages > 0) {
     --slow.messages;
     action.pause += std::chrono::microseconds(frame_bytes * 1'000'000 / slow.bytes_per_second);
@@ -89,7 +82,7 @@ FaultAction FaultPoint::act(const PlannedFault& fault) {
     case PlannedFault::link_loss: action.cut = true; break;
     case PlannedFault::kill: action.kill = true; break;
     case PlannedFault::slow:
-      slow_[fault.direction() == PlannedFault::up ? 1 : 0] = {fault.bytes_per_second(), fault.messages()};
+      slow_[FaultEngine::lane(fault.direction())] = {fault.bytes_per_second(), fault.messages()};
       break;
     case PlannedFault::memory_detected: action.memory_error = MemoryError{fault.block(), fault.bit(), true}; break;
     case PlannedFault::memory_silent: action.memory_error = MemoryError{fault.block(), fault.bit(), false}; break;

@@ -1,5 +1,4 @@
-// Where a board's fault plan meets its traffic: counts the messages of both directions, says what becomes of each, and
-// keeps the log. All calls from any thread.
+// Where a board's fault plan meets its traffic: counts messages, says what becomes of each, keeps the log. Any thread.
 #pragma once
 
 #include <array>
@@ -21,8 +20,7 @@
 
 namespace gicube::emu {
 
-// What becomes of one message. Only frames with a sequence number are messages, each the first time that it is taken or
-// sent: what is sent again after a resume is not asked for a second time.
+// What becomes of one message: a frame with a sequence number, the first time that it is taken or sent.
 struct FaultAction {
   std::chrono::microseconds pause{0};  // first of all
   bool drop = false;                   // as if it had been lost on its way
@@ -62,13 +60,15 @@ class FaultPoint {
     std::uint64_t messages_up = 0;
     std::uint64_t faults = 0;
   };
-  Info info() const;
+  Info info() const {
+    const std::lock_guard lock(mutex_);
+    return {plan_text_, engine_.message(v1::PlannedFault::down), engine_.message(v1::PlannedFault::up), faults_};
+  }
 
   // The faults that have happened; down before up, then by message.
   std::vector<v1::PlannedFault> log(bool clear);
 
-  // From now on each fault is also appended to that file, as a line of plan text, before it takes effect. Throws
-  // std::runtime_error that names the file.
+  // Appends each fault to that file as well, as a line of plan text, before it takes effect. Throws std::runtime_error.
   void append_log_to(const std::string& path);
 
  private:
@@ -84,7 +84,7 @@ class FaultPoint {
   mutable std::mutex mutex_;  // guards all below
   std::string plan_text_;
   FaultEngine engine_;
-  std::array<Slow, 2> slow_;  // down, up
+  std::array<Slow, 2> slow_;  // by FaultEngine::lane()
   std::uint64_t faults_ = 0;
   std::vector<v1::PlannedFault> log_;
   std::ofstream file_;  // of the log, if it is open

@@ -1,5 +1,4 @@
 // The management plane: the gRPC service of management.proto with the standard health service and reflection.
-// gRPC's own headers stay in management.cpp.
 #pragma once
 
 #include <memory>
@@ -14,18 +13,14 @@ namespace gicube::emu {
 
 struct ManagementOptions {
   Endpoint endpoint;
-  // PEM files and the token's file, which only its owner may read. Needed where other machines can reach the endpoint;
-  // used wherever they are given.
-  std::string certificate_file;
-  std::string key_file;
-  std::string token_file;
+  // PEM files, and the token's, which only its owner may read. Needed where other machines can reach the endpoint.
+  std::string certificate_file, key_file, token_file;
 };
 
 // Why these options are refused, by flag; empty if they are good. Reads no file.
 std::vector<Diagnostic> check(const ManagementOptions& options);
 
-// The secret of remote management: the file's content without its line end. Throws std::runtime_error if the file can't be
-// read, if others than its owner may, or if the token is too short.
+// The file's content without its line end. Throws std::runtime_error: unreadable, others may read it, a token too short.
 inline constexpr std::size_t kMinTokenBytes = 16;  // chosen: 64 bits and more, if its digits are random
 std::string read_token(const std::string& path);
 // True if the header is "Bearer " and the token; takes the same time wherever they differ.
@@ -33,8 +28,7 @@ bool is_authorized(std::string_view authorization, std::string_view token);
 
 class Management {
  public:
-  // Serves the boards, each of which must outlive this, on gRPC's threads. Throws std::runtime_error that names the file
-  // or the endpoint at fault, or carries what check() found.
+  // Serves the boards, which must outlive this, on gRPC's threads. Throws std::runtime_error that names what is at fault.
   Management(const ManagementOptions& options, std::vector<BoardSlot*> boards);
   // Ends every call and closes the endpoint.
   ~Management();

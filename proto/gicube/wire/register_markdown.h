@@ -5,21 +5,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <string>
-#include <string_view>
 
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
 
 namespace gicube::wire {
 
-constexpr std::string_view access_name(Access access) {
-  switch (access) {
-    case Access::kReadOnly: return "read";
-    case Access::kReadWrite: return "read/write";
-    case Access::kWriteOnly: return "write";
-  }
-  return "?";
-}
+inline constexpr std::array<const char*, 3> kAccessNames{"read", "read/write", "write"};  // by Access
 
 // "0x" and at least `digits` upper-case hex digits.
 inline std::string hex_text(std::uint64_t value, int digits) {
@@ -33,8 +25,8 @@ inline std::string register_markdown() {
   std::string out = "| offset | name | access | reset | meaning |\n|---|---|---|---|---|\n";
   for (const RegisterInfo& info : kRegisterTable) {
     out += "| " + hex_text(info.offset, 3) + " | " + std::string(info.name) + " | " +
-           std::string(access_name(info.access)) + " | " + hex_text(info.reset, 8) + " | " + std::string(info.meaning) +
-           " |\n";
+           kAccessNames[static_cast<std::size_t>(info.access)] + " | " + hex_text(info.reset, 8) + " | " +
+           std::string(info.meaning) + " |\n";
   }
   return out;
 }

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "gicube/wire/credits.h"
 #include "gicube/wire/frame.h"
 
 namespace gicube::wire {
@@ -34,6 +33,67 @@ inline Payload version_payload(const VersionInfo& info) {
   return share(std::move(bytes));
 }
 
+// Credits of one direction. A sender may have at most the receiver's window in flight: `slots` frames and `bytes` of payload. The
+// receiver hands credits back once it has consumed a frame, on any header it sends. kVersion and kCredit frames are free, so
+// credit can always return; a request's response always has room because the requester reserved it. So neither side can be
+// flooded and neither can wait for the other for ever.
+struct Credit {
+  std::uint32_t slots = 0;  // frames
+  std::uint64_t bytes = 0;  // of their payloads
+
+  constexpr void operator+=(const Credit& more) {
+    slots += more.slots;
+    bytes += more.bytes;
+  }
+  constexpr void operator-=(const Credit& less) {
+    slots -= less.slots;
+    bytes -= less.bytes;
+  }
+};
+
+class SendCredits {
+ public:
+  constexpr explicit SendCredits(const Credit& window) : left_(window) {}
+
+  constexpr bool can_send(std::uint64_t payload) const { return left_.slots > 0 && payload <= left_.bytes; }
+  // Only after can_send().
+  constexpr void take(std::uint64_t payload) { left_ -= {1, payload}; }
+  constexpr void give_back(const Credit& credit) { left_ += credit; }
+
+ private:
+  Credit left_;
+};
+
+class ReceiveCredits {
+ public:
+  constexpr explicit ReceiveCredits(const Credit& window) : window_(window) {}
+
+  // False if the peer sent more than it was granted: a protocol error.
+  constexpr bool accept(std::uint64_t payload) {
+    if (used_.slots + 1 > window_.slots || used_.bytes + payload > window_.bytes) return false;
+    used_ += {1, payload};
+    return true;
+  }
+  constexpr void consume(std::uint64_t payload) { consumed_ += {1, payload}; }
+
+  // True when half the window waits to be returned: then a kCredit frame is due even if nothing else is sent.
+  constexpr bool due() const {
+    return 2 * std::uint64_t{consumed_.slots} >= window_.slots || 2 * consumed_.bytes >= window_.bytes;
+  }
+  // Consumed, and not given back.
+  constexpr const Credit& consumed() const { return consumed_; }
+  constexpr const Credit& window() const { return window_; }
+
+  // What the next header carries back; the window is open again by that much.
+  constexpr Credit give_back() {
+    used_ -= consumed_;
+    return std::exchange(consumed_, {});
+  }
+
+ private:
+  Credit window_, used_, consumed_;
+};
+
 class ReliableWindow {
  public:
   struct Sent {
@@ -42,14 +102,13 @@ class ReliableWindow {
   };
 
   // `mine`: what this side lets its peer send.
-  explicit ReliableWindow(const VersionInfo& mine) : receive_(mine.window_slots, mine.window_bytes) {}
+  explicit ReliableWindow(const VersionInfo& mine) : receive_({mine.window_slots, mine.window_bytes}) {}
 
   // ---- sending. Only with what the peer's version says, from open() on.
 
   void open(const VersionInfo& theirs) {
-    peer_slots_ = theirs.window_slots;
-    peer_bytes_ = theirs.window_bytes;
-    send_ = SendCredits(peer_slots_, peer_bytes_);
+    peer_ = {theirs.window_slots, theirs.window_bytes};
+    send_ = SendCredits(peer_);
   }
   bool can_send(std::uint64_t payload) const { return send_.can_send(payload); }
   // Takes credit for a frame, numbers it and keeps it. Only after can_send().
@@ -96,17 +155,16 @@ class ReliableWindow {
   void consume(std::uint64_t payload) { receive_.consume(payload); }
   // Credit waits to be given back: so much that it should go by itself, any, or so much that a payload might not fit.
   bool credit_is_due() const { return receive_.due(); }
-  bool owes_credit() const { return receive_.consumed_slots() > 0; }
+  bool owes_credit() const { return receive_.consumed().slots > 0; }
   bool may_keep_out(std::uint64_t payload) const {
-    return receive_.consumed_bytes() + payload > receive_.window_bytes();
+    return receive_.consumed().bytes + payload > receive_.window().bytes;
   }
 
-  // Credit comes back in the order in which frames were sent, so it also says which of them need not be kept. False if it is
-  // for more than was sent.
+  // Credit comes back in the order of sending, so it says which frames need not be kept. False if it is for more than was sent.
   bool take_credit(const FrameHeader& header) {
     if (header.credit_slots > kept_.size() || header.credit_bytes != bytes_of(header.credit_slots)) return false;
     forget(header.credit_slots);
-    send_.give_back(header.credit_slots, header.credit_bytes);
+    send_.give_back({header.credit_slots, header.credit_bytes});
     return true;
   }
   // Of the oldest frames that are kept.
@@ -135,7 +193,7 @@ class ReliableWindow {
   template <typename Send>
   void resume(const VersionInfo& theirs, const Send& send) {
     forget(theirs.consumed - forgotten());
-    send_ = SendCredits(peer_slots_ - static_cast<std::uint32_t>(kept_.size()), peer_bytes_ - kept_bytes_);
+    send_ = SendCredits({peer_.slots - static_cast<std::uint32_t>(kept_.size()), peer_.bytes - kept_bytes_});
     for (const Sent& frame : kept_) {
       if (sequence_step(theirs.taken, frame.header.sequence) > 0) send(frame.header, frame.payload);
     }
@@ -149,9 +207,8 @@ class ReliableWindow {
     }
   }
 
-  std::uint32_t peer_slots_ = 0;
-  std::uint64_t peer_bytes_ = 0;
-  SendCredits send_{0, 0};
+  Credit peer_;  // its window
+  SendCredits send_{Credit{}};
   ReceiveCredits receive_;
   std::deque<Sent> kept_;  // the peer has not given their credit back: they may have to be sent again
   std::uint64_t kept_bytes_ = 0;

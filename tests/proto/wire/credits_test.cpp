@@ -1,16 +1,17 @@
-#include "gicube/wire/credits.h"
-
+// Credits of one direction (reliable_window.h).
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <deque>
 #include <string>
 
+#include "gicube/wire/reliable_window.h"
+
 namespace gicube::wire {
 namespace {
 
 TEST(SendCredits, LimitBothFramesAndBytesInFlight) {
-  SendCredits credits(2, 100);
+  SendCredits credits({2, 100});
   EXPECT_TRUE(credits.can_send(100));
   EXPECT_FALSE(credits.can_send(101));
   credits.take(60);
@@ -18,12 +19,12 @@ TEST(SendCredits, LimitBothFramesAndBytesInFlight) {
   EXPECT_FALSE(credits.can_send(41));
   credits.take(0);
   EXPECT_FALSE(credits.can_send(0)) << "both slots are taken";
-  credits.give_back(1, 60);
+  credits.give_back({1, 60});
   EXPECT_TRUE(credits.can_send(100));
 }
 
 TEST(ReceiveCredits, NoticeAPeerThatSendsMoreThanItWasGranted) {
-  ReceiveCredits credits(2, 100);
+  ReceiveCredits credits({2, 100});
   EXPECT_TRUE(credits.accept(100));
   EXPECT_FALSE(credits.accept(1)) << "no byte is left";
   EXPECT_TRUE(credits.accept(0));
@@ -31,7 +32,7 @@ TEST(ReceiveCredits, NoticeAPeerThatSendsMoreThanItWasGranted) {
 }
 
 TEST(ReceiveCredits, OpenTheWindowWhenCreditIsGivenBackNotWhenItIsConsumed) {
-  ReceiveCredits credits(1, 100);
+  ReceiveCredits credits({1, 100});
   ASSERT_TRUE(credits.accept(100));
   credits.consume(100);
   EXPECT_FALSE(credits.accept(0));
@@ -43,7 +44,7 @@ TEST(ReceiveCredits, OpenTheWindowWhenCreditIsGivenBackNotWhenItIsConsumed) {
 }
 
 TEST(ReceiveCredits, AreDueFromHalfTheWindowOn) {
-  ReceiveCredits credits(8, 100);
+  ReceiveCredits credits({8, 100});
   ASSERT_TRUE(credits.accept(49));
   credits.consume(49);
   EXPECT_FALSE(credits.due());
@@ -51,7 +52,7 @@ TEST(ReceiveCredits, AreDueFromHalfTheWindowOn) {
   credits.consume(1);
   EXPECT_TRUE(credits.due()) << "half of the bytes";
 
-  ReceiveCredits slots(4, 100);
+  ReceiveCredits slots({4, 100});
   for (int i = 0; i < 2; ++i) {
     EXPECT_FALSE(slots.due());
     ASSERT_TRUE(slots.accept(0));
@@ -64,7 +65,7 @@ TEST(ReceiveCredits, AreDueFromHalfTheWindowOn) {
 // way back to the sender.
 class Direction {
  public:
-  Direction(std::uint32_t slots, std::uint64_t bytes) : sender_(slots, bytes), receiver_(slots, bytes) {}
+  Direction(std::uint32_t slots, std::uint64_t bytes) : sender_({slots, bytes}), receiver_({slots, bytes}) {}
 
   bool send(std::uint64_t payload) {
     if (!sender_.can_send(payload)) return false;
@@ -90,7 +91,7 @@ class Direction {
 
   void take_credit() {
     if (returns_.empty()) return;
-    sender_.give_back(returns_.front().slots, returns_.front().bytes);
+    sender_.give_back(returns_.front());
     returns_.pop_front();
   }
 
@@ -106,7 +107,7 @@ class Direction {
   SendCredits sender_;
   ReceiveCredits receiver_;
   std::deque<std::uint64_t> sent_, arrived_;
-  std::deque<ReceiveCredits::Returned> returns_;
+  std::deque<Credit> returns_;
 };
 
 void step(Direction& direction, std::uint64_t largest) {

@@ -255,14 +255,14 @@ TEST(Session, TheClientsCreditComesBackInFull) {
   const wire::VersionInfo board = board_version();
   std::vector<std::uint8_t> block(std::size_t{1} << 20);
   wire::store(std::span(block), 0, wire::kVolume.base);
-  wire::SendCredits credits(board.window_slots, board.window_bytes);
+  wire::SendCredits credits({board.window_slots, board.window_bytes});
   // Three windows' worth of bytes: it ends only if the board hands credit back.
   for (int i = 0; i < 48; ++i) {
     while (!credits.can_send(block.size())) {
       const auto frame = client.receive();
       ASSERT_TRUE(frame.has_value());
       EXPECT_EQ(frame->header.type, FrameType::kCredit);
-      credits.give_back(frame->header.credit_slots, frame->header.credit_bytes);
+      credits.give_back({frame->header.credit_slots, frame->header.credit_bytes});
     }
     credits.take(block.size());
     client.send(FrameType::kMemoryWrite, 0, wire::kPosted, block);
