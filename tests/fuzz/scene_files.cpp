@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "encode/volume/segmentation_lut.h"
+#include "encode/look_up_tables.h"
 #include "gicube/error.h"
 #include "scene/formats/file_error.h"
 #include "scene/geometry/mesh_distance.h"

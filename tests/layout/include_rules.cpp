@@ -68,7 +68,7 @@ const std::vector<Rule>& rules() {
       {"driver/include/gicube/c_api.h", {"driver/include/gicube/c_types.h", "driver/include/gicube/export.h"}, {}},
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
       {"driver/src",         {"driver", "proto/gicube/wire"}, {kAnything}},
-      {"driver/src/c_api",   {"driver/src/c_api", "driver/include"}, {}},
+      {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/include"}, {"fmt"}},
       {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/wire"}, {"fmt"}},
 
       // The board's rooms, from the ground up.
@@ -108,7 +108,7 @@ const std::vector<Rule>& rules() {
       room("board_emu/firmware/routines", {"board_emu/firmware", "board_emu/words", "board_emu/datapath"},
            {"dlfcn.h", "setjmp.h", "signal.h", "time.h", "unistd.h"}),
       room("board_emu/board", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/levels",
-                               "board_emu/firmware"}),
+                               "board_emu/firmware"}, {"fmt"}),
       // Watches the whole machine, and is watched by none of its parts.
       room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board"}, {"fmt"}),
       {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <ranges>
-#include <string>
 #include <utility>
 
-#include "gicube/wire/command.h"
+#include "encode/argument.h"
 #include "gicube/wire/ray.h"
 
 namespace gicube {
@@ -51,15 +50,11 @@ std::size_t bytes_of_result(RayType type, std::size_t rays) {
 
 }  // namespace
 
-bool Batches::Batch::complete() const {
-  return std::ranges::all_of(parts, [](const Part& part) { return part.result.has_value(); });
-}
-
 Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
                        std::vector<std::size_t> lines) {
   Batch batch;
   for (const auto& part : rays) batch.rays += part.size();
-  if (limits_.back_pressure == BackPressure::kThrow) make_room(batch.rays);
+  if (back_pressure_ == BackPressure::kThrow) make_room(batch.rays);
   const std::size_t limit = (device_.agreed().max_payload_bytes - wire::kTraceHeaderBytes) / wire::kRayBytes;
   const std::size_t max_rays = std::min(kRaysPerCommand, limit);
   batch.lines = std::move(lines);
@@ -76,7 +71,7 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   auto ray = all.begin();
   for (std::size_t left = kept.rays; left > 0;) {
     const std::size_t count = std::min(left, max_rays);
-    if (limits_.back_pressure == BackPressure::kWait) make_room(count);
+    if (back_pressure_ == BackPressure::kWait) make_room(count);
     TraceCommand made = trace_command(ray, count, setup);
     auto encoded = wire::share(std::move(made.bytes));
     const std::uint32_t command = device_.command(encoded);
@@ -90,20 +85,20 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
 
 // Sees to it that `rays` more may be under way.
 void Batches::make_room(std::size_t rays) {
-  if (rays_under_way_ + rays <= limits_.max_rays) return;
-  if (limits_.back_pressure == BackPressure::kThrow) {
+  if (rays_under_way_ + rays <= max_rays_) return;
+  if (back_pressure_ == BackPressure::kThrow) {
     device_.poll();
     for (auto& [ticket, batch] : batches_) collect(batch);
-    if (rays_under_way_ + rays <= limits_.max_rays) return;
-    throw WouldBlock("rays: expected at most " + std::to_string(limits_.max_rays) + " under way (max_rays), got " +
-                     std::to_string(rays) + " more to " + std::to_string(rays_under_way_));
+    if (rays_under_way_ + rays <= max_rays_) return;
+    throw WouldBlock(fmt::format("rays: expected at most {} under way (max_rays), got {} more to {}", max_rays_, rays,
+                                 rays_under_way_));
   }
   for (auto& [ticket, batch] : batches_) {
     for (Part& part : batch.parts) {
       if (part.result) continue;
       part.result = device_.finish(part.command, {});
       collect(batch);
-      if (rays_under_way_ + rays <= limits_.max_rays) return;
+      if (rays_under_way_ + rays <= max_rays_) return;
     }
   }
 }
@@ -121,9 +116,7 @@ void Batches::collect(Batch& batch) {
 
 Batches::Entry Batches::find(Ticket ticket) {
   const auto entry = batches_.find(ticket.id);
-  if (entry == batches_.end()) {
-    throw BadArgument("ticket", "one that was submitted and not received yet", std::to_string(ticket.id));
-  }
+  expect(entry != batches_.end(), "ticket", "one that was submitted and not received yet", ticket.id);
   return entry;
 }
 
@@ -150,10 +143,9 @@ RayBatch Batches::receive(Ticket ticket, Picoseconds deadline) {
 
 BatchReport Batches::receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline) {
   const Entry entry = find(ticket);
-  if (entry->second.comes_back() && rays.size() != entry->second.rays) {
-    throw BadArgument("rays", std::to_string(entry->second.rays) + " of them, as were submitted",
-                      std::to_string(rays.size()));
-  }
+  const Batch& batch = entry->second;
+  const bool fits = !batch.comes_back() || rays.size() == batch.rays;
+  expect(fits, "rays", fmt::format("{} of them, as were submitted", batch.rays), rays.size());
   complete(entry->second, deadline);
   return release(entry, rays);
 }
@@ -179,10 +171,9 @@ std::vector<RayBatch> Batches::poll() {
 bool Batches::cancel(Ticket ticket) {
   Batch& batch = find(ticket)->second;
   if (!batch.comes_back()) {
-    throw Unsupported(std::string("a batch of type ") +
-                      (batch.type == RayType::kDeposit
-                           ? "kDeposit can't be cancelled: its energy may be spent"
-                           : "kBackproject can't be cancelled: it may have left something"));
+    throw Unsupported(batch.type == RayType::kDeposit
+                          ? "a batch of type kDeposit can't be cancelled: its energy may be spent"
+                          : "a batch of type kBackproject can't be cancelled: it may have left something");
   }
   bool any = false;
   // From the end: the part in work, if any, is found last.
@@ -227,8 +218,7 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
   for (const Part& part : batch.parts) {
     const std::span<const std::uint8_t> bytes = part.result->payload;
     if (bytes.size() != bytes_of_result(batch.type, part.rays)) {
-      device_.give_up("the board returned " + std::to_string(bytes.size()) + " bytes for " + std::to_string(part.rays) +
-                      " rays");
+      device_.give_up(fmt::format("the board returned {} bytes for {} rays", bytes.size(), part.rays));
     }
     if (backprojects) add(wire::decode<wire::DepositLedger>(bytes), *report.deposits);
     if (deposits) add(wire::decode<wire::LightingLedger>(bytes), *report.lighting);

@@ -1,6 +1,7 @@
 // The ray batches that are under way: what was submitted and not received yet.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -34,22 +35,16 @@ inline void add(const wire::DepositLedger& ledger, DepositReport& report) {
   report.overflowed += ledger.overflowed;
 }
 
-// What bounds the rays under way.
-struct BatchLimits {
-  std::size_t max_rays = 0;
-  BackPressure back_pressure = BackPressure::kWait;
-};
-
 class Batches {
  public:
-  Batches(Device& device, const BatchLimits& limits) : device_(device), limits_(limits) {}
+  // `options`: what bounds the rays under way.
+  Batches(Device& device, const OpenOptions& options)
+      : device_(device), max_rays_(options.max_rays), back_pressure_(options.back_pressure) {}
 
-  // The rays, part by part, have passed their checks. `lines`: how many of them each polyline has, or nothing.
-  // Throws WouldBlock.
+  // For rays that passed their checks. `lines`: how many of them each polyline has, or nothing. Throws WouldBlock.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RaySetup& setup,
                 std::vector<std::size_t> lines = {});
-  // Throws BadArgument for an unknown ticket; DeadlinePassed; Rejected or Unsupported if the board refused the batch,
-  // which is gone then.
+  // Throw BadArgument (ticket), DeadlinePassed; Rejected or Unsupported if the board refused the batch, which is gone then.
   RayBatch receive(Ticket ticket, Picoseconds deadline);
   BatchReport receive(Ticket ticket, std::span<TracedRay> rays, Picoseconds deadline);
   // Throws Rejected or Unsupported for one batch that the board refused, which is gone then; the others stay.
@@ -80,7 +75,9 @@ class Batches {
     std::vector<std::size_t> lines;
     std::vector<Part> parts;
 
-    bool complete() const;
+    bool complete() const {
+      return std::ranges::all_of(parts, [](const Part& part) { return part.result.has_value(); });
+    }
     bool comes_back() const { return type != RayType::kDeposit && type != RayType::kBackproject; }
   };
   using Entry = std::map<std::uint32_t, Batch>::iterator;
@@ -94,7 +91,8 @@ class Batches {
   RayBatch release(Entry entry);
 
   Device& device_;
-  const BatchLimits limits_;
+  const std::size_t max_rays_;
+  const BackPressure back_pressure_;
   std::uint32_t last_ticket_ = 0;
   std::size_t rays_under_way_ = 0;
   std::map<std::uint32_t, Batch> batches_;

@@ -2,11 +2,10 @@
 #include "gicube/board.h"
 
 #include <chrono>
-#include <string>
 #include <utility>
 
-#include "encode/reflectance_map.h"
-#include "encode/volume/segmentation_lut.h"
+#include "encode/argument.h"
+#include "encode/look_up_tables.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/wire/pci_config.h"
 #include "gicube/wire/registers.h"
@@ -18,26 +17,18 @@ namespace {
 namespace reg = wire::reg;
 namespace pci = wire::pci;
 
-// Longer is as good as for ever, and can't overflow the clock.
-constexpr std::chrono::hours kLongestWatchdog{24 * 365};
-
-std::chrono::milliseconds checked_watchdog(std::chrono::milliseconds watchdog) {
-  if (watchdog.count() < 0) {
-    throw BadArgument("watchdog", "0 or more milliseconds", std::to_string(watchdog.count()));
-  }
-  return watchdog > kLongestWatchdog ? std::chrono::milliseconds(0) : watchdog;
-}
-
-DeviceOptions device_options(const OpenOptions& options) {
+OpenOptions checked(const OpenOptions& given) {
   constexpr std::chrono::hours kLongestWait{24 * 7};
-  if (options.wait_for_board.count() < 0 || options.wait_for_board > kLongestWait) {
-    throw BadArgument("wait_for_board", "0 milliseconds to one week", std::to_string(options.wait_for_board.count()));
-  }
-  if (options.reopen_attempts < 0) {
-    throw BadArgument("reopen_attempts", "0 or more", std::to_string(options.reopen_attempts));
-  }
-  return {checked_watchdog(options.watchdog), options.reopen_attempts, options.force, options.wait_for_board,
-          options.capture};
+  constexpr std::chrono::hours kLongestWatchdog{24 *
+                                                365};  // longer is as good as for ever, and can't overflow the clock
+  OpenOptions options = given;
+  expect(options.max_rays >= 4096, "max_rays", "at least 4096", options.max_rays);
+  const auto wait = options.wait_for_board;
+  expect(wait.count() >= 0 && wait <= kLongestWait, "wait_for_board", "0 milliseconds to one week", wait.count());
+  expect(options.reopen_attempts >= 0, "reopen_attempts", "0 or more", options.reopen_attempts);
+  expect(options.watchdog.count() >= 0, "watchdog", "0 or more milliseconds", options.watchdog.count());
+  if (options.watchdog > kLongestWatchdog) options.watchdog = {};
+  return options;
 }
 
 bool has_agp_capability(Device& device) {
@@ -54,11 +45,9 @@ bool has_agp_capability(Device& device) {
 // A register whose value the driver relies on for sizes.
 int read_sane(Device& device, std::uint32_t offset, std::uint32_t low, std::uint32_t high) {
   const std::uint32_t value = device.read_register(offset);
-  if (value < low || value > high) {
-    throw OpenFailed("the board's register " + std::string(wire::find_register(offset)->name) + " holds " +
-                     std::to_string(value) + ", expected " + std::to_string(low) + ".." + std::to_string(high));
-  }
-  return static_cast<int>(value);
+  if (value >= low && value <= high) return static_cast<int>(value);
+  throw OpenFailed(fmt::format("the board's register {} holds {}, expected {}..{}", wire::find_register(offset)->name,
+                               value, low, high));
 }
 
 BoardInfo read_info(Device& device) {
@@ -88,37 +77,6 @@ BoardInfo read_info(Device& device) {
 }
 
 }  // namespace
-
-std::unique_lock<std::mutex> Board::State::lock() {
-  if (in_callback.load() == std::this_thread::get_id()) {
-    throw Error("a callback may ask its Board for now() and info() only");
-  }
-  return std::unique_lock(mutex);
-}
-
-std::unique_lock<std::mutex> Board::State::begin() {
-  auto held = lock();
-  device.check();
-  return held;
-}
-
-Progress Board::State::watched(const Progress& progress) {
-  if (!progress) return {};
-  return [this, &progress](std::uint32_t done, std::uint32_t all) {
-    const InCallback mark(*this);
-    progress(done, all);
-  };
-}
-
-LoadedVolume& Board::State::loaded(const char* what) {
-  if (!volume) throw Rejected(std::string(what) + " needs a volume: call load_volume() first");
-  return *volume;
-}
-
-void Board::State::find_flags(LoadedVolume& of) {
-  of.flags = find_empty_blocks(of.statistics, tables.segmentation());
-  tables.send_flags(of.flags);
-}
 
 ValueRange Board::value_range() const {
   const auto lock = state_->begin();
@@ -154,10 +112,8 @@ void Board::set_gradient_codebook(std::span<const Vec3> codebook) {
 void Board::set_empty_flags(std::span<const std::uint8_t> flags) {
   const auto lock = state_->begin();
   LoadedVolume& volume = state_->loaded("set_empty_flags()");
-  if (flags.size() != volume.statistics.size()) {
-    throw BadArgument("flags", std::to_string(volume.statistics.size()) + " values, one a block",
-                      std::to_string(flags.size()));
-  }
+  const std::size_t blocks = volume.statistics.size();
+  expect(flags.size() == blocks, "flags", fmt::format("{} values, one a block", blocks), flags.size());
   volume.flags.assign(flags.begin(), flags.end());
   for (std::uint8_t& flag : volume.flags) flag = flag != 0 ? 1 : 0;
   state_->tables.send_flags(volume.flags);
@@ -187,12 +143,7 @@ Counters Board::counters() {
 }
 
 Board Board::open(std::string_view uri, const OpenOptions& options) {
-  const Uri parsed = parse_uri(uri);
-  if (options.max_rays < 4096) {
-    throw BadArgument("max_rays", "at least 4096", std::to_string(options.max_rays));
-  }
-  auto state = std::make_unique<State>(parsed, device_options(options),
-                                       BatchLimits{options.max_rays, options.back_pressure}, options.keep_volume);
+  auto state = std::make_unique<State>(parse_uri(uri), checked(options));
   try {
     state->info = read_info(state->device);
     state->tables.set_wide(state->info.wide);
@@ -229,10 +180,6 @@ void Board::State::restore() {
     send_batches_again();
   }
   restoring = false;
-}
-
-void Board::State::need_batches() const {
-  if (batches_wait) throw Rejected("the ray batches wait for a volume on the new board: call load_volume() first");
 }
 
 Reopened Board::reopen() {

@@ -1,30 +1,19 @@
 // Loading a volume: samples to densities and gradient codes, to blocks, to the board. Comparing what the board holds with it.
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "encode/volume/gradients.h"
 #include "encode/volume/samples.h"
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/command.h"
-#include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
 #include "state.h"
 
 namespace gicube {
-namespace {
 
 namespace reg = wire::reg;
-
-std::uint32_t spacing_word(double relative) {
-  return static_cast<std::uint32_t>(std::lround(relative * wire::kSpacingOne));
-}
-
-}  // namespace
-
-wire::Spacing Board::State::spacing_words(Vec3 relative) {
-  return {spacing_word(relative.x), spacing_word(relative.y), spacing_word(relative.z)};
-}
 
 void Board::load_volume(const VolumeView& view, const Progress& progress) {
   const auto lock = state_->begin();
@@ -81,17 +70,6 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
   if (progress) progress(all, all);
 }
 
-void Board::State::write_block(std::size_t block, std::span<const std::uint8_t> packed) {
-  if (keep_volume) kept_blocks[block].assign(packed.begin(), packed.end());
-  block_sums[block] = wire::crc32c(packed);
-  device.write_memory(block_address(block), packed);
-}
-
-std::uint64_t Board::State::block_address(std::size_t block) const {
-  const auto n = static_cast<std::uint64_t>(info.block_voxels);
-  return wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8;
-}
-
 // Waits for all that was written and asks whether the board took it.
 void Board::State::check_fence() {
   constexpr std::uint32_t kFaults = wire::kStatusBadAddress | wire::kStatusBadValue;
@@ -99,8 +77,8 @@ void Board::State::check_fence() {
   if (faults == 0) return;
   const std::uint32_t address = device.read_register(reg::kErrorAddress);
   device.write_register(reg::kStatusClear, faults);
-  throw Rejected("the board did not take what was written to it: STATUS " + std::to_string(faults) +
-                 ", ERROR_ADDRESS " + std::to_string(address));
+  throw Rejected(
+      fmt::format("the board did not take what was written to it: STATUS {}, ERROR_ADDRESS {}", faults, address));
 }
 
 std::vector<std::size_t> Board::verify_volume() {
@@ -114,10 +92,8 @@ std::vector<std::size_t> Board::verify_volume() {
     const std::size_t count = std::min(max_blocks, sums.size() - first);
     const wire::VerifyCommand command{static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count)};
     const CommandResult result = device.run(wire::encoded(command), {});
-    if (result.payload.size() != 4 * count) {
-      device.give_up("the board summed up " + std::to_string(count) + " blocks in " +
-                     std::to_string(result.payload.size()) + " bytes");
-    }
+    const std::size_t bytes = result.payload.size();
+    if (bytes != 4 * count) device.give_up(fmt::format("the board summed up {} blocks in {} bytes", count, bytes));
     for (std::size_t i = 0; i < count; ++i) {
       if (wire::load<std::uint32_t>(result.payload, 4 * i) != sums[first + i]) damaged.push_back(first + i);
     }

@@ -134,13 +134,6 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   return batches.submit(rays, setup, std::move(lines));
 }
 
-void Board::State::send_batches_again() {
-  batches.send_again([this](const View& view, Vec3 towards_eye) {
-    set_sampling(view);
-    if (view.shade) tables.send_reflectance(towards_eye);
-  });
-}
-
 Ticket Board::submit(std::span<const HostRay> rays, const RayRequest& request) {
   const auto lock = state_->begin();
   return state_->submit(std::span(&rays, 1), request, {});

@@ -24,14 +24,11 @@ void check(const VoxelBox& box, Dims dims) {
 std::size_t count(const VoxelBox& box) { return voxel_count(box.size); }
 
 void check_values(const VoxelBox& box, std::span<const float> values, double min_value) {
-  if (values.size() != count(box)) {
-    throw BadArgument("values", std::to_string(count(box)) + ", one a voxel of the box", std::to_string(values.size()));
-  }
+  expect(values.size() == count(box), "values", fmt::format("{}, one a voxel of the box", count(box)), values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i]) && values[i] >= min_value) continue;
-    throw BadArgument("values[" + std::to_string(i) + "]",
-                      std::isfinite(min_value) ? "a finite number of at least 0" : "a finite number",
-                      number_text(static_cast<double>(values[i])));
+    const char* const expected = std::isfinite(min_value) ? "a finite number of at least 0" : "a finite number";
+    expect(false, fmt::format("values[{}]", i), expected, static_cast<double>(values[i]));
   }
 }
 
@@ -45,9 +42,9 @@ VoxelBox grown(const VoxelBox& box, int more, Dims dims) {
   return out;
 }
 
-// Of a voxel of the volume among those of a box, x fastest.
+// Of a voxel of the volume among those of a box.
 std::size_t index_in(const VoxelBox& box, int x, int y, int z) {
-  return static_cast<std::size_t>(x - box.low[0] + box.size[0] * (y - box.low[1] + box.size[1] * (z - box.low[2])));
+  return index_of(box.size, x - box.low[0], y - box.low[1], z - box.low[2]);
 }
 
 // Calls take(index in a, index in b) for each voxel of a box that lies in both.
@@ -60,8 +57,7 @@ void for_each_index(const VoxelBox& box, const VoxelBox& a, const VoxelBox& b, c
   }
 }
 
-// The part of a box that lies in one block, and the whole planes of the block that hold it: they lie together in the board's
-// memory.
+// The part of a box that lies in one block, and the block's whole planes that hold it, which lie together in its memory.
 struct BlockPart {
   std::size_t block = 0;
   Dims low{};  // the block's least voxel
@@ -104,6 +100,13 @@ class Words {
         take(index, bits() == 32 ? wire::load<std::uint32_t>(bytes, 4 * word) : wire::load36(bytes, word));
       });
     });
+  }
+
+  // What value(word) makes of each.
+  std::vector<float> values(const VoxelBox& box, const auto& value) {
+    std::vector<float> out(count(box));
+    read(box, [&](std::size_t index, std::uint64_t word) { out[index] = static_cast<float>(value(word)); });
+    return out;
   }
 
   // Of 32 bits: words of voxels outside of the box stay as they are.
@@ -163,13 +166,9 @@ std::vector<float> Board::read_volume(const VoxelBox& box) {
   const auto lock = state_->begin();
   const LoadedVolume& volume = state_->loaded("read_volume()");
   check(box, volume.dims);
-  std::vector<float> values(count(box));
   const double unit = (volume.range.high - volume.range.low) / wire::kDensityMax;
-  Words(state_->device, wire::kVolume, volume, state_->info.block_voxels)
-      .read(box, [&](std::size_t index, std::uint64_t word) {
-        values[index] = static_cast<float>(volume.range.low + wire::to_voxel(word).density * unit);
-      });
-  return values;
+  Words words(state_->device, wire::kVolume, volume, state_->info.block_voxels);
+  return words.values(box, [&](std::uint64_t word) { return volume.range.low + wire::to_voxel(word).density * unit; });
 }
 
 void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
@@ -178,8 +177,7 @@ void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
   check(box, volume.dims);
   check_values(box, values, -std::numeric_limits<double>::infinity());
   const int n = state_->info.block_voxels;
-  // The filter changes the gradients one voxel around the box, and looks two voxels around it. What a block holds counts
-  // also the voxels of the next one's face.
+  // The filter changes gradients one voxel around the box, and reads two around it. A block counts the next one's faces too.
   const VoxelBox changed = grown(box, 1, volume.dims);
   const VoxelBox written = whole_blocks(changed, 0, n, volume.dims);
   VoxelBox needed = whole_blocks(grown(box, 2, volume.dims), 0, n, volume.dims);
@@ -224,7 +222,7 @@ void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
 }
 
 void Board::State::clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit) {
-  if (!(std::isfinite(unit) && unit > 0)) throw BadArgument("unit", "a finite number above 0", number_text(unit));
+  expect(std::isfinite(unit) && unit > 0, "unit", "a finite number above 0", unit);
   loaded(what);
   device.write_register(wire::reg::kControl, bits);
   kept_unit = unit;
@@ -254,11 +252,8 @@ std::vector<float> Board::State::read_irradiance(const VoxelBox& box) {
   const LoadedVolume& of = loaded("read_irradiance()");
   if (irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() or clear_irradiance() first");
   check(box, of.dims);
-  std::vector<float> out(count(box));
-  Words(device, wire::kIrradiance, of, info.block_voxels).read(box, [&](std::size_t index, std::uint64_t word) {
-    out[index] = static_cast<float>(static_cast<double>(word) * irradiance_unit);
-  });
-  return out;
+  Words words(device, wire::kIrradiance, of, info.block_voxels);
+  return words.values(box, [&](std::uint64_t word) { return static_cast<double>(word) * irradiance_unit; });
 }
 
 void Board::write_irradiance(const VoxelBox& box, std::span<const float> values) {
@@ -280,14 +275,12 @@ std::vector<float> Board::read_sums(const VoxelBox& box) {
   const LoadedVolume& volume = state_->loaded("read_sums()");
   if (state_->sum_unit <= 0) throw Rejected("read_sums() needs a unit: clear_sums() first");
   check(box, volume.dims);
-  std::vector<float> out(count(box));
-  Words(state_->device, wire::kSums, volume, state_->info.block_voxels)
-      .read(box, [&](std::size_t index, std::uint64_t word) {
-        constexpr int kUnused = 64 - wire::kVoxelBits;
-        const std::int64_t sum = static_cast<std::int64_t>(word << kUnused) >> kUnused;
-        out[index] = static_cast<float>(static_cast<double>(sum) * state_->sum_unit);
-      });
-  return out;
+  Words words(state_->device, wire::kSums, volume, state_->info.block_voxels);
+  return words.values(box, [&](std::uint64_t word) {
+    constexpr int kUnused = 64 - wire::kVoxelBits;
+    const std::int64_t sum = static_cast<std::int64_t>(word << kUnused) >> kUnused;
+    return static_cast<double>(sum) * state_->sum_unit;
+  });
 }
 
 }  // namespace gicube

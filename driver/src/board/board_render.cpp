@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "encode/argument.h"
 #include "encode/camera.h"
 #include "encode/lights.h"
 #include "gicube/wire/memory_map.h"
@@ -104,7 +105,7 @@ Image Board::render(const View& view, const Progress& progress) {
 void Board::set_material(const Material& material, int tag) {
   const auto lock = state_->begin();
   check(material);
-  if (tag < 0 || tag >= wire::kTags) throw BadArgument("tag", "0..3", std::to_string(tag));
+  expect_within("tag", tag, 0, wire::kTags - 1);
   state_->tables.set_material(material, tag);
   if (state_->volume) state_->tables.send_segmentation(state_->volume->range);  // gains depend on the scattering
 }
@@ -156,7 +157,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
     });
     flux += flux_in_the_middle(lights[i], settings, box);
     if (ledger.light_in_solid != 0) {
-      report.warnings.push_back("lights[" + std::to_string(i) + "] stands in a solid: its light stays there");
+      report.warnings.push_back(fmt::format("lights[{}] stands in a solid: its light stays there", i));
     }
   }
   state_->bright_flux = flux;

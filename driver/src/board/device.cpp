@@ -1,11 +1,10 @@
 #include "device.h"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "gicube/wire/counter_list.h"
-#include "gicube/wire/registers.h"
-#include "transport/capture.h"
 #include "transport/connect.h"
 
 namespace gicube {
@@ -28,7 +27,7 @@ std::vector<std::uint8_t> words(std::initializer_list<std::uint32_t> values) {
 
 }  // namespace
 
-Device::Device(const Uri& uri, const DeviceOptions& options)
+Device::Device(const Uri& uri, const OpenOptions& options)
     : uri_(uri), capture_file_(options.capture.empty() ? uri.capture : options.capture) {
   link_options_.watchdog = options.watchdog;
   link_options_.reopen_attempts = options.reopen_attempts;
@@ -40,16 +39,8 @@ Device::Device(const Uri& uri, const DeviceOptions& options)
   link_ = open_link();
 }
 
-void Device::capture_next_session() {
-  const std::shared_ptr<Capture> capture = open_capture(capture_file_, captures_++);
-  if (!capture) return;
-  link_options_.tap = [capture](bool sent, auto header, auto payload) {
-    capture->write(sent ? wire::CaptureKind::kDown : wire::CaptureKind::kUp, header, payload);
-  };
-}
-
 std::unique_ptr<Link> Device::open_link() {
-  capture_next_session();
+  link_options_.tap = capture_session(capture_file_, captures_++);
   if (link_options_.reconnect) return std::make_unique<Link>(link_options_.reconnect(), link_options_);
   child_ = std::make_unique<ChildProcess>(find_board_program(), uri_.board_arguments);
   try {
@@ -79,7 +70,7 @@ auto Device::with_last_words(const auto& call) const {
     return call();
   } catch (const DeviceLost& error) {
     if (!child_ || !child_->ended(kObituary)) throw;
-    throw DeviceLost(std::string(error.what()) + "; " + child_->last_words(), error.cause());
+    throw DeviceLost(fmt::format("{}; {}", error.what(), child_->last_words()), error.cause());
   }
 }
 
@@ -95,31 +86,13 @@ std::vector<std::uint8_t> Device::request(wire::FrameType type, std::vector<std:
 
 std::uint32_t Device::read_word(wire::FrameType type, std::uint32_t offset) {
   const auto payload = request(type, words({offset}));
-  if (payload.size() != 4)
-    give_up("the board answered a register read with " + std::to_string(payload.size()) + " bytes");
+  if (payload.size() != 4) give_up(fmt::format("the board answered a register read with {} bytes", payload.size()));
   return wire::load<std::uint32_t>(payload, 0);
 }
-
-std::uint32_t Device::read_config(std::uint32_t offset) { return read_word(wire::FrameType::kConfigRead, offset); }
-
-std::uint32_t Device::read_register(std::uint32_t offset) { return read_word(wire::FrameType::kRegisterRead, offset); }
 
 void Device::write_register(std::uint32_t offset, std::uint32_t value) {
   with_last_words([&] { link_->post(wire::FrameType::kRegisterWrite, clock_.now(), words({offset, value})); });
   registers_[offset] = value;
-}
-
-void Device::set_register(std::uint32_t offset, std::uint32_t value) {
-  const auto last = registers_.find(offset);
-  if (last == registers_.end() || last->second != value) write_register(offset, value);
-}
-
-void Device::reset() {
-  write_register(wire::reg::kControl, wire::kControlReset);
-  registers_.clear();
-  for (const wire::RegisterInfo& info : wire::kRegisterTable) {
-    if (info.access == wire::Access::kReadWrite) registers_[info.offset] = info.reset;
-  }
 }
 
 void Device::write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes) {
@@ -142,7 +115,7 @@ std::vector<std::uint8_t> Device::read_memory(std::uint64_t address, std::uint64
   wire::store(std::span(payload), 8, length);
   auto bytes = request(wire::FrameType::kMemoryRead, std::move(payload));
   if (bytes.size() != length) {
-    give_up("the board answered a read of " + std::to_string(length) + " bytes with " + std::to_string(bytes.size()));
+    give_up(fmt::format("the board answered a read of {} bytes with {}", length, bytes.size()));
   }
   return bytes;
 }
@@ -176,11 +149,9 @@ CommandResult Device::run(std::vector<std::uint8_t> payload, const Progress& pro
 
 bool Device::cancel(std::uint32_t ticket) {
   const auto answer = request(wire::FrameType::kCancel, words({ticket}));
-  if (answer.size() != 4) give_up("the board answered a cancel with " + std::to_string(answer.size()) + " bytes");
+  if (answer.size() != 4) give_up(fmt::format("the board answered a cancel with {} bytes", answer.size()));
   return wire::load<std::uint32_t>(answer, 0) != 0;
 }
-
-void Device::poll() { request(wire::FrameType::kPoll, {}); }
 
 Counters Device::counters() {
   const auto list = wire::decode_counters(request(wire::FrameType::kCounters, {}));

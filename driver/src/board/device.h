@@ -1,8 +1,7 @@
 // The board as a host sees it through its bus connector: configuration space, registers, memory, DSP commands; and the
 // simulated host's clock, which stamps each transaction and moves with each answer.
 //
-// One caller at a time, but clock().now(). All calls throw DeviceLost and TimedOut, and Rejected or
-// Unsupported where the board refuses.
+// One caller at a time, but clock().now(). All calls throw DeviceLost, TimedOut; Rejected, Unsupported if the board refuses.
 #pragma once
 
 #include <algorithm>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "gicube/board.h"
+#include "gicube/wire/registers.h"
 #include "transport/launch.h"
 #include "transport/link.h"
 #include "transport/uri.h"
@@ -41,18 +41,10 @@ class HostClock {
   std::atomic<Picoseconds> now_{0};
 };
 
-struct DeviceOptions {
-  std::chrono::milliseconds watchdog{0};  // 0 = none
-  int reopen_attempts = 0;
-  bool force = false;
-  std::chrono::milliseconds wait_for_board{0};
-  std::string capture{};
-};
-
 class Device {
  public:
   // Connects, or starts a private board. Throws OpenFailed, BoardBusy, VersionMismatch, TimedOut, BadArgument.
-  Device(const Uri& uri, const DeviceOptions& options);
+  Device(const Uri& uri, const OpenOptions& options);
 
   // After DeviceLost or TimedOut, connects again. True: the session goes on, and nothing was lost. False: this is a board
   // that knows nothing of us. Throws as the constructor and DeviceLost: the device is as lost as before.
@@ -65,13 +57,22 @@ class Device {
   void check();
   [[noreturn]] void give_up(const std::string& reason) { link_->give_up(reason); }
 
-  std::uint32_t read_config(std::uint32_t offset);
-  std::uint32_t read_register(std::uint32_t offset);
+  std::uint32_t read_config(std::uint32_t offset) { return read_word(wire::FrameType::kConfigRead, offset); }
+  std::uint32_t read_register(std::uint32_t offset) { return read_word(wire::FrameType::kRegisterRead, offset); }
   void write_register(std::uint32_t offset, std::uint32_t value);
   // Writes it unless it holds that value already.
-  void set_register(std::uint32_t offset, std::uint32_t value);
+  void set_register(std::uint32_t offset, std::uint32_t value) {
+    const auto last = registers_.find(offset);
+    if (last == registers_.end() || last->second != value) write_register(offset, value);
+  }
   // All of the board's state as at power-up.
-  void reset();
+  void reset() {
+    write_register(wire::reg::kControl, wire::kControlReset);
+    registers_.clear();
+    for (const wire::RegisterInfo& info : wire::kRegisterTable) {
+      if (info.access == wire::Access::kReadWrite) registers_[info.offset] = info.reset;
+    }
+  }
   // What registers that can be read and written hold: all of them once reset() has been called.
   const std::map<std::uint32_t, std::uint32_t>& registers() const { return registers_; }
 
@@ -93,13 +94,12 @@ class Device {
   // Takes a command back whose turn has not begun: true, and it completes with kCancelled.
   bool cancel(std::uint32_t ticket);
   // Fetches the results of all commands that have completed by now.
-  void poll();
+  void poll() { request(wire::FrameType::kPoll, {}); }
 
   Counters counters();
 
  private:
   std::unique_ptr<Link> open_link();
-  void capture_next_session();
   std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
   std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);
   auto with_last_words(const auto& call) const;

@@ -1,7 +1,8 @@
 // The application's scattering routine, and trapped rays in the words of the bus (gicube/wire/trap.h).
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "gicube/wire/command.h"
 #include "gicube/wire/registers.h"
@@ -40,13 +41,12 @@ void check(const ScatterAnswer& answer) {
   const Vec3& d = answer.direction;
   const double length = std::hypot(d.x, d.y, d.z);
   if (!(length >= wire::kShortestDirection && length <= wire::kLongestDirection)) {
-    throw ScatteringFailed("direction: the scattering routine must answer a length of 1e-6 to 1e6, but answered " +
-                           std::to_string(d.x) + ' ' + std::to_string(d.y) + ' ' + std::to_string(d.z));
+    throw ScatteringFailed(fmt::format(
+        "direction: the scattering routine must answer a length of 1e-6 to 1e6, but answered {} {} {}", d.x, d.y, d.z));
   }
-  if (!(answer.passes >= 0 && answer.passes <= 1)) {
-    throw ScatteringFailed("passes: the scattering routine must answer 0..1, but answered " +
-                           std::to_string(answer.passes));
-  }
+  if (answer.passes >= 0 && answer.passes <= 1) return;
+  throw ScatteringFailed(
+      fmt::format("passes: the scattering routine must answer 0..1, but answered {}", answer.passes));
 }
 
 // The packet that answers `trapped`. Throws ScatteringFailed, and what the routine throws.
@@ -101,8 +101,8 @@ void Board::State::need_routine(bool lighting) const {
     const Material& material = materials[tag];
     const bool asks_host = material.bsdf == Bsdf::kTrap && material.routine == kHostRoutine;
     if (!asks_host || !(lighting || material.seen_through_scattering)) continue;
-    throw Rejected("the material of tag " + std::to_string(tag) +
-                   " is the application's to scatter: call set_scattering_routine() first");
+    throw Rejected(fmt::format(
+        "the material of tag {} is the application's to scatter: call set_scattering_routine() first", tag));
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -14,7 +15,9 @@
 #include "device.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/board.h"
+#include "gicube/wire/checksum.h"
 #include "gicube/wire/command.h"
+#include "gicube/wire/memory_map.h"
 #include "gicube/wire/trap.h"
 #include "tables.h"
 
@@ -33,19 +36,28 @@ struct LoadedVolume {
 };
 
 struct GICUBE_HIDDEN Board::State {
-  State(const Uri& uri, const DeviceOptions& options, const BatchLimits& limits, bool keeps_volume)
-      : keep_volume(keeps_volume),
+  State(const Uri& uri, const OpenOptions& options)
+      : keep_volume(options.keep_volume),
         threads(uri.threads),
         device(uri, options),
         tables(device),
-        batches(device, limits) {}
+        batches(device, options) {}
 
   // Throws Rejected while the batches wait for a volume.
-  void need_batches() const;
+  void need_batches() const {
+    if (batches_wait) throw Rejected("the ray batches wait for a volume on the new board: call load_volume() first");
+  }
   // Not from a callback of a call that runs.
-  std::unique_lock<std::mutex> lock();
+  std::unique_lock<std::mutex> lock() {
+    if (in_callback.load() != std::this_thread::get_id()) return std::unique_lock(mutex);
+    throw Error("a callback may ask its Board for now() and info() only");
+  }
   // Every public call but now(), info() and reopen() is one transaction. Throws DeviceLost.
-  std::unique_lock<std::mutex> begin();
+  std::unique_lock<std::mutex> begin() {
+    auto held = lock();
+    device.check();
+    return held;
+  }
   // While it lives, this Board takes no calls from the thread that made it: a callback of the application runs.
   class InCallback {
    public:
@@ -58,26 +70,53 @@ struct GICUBE_HIDDEN Board::State {
     std::atomic<std::thread::id>& who_;
   };
   // The caller's callback, during which this Board takes no calls from it; empty if `progress` is.
-  Progress watched(const Progress& progress);
+  Progress watched(const Progress& progress) {
+    if (!progress) return {};
+    return [this, &progress](std::uint32_t done, std::uint32_t all) {
+      const InCallback mark(*this);
+      progress(done, all);
+    };
+  }
   // Throws Rejected if there is no volume; `what` needs one.
-  LoadedVolume& loaded(const char* what);
+  LoadedVolume& loaded(const char* what) {
+    if (!volume) throw Rejected(std::string(what) + " needs a volume: call load_volume() first");
+    return *volume;
+  }
 
-  static wire::Spacing spacing_words(Vec3 relative);  // of the SPACING registers
+  static wire::Spacing spacing_words(Vec3 relative) {  // of the SPACING registers
+    const auto word = [](double edge) { return static_cast<std::uint32_t>(std::lround(edge * wire::kSpacingOne)); };
+    return {word(relative.x), word(relative.y), word(relative.z)};
+  }
   // The board is a new one: brings it to where the lost one was, as far as the driver knows.
   void restore();
   void begin_volume(const LoadedVolume& volume);
   void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
-  std::uint64_t block_address(std::size_t block) const;
-  void write_block(std::size_t block, std::span<const std::uint8_t> packed);
+  std::uint64_t block_address(std::size_t block) const {
+    const auto n = static_cast<std::uint64_t>(info.block_voxels);
+    return wire::kVolume.base + block * n * n * n * wire::kVoxelBits / 8;
+  }
+  void write_block(std::size_t block, std::span<const std::uint8_t> packed) {
+    if (keep_volume) kept_blocks[block].assign(packed.begin(), packed.end());
+    block_sums[block] = wire::crc32c(packed);
+    device.write_memory(block_address(block), packed);
+  }
   std::vector<float> read_irradiance(const VoxelBox& box);
   // Has the board clear words of `bits` of CONTROL; their unit is `unit` from now on.
   void clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit);
   void check_fence();
-  void find_flags(LoadedVolume& volume);
+  void find_flags(LoadedVolume& of) {
+    of.flags = find_empty_blocks(of.statistics, tables.segmentation());
+    tables.send_flags(of.flags);
+  }
   void set_sampling(const View& view);
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
                 std::vector<std::size_t> lines);
-  void send_batches_again();
+  void send_batches_again() {
+    batches.send_again([this](const View& view, Vec3 towards_eye) {
+      set_sampling(view);
+      if (view.shade) tables.send_reflectance(towards_eye);
+    });
+  }
   // Of a call that begins now.
   Picoseconds deadline() const {
     const Picoseconds now = device.clock().now();
@@ -86,8 +125,7 @@ struct GICUBE_HIDDEN Board::State {
   void set_lighting(const Illumination& settings);
   // Throws Rejected if a material that `rays` can meet needs the application's routine and there is none.
   void need_routine(bool lighting) const;
-  // Answers the rays that wait on the board after a command with that result, until none does. Every answer's ledger
-  // goes to `take_ledger`; lighting rays have one.
+  // Answers rays that wait on the board after a command with that result, until none does. Ledgers go to `take_ledger`.
   using TakeLedger = std::function<void(const wire::LightingLedger&)>;
   void scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger);
   std::uint32_t exposure_word(const View& view) const;

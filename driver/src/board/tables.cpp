@@ -1,25 +1,13 @@
 #include "tables.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "encode/lights.h"
-#include "encode/reflectance_map.h"
-#include "encode/volume/segmentation_lut.h"
+#include "encode/look_up_tables.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/wire/memory_map.h"
 
 namespace gicube {
-
-void Tables::set_codebook(GradientCodebook codebook) {
-  codebook_ = std::move(codebook);
-  gradients_sent_ = false;
-}
-
-const GradientCodebook& Tables::codebook() {
-  if (!codebook_) codebook_.emplace();
-  return *codebook_;
-}
 
 void Tables::send_gradients() {
   if (gradients_sent_) return;
@@ -31,11 +19,6 @@ void Tables::send_gradients() {
   }
   device_.write_memory(wire::kGradientLut.base, bytes);
   gradients_sent_ = true;
-}
-
-void Tables::set_function(const TransferFunction& function, int tag) {
-  functions_[static_cast<std::size_t>(tag)] = function;
-  ++changes_;
 }
 
 void Tables::set_material(const Material& material, int tag) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "device.h"
@@ -18,8 +19,7 @@
 
 namespace gicube {
 
-// What makes a sample bright: the reflectance map, or the irradiance, whose words hold what a sample absorbed or what falls
-// on it.
+// What makes a sample bright: the reflectance map, or irradiance words of what a sample absorbed or of what falls on it.
 enum class SampleLight { kMap, kAbsorbed, kIncident };
 
 // For arguments that passed their checks. Only what has changed is sent.
@@ -30,12 +30,21 @@ class Tables {
   // The board has the wide datapath.
   void set_wide(bool wide) { wide_ = wide; }
 
-  void set_codebook(GradientCodebook codebook);
+  void set_codebook(GradientCodebook codebook) {
+    codebook_ = std::move(codebook);
+    gradients_sent_ = false;
+  }
   // The codebook in force; the default one is made when it is first asked for.
-  const GradientCodebook& codebook();
+  const GradientCodebook& codebook() {
+    if (!codebook_) codebook_.emplace();
+    return *codebook_;
+  }
   void send_gradients();
 
-  void set_function(const TransferFunction& function, int tag);
+  void set_function(const TransferFunction& function, int tag) {
+    functions_[static_cast<std::size_t>(tag)] = function;
+    ++changes_;
+  }
   void set_shading(const Shading& shading) {
     shading_ = shading;
     ++changes_;

@@ -1,5 +1,5 @@
 // Opening, what the board is, simulated time, counters.
-#include "fields.h"
+#include "call.h"
 
 struct GICUBE_HIDDEN gicube_counter_list {
   gicube::Counters counters;
@@ -104,9 +104,7 @@ gicube_status gicube_counters_at(const gicube_counter_list* list, size_t index, 
                                  uint64_t* value) {
   return call([&] {
     const auto& counters = checked("list", list).counters.list();
-    if (index >= counters.size()) {
-      throw gicube::BadArgument("index", "less than " + std::to_string(counters.size()), std::to_string(index));
-    }
+    gicube::expect(index < counters.size(), "index", fmt::format("less than {}", counters.size()), index);
     if (name != nullptr) *name = counters[index].name.c_str();
     if (unit != nullptr) *unit = counters[index].unit.c_str();
     if (value != nullptr) *value = counters[index].value;

@@ -1,18 +1,22 @@
-// What every function of the C ABI is made of: the board's handle, checks of arguments, and call(), which catches what is thrown
-// and remembers its words for the thread.
+// What every function of the C ABI is made of: the board's handle, checks of arguments, and call(), which catches and remembers.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
 #include <concepts>
 #include <cstdint>
+#include <cstring>
 #include <map>
 #include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "encode/argument.h"
 #include "gicube/board.h"
 #include "gicube/c_api.h"
-#include "gicube/error.h"
 
 struct GICUBE_HIDDEN gicube_board {
   explicit gicube_board(gicube::Board opened) : board(std::move(opened)) {}
@@ -57,32 +61,26 @@ T& checked(const char* name, T* pointer) {
 template <typename T>
 T* checked(const std::string& name, T* pointer, std::size_t count) {
   constexpr std::size_t kMax = PTRDIFF_MAX / sizeof(T);
-  if (count > kMax) throw BadArgument(name, "at most " + std::to_string(kMax) + " of them", std::to_string(count));
+  expect(count <= kMax, name, fmt::format("at most {} of them", kMax), count);
   if (pointer == nullptr && count > 0) throw BadArgument(name, "a pointer", "NULL");
   return pointer;
 }
 
 // The size of an array that the call fills or takes.
 inline void check_count(const std::string& name, std::size_t got, std::size_t expected) {
-  if (got != expected) throw BadArgument(name, std::to_string(expected), std::to_string(got));
+  expect(got == expected, name, fmt::format("{}", expected), got);
 }
 
 template <typename Enum>
 Enum choice(const std::string& name, std::int32_t value, Enum last) {
-  if (value < 0 || value > static_cast<std::int32_t>(last)) {
-    throw BadArgument(name, "0.." + std::to_string(static_cast<std::int32_t>(last)), std::to_string(value));
-  }
+  const auto max = static_cast<std::int32_t>(last);
+  expect(value >= 0 && value <= max, name, fmt::format("0..{}", max), value);
   return static_cast<Enum>(value);
 }
 
 inline bool truth(const std::string& name, std::int32_t value) {
-  if (value != 0 && value != 1) throw BadArgument(name, "0 or 1", std::to_string(value));
+  expect(value == 0 || value == 1, name, "0 or 1", value);
   return value == 1;
-}
-
-template <std::integral T>
-void check_reserved(const std::string& name, T value) {
-  if (value != 0) throw BadArgument(name, "0", std::to_string(value));
 }
 
 inline gicube_board& checked_board(gicube_board* board) {
@@ -112,12 +110,218 @@ inline void put(Vec3 from, double (&xyz)[3]) {
   xyz[2] = from.z;
 }
 
-// Calls that move one value a voxel of a box.
-gicube_status read_box(gicube_board* board, const gicube_box* box, float* values, std::size_t count,
-                       std::vector<float> (Board::*read)(const VoxelBox&));
-gicube_status write_box(gicube_board* board, const gicube_box* box, const float* values, std::size_t count,
-                        void (Board::*write)(const VoxelBox&, std::span<const float>));
-
 gicube_lighting_report to_c(const LightingReport& report);
+
+// Records begin with their size, since a caller may have been compiled with an older or a newer version of them. Which of their
+// fields is which one of the C++ API is named once, for both ways.
+
+inline constexpr std::size_t kLargestRecord = 65'536;  // bytes, chosen: a size beyond is no size but a stray value
+
+// Throws BadArgument.
+template <typename Record>
+void check_size(const std::string& name, const Record* record, std::size_t size) {
+  if (record == nullptr) throw BadArgument(name, "a pointer", "NULL");
+  expect(size >= sizeof(Record) && size <= kLargestRecord, name + ".size",
+         fmt::format("{}..{} (sizeof the record)", sizeof(Record), kLargestRecord), size);
+}
+// Of a record that may be NULL.
+template <typename Record>
+void check_optional(const std::string& name, const Record* record) {
+  if (record != nullptr) check_size(name, record, record->size);
+}
+
+// The caller's record. Throws BadArgument.
+template <typename Record>
+Record read_record(const std::string& name, const Record* given) {
+  check_size(name, given, given == nullptr ? 0 : given->size);
+  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+  for (std::size_t i = sizeof(Record); i < given->size; ++i) {
+    const auto unknown = [] {
+      return fmt::format("zeros in fields that this library does not know (from byte {} on)", sizeof(Record));
+    };
+    if (bytes[i] != 0) throw BadArgument(name, unknown(), fmt::format("{} at byte {}", bytes[i], i));
+  }
+  return *given;
+}
+
+// Fills the caller's record of `size` bytes. Throws BadArgument.
+template <typename Record>
+void write_record(const std::string& name, Record* out, std::size_t size, Record record) {
+  check_size(name, out, size);
+  record.size = static_cast<std::uint32_t>(size);
+  std::memset(static_cast<void*>(out), 0, size);
+  std::memcpy(static_cast<void*>(out), &record, sizeof(Record));
+}
+template <typename Record>
+void write_record(const std::string& name, Record* out, const Record& record) {
+  write_record(name, out, out == nullptr ? 0 : out->size, record);
+}
+
+// Copies fields from a record, checked, or to it. `record`: its name in refusals.
+template <bool kToRecord>
+struct Copy {
+  const char* record;
+
+  template <typename C, typename T>
+  void number(C& c, T& value) const {
+    if constexpr (kToRecord) {
+      c = static_cast<C>(value);
+    } else {
+      value = static_cast<T>(c);
+    }
+  }
+  void truth(const char* field, std::int32_t& c, bool& value) const {
+    if (kToRecord) {
+      c = value;
+    } else {
+      value = c_api::truth(name(field), c);
+    }
+  }
+  template <typename Enum>
+  void choice(const char* field, std::int32_t& c, Enum& value, Enum last) const {
+    if (kToRecord) {
+      c = static_cast<std::int32_t>(value);
+    } else {
+      value = c_api::choice(name(field), c, last);
+    }
+  }
+  void vector(double (&c)[3], Vec3& value) const {
+    if (kToRecord) {
+      put(value, c);
+    } else {
+      value = to_vec3(c);
+    }
+  }
+  void milliseconds(std::uint64_t& c, std::chrono::milliseconds& value) const {
+    constexpr std::uint64_t kLongest = 1000ull * 60 * 60 * 24 * 365;  // chosen: as good as for ever, and fits the clock
+    if (kToRecord) {
+      c = static_cast<std::uint64_t>(value.count());
+    } else {
+      value = std::chrono::milliseconds(std::min(c, kLongest));
+    }
+  }
+  void reserved(const char* field, auto& c) const {
+    if (!kToRecord) expect(c == 0, name(field), "0", c);
+  }
+
+ private:
+  std::string name(const char* field) const { return std::string(record) + "." + field; }
+};
+
+void copy_fields(const auto& copy, gicube_open_options& c, OpenOptions& options) {
+  copy.milliseconds(c.watchdog_ms, options.watchdog);
+  copy.number(c.max_rays, options.max_rays);
+  copy.truth("keep_volume", c.keep_volume, options.keep_volume);
+  copy.number(c.reopen_attempts, options.reopen_attempts);
+  copy.truth("force", c.force, options.force);
+  copy.milliseconds(c.wait_for_board_ms, options.wait_for_board);
+  copy.reserved("reserved", c.reserved);
+  copy.choice("back_pressure", c.back_pressure, options.back_pressure, BackPressure::kThrow);
+}
+
+void copy_fields(const auto& copy, gicube_shading& c, Shading& shading) {
+  copy.reserved("reserved", c.reserved);
+  copy.number(c.ambient, shading.phong.ambient);
+  copy.number(c.diffuse, shading.phong.diffuse);
+  copy.number(c.specular, shading.phong.specular);
+  copy.number(c.shininess, shading.phong.shininess);
+  copy.vector(c.light, shading.light);
+}
+
+void copy_fields(const auto& copy, gicube_material& c, Material& material) {
+  copy.number(c.scattering, material.scattering);
+  copy.choice("bsdf", c.bsdf, material.bsdf, Bsdf::kTrap);
+  copy.number(c.gloss, material.gloss);
+  copy.truth("seen_through_scattering", c.seen_through_scattering, material.seen_through_scattering);
+  copy.number(c.routine, material.routine);
+  copy.truth("surface", c.surface, material.surface);
+}
+
+void copy_fields(const auto& copy, gicube_illumination& c, Illumination& settings) {
+  copy.choice("albedo", c.albedo, settings.albedo, Albedo::kHigh);
+  copy.choice("rules", c.rules, settings.rules, EnergyRules::kConserving);
+  copy.number(c.rays_per_face_voxel, settings.rays_per_face_voxel);
+  copy.number(c.step, settings.step);
+  copy.truth("jitter", c.jitter, settings.jitter);
+  copy.truth("leap", c.leap, settings.leap);
+  copy.number(c.lifetime, settings.lifetime);
+  copy.number(c.seed, settings.seed);
+}
+
+void copy_fields(const auto& copy, gicube_view& c, View& view) {
+  copy.vector(c.eye, view.eye);
+  copy.vector(c.look_at, view.look_at);
+  copy.vector(c.up, view.up);
+  copy.number(c.fov_degrees, view.fov_degrees);
+  copy.number(c.orthographic_height, view.orthographic_height);
+  copy.number(c.width, view.width);
+  copy.number(c.height, view.height);
+  copy.number(c.samples_per_axis, view.samples_per_axis);
+  copy.choice("filter", c.filter, view.filter, PixelFilter::kTent);
+  copy.number(c.step, view.step);
+  copy.number(c.opacity_threshold, view.opacity_threshold);
+  copy.truth("shade", c.shade, view.shade);
+  copy.truth("jitter", c.jitter, view.jitter);
+  copy.truth("leap", c.leap, view.leap);
+  copy.truth("irradiance", c.irradiance, view.irradiance);
+  copy.truth("incident", c.incident, view.incident);
+  copy.reserved("reserved", c.reserved);
+  copy.number(c.exposure, view.exposure);
+  copy.truth("scatter", c.scatter, view.scatter);
+  copy.truth("high_albedo", c.high_albedo, view.high_albedo);
+  copy.number(c.lifetime, view.lifetime);
+  copy.number(c.seed, view.seed);
+}
+
+void copy_fields(const auto& copy, gicube_ray_request& c, RayRequest& request) {
+  copy.choice("type", c.type, request.type, RayType::kBackproject);
+  copy.number(c.opacity, request.opacity);
+  copy.choice("albedo", c.albedo, request.albedo, Albedo::kHigh);
+  copy.choice("rules", c.rules, request.rules, EnergyRules::kConserving);
+  copy.number(c.lifetime, request.lifetime);
+  copy.number(c.step, request.step);
+  copy.choice("words", c.words, request.words, SumWords::kSums);
+}
+
+void copy_fields(const auto& copy, gicube_pair_request& c, PairRequest& request) {
+  copy.reserved("reserved", c.reserved);
+  copy.number(c.rays, request.rays);
+  copy.number(c.first, request.first);
+  copy.number(c.seed, request.seed);
+  copy.number(c.opacity, request.opacity);
+  copy.choice("made", c.made, request.made, PairRays::kByHost);
+}
+
+// For ..._init(): what the C++ API has by default.
+template <typename T, typename Record>
+gicube_status init(const char* name, Record* out, std::size_t size) {
+  return call([&] {
+    Record record{};
+    T value;
+    copy_fields(Copy<true>{""}, record, value);
+    write_record(name, out, size, record);
+  });
+}
+
+// What the caller's record says. Throws BadArgument. Leaves in `record` what was read, for fields that are no plain values.
+template <typename T, typename Record>
+T read_fields(const char* name, const Record* given, Record& record) {
+  record = read_record(name, given);
+  T value;
+  copy_fields(Copy<false>{name}, record, value);
+  return value;
+}
+
+template <typename T, typename Record>
+T read_fields(const char* name, const Record* given) {
+  Record record;
+  return read_fields<T>(name, given, record);
+}
+
+// The same of a record that may be NULL, for all defaults.
+template <typename T, typename Record>
+T read_optional(const char* name, const Record* given) {
+  return given == nullptr ? T() : read_fields<T>(name, given);
+}
 
 }  // namespace gicube::c_api

@@ -1,12 +1,99 @@
-// Lights, irradiance, pictures.
-#include "fields.h"
+// Volumes and how they look; light and pictures.
+#include <algorithm>
+
+#include "call.h"
 
 namespace gicube::c_api {
 namespace {
 
+VolumeView to_volume(const gicube_volume& record) {
+  VolumeView volume;
+  volume.type = choice("volume.type", record.type, SampleType::kFloat32);
+  volume.samples = {static_cast<const std::byte*>(record.samples), record.sample_bytes};
+  if (record.samples == nullptr) throw BadArgument("volume.samples", "a pointer", "NULL");
+  volume.dims = {record.dims[0], record.dims[1], record.dims[2]};
+  volume.spacing = to_vec3(record.spacing);
+  if (truth("volume.has_range", record.has_range)) volume.range = ValueRange{record.low, record.high};
+  volume.gradients = {checked("volume.gradients", record.gradients, record.gradient_count), record.gradient_count};
+  volume.tags = {checked("volume.tags", record.tags, record.tag_count), record.tag_count};
+  return volume;
+}
+
+Material to_material(const gicube_material* given) {
+  gicube_material record;
+  Material material = read_fields<Material>("material", given, record);
+  expect(record.parameter_count <= 32, "material.parameter_count", "at most 32", record.parameter_count);
+  const float* parameters = checked("material.parameters", record.parameters, record.parameter_count);
+  material.parameters.assign(parameters, parameters + record.parameter_count);
+  return material;
+}
+
+gicube_scatter_event to_c(const ScatterEvent& event) {
+  const auto& [x, y, z] = event.position;
+  const auto& [dx, dy, dz] = event.direction;
+  const auto& [nx, ny, nz] = event.normal;
+  const auto& [a, b, c, d] = event.random;
+  return {sizeof(gicube_scatter_event),
+          event.tag,
+          {x, y, z},
+          {dx, dy, dz},
+          {nx, ny, nz},
+          event.opacity,
+          event.density,
+          {a, b, c, d},
+          event.lighting,
+          event.generation,
+          event.parameters.data(),
+          event.parameters.size()};
+}
+
+ScatteringRoutine to_routine(gicube_scattering_routine routine, void* user) {
+  if (routine == nullptr) return {};
+  return [routine, user](const ScatterEvent& event) -> ScatterAnswer {
+    const gicube_scatter_event record = to_c(event);
+    gicube_scatter_answer answer{{0, 0, 0}, 1};
+    if (routine(user, &record, &answer) != 0) throw Stopped("the scattering routine ended the call");
+    return {to_vec3(answer.direction), answer.passes};
+  };
+}
+
+VoxelBox to_box(const gicube_box* given) {
+  const gicube_box& box = checked("box", given);
+  return {{box.low[0], box.low[1], box.low[2]}, {box.size[0], box.size[1], box.size[2]}};
+}
+
+std::size_t voxels_of(const VoxelBox& box) {
+  std::size_t count = 1;
+  for (const int size : box.size) {
+    expect(size >= 1 && size <= 1024, "box.size", "1..1024 voxels each", size);
+    count *= static_cast<std::size_t>(size);
+  }
+  return count;
+}
+
+gicube_status read_box(gicube_board* board, const gicube_box* box, float* values, std::size_t count,
+                       std::vector<float> (Board::*read)(const VoxelBox&)) {
+  return on_board(board, [&](gicube_board& handle) {
+    const VoxelBox voxels = to_box(box);
+    check_count("count", count, voxels_of(voxels));
+    checked("values", values);
+    const std::vector<float> found = (handle.board.*read)(voxels);
+    std::copy(found.begin(), found.end(), values);
+  });
+}
+
+gicube_status write_box(gicube_board* board, const gicube_box* box, const float* values, std::size_t count,
+                        void (Board::*write)(const VoxelBox&, std::span<const float>)) {
+  return on_board(board, [&](gicube_board& handle) {
+    const VoxelBox voxels = to_box(box);
+    check_count("count", count, voxels_of(voxels));
+    (handle.board.*write)(voxels, {&checked("values", values), count});
+  });
+}
+
 Light to_light(const gicube_light& light, std::size_t index) {
   const std::string name = "lights[" + std::to_string(index) + "]";
-  check_reserved(name + ".reserved", light.reserved);
+  expect(light.reserved == 0, name + ".reserved", "0", light.reserved);
   switch (light.kind) {
     case GICUBE_LIGHT_POINT: return PointLight{to_vec3(light.position), light.power};
     case GICUBE_LIGHT_DIRECTIONAL: return DirectionalLight{to_vec3(light.position), light.power};
@@ -20,13 +107,10 @@ Light to_light(const gicube_light& light, std::size_t index) {
 View to_view(const gicube_view* given) {
   gicube_view record;
   View view = read_fields<View>("view", given, record);
-  constexpr std::uint32_t kMax = 6;
-  if (record.cut_plane_count > kMax) {
-    throw BadArgument("view.cut_plane_count", "at most 6", std::to_string(record.cut_plane_count));
-  }
-  checked("view.cut_planes", record.cut_planes, record.cut_plane_count);
-  for (std::uint32_t i = 0; i < record.cut_plane_count; ++i) {
-    view.cut_planes.push_back({to_vec3(record.cut_planes[i].normal), record.cut_planes[i].offset});
+  expect(record.cut_plane_count <= 6, "view.cut_plane_count", "at most 6", record.cut_plane_count);
+  const auto* planes = checked("view.cut_planes", record.cut_planes, record.cut_plane_count);
+  for (const auto& [normal, offset] : std::span(planes, record.cut_plane_count)) {
+    view.cut_planes.push_back({to_vec3(normal), offset});
   }
   return view;
 }
@@ -68,6 +152,124 @@ gicube_lighting_report to_c(const LightingReport& report) {
 using namespace gicube::c_api;
 
 extern "C" {
+
+gicube_status gicube_volume_init(gicube_volume* volume, size_t size) {
+  return call([&] {
+    gicube_volume record{};
+    put(gicube::VolumeView().spacing, record.spacing);
+    write_record("volume", volume, size, record);
+  });
+}
+
+gicube_status gicube_shading_init(gicube_shading* shading, size_t size) {
+  return init<gicube::Shading>("shading", shading, size);
+}
+
+gicube_status gicube_material_init(gicube_material* material, size_t size) {
+  return init<gicube::Material>("material", material, size);
+}
+
+gicube_status gicube_load_volume(gicube_board* board, const gicube_volume* volume, gicube_progress progress,
+                                 void* user) {
+  return on_board(board, [&](gicube_board& handle) {
+    handle.board.load_volume(to_volume(read_record("volume", volume)), to_progress(progress, user));
+  });
+}
+
+gicube_status gicube_value_range(gicube_board* board, double* low, double* high) {
+  return call([&] {
+    checked("low", low);
+    checked("high", high);
+    const gicube::ValueRange range = checked_board(board).board.value_range();
+    *low = range.low;
+    *high = range.high;
+  });
+}
+
+gicube_status gicube_read_volume(gicube_board* board, const gicube_box* box, float* values, size_t count) {
+  return read_box(board, box, values, count, &gicube::Board::read_volume);
+}
+
+gicube_status gicube_write_volume(gicube_board* board, const gicube_box* box, const float* values, size_t count) {
+  return write_box(board, box, values, count, &gicube::Board::write_volume);
+}
+
+gicube_status gicube_verify_volume(gicube_board* board, size_t* damaged, size_t capacity, size_t* damaged_count) {
+  return call([&] {
+    checked("damaged_count", damaged_count) = 0;
+    gicube_board& handle = checked_board(board);
+    checked("damaged", damaged, capacity);
+    const std::vector<std::size_t> blocks = handle.board.verify_volume();
+    std::copy_n(blocks.begin(), std::min(capacity, blocks.size()), damaged);
+    *damaged_count = blocks.size();
+  });
+}
+
+gicube_status gicube_set_transfer_function(gicube_board* board, int32_t tag, const gicube_colour_point* colours,
+                                           size_t colour_count, const gicube_opacity_point* opacities,
+                                           size_t opacity_count) {
+  return on_board(board, [&](gicube_board& handle) {
+    checked("colours", colours, colour_count);
+    checked("opacities", opacities, opacity_count);
+    gicube::TransferFunction function;
+    for (const auto& [value, colour] : std::span(colours, colour_count)) {
+      function.colours.push_back({value, {colour[0], colour[1], colour[2]}});
+    }
+    for (const auto& [value, opacity] : std::span(opacities, opacity_count)) {
+      function.opacities.push_back({value, opacity});
+    }
+    handle.board.set_transfer_function(function, tag);
+  });
+}
+
+gicube_status gicube_set_shading(gicube_board* board, const gicube_shading* shading) {
+  return on_board(
+      board, [&](gicube_board& handle) { handle.board.set_shading(read_fields<gicube::Shading>("shading", shading)); });
+}
+
+gicube_status gicube_set_material(gicube_board* board, int32_t tag, const gicube_material* material) {
+  return on_board(board, [&](gicube_board& handle) { handle.board.set_material(to_material(material), tag); });
+}
+
+gicube_status gicube_set_scattering_routine(gicube_board* board, gicube_scattering_routine routine, void* user,
+                                            uint64_t time_per_ray_ps) {
+  return call([&] { checked_board(board).board.set_scattering_routine(to_routine(routine, user), time_per_ray_ps); });
+}
+
+gicube_status gicube_set_gradient_codebook(gicube_board* board, const double* codebook, size_t codes) {
+  return on_board(board, [&](gicube_board& handle) {
+    gicube::expect(codes <= 2048, "codes", "at most 2048", codes);
+    checked("codebook", codebook, 3 * codes);
+    std::vector<gicube::Vec3> directions;
+    for (std::size_t i = 0; i < codes; ++i) {
+      directions.push_back({codebook[3 * i], codebook[3 * i + 1], codebook[3 * i + 2]});
+    }
+    handle.board.set_gradient_codebook(directions);
+  });
+}
+
+gicube_status gicube_get_blocks(gicube_board* board, int32_t blocks[3]) {
+  return call([&] {
+    checked("blocks", blocks);
+    const gicube::Dims dims = checked_board(board).board.blocks();
+    std::copy(dims.begin(), dims.end(), blocks);
+  });
+}
+
+gicube_status gicube_set_empty_flags(gicube_board* board, const uint8_t* flags, size_t count) {
+  return on_board(board, [&](gicube_board& handle) {
+    handle.board.set_empty_flags({checked("flags", flags, count), count});
+  });
+}
+
+gicube_status gicube_get_empty_flags(gicube_board* board, uint8_t* flags, size_t count) {
+  return call([&] {
+    const std::vector<std::uint8_t> found = checked_board(board).board.empty_flags();
+    check_count("count", count, found.size());
+    checked("flags", flags, count);
+    std::copy(found.begin(), found.end(), flags);
+  });
+}
 
 gicube_status gicube_illumination_init(gicube_illumination* settings, size_t size) {
   return init<gicube::Illumination>("settings", settings, size);

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "fields.h"
+#include "call.h"
 
 namespace gicube::c_api {
 namespace {
@@ -68,13 +68,13 @@ bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_r
 
 Element to_element(const gicube_element& element, std::size_t index) {
   const std::string name = "elements[" + std::to_string(index) + "]";
-  check_reserved(name + ".reserved", element.reserved);
+  expect(element.reserved == 0, name + ".reserved", "0", element.reserved);
   return {choice(name + ".kind", element.kind, ElementKind::kBox), to_vec3(element.origin), to_vec3(element.u),
           to_vec3(element.v), to_vec3(element.w)};
 }
 
 ElementPair to_pair(const gicube_element_pair& pair, std::size_t index) {
-  check_reserved("pairs[" + std::to_string(index) + "].reserved", pair.reserved);
+  expect(pair.reserved == 0, fmt::format("pairs[{}].reserved", index), "0", pair.reserved);
   return {pair.a, pair.b, pair.id};
 }
 

@@ -1,17 +1,13 @@
 #include "encode/argument.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 
 namespace gicube {
 
 std::string number_text(double value) { return fmt::format("{}", value); }
 
 void expect_within(const std::string& field, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw BadArgument(field, fmt::format("{}..{}", low, high), number_text(value));
+  if (!(value >= low && value <= high)) throw BadArgument(field, fmt::format("{}..{}", low, high), number_text(value));
 }
 
 void expect_finite(const std::string& field, double value) {

@@ -1,7 +1,5 @@
 #include "encode/camera.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -29,52 +27,17 @@ void check_point(const std::string& field, Vec3 p) {
   expect_within(field + ".z", p.z, -kFarthest, kFarthest);
 }
 
-void check_directions(const View& view) {
-  check_point("eye", view.eye);
-  check_point("look_at", view.look_at);
-  if (view.eye == view.look_at) {
-    throw BadArgument("look_at", "a point apart from the eye", "the eye itself");
-  }
-  expect_finite("up", view.up);
-  if (!(length(cross(unit(view.look_at - view.eye), unit(view.up))) > kMinSine)) {
-    throw BadArgument("up", "a direction across the line of sight",
-                      view.up == Vec3{} ? "the zero vector" : "one along the line of sight");
-  }
-}
-
-void check_projection(const View& view) {
-  expect_within("orthographic_height", view.orthographic_height, 0, kFarthest);
-  if (view.orthographic_height == 0 && !(view.fov_degrees > 0 && view.fov_degrees < 180)) {
-    throw BadArgument("fov_degrees", "between 0 and 180, exclusive", number_text(view.fov_degrees));
-  }
-}
-
-void check_image(const View& view) {
-  expect_within("width", view.width, 1, wire::kMaxImageSize);
-  expect_within("height", view.height, 1, wire::kMaxImageSize);
-  const int samples = view.samples_per_axis;
-  if (samples != 1 && samples != 2 && samples != 4) {
-    throw BadArgument("samples_per_axis", "1, 2 or 4", fmt::format("{}", samples));
-  }
-  if (view.filter != PixelFilter::kBox && view.filter != PixelFilter::kTent) {
-    throw BadArgument("filter", "kBox or kTent", fmt::format("{}", static_cast<int>(view.filter)));
-  }
-}
-
 void check_cut_planes(const std::vector<CutPlane>& planes) {
-  if (planes.size() > wire::kMaxCutPlanes) {
-    throw BadArgument("cut_planes", fmt::format("at most {}", wire::kMaxCutPlanes), fmt::format("{}", planes.size()));
-  }
+  const std::size_t max_planes = wire::kMaxCutPlanes;
+  expect(planes.size() <= max_planes, "cut_planes", fmt::format("at most {}", max_planes), planes.size());
   for (std::size_t i = 0; i < planes.size(); ++i) {
     const std::string field = fmt::format("cut_planes[{}]", i);
     expect_finite(field + ".normal", planes[i].normal);
-    if (planes[i].normal == Vec3{}) throw BadArgument(field + ".normal", "any length but 0", "0");
+    expect(planes[i].normal != Vec3{}, field + ".normal", "any length but 0", 0);
     expect_finite(field + ".offset", planes[i].offset);
     const double distance = planes[i].offset / std::hypot(planes[i].normal.x, planes[i].normal.y, planes[i].normal.z);
-    if (!(std::abs(distance) < kOffsetLimit)) {
-      throw BadArgument(field + ".offset", fmt::format("a plane within {} voxels of the origin", kOffsetLimit),
-                        fmt::format("{} voxels", distance));
-    }
+    expect(std::abs(distance) < kOffsetLimit, field + ".offset",
+           fmt::format("a plane within {} voxels of the origin", kOffsetLimit), fmt::format("{} voxels", distance));
   }
 }
 
@@ -96,9 +59,22 @@ std::uint32_t to_register(double value, int fraction_bits) {
 }  // namespace
 
 void check(const View& view) {
-  check_directions(view);
-  check_projection(view);
-  check_image(view);
+  check_point("eye", view.eye);
+  check_point("look_at", view.look_at);
+  expect(view.eye != view.look_at, "look_at", "a point apart from the eye", "the eye itself");
+  expect_finite("up", view.up);
+  const bool is_across = length(cross(unit(view.look_at - view.eye), unit(view.up))) > kMinSine;
+  expect(is_across, "up", "a direction across the line of sight",
+         view.up == Vec3{} ? "the zero vector" : "one along the line of sight");
+  expect_within("orthographic_height", view.orthographic_height, 0, kFarthest);
+  const bool has_angle = view.orthographic_height != 0 || (view.fov_degrees > 0 && view.fov_degrees < 180);
+  expect(has_angle, "fov_degrees", "between 0 and 180, exclusive", view.fov_degrees);
+  expect_within("width", view.width, 1, wire::kMaxImageSize);
+  expect_within("height", view.height, 1, wire::kMaxImageSize);
+  const int samples = view.samples_per_axis;
+  expect(samples == 1 || samples == 2 || samples == 4, "samples_per_axis", "1, 2 or 4", samples);
+  const bool is_filter = view.filter == PixelFilter::kBox || view.filter == PixelFilter::kTent;
+  expect(is_filter, "filter", "kBox or kTent", view.filter);
   expect_within("step", view.step, kShortestStep, kLongestStep);
   expect_within("opacity_threshold", view.opacity_threshold, 0, 1);
   check_cut_planes(view.cut_planes);

@@ -1,7 +1,5 @@
 #include "encode/host_ray.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -104,17 +102,14 @@ std::uint32_t step_word(const View& view) {
 }
 
 void check(const RayRequest& request) {
-  if (request.type < RayType::kIntegrate || request.type > RayType::kBackproject) {
-    throw BadArgument("request.type", "one of RayType's", std::to_string(static_cast<int>(request.type)));
-  }
-  if (has_threshold(request.type) && !(request.opacity > 0 && request.opacity <= 1)) {
-    throw BadArgument("request.opacity", "more than 0, at most 1", number_text(request.opacity));
-  }
+  const bool is_type = request.type >= RayType::kIntegrate && request.type <= RayType::kBackproject;
+  expect(is_type, "request.type", "one of RayType's", request.type);
+  const bool is_good = !has_threshold(request.type) || (request.opacity > 0 && request.opacity <= 1);
+  expect(is_good, "request.opacity", "more than 0, at most 1", request.opacity);
   constexpr double kOne = wire::kStepOne;
   if (request.step != 0) expect_within("request.step", request.step, wire::kStepMin / kOne, wire::kStepMax / kOne);
-  if (request.words != SumWords::kIrradiance && request.words != SumWords::kSums) {
-    throw BadArgument("request.words", "one of SumWords'", std::to_string(static_cast<int>(request.words)));
-  }
+  const bool is_words = request.words == SumWords::kIrradiance || request.words == SumWords::kSums;
+  expect(is_words, "request.words", "one of SumWords'", request.words);
   if (request.type == RayType::kDeposit) expect_within("request.lifetime", request.lifetime, 0, wire::kLifetimeMax);
 }
 
@@ -131,9 +126,7 @@ void check(const HostRay& ray, std::size_t index, const RaySetup& setup) {
 }
 
 void check(const Polyline& line, std::size_t index, Dims dims) {
-  if (line.points.size() < 2) {
-    throw BadArgument(fmt::format("lines[{}].points", index), "at least 2", std::to_string(line.points.size()));
-  }
+  expect(line.points.size() >= 2, fmt::format("lines[{}].points", index), "at least 2", line.points.size());
   for (std::size_t i = 0; i < line.points.size(); ++i) {
     check_position(line.points[i], "lines", index, fmt::format("points[{}]", i).c_str(), dims);
   }

@@ -39,8 +39,7 @@ std::uint32_t opacity_word(double opacity);
 
 wire::TraceHeader trace_header(const RayRequest& request, std::size_t rays);
 
-// Position rounded to 1/16384 voxel; direction brought to unit length in voxel space, then rounded to 1/16384.
-// For a ray that passed check().
+// Position rounded to 1/16384 voxel; direction of unit length in voxel space, rounded to 1/16384. For a checked ray.
 wire::Ray to_wire(const HostRay& ray, const RaySetup& setup);
 
 // kIntegral: what one unit of the densities' sum is worth for this ray.

@@ -88,13 +88,10 @@ void expect_positive(const std::string& field, double value) {
 void check(const Material& material) {
   expect_within("material.scattering", material.scattering, 0, 1);
   expect_within("material.gloss", material.gloss, 0, 15.99);
-  if (material.bsdf < Bsdf::kNone || material.bsdf > Bsdf::kTrap) {
-    throw BadArgument("material.bsdf", "one of Bsdf", std::to_string(static_cast<int>(material.bsdf)));
-  }
+  expect(material.bsdf >= Bsdf::kNone && material.bsdf <= Bsdf::kTrap, "material.bsdf", "one of Bsdf", material.bsdf);
   expect_within("material.routine", material.routine, 0, kHostRoutine);
-  if (material.parameters.size() > wire::kMaterialParameters) {
-    throw BadArgument("material.parameters", "at most 32", std::to_string(material.parameters.size()));
-  }
+  const std::size_t count = material.parameters.size();
+  expect(count <= wire::kMaterialParameters, "material.parameters", "at most 32", count);
   for (const float value : material.parameters) expect_finite("material.parameters", value);
 }
 
@@ -104,15 +101,14 @@ void check(const Light& light, std::size_t index) {
   if (const auto* point = std::get_if<PointLight>(&light)) expect_finite(name + "position", point->position);
   if (const auto* sun = std::get_if<DirectionalLight>(&light)) {
     expect_finite(name + "towards", sun->towards);
-    if (unit(sun->towards) == Vec3{}) throw BadArgument(name + "towards", "a direction", "the zero vector");
+    expect(unit(sun->towards) != Vec3{}, name + "towards", "a direction", "the zero vector");
   }
   if (const auto* area = std::get_if<RectangleLight>(&light)) {
     expect_finite(name + "corner", area->corner);
     expect_finite(name + "edge_u", area->edge_u);
     expect_finite(name + "edge_v", area->edge_v);
-    if (length(cross(area->edge_u, area->edge_v)) < kSmallest) {
-      throw BadArgument(name + "edge_u x edge_v", "a rectangle with an area", "none");
-    }
+    const bool is_flat = length(cross(area->edge_u, area->edge_v)) < kSmallest;
+    expect(!is_flat, name + "edge_u x edge_v", "a rectangle with an area", "none");
   }
   if (const auto* sphere = std::get_if<SphereLight>(&light)) {
     expect_finite(name + "centre", sphere->centre);

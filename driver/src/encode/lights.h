@@ -23,8 +23,7 @@ struct LitBox {
   Vec3 spacing;  // relative voxel edges
 };
 
-// At most what a ray of this light carries, and what all its rays bring to a voxel of the nearest face, in units of the
-// light's power.
+// The most that a ray of a light carries, and that all bring to a voxel of the nearest face, in units of its power.
 struct RayEnergy {
   double ray = 0;
   double voxel = 0;

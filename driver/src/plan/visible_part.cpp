@@ -4,8 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "encode/look_up_tables.h"
 #include "encode/volume/samples.h"
-#include "encode/volume/segmentation_lut.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/level_of_detail.h"
 

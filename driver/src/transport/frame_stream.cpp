@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/post.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
@@ -21,28 +20,17 @@ constexpr std::chrono::seconds kLastWords{1};
 
 constexpr const char* kMiddle = "the connection ended in the middle of a frame";
 
-int address_family(int fd) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  if (::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) return AF_UNIX;
-  return address.ss_family;
-}
-
 }  // namespace
 
 FrameStream::FrameStream(Fd socket, FrameSink& sink, FrameTap tap) : sink_(sink), tap_(std::move(tap)) {
-  socket_.assign(boost::asio::generic::stream_protocol(address_family(socket.get()), 0), socket.get());
+  // The family is for sockets that are to be opened or bound: this one is connected.
+  socket_.assign(boost::asio::generic::stream_protocol(AF_UNIX, 0), socket.get());
   socket.release();
 }
 
 FrameStream::~FrameStream() {
   close({"closed", Loss::kClosed});
   if (thread_.joinable()) thread_.join();
-}
-
-void FrameStream::start() {
-  boost::asio::post(io_, [this] { read_header(); });
-  thread_ = std::thread([this] { run(); });
 }
 
 void FrameStream::run() {
@@ -69,10 +57,6 @@ void FrameStream::send(wire::FrameHeader header, wire::Payload payload) {
     writing_ = true;
   }
   boost::asio::post(io_, [this] { write_queued(); });
-}
-
-void FrameStream::close(const StreamFault& reason) {
-  boost::asio::post(io_, [this, reason] { end(reason); });
 }
 
 void FrameStream::read_header() {

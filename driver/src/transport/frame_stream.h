@@ -1,5 +1,4 @@
-// Whole, undamaged frames over one stream socket, on a thread of its own: it reads while it writes, so a peer that is slow
-// to read never keeps frames from coming in.
+// Whole, undamaged frames over one stream socket, on a thread of its own, which reads while it writes.
 #pragma once
 
 #include <array>
@@ -14,6 +13,7 @@
 
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "fd.h"
@@ -46,6 +46,12 @@ class FrameSink {
 using FrameTap = std::function<void(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
                                     std::span<const std::uint8_t> payload)>;
 
+// A tap that writes every frame to a file (docs/guide/capture.md). For session `number` of a board, from 0: to `file`, session
+// i > 0 to FILE.i. If `file` is empty, to what the environment variable GICUBE_CAPTURE names: the first session of this process to
+// that file, the next ones to FILE.1, FILE.2; without it, to none: an empty tap. The file ends with the last copy of the tap,
+// or where the disk is full: the session goes on. Throws OpenFailed that names the file.
+FrameTap capture_session(const std::string& file, unsigned number);
+
 class FrameStream {
  public:
   FrameStream(Fd socket, FrameSink& sink, FrameTap tap = {});
@@ -56,14 +62,18 @@ class FrameStream {
   FrameStream& operator=(const FrameStream&) = delete;
 
   // Reports begin. Once.
-  void start();
+  void start() {
+    boost::asio::post(io_, [this] { read_header(); });
+    thread_ = std::thread([this] { run(); });
+  }
 
-  // Queues a frame; `size` and `checksum` are set. Any thread, never blocks. What is queued is bounded by the caller's
-  // credits.
+  // Queues a frame; `size` and `checksum` are set. Any thread, never blocks: the caller's credits bound what is queued.
   void send(wire::FrameHeader header, wire::Payload payload);
 
   // Any thread.
-  void close(const StreamFault& reason);
+  void close(const StreamFault& reason) {
+    boost::asio::post(io_, [this, reason] { end(reason); });
+  }
 
  private:
   struct Outgoing {

@@ -64,23 +64,6 @@ std::optional<fs::path> programs_of_this_library() {
   return (library.parent_path() / GICUBE_LIBRARIES_TO_PROGRAMS).lexically_normal();
 }
 
-// posix_spawn's two parameter objects, with their ends.
-struct SpawnPlan {
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-
-  SpawnPlan() {
-    posix_spawn_file_actions_init(&files);
-    posix_spawnattr_init(&attributes);
-  }
-  ~SpawnPlan() {
-    posix_spawn_file_actions_destroy(&files);
-    posix_spawnattr_destroy(&attributes);
-  }
-  SpawnPlan(const SpawnPlan&) = delete;
-  SpawnPlan& operator=(const SpawnPlan&) = delete;
-};
-
 }  // namespace
 
 const char* named_board_program() {
@@ -134,23 +117,26 @@ ChildProcess::ChildProcess(const std::string& program, const std::vector<std::st
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
 
-  SpawnPlan plan;
-  posix_spawn_file_actions_addopen(&plan.files, 0, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&plan.files, 1, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&plan.files, stderr_.get(), 2);
-  posix_spawn_file_actions_adddup2(&plan.files, child_end.get(), 3);
-  posix_spawn_file_actions_addclosefrom_np(&plan.files, 4);
-  // Its own process group: Ctrl-C is the application's to handle, the board ends with the session. What the
-  // application ignores or blocks is not the board's affair either.
-  sigset_t all;
-  sigset_t none;
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, stderr_.get(), 2);
+  posix_spawn_file_actions_adddup2(&files, child_end.get(), 3);
+  posix_spawn_file_actions_addclosefrom_np(&files, 4);
+  // Its own process group: Ctrl-C is the application's to handle. What that ignores or blocks is not the board's affair.
+  sigset_t all, none;
   sigfillset(&all);
   sigemptyset(&none);
-  posix_spawnattr_setpgroup(&plan.attributes, 0);
-  posix_spawnattr_setsigdefault(&plan.attributes, &all);
-  posix_spawnattr_setsigmask(&plan.attributes, &none);
-  posix_spawnattr_setflags(&plan.attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
-  const int error = ::posix_spawn(&pid_, program.c_str(), &plan.files, &plan.attributes, argv.data(), environ);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+  const int error = ::posix_spawn(&pid_, program.c_str(), &files, &attributes, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
   if (error != 0) {
     pid_ = -1;
     throw spawn_error(program, error);

@@ -1,5 +1,7 @@
 #include "link.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -32,16 +34,6 @@ void Link::refuse_to_open() {
   throw OpenFailed("no GI-Cube board answered: " + broken_.text);
 }
 
-void Link::check() {
-  Lock lock(mutex_);
-  if (phase_ == Phase::kBroken) recover_or_throw(lock);
-}
-
-bool Link::is_broken() const {
-  const std::lock_guard lock(mutex_);
-  return phase_ == Phase::kBroken;
-}
-
 bool Link::resume() {
   Lock lock(mutex_);
   changed_.wait(lock, [this] { return phase_ != Phase::kHandshake; });
@@ -68,10 +60,6 @@ void Link::post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uin
   Lock lock(mutex_);
   const wire::FrameHeader header = next_header(lock, type, wire::kPosted, now_ps, payload.size());
   send_with_credit(header, wire::share(std::move(payload)));
-}
-
-Response Link::request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
-  return exchange(type, now_ps, std::move(payload), 0, {});
 }
 
 std::uint32_t Link::command(std::uint64_t now_ps, wire::Payload payload) {
@@ -119,22 +107,20 @@ Response Link::exchange(wire::FrameType type, std::uint64_t now_ps, std::vector<
   pending.watched_ticket = watched_ticket;
   send_with_credit(header, wire::share(std::move(payload)));
   await_response(lock, header.id, on_progress);
-
-  const auto command = commands_.find(watched_ticket);
-  if (pending.error != wire::ErrorCode::kNone && command != commands_.end() && command->second.result) {
-    // An earlier wait for it, whose call the loss of the connection ended, has brought the result already.
-    pending.error = wire::ErrorCode::kNone;
-    pending.response->time_ps = std::max(pending.response->time_ps, command->second.result->time_ps);
-  }
-  const wire::ErrorCode error = pending.error;
   Response response = std::move(*pending.response);
   pending_.erase(header.id);
-  response.error = error;
-  if (error == wire::ErrorCode::kNone || error == wire::ErrorCode::kDeadline) return response;
+
+  const auto command = commands_.find(watched_ticket);
+  if (response.error != wire::ErrorCode::kNone && command != commands_.end() && command->second.result) {
+    // An earlier wait for it, whose call the loss of the connection ended, has brought the result already.
+    response.error = wire::ErrorCode::kNone;
+    response.time_ps = std::max(response.time_ps, command->second.result->time_ps);
+  }
+  if (response.error == wire::ErrorCode::kNone || response.error == wire::ErrorCode::kDeadline) return response;
   const std::string text = error_text(response.payload);
-  if (ends_session(error)) break_off({text, cause_of(error)});
+  if (ends_session(response.error)) break_off({text, cause_of(response.error)});
   lock.unlock();
-  throw_error(error, text);
+  throw_error(response.error, text);
 }
 
 void Link::await_response(Lock& lock, std::uint32_t id, const OnProgress& on_progress) {
@@ -168,8 +154,8 @@ void Link::await_response(Lock& lock, std::uint32_t id, const OnProgress& on_pro
 wire::FrameHeader Link::next_header(Lock& lock, wire::FrameType type, std::uint16_t flags, std::uint64_t now_ps,
                                     std::size_t payload) {
   if (payload > agreed_.max_payload_bytes) {
-    throw BadArgument("payload", "at most " + std::to_string(agreed_.max_payload_bytes) + " bytes",
-                      std::to_string(payload));
+    throw BadArgument("payload", fmt::format("at most {} bytes", agreed_.max_payload_bytes),
+                      fmt::format("{}", payload));
   }
   await(lock, [this, payload] { return phase_ == Phase::kOpen && window_.can_send(payload); });
   do {
@@ -197,7 +183,7 @@ void Link::await(Lock& lock, const auto& ready) {
     const auto probe = std::max(begin, last_frame_) + options_.probe;
     const auto deadline = std::max(begin, last_heard_) + options_.watchdog;
     if (options_.watchdog.count() != 0 && now >= deadline) {
-      const std::string text = "no answer of the board within " + std::to_string(options_.watchdog.count()) + " ms";
+      const std::string text = fmt::format("no answer of the board within {} ms", options_.watchdog.count());
       break_off({text, Loss::kTimedOut});
       if (!can_recover()) throw TimedOut(text);
       recover_or_throw(lock);
@@ -228,9 +214,5 @@ void Link::send_with_credit(const wire::FrameHeader& header, wire::Payload paylo
   window_.put_credit(frame.header);
   stream_->send(frame.header, std::move(frame.payload));
 }
-
-void Link::send_credit(std::uint16_t flags) { stream_->send(window_.credit_frame(flags), wire::no_payload()); }
-
-void Link::throw_broken() const { throw DeviceLost("the board is lost: " + broken_.text, broken_.cause); }
 
 }  // namespace gicube

@@ -1,9 +1,8 @@
 // The driver's end of the data plane: handshake, credits, requests with their responses, commands with their completions.
 //
 // A Link may be used from several threads. Each call stands in the stream in the order in which it got its credit.
-// What was sent is kept until its credit has come back: if the connection breaks, the session can be resumed over another
-// one, and each side sends again what the other has not taken. Until then, if the link may not resume by itself, every
-// waiting and every later call throws DeviceLost with the reason.
+// If the connection breaks, the session can be resumed over another one (reliable_window.h). Until then, if the link may not
+// resume by itself, every waiting and every later call throws DeviceLost with the reason.
 #pragma once
 
 #include <chrono>
@@ -44,16 +43,11 @@ struct LinkOptions {
 };
 
 struct Response {
-  wire::ErrorCode error = wire::ErrorCode::kNone;  // kDeadline, or else thrown
-  std::uint64_t time_ps = 0;
-  std::vector<std::uint8_t> payload;
-};
-
-struct CommandResult {
-  wire::ErrorCode error = wire::ErrorCode::kNone;
+  wire::ErrorCode error = wire::ErrorCode::kNone;  // of a request: kDeadline, or else thrown
   std::uint64_t time_ps = 0;
   std::vector<std::uint8_t> payload;  // with an error: its text
 };
+using CommandResult = Response;
 
 // The board's error replies as the driver's typed errors.
 
@@ -73,8 +67,7 @@ class Link : private FrameSink {
  public:
   using OnProgress = std::function<void(std::uint32_t done, std::uint32_t all)>;
 
-  // Takes a connected stream socket and agrees on a version.
-  // Throws OpenFailed (no board there), BoardBusy, VersionMismatch, TimedOut.
+  // Takes a connected stream socket. Throws OpenFailed (no board there), BoardBusy, VersionMismatch, TimedOut.
   Link(Fd socket, const LinkOptions& options);
   // Says goodbye: the board is free at once.
   ~Link();
@@ -83,9 +76,15 @@ class Link : private FrameSink {
   const wire::VersionInfo& agreed() const { return agreed_; }
 
   // Throws DeviceLost if the link is broken and can't resume by itself.
-  void check();
+  void check() {
+    Lock lock(mutex_);
+    if (phase_ == Phase::kBroken) recover_or_throw(lock);
+  }
 
-  bool is_broken() const;
+  bool is_broken() const {
+    const std::lock_guard lock(mutex_);
+    return phase_ == Phase::kBroken;
+  }
   // After DeviceLost or TimedOut: goes on with the session over a new connection, had by LinkOptions::reconnect. False:
   // the board has it no more, or there is none to resume. Throws what `reconnect` does, DeviceLost, TimedOut.
   bool resume();
@@ -93,19 +92,19 @@ class Link : private FrameSink {
   // Ends the session: the board said something that it can't have meant. Throws DeviceLost with the reason.
   [[noreturn]] void give_up(const std::string& reason);
 
-  // Sends a frame that has no response. Waits for credit. Throws DeviceLost, TimedOut, and BadArgument if the payload
-  // is beyond the agreed limit.
+  // Sends a frame that has no response. Waits for credit. Throws DeviceLost, TimedOut, BadArgument (a payload too large).
   void post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload);
 
   // Sends a request and waits for its response. Throws as post(), and what the board's error reply stands for.
-  Response request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload);
+  Response request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
+    return exchange(type, now_ps, std::move(payload), 0, {});
+  }
 
   // Posts a DSP command; its result is kept until it is taken or forgotten. Returns the ticket, which is never 0.
   std::uint32_t command(std::uint64_t now_ps, wire::Payload payload);
 
   // Waits until the command has completed on the board, or simulated time has come to `deadline` (kNoDeadline: none): the
-  // response's error says which. `on_progress` is called on this thread, with no lock held; what
-  // it throws leaves this call and the command goes on.
+  // response's error says which. What `on_progress` throws, on this thread, leaves this call; the command goes on.
   Response wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds deadline, const OnProgress& on_progress);
 
   // The result of a command, once; nothing while it has not come.
@@ -123,7 +122,6 @@ class Link : private FrameSink {
     std::optional<std::pair<std::uint32_t, std::uint32_t>> progress;
     bool abandoned = false;
     std::optional<Response> response;
-    wire::ErrorCode error = wire::ErrorCode::kNone;
   };
 
   struct Command {
@@ -154,11 +152,17 @@ class Link : private FrameSink {
                                 std::size_t payload);
   void await(Lock& lock, const auto& ready);
   void send_with_credit(const wire::FrameHeader& header, wire::Payload payload);
-  void send_credit(std::uint16_t flags);
-  bool can_recover() const;
+  void send_credit(std::uint16_t flags) { stream_->send(window_.credit_frame(flags), wire::no_payload()); }
+  bool can_recover() const {
+    const bool may_come_back = broken_.cause != Loss::kTakenOver && broken_.cause != Loss::kEnded;
+    return may_come_back && session_ != 0 && options_.reconnect && attempts_ < options_.reopen_attempts;
+  }
   void recover(Lock& lock);
-  void recover_or_throw(Lock& lock);
-  [[noreturn]] void throw_broken() const;
+  void recover_or_throw(Lock& lock) {
+    recover(lock);
+    if (phase_ == Phase::kBroken) throw_broken();
+  }
+  [[noreturn]] void throw_broken() const { throw DeviceLost("the board is lost: " + broken_.text, broken_.cause); }
   void break_off(const StreamFault& reason);
 
   const LinkOptions options_;

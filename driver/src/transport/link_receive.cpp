@@ -1,17 +1,16 @@
 // The receiving half of Link, which runs on the stream's thread, and the board's error replies as the driver's typed errors.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "link.h"
 
 namespace gicube {
-namespace {
-
-constexpr std::size_t kLongestText = 4000;  // chosen: a configuration's faults, all of them, and no flood
-
-}  // namespace
 
 std::string error_text(std::span<const std::uint8_t> payload) {
+  constexpr std::size_t kLongestText = 4000;  // chosen: a configuration's faults, all of them, and no flood
   std::string text;
   for (const std::uint8_t byte : payload.first(std::min(payload.size(), kLongestText))) {
     const bool control = (byte < 0x20 && byte != '\n') || byte == 0x7F;
@@ -21,15 +20,9 @@ std::string error_text(std::span<const std::uint8_t> payload) {
 }
 
 bool ends_session(wire::ErrorCode code) {
-  switch (code) {
-    case wire::ErrorCode::kProtocol:
-    case wire::ErrorCode::kVersion:
-    case wire::ErrorCode::kTooLarge:
-    case wire::ErrorCode::kBusy:
-    case wire::ErrorCode::kCancelled:
-    case wire::ErrorCode::kTaken: return true;
-    default: return false;
-  }
+  using enum wire::ErrorCode;
+  constexpr std::array kLastWords{kProtocol, kVersion, kTooLarge, kBusy, kCancelled, kTaken};
+  return std::ranges::find(kLastWords, code) != kLastWords.end();
 }
 
 Loss cause_of(wire::ErrorCode last_word) {
@@ -61,14 +54,13 @@ StreamFault Link::check_header(const wire::FrameHeader& header) {
   const std::lock_guard lock(mutex_);
   if (deaf_) return {"closed", Loss::kClosed};
   if (phase_ == Phase::kOpen && header.size > agreed_.max_payload_bytes) {
-    return {"the board announced " + std::to_string(header.size) + " payload bytes, agreed were at most " +
-                std::to_string(agreed_.max_payload_bytes),
+    return {fmt::format("the board announced {} payload bytes, agreed were at most {}", header.size,
+                        agreed_.max_payload_bytes),
             Loss::kCorrupted};
   }
   if (phase_ == Phase::kHandshake && header.size > wire::kMaxHandshakePayload) {
-    return {"the peer announced a handshake of " + std::to_string(header.size) + " bytes, at most " +
-                std::to_string(wire::kMaxHandshakePayload) + " are allowed",
-            Loss::kEnded};
+    return {fmt::format("the peer announced a handshake of {} bytes, at most {} are allowed", header.size,
+                        wire::kMaxHandshakePayload)};
   }
   return {};
 }
@@ -92,10 +84,8 @@ StreamFault Link::check_frame(const wire::FrameHeader& header) {
                           pending->second.type == header.type && !pending->second.response;
     if (!expected) return {"the board answered a request that was not made, id " + id};
   }
-  if (!wire::is_free(header.type) && !window_.accept(header.size)) {
-    return {"the board sent more than it had credit for"};
-  }
-  return {};
+  const bool fits = wire::is_free(header.type) || window_.accept(header.size);
+  return fits ? StreamFault{} : StreamFault{"the board sent more than it had credit for"};
 }
 
 StreamFault Link::take_frame(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) {
@@ -108,8 +98,7 @@ StreamFault Link::take_frame(const wire::FrameHeader& header, std::vector<std::u
   const auto arrival = window_.arrival(header);
   if (arrival == wire::ReliableWindow::Arrival::kGap) {
     const std::uint32_t number = header.type == wire::FrameType::kCredit ? header.id : header.sequence;
-    return {"frames of the board are missing: expected number " + std::to_string(window_.taken() + 1) + ", got " +
-                std::to_string(number),
+    return {fmt::format("frames of the board are missing: expected number {}, got {}", window_.taken() + 1, number),
             Loss::kCorrupted};
   }
   if (arrival == wire::ReliableWindow::Arrival::kAgain) return {};
@@ -136,10 +125,9 @@ void Link::take_response(const wire::FrameHeader& header, std::vector<std::uint8
   const auto pending = pending_.find(header.id);
   if (pending->second.abandoned) {
     pending_.erase(pending);
-    return;
+  } else {
+    pending->second.response = Response{header.error, header.time_ps, std::move(payload)};
   }
-  pending->second.error = header.error;
-  pending->second.response = Response{header.error, header.time_ps, std::move(payload)};
 }
 
 void Link::take_completion(const wire::FrameHeader& header, std::vector<std::uint8_t> payload) {
@@ -147,9 +135,9 @@ void Link::take_completion(const wire::FrameHeader& header, std::vector<std::uin
   if (command == commands_.end()) return;
   if (command->second.forgotten) {
     commands_.erase(command);
-    return;
+  } else {
+    command->second.result = CommandResult{header.error, header.time_ps, std::move(payload)};
   }
-  command->second.result = CommandResult{header.error, header.time_ps, std::move(payload)};
 }
 
 void Link::take_progress(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {

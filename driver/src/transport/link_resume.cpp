@@ -1,4 +1,6 @@
 // Link's handshakes: with a new session, and with one that goes on over another connection.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <thread>
 #include <utility>
@@ -43,7 +45,7 @@ void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
     if (limit.count() == 0) {
       changed_.wait(lock);
     } else if (changed_.wait_until(lock, deadline) == std::cv_status::timeout && phase_ == Phase::kHandshake) {
-      break_off({"no answer of the board within " + std::to_string(limit.count()) + " ms", Loss::kTimedOut});
+      break_off({fmt::format("no answer of the board within {} ms", limit.count()), Loss::kTimedOut});
     }
   }
   if (refusal_ == wire::ErrorCode::kNoSession) session_ = 0;
@@ -52,28 +54,24 @@ void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
 
 StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {
   if (header.type != wire::FrameType::kVersion || (header.flags & wire::kResponse) == 0) {
-    return {"the peer answered the handshake with a frame of another type", Loss::kEnded};
+    return {"the peer answered the handshake with a frame of another type"};
   }
   if (header.error != wire::ErrorCode::kNone) {
     refusal_ = header.error;
     return {error_text(payload), cause_of(header.error)};
   }
   if (payload.size() < wire::kVersionBytes) {
-    return {"the peer's version is cut short, " + std::to_string(payload.size()) + " bytes", Loss::kEnded};
+    return {fmt::format("the peer's version is cut short, {} bytes", payload.size())};
   }
   const auto theirs = wire::decode<wire::VersionInfo>(payload);
   const auto agreed = wire::agree(options_.mine, theirs);
   if (theirs.major != options_.mine.major) {
     refusal_ = wire::ErrorCode::kVersion;
-    return {
-        "major version " + std::to_string(theirs.major) + ", this driver's is " + std::to_string(options_.mine.major),
-        Loss::kEnded};
+    return {fmt::format("major version {}, this driver's is {}", theirs.major, options_.mine.major)};
   }
-  if (!agreed) return {"the board's limits leave no room for a frame", Loss::kEnded};
+  if (!agreed) return {"the board's limits leave no room for a frame"};
   // Credit that we hold back, less than half the window, must never keep the board from its largest frame.
-  if (options_.mine.window_bytes / 2 < agreed->max_payload_bytes) {
-    return {"the driver's window is too small", Loss::kEnded};
-  }
+  if (options_.mine.window_bytes / 2 < agreed->max_payload_bytes) return {"the driver's window is too small"};
   if (session_ != 0) return take_up_session(theirs);
   agreed_ = *agreed;
   session_ = theirs.session;
@@ -87,7 +85,7 @@ StreamFault Link::take_version(const wire::FrameHeader& header, std::span<const 
 StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
   if (theirs.session != session_ || !window_.fits(theirs)) {
     session_ = 0;
-    return {"the board does not know where the session stood", Loss::kEnded};
+    return {"the board does not know where the session stood"};
   }
   if (wire::sequence_step(known_taken_, theirs.taken) > 0) attempts_ = 0;
   known_taken_ = theirs.taken;
@@ -96,17 +94,6 @@ StreamFault Link::take_up_session(const wire::VersionInfo& theirs) {
   });
   phase_ = Phase::kOpen;
   return {};
-}
-
-bool Link::can_recover() const {
-  const bool may_come_back =
-      broken_.cause == Loss::kClosed || broken_.cause == Loss::kCorrupted || broken_.cause == Loss::kTimedOut;
-  return may_come_back && session_ != 0 && options_.reconnect && attempts_ < options_.reopen_attempts;
-}
-
-void Link::recover_or_throw(Lock& lock) {
-  recover(lock);
-  if (phase_ == Phase::kBroken) throw_broken();
 }
 
 // Resumes the session, as often as it may be tried. Other callers wait meanwhile.

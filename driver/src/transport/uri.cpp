@@ -1,5 +1,7 @@
 #include "uri.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <initializer_list>
 #include <optional>
@@ -26,37 +28,29 @@ constexpr unsigned kMaxThreads = 1024;  // chosen: beyond any machine, so a slip
 
 std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
 
-std::optional<unsigned> hex_digit(char c) {
-  if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
-  if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
-  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
-  return std::nullopt;
+template <typename Number>
+std::optional<Number> parse_number(std::string_view text, int base = 10) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
 }
 
 std::string percent_decode(std::string_view text, const std::string& field) {
   std::string decoded;
   for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '\0') throw BadArgument(field, "text without zero bytes", "one at " + std::to_string(i));
     if (text[i] != '%') {
-      if (text[i] == '\0') throw BadArgument(field, "text without zero bytes", "one at " + std::to_string(i));
       decoded += text[i];
       continue;
     }
-    const auto high = i + 2 < text.size() ? hex_digit(text[i + 1]) : std::nullopt;
-    const auto low = i + 2 < text.size() ? hex_digit(text[i + 2]) : std::nullopt;
-    if (!high || !low) throw BadArgument(field, "two hexadecimal digits after each %", in_quotes(text));
-    if (*high == 0 && *low == 0) throw BadArgument(field, "no %00", in_quotes(text));
-    decoded += static_cast<char>(*high * 16 + *low);
+    const auto byte = i + 2 < text.size() ? parse_number<std::uint8_t>(text.substr(i + 1, 2), 16) : std::nullopt;
+    if (!byte) throw BadArgument(field, "two hexadecimal digits after each %", in_quotes(text));
+    if (*byte == 0) throw BadArgument(field, "no %00", in_quotes(text));
+    decoded += static_cast<char>(*byte);
     i += 2;
   }
   return decoded;
-}
-
-template <typename Number>
-std::optional<Number> parse_number(std::string_view text) {
-  Number value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
 }
 
 void check_choice(const std::string& field, std::string_view value, std::initializer_list<std::string_view> choices) {
@@ -66,22 +60,6 @@ void check_choice(const std::string& field, std::string_view value, std::initial
     expected += (expected.empty() ? "" : ", ") + std::string(choice);
   }
   throw BadArgument(field, "one of " + expected, in_quotes(value));
-}
-
-unsigned parse_threads(const std::string& value) {
-  const auto threads = parse_number<unsigned>(value);
-  if (!threads || *threads > kMaxThreads) {
-    throw BadArgument("URI option threads", "a number from 0 to " + std::to_string(kMaxThreads), in_quotes(value));
-  }
-  return *threads;
-}
-
-// "path.to.field=value"; which fields there are is the board's to say.
-void check_set(const std::string& value) {
-  const std::size_t equals = value.find('=');
-  if (equals == 0 || equals == std::string::npos || equals + 1 == value.size()) {
-    throw BadArgument("URI option set", "path.to.field=value", in_quotes(value));
-  }
 }
 
 void take_option(const std::string& name, const std::string& value, Uri& uri) {
@@ -102,10 +80,14 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
     return;
   }
   if (name == "threads") {
-    uri.threads = parse_threads(value);
-    pass_on("--set", "threads=" + std::to_string(uri.threads));
-  } else if (name == "set") {
-    check_set(value);
+    uri.threads = parse_number<unsigned>(value).value_or(kMaxThreads + 1);
+    if (uri.threads > kMaxThreads)
+      throw BadArgument(field, fmt::format("a number from 0 to {}", kMaxThreads), in_quotes(value));
+    pass_on("--set", fmt::format("threads={}", uri.threads));
+  } else if (name == "set") {  // which fields there are is the board's to say
+    const std::size_t equals = value.find('=');
+    const bool is_whole = equals != 0 && equals != std::string::npos && equals + 1 != value.size();
+    if (!is_whole) throw BadArgument(field, "path.to.field=value", in_quotes(value));
     pass_on("--set", value);
   } else {
     throw BadArgument("URI option",

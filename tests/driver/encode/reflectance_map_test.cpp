@@ -1,4 +1,4 @@
-#include "encode/reflectance_map.h"
+#include "encode/look_up_tables.h"
 
 #include <gtest/gtest.h>
 

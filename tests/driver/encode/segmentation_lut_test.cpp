@@ -1,4 +1,4 @@
-#include "encode/volume/segmentation_lut.h"
+#include "encode/look_up_tables.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "encode/volume/segmentation_lut.h"
+#include "encode/look_up_tables.h"
 #include "refusal.h"
 
 namespace gicube {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "encode/reflectance_map.h"
+#include "encode/look_up_tables.h"
 #include "gicube/wire/lut.h"
 
 namespace gicube::reference {

@@ -1,7 +1,5 @@
 #include "encode/volume/gradient_codebook.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -49,19 +47,14 @@ Vec3 decode(const wire::GradientEntry& entry) {
 }
 
 void check_directions(std::span<const Vec3> directions) {
-  if (directions.empty() || directions.size() > wire::kGradientCodes) {
-    throw BadArgument("codebook", fmt::format("1..{} entries", wire::kGradientCodes),
-                      fmt::format("{}", directions.size()));
-  }
-  if (directions[0] != Vec3{}) {
-    const Vec3 v = directions[0];
-    throw BadArgument("codebook[0]", "the zero vector", fmt::format("({}, {}, {})", v.x, v.y, v.z));
-  }
+  const bool is_sized = !directions.empty() && directions.size() <= wire::kGradientCodes;
+  expect(is_sized, "codebook", fmt::format("1..{} entries", wire::kGradientCodes), directions.size());
+  const Vec3 v = directions[0];
+  expect(v == Vec3{}, "codebook[0]", "the zero vector", fmt::format("({}, {}, {})", v.x, v.y, v.z));
   for (std::size_t i = 1; i < directions.size(); ++i) {
     const double size = length(directions[i]);
-    if (!(std::abs(size - 1) <= kUnitTolerance)) {
-      throw BadArgument(fmt::format("codebook[{}]", i), "a unit vector", fmt::format("one of length {}", size));
-    }
+    const bool is_unit = std::abs(size - 1) <= kUnitTolerance;
+    expect(is_unit, fmt::format("codebook[{}]", i), "a unit vector", fmt::format("one of length {}", size));
   }
 }
 
@@ -111,9 +104,7 @@ struct GradientCodebook::Cell {
   }
 };
 
-GradientCodebook GradientCodebook::latitude_rings() {
-  return GradientCodebook(std::span<const Vec3>(ring_directions()));
-}
+GradientCodebook::GradientCodebook() : GradientCodebook(std::span<const Vec3>(ring_directions())) {}
 
 GradientCodebook::GradientCodebook(std::span<const Vec3> directions) : entries_(wire::kGradientCodes) {
   check_directions(directions);

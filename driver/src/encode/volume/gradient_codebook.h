@@ -11,22 +11,16 @@
 
 namespace gicube {
 
-// Code 0 is "no gradient"; the others decode to what the board's LUT holds: 3 x 10 bits. Immutable, so any number of
-// threads may look codes up in one codebook.
+// Code 0 is "no gradient"; the others decode to what the board's LUT holds: 3 x 10 bits. Any number of threads may use it.
 class GradientCodebook {
  public:
-  GradientCodebook() : GradientCodebook(latitude_rings()) {}
-
-  // The default: 40 latitude rings with 2,038 codes (docs/reference/hardware.md).
-  static GradientCodebook latitude_rings();
-
-  // At most 2048 directions; [0] is the zero vector and the others are unit vectors to 1e-3. Throws BadArgument naming
-  // the entry.
+  // 40 latitude rings with 2,038 codes (docs/reference/hardware.md).
+  GradientCodebook();
+  // 1..2048 directions; [0] is the zero vector, the others are unit vectors to 1e-3. Throws BadArgument naming the entry.
   explicit GradientCodebook(std::span<const Vec3> directions);
 
-  // The code whose decoded direction (10 bits a component, brought back to unit length) is at the smallest angle to
-  // `direction`, which may have any length; of equal ones the lowest. 0 for the zero vector, for one that is not
-  // finite, and from a codebook without directions.
+  // The code whose decoded direction (10 bits a component, brought back to unit length) is at the smallest angle to `direction`,
+  // of any length; of equal ones the lowest. 0 for the zero vector, one that is not finite, and without directions.
   std::uint16_t nearest(Vec3 direction) const;
 
   // The LUT's 2048 words; codes that stand for nothing are zero.

@@ -1,11 +1,11 @@
 #include "encode/volume/samples.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 
 #include "encode/argument.h"
 #include "gicube/wire/registers.h"
@@ -17,16 +17,7 @@ namespace {
 constexpr unsigned kSpacingRatio = wire::kSpacingMax / wire::kSpacingOne;
 constexpr double kLargest = 1e300;  // chosen: 4095 times any difference is still finite
 
-const char* type_name(SampleType type) {
-  switch (type) {
-    case SampleType::kUint8: return "uint8";
-    case SampleType::kUint12: return "uint12";
-    case SampleType::kUint16: return "uint16";
-    case SampleType::kInt16: return "int16";
-    case SampleType::kFloat32: return "float32";
-  }
-  return nullptr;
-}
+constexpr std::array kTypeNames{"uint8", "uint12", "uint16", "int16", "float32"};  // by SampleType
 
 std::string at_voxel(const char* field, std::size_t index, Dims dims) {
   const auto nx = static_cast<std::size_t>(dims[0]), ny = static_cast<std::size_t>(dims[1]);
@@ -37,48 +28,27 @@ void check_sizes(const VolumeView& view, int max_volume_voxels) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     expect_within(fmt::format("dims[{}]", axis), view.dims[axis], 2, max_volume_voxels);
   }
-  if (type_name(view.type) == nullptr) {
-    throw BadArgument("type", "a SampleType", fmt::format("{}", static_cast<int>(view.type)));
-  }
+  const auto number = static_cast<std::size_t>(view.type);
+  expect(number < kTypeNames.size(), "type", "a SampleType", view.type);
+  const char* const type = kTypeNames[number];
   const std::size_t count = voxel_count(view.dims), bytes = count * bytes_per_sample(view.type);
-  if (view.samples.size() != bytes) {
-    throw BadArgument("samples",
-                      fmt::format("{} bytes ({} x {} x {} of {})", bytes, view.dims[0], view.dims[1], view.dims[2],
-                                  type_name(view.type)),
-                      fmt::format("{}", view.samples.size()));
-  }
-  if (!view.gradients.empty() && view.gradients.size() != 3 * count) {
-    throw BadArgument("gradients", fmt::format("none or {} floats, 3 a voxel", 3 * count),
-                      fmt::format("{}", view.gradients.size()));
-  }
-  if (!view.tags.empty() && view.tags.size() != count) {
-    throw BadArgument("tags", fmt::format("none or {}, one a voxel", count), fmt::format("{}", view.tags.size()));
-  }
+  const auto [x, y, z] = view.dims;
+  const std::size_t samples = view.samples.size(), gradients = view.gradients.size(), tags = view.tags.size();
+  expect(samples == bytes, "samples", fmt::format("{} bytes ({} x {} x {} of {})", bytes, x, y, z, type), samples);
+  expect(gradients == 0 || gradients == 3 * count, "gradients", fmt::format("none or {} floats, 3 a voxel", 3 * count),
+         gradients);
+  expect(tags == 0 || tags == count, "tags", fmt::format("none or {}, one a voxel", count), tags);
 }
 
 void check_spacing(Vec3 spacing) {
-  struct Axis {
-    const char* field;
-    double edge;
-  };
-  const std::array<Axis, 3> axes{Axis{"spacing.x", spacing.x}, {"spacing.y", spacing.y}, {"spacing.z", spacing.z}};
+  const std::map<std::string, double> axes{
+      {"spacing.x", spacing.x}, {"spacing.y", spacing.y}, {"spacing.z", spacing.z}};
   for (const auto& [field, edge] : axes) {
-    if (!(edge > 0) || !std::isfinite(edge)) throw BadArgument(field, "a finite length above 0", number_text(edge));
+    expect(edge > 0 && std::isfinite(edge), field, "a finite length above 0", edge);
   }
   const double smallest = std::min({spacing.x, spacing.y, spacing.z});
-  for (const auto& [field, edge] : axes) {
-    if (edge / smallest <= kSpacingRatio) continue;
-    throw BadArgument(field, fmt::format("at most {} times the smallest edge {}", kSpacingRatio, smallest),
-                      number_text(edge));
-  }
-}
-
-void check_range(ValueRange range) {
-  expect_within("range.low", range.low, -kLargest, kLargest);
-  expect_within("range.high", range.high, -kLargest, kLargest);
-  if (!(range.low < range.high)) {
-    throw BadArgument("range.high", fmt::format("above range.low, {}", range.low), number_text(range.high));
-  }
+  const std::string expected = fmt::format("at most {} times the smallest edge {}", kSpacingRatio, smallest);
+  for (const auto& [field, edge] : axes) expect(edge / smallest <= kSpacingRatio, field, expected, edge);
 }
 
 void check_samples(const VolumeView& view) {
@@ -127,7 +97,10 @@ std::vector<std::uint16_t> convert(Samples<T> samples, std::size_t count, ValueR
 void check_volume(const VolumeView& view, int max_volume_voxels) {
   check_sizes(view, max_volume_voxels);
   check_spacing(view.spacing);
-  if (view.range) check_range(*view.range);
+  const ValueRange range = view.range.value_or(ValueRange{});
+  expect_within("range.low", range.low, -kLargest, kLargest);
+  expect_within("range.high", range.high, -kLargest, kLargest);
+  expect(range.low < range.high, "range.high", fmt::format("above range.low, {}", range.low), range.high);
   check_samples(view);
 }
 

@@ -1,5 +1,4 @@
-// A volume's samples: whether they can go to the board at all, their numbers wherever they stand in the caller's memory, and the
-// board's 12-bit densities for them.
+// A volume's samples: whether they can go to the board, their values in the caller's memory, and the board's 12-bit densities.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +11,7 @@
 
 namespace gicube {
 
-// Throws BadArgument naming the field, and the first voxel where a sample, gradient or tag is wrong.
-// `max_volume_voxels`: the board's largest volume edge N.
+// Throws BadArgument naming the field, and the first wrong voxel. `max_volume_voxels`: the board's largest volume edge N.
 void check_volume(const VolumeView& view, int max_volume_voxels);
 
 // The view's own range, or the default that volume.h states. Only for a view that passed check_volume().
@@ -67,8 +65,7 @@ constexpr std::size_t voxel_count(Dims dims) {
 // Of one value, as below.
 std::uint16_t to_density(double value, ValueRange range);
 
-// round(4095 (v - low) / (high - low)), clamped to 0..4095; one a voxel, x fastest.
-// For a view that passed check_volume().
+// round(4095 (v - low) / (high - low)), clamped to 0..4095; one a voxel, x fastest. For a checked view.
 std::vector<std::uint16_t> to_densities(const VolumeView& view, ValueRange range);
 
 }  // namespace gicube

@@ -1,18 +1,16 @@
 #include "encode/volume/voxel_blocks.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
+#include "encode/argument.h"
 #include "encode/volume/samples.h"
-#include "gicube/error.h"
 #include "gicube/wire/voxel.h"
 
 namespace gicube {
 namespace {
 
 void check_count(const char* field, std::size_t expected, std::size_t got) {
-  if (got != expected) throw BadArgument(field, fmt::format("{}, one a voxel", expected), fmt::format("{}", got));
+  expect(got == expected, field, fmt::format("{}, one a voxel", expected), got);
 }
 
 constexpr std::size_t kDensities = std::size_t{wire::kDensityMax} + 1;
@@ -31,7 +29,7 @@ std::vector<std::uint16_t> count_visible(std::span<const wire::SegmentationEntry
 VoxelBlocks::VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densities,
                          std::span<const std::uint16_t> codes, std::span<const std::uint8_t> tags)
     : dims_(dims), n_(n), densities_(densities), codes_(codes), tags_(tags) {
-  if (n < 2 || n % 2 != 0) throw BadArgument("block_voxels", "an even number of at least 2", fmt::format("{}", n));
+  expect(n >= 2 && n % 2 == 0, "block_voxels", "an even number of at least 2", n);
   check_count("densities", voxel_count(dims), densities.size());
   if (!codes.empty()) check_count("codes", voxel_count(dims), codes.size());
   if (!tags.empty()) check_count("tags", voxel_count(dims), tags.size());
@@ -93,12 +91,6 @@ bool VoxelBlocks::has_gradient(const Region& region) const {
   return false;
 }
 
-std::uint64_t VoxelBlocks::word(std::size_t voxel) const {
-  const std::uint8_t tag = tags_.empty() ? std::uint8_t{0} : tags_[voxel];
-  const std::uint16_t code = codes_.empty() ? std::uint16_t{wire::kNoGradient} : codes_[voxel];
-  return wire::to_word(wire::Voxel{densities_[voxel], code, tag, 0});
-}
-
 void VoxelBlocks::pack(std::size_t block, std::vector<std::uint8_t>& out) const {
   const auto n = static_cast<std::size_t>(n_);
   out.assign(wire::packed36_bytes(n * n * n), 0);
@@ -119,10 +111,8 @@ void VoxelBlocks::pack(std::size_t block, std::vector<std::uint8_t>& out) const 
 
 std::vector<std::uint8_t> find_empty_blocks(std::span<const BlockStatistics> blocks,
                                             std::span<const wire::SegmentationEntry> lut) {
-  if (lut.size() != wire::kSegmentationEntries) {
-    throw BadArgument("segmentation LUT", fmt::format("{} entries", wire::kSegmentationEntries),
-                      fmt::format("{}", lut.size()));
-  }
+  const std::size_t entries = wire::kSegmentationEntries;
+  expect(lut.size() == entries, "segmentation LUT", fmt::format("{} entries", entries), lut.size());
   std::vector<std::vector<std::uint16_t>> visible;
   for (std::size_t tag = 0; tag < wire::kTags; ++tag) {
     visible.push_back(count_visible(lut.subspan(tag * kDensities, kDensities)));

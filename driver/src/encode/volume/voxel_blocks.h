@@ -1,5 +1,4 @@
-// A volume cut into the board's blocks: what each holds, whether it need be sent, its packed words, and whether a ray may leap
-// over it because nothing in it can be seen.
+// A volume cut into the board's blocks: what each holds, whether it need be sent, its packed words, and whether rays may leap it.
 #pragma once
 
 #include <array>
@@ -13,8 +12,7 @@
 
 namespace gicube {
 
-// Over all voxels that a sample in the block can touch: its own n^3 and those on the +1 faces, inside the volume. The
-// padding beyond the volume does not count, since no ray gets there.
+// Over all voxels that a sample in the block can touch: its own n^3 and those on the +1 faces, inside the volume.
 struct BlockStatistics {
   std::uint16_t min_density = 0;
   std::uint16_t max_density = 0;
@@ -26,10 +24,9 @@ struct BlockStatistics {
 // Blocks are numbered b = bx + nx (by + ny bz), as in memory_map.h.
 class VoxelBlocks {
  public:
-  // One density (0..4095), gradient code and tag a voxel, x fastest; no tags at all mean tag 0, and no codes
-  // no gradient. Keeps only the spans:
-  // what they show must live until the last pack(); the statistics are this object's own.
-  // `n`: the board's block edge, voxels. Throws BadArgument if it is odd (a block would not begin on a whole byte).
+  // One density (0..4095), gradient code and tag a voxel, x fastest; no tags at all mean tag 0, and no codes no gradient.
+  // Keeps only the spans: what they show must live until the last pack(). `n`: the board's block edge, voxels. Throws
+  // BadArgument if it is odd (a block would not begin on a whole byte).
   VoxelBlocks(Dims dims, int n, std::span<const std::uint16_t> densities, std::span<const std::uint16_t> codes,
               std::span<const std::uint8_t> tags);
 
@@ -54,7 +51,11 @@ class VoxelBlocks {
   BlockStatistics find_statistics(const Region& region) const;
   bool has_gradient(const Region& region) const;
   std::size_t row(std::size_t y, std::size_t z) const;  // index of voxel (0, y, z)
-  std::uint64_t word(std::size_t voxel) const;
+  std::uint64_t word(std::size_t voxel) const {
+    const std::uint8_t tag = tags_.empty() ? std::uint8_t{0} : tags_[voxel];
+    const std::uint16_t code = codes_.empty() ? std::uint16_t{wire::kNoGradient} : codes_[voxel];
+    return wire::to_word(wire::Voxel{densities_[voxel], code, tag, 0});
+  }
 
   Dims dims_;
   int n_;
@@ -65,10 +66,9 @@ class VoxelBlocks {
   std::vector<bool> stored_;
 };
 
-// One value a block, 1 = no sample in it can be visible: for every tag that it holds, all entries between its least and
-// its greatest density have opacity 0. `lut`: all 2^14 entries, index = tag << 12 | density. Never 1 for a block that
-// shows something, whatever the interpolation; a block of density 0 and tag 0 (one that is not stored) counts as such.
-// Throws BadArgument if the LUT has another size.
+// One value a block, 1 = no sample in it can be visible, whatever the interpolation: for every tag that it holds, all entries
+// between its least and its greatest density have opacity 0. `lut`: all 2^14 entries, index = tag << 12 | density. A block that
+// is not stored has density 0 and tag 0. Throws BadArgument if the LUT has another size.
 std::vector<std::uint8_t> find_empty_blocks(std::span<const BlockStatistics> blocks,
                                             std::span<const wire::SegmentationEntry> lut);
 

@@ -1,6 +1,4 @@
-#include "encode/volume/segmentation_lut.h"
-
-#include <fmt/format.h>
+#include "encode/look_up_tables.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +20,7 @@ struct Segment {
 
 template <typename Point>
 Segment<Point> segment_at(const std::vector<Point>& points, double value, const char* list) {
-  if (points.empty()) throw BadArgument(list, "at least one point", "none");
+  expect(!points.empty(), list, "at least one point", "none");
   const auto after = std::upper_bound(points.begin(), points.end(), value,
                                       [](double v, const Point& point) { return v < point.value; });
   if (after == points.begin()) return {&points.front(), &points.front(), 0};
@@ -34,22 +32,20 @@ Segment<Point> segment_at(const std::vector<Point>& points, double value, const 
 
 template <typename Point>
 void check_values(const std::vector<Point>& points, const char* list) {
-  if (points.empty()) throw BadArgument(list, "at least one point", "none");
+  expect(!points.empty(), list, "at least one point", "none");
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::string field = fmt::format("{}[{}].value", list, i);
-    expect_finite(field, points[i].value);
+    const double value = points[i].value;
+    expect_finite(field, value);
     if (i == 0) continue;
     const double previous = points[i - 1].value;
-    if (points[i].value < previous) {
-      throw BadArgument(field, fmt::format("at least {}, the value before it", previous), number_text(points[i].value));
-    }
-    if (i >= 2 && points[i].value == points[i - 2].value) {
-      throw BadArgument(field, "at most two points at one value", fmt::format("a third at {}", points[i].value));
-    }
+    expect(value >= previous, field, fmt::format("at least {}, the value before it", previous), value);
+    const bool is_third = i >= 2 && value == points[i - 2].value;
+    expect(!is_third, field, "at most two points at one value", fmt::format("a third at {}", value));
   }
   // Else a weight between two points could be inf / inf.
   const double span = points.back().value - points.front().value;
-  if (!std::isfinite(span)) throw BadArgument(list, "values whose span is finite", number_text(span));
+  expect(std::isfinite(span), list, "values whose span is finite", span);
 }
 
 std::uint8_t to_shade(double coefficient) {
@@ -61,6 +57,36 @@ std::int16_t fine_part(double units) {
   return static_cast<std::int16_t>(std::clamp<long>(std::lround(units * wire::kFineOpacityOne),
                                                     -wire::kFineOpacityOne / 2, wire::kFineOpacityOne / 2 - 1));
 }
+
+constexpr double kShadeMax = 1.99;        // 255/128, the largest shade on the board
+constexpr double kSumTolerance = 1e-9;    // 0.99 + 1.0 in doubles
+constexpr double kTerminatorWidth = 0.1;  // chosen: a hard edge at N.L = 0 errs by up to 0.49 there
+
+void check_sum(const char* field, double sum) {
+  expect(!(sum > kShadeMax + kSumTolerance), field, fmt::format("at most {}", kShadeMax), sum);
+}
+
+// The normal that texel (row, column) of a face stands for.
+Vec3 texel_normal(int face, int row, int column) {
+  const auto coordinate = [](int texel) { return 2.0 * texel / (wire::kReflectanceSize - 1) - 1; };
+  const double major = face % 2 == 0 ? 1 : -1, b = coordinate(column), c = coordinate(row);
+  switch (face / 2) {
+    case 0: return normalise({major, b, c});
+    case 1: return normalise({b, major, c});
+    default: return normalise({b, c, major});
+  }
+}
+
+double reflected_unit(const Phong& phong, Vec3 normal, Vec3 light, Vec3 towards_eye) {
+  const double facing = dot(normal, light);
+  if (facing <= 0) return 0;
+  const double mirrored = dot(2 * facing * normal - light, towards_eye);
+  const double fade = std::min(facing / kTerminatorWidth, 1.0);
+  const double highlight = mirrored > 0 ? std::pow(mirrored, phong.shininess) : 0;
+  return phong.diffuse * facing + phong.specular * fade * highlight;
+}
+
+Vec3 unit_light(Vec3 light, Vec3 towards_eye) { return light == Vec3{} ? towards_eye : unit(light); }
 
 }  // namespace
 
@@ -130,6 +156,39 @@ void set_unit_gains(std::vector<wire::SegmentationEntry>& entries) {
     entry.specular = wire::kShadeOne;
     entry.set_gain(1 << wire::kGainFractionBits);
   }
+}
+
+void check(const Phong& phong) {
+  expect_within("phong.ambient", phong.ambient, 0, kShadeMax);
+  expect_within("phong.diffuse", phong.diffuse, 0, kShadeMax);
+  expect_within("phong.specular", phong.specular, 0, kShadeMax);
+  expect_within("phong.shininess", phong.shininess, 1, 1000);
+  check_sum("phong.ambient + phong.diffuse", phong.ambient + phong.diffuse);
+  check_sum("phong.diffuse + phong.specular", phong.diffuse + phong.specular);
+}
+
+void check(const Shading& shading) {
+  check(shading.phong);
+  expect_finite("light", shading.light);
+}
+
+double reflected(const Phong& phong, Vec3 normal, Vec3 light, Vec3 towards_eye) {
+  return reflected_unit(phong, normal, unit_light(light, towards_eye), towards_eye);
+}
+
+std::vector<std::uint8_t> reflectance_map(const Phong& phong, Vec3 light, Vec3 towards_eye) {
+  const Vec3 unit_l = unit_light(light, towards_eye);
+  std::vector<std::uint8_t> map;
+  map.reserve(wire::kReflectanceBytes);
+  for (int face = 0; face < wire::kReflectanceFaces; ++face) {
+    for (int row = 0; row < wire::kReflectanceSize; ++row) {
+      for (int column = 0; column < wire::kReflectanceSize; ++column) {
+        const double shade = reflected_unit(phong, texel_normal(face, row, column), unit_l, towards_eye);
+        map.push_back(static_cast<std::uint8_t>(std::clamp<long>(std::lround(wire::kShadeOne * shade), 0, 255)));
+      }
+    }
+  }
+  return map;
 }
 
 }  // namespace gicube
