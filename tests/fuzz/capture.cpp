@@ -37,10 +37,10 @@ void capture(Bytes bytes) {
   const MemoryFile file(contents);
   try {
     const replay::Recorded recorded = replay::read_recorded(file.path());
-    replay::HostFrames frames(file.path());
+    replay::CaptureReader frames(file.path());
     replay::CapturedFrame frame;
     std::uint32_t last = 0;
-    while (frames.next(frame)) {
+    while (frames.next(wire::CaptureKind::kDown, frame)) {
       expect(frame.payload.size() == frame.header.size, "a frame has its payload");
       expect(wire::sequence_step(last, frame.header.sequence) > 0, "no frame comes twice");
       last = frame.header.sequence;

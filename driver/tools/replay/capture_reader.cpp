@@ -16,21 +16,13 @@ constexpr std::uint32_t kMaxPayload = std::uint32_t{1} << 28;  // chosen: far ab
 
 }  // namespace
 
-struct CaptureReader::File {
-  explicit File(const std::filesystem::path& name) : gz(::gzopen(name.c_str(), "rb")) {}
-  ~File() {
-    if (gz != nullptr) ::gzclose(gz);
-  }
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  gzFile gz;
-};
+void CaptureReader::Close::operator()(gzFile_s* file) const { ::gzclose(file); }
 
 CaptureReader::CaptureReader(const std::filesystem::path& file) : name_(file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) throw CaptureError(file.string() + ": no such file");
-  file_ = std::make_unique<File>(file);
-  if (file_->gz == nullptr) throw CaptureError(file.string() + ": can't be read");
+  file_.reset(::gzopen(file.c_str(), "rb"));
+  if (!file_) throw CaptureError(file.string() + ": can't be read");
   std::array<std::uint8_t, wire::kCaptureHeaderBytes> header{};
   const bool is_whole = read(header.data(), header.size()) == header.size();
   const auto [magic, version] = wire::decode<wire::CaptureHeader>(header);
@@ -42,24 +34,32 @@ CaptureReader::CaptureReader(const std::filesystem::path& file) : name_(file) {
   }
 }
 
-CaptureReader::~CaptureReader() = default;
-CaptureReader::CaptureReader(CaptureReader&&) noexcept = default;
-
 void CaptureReader::fail(const std::string& what) const {
   throw CaptureError(fmt::format("{}: byte {}: {}", name_.string(), at_, what));
 }
 
 // As many as there are.
 std::size_t CaptureReader::read(std::uint8_t* bytes, std::size_t count) {
-  const int got = ::gzread(file_->gz, bytes, static_cast<unsigned>(count));
+  const int got = ::gzread(file_.get(), bytes, static_cast<unsigned>(count));
   int error = Z_OK;
-  const char* text = ::gzerror(file_->gz, &error);
+  const char* text = ::gzerror(file_.get(), &error);
   if (got < 0 || (error != Z_OK && error != Z_BUF_ERROR)) fail(fmt::format("damaged: {}", text));
   at_ += static_cast<std::uint64_t>(got);
   return static_cast<std::size_t>(got);
 }
 
-bool CaptureReader::next(CapturedFrame& frame) {
+bool CaptureReader::next(wire::CaptureKind direction, CapturedFrame& frame) {
+  while (next_of_all(frame)) {
+    if (frame.record.kind != direction || wire::is_free(frame.header.type)) continue;
+    std::uint32_t& taken = taken_[static_cast<std::size_t>(direction)];
+    if (wire::sequence_step(taken, frame.header.sequence) <= 0) continue;
+    taken = frame.header.sequence;
+    return true;
+  }
+  return false;
+}
+
+bool CaptureReader::next_of_all(CapturedFrame& frame) {
   std::array<std::uint8_t, wire::kCaptureRecordBytes> record{};
   const std::size_t got = complete_ ? 0 : read(record.data(), record.size());
   if (got < record.size()) return false;
@@ -83,6 +83,7 @@ bool CaptureReader::next(CapturedFrame& frame) {
     if (came < wanted) return false;
   }
   if (wire::frame_checksum(header, frame.payload) != frame_header->checksum) fail("a frame with a wrong checksum");
+  largest_payload_ = std::max(largest_payload_, frame_header->size);
   return true;
 }
 
@@ -93,31 +94,14 @@ Answer answer_of(const wire::FrameHeader& header, const std::vector<std::uint8_t
   return answer;
 }
 
-bool HostFrames::next(CapturedFrame& frame) {
-  while (reader_.next(frame)) {
-    if (frame.record.kind != wire::CaptureKind::kDown || wire::is_free(frame.header.type)) continue;
-    if (wire::sequence_step(taken_, frame.header.sequence) <= 0) continue;
-    taken_ = frame.header.sequence;
-    return true;
-  }
-  return false;
-}
-
 Recorded read_recorded(const std::filesystem::path& file) {
   Recorded recorded;
   CaptureReader reader(file);
   CapturedFrame frame;
-  std::uint32_t taken = 0;
-  while (reader.next(frame)) {
-    const wire::FrameHeader& header = frame.header;
-    recorded.largest_payload = std::max(recorded.largest_payload, header.size);
-    if (wire::is_free(header.type) || frame.record.kind == wire::CaptureKind::kDown) continue;
-    if (wire::sequence_step(taken, header.sequence) <= 0) continue;
-    taken = header.sequence;
-    const bool completes = header.type == wire::FrameType::kCompletion;
-    (completes ? recorded.completions : recorded.responses)
-        .insert_or_assign(header.id, answer_of(header, frame.payload));
+  while (reader.next(wire::CaptureKind::kUp, frame)) {
+    recorded.answers(frame.header.type).insert_or_assign(frame.header.id, answer_of(frame.header, frame.payload));
   }
+  recorded.largest_payload = reader.largest_payload();
   return recorded;
 }
 

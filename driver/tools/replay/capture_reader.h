@@ -1,6 +1,7 @@
 // Reads a capture from front to back (docs/guide/capture.md), gzipped or not.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -11,6 +12,8 @@
 
 #include "gicube/wire/capture.h"
 #include "gicube/wire/frame.h"
+
+struct gzFile_s;  // zlib's
 
 namespace gicube::replay {
 
@@ -29,25 +32,30 @@ class CaptureReader {
  public:
   // Throws CaptureError.
   explicit CaptureReader(const std::filesystem::path& file);
-  ~CaptureReader();
-  CaptureReader(CaptureReader&&) noexcept;
 
-  // The next frame; false at the end. Throws CaptureError: a record or frame that can't be, a wrong checksum. Memory is
-  // taken only as far as the file goes.
-  bool next(CapturedFrame& frame);
+  // The next numbered frame of one direction; what was sent again after a resume comes once. False at the end. Memory is taken
+  // only as far as the file goes. Throws CaptureError: a record or frame that can't be, a wrong checksum.
+  bool next(wire::CaptureKind direction, CapturedFrame& frame);
   // After the end: whether the capture was completed, or its process died before.
   bool complete() const { return complete_; }
+  // Of all frames so far, in both directions.
+  std::uint32_t largest_payload() const { return largest_payload_; }
 
  private:
-  struct File;
+  struct Close {
+    void operator()(gzFile_s* file) const;
+  };
 
+  bool next_of_all(CapturedFrame& frame);
   std::size_t read(std::uint8_t* bytes, std::size_t count);
   [[noreturn]] void fail(const std::string& what) const;
 
   std::filesystem::path name_;
-  std::unique_ptr<File> file_;
+  std::unique_ptr<gzFile_s, Close> file_;
   std::uint64_t at_ = 0;  // byte, uncompressed
   bool complete_ = false;
+  std::uint32_t largest_payload_ = 0;
+  std::array<std::uint32_t, 2> taken_{};  // by direction: the last number
 };
 
 // An answer without the weight of a large payload.
@@ -64,23 +72,12 @@ struct Answer {
 
 Answer answer_of(const wire::FrameHeader& header, const std::vector<std::uint8_t>& payload);
 
-// The frames of a host in their order, those that were sent again after a resume once, without what belongs to the
-// connection alone (version, credit).
-class HostFrames {
- public:
-  explicit HostFrames(const std::filesystem::path& file) : reader_(file) {}
-  bool next(CapturedFrame& frame);
-  bool complete() const { return reader_.complete(); }
-
- private:
-  CaptureReader reader_;
-  std::uint32_t taken_ = 0;
-};
-
 struct Recorded {
   std::unordered_map<std::uint32_t, Answer> responses;    // by the request's id
   std::unordered_map<std::uint32_t, Answer> completions;  // by ticket
   std::uint32_t largest_payload = 0;                      // of all frames
+
+  auto& answers(wire::FrameType type) { return type == wire::FrameType::kCompletion ? completions : responses; }
 };
 
 // Reads the whole capture. Throws CaptureError.

@@ -3,30 +3,34 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <utility>
 
-#include "bus_client.h"
 #include "capture_reader.h"
 #include "gicube/wire/registers.h"
+#include "gicube/wire/reliable_window.h"
+#include "transport/frame_stream.h"
 
 namespace gicube::replay {
 namespace {
 
+using wire::FrameHeader;
 using wire::FrameType;
 
-const char* name_of(FrameType type) {
-  switch (type) {
-    case FrameType::kConfigRead: return "config read";
-    case FrameType::kConfigWrite: return "config write";
-    case FrameType::kRegisterRead: return "register read";
-    case FrameType::kMemoryRead: return "memory read";
-    case FrameType::kCompletion: return "completion";
-    case FrameType::kWait: return "wait";
-    case FrameType::kPoll: return "poll";
-    case FrameType::kCounters: return "counters";
-    case FrameType::kCancel: return "cancel";
-    default: return "frame";
-  }
-}
+struct Frame {
+  FrameHeader header;
+  std::vector<std::uint8_t> payload;
+};
+
+// By FrameType; frames that answer nothing have no name of their own.
+constexpr std::array kNames{"frame", "frame",    "frame",       "config read", "config write", "register read",
+                            "frame", "frame",    "memory read", "frame",       "completion",   "wait",
+                            "poll",  "counters", "frame",       "cancel"};
 
 // Registers that say what board this is: another machine has others, and may.
 bool is_identity(std::uint32_t offset) {
@@ -55,18 +59,19 @@ class Comparison {
     registers_[frame.header.id] = wire::load<std::uint32_t>(frame.payload, 0);
   }
 
-  void take(const BusClient::Frame& frame) {
-    const bool completes = frame.header.type == FrameType::kCompletion;
-    auto& list = completes ? recorded_.completions : recorded_.responses;
+  void take(const Frame& frame) {
+    auto& list = recorded_.answers(frame.header.type);
     const auto found = list.find(frame.header.id);
     const Answer got = answer_of(frame.header, frame.payload);
-    const std::string what = fmt::format("{} {} at {} ps", name_of(got.type), frame.header.id, got.time_ps);
+    const std::string what =
+        fmt::format("{} {} at {} ps", kNames.at(static_cast<std::size_t>(got.type)), frame.header.id, got.time_ps);
     if (found == list.end()) return differ(what + ": was not there", values_);
     const Answer expected = std::move(found->second);
     list.erase(found);
     ++report_.compared;
     const auto question = registers_.find(frame.header.id);
-    const bool identity = !completes && question != registers_.end() && is_identity(question->second);
+    const bool identity =
+        got.type == FrameType::kRegisterRead && question != registers_.end() && is_identity(question->second);
     if (identity && question->second == wire::reg::kConfigHashLow) same_hash_low_ = expected.payload == got.payload;
     if (identity && question->second == wire::reg::kConfigHashHigh) same_hash_high_ = expected.payload == got.payload;
     const bool machines_own = identity || got.type == FrameType::kCounters || got.type == FrameType::kConfigRead;
@@ -109,6 +114,114 @@ class Comparison {
   bool same_hash_low_ = false, same_hash_high_ = false;  // of the configuration, if the host read it
 };
 
+using BusError = std::runtime_error;  // the board refused the session, closed it, or does not answer
+
+std::string text_of(const Frame& frame) { return {frame.payload.begin(), frame.payload.end()}; }
+
+wire::VersionInfo version_for(std::uint32_t largest_payload) {
+  wire::VersionInfo mine;
+  mine.max_payload_bytes = std::max(mine.max_payload_bytes, largest_payload);
+  mine.window_bytes = std::max<std::uint64_t>(mine.window_bytes, 4 * std::uint64_t{mine.max_payload_bytes});
+  mine.capabilities = wire::kFunctionalLevel | wire::kApproximateLevel | wire::kCycleLevel | wire::kHostRays;
+  return mine;
+}
+
+// The plainest client of the bus: sends frames in a captured order, with the numbers that they had. Throws BusError.
+class BusClient : private FrameSink {
+ public:
+  // Takes a connected socket, shakes hands. `largest_payload`: that will be sent or received. `comparison` is given everything
+  // that the board says but credit and progress, within send() and await_answer().
+  BusClient(Fd socket, std::uint32_t largest_payload, std::chrono::milliseconds watchdog, Comparison& comparison)
+      : watchdog_(watchdog),
+        comparison_(comparison),
+        mine_(version_for(largest_payload)),
+        window_(mine_),
+        stream_(std::move(socket), *this) {
+    stream_.start();
+    stream_.send(FrameHeader{FrameType::kVersion}, wire::version_payload(mine_));
+    const Frame answer = receive();
+    if (answer.header.type != FrameType::kVersion) throw BusError("no GI-Cube board answers there");
+    if (answer.header.error != wire::ErrorCode::kNone) throw BusError(text_of(answer));
+    if (answer.payload.size() < wire::kVersionBytes) throw BusError("the board's version is cut short");
+    const auto theirs = wire::decode<wire::VersionInfo>(answer.payload);
+    const auto agreed = wire::agree(mine_, theirs);
+    if (!agreed) throw BusError(fmt::format("the board speaks version {}.{}", theirs.major, theirs.minor));
+    max_payload_ = agreed->max_payload_bytes;
+    window_.open(theirs);
+  }
+
+  // Its credit and number are filled in, its id and time stay. Waits for credit.
+  void send(const FrameHeader& header, const std::vector<std::uint8_t>& payload) {
+    if (payload.size() > max_payload_) {
+      throw BusError(fmt::format("a frame of {} bytes, the board takes {}", payload.size(), max_payload_));
+    }
+    while (!window_.can_send(payload.size())) take(receive());
+    wire::ReliableWindow::Sent frame = window_.keep(header, wire::share(payload));
+    window_.put_credit(frame.header);
+    stream_.send(frame.header, std::move(frame.payload));
+  }
+  // Reads up to the response with this id.
+  void await_answer(std::uint32_t id) {
+    for (answered_ = 0; answered_ != id;) take(receive());
+  }
+
+ private:
+  StreamFault check_header(const FrameHeader& header) override {
+    if (header.size <= mine_.max_payload_bytes) return {};
+    return {"the board sent something that is no frame"};
+  }
+  StreamFault take_frame(const FrameHeader& header, std::vector<std::uint8_t> payload) override {
+    const std::lock_guard lock(mutex_);
+    arrived_.push_back({header, std::move(payload)});
+    changed_.notify_all();
+    return {};
+  }
+  void stream_ended(const StreamFault& reason) override {
+    const std::lock_guard lock(mutex_);
+    ended_ = reason.text;
+    changed_.notify_all();
+  }
+
+  Frame receive() {
+    std::unique_lock lock(mutex_);
+    const auto has_news = [this] { return !arrived_.empty() || ended_; };
+    if (watchdog_.count() == 0) {
+      changed_.wait(lock, has_news);
+    } else if (!changed_.wait_for(lock, watchdog_, has_news)) {
+      throw BusError(fmt::format("no answer of the board within {} ms", watchdog_.count()));
+    }
+    if (arrived_.empty()) throw BusError(*ended_);
+    Frame frame = std::move(arrived_.front());
+    arrived_.pop_front();
+    return frame;
+  }
+  void take(const Frame& frame) {
+    const FrameHeader& header = frame.header;
+    if (header.type == FrameType::kVersion) throw BusError("the board ended the session: " + text_of(frame));
+    if (!window_.take_credit(header)) throw BusError("the board handed back credit that it never took");
+    if (wire::is_free(header.type)) return;
+    if (!window_.accept(frame.payload.size())) throw BusError("the board sent more than it had credit for");
+    comparison_.take(frame);
+    if ((header.flags & wire::kResponse) != 0) answered_ = header.id;
+    window_.consume(frame.payload.size());
+    if (window_.credit_is_due()) stream_.send(window_.credit_frame(wire::kPosted), wire::no_payload());
+  }
+
+  const std::chrono::milliseconds watchdog_;
+  Comparison& comparison_;
+  const wire::VersionInfo mine_;
+  wire::ReliableWindow window_;
+  std::uint32_t max_payload_ = 0;
+  std::uint32_t answered_ = 0;  // the id of the last response
+
+  std::mutex mutex_;  // guards what the stream's thread brings
+  std::condition_variable changed_;
+  std::deque<Frame> arrived_;
+  std::optional<std::string> ended_;
+
+  FrameStream stream_;  // last: its thread ends before what it reports to
+};
+
 }  // namespace
 
 Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog) {
@@ -116,10 +229,10 @@ Report play(const std::filesystem::path& capture, Fd board, std::chrono::millise
   Recorded recorded = read_recorded(capture);
   const std::uint32_t largest = recorded.largest_payload;
   Comparison comparison(std::move(recorded), report);
-  BusClient client(std::move(board), largest, watchdog, [&](const BusClient::Frame& frame) { comparison.take(frame); });
-  HostFrames frames(capture);
+  BusClient client(std::move(board), largest, watchdog, comparison);
+  CaptureReader frames(capture);
   CapturedFrame frame;
-  while (frames.next(frame)) {
+  while (frames.next(wire::CaptureKind::kDown, frame)) {
     comparison.asked(frame);
     client.send(frame.header, frame.payload);
     ++report.sent_frames;

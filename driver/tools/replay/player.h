@@ -24,7 +24,7 @@ struct Report {
   bool good() const { return differences == 0 && missing == 0; }
 };
 
-// Throws CaptureError and BusError.
+// Throws CaptureError, and std::runtime_error: the board refused the session, closed it, or does not answer.
 Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog);
 
 }  // namespace gicube::replay

@@ -12,13 +12,6 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{20};  // chosen: a reset waits for the owner's running work
 
-std::string read_file(const char* option, const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw UsageError(fmt::format("{}: expected a readable file, got {}", option, path));
-  return text;
-}
-
 std::string target_of(const std::string& endpoint) {
   if (endpoint.starts_with("unix:") && endpoint.size() > 5) return endpoint;
   if (endpoint.starts_with("tcp:") && endpoint.rfind(':') > 4) return endpoint.substr(4);
@@ -26,6 +19,13 @@ std::string target_of(const std::string& endpoint) {
 }
 
 }  // namespace
+
+std::string read_file(const char* option, const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw UsageError(fmt::format("{}: expected a readable file, got {}", option, path));
+  return text;
+}
 
 Client::Client(const Options& options) : endpoint_(options.management), board_(options.board) {
   if (options.ca_file.empty() != options.token_file.empty()) {

@@ -11,7 +11,7 @@
 
 namespace gicube::smi {
 
-// A call failed: exit code 1.
+// A call failed: exit code 1. The text names the endpoint and says what to do.
 struct CallFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -23,8 +23,7 @@ class Client {
   // Reads the certificate and the token that `options` name. Throws UsageError; connects with the first call.
   explicit Client(const Options& options);
 
-  // A call of the service, as call(&Stub::GetInfo), about the board that the options name. Throws CallFailed, which names the
-  // endpoint and says what to do.
+  // A call of the service, as call(&Stub::GetInfo), about the board that the options name. Throws CallFailed.
   template <typename Request, typename Response>
   Response call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*), Request request = {}) {
     if constexpr (requires { request.set_board(0); }) request.set_board(board_);

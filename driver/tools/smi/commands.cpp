@@ -1,10 +1,7 @@
 // The commands that only ask the management plane.
-#include "commands.h"
-
 #include <fmt/format.h>
 #include <google/protobuf/text_format.h>
 
-#include <fstream>
 #include <iostream>
 #include <iterator>
 
@@ -61,14 +58,6 @@ void print_board(const v1::BoardInfo& board) {
   if (!routines.empty()) fmt::print("{}", routines.text());
 }
 
-std::string read_plan(const std::string& path) {
-  if (path == "-") return {std::istreambuf_iterator<char>(std::cin), {}};
-  std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) throw UsageError(fmt::format("faults set: expected a readable file, got {}", path));
-  return text;
-}
-
 void print_plan(const v1::FaultPlanInfo& plan) {
   if (plan.plan_text().empty()) return fmt::print("board {}: no fault plan\n", plan.board());
   fmt::print("board {}: {} faults so far, in {} messages down and {} up, by this plan:\n{}{}", plan.board(),
@@ -121,7 +110,11 @@ int reset(const Options& options) {
 }
 
 int show_faults(const Options& options) { return show(options, Client(options).call(&Stub::GetFaultPlan), print_plan); }
-int set_faults(const Options& options) { return set_plan(options, read_plan(options.plan_file)); }
+int set_faults(const Options& options) {
+  const bool from_input = options.plan_file == "-";
+  return set_plan(options, from_input ? std::string(std::istreambuf_iterator<char>(std::cin), {})
+                                      : read_file("faults set", options.plan_file));
+}
 int clear_faults(const Options& options) { return set_plan(options, ""); }
 
 int log_faults(const Options& options) {

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -15,7 +16,6 @@
 #include <boost/asio/error.hpp>
 
 #include "client.h"
-#include "commands.h"
 #include "gicube/board.h"
 #include "output.h"
 #include "transport/connect.h"
@@ -38,23 +38,16 @@ struct Step {
 };
 
 // What was found, step by step. The functions below return whether the next step has a chance.
-class Diagnosis {
- public:
+struct Diagnosis {
+  std::vector<Step> steps;
+
   bool good(const std::string& question, const std::string& answer) {
-    steps_.push_back({true, question, answer, ""});
-    return true;
+    return steps.emplace_back(Step{true, question, answer, ""}).good;
   }
   bool bad(const std::string& question, const std::string& answer, const std::string& advice) {
-    steps_.push_back({false, question, answer, advice});
-    return healthy_ = false;
+    return steps.emplace_back(Step{false, question, answer, advice}).good;
   }
-
-  const std::vector<Step>& steps() const { return steps_; }
-  bool healthy() const { return healthy_; }
-
- private:
-  std::vector<Step> steps_;
-  bool healthy_ = true;
+  bool healthy() const { return std::ranges::all_of(steps, &Step::good); }
 };
 
 std::string user_name(uid_t user) {
@@ -134,10 +127,9 @@ bool look_at_port(const Uri& uri, const std::string& text, Diagnosis& diagnosis)
   error_code error;
   try_to_connect(uri, kConnectPatience, error);
   const bool is_known = !error || error.category() == boost::system::system_category();
-  if (!is_known) {
-    return diagnosis.bad("is the host known?", fmt::format("{}: {}", uri.host, error.message()), "check its name");
-  }
-  diagnosis.good("is the host known?", uri.host);
+  const std::string question = "is the host known?";
+  if (!is_known) return diagnosis.bad(question, fmt::format("{}: {}", uri.host, error.message()), "check its name");
+  diagnosis.good(question, uri.host);
   if (!error) return diagnosis.good("does somebody listen?", fmt::format("yes, on port {}", uri.port));
   const std::string why = error == boost::asio::error::would_block ? std::strerror(ETIMEDOUT) : error.message();
   return diagnosis.bad("does somebody listen?", fmt::format("port {}: {}", uri.port, why),
@@ -212,14 +204,14 @@ int doctor(const Options& options) {
   if (look_at_place(options.uri, diagnosis)) try_to_open(options.uri, diagnosis);
   if (options.json) {
     nlohmann::ordered_json steps = nlohmann::ordered_json::array();
-    for (const auto& [good, question, answer, advice] : diagnosis.steps()) {
+    for (const auto& [good, question, answer, advice] : diagnosis.steps) {
       steps.push_back({{"question", question}, {"good", good}, {"answer", answer}, {"advice", advice}});
     }
     print({{"uri", options.uri}, {"healthy", diagnosis.healthy()}, {"steps", std::move(steps)}});
     return diagnosis.healthy() ? 0 : 1;
   }
   fmt::print("{}\n", options.uri);
-  for (const auto& [good, question, answer, advice] : diagnosis.steps()) {
+  for (const auto& [good, question, answer, advice] : diagnosis.steps) {
     fmt::print("  {:<4}  {} {}\n", good ? "ok" : "BAD", question, indented(answer));
     if (!advice.empty()) fmt::print("        -> {}\n", advice);
   }

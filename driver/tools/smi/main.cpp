@@ -3,17 +3,126 @@
 // Exit codes: 0 good, 1 the answer is no or a call failed, 2 wrong usage.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <exception>
 
 #include "options.h"
 
+namespace gicube::smi {
+namespace {
+
+using Command = int (*)(const Options&);
+
+void add_management(CLI::App& app, Options& options, bool needed) {
+  app.add_option("-m,--management", options.management,
+                 "the board process's management plane: unix:PATH or tcp:HOST:PORT")
+      ->type_name("ENDPOINT")
+      ->envname("GICUBE_MANAGEMENT")
+      ->required(needed);
+  app.add_option("--ca", options.ca_file, "TLS: the certificate that signed the board's, PEM")->type_name("FILE");
+  app.add_option("--token-file", options.token_file, "TLS: the token that the board asks for")->type_name("FILE");
+}
+
+CLI::App* add_command(CLI::App& app, Options& options, Command run, const char* name, const char* what) {
+  CLI::App* sub = app.add_subcommand(name, what);
+  sub->callback([&options, run] { options.run = run; });
+  sub->add_flag("--json", options.json, "for programs: JSON instead of text");
+  return sub;
+}
+
+// A command about one board of a process.
+CLI::App* add_board_command(CLI::App& app, Options& options, Command run, const char* name, const char* what) {
+  CLI::App* sub = add_command(app, options, run, name, what);
+  add_management(*sub, options, true);
+  sub->add_option("-b,--board", options.board, "the board's number in its process")->type_name("N");
+  return sub;
+}
+
+void add_top(CLI::App& app, Options& options) {
+  CLI::App* top =
+      add_board_command(app, options, smi::top, "top", "what a board does, once a second; ends with Ctrl-C");
+  top->add_option("-i,--interval", options.interval_ms, "between two looks, 10 to 60000")
+      ->type_name("MS")
+      ->check(CLI::Range(10, 60000));
+  top->add_option("-n,--count", options.count, "end after so many looks")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1 << 30));
+  top->add_flag_callback(
+      "--once", [&options] { options.count = 1; }, "one look, as -n 1: all since the board was reset");
+  top->add_flag("-a,--all", options.all_counters, "every counter, also those that stand still");
+}
+
+void add_faults(CLI::App& app, Options& options) {
+  CLI::App* faults = app.add_subcommand("faults", "the fault plan of a board: what goes wrong on purpose");
+  faults->require_subcommand(1);
+  add_board_command(*faults, options, show_faults, "show", "the plan that holds, and what it has done");
+  add_board_command(*faults, options, set_faults, "set", "a new plan in place of the former")
+      ->add_option("plan", options.plan_file, "protobuf text of gicube.v1.FaultPlan; - reads standard input")
+      ->type_name("FILE")
+      ->required();
+  add_board_command(*faults, options, clear_faults, "clear", "no more faults");
+  add_board_command(*faults, options, log_faults, "log",
+                    "the faults that have happened; a plan that makes them happen again")
+      ->add_flag("--clear", options.clear_log, "empty the log");
+}
+
+void add_trace(CLI::App& app, Options& options) {
+  CLI::App* trace = app.add_subcommand("trace", "a trace of what a board does, for ui.perfetto.dev");
+  trace->require_subcommand(1);
+  add_board_command(*trace, options, show_trace, "show", "where the board writes its trace");
+  add_board_command(*trace, options, start_trace, "start", "traces all sessions from now on; nobody may own the board")
+      ->add_option("file", options.trace_file, "written by the board's process, as its user")
+      ->type_name("FILE")
+      ->required();
+  add_board_command(*trace, options, stop_trace, "stop", "completes the file; nobody may own the board");
+}
+
+void add_uri(CLI::App& app, Options& options, const char* what) {
+  app.add_option("uri", options.uri, what)->type_name("URI")->capture_default_str();
+}
+
+// Throws UsageError.
+int run(int argc, const char* const* argv) {
+  Options options;
+  CLI::App app(
+      "GI-Cube boards from outside: what there is, what it does, whether it works, and why it can't be opened.\n"
+      "Commands that look at a running board need --management or the environment variable GICUBE_MANAGEMENT.",
+      "gicube-smi");
+  app.set_version_flag("--version", "gicube-smi " GICUBE_VERSION);
+  app.require_subcommand(1);
+
+  add_management(*add_command(app, options, list, "list", "the boards of a process"), options, true);
+  add_board_command(app, options, info, "info", "a board's configuration and routines");
+  add_top(app, options);
+  add_uri(*add_command(app, options, validate, "validate",
+                       "opens a board and tests it; what it held is lost. Exit code 1 if a test fails"),
+          options, "the board, as Board::open() takes it");
+  add_board_command(app, options, reset, "reset",
+                    "the power button: ends the session that owns the board, clears all state");
+  add_faults(app, options);
+  add_trace(app, options);
+  CLI::App* doctor =
+      add_command(app, options, smi::doctor, "doctor", "says why a board can't be opened. Exit code 1 if it can't");
+  add_uri(*doctor, options, "the board that an application would open");
+  add_management(*doctor, options, false);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + " (--help says more)");
+  }
+  return options.run(options);
+}
+
+}  // namespace
+}  // namespace gicube::smi
+
 int main(int argc, char** argv) {
   using namespace gicube::smi;
   try {
-    std::string text;
-    if (const auto options = parse_options(argc, argv, text)) return options->run(*options);
-    fmt::print("{}", text);
-    return 0;
+    return run(argc, argv);
   } catch (const UsageError& error) {
     fmt::print(stderr, "gicube-smi: {}\n", error.what());
     return 2;

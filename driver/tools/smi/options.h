@@ -1,8 +1,7 @@
-// The command line of gicube-smi.
+// The command line of gicube-smi, and its commands.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -33,7 +32,22 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Nothing if help or the version was asked for, which is then in `text`. Throws UsageError.
-std::optional<Options> parse_options(int argc, const char* const* argv, std::string& text);
+// The content of a file that `option` names. Throws UsageError.
+std::string read_file(const char* option, const std::string& path);
+
+// The commands (Options::run).
+int list(const Options& options);
+int info(const Options& options);
+int top(const Options& options);
+int validate(const Options& options);
+int reset(const Options& options);
+int show_faults(const Options& options);
+int set_faults(const Options& options);
+int clear_faults(const Options& options);
+int log_faults(const Options& options);
+int show_trace(const Options& options);
+int start_trace(const Options& options);
+int stop_trace(const Options& options);
+int doctor(const Options& options);
 
 }  // namespace gicube::smi

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
+#include <google/protobuf/text_format.h>
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
@@ -14,10 +15,10 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 
-std::string scaled(double value, double step, std::initializer_list<const char*> units) {
+std::string scaled(double value, std::initializer_list<const char*> units) {
   auto unit = units.begin();
-  while (value >= step && unit + 1 != units.end()) {
-    value /= step;
+  while (value >= 1000 && unit + 1 != units.end()) {
+    value /= 1000;
     ++unit;
   }
   if (unit == units.begin()) return fmt::format("{:.0f} {}", value, *unit);
@@ -25,15 +26,9 @@ std::string scaled(double value, double step, std::initializer_list<const char*>
 }
 
 std::string value_text(const Message& message, const FieldDescriptor& field) {
-  const auto& reflection = *message.GetReflection();
-  switch (field.cpp_type()) {
-    case FieldDescriptor::CPPTYPE_ENUM: return reflection.GetEnum(message, &field)->name();
-    case FieldDescriptor::CPPTYPE_UINT32: return std::to_string(reflection.GetUInt32(message, &field));
-    case FieldDescriptor::CPPTYPE_UINT64: return std::to_string(reflection.GetUInt64(message, &field));
-    case FieldDescriptor::CPPTYPE_BOOL: return reflection.GetBool(message, &field) ? "true" : "false";
-    case FieldDescriptor::CPPTYPE_STRING: return reflection.GetString(message, &field);
-    default: return "?";
-  }
+  std::string text;
+  google::protobuf::TextFormat::PrintFieldValueToString(message, &field, -1, &text);
+  return text;
 }
 
 void add_fields(const Message& message, const Message& defaults, const std::string& path, Table& table) {
@@ -75,8 +70,8 @@ std::string Table::text() const {
   return text;
 }
 
-std::string bytes_text(double bytes) { return scaled(bytes, 1000, {"B", "kB", "MB", "GB", "TB"}); }
-std::string time_text(double picoseconds) { return scaled(picoseconds, 1000, {"ps", "ns", "us", "ms", "s"}); }
+std::string bytes_text(double bytes) { return scaled(bytes, {"B", "kB", "MB", "GB", "TB"}); }
+std::string time_text(double picoseconds) { return scaled(picoseconds, {"ps", "ns", "us", "ms", "s"}); }
 
 std::string configuration_text(const v1::BoardConfig& config) {
   Table table({{"FIELD"}, {"VALUE"}, {""}});

@@ -7,9 +7,9 @@
 #include <csignal>
 #include <cstdio>
 #include <map>
+#include <optional>
 
 #include "client.h"
-#include "commands.h"
 #include "output.h"
 
 namespace gicube::smi {

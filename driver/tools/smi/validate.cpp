@@ -8,19 +8,14 @@
 #include <optional>
 #include <stdexcept>
 
-#include "commands.h"
 #include "gicube/board.h"
+#include "options.h"
 #include "output.h"
 
 namespace gicube::smi {
 namespace {
 
 constexpr std::chrono::seconds kWatchdog{60};  // chosen: the cycle level needs some seconds for its picture
-
-// The board did otherwise than a good board does; the text says what.
-struct CheckFailed : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 constexpr int kEdge = 48;  // voxels, chosen: several blocks, and a second of work at most
 constexpr std::size_t kVoxels = kEdge * kEdge * kEdge;
@@ -29,26 +24,17 @@ constexpr int kImageEdge = 64;  // pixels
 constexpr std::uint64_t kPaperPicture = 0x44fbf7347c2dc06f, kWidePicture = 0x3078e752ce468bcb;
 constexpr double kMinBusShare = 0.5;  // chosen: of the bus's rate, while a volume is loaded
 
+// The board did otherwise than a good board does.
 void fail_if(bool wrong, const std::string& what) {
-  if (wrong) throw CheckFailed(what);
-}
-
-std::vector<std::byte> bytes_of(const std::vector<std::uint16_t>& values) {
-  std::vector<std::byte> bytes(2 * values.size());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    bytes[2 * i] = static_cast<std::byte>(values[i] & 0xFF);
-    bytes[2 * i + 1] = static_cast<std::byte>(values[i] >> 8);
-  }
-  return bytes;
+  if (wrong) throw std::runtime_error(what);
 }
 
 void load(Board& board, const std::vector<std::uint16_t>& values) {
-  const std::vector<std::byte> samples = bytes_of(values);
+  const auto samples = std::as_bytes(std::span(values));
   board.load_volume({.samples = samples, .type = SampleType::kUint12, .dims = {kEdge, kEdge, kEdge}});
 }
 
-template <typename Value>
-std::vector<std::uint16_t> voxels(const Value& value) {
+std::vector<std::uint16_t> voxels(const auto& value) {
   std::vector<std::uint16_t> values(kVoxels);
   for (std::size_t i = 0; i < kVoxels; ++i) {
     const int x = static_cast<int>(i % kEdge), y = static_cast<int>(i / kEdge % kEdge),
@@ -95,10 +81,8 @@ std::string memory(Board& board) {
 
 std::string checksums(Board& board) {
   const std::vector<std::size_t> wrong = board.verify_volume();
-  if (!wrong.empty()) {
-    throw CheckFailed(
-        fmt::format("{} blocks are not as they were sent, the first is block {}", wrong.size(), wrong.front()));
-  }
+  fail_if(!wrong.empty(), fmt::format("{} blocks are not as they were sent, the first is block {}", wrong.size(),
+                                      wrong.empty() ? 0 : wrong.front()));
   const Dims blocks = board.blocks();
   return fmt::format("{} blocks are as they were sent", blocks[0] * blocks[1] * blocks[2]);
 }
@@ -122,14 +106,10 @@ std::string known_picture(Board& board) {
   const Image image = picture(board);
   std::uint64_t hash = 0xcbf29ce484222325;
   std::size_t visible = 0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const Pixel pixel = image.at(x, y);
-      visible += pixel.alpha > 0 ? 1 : 0;
-      for (const unsigned part :
-           {unsigned{pixel.red}, unsigned{pixel.green}, unsigned{pixel.blue}, unsigned{pixel.alpha}}) {
-        for (const unsigned byte : {part & 0xFF, part >> 8}) hash = (hash ^ byte) * 0x100000001b3;
-      }
+  for (const auto& [red, green, blue, alpha] : image.pixels) {
+    visible += alpha > 0 ? 1 : 0;
+    for (const unsigned part : {unsigned{red}, unsigned{green}, unsigned{blue}, unsigned{alpha}}) {
+      for (const unsigned byte : {part & 0xFF, part >> 8}) hash = (hash ^ byte) * 0x100000001b3;
     }
   }
   const std::uint64_t known = board.info().wide ? kWidePicture : kPaperPicture;
@@ -181,7 +161,7 @@ std::string refusals(Board& board) {
   const std::vector<HostRay> outside{{.id = 1, .position = {-1, 0, 0}, .direction = {0, 0, 1}}};
   try {
     board.submit(outside);
-    throw CheckFailed("a ray from outside of the volume was taken");
+    fail_if(true, "a ray from outside of the volume was taken");
   } catch (const BadArgument&) {
   }
   const std::vector<HostRay> inside{{.id = 2, .position = {1, 1, 1}, .direction = {0, 0, 1}}};
@@ -189,8 +169,7 @@ std::string refusals(Board& board) {
   return "a bad ray is refused, and the next one comes back";
 }
 
-// In this order; each leaves the board usable for the next. Returns what was seen, in a few words; throws CheckFailed or
-// gicube::Error.
+// In this order; each leaves the board usable for the next. run() returns what was seen, or throws.
 struct Check {
   const char* name;
   std::string (*run)(Board&);
@@ -207,17 +186,10 @@ struct Result {
   static constexpr const char *kPass = "pass", *kFail = "FAIL", *kSkipped = "skipped";
 };
 
-const char* name_of(Fidelity fidelity) {
-  switch (fidelity) {
-    case Fidelity::kFunctional: return "functional";
-    case Fidelity::kApproximate: return "approximate";
-    case Fidelity::kCycle: return "cycle";
-  }
-  return "?";
-}
+constexpr const char* kFidelityNames[] = {"functional", "approximate", "cycle"};
 
 std::string one_line(std::string text) {
-  for (char& c : text) c = c == '\n' ? ' ' : c;
+  std::ranges::replace(text, '\n', ' ');
   return text;
 }
 
@@ -230,8 +202,9 @@ std::vector<Result> run_all(const std::string& uri) {
     board.emplace(Board::open(uri, options));
     const BoardInfo& info = board->info();
     results.push_back({"open", Result::kPass,
-                       fmt::format("{} level, {} processors, volumes to {}^3, protocol {}.{}", name_of(info.fidelity),
-                                   info.processors, info.max_volume_voxels, info.protocol_major, info.protocol_minor)});
+                       fmt::format("{} level, {} processors, volumes to {}^3, protocol {}.{}",
+                                   kFidelityNames[static_cast<std::size_t>(info.fidelity)], info.processors,
+                                   info.max_volume_voxels, info.protocol_major, info.protocol_minor)});
   } catch (const Error& error) {
     results.push_back({"open", Result::kFail, one_line(error.what())});
   }
@@ -255,8 +228,7 @@ std::vector<Result> run_all(const std::string& uri) {
 
 int validate(const Options& options) {
   const std::vector<Result> results = run_all(options.uri);
-  std::size_t passed = 0;
-  for (const Result& result : results) passed += result.outcome == Result::kPass ? 1 : 0;
+  const auto passed = static_cast<std::size_t>(std::ranges::count(results, Result::kPass, &Result::outcome));
   const bool good = passed == results.size();
   if (options.json) {
     nlohmann::ordered_json tests = nlohmann::ordered_json::array();
