@@ -176,26 +176,6 @@ void set_volume(const RenderOptions& options, Scene& scene) {
   if (options.spacing) volume.spacing = options.spacing;
 }
 
-}  // namespace
-
-Scene input_scene(const RenderOptions& options) {
-  Scene scene;
-  if (options.input.starts_with(kBuiltin)) {
-    scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
-    if (scene.volume.builtin != "buckyball")
-      throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
-  } else if (is_scene_path(options.input)) {
-    scene = read_scene(options.input);
-  } else {
-    scene.volume.file = options.input;
-  }
-  set_volume(options, scene);
-  if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
-  return scene;
-}
-
-namespace {
-
 void set_camera(const CameraSettings& options, CameraSettings& camera) {
   if (options.eye) camera.eye = options.eye;
   if (options.look_at) camera.look_at = options.look_at;
@@ -219,6 +199,22 @@ void set_view(const RenderOptions& options, View& view) {
 }
 
 }  // namespace
+
+Scene input_scene(const RenderOptions& options) {
+  Scene scene;
+  if (options.input.starts_with(kBuiltin)) {
+    scene.volume.builtin = options.input.substr(std::string(kBuiltin).size());
+    if (scene.volume.builtin != "buckyball")
+      throw UsageError("INPUT: expected builtin:buckyball, got " + in_quotes(options.input));
+  } else if (is_scene_path(options.input)) {
+    scene = read_scene(options.input);
+  } else {
+    scene.volume.file = options.input;
+  }
+  set_volume(options, scene);
+  if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
+  return scene;
+}
 
 std::optional<RenderOptions> parse_options(int argc, const char* const* argv, std::ostream& out) {
   RenderOptions options;

@@ -98,15 +98,11 @@ Table run_sweep(const SweepOptions& options, ProgressLine& progress) {
 
 // CSV, JSON, the gnuplot script, and with `chart` its picture. Throws FileError; RunFailed if gnuplot fails.
 void write_files(const SweepOptions& options, const Table& table) {
-  const std::filesystem::path base = options.folder / options.name;
-  const auto with = [&](const char* extension) {
-    std::filesystem::path file = base;
-    return file += extension;
-  };
-  write_whole(with(".csv"), csv(table));
-  write_whole(with(".json"), json(table));
-  write_whole(with(".gp"), chart(table, options.name, options.title.empty() ? options.name : options.title));
-  if (options.chart) run_to_end("gnuplot", {options.name + ".gp"}, with(".log"), options.folder);
+  const std::string base = (options.folder / options.name).string();
+  write_whole(base + ".csv", csv(table));
+  write_whole(base + ".json", json(table));
+  write_whole(base + ".gp", chart(table, options.name, options.title.empty() ? options.name : options.title));
+  if (options.chart) run_to_end("gnuplot", {options.name + ".gp"}, base + ".log", options.folder);
 }
 
 void print_front(const Table& table) {

@@ -5,11 +5,13 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <mutex>
 
@@ -122,19 +124,13 @@ nlohmann::json RunFolder::read(const Run& run) const {
 
 void carry_out_all(const RunFolder& folder, const std::vector<Run>& runs, const std::filesystem::path& program,
                    int jobs, const std::function<void(std::size_t done)>& progress) {
+  std::vector<Run> left;
+  std::ranges::copy_if(runs, std::back_inserter(left), [&](const Run& run) { return !folder.has(run); });
+  std::size_t done = runs.size() - left.size();
   std::mutex mutex;
-  std::size_t done = 0;
-  std::vector<const Run*> left;
-  for (const Run& run : runs) {
-    if (folder.has(run)) {
-      ++done;
-    } else {
-      left.push_back(&run);
-    }
-  }
   progress(done);
   in_parallel(left.size(), jobs, [&](std::size_t i) {
-    folder.carry_out(*left[i], program);
+    folder.carry_out(left[i], program);
     const std::lock_guard lock(mutex);
     progress(++done);
   });

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <memory>
 
-#include "scene/formats/stored_samples.h"
-
 namespace gicube::samples {
 namespace {
 
@@ -33,13 +31,9 @@ struct Grid {
   }
 };
 
-double value_at(const Volume& scan, std::size_t index) {
-  return with_sample(
-      scan.type, [&](auto sample) { return static_cast<double>(sample_at<decltype(sample)>(scan.samples, index)); });
-}
-
 // The means of cubes of `factor` voxels an edge; a rest at the far faces is left out.
 Grid averaged(const Volume& scan, const ValueRange& range, int factor) {
+  const std::vector<float> values = values_of(scan);
   Grid grid;
   for (std::size_t axis = 0; axis < 3; ++axis) grid.dims[axis] = std::max(scan.dims[axis] / factor, 1);
   const auto across = static_cast<std::size_t>(scan.dims[0]), down = static_cast<std::size_t>(scan.dims[1]);
@@ -52,8 +46,7 @@ Grid averaged(const Volume& scan, const ValueRange& range, int factor) {
           for (int j = y * factor; j < std::min((y + 1) * factor, scan.dims[1]); ++j) {
             const std::size_t row = (static_cast<std::size_t>(k) * down + static_cast<std::size_t>(j)) * across;
             for (int i = x * factor; i < std::min((x + 1) * factor, scan.dims[0]); ++i, ++count) {
-              const double value =
-                  (value_at(scan, row + static_cast<std::size_t>(i)) - range.low) / (range.high - range.low);
+              const double value = (values[row + static_cast<std::size_t>(i)] - range.low) / (range.high - range.low);
               sum += std::isnan(value) ? 0 : std::clamp(value, 0.0, 1.0);
             }
           }

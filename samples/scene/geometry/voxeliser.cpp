@@ -54,24 +54,23 @@ struct Found {
   }
 };
 
-class Voxeliser {
- public:
-  Voxeliser(const WorldGrid& grid, const std::vector<PlacedSolid>& solids, const std::vector<PlacedScan>& scans,
-            VoxelWorld& target)
-      : dims_(grid.dims), seen_(solids.begin(), solids.end()), scans_(scans), target_(target) {}
+struct Voxeliser {
+  const Dims& dims;
+  std::vector<Seen> seen;
+  const std::vector<PlacedScan>& scans;
+  VoxelWorld& target;
 
   void fill_cell(const Dims& first) {
     const double reach = kNearVoxels + (kCell - 1) * std::numbers::sqrt3 / 2;
     std::vector<Candidate> near;
-    for (const Seen& seen : seen_) {
-      const double bound = seen.bound(middle_of_cell(first));
-      if (bound < reach) near.push_back({&seen, bound < -reach});
+    for (const Seen& solid : seen) {
+      const double bound = solid.bound(middle_of_cell(first));
+      if (bound < reach) near.push_back({&solid, bound < -reach});
     }
-    if (near.empty() && scans_.empty()) return;
-    each_voxel(dims_, first, [&](Vec3 p, std::size_t index) { fill_voxel(p, index, near); });
+    if (near.empty() && scans.empty()) return;
+    each_voxel(dims, first, [&](Vec3 p, std::size_t index) { fill_voxel(p, index, near); });
   }
 
- private:
   void fill_voxel(Vec3 p, std::size_t index, const std::vector<Candidate>& near) {
     Found solid, fog;
     for (const Candidate& candidate : near) {
@@ -82,17 +81,17 @@ class Voxeliser {
     double density = std::max(of_solid, of_fog);
     const bool free = solid.distance >= (of_fog > 0 ? kTagInFogVoxels : kNearVoxels);
     if (!free) {
-      target_.tags[index] = solid.tag;
+      target.tags[index] = solid.tag;
     } else if (fog.distance < kNearVoxels) {
-      target_.tags[index] = fog.tag;
+      target.tags[index] = fog.tag;
     }
     if (std::abs(solid.distance) < kNearVoxels) set_gradient(index, -1 * solid.away);
     if (solid.distance >= kTagInFogVoxels) take_scans(p, index, density);
-    target_.set_density(index, density);
+    target.set_density(index, density);
   }
 
   void take_scans(Vec3 p, std::size_t index, double& density) {
-    for (const PlacedScan& scan : scans_) {
+    for (const PlacedScan& scan : scans) {
       if (p.x < scan.low.x || p.y < scan.low.y || p.z < scan.low.z || p.x > scan.high.x || p.y > scan.high.y ||
           p.z > scan.high.z) {
         continue;
@@ -100,7 +99,7 @@ class Voxeliser {
       const double value = scan.density(p);
       if (value < 0 || (value < scan.visible && density > 0)) continue;
       density = std::min(value, 1.0);
-      target_.tags[index] = scan.tag;
+      target.tags[index] = scan.tag;
       set_gradient(index, sobel(scan, p));
     }
   }
@@ -125,13 +124,8 @@ class Voxeliser {
   }
 
   void set_gradient(std::size_t index, Vec3 g) {
-    if (std::isfinite(g.x + g.y + g.z)) target_.set_gradient(index, g);
+    if (std::isfinite(g.x + g.y + g.z)) target.set_gradient(index, g);
   }
-
-  Dims dims_;
-  std::vector<Seen> seen_;
-  const std::vector<PlacedScan>& scans_;
-  VoxelWorld& target_;
 };
 
 }  // namespace
@@ -140,7 +134,7 @@ VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solid
                     int threads) {
   VoxelWorld world(grid.dims, "world", true);
   world.volume.range = ValueRange{0, kMaxDensity};
-  Voxeliser voxeliser(grid, solids, scans, world);
+  Voxeliser voxeliser{grid.dims, {solids.begin(), solids.end()}, scans, world};
   each_cell(grid.dims, threads, [&](const Dims& first) { voxeliser.fill_cell(first); });
   return world;
 }

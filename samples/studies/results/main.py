@@ -95,7 +95,7 @@ def main():
         for name, (heading, section) in SECTIONS.items():
             if name in given.only:
                 bench.page.heading(heading)
-                section(bench)
+                section(bench, bench.page)
         if bench.complete():
             break
         bench.measure(given.jobs, pictures, given.quiet)

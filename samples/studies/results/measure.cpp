@@ -6,19 +6,18 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "gicube/board.h"
 #include "scene/image_file.h"
-#include "scene/program/board_options.h"
+#include "scene/program/board_run.h"
 
 namespace gicube::samples::results {
 namespace {
 
-Board open_board(const Run& run) {
+Board board_for(const Run& run) {
   BoardOptions options;
   options.fidelity = "cycle";
   options.threads = 1;
   for (const auto& [field, value] : run.settings) options.settings.push_back(field + '=' + value);
-  return Board::open(board_uri(options));
+  return samples::open_board(options);
 }
 
 void load(Board& board, const SceneData& scene, bool be_faint) {
@@ -48,11 +47,10 @@ View view_of(const Run& run, const SceneData& scene) {
 // What `work` adds to the board's counters and clock.
 template <typename Work>
 Json window(Board& board, const Work& work) {
-  const Counters before = board.counters();
-  const Picoseconds start = board.now();
+  RunWindow run(board);
   work();
-  Json result{{"time_ps", board.now() - start}};
-  const Counters added = board.counters() - before;
+  Json result{{"time_ps", run.simulated()}};
+  const Counters added = run.counters();
   for (const Counter& counter : added.list()) result["counters"][counter.name] = counter.value;
   result["processors"] = board.info().processors;
   result["core_hz"] = 1e3 * board.info().core_khz;
@@ -164,7 +162,7 @@ void measure(const std::vector<Run>& runs, SceneStore& scenes, const std::functi
   std::size_t at = 0;
   try {
     const std::shared_ptr<const SceneData> scene = scenes.get(runs.front());
-    Board board = open_board(runs.front());
+    Board board = board_for(runs.front());
     load(board, *scene, runs.front().faint);
     bool lit = false;
     for (; at < runs.size(); ++at) keep(at, measure(board, runs[at], *scene, lit));

@@ -11,9 +11,8 @@ from page import differs, number, percent
 REAL_TIME = 30  # Hz
 
 
-def scenes(bench):
+def scenes(bench, page):
     """Rows 2, 5, 6 and 23."""
-    page = bench.page
     about = []
     for run in bench.oblique():
         m = bench.get(run)
@@ -33,12 +32,11 @@ def scenes(bench):
                "rays sent /100 cycles", "balance", "DSP busy", "overflows a ray"]
     page.table("design-point", ["scene", "view", *columns],
                [[run.scene, run.view, *cells(bench.get(run), columns, others)] for run in bench.all()])
-    memory_claims(bench)
+    memory_claims(bench, page)
     rate_claim(bench)
 
 
-def memory_claims(bench):
-    page = bench.page
+def memory_claims(bench, page):
     memory, use, samples = (bench.spread(bench.all(), figure) for figure in (memory_gb_s, memory_use, samples_per_second))
     # Oblique views with samples a voxel apart, with the paper's jitter [P §2.1] half to a whole voxel.
     jittered = [run.at_step(1).but(jitter=True) for run in bench.oblique()]
@@ -74,9 +72,8 @@ def rate_claim(bench):
     bench.page.claim(23, "256^3 in real time (3)", "30 Hz", f"mean {rate.text(1, 1)} Hz", rate.min < REAL_TIME, "; ".join(slow))
 
 
-def bounds(bench):
+def bounds(bench, page):
     """Where the time goes."""
-    page = bench.page
     page.text(
         "ASIC time of the oblique view with parts that have no limits: every packet in the cache when it is asked for; queues that "
         "never overflow; the most important queue known at once. The last column is the cost-effective variant of section 3.3.")
@@ -95,10 +92,9 @@ def bounds(bench):
     bench.causes_table("causes", SCENES, bench.oblique())
 
 
-def gains(bench):
+def gains(bench, page):
     """Rows 11 and 20."""
     volume_pro = 301e6  # samples a second at 100 MHz [P §5.1]
-    page = bench.page
     page.text(
         "Gain is the growth of the rate of the ASIC. Without termination the same scene has opacities so low that no ray gets opaque: "
         "nothing else of it takes time. *Worth* is the rate of a machine that takes all samples of the volume, as a VolumePro has to, "
@@ -135,7 +131,7 @@ def gains(bench):
                "never end and never leap (cloud)")
 
 
-def parameters(bench):
+def parameters(bench, page):
     """Free parameters."""
     paper = 231e6 / 400e6  # throughput [P §5.1]
     variants = {"design point": {}}
@@ -148,7 +144,6 @@ def parameters(bench):
     variants |= {f"runs of {n} rays": {"dsp.run_rays": n} for n in (4, 16, 64, 256)}
     variants["queues by contribution"] = {"sorter.policy": "most_contribution"}
 
-    page = bench.page
     page.text("What the paper leaves open, one at a time; oblique views, ASIC ms. Link width: above.")
     swept = ["buckyball", "head", "rock"]
     rows, far = [], []
@@ -165,9 +160,8 @@ def parameters(bench):
               f"are all variants{' but ' if far else ''}{', '.join(far)}.")
 
 
-def bus(bench):
+def bus(bench, page):
     """Row 21."""
-    page = bench.page
     design = bench.run("buckyball").but(width=2 * bench.image, height=2 * bench.image)
     rows, share, rate = [], {}, {}
     for name in ("pci33", "agp1x", "agp2x", "agp4x"):
@@ -190,9 +184,8 @@ def bus(bench):
                share["pci33"] > 1 or pci > REAL_TIME or agp < pci, "the bus is not what bounds these rays: see the table")
 
 
-def cost(bench):
+def cost(bench, page):
     """Row 22."""
-    page = bench.page
     # As the driver looks for it.
     program = os.environ.get("GICUBE_BOARD") or bench.programs / "gicube-board"
     text = subprocess.run([program, "--hardware-cost"], stdout=subprocess.PIPE, text=True).stdout

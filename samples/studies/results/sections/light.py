@@ -14,9 +14,8 @@ def millions(m, name):
     return 1e-6 * m[name]
 
 
-def illumination(bench):
+def illumination(bench, page):
     """Rows 2, 3, 5 and 6."""
-    page = bench.page
     for scene in LIT_SCENES:
         page.picture(f"scene-{scene}.png", scene)
     page.table("lit-scenes", ["scene", "what it is there for"], [list(each) for each in LIT_SCENES.items()])
@@ -113,19 +112,18 @@ def memory_claims(bench):
         differs(use.mean, PAPER_USE), "as row 5")
 
 
-def light_sweep(bench):
+def light_sweep(bench, page):
     """Row 4, and what rows 2 and 6 depend on."""
-    bench.page.text(
+    page.text(
         "A residency is the time that a queue is the active one; a step is a sample or leap in it. Residencies of fewer than 32 steps are short: "
         "the pipeline is longer than that, so that no ray of them comes round.")
-    rays_claim(bench)
+    rays_claim(bench, page)
     parameters(bench)
 
 
-def rays_claim(bench):
+def rays_claim(bench, page):
     paper_pass, paper_rate = 361, 39  # ms, Hz
     counts = (1, 2, 3)  # rays a face voxel, k
-    page = bench.page
     chart = Chart("light-rays", "Mirrored buckyball: illumination pass", "rays a face voxel, k", "ms",
                   series=["low albedo", "high albedo", "paper"])
     rows = []
@@ -205,9 +203,8 @@ def tail_of(times):
     return (ratio(len(tail), len(times)), ratio(sum(ms.samples for ms in tail), samples), ratio(sum(ms.loads for ms in tail), loads))
 
 
-def block_loads(bench):
+def block_loads(bench, page):
     """Row 18."""
-    page = bench.page
     for scene in (BALL, "fog-box"):
         chart = Chart(f"block-loads-{scene}", f"Figure 15: block loads in a lighting pass, {scene}", "ms", "in a millisecond",
                       log_y=True, series=["block loads", "samples"])

@@ -49,9 +49,8 @@ def queue_table(bench, name, variants, get):
     bench.page.table(name, ["rays of a queue", *(head for each in variants for head in (f"{each}: hits", "ms"))], rows)
 
 
-def cache(bench):
+def cache(bench, page):
     """Rows 15 and 16."""
-    page = bench.page
     grids = [Grid(bench, scene, bench.run(scene)) for scene in ("buckyball", "head")]
     # One volume of as many voxels as the largest block has, and one processor: n = N.
     whole = grids[0].blocks[-1]
@@ -119,9 +118,8 @@ def at_image(run, image):
     return run.but(width=image, height=image)
 
 
-def sampling(bench):
+def sampling(bench, page):
     """Rows 17 and 19."""
-    page = bench.page
     for scene in ("buckyball", "cloud"):
         chart = Chart(f"misses-{scene}", f"Figure 9: misses a sample, {scene}", "misses of a sample", "share of samples", bars=True,
                       series=[f"step {step:g}" for step in STEPS])

@@ -26,9 +26,8 @@ def time_over_slab(bench, runs, settings, bits=DESIGN_BITS):
     return spread_of([ratio(ours, theirs) for ours, theirs in zip(bench.over(on(runs, with_links(settings, bits)), asic_ms), slab)])
 
 
-def partition(bench):
+def partition(bench, page):
     """Rows 7 to 10."""
-    page = bench.page
     page.text(
         "Mean (least to most) over all scenes and views. Balance is the paper's: the mean over the processors of the part of the time "
         "in which one was busy; *holds rays* counts a processor as busy while a ray is in its queues or its pipeline, *works* only in "
@@ -43,7 +42,7 @@ def partition(bench):
                               "balance: holds rays", "balance: works", "time, of the slab's"], rows)
     width_sweep(bench)
     along_and_across(bench)
-    partition_claims(bench)
+    partition_claims(bench, page)
 
 
 def percent_range(spread):
@@ -93,8 +92,7 @@ def along_and_across(bench):
         "the mean follows the scenes: rays that end early in the first slab leave the others without work")
 
 
-def partition_claims(bench):
-    page = bench.page
+def partition_claims(bench, page):
     of_all = [on(bench.all(), settings) for settings in PARTITIONS.values()]
     sent, cut, held = ([bench.mean(runs, figure) for runs in of_all] for figure in (rays_sent, bisection_mb_s, balance_held))
     block, slab = bench.block, bench.edge // DESIGN_PROCESSORS
@@ -143,10 +141,9 @@ def width_reason(bench, slab_held):
         f"{percent(slab_held)} is the mean of all views: along y and z, across the slabs, it is {percent(across)}")
 
 
-def speed_up(bench):
+def speed_up(bench, page):
     """Row 12."""
     most = 16
-    page = bench.page
     fast = SKEWED | FAST_FRONT_END
     small = fast | {"asic.block_voxels": max(8, bench.block // 2)}
     machines = {"slab": SLAB,
@@ -198,10 +195,10 @@ def speed_up(bench):
         f"{bound_small:.1f}; what is lost then is {lost_small}")
 
 
-def scaling(bench):
+def scaling(bench, page):
     """Rows 13 and 14."""
-    grown_problem(bench)
-    large_problem(bench)
+    grown_problem(bench, page)
+    large_problem(bench, page)
 
 
 def grown(bench, scene, parallel, processors):
@@ -213,25 +210,25 @@ def grown(bench, scene, parallel, processors):
     return run if processors == DESIGN_PROCESSORS else run.on({PROCESSORS: processors})
 
 
-def grown_problem(bench):
+def grown_problem(bench, page):
     processors = (1, 2, 4, 8)
     problems = [(scene, parallel) for scene in ("cloud", "rock") for parallel in (True, False)]
     runs = {p: [grown(bench, *problem, p) for problem in problems] for p in processors}
     busy = {p: bench.over(runs[p], throughput) for p in processors}
-    bench.page.text(
+    page.text(
         f"The problem grown with p: each processor has its {bench.edge // 2}^3 voxels; the volume doubles along x, y, z for 2, 4, 8 "
         "processors, the image with its face, so that rays times their length grow as p. Throughput a processor, slabs.")
-    bench.page.table("grown", ["scene", "view", "p = 1", "2", "4", "8"],
+    page.table("grown", ["scene", "view", "p = 1", "2", "4", "8"],
                      [[scene, "along z, parallel rays" if parallel else "oblique", *(percent(busy[p][i], 1) for p in processors)]
                       for i, (scene, parallel) in enumerate(problems)])
     one, eight = mean_of(busy[1]), mean_of(busy[8])
-    bench.page.claim(
+    page.claim(
         13, "throughput a processor, problem grown with p from 1 to 8 (5.2)", "99.9% to 80.7%", f"{percent(one, 1)} to {percent(eight, 1)}",
         differs(one, 0.999) or differs(eight, 0.807),
         f"cycles without a sample, one processor: {bench.lost_cycles(runs[1])}; eight: {bench.lost_cycles(runs[8])}")
 
 
-def large_problem(bench):
+def large_problem(bench, page):
     edge, sizes = 2 * bench.edge, (bench.image, 2 * bench.image)
     fast = SKEWED | FAST_FRONT_END
     machines = {"slab": (SLAB, True),  # settings, leap
@@ -248,14 +245,14 @@ def large_problem(bench):
     for name in machines:
         for pair in zip(*(runs[name, size] for size in sizes)):
             rows.append([name, pair[0].scene, *(cell for run in pair for cell in cells(bench.get(run), columns, others))])
-    bench.page.text(f"16 processors on {edge}^3 voxels, oblique views.")
-    bench.page.table("large", ["machine", "scene", *(head for size in sizes for head in (f"{size}^2 image: throughput", *columns[1:]))],
+    page.text(f"16 processors on {edge}^3 voxels, oblique views.")
+    page.table("large", ["machine", "scene", *(head for size in sizes for head in (f"{size}^2 image: throughput", *columns[1:]))],
                      rows)
 
     busy = {key: bench.mean(each, throughput) for key, each in runs.items()}
     skewed, quick, no_leaps = ([busy[name, size] for size in sizes] for name in list(machines)[1:])
     lost = [bench.lost_cycles(runs[name, sizes[1]]) for name in list(machines)[1:]]
-    bench.page.claim(
+    page.claim(
         14, "512^3 with 16 processors: 256^2 image, 512^2 image (5.2)", "29.1%, 76.1%",
         f"{percent(skewed[0], 1)}, {percent(skewed[1], 1)} (skewed); {percent(quick[0], 1)}, {percent(quick[1], 1)} with a fast DSP, runs "
         "and wide links",

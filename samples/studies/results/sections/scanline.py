@@ -18,10 +18,9 @@ def in_turns(columns, ours, theirs):
     return [cell for pair in zip(cells(ours, columns), cells(theirs, columns)) for cell in pair]
 
 
-def baseline(bench):
+def baseline(bench, page):
     """Row 1."""
     queues = (16, 32, 64, 128, 256, 512, 1024, 4096)  # rays
-    page = bench.page
     page.text(
         "The machine of section 5.1 that reordering is measured against, for rendering: one queue a processor, rays in the order in "
         "which they come, a direct-mapped cache of the same size with a tag a word, addressed by the voxel's place in the whole volume; "
@@ -78,10 +77,9 @@ def gain_of(ours, theirs):
     return ratio(frame_ms(theirs), frame_ms(ours))
 
 
-def lit_baseline(bench):
+def lit_baseline(bench, page):
     """Row 1."""
     queues = (16, 64, 256, 1024)  # rays
-    page = bench.page
     page.text(
         "The same two machines with a lighting pass of k = 1 in low albedo, and a frame whose rays scatter. The baseline has its best "
         "queue of those below.")
