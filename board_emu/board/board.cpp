@@ -54,7 +54,6 @@ const char* command_name(std::span<const std::uint8_t> payload) {
   return kNames[opcode < kNames.size() ? opcode : 0];
 }
 
-// What a host does that waits for the reply.
 const char* wait_name(FrameType type) {
   if (type == FrameType::kMemoryRead) return "read memory";
   return type == FrameType::kWait ? "wait" : "access register";

@@ -65,10 +65,8 @@ class Timeline {
     return ahead.finish(kAhead);
   }
 
-  // Null for none.
   void set_watcher(BoardObserver* watcher) { watcher_ = watcher; }
 
-  // Lets time pass up to `horizon`.
   void advance(Picoseconds horizon) {
     while (step(horizon)) continue;
     now_ps_ = std::max(now_ps_, horizon);

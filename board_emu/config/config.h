@@ -31,7 +31,6 @@ std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& l
 
 // 64-bit FNV-1a of the resolved configuration's text, `threads` left out: equal hashes mean equal results.
 std::uint64_t config_hash(const v1::BoardConfig& config);
-// The same as 16 lower-case hex digits.
 std::string config_hash_text(const v1::BoardConfig& config);
 
 // The resolved configuration as protobuf text, which parse_config() reads back.

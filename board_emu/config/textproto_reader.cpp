@@ -24,7 +24,6 @@ using google::protobuf::io::Tokenizer;
 constexpr std::size_t kMaxTextBytes = 1 << 20;  // chosen: a configuration is below 1 KB, 10,000 planned faults are 1 MB
 constexpr std::size_t kMaxDiagnostics = 100;    // chosen: nobody reads more
 
-// The first error of protobuf's tokenizer or parser.
 class FirstError : public google::protobuf::io::ErrorCollector {
  public:
   void AddError(int line, ColumnNumber, const std::string& text) override {
@@ -76,7 +75,6 @@ class Reader {
     }
   }
 
-  // One, or a list of them.
   void read_values(Message& message, const FieldDescriptor& field, const std::string& path, int line) {
     if (!field.is_repeated() || !accept("[")) return read_one(message, field, path, line);
     if (accept("]")) return;

@@ -18,7 +18,6 @@ class Message;
 
 namespace gicube::emu {
 
-// One thing that is wrong with a setting.
 struct Diagnostic {
   std::string field;  // dotted path, as "asic.processors" or "fault[3].kind"; empty where the text can't be read at all
   std::string expected;
@@ -28,7 +27,6 @@ struct Diagnostic {
 
 // "line 3: asic.processors: expected 1 to 16, got 99"
 std::string to_string(const Diagnostic& diagnostic);
-// One a line.
 std::string to_string(std::span<const Diagnostic> diagnostics);
 
 // Where a text sets each field: dotted path -> line from 1.

@@ -66,7 +66,6 @@ class TraceFile {
   const TextFile& file() const { return file_; }
 
  private:
-  // One JSON object of these members.
   template <typename... Args>
   void event(Picoseconds end, fmt::format_string<Args...> members, Args&&... args) {
     file_.add("{}\n{{", first_ ? "" : ",");

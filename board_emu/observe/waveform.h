@@ -36,7 +36,6 @@ class Waveform : public Observer {
       return;
     record(now, machine);
   }
-  // There is no such machine any more.
   void end_machine() {
     if (state_ != State::kWriting) return;
     vcd_.end(time(next_));

@@ -123,7 +123,6 @@ class HostBus {
  public:
   explicit HostBus(const BusTiming& timing) : timing_(timing) {}
 
-  // Whether a transfer waits or is under way.
   bool carries(BusDirection direction, std::uint64_t id) const {
     const auto& queue = side(direction).queue;
     return std::any_of(queue.begin(), queue.end(), [id](const BusTransfer& transfer) { return transfer.id == id; });

@@ -247,7 +247,6 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
   sessions_.erase(token);
 }
 
-// The client's first frame, if it is what it must be.
 awaitable<bool> BusServer::read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs) {
   asio::steady_timer deadline(connection.executor(), options_.handshake_deadline);
   const auto come = std::make_shared<bool>(false);

@@ -41,7 +41,6 @@ Endpoint parse_tcp(std::string_view text, std::string_view rest) {
   return endpoint;
 }
 
-// Somebody accepts connections there.
 bool answers(const std::string& path) {
   const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) throw std::system_error(errno, std::generic_category(), "socket");

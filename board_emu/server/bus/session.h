@@ -27,7 +27,6 @@
 
 namespace gicube::emu {
 
-// What the board says of itself in the handshake.
 wire::VersionInfo board_version();
 
 struct BusOptions {

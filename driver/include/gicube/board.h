@@ -143,9 +143,8 @@ class GICUBE_API Board {
   // The map from the loaded volume's values to densities. Throws Rejected before load_volume().
   ValueRange value_range() const;
 
-  // Sets how tag `tag` (0..3) looks, writes its quarter of the segmentation LUT and finds the empty flags again.
-  // May come before or after load_volume() (then the simulated host waits for the transfer); a tag never set is invisible.
-  // Throws BadArgument: the board is untouched.
+  // Sets how tag `tag` (0..3) looks, writes its quarter of the segmentation LUT and finds the empty flags again. After
+  // load_volume() the simulated host waits for that; a tag never set is invisible. Throws BadArgument: the board is untouched.
   void set_transfer_function(const TransferFunction& function, int tag = 0);
 
   // Phong coefficients and light of the next renderings. The reflectance map is made for each view's direction, and sent when
@@ -164,8 +163,7 @@ class GICUBE_API Board {
 
   // Clears the irradiance and distributes the lights' energy by lighting rays; the simulated host waits. The irradiance
   // remains until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
-  // Throws BadArgument (a light's index and field, settings), Rejected (no volume; a routine failed or is missing); then
-  // the irradiance is incomplete.
+  // Throws BadArgument (a light's index and field, settings), Rejected (no volume, no routine): the irradiance is incomplete.
   LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
   // One value a voxel, x fastest, in units of the lights' power: of the whole volume or of a box. The simulated host waits for
   // the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
@@ -174,9 +172,8 @@ class GICUBE_API Board {
   // Overwrites it: words are rounded to the unit in force and saturate. Throws as read_irradiance(), and BadArgument
   // (a value's index): the irradiance is unchanged. The simulated host waits for the transfer.
   void write_irradiance(const VoxelBox& box, std::span<const float> values);
-  // Sets the irradiance to zero, and one unit of its words to `unit` of the lights' power: for rays of type kDeposit and
-  // for write_irradiance(). The words saturate at 2047, or with the wide datapath at 2^32 - 1.
-  // Throws BadArgument, Rejected (no volume).
+  // Sets the irradiance to zero, and one unit of its words to `unit` of the lights' power: for kDeposit rays and
+  // write_irradiance(). Words saturate at 2047, on the wide datapath at 2^32 - 1. Throws BadArgument, Rejected (no volume).
   void clear_irradiance(double unit);
   // Sets the sums of kBackproject rays to zero, and one unit of them to `unit`, an energy times a length.
   // They are kept beside the volume until the next load_volume() or reset. Throws BadArgument, Rejected (no volume).
@@ -186,8 +183,7 @@ class GICUBE_API Board {
   std::vector<float> read_sums(const VoxelBox& box);
 
   // Replaces the gradient codebook: at most 2048 unit directions, code 0 must be the zero vector ("no gradient").
-  // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded, because its codes would
-  // change their meaning; the board is then untouched.
+  // The default has 40 latitude rings. Throws BadArgument, and Rejected once a volume is loaded: the board is untouched.
   void set_gradient_codebook(std::span<const Vec3> codebook);
 
   // Overrides the flags that the driver found, until the next load_volume() or set_transfer_function(). One value a
@@ -198,9 +194,8 @@ class GICUBE_API Board {
   std::vector<std::uint8_t> empty_flags() const;
   Dims blocks() const;  // how many blocks along each axis
 
-  // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image.
-  // Throws BadArgument (view's fields) and Rejected (no volume, a scattering routine is missing): the framebuffer is
-  // unchanged.
+  // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image. Throws
+  // BadArgument (view's fields) and Rejected (no volume, no scattering routine): the framebuffer is unchanged.
   void render_to_framebuffer(const View& view, const Progress& progress = {});
   // Transfers the framebuffer at 36 bits a pixel. Throws Rejected before the first rendering.
   Image read_framebuffer();
@@ -216,10 +211,9 @@ class GICUBE_API Board {
   // The same with rays that lie in several places, as one batch in that order.
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request = {});
   Ticket submit(std::span<const Polyline> lines);
-  // Blocks until that batch has returned, and moves the simulated host's clock to its arrival.
-  // Throws BadArgument if the ticket is unknown or its rays were received already; what the board refused (Rejected,
-  // Unsupported): the batch is gone; DeadlinePassed if the batch has not arrived by the simulated time `deadline`: the clock is
-  // at the deadline, and the batch still under way.
+  // Blocks until that batch has returned, and moves the simulated host's clock to its arrival. Throws BadArgument if the ticket
+  // is unknown or its rays were received already; Rejected, Unsupported if the board refused it: the batch is gone;
+  // DeadlinePassed if it has not arrived by the simulated time `deadline`: the clock is there, the batch still under way.
   RayBatch receive(Ticket ticket, Picoseconds deadline = kNoDeadline);
   // The same, with the rays straight into the caller's memory: as many as were submitted (polylines: legs). None are written of
   // a cancelled batch, and of kDeposit and kBackproject, for which any size will do. Throws BadArgument if it has another size:

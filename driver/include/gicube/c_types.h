@@ -32,11 +32,10 @@ enum {
   GICUBE_TIMED_OUT = 9,         /* no answer within the wall-clock watchdog; as after GICUBE_DEVICE_LOST */
   GICUBE_DEADLINE_PASSED = 10,  /* a simulated time has come first; the board works on */
   GICUBE_WOULD_BLOCK = 11,      /* as many rays are under way as may be; nothing was sent */
-  GICUBE_MEMORY_FAULT =
-      12,                /* the board's RDRAM reported an error; nothing has changed, and the call may be made again */
-  GICUBE_STOPPED = 13,   /* a callback of the caller's returned nonzero */
-  GICUBE_NO_MEMORY = 14, /* of this process */
-  GICUBE_INTERNAL = 15   /* a fault of the driver itself */
+  GICUBE_MEMORY_FAULT = 12, /* the board's RDRAM reported an error; nothing has changed: the call may be made again */
+  GICUBE_STOPPED = 13,      /* a callback of the caller's returned nonzero */
+  GICUBE_NO_MEMORY = 14,    /* of this process */
+  GICUBE_INTERNAL = 15      /* a fault of the driver itself */
 };
 
 /* gicube/board.h: OpenOptions */

@@ -52,8 +52,7 @@ struct GICUBE_API ScatteringFailed : Error {
   using Error::Error;
 };
 
-// The board's memory reported an error that it could not correct. The command was not carried out and nothing has
-// changed; the same call may be made again.
+// The board's memory reported an error that it could not correct. Nothing has changed; the same call may be made again.
 struct GICUBE_API MemoryFault : Error {
   using Error::Error;
 };

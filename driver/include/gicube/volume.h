@@ -24,8 +24,7 @@ constexpr std::size_t bytes_per_sample(SampleType type) {
   return 0;
 }
 
-// The linear map from a file's values to the board's 12-bit density: density = round(4095 (v - low) / (high - low)),
-// clamped. Low < high, both finite.
+// The map from values to the board's 12-bit density: round(4095 (v - low) / (high - low)), clamped. Low < high, both finite.
 struct ValueRange {
   double low = 0;
   double high = 1;

@@ -42,7 +42,6 @@ VoxelBox grown(const VoxelBox& box, int more, Dims dims) {
   return out;
 }
 
-// Of a voxel of the volume among those of a box.
 std::size_t index_in(const VoxelBox& box, int x, int y, int z) {
   return index_of(box.size, x - box.low[0], y - box.low[1], z - box.low[2]);
 }

@@ -60,7 +60,6 @@ class Device {
   std::uint32_t read_config(std::uint32_t offset) { return read_word(wire::FrameType::kConfigRead, offset); }
   std::uint32_t read_register(std::uint32_t offset) { return read_word(wire::FrameType::kRegisterRead, offset); }
   void write_register(std::uint32_t offset, std::uint32_t value);
-  // Writes it unless it holds that value already.
   void set_register(std::uint32_t offset, std::uint32_t value) {
     const auto last = registers_.find(offset);
     if (last == registers_.end() || last->second != value) write_register(offset, value);
@@ -89,7 +88,6 @@ class Device {
   CommandResult run(std::vector<std::uint8_t> payload, const Progress& progress, Picoseconds deadline = kNoDeadline);
   // The result of a command if it has come; blocks nobody.
   std::optional<CommandResult> take(std::uint32_t ticket) { return link_->take(ticket); }
-  // Nobody will ask for the result.
   void forget(std::uint32_t ticket) { link_->forget(ticket); }
   // Takes a command back whose turn has not begun: true, and it completes with kCancelled.
   bool cancel(std::uint32_t ticket);

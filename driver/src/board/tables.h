@@ -27,7 +27,6 @@ class Tables {
  public:
   explicit Tables(Device& device) : device_(device) {}
 
-  // The board has the wide datapath.
   void set_wide(bool wide) { wide_ = wide; }
 
   void set_codebook(GradientCodebook codebook) {

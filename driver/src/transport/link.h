@@ -26,7 +26,6 @@
 
 namespace gicube {
 
-// What a driver of this version says of itself in the handshake.
 wire::VersionInfo driver_version();
 
 struct LinkOptions {
@@ -48,8 +47,6 @@ struct Response {
   std::vector<std::uint8_t> payload;  // with an error: its text
 };
 using CommandResult = Response;
-
-// The board's error replies as the driver's typed errors.
 
 // The text of an error payload: printable, and cut at a length that fits a message.
 std::string error_text(std::span<const std::uint8_t> payload);

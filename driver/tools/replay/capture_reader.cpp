@@ -38,7 +38,6 @@ void CaptureReader::fail(const std::string& what) const {
   throw CaptureError(fmt::format("{}: byte {}: {}", name_.string(), at_, what));
 }
 
-// As many as there are.
 std::size_t CaptureReader::read(std::uint8_t* bytes, std::size_t count) {
   const int got = ::gzread(file_.get(), bytes, static_cast<unsigned>(count));
   int error = Z_OK;

@@ -87,7 +87,6 @@ std::string checksums(Board& board) {
   return fmt::format("{} blocks are as they were sent", blocks[0] * blocks[1] * blocks[2]);
 }
 
-// A ball in a ball, in colours, shaded.
 Image picture(Board& board) {
   load(board, voxels([](int x, int y, int z) {
          const double radius = length(Vec3{x - 23.5, y - 23.5, z - 23.5});
