@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "device.h"
-#include "encode/volume/gradient_codebook.h"
+#include "encode/volume/gradients.h"
 #include "gicube/material.h"
 #include "gicube/shading.h"
 #include "gicube/transfer_function.h"

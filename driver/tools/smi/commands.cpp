@@ -84,11 +84,7 @@ int set_plan(const Options& options, const std::string& text) {
 }
 
 void print_trace(const v1::TraceInfo& trace) {
-  if (trace.file().empty()) {
-    fmt::print("board {} writes no trace\n", trace.board());
-  } else {
-    fmt::print("board {} writes its trace to {}\n", trace.board(), trace.file());
-  }
+  fmt::print("board {} writes {}\n", trace.board(), trace.file().empty() ? "no trace" : "its trace to " + trace.file());
 }
 
 v1::TraceInfo set_trace(Client& client, const std::string& file) {

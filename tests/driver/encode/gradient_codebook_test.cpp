@@ -1,4 +1,4 @@
-#include "encode/volume/gradient_codebook.h"
+#include "encode/volume/gradients.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "encode/volume/gradient_codebook.h"
+#include "encode/volume/gradients.h"
 #include "gicube/volume.h"
 #include "scene.h"
 

@@ -2,14 +2,95 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <future>
+#include <limits>
+#include <numbers>
+#include <set>
 #include <thread>
 #include <type_traits>
 
+#include "encode/argument.h"
 #include "encode/volume/samples.h"
 
 namespace gicube {
 namespace {
+
+constexpr int kRings = 40;         // chosen (docs/reference/hardware.md)
+constexpr double kRingScale = 80;  // twice the rings: as far apart along a ring as between rings; 2,038 codes in all
+constexpr int kGridSize = 128;     // chosen: cells of 0.7 degrees against codes 4.5 apart, so most have one candidate
+constexpr double kUnitTolerance = 1e-3;
+constexpr double kDotMargin = 1e-9;  // chosen: far above a double's rounding, far below the codes' distances
+
+std::vector<Vec3> ring_directions() {
+  std::vector<Vec3> directions{Vec3{}};
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double colatitude = std::numbers::pi * (ring + 0.5) / kRings;
+    const long population = std::lround(kRingScale * std::sin(colatitude));
+    // Every second ring is turned by half a step: the largest error falls from 3.3 to 3.2 degrees.
+    const double turn = ring % 2 == 0 ? 0.0 : 0.5;
+    for (long i = 0; i < population; ++i) {
+      const double longitude = 2 * std::numbers::pi * (static_cast<double>(i) + turn) / static_cast<double>(population);
+      directions.push_back({std::sin(colatitude) * std::cos(longitude), std::sin(colatitude) * std::sin(longitude),
+                            std::cos(colatitude)});
+    }
+  }
+  return directions;
+}
+
+wire::GradientEntry quantise(Vec3 v) {
+  const auto component = [](double c) {
+    return static_cast<std::int16_t>(
+        std::clamp<long>(std::lround(wire::kGradientOne * c), -wire::kGradientOne, wire::kGradientOne));
+  };
+  return {component(v.x), component(v.y), component(v.z)};
+}
+
+Vec3 decode(const wire::GradientEntry& entry) {
+  return unit({static_cast<double>(entry[0]), static_cast<double>(entry[1]), static_cast<double>(entry[2])});
+}
+
+void check_directions(std::span<const Vec3> directions) {
+  const bool is_sized = !directions.empty() && directions.size() <= wire::kGradientCodes;
+  expect(is_sized, "codebook", fmt::format("1..{} entries", wire::kGradientCodes), directions.size());
+  const Vec3 v = directions[0];
+  expect(v == Vec3{}, "codebook[0]", "the zero vector", fmt::format("({}, {}, {})", v.x, v.y, v.z));
+  for (std::size_t i = 1; i < directions.size(); ++i) {
+    const double size = length(directions[i]);
+    const bool is_unit = std::abs(size - 1) <= kUnitTolerance;
+    expect(is_unit, fmt::format("codebook[{}]", i), "a unit vector", fmt::format("one of length {}", size));
+  }
+}
+
+constexpr std::size_t kCorners = 4;
+constexpr std::size_t kMiddle = 4;  // the fifth probe of a square, after its corners
+
+struct FacePoint {
+  int face;
+  double u, v;  // on the face, -1..1
+};
+
+// Where a direction meets the cube; `major` is its largest component's size.
+FacePoint to_face(Vec3 d, double major) {
+  const double x = std::abs(d.x), y = std::abs(d.y);
+  if (x == major) return {d.x < 0, d.y / major, d.z / major};
+  if (y == major) return {2 + (d.y < 0), d.x / major, d.z / major};
+  return {4 + (d.z < 0), d.x / major, d.y / major};
+}
+
+Vec3 from_face(const FacePoint& p) {
+  const double major = p.face % 2 == 0 ? 1 : -1;
+  switch (p.face / 2) {
+    case 0: return {major, p.u, p.v};
+    case 1: return {p.u, major, p.v};
+    default: return {p.u, p.v, major};
+  }
+}
+
+std::size_t to_cell(double coordinate) {
+  const int cell = static_cast<int>((coordinate + 1) * (0.5 * kGridSize));
+  return static_cast<std::size_t>(std::min(cell, kGridSize - 1));  // the far edge belongs to the last cell
+}
 
 // Density units a voxel edge. chosen: well below a 12-bit density's own rounding, so that no visible slope is lost.
 constexpr double kMinMagnitude = 1.0 / 8;
@@ -118,6 +199,102 @@ void for_each_slab(int planes, unsigned threads, const auto& work) {
 }
 
 }  // namespace
+
+// A square of size x size grid cells on one face.
+struct GradientCodebook::Cell {
+  int face, column, row, size;
+
+  Vec3 corner(int i) const {
+    const auto coordinate = [](int index) { return -1 + 2.0 * index / kGridSize; };
+    return from_face({face, coordinate(column + (i % 2) * size), coordinate(row + (i / 2) * size)});
+  }
+  std::size_t index() const {
+    return (static_cast<std::size_t>(face) * kGridSize + static_cast<std::size_t>(row)) * kGridSize +
+           static_cast<std::size_t>(column);
+  }
+};
+
+GradientCodebook::GradientCodebook() : GradientCodebook(std::span<const Vec3>(ring_directions())) {}
+
+GradientCodebook::GradientCodebook(std::span<const Vec3> directions) : entries_(wire::kGradientCodes) {
+  check_directions(directions);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    entries_[i] = quantise(directions[i]);
+    directions_.push_back(decode(entries_[i]));
+  }
+  build_grid();
+}
+
+void GradientCodebook::build_grid() {
+  std::vector<std::uint16_t> all;  // one code of each decoded direction, the lowest
+  std::set<wire::GradientEntry> seen;
+  for (std::size_t code = 1; code < directions_.size(); ++code) {
+    if (seen.insert(entries_[code]).second) all.push_back(static_cast<std::uint16_t>(code));
+  }
+  std::vector<std::vector<std::uint16_t>> lists(std::size_t{6} * kGridSize * kGridSize);
+  for (int face = 0; face < 6; ++face) refine({face, 0, 0, kGridSize}, all, lists);
+
+  begins_.reserve(lists.size() + 1);
+  begins_.push_back(0);
+  for (const auto& list : lists) {
+    candidates_.insert(candidates_.end(), list.begin(), list.end());
+    begins_.push_back(static_cast<std::uint32_t>(candidates_.size()));
+  }
+}
+
+// Over a square, directions are linear in its corners. So a code can be the nearest somewhere in it only if at some
+// corner it is at least as near as whichever code is the nearest at a corner or in the middle.
+void GradientCodebook::refine(const Cell& cell, std::span<const std::uint16_t> candidates,
+                              std::span<std::vector<std::uint16_t>> lists) const {
+  std::vector<std::array<double, kCorners + 1>> dots(candidates.size());
+  std::array<std::size_t, kCorners + 1> best{};
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    for (std::size_t c = 0; c < kCorners; ++c) {
+      dots[i][c] = dot(cell.corner(static_cast<int>(c)), directions_[candidates[i]]);
+      dots[i][kMiddle] += 0.25 * dots[i][c];
+    }
+    for (std::size_t c = 0; c <= kCorners; ++c) best[c] = dots[i][c] > dots[best[c]][c] ? i : best[c];
+  }
+  std::vector<std::uint16_t> left;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const auto can_win = [&](std::size_t rival) {
+      for (std::size_t c = 0; c < kCorners; ++c) {
+        if (dots[i][c] >= dots[rival][c] - kDotMargin) return true;
+      }
+      return false;
+    };
+    if (std::all_of(best.begin(), best.end(), can_win)) left.push_back(candidates[i]);
+  }
+  if (cell.size == 1) {
+    lists[cell.index()] = std::move(left);
+    return;
+  }
+  const int half = cell.size / 2;
+  for (int i = 0; i < 4; ++i) {
+    refine({cell.face, cell.column + i % 2 * half, cell.row + i / 2 * half, half}, left, lists);
+  }
+}
+
+std::uint16_t GradientCodebook::nearest(Vec3 direction) const {
+  const double major = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+  if (!(major > 0) || !(major <= std::numeric_limits<double>::max())) return wire::kNoGradient;
+  const FacePoint point = to_face(direction, major);
+  // A NaN beside a finite component.
+  if (std::isnan(point.u) || std::isnan(point.v)) return wire::kNoGradient;
+  const std::size_t cell =
+      (static_cast<std::size_t>(point.face) * kGridSize + to_cell(point.v)) * kGridSize + to_cell(point.u);
+  const std::uint32_t begin = begins_[cell], end = begins_[cell + 1];
+  if (end - begin == 1) return candidates_[begin];
+
+  const Vec3 on_face = from_face(point);  // scaled, so that a tiny or huge direction keeps its digits
+  std::uint16_t best = wire::kNoGradient;
+  double best_dot = -2;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const double d = dot(on_face, directions_[candidates_[i]]);
+    if (d > best_dot) best = candidates_[i], best_dot = d;
+  }
+  return best;
+}
 
 std::vector<std::uint16_t> gradient_codes(const VolumeView& view, ValueRange range, const GradientCodebook& codebook,
                                           unsigned threads) {
