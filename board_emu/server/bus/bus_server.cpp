@@ -41,7 +41,6 @@ std::pair<dev_t, ino_t> identity(const std::string& path) {
   return {status.st_dev, status.st_ino};
 }
 
-// Why a client is refused by its first frame, if it is.
 std::optional<LastWord> refusal(const Connection::Incoming& incoming, const wire::VersionInfo& ours) {
   if (incoming.fault && incoming.fault->error == ErrorCode::kTooLarge) return incoming.fault;
   const auto& frame = incoming.frame;

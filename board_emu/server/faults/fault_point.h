@@ -37,7 +37,6 @@ struct FaultAction {
   }
 };
 
-// Flips bit `bit` of a frame's header and payload.
 inline void flip_bit(std::size_t bit, std::span<std::uint8_t> header, std::span<std::uint8_t> payload) {
   const std::size_t at = bit / 8;
   std::uint8_t& byte = at < header.size() ? header[at] : payload[at - header.size()];
@@ -48,7 +47,6 @@ class FaultPoint {
  public:
   // The host's next message has come undamaged and in order; `frame_bytes` with the header.
   FaultAction taken(std::size_t frame_bytes) { return next(v1::PlannedFault::down, frame_bytes); }
-  // The board is about to send its next message.
   FaultAction sent(std::size_t frame_bytes) { return next(v1::PlannedFault::up, frame_bytes); }
 
   // Replaces the plan and clears the log. An empty text is no plan. Returns what is wrong with it; then nothing changes.

@@ -98,7 +98,6 @@ class Service final : public v1::BoardManagement::Service {
     });
   }
 
-  // Ends the watches.
   void stop() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -119,7 +118,6 @@ class Service final : public v1::BoardManagement::Service {
     return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *out); });
   }
 
-  // Why a board was not rebuilt.
   static Status refusal(BoardSlot::Configured result, const BoardSlot& slot, const std::string& reason) {
     if (result == BoardSlot::Configured::kFaulty) return {StatusCode::INVALID_ARGUMENT, reason};
     return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", slot.index())};

@@ -30,7 +30,6 @@ class Management {
  public:
   // Serves the boards, which must outlive this, on gRPC's threads. Throws std::runtime_error that names what is at fault.
   Management(const ManagementOptions& options, std::vector<BoardSlot*> boards);
-  // Ends every call and closes the endpoint.
   ~Management();
 
   Management(const Management&) = delete;

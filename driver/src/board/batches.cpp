@@ -83,7 +83,6 @@ Ticket Batches::submit(std::span<const std::span<const HostRay>> rays, const Ray
   return {ticket};
 }
 
-// Sees to it that `rays` more may be under way.
 void Batches::make_room(std::size_t rays) {
   if (rays_under_way_ + rays <= max_rays_) return;
   if (back_pressure_ == BackPressure::kThrow) {
@@ -103,7 +102,6 @@ void Batches::make_room(std::size_t rays) {
   }
 }
 
-// Takes the results that have come.
 void Batches::collect(Batch& batch) {
   for (Part& part : batch.parts) {
     if (!part.result) part.result = device_.take(part.command);

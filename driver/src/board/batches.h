@@ -37,7 +37,6 @@ inline void add(const wire::DepositLedger& ledger, DepositReport& report) {
 
 class Batches {
  public:
-  // `options`: what bounds the rays under way.
   Batches(Device& device, const OpenOptions& options)
       : device_(device), max_rays_(options.max_rays), back_pressure_(options.back_pressure) {}
 
@@ -57,7 +56,6 @@ class Batches {
   void send_again(const std::function<void(const View&, Vec3)>& set_sampling);
 
  private:
-  // As many rays as one command holds.
   struct Part {
     std::uint32_t command = 0;
     std::size_t rays = 0;

@@ -55,7 +55,6 @@ class Tables {
 
   // The segmentation LUT depends on the map from values to densities, and so on the volume.
   void send_segmentation(ValueRange range);
-  // All 2^14 entries as last sent.
   std::span<const wire::SegmentationEntry> segmentation() const { return segmentation_; }
 
   void send_reflectance(Vec3 towards_eye);

@@ -160,7 +160,6 @@ class BusClient : private FrameSink {
     window_.put_credit(frame.header);
     stream_.send(frame.header, std::move(frame.payload));
   }
-  // Reads up to the response with this id.
   void await_answer(std::uint32_t id) {
     for (answered_ = 0; answered_ != id;) take(receive());
   }

@@ -80,7 +80,6 @@ class ReceiveCredits {
   constexpr bool due() const {
     return 2 * std::uint64_t{consumed_.slots} >= window_.slots || 2 * consumed_.bytes >= window_.bytes;
   }
-  // Consumed, and not given back.
   constexpr const Credit& consumed() const { return consumed_; }
   constexpr const Credit& window() const { return window_; }
 
@@ -167,7 +166,6 @@ class ReliableWindow {
     send_.give_back({header.credit_slots, header.credit_bytes});
     return true;
   }
-  // Of the oldest frames that are kept.
   std::uint64_t bytes_of(std::size_t slots) const {
     std::uint64_t bytes = 0;
     for (std::size_t i = 0; i < slots && i < kept_.size(); ++i) bytes += kept_[i].payload->size();
