@@ -16,12 +16,15 @@ namespace {
 using Words = std::vector<std::string_view>;  // of a line, without its comment
 
 // Reads one statement a call; gathers the faults of all.
-class Parser {
- public:
-  explicit Parser(std::string name) : name_(std::move(name)) {}
+struct Parser {
+  const std::string& name;
+  std::string faults{};
+  int line_number = 0;
+  bool scaled = false;
+  TransferFunctionFile file{};
 
   void statement(int line, const Words& words) {
-    line_ = line;
+    line_number = line;
     if (words.empty()) return;
     if (words[0] == "values") return scale(words);
     if (words[0] == "colour" || words[0] == "color") return point(words, true);
@@ -30,28 +33,27 @@ class Parser {
   }
 
   TransferFunctionFile finish() {
-    line_ = 0;
-    if (faults_.empty() && file_.function.colours.empty()) fault("colour", "at least one point", "none");
-    if (faults_.empty() && file_.function.opacities.empty()) fault("opacity", "at least one point", "none");
-    if (!faults_.empty()) throw InputError(faults_);
-    return std::move(file_);
+    line_number = 0;
+    if (faults.empty() && file.function.colours.empty()) fault("colour", "at least one point", "none");
+    if (faults.empty() && file.function.opacities.empty()) fault("opacity", "at least one point", "none");
+    if (!faults.empty()) throw InputError(faults);
+    return std::move(file);
   }
 
- private:
   void fault(const std::string& field, const std::string& expected, const std::string& got) {
-    const std::string place = line_ > 0 ? fmt::format("{}:{}", name_, line_) : name_;
-    faults_ += fmt::format("{}{}: {}: expected {}, got {}", faults_.empty() ? "" : "\n", place, field, expected, got);
+    const std::string place = line_number > 0 ? fmt::format("{}:{}", name, line_number) : name;
+    faults += fmt::format("{}{}: {}: expected {}, got {}", faults.empty() ? "" : "\n", place, field, expected, got);
   }
 
   void scale(const Words& words) {
-    if (!file_.function.colours.empty() || !file_.function.opacities.empty() || scaled_) {
+    if (!file.function.colours.empty() || !file.function.opacities.empty() || scaled) {
       return fault("values", "one such statement, before all points", "another");
     }
-    scaled_ = true;
+    scaled = true;
     if (words.size() != 2 || (words[1] != "normalised" && words[1] != "absolute")) {
       return fault("values", "normalised or absolute", words.size() < 2 ? "nothing" : in_quotes(words.back()));
     }
-    file_.normalised = words[1] == "normalised";
+    file.normalised = words[1] == "normalised";
   }
 
   // The numbers behind the statement's name, or nothing if there is a fault.
@@ -88,22 +90,16 @@ class Parser {
     const auto given = numbers(words, colour ? 4 : 2, colour ? "VALUE RED GREEN BLUE" : "VALUE ALPHA");
     if (!given) return;
     const std::vector<double>& v = *given;
-    TransferFunction& function = file_.function;
+    TransferFunction& function = file.function;
     if (colour && rises(function.colours, v[0], words[0])) function.colours.push_back({v[0], {v[1], v[2], v[3]}});
     if (!colour && rises(function.opacities, v[0], words[0])) function.opacities.push_back({v[0], v[1]});
   }
-
-  std::string name_;
-  std::string faults_;
-  int line_ = 0;
-  bool scaled_ = false;
-  TransferFunctionFile file_;
 };
 
 }  // namespace
 
 TransferFunctionFile parse_transfer_function(std::string_view text, const std::string& name) {
-  Parser parser(name);
+  Parser parser{name};
   int number = 0;
   for (const auto part : std::views::split(text, '\n')) {
     const std::string_view line(part.begin(), part.end());

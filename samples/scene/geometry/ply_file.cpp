@@ -43,47 +43,49 @@ std::optional<Type> type_named(std::string_view name) {
   return found != kTypes.end() ? std::optional(found->second) : std::nullopt;
 }
 
-class PlyReader {
- public:
-  PlyReader(std::string_view bytes, const std::filesystem::path& name) : rest_(bytes), name_(name) {}
+struct PlyReader {
+  std::string_view rest;
+  const std::filesystem::path& file;
+  Format format = Format::kAscii;
+  std::vector<Element> elements{};
+  Mesh mesh{};
 
   Mesh read() {
     header();
-    for (const Element& element : elements_) {
+    for (const Element& element : elements) {
       check_size(element);
       for (std::uint64_t i = 0; i < element.count; ++i) item(element, i);
     }
-    for (const std::uint32_t corner : mesh_.triangles | std::views::join) {
-      if (corner < mesh_.points.size()) continue;
-      fail("face", fmt::format("a vertex from 0 to {}", mesh_.points.size() - 1), std::to_string(corner));
+    for (const std::uint32_t corner : mesh.triangles | std::views::join) {
+      if (corner < mesh.points.size()) continue;
+      fail("face", fmt::format("a vertex from 0 to {}", mesh.points.size() - 1), std::to_string(corner));
     }
-    if (mesh_.triangles.empty()) fail("faces", "at least one", "none");
-    return std::move(mesh_);
+    if (mesh.triangles.empty()) fail("faces", "at least one", "none");
+    return std::move(mesh);
   }
 
- private:
   [[noreturn]] void fail(const std::string& field, const std::string& expected, const std::string& got) const {
-    throw FileError(name_, field, expected, got);
+    throw FileError(file, field, expected, got);
   }
 
   Words header_line() {
-    const std::size_t end = rest_.find('\n');
+    const std::size_t end = rest.find('\n');
     if (end == std::string_view::npos || end > 4096) fail("header", "end_header", "the end of the file");
-    const std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(end + 1);
+    const std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(end + 1);
     return words_of(line);
   }
 
   void header() {
     if (header_line() != Words{"ply"}) fail("header", "ply in the first line", "something else");
-    bool format = false;
+    bool has_format = false;
     while (true) {
       const Words words = header_line();
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
       if (words[0] == "end_header") break;
       if (words[0] == "format") {
         set_format(words.size() > 1 ? words[1] : "");
-        format = true;
+        has_format = true;
       } else if (words[0] == "element") {
         add_element(words);
       } else if (words[0] == "property") {
@@ -92,25 +94,25 @@ class PlyReader {
         fail("header", "format, element, property, comment or end_header", in_quotes(words[0]));
       }
     }
-    if (!format) fail("header", "a format", "none");
-    for (const Element& element : elements_) check_element(element);
+    if (!has_format) fail("header", "a format", "none");
+    for (const Element& element : elements) check_element(element);
   }
 
   void set_format(std::string_view name) {
     if (name != "ascii" && name != "binary_little_endian" && name != "binary_big_endian") {
       fail("format", "ascii, binary_little_endian or binary_big_endian", in_quotes(name));
     }
-    format_ = name == "ascii" ? Format::kAscii : name == "binary_big_endian" ? Format::kBig : Format::kLittle;
+    format = name == "ascii" ? Format::kAscii : name == "binary_big_endian" ? Format::kBig : Format::kLittle;
   }
 
   void add_element(const Words& words) {
     const auto count = words.size() == 3 ? parse_number<std::uint64_t>(words[2]) : std::nullopt;
     if (!count) fail("element", "a name and a count", words.size() > 1 ? in_quotes(words.back()) : "nothing");
-    elements_.push_back({std::string(words[1]), *count, {}});
+    elements.push_back({std::string(words[1]), *count, {}});
   }
 
   void add_property(const Words& words) {
-    if (elements_.empty()) fail("property", "an element before it", "none");
+    if (elements.empty()) fail("property", "an element before it", "none");
     const bool list = words.size() == 5 && words[1] == "list";
     if (!list && words.size() != 3) fail("property", "TYPE NAME or list COUNT_TYPE TYPE NAME", "something else");
     const std::string_view name = words[words.size() - 2];
@@ -119,7 +121,7 @@ class PlyReader {
     if (count == Type::kFloat32 || count == Type::kFloat64) {
       fail("property", "a whole number as a list's count", in_quotes(words[2]));
     }
-    elements_.back().properties.push_back({std::string(words.back()), *type, count});
+    elements.back().properties.push_back({std::string(words.back()), *type, count});
   }
 
   void check_element(const Element& element) const {
@@ -143,34 +145,34 @@ class PlyReader {
   void check_size(const Element& element) const {
     std::uint64_t least = 0;
     for (const Property& property : element.properties) {
-      least += format_ == Format::kAscii ? 2 : bytes_of(property.count.value_or(property.type));
+      least += format == Format::kAscii ? 2 : bytes_of(property.count.value_or(property.type));
     }
-    if (element.count == 0 || element.count <= (rest_.size() + 1) / least) return;
-    fail("element " + element.name, fmt::format("at most {} that fit into the file", (rest_.size() + 1) / least),
+    if (element.count == 0 || element.count <= (rest.size() + 1) / least) return;
+    fail("element " + element.name, fmt::format("at most {} that fit into the file", (rest.size() + 1) / least),
          std::to_string(element.count));
   }
 
   double value(Type type, const std::string& field) {
-    return format_ == Format::kAscii ? ascii_value(field) : binary_value(type, field);
+    return format == Format::kAscii ? ascii_value(field) : binary_value(type, field);
   }
 
   double ascii_value(const std::string& field) {
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(" \t\r\n"), rest_.size()));
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(" \t\r\n"));
+    rest.remove_prefix(std::min(rest.find_first_not_of(" \t\r\n"), rest.size()));
+    const std::string_view word = rest.substr(0, rest.find_first_of(" \t\r\n"));
     if (word.empty()) fail(field, "a number", "the end of the file");
     const auto number = parse_number<double>(word);
     if (!number) fail(field, "a number", in_quotes(word.substr(0, 40)));
-    rest_.remove_prefix(word.size());
+    rest.remove_prefix(word.size());
     return *number;
   }
 
   double binary_value(Type type, const std::string& field) {
     std::array<char, 8> bytes{};
     const std::size_t size = bytes_of(type);
-    if (rest_.size() < size) fail(field, std::to_string(size) + " bytes", "the end of the file");
-    std::memcpy(bytes.data(), rest_.data(), size);
-    rest_.remove_prefix(size);
-    if ((format_ == Format::kBig) == (std::endian::native == std::endian::little)) {
+    if (rest.size() < size) fail(field, std::to_string(size) + " bytes", "the end of the file");
+    std::memcpy(bytes.data(), rest.data(), size);
+    rest.remove_prefix(size);
+    if ((format == Format::kBig) == (std::endian::native == std::endian::little)) {
       std::reverse(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
     }
     return with_sample(type, [&bytes](auto sample) {
@@ -194,7 +196,7 @@ class PlyReader {
     }
     if (element.name != "vertex") return;
     if (!is_finite(point)) fail(field, "finite numbers", "another");
-    mesh_.points.push_back(point);
+    mesh.points.push_back(point);
   }
 
   void list(const Property& property, const std::string& field, bool corners) {
@@ -211,18 +213,12 @@ class PlyReader {
       }
       polygon.push_back(static_cast<std::uint32_t>(number));
     }
-    if (corners && !add_fan(polygon, mesh_)) fail(field, fmt::format("at most {}", kMaxTriangles), "more");
+    if (corners && !add_fan(polygon, mesh)) fail(field, fmt::format("at most {}", kMaxTriangles), "more");
   }
-
-  std::string_view rest_;
-  const std::filesystem::path& name_;
-  Format format_ = Format::kAscii;
-  std::vector<Element> elements_;
-  Mesh mesh_;
 };
 
 }  // namespace
 
-Mesh parse_ply(std::string_view bytes, const std::filesystem::path& name) { return PlyReader(bytes, name).read(); }
+Mesh parse_ply(std::string_view bytes, const std::filesystem::path& name) { return PlyReader{bytes, name}.read(); }
 
 }  // namespace gicube::samples
