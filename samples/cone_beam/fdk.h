@@ -2,8 +2,9 @@
 // energy-depositing rays that nothing weakens [P §5.6]. docs/guide/cone_beam.md derives the weights.
 #pragma once
 
-#include <complex>
+#include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "cone_beam/view_rays.h"
@@ -18,18 +19,14 @@ enum class Window { kRamLak, kSheppLogan, kHann };
 // One filter may be used from several threads at once.
 class RampFilter {
  public:
-  // `fine`: as many results a sample, evenly around it (1: at the samples; 2: a quarter before and behind). What lies
-  // between samples is interpolated by the transform itself, exactly for a row of limited band.
-  RampFilter(int samples, double pitch, Window window, int fine = 1);
-  // `row`: samples; `out`: fine x samples.
+  RampFilter(int samples, double pitch, Window window);
+  // Both of `samples` values.
   void apply(const double* row, double* out) const;
 
  private:
   int samples_;
-  int fine_;
   std::size_t padded_;
-  std::vector<double> response_;              // real, at the transform's frequencies
-  std::vector<std::complex<double>> shifts_;  // of each of the fine results, then by frequency
+  std::vector<double> response_;  // real, at the transform's frequencies
   struct End {
     void operator()(fftw_plan_s* plan) const;
   };
@@ -57,13 +54,12 @@ enum class Accumulator {
 
 struct FdkSettings {
   Window window = Window::kRamLak;
-  int rays = 1;     // 1..4: a pixel's along each detector axis
+  int rays = 0;     // 1..4: a pixel's along each detector axis; 0: rays_of()
   double step = 1;  // 1/64..16 voxels between deposits
-  // 0..1/4: what each voxel takes from either neighbour on an axis, against the blur of splatting. 1/12 gives back what that
-  // adds to the width of a structure, a little more suits edges (docs/guide/cone_beam.md); much more sharpens ripples too.
-  double sharpen = 0.1;
+  // 0..1/4: what each voxel takes from either neighbour on an axis, against the blur of splatting; nothing: sharpening_of().
+  std::optional<double> sharpen{};
   // Whether the ripples of rays that lie unevenly against voxels are divided out: every ray is sent twice (normalise()).
-  bool normalise = false;
+  bool normalise = true;
   Accumulator accumulator = Accumulator::kSums;
   int read_every = 8;  // kIrradiance: views, at least 1, after which the words are read back and cleared
   // kIrradiance, 4..32: bits of the words that are used; 0: all that there are.
@@ -73,23 +69,34 @@ struct FdkSettings {
   double headroom = 1;
 };
 
+// How many voxels a pixel is wide or high at the axis, whichever is more.
+double voxels_of_a_pixel(const ConeGeometry& geometry);
+// settings.rays or, if that is 0, one of pixels that are no larger than voxels; else so many that rays lie no more than 1.25 voxels
+// apart, from 2 to 4.
+int rays_of(const FdkSettings& settings, const ConeGeometry& geometry);
+// settings.sharpen on each axis or, without it, what the blur of splatting is more than that of linear interpolation between
+// pixels (one ray a pixel), or all of it (more rays).
+std::array<double, 3> sharpening_of(const FdkSettings& settings, const ConeGeometry& geometry);
+
 // One view's projections, cosine-weighted, of short scans shared out, and filtered: what the rays of fine x fine a pixel leave
 // in a unit of volume. Rows first, each of fine x columns.
 std::vector<double> filtered_view(const Projections& projections, const ConeGeometry& geometry, std::size_t view,
                                   const RampFilter& filter, int fine);
-RampFilter ramp_filter(const ConeGeometry& geometry, Window window, int fine);
+RampFilter ramp_filter(const ConeGeometry& geometry, Window window);
 
-// v (1 + 2 part) - part (both neighbours), along each axis; the ends are their own neighbours.
-void sharpen(std::vector<float>& values, const Dims& dims, double part);
+// v (1 + 2 part) - part (both neighbours), along each axis by its part; the ends are their own neighbours.
+void sharpen(std::vector<float>& values, const Dims& dims, const std::array<double, 3>& parts);
 
 // Some views at a time into irradiance words [P §4.2]: their positive values in one pass, their negative ones in a second one, the
 // words' unit chosen for each pass by the greatest that a voxel can get of it. The words are read after each pass; the host adds up.
+// `settings` have their rays.
 Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geometry, const FdkSettings& settings,
                                            const ViewDensities& filtered, const Progress& progress);
 
 // Rays that lie unevenly against voxels leave ripples, the same in all views along the axis of rotation. Sends all rays again, each
 // with what would make a volume of ones, and divides the values by what that left over what it should have: only voxels that every
-// view sees whole, since the others have less for another reason. Adds its rays and deposits to the counts. Clears the sums.
+// view sees whole, since the others have less for another reason. `settings` have their rays. Adds its rays and deposits to the
+// counts. Clears the sums.
 void normalise(Reconstruction& made, Board& board, const ConeGeometry& geometry, const FdkSettings& settings);
 
 // Loads an empty volume of geometry.volume's dims into the board, and leaves the sums there.

@@ -38,8 +38,8 @@ double window_at(Window window, double part) {  // of the highest frequency
 
 }  // namespace
 
-RampFilter::RampFilter(int samples, double pitch, Window window, int fine)
-    : samples_(samples), fine_(fine), padded_(std::bit_ceil(2 * static_cast<std::size_t>(samples))) {
+RampFilter::RampFilter(int samples, double pitch, Window window)
+    : samples_(samples), padded_(std::bit_ceil(2 * static_cast<std::size_t>(samples))) {
   const std::size_t half = padded_ / 2 + 1;
   const auto time = reals(padded_);
   const auto spectrum = complexes(half);
@@ -61,12 +61,6 @@ RampFilter::RampFilter(int samples, double pitch, Window window, int fine)
     const double part = static_cast<double>(k) / (static_cast<double>(padded_) / 2);
     response_.push_back(spectrum[k][0] * window_at(window, part) / static_cast<double>(padded_));
   }
-  for (int sub = 0; sub < fine; ++sub) {
-    const double offset = (sub + 0.5) / fine - 0.5;  // samples
-    for (std::size_t k = 0; k < half; ++k) {
-      shifts_.push_back(std::polar(1.0, 2 * pi * offset * static_cast<double>(k) / static_cast<double>(padded_)));
-    }
-  }
 }
 
 void RampFilter::End::operator()(fftw_plan_s* plan) const {
@@ -76,19 +70,14 @@ void RampFilter::End::operator()(fftw_plan_s* plan) const {
 
 void RampFilter::apply(const double* row, double* out) const {
   const auto time = reals(padded_);
-  const auto spectrum = complexes(response_.size()), shifted = complexes(response_.size());
+  const auto spectrum = complexes(response_.size());
   std::fill(std::copy_n(row, samples_, time.get()), time.get() + padded_, 0.0);
   fftw_execute_dft_r2c(forward_.get(), time.get(), spectrum.get());
-  for (int sub = 0; sub < fine_; ++sub) {
-    const std::complex<double>* shift = shifts_.data() + static_cast<std::size_t>(sub) * response_.size();
-    for (std::size_t k = 0; k < response_.size(); ++k) {
-      const std::complex<double> value = response_[k] * std::complex(spectrum[k][0], spectrum[k][1]) * shift[k];
-      shifted[k][0] = value.real();
-      shifted[k][1] = k + 1 == response_.size() ? 0 : value.imag();
-    }
-    fftw_execute_dft_c2r(backward_.get(), shifted.get(), time.get());
-    for (int i = 0; i < samples_; ++i) out[i * fine_ + sub] = time[static_cast<std::size_t>(i)];
+  for (std::size_t k = 0; k < response_.size(); ++k) {
+    for (double& part : spectrum[k]) part *= response_[k];
   }
+  fftw_execute_dft_c2r(backward_.get(), spectrum.get(), time.get());
+  std::copy_n(time.get(), samples_, out);
 }
 
 double arc_of(const ConeGeometry& geometry) {

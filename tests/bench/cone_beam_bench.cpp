@@ -3,16 +3,18 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <span>
 #include <string>
 #include <tuple>
 
-#include "cone_beam/view_rays.h"
 #include "cone_beam/fdk.h"
 #include "cone_beam/phantom/phantom.h"
+#include "cone_beam/view_rays.h"
 #include "reference/fdk.h"
+#include "reference/fdk_phantoms.h"
 
 namespace gicube::samples {
 namespace {
@@ -61,7 +63,8 @@ void fdk(benchmark::State& state) {
   Reconstruction made;
   for (auto _ : state) {
     Board board = Board::open("emu:");
-    made = reconstruct_fdk(board, scan.geometry, scan.projections, {.rays = static_cast<int>(state.range(2))});
+    made = reconstruct_fdk(board, scan.geometry, scan.projections,
+                           {.rays = static_cast<int>(state.range(2)), .sharpen = 0.1, .normalise = false});
   }
   const auto off = reference::difference(scan.geometry.volume, made.values, scan.truth, kRadius, kHalfHeight);
   state.counters["rmse"] = off.rmse;
@@ -81,11 +84,61 @@ BENCHMARK(fdk)
     ->UseRealTime()
     ->Unit(benchmark::kSecond);
 
+// A view's time at the cycle level, from two and eight of them evenly around the turn.
+double ms_of_a_view(const ConeGeometry& geometry, const Projections& projections, const FdkSettings& settings) {
+  Board board = Board::open("emu:?fidelity=cycle");
+  const auto time = [&](std::size_t views) {
+    const std::size_t every = geometry.angles.size() / views;
+    ConeGeometry few = geometry;
+    Projections some{projections.columns, projections.rows, {}};
+    few.angles.clear();
+    for (std::size_t i = 0; i < views; ++i) {
+      few.angles.push_back(geometry.angles[i * every]);
+      const float* const view = projections.view(i * every);
+      some.values.insert(some.values.end(), view, view + projections.view_size());
+    }
+    return 1e-9 * static_cast<double>(reconstruct_fdk(board, few, some, settings).board_time);
+  };
+  return (time(8) - time(2)) / 6;
+}
+
+// The four scans of tests/support/reference/fdk_phantoms.h, 64 voxels along x, all voxels against the object's means in them; by one
+// ray a pixel and sharpened by 0.1, or by the defaults.
+void fdk_of_four_scans(benchmark::State& state) {
+  constexpr double kAll = std::numeric_limits<double>::infinity();
+  const reference::FdkScan scan = reference::fdk_scans(64)[static_cast<std::size_t>(state.range(0))];
+  const Projections projections = project(scan);
+  const std::vector<double> truth = mean_in_voxels(scan);
+  const auto rmse = [&](const auto& values) {
+    return reference::difference(scan.geometry.volume, values, truth, kAll, kAll).rmse;
+  };
+  const FdkSettings settings = state.range(1) == 0 ? FdkSettings{.rays = 1, .sharpen = 0.1} : FdkSettings{};
+  Reconstruction made;
+  for (auto _ : state) {
+    Board board = Board::open("emu:");
+    made = reconstruct_fdk(board, scan.geometry, projections, settings);
+  }
+  const double reference_rmse = rmse(reference::reconstruct(scan.geometry, projections));
+  state.SetLabel(scan.name);
+  state.counters["reference_rmse"] = reference_rmse;
+  state.counters["rmse"] = rmse(made.values);
+  state.counters["ratio"] = rmse(made.values) / reference_rmse;
+  state.counters["rays"] = static_cast<double>(made.rays);
+  state.counters["deposits"] = static_cast<double>(made.deposits);
+  state.counters["view_ms"] = ms_of_a_view(scan.geometry, projections, settings);
+}
+BENCHMARK(fdk_of_four_scans)
+    ->ArgNames({"scan", "defaults"})
+    ->ArgsProduct({{0, 1, 2, 3}, {0, 1}})
+    ->Iterations(1)
+    ->UseRealTime()
+    ->Unit(benchmark::kSecond);
+
 // One view into 128^3 at the cycle level: what its time goes into, as parts of all processors' cycles.
 void fdk_view_at_cycle_level(benchmark::State& state) {
   const ConeGeometry geometry = scan(256, 128, 180);
   const Projections projections = project(shepp_logan(85), geometry);
-  const RampFilter filter = ramp_filter(geometry, Window::kRamLak, 1);
+  const RampFilter filter = ramp_filter(geometry, Window::kRamLak);
   const std::vector<double> view = filtered_view(projections, geometry, 0, filter, 1);
   double most = 0;
   for (const double value : view) most = std::max(most, std::abs(value));

@@ -59,7 +59,9 @@ void cone_beam_trade(benchmark::State& state) {
   const Scan scan = scan_of(static_cast<int>(state.range(0)));
   const FdkSettings settings{.window = static_cast<Window>(state.range(3)),
                              .rays = static_cast<int>(state.range(1)),
-                             .step = static_cast<double>(state.range(2)) / 2};
+                             .step = static_cast<double>(state.range(2)) / 2,
+                             .sharpen = 0.1,
+                             .normalise = false};
   for (auto _ : state) {
     const double begin = cpu_seconds();
     Reconstruction made;

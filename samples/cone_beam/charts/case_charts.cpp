@@ -18,7 +18,7 @@ constexpr double kHalfHeight = 40;  // of what is seen under the cone angle
 
 // The object stays, the source comes nearer; the detector, whose pixels are as large at the axis, sees all of it.
 Case cone(double degrees, const Phantom& phantom = chart_discs(),
-          const std::variant<FdkSettings, AlgebraicSettings>& method = FdkSettings{}) {
+          const std::variant<FdkSettings, AlgebraicSettings>& method = kPlainFdk) {
   Case what{phantom, chart_scan(64, 96, 120), method, {34, 40}};
   ConeGeometry& geometry = what.geometry;
   geometry.source_to_axis = kHalfHeight / std::tan(degrees / 2 * kDegree);
@@ -72,7 +72,7 @@ Case large(const Phantom& phantom, int voxels, int views) {
                               .detector = {256, 256, 400.0 / 256, 400.0 / 256},
                               .volume = {{voxels, voxels, voxels}, (180.0 / voxels) * Vec3{1, 1, 1}},
                               .angles = even_angles(views, 0, 2 * std::numbers::pi)};
-  return {phantom, geometry, FdkSettings{}, {85, 45}};
+  return {phantom, geometry, kPlainFdk, {85, 45}};
 }
 
 // Along x through the middle: place, phantom, result without and with normalising.
@@ -114,14 +114,15 @@ Chart accumulator_chart() {
   // Of irradiance words, with one setting changed to x.
   const auto by = [](auto FdkSettings::*setting, const std::vector<std::string>& board = {}) {
     return [=](double x) {
-      FdkSettings settings{.accumulator = Accumulator::kIrradiance};
+      FdkSettings settings = kPlainFdk;
+      settings.accumulator = Accumulator::kIrradiance;
       settings.*setting = static_cast<std::remove_reference_t<decltype(settings.*setting)>>(x);
       return words(settings, board);
     };
   };
   return {"accumulator",
           kCaseColumns,
-          {case_series("sums of 36 bits", "accumulator/sums", {kViews}, [](double) { return words({}); }),
+          {case_series("sums of 36 bits", "accumulator/sums", {kViews}, [](double) { return words(kPlainFdk); }),
            case_series("11 bits read every x views", "accumulator/read_every", {1, 2, 4, 8, 20, 40, kViews},
                        by(&FdkSettings::read_every)),
            case_series("x bits read every 8 views", "accumulator/bits", {8, 10, 11, 12, 14, 16},
@@ -136,8 +137,9 @@ Chart sart_chart() {
     const std::string noise = photons > 0 ? "_noisy" : "_noiseless", end = photons > 0 ? " of 3000 photons" : "";
     chart.series.push_back(case_series("FDK by Ram-Lak / Shepp-Logan / Hann" + end, "sart/fdk" + noise, {1, 2, 3},
                                        [photons](double which) {
-                                         const auto window = static_cast<Window>(static_cast<int>(which) - 1);
-                                         return noisy_or_not(FdkSettings{.window = window}, photons);
+                                         FdkSettings settings = kPlainFdk;
+                                         settings.window = static_cast<Window>(static_cast<int>(which) - 1);
+                                         return noisy_or_not(settings, photons);
                                        }));
     for (const auto& [name, title, method, relaxation] : kAlgebraic) {
       AlgebraicSettings settings{.method = method, .subsets = 10, .relaxation = relaxation};
@@ -193,7 +195,7 @@ Chart truncation_chart() {
   return {"truncation",
           kCaseColumns,
           {case_series("FDK", "truncation/fdk", {1.2, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5},
-                       [](double seen) { return truncated(seen, FdkSettings{}); }),
+                       [](double seen) { return truncated(seen, kPlainFdk); }),
            case_series("SART", "truncation/sart", {1.2, 0.9, 0.7, 0.5},
                        [](double seen) { return truncated(seen, kSart); })}};
 }
@@ -205,7 +207,7 @@ Chart views_chart() {
   return {"views",
           kCaseColumns,
           {case_series("FDK", "views/fdk", {20, 40, 60, 90, 120, 180, 360, 720},
-                       [&](double views) { return from(views, FdkSettings{}); }),
+                       [&](double views) { return from(views, kPlainFdk); }),
            case_series("SART", "views/sart", {20, 40, 60, 90, 180}, [&](double views) { return from(views, kSart); })}};
 }
 

@@ -126,7 +126,9 @@ Outcome Runner::run(const Case& what) {
   double over = rays_over_bus_ms(what);
   if (!std::holds_alternative<FdkSettings>(what.method)) {  // and once the splatted weights
     Case weights = what;
-    weights.method = FdkSettings{.step = std::get<AlgebraicSettings>(what.method).step};
+    FdkSettings once = kPlainFdk;
+    once.step = std::get<AlgebraicSettings>(what.method).step;
+    weights.method = once;
     over = over * static_cast<double>(out.made.residuals.size()) + rays_over_bus_ms(weights);
   }
   out.board_ms = to_ms(out.made.board_time) + static_cast<double>(what.geometry.angles.size()) * over;

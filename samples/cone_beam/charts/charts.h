@@ -17,6 +17,9 @@
 
 namespace gicube::samples {
 
+// Filtered backprojection in its plainest form, one ray a pixel sent once, so that charts show one effect at a time.
+inline const FdkSettings kPlainFdk{.rays = 1, .sharpen = 0.1, .normalise = false};
+
 // One reconstruction of a chart: what is scanned, how, by which method on which board.
 struct Case {
   Phantom phantom;

@@ -105,9 +105,12 @@ Chart moire_chart() {
 
 Chart ray_spacing_chart() {
   Chart chart{"ray_spacing", kCaseColumns, {}};
-  for (const auto& [name, title, settings] : {std::tuple{"one", "one ray a pixel", FdkSettings{}},
-                                              {"normalised", "the same normalised", FdkSettings{.normalise = true}},
-                                              {"four", "2 x 2 rays a pixel", FdkSettings{.rays = 2}}}) {
+  FdkSettings normalised = kPlainFdk, four = kPlainFdk;
+  normalised.normalise = true;
+  four.rays = 2;
+  for (const auto& [name, title, settings] : {std::tuple{"one", "one ray a pixel", kPlainFdk},
+                                              {"normalised", "the same normalised", normalised},
+                                              {"four", "2 x 2 rays a pixel", four}}) {
     chart.series.push_back(case_series(title, std::string("ray_spacing/") + name,
                                        {0.5, 0.7, 0.85, 1.0, 1.2, 1.4, 1.7, 2.0, 2.5, 3.0},
                                        [&settings = settings](double spacing) {

@@ -80,7 +80,7 @@ struct Planner {
     plan.views = geometry.angles.size();
     plan.slices = slab.geometry.volume.dims[2];
     plan.field = field_seen(geometry);
-    plan.finest = {1, std::min(asked.rays + 1, 4), kFinestStep, true};
+    plan.finest = {1, std::min(rays_of(asked, geometry) + 1, 4), kFinestStep, true};
     best = pilot(plan.finest);
     predict(plan.finest);
     for (const FdkPlanPoint& one : coarser_ones()) tried(one);

@@ -32,7 +32,7 @@ const std::map<std::string, ViewOrder> kViewOrders{
 struct ReconstructOptions {
   ScanOptions scan;
   std::string method = "fdk";  // or sart, os-sart, sirt
-  FdkSettings filtered;        // its rays 0: to be chosen
+  FdkSettings filtered;
   AlgebraicSettings algebraic;
   std::filesystem::path output;
   SliceOptions slices;
@@ -62,11 +62,11 @@ Json scan_json(const Scan& scan) {
           {"dead", scan.flat_field.dead}};
 }
 
-Json fdk_json(const FdkSettings& fdk) {
+Json fdk_json(const FdkSettings& fdk, const ConeGeometry& geometry) {
   Json json{{"window", name_of(kWindows, fdk.window)},
             {"rays", fdk.rays},
             {"step", fdk.step},
-            {"sharpen", fdk.sharpen},
+            {"sharpen", sharpening_of(fdk, geometry)},
             {"normalise", fdk.normalise},
             {"accumulator", name_of(kAccumulators, fdk.accumulator)}};
   if (fdk.accumulator == Accumulator::kIrradiance) {
@@ -115,7 +115,7 @@ Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Re
   Json json{{"scan", scan_json(scan)},
             {"volume", grid},
             {"method", options.method},
-            {"settings", options.fdk() ? fdk_json(options.filtered) : algebraic_json(options.algebraic)},
+            {"settings", options.fdk() ? fdk_json(options.filtered, scan.geometry) : algebraic_json(options.algebraic)},
             {"rays", result.rays},
             {"deposits", result.deposits},
             {"overflowed", result.overflowed},
@@ -127,14 +127,6 @@ Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Re
   json.update(cost);
   json["plan"] = plan ? plan_json(*plan) : nullptr;
   return json;
-}
-
-// Rays must not leave voxels out between them: 1.25 voxels apart at the axis costs no error that shows beside the edges' [C].
-double rays_needed(const ConeGeometry& geometry) {
-  const double at_axis = geometry.source_to_axis / geometry.source_to_detector;
-  const double pixel = std::max(geometry.detector.pitch_u, geometry.detector.pitch_v) * at_axis;
-  const Vec3 edge = geometry.volume.spacing;
-  return pixel / (1.25 * std::min({edge.x, edge.y, edge.z}));
 }
 
 std::vector<std::string> warnings_of(const Scan& scan, const Reconstruction& result,
@@ -204,12 +196,13 @@ void run_reconstruct(ReconstructOptions& options) {
   ProgressLine progress(!options.board.quiet);
   progress.show("reading");
   Scan scan = load_scan(description_of(options.scan));
-  if (const double rays = rays_needed(scan.geometry); options.fdk() && options.filtered.rays == 0) {
-    options.filtered.rays = static_cast<int>(std::clamp(std::ceil(rays), 1.0, 4.0));
-    if (rays > 4) {
+  if (options.fdk() && options.filtered.rays == 0) {
+    options.filtered.rays = rays_of(options.filtered, scan.geometry);
+    constexpr double kFarApart = 1.25 * 4;  // of the most rays that there are
+    if (const double pixel = voxels_of_a_pixel(scan.geometry); pixel > kFarApart) {
       scan.warnings.push_back(fmt::format(
           "volume: voxels are {:.1f} times as small as pixels seen at the axis; rays leave some out between them",
-          1.25 * rays));
+          pixel));
     }
   }
   progress.show("starting the board");
@@ -246,13 +239,13 @@ void run_reconstruct(ReconstructOptions& options) {
 
 void add_fdk(CLI::App& app, FdkSettings& fdk) {
   OptionGroup group(app, "FDK");
-  fdk.rays = 0;
-  fdk.normalise = true;
   group.choice("--window", fdk.window, kWindows, "of the ramp filter: ram-lak, shepp-logan or hann (ram-lak)");
   group.number("--rays", fdk.rays, CLI::Range(0, 4),
-               "a pixel's, along each detector axis; 0: so many that they lie no more than 1.25 voxels apart");
-  group.number("--sharpen", fdk.sharpen, CLI::Range(0.0, 0.25),
-               "against the blur of splatting: what a voxel takes from each neighbour");
+               "a pixel's, along each detector axis; 0: one of pixels no larger than voxels, else 2 to 4");
+  group
+      .value("--sharpen", fdk.sharpen,
+             "against the blur of splatting: what a voxel takes from each neighbour (by pixels and rays)")
+      ->check(CLI::Range(0.0, 0.25));
   group.flag("--normalise,!--no-normalise", fdk.normalise,
              "divide out the ripples of rays that lie unevenly against voxels; sends every ray twice (on)");
   group.choice("--accumulator", fdk.accumulator, kAccumulators,

@@ -52,6 +52,56 @@ TEST(Fdk, IsAsGoodAsDoublePrecisionWithinATenth) {
   }
 }
 
+TEST(Fdk, RaysAndSharpeningFollowFromPixelsAndVoxels) {
+  using testing::DoubleNear;
+  using testing::ElementsAre;
+  ConeGeometry geometry = small_scan(20, 4);
+  const auto pixels = [&](double wide, double high) {  // in voxels, at the axis
+    geometry.detector.pitch_u = 2 * 4.5 * wide;
+    geometry.detector.pitch_v = 2 * 4.5 * high;
+    return rays_of({}, geometry);
+  };
+  EXPECT_EQ(pixels(1.04, 0.5), 1);
+  EXPECT_EQ(pixels(0.5, 1.05), 2);
+  EXPECT_EQ(pixels(2.5, 1), 2);
+  EXPECT_EQ(pixels(2.6, 1), 3);
+  EXPECT_EQ(pixels(9, 1), 4);
+  EXPECT_EQ(rays_of({.rays = 1}, geometry), 1);
+  EXPECT_THAT(sharpening_of({}, geometry), testing::Each(1.0 / 12));
+
+  pixels(0.5, 0.8);
+  geometry.volume.spacing.y *= 0.5;
+  EXPECT_THAT(sharpening_of({}, geometry),
+              ElementsAre(DoubleNear(0.75 / 12, 1e-12), DoubleNear(0, 1e-12), DoubleNear(0.36 / 12, 1e-12)));
+  EXPECT_THAT(sharpening_of({.sharpen = 0.1}, geometry), testing::Each(0.1));
+}
+
+// Values between pixels are those of cubics through four of them.
+TEST(Fdk, RaysBetweenPixelsHaveTheValuesOfCubics) {
+  const ConeGeometry geometry = small_scan(16, 4);
+  Projections views{16, 16, std::vector<float>(1024)};
+  const auto filtered = [&](int fine) {
+    return filtered_view(views, geometry, 0, ramp_filter(geometry, Window::kRamLak), fine);
+  };
+  for (std::size_t i = 0; i < 256; ++i) views.values[i] = static_cast<float>(i / 16 * (i / 16)) * (i % 16 == 8 ? 1 : 0);
+  const std::vector<double> one = filtered(1), four = filtered(4);
+  // Down the rows of a column, but for the weights that rays have by their place.
+  const auto bare = [&](const std::vector<double>& view, int fine, std::size_t row, std::size_t column) {
+    const double at = fine, u = u_of(geometry.detector, (double(column) + 0.5) / at - 0.5),
+                 v = v_of(geometry.detector, (double(row) + 0.5) / at - 0.5);
+    return view[row * 16 * static_cast<std::size_t>(fine) + column] * at * at / slant(800, u, v);
+  };
+  const auto pixel = [&](std::size_t row, std::size_t column) { return bare(one, 1, row, column); };
+  // Of four rays a pixel, ray 29 lies 1/8 before the middle of pixel 7.
+  const double t = 7.0 / 8, w[]{-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2,
+                                (t + 1) * t * (t - 1) / 6};
+  double wanted = 0;
+  for (std::size_t j = 0; j < 4; ++j) {
+    for (std::size_t i = 0; i < 4; ++i) wanted += w[j] * w[i] * pixel(5 + j, 5 + i);
+  }
+  EXPECT_NEAR(bare(four, 4, 29, 29), wanted, 1e-9 * std::abs(wanted));
+}
+
 TEST(Fdk, MoreRaysAndSmallerStepsChangeLittle) {
   const ConeGeometry geometry = small_scan(32, 60);
   const Phantom head = high_contrast_shepp_logan(42);
@@ -131,7 +181,7 @@ TEST(Fdk, WhatIsWrongIsNamed) {
   const Projections views = project(uniform_sphere(30, 1), geometry);
   Board board = open_board();
   EXPECT_THAT([&] { reconstruct_fdk(board, geometry, views, {.rays = 5}); },
-              ThrowsMessage<BadArgument>(HasSubstr("rays: expected 1..4, got 5")));
+              ThrowsMessage<BadArgument>(HasSubstr("rays: expected 0..4, got 5")));
   EXPECT_THAT([&] { reconstruct_fdk(board, geometry, views, {.step = 20}); },
               ThrowsMessage<BadArgument>(HasSubstr("step")));
   ConeGeometry other = geometry;

@@ -50,24 +50,6 @@ TEST(RampFilter, IsTheConvolutionWithItsKernel) {
   }
 }
 
-TEST(RampFilter, FinerResultsAreThoseOfShiftedSamples) {
-  const auto samples_at = [](double offset) {
-    std::vector<double> row(128);
-    for (int i = 0; i < 128; ++i) {
-      const double at = i + offset - 64;
-      row[static_cast<std::size_t>(i)] = std::cos(2 * pi / 16 * at) * std::exp(-at * at / 200);
-    }
-    return row;
-  };
-  std::vector<double> shifted(128), four(512);
-  RampFilter(128, 1, Window::kRamLak, 4).apply(samples_at(0).data(), four.data());
-  for (std::size_t k = 0; k < 4; ++k) {
-    const auto row = samples_at((static_cast<double>(k) + 0.5) / 4 - 0.5);
-    RampFilter(128, 1, Window::kRamLak).apply(row.data(), shifted.data());
-    for (std::size_t i = 0; i < 128; ++i) EXPECT_NEAR(four[4 * i + k], shifted[i], 1e-6) << i;
-  }
-}
-
 TEST(ArcWeights, SumToHalfATurn) {
   const auto sum = [](const ConeGeometry& geometry) {
     const auto weights = arc_weights(geometry);
