@@ -89,11 +89,11 @@ GICUBE_API gicube_status gicube_set_material(gicube_board* board, int32_t tag, c
 /* A NULL routine takes it back. `user` must live as long as the routine is set. */
 GICUBE_API gicube_status gicube_set_scattering_routine(gicube_board* board, gicube_scattering_routine routine,
                                                        void* user, uint64_t time_per_ray_ps);
-/* 3 doubles a code. */
+/* 3 doubles per code. */
 GICUBE_API gicube_status gicube_set_gradient_codebook(gicube_board* board, const double* codebook, size_t codes);
 /* How many blocks along each axis. */
 GICUBE_API gicube_status gicube_get_blocks(gicube_board* board, int32_t blocks[3]);
-/* One flag a block; count is their number. */
+/* One flag per block; count is their number. */
 GICUBE_API gicube_status gicube_set_empty_flags(gicube_board* board, const uint8_t* flags, size_t count);
 GICUBE_API gicube_status gicube_get_empty_flags(gicube_board* board, uint8_t* flags, size_t count);
 
@@ -103,13 +103,13 @@ GICUBE_API gicube_status gicube_illuminate(gicube_board* board, const gicube_lig
                                            gicube_lighting_report* report);
 /* Warning `index` of the last gicube_illuminate(); NULL if there is none. Until this board's next one. */
 GICUBE_API const char* gicube_lighting_warning(gicube_board* board, uint32_t index);
-/* One value a voxel of the box, or of the whole volume if it is NULL; count is their number. */
+/* One value per voxel of the box, or of the whole volume if it is NULL; count is their number. */
 GICUBE_API gicube_status gicube_read_irradiance(gicube_board* board, const gicube_box* box, float* values,
                                                 size_t count);
 GICUBE_API gicube_status gicube_write_irradiance(gicube_board* board, const gicube_box* box, const float* values,
                                                  size_t count);
 GICUBE_API gicube_status gicube_clear_irradiance(gicube_board* board, double unit);
-/* What rays of type GICUBE_RAY_BACKPROJECT leave; one value a voxel of the box. */
+/* What rays of type GICUBE_RAY_BACKPROJECT leave; one value per voxel of the box. */
 GICUBE_API gicube_status gicube_clear_sums(gicube_board* board, double unit);
 GICUBE_API gicube_status gicube_read_sums(gicube_board* board, const gicube_box* box, float* values, size_t count);
 

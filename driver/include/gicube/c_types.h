@@ -107,10 +107,12 @@ typedef struct gicube_volume {
   size_t sample_bytes;    /* of all samples */
   double spacing[3];      /* physical voxel edge */
   double low, high;       /* the range of values */
-  const float* gradients; /* NULL, or three a voxel */
+  const float* gradients; /* NULL, or three for each voxel */
   size_t gradient_count;  /* floats */
-  const uint8_t* tags;    /* NULL, or one a voxel, 0..3 */
+  const uint8_t* tags;    /* NULL, or one for each voxel, 0..3 */
   size_t tag_count;
+  int32_t find_gradients; /* 0, without gradients: none are computed, and nothing of the volume is shaded */
+  int32_t reserved;       /* 0 */
 } gicube_volume;
 
 /* A box of voxels, gicube/volume.h: VoxelBox */
@@ -180,7 +182,7 @@ typedef struct gicube_scatter_answer {
   double passes;       /* 1 at first */
 } gicube_scatter_answer;
 
-/* gicube/illumination.h: Light. Which fields count hangs on the kind */
+/* gicube/illumination.h: Light. Which fields count depends on the kind */
 enum { GICUBE_LIGHT_POINT = 0, GICUBE_LIGHT_DIRECTIONAL = 1, GICUBE_LIGHT_RECTANGLE = 2, GICUBE_LIGHT_SPHERE = 3 };
 typedef struct gicube_light {
   int32_t kind;
@@ -340,7 +342,7 @@ typedef struct gicube_element_pair {
 enum { GICUBE_PAIR_RAYS_BY_BOARD = 0, GICUBE_PAIR_RAYS_BY_HOST = 1 };
 typedef struct gicube_pair_request {
   uint32_t size;
-  uint32_t rays; /* a pair */
+  uint32_t rays; /* for each pair */
   uint32_t first;
   uint32_t seed;
   double opacity;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <map>
@@ -117,12 +118,18 @@ gicube_lighting_report to_c(const LightingReport& report);
 
 inline constexpr std::size_t kLargestRecord = 65'536;  // bytes, chosen: a size beyond is no size but a stray value
 
+// The size of a record's first version: fields from there on came later, and older callers do not have them.
+template <typename Record>
+inline constexpr std::size_t kFirstSize = sizeof(Record);
+template <>
+inline constexpr std::size_t kFirstSize<gicube_volume> = offsetof(gicube_volume, find_gradients);
+
 // Throws BadArgument.
 template <typename Record>
 void check_size(const std::string& name, const Record* record, std::size_t size) {
   if (record == nullptr) throw BadArgument(name, "a pointer", "NULL");
-  expect(size >= sizeof(Record) && size <= kLargestRecord, name + ".size",
-         fmt::format("{}..{} (sizeof the record)", sizeof(Record), kLargestRecord), size);
+  expect(size >= kFirstSize<Record> && size <= kLargestRecord, name + ".size",
+         fmt::format("{}..{} (sizeof the record)", kFirstSize<Record>, kLargestRecord), size);
 }
 // Of a record that may be NULL.
 template <typename Record>
@@ -130,9 +137,9 @@ void check_optional(const std::string& name, const Record* record) {
   if (record != nullptr) check_size(name, record, record->size);
 }
 
-// The caller's record. Throws BadArgument.
+// Overwrites `record`, which holds the defaults, with the fields that the caller's has. Throws BadArgument.
 template <typename Record>
-Record read_record(const std::string& name, const Record* given) {
+void read_record(const std::string& name, const Record* given, Record& record) {
   check_size(name, given, given == nullptr ? 0 : given->size);
   const auto* bytes = reinterpret_cast<const unsigned char*>(given);
   for (std::size_t i = sizeof(Record); i < given->size; ++i) {
@@ -141,7 +148,7 @@ Record read_record(const std::string& name, const Record* given) {
     };
     if (bytes[i] != 0) throw BadArgument(name, unknown(), fmt::format("{} at byte {}", bytes[i], i));
   }
-  return *given;
+  std::memcpy(static_cast<void*>(&record), given, std::min<std::size_t>(given->size, sizeof(Record)));
 }
 
 // Fills the caller's record of `size` bytes. Throws BadArgument.
@@ -150,7 +157,7 @@ void write_record(const std::string& name, Record* out, std::size_t size, Record
   check_size(name, out, size);
   record.size = static_cast<std::uint32_t>(size);
   std::memset(static_cast<void*>(out), 0, size);
-  std::memcpy(static_cast<void*>(out), &record, sizeof(Record));
+  std::memcpy(static_cast<void*>(out), &record, std::min(size, sizeof(Record)));
 }
 template <typename Record>
 void write_record(const std::string& name, Record* out, const Record& record) {
@@ -217,6 +224,14 @@ void copy_fields(const auto& copy, gicube_open_options& c, OpenOptions& options)
   copy.milliseconds(c.wait_for_board_ms, options.wait_for_board);
   copy.reserved("reserved", c.reserved);
   copy.choice("back_pressure", c.back_pressure, options.back_pressure, BackPressure::kThrow);
+}
+
+void copy_fields(const auto& copy, gicube_volume& c, VolumeView& volume) {
+  copy.choice("type", c.type, volume.type, SampleType::kFloat32);
+  for (std::size_t axis = 0; axis < volume.dims.size(); ++axis) copy.number(c.dims[axis], volume.dims[axis]);
+  copy.vector(c.spacing, volume.spacing);
+  copy.truth("find_gradients", c.find_gradients, volume.find_gradients);
+  copy.reserved("reserved", c.reserved);
 }
 
 void copy_fields(const auto& copy, gicube_shading& c, Shading& shading) {
@@ -306,8 +321,10 @@ gicube_status init(const char* name, Record* out, std::size_t size) {
 // What the caller's record says. Throws BadArgument. Leaves in `record` what was read, for fields that are no plain values.
 template <typename T, typename Record>
 T read_fields(const char* name, const Record* given, Record& record) {
-  record = read_record(name, given);
   T value;
+  record = {};
+  copy_fields(Copy<true>{""}, record, value);
+  read_record(name, given, record);
   copy_fields(Copy<false>{name}, record, value);
   return value;
 }

@@ -6,13 +6,11 @@
 namespace gicube::c_api {
 namespace {
 
-VolumeView to_volume(const gicube_volume& record) {
-  VolumeView volume;
-  volume.type = choice("volume.type", record.type, SampleType::kFloat32);
+VolumeView to_volume(const gicube_volume* given) {
+  gicube_volume record;
+  auto volume = read_fields<VolumeView>("volume", given, record);
   volume.samples = {static_cast<const std::byte*>(record.samples), record.sample_bytes};
   if (record.samples == nullptr) throw BadArgument("volume.samples", "a pointer", "NULL");
-  volume.dims = {record.dims[0], record.dims[1], record.dims[2]};
-  volume.spacing = to_vec3(record.spacing);
   if (truth("volume.has_range", record.has_range)) volume.range = ValueRange{record.low, record.high};
   volume.gradients = {checked("volume.gradients", record.gradients, record.gradient_count), record.gradient_count};
   volume.tags = {checked("volume.tags", record.tags, record.tag_count), record.tag_count};
@@ -154,11 +152,7 @@ using namespace gicube::c_api;
 extern "C" {
 
 gicube_status gicube_volume_init(gicube_volume* volume, size_t size) {
-  return call([&] {
-    gicube_volume record{};
-    put(gicube::VolumeView().spacing, record.spacing);
-    write_record("volume", volume, size, record);
-  });
+  return init<gicube::VolumeView>("volume", volume, size);
 }
 
 gicube_status gicube_shading_init(gicube_shading* shading, size_t size) {
@@ -171,9 +165,8 @@ gicube_status gicube_material_init(gicube_material* material, size_t size) {
 
 gicube_status gicube_load_volume(gicube_board* board, const gicube_volume* volume, gicube_progress progress,
                                  void* user) {
-  return on_board(board, [&](gicube_board& handle) {
-    handle.board.load_volume(to_volume(read_record("volume", volume)), to_progress(progress, user));
-  });
+  return on_board(
+      board, [&](gicube_board& handle) { handle.board.load_volume(to_volume(volume), to_progress(progress, user)); });
 }
 
 gicube_status gicube_value_range(gicube_board* board, double* low, double* high) {

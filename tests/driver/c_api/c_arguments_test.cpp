@@ -160,6 +160,8 @@ TEST_F(CArguments, OfEveryRecordAreCheckedByName) {
   volume.tag_count = 0;
   volume.has_range = 2;
   EXPECT_REFUSED(gicube_load_volume(board_, &volume, nullptr, nullptr), "volume.has_range");
+  volume.find_gradients = 2;
+  EXPECT_REFUSED(gicube_load_volume(board_, &volume, nullptr, nullptr), "volume.find_gradients");
 
   gicube_material material;
   ASSERT_EQ(gicube_material_init(&material, sizeof material), GICUBE_OK);

@@ -1,0 +1,118 @@
+// Every plain field of the C++ settings crosses to its C record and back. A structured binding counts all fields of a struct: a new
+// one breaks the build here, until somebody decides how it crosses.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "c_api/call.h"
+
+namespace gicube::c_api {
+namespace {
+
+auto fields(OpenOptions& options) {
+  auto& [a, b, c, d, e, f, g, capture] = options;  // capture: a pointer of the record's, see to_options()
+  return std::tie(a, b, c, d, e, f, g);
+}
+auto fields(VolumeView& volume) {
+  auto& [samples, type, dims, spacing, range, gradients, tags, find] = volume;  // the others: see to_volume()
+  return std::tie(type, dims[0], dims[1], dims[2], spacing, find);
+}
+auto fields(Shading& shading) {
+  auto& [phong, light] = shading;
+  auto& [a, b, c, d] = phong;
+  return std::tie(a, b, c, d, light);
+}
+auto fields(Material& material) {
+  auto& [a, b, c, d, e, f, parameters] = material;  // parameters: see to_material()
+  return std::tie(a, b, c, d, e, f);
+}
+auto fields(Illumination& settings) {
+  auto& [a, b, c, d, e, f, g, h] = settings;
+  return std::tie(a, b, c, d, e, f, g, h);
+}
+auto fields(View& view) {
+  auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, planes] = view;  // cut planes: see to_view()
+  return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u);
+}
+auto fields(RayRequest& request) {
+  auto& [a, b, c, d, e, f, g] = request;
+  return std::tie(a, b, c, d, e, f, g);
+}
+auto fields(PairRequest& request) {
+  auto& [a, b, c, d, e] = request;
+  return std::tie(a, b, c, d, e);
+}
+
+// Another value than the default, which a record can hold.
+template <typename T>
+void change(T& value) {
+  if constexpr (std::is_same_v<T, bool>) {
+    value = !value;
+  } else if constexpr (std::is_enum_v<T>) {
+    value = static_cast<T>(static_cast<int>(value) == 0);
+  } else if constexpr (std::is_same_v<T, Vec3>) {
+    value = {value.x + 1, value.y + 2, value.z + 3};
+  } else {
+    value = value + T(1);
+  }
+}
+
+template <typename T>
+class CSettings : public testing::Test {};
+
+template <typename Settings, typename Record>
+struct Crossing {
+  static auto there_and_back(Settings settings) {
+    Record record{};
+    copy_fields(Copy<true>{""}, record, settings);
+    Settings back;
+    copy_fields(Copy<false>{"record"}, record, back);
+    return back;
+  }
+  static Settings defaults() { return {}; }
+};
+
+using All = testing::Types<Crossing<OpenOptions, gicube_open_options>, Crossing<VolumeView, gicube_volume>,
+                           Crossing<Shading, gicube_shading>, Crossing<Material, gicube_material>,
+                           Crossing<Illumination, gicube_illumination>, Crossing<View, gicube_view>,
+                           Crossing<RayRequest, gicube_ray_request>, Crossing<PairRequest, gicube_pair_request>>;
+TYPED_TEST_SUITE(CSettings, All);
+
+TYPED_TEST(CSettings, CrossWithAllTheirFields) {
+  auto given = TypeParam::defaults();
+  const auto before = fields(given);
+  std::apply([](auto&... field) { (change(field), ...); }, before);
+  auto back = TypeParam::there_and_back(given);
+  const auto after = fields(back);
+  const auto equal = std::apply(
+      [&](auto&... one) { return std::apply([&](auto&... other) { return std::vector{(one == other)...}; }, after); },
+      before);
+  EXPECT_THAT(equal, testing::Each(true));  // by the order in fields()
+}
+
+// As a program that was compiled before find_gradients hands it over: what follows is its own memory.
+TEST(CRecord, OfAnEarlierVersionHasTheDefaultsOfLaterFields) {
+  constexpr std::size_t kEarlier = offsetof(gicube_volume, find_gradients);
+  gicube_volume record;
+  std::memset(static_cast<void*>(&record), 0x5A, sizeof record);
+  const gicube_volume untouched = record;
+  ASSERT_EQ(gicube_volume_init(&record, kEarlier), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(record.size, kEarlier);
+  EXPECT_EQ(record.spacing[2], 1);
+  EXPECT_EQ(record.find_gradients, untouched.find_gradients);
+  EXPECT_EQ(record.reserved, untouched.reserved);
+  record.dims[1] = 7;
+  gicube_volume read;
+  const auto volume = read_fields<VolumeView>("volume", &record, read);
+  EXPECT_EQ(volume.dims[1], 7);
+  EXPECT_TRUE(volume.find_gradients);
+  EXPECT_EQ(gicube_volume_init(&record, kEarlier - 1), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "volume.size");
+}
+
+}  // namespace
+}  // namespace gicube::c_api
