@@ -3,7 +3,7 @@
 #                 [LIBRARIES target ...]    # ... and these, as GTest::gtest_main
 #                 [COMMAND program arg ...] # or a program that there is: a target or a file
 #                 [BUS pci33 agp2x ...]     # host buses; several make a test of each, called name.bus
-#                 [FIDELITY level]          # functional or cycle
+#                 [FIDELITY level]          # functional, approximate or cycle
 #                 [CONFIG file]             # a board configuration
 #                 [SET field=value ...]     # single fields of it, as asic.processors=8
 #                 [FAULTS file]             # a fault plan

@@ -50,8 +50,8 @@ export PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$prefix/lib64/pkgconfig:$prefix/lib
 [[ $(pkg-config --modversion gicube) == "$(sed -nE 's/^project\(gicube VERSION ([0-9.]+).*/\1/p' "$source/CMakeLists.txt")" ]]
 libraries=$(pkg-config --variable=libdir gicube)
 # shellcheck disable=SC2046
-c++ -std=c++20 "$source/samples/small/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
-LD_LIBRARY_PATH=$libraries "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
+c++ -std=c++20 "$source/samples/small/hello/main.cpp" "-Wl,-rpath,$libraries" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
+"$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
 
 # And the C program, by a C compiler that knows nothing of C++.
 cc -std=c99 -Wall -Wextra -Wpedantic -Werror "$source/samples/installed/c_host/c_host.c" $(pkg-config --cflags --libs gicube) \
