@@ -7,6 +7,7 @@
 #include <iostream>
 #include <iterator>
 #include <map>
+#include <ranges>
 #include <set>
 #include <vector>
 
@@ -113,6 +114,25 @@ void print_front(const Table& table) {
   for (const Row& row : front) fmt::print("{:12.6g}  {:12.6g}  {}\n", row.cost, row.error, row.command);
 }
 
+// A functional board counts no time of the ASIC: frame times are those of the bus and the DSP, which most parameters of the sampling do
+// not change. Says so of each parameter that was varied in vain.
+void warn_of_constant_cost(const SweepOptions& options, const Table& table) {
+  constexpr double kHardly = 0.02;  // chosen: less than frame times of the approximate level are off by
+  const auto varied = [](const Parameter& parameter) { return parameter.values.size() > 1; };
+  const RunFolder folder(options.folder / "runs");
+  const auto functional = [&](const Pair& pair) { return folder.read(pair.run).at("fidelity") == "functional"; };
+  if (options.cost != "frame_ms" || !std::ranges::all_of(pairs_of(options), functional)) return;
+  for (const Parameter& parameter : options.parameters | std::views::filter(varied)) {
+    const double change = cost_change(table, parameter.name);
+    if (change >= kHardly) continue;
+    fmt::print(
+        stderr,
+        "gicube-sweep: note: {} changes frame_ms by at most {:.2g}%: at the functional level the ASIC takes no time. "
+        "--fix fidelity=approximate counts it\n",
+        parameter.name, 100 * change);
+  }
+}
+
 int run(int argc, char** argv) {
   const auto options = parse_sweep_options(argc, argv, std::cout);
   if (!options) return 0;
@@ -122,7 +142,9 @@ int run(int argc, char** argv) {
     table = run_sweep(*options, progress);
   }
   write_files(*options, table);
-  if (!options->quiet) print_front(table);
+  if (options->quiet) return 0;
+  warn_of_constant_cost(*options, table);
+  print_front(table);
   return 0;
 }
 

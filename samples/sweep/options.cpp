@@ -16,7 +16,7 @@ const char* const kFooter =
     "FOLDER/runs and not done again. Every run has --threads 1, unless --fix threads=N.\n"
     "Exit codes: 0 done, 1 failed, 2 wrong usage.\n\n"
     "  gicube-sweep builtin:buckyball --vary step=0.25,0.5,1,2 --vary jitter=off,on \\\n    --reference step=0.0625 "
-    "--reference jitter=off -o out";
+    "--reference jitter=off --fix fidelity=approximate -o out";
 
 // CLI11 would cut them at commas.
 struct Texts {

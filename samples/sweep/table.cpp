@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace gicube::samples::sweep {
@@ -54,6 +55,26 @@ void mark_front(std::vector<Row>& rows) {
              (other.cost < row.cost || other.error < row.error);
     });
   }
+}
+
+double cost_change(const Table& table, const std::string& name) {
+  struct Range {
+    double low, high;
+  };
+  std::map<std::string, Range> ranges;  // by the other settings
+  for (const Row& row : table.rows) {
+    std::string others;
+    for (const Setting& setting : row.point) {
+      if (setting.name != name) others += setting.name + '=' + setting.value + '\n';
+    }
+    Range& range = ranges.try_emplace(others, row.cost, row.cost).first->second;
+    range = {std::min(range.low, row.cost), std::max(range.high, row.cost)};
+  }
+  double change = 0;
+  for (const auto& [others, range] : ranges) {
+    if (range.low > 0) change = std::max(change, range.high / range.low - 1);
+  }
+  return change;
 }
 
 std::string csv(const Table& table) {

@@ -28,7 +28,10 @@ struct Table {
 // and stay out.
 void mark_front(std::vector<Row>& rows);
 
-// One line a row, a column a setting; the command last.
+// How much the cost changes with the setting `name`: the largest relative difference between rows that have all other settings in common.
+double cost_change(const Table& table, const std::string& name);
+
+// One line for each row, a column for each setting; the command last.
 std::string csv(const Table& table);
 // The same, and the front by itself.
 std::string json(const Table& table);

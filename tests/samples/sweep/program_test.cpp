@@ -14,6 +14,7 @@ namespace gicube::samples {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class SweepProgram : public testing::Test {
  protected:
@@ -68,6 +69,16 @@ TEST_F(SweepProgram, WritesCostAndErrorOfEveryCombinationAndTheFront) {
   EXPECT_THAT(text("out/sweep.csv"), HasSubstr("gicube-render builtin:buckyball --step 2 --jitter --volume-size 32"));
   EXPECT_THAT(text("stdout"), HasSubstr("of 6 runs"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/sweep.gp"));
+}
+
+TEST_F(SweepProgram, SaysThatAFunctionalBoardsFrameTimeHardlyKnowsTheStep) {
+  ASSERT_EQ(run(std::string(kSmall) + " --fix fidelity=functional"), 0) << text("stderr");
+  EXPECT_THAT(text("stderr"), HasSubstr("note: step changes frame_ms by at most "));
+  EXPECT_THAT(text("stderr"), HasSubstr("--fix fidelity=approximate"));
+  ASSERT_EQ(run(std::string(kSmall) + " --fix fidelity=functional --cost samples"), 0) << text("stderr");
+  EXPECT_THAT(text("stderr"), Not(HasSubstr("note:")));
+  ASSERT_EQ(run(std::string(kSmall) + " --fix fidelity=approximate"), 0) << text("stderr");
+  EXPECT_THAT(text("stderr"), Not(HasSubstr("note:")));
 }
 
 TEST_F(SweepProgram, GoesOnWhereAKilledSweepWas) {

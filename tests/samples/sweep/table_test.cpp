@@ -57,6 +57,18 @@ TEST(SweepTable, IsOneLineARowWithItsCommandAndTheSameInJson) {
   EXPECT_TRUE(read["points"][1]["error picture"].is_null());
 }
 
+TEST(SweepTable, TellsHowMuchASettingChangesTheCost) {
+  const auto at = [](const std::string& step, const std::string& jitter, double cost) {
+    Row out = row(cost, 0);
+    out.point = {{"step", step}, {"jitter", jitter}};
+    return out;
+  };
+  const Table table{
+      "frame_ms", "picture", {}, {at("1", "off", 10), at("2", "off", 12), at("1", "on", 30), at("2", "on", 33)}};
+  EXPECT_NEAR(cost_change(table, "step"), 0.2, 1e-12);
+  EXPECT_NEAR(cost_change(table, "jitter"), 2, 1e-12);
+}
+
 TEST(SweepTable, QuotesCellsThatHaveCommas) {
   Table table{"frame_ms", "picture", {}, {row(1, 1)}};
   table.rows[0].point = {{"eye", "1,2,3"}};
