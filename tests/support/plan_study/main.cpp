@@ -100,7 +100,7 @@ void run_lit(const Options& options) {
 
 void run_radiosity(const Options& options) {
   fmt::print(
-      "| scene | target % | threshold | rays a link | leaf voxels | error % | predicted | bound | rays saved, times | "
+      "| scene | target % | threshold | rays per link | leaf voxels | error % | predicted | bound | rays saved, times | "
       "all "
       "solutions' rays | plan, host s | reference |\n");
   for (const RadiosityScene& scene : radiosity_scenes(GICUBE_SOURCE_DIR)) {
@@ -125,7 +125,7 @@ void run_radiosity(const Options& options) {
 
 void run_fdk(const Options& options) {
   fmt::print(
-      "| scan | target % | views | rays a pixel | step | normalised | error % | predicted | bound | deposits saved, "
+      "| scan | target % | views | rays per pixel | step | normalised | error % | predicted | bound | deposits saved, "
       "times | "
       "error against the phantom % | of the finest | plan, host s | planned | finest |\n");
   for (const FdkScan& scan : fdk_scans()) {
