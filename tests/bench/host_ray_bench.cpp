@@ -64,12 +64,6 @@ struct Visibility {
     function.opacities = {{0, 0}, {255, 0.02}};
     function.colours = {{0, {1, 1, 1}}};
     board.set_transfer_function(function);
-    View view;
-    view.eye = {64, 64, -300};
-    view.look_at = {64, 64, 64};
-    view.width = view.height = 8;
-    view.step = 1;
-    board.render_to_framebuffer(view);  // from now on rays take its step
   }
 
   static Vec3 point(std::uint64_t i) {
@@ -85,6 +79,8 @@ struct Visibility {
   Board board;
 };
 
+const RayRequest kOneApart{.type = RayType::kOpacity, .step = 1};
+
 // Host-made rays, four batches of range(0) under way, transport included.
 void visibility_by_host(benchmark::State& state) {
   Visibility scene;
@@ -94,11 +90,11 @@ void visibility_by_host(benchmark::State& state) {
   }
   std::vector<TracedRay> room(rays.size());
   std::vector<Ticket> tickets(4);
-  for (Ticket& ticket : tickets) ticket = scene.board.submit(rays, {.type = RayType::kOpacity});
+  for (Ticket& ticket : tickets) ticket = scene.board.submit(rays, kOneApart);
   std::size_t next = 0;
   for (auto _ : state) {
     scene.board.receive(tickets[next], room);
-    tickets[next] = scene.board.submit(rays, {.type = RayType::kOpacity});
+    tickets[next] = scene.board.submit(rays, kOneApart);
     next = (next + 1) % tickets.size();
     benchmark::DoNotOptimize(room.data());
   }
@@ -118,7 +114,7 @@ void visibility_by_board(benchmark::State& state) {
   }
   const auto count = static_cast<std::uint32_t>(262'144 / state.range(0));
   for (std::uint32_t i = 0; i < count; ++i) pairs.push_back({i % 4096, (i * 1237 + 511) % 4096, i});
-  const PairRequest request{.rays = static_cast<std::uint32_t>(state.range(0))};
+  const PairRequest request{.rays = static_cast<std::uint32_t>(state.range(0)), .step = 1};
   for (auto _ : state) benchmark::DoNotOptimize(scene.board.pair_factors(elements, pairs, request));
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) * count * state.range(0));
 }

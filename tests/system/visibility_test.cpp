@@ -59,15 +59,11 @@ class Visibility : public testing::TestWithParam<Case> {
   }
 
   std::vector<double> by_board(const std::vector<PointPair>& pairs, double step) {
-    View view = setup_.view;
-    view.width = view.height = 8;
-    view.step = step;
-    board_->render_to_framebuffer(view);  // from now on rays take its step
     std::vector<HostRay> rays;
     for (const PointPair& pair : pairs) {
       rays.push_back(ray_between(static_cast<std::uint32_t>(rays.size()), pair.from, pair.to));
     }
-    const RayBatch batch = board_->receive(board_->submit(rays, {.type = RayType::kOpacity}));
+    const RayBatch batch = board_->receive(board_->submit(rays, {.type = RayType::kOpacity, .step = step}));
     std::vector<double> through;
     for (const TracedRay& ray : batch.rays) through.push_back(1 - ray.opacity);
     return through;

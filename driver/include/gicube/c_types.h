@@ -288,6 +288,8 @@ typedef struct gicube_ray_request {
   int32_t lifetime;
   int32_t words; /* GICUBE_RAY_BACKPROJECT */
   double step;
+  int32_t leap;
+  int32_t reserved; /* 0 */
 } gicube_ray_request;
 
 /* Rays that lie together, of several that make one batch. */
@@ -347,7 +349,8 @@ typedef struct gicube_pair_request {
   uint32_t seed;
   double opacity;
   int32_t made;
-  int32_t reserved; /* 0 */
+  int32_t leap;
+  double step;
 } gicube_pair_request;
 typedef struct gicube_pair_factor {
   double transported;

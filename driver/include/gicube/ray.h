@@ -21,8 +21,8 @@
 
 namespace gicube {
 
-// What is asked of the rays of a batch. Sampling (step, leaping over empty blocks, and for rays that gather colour also
-// shading) is that of the last view rendered, or of a default View.
+// What is asked of the rays of a batch. Jitter, cut planes, and for rays that gather colour shading are those of the last view
+// rendered, or of a default View; step and leaping are the request's own.
 enum class RayType {
   // Colour and opacity from its position until it leaves the volume, meets a cut plane, or has the view's
   // opacity_threshold. Scattered if the view says so. With the view's jitter.
@@ -32,7 +32,7 @@ enum class RayType {
   // or met a cut plane. No colour. With the view's jitter.
   kFirstHit,
   // Colour and opacity between two points, `length` apart, or up to the first sample at which RayRequest::opacity is
-  // reached. Its own step divides the length evenly, at most the view's, and it samples the middle of each: so both
+  // reached. Its own step divides the length evenly, at most RayRequest::step, and it samples the middle of each: so both
   // directions see the same samples. Neither jitter nor cut planes.
   kSegment,
   // The same without colour: the transmittance between two points is 1 - opacity.
@@ -76,7 +76,8 @@ struct RayRequest {
   EnergyRules rules = EnergyRules::kConserving;
   int lifetime = 32;
   SumWords words = SumWords::kSums;  // kBackproject
-  double step = 0;                   // 1/64..16 voxels between samples; 0: the view's
+  double step = 0.5;                 // voxels between samples, 1/64..16
+  bool leap = true;                  // over blocks whose empty flag is set; kIntegral, kBackproject never do
 };
 
 // A line through several points, in voxels: its legs are kSegment rays.

@@ -117,6 +117,9 @@ struct GICUBE_HIDDEN Board::State {
       if (view.shade) tables.send_reflectance(towards_eye);
     });
   }
+  // Of pairs as they are given, near or not; the volume is loaded and all is checked.
+  std::vector<PairFactor> factors_by_rays(std::span<const Element> elements, std::span<const ElementPair> pairs,
+                                          const PairRequest& request, const Progress& progress);
   // Of a call that begins now.
   Picoseconds deadline() const {
     const Picoseconds now = device.clock().now();

@@ -295,16 +295,19 @@ void copy_fields(const auto& copy, gicube_ray_request& c, RayRequest& request) {
   copy.choice("rules", c.rules, request.rules, EnergyRules::kConserving);
   copy.number(c.lifetime, request.lifetime);
   copy.number(c.step, request.step);
+  copy.truth("leap", c.leap, request.leap);
+  copy.reserved("reserved", c.reserved);
   copy.choice("words", c.words, request.words, SumWords::kSums);
 }
 
 void copy_fields(const auto& copy, gicube_pair_request& c, PairRequest& request) {
-  copy.reserved("reserved", c.reserved);
   copy.number(c.rays, request.rays);
   copy.number(c.first, request.first);
   copy.number(c.seed, request.seed);
   copy.number(c.opacity, request.opacity);
   copy.choice("made", c.made, request.made, PairRays::kByHost);
+  copy.number(c.step, request.step);
+  copy.truth("leap", c.leap, request.leap);
 }
 
 // For ..._init(): what the C++ API has by default.

@@ -107,7 +107,7 @@ void check(const RayRequest& request) {
   const bool is_good = !has_threshold(request.type) || (request.opacity > 0 && request.opacity <= 1);
   expect(is_good, "request.opacity", "more than 0, at most 1", request.opacity);
   constexpr double kOne = wire::kStepOne;
-  if (request.step != 0) expect_within("request.step", request.step, wire::kStepMin / kOne, wire::kStepMax / kOne);
+  expect_within("request.step", request.step, wire::kStepMin / kOne, wire::kStepMax / kOne);
   const bool is_words = request.words == SumWords::kIrradiance || request.words == SumWords::kSums;
   expect(is_words, "request.words", "one of SumWords'", request.words);
   if (request.type == RayType::kDeposit) expect_within("request.lifetime", request.lifetime, 0, wire::kLifetimeMax);

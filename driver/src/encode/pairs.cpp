@@ -104,6 +104,8 @@ void check(const PairRequest& request) {
   if (!(request.opacity > 0 && request.opacity <= 1)) {
     throw BadArgument("request.opacity", "more than 0, at most 1", number_text(request.opacity));
   }
+  expect_within("request.step", request.step, wire::kStepMin / double{wire::kStepOne},
+                wire::kStepMax / double{wire::kStepOne});
 }
 
 void check(const Element& element, std::size_t index, Dims dims) {

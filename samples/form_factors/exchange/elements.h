@@ -47,8 +47,8 @@ struct Medium {
 // Takes voxels apart by the opacity of one voxel length. Throws InputError: no voxels, solid_opacity not within 0..1.
 Medium make_medium(const SceneSetup& setup, double solid_opacity);
 
-// Loads it and sets `step`, voxels. Throws InputError if it is larger than the board's volumes, and what Board throws.
-void load(Board& board, const Medium& medium, double step);
+// Throws InputError if it is larger than the board's volumes, and what Board throws.
+void load(Board& board, const Medium& medium);
 
 // Mean extinction of the box of an open voxel: of the trilinear interpolation, exactly.
 double mean_kappa(const Medium& medium, const GridCell& voxel);

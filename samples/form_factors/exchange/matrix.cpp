@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "form_factors/radiosity/radiosity.h"
 #include "scene/formats/whole_file.h"
@@ -21,17 +23,61 @@ std::string row_of(const RadiosityResult& result, std::size_t i) {
                      cluster.first + 1, cluster.last, cluster.parent == kNone ? 0 : cluster.parent + 1);
 }
 
+// By leaf: the sum of its exchange areas over its weight, with those of the clusters that it is a part of.
+std::vector<double> closures(const RadiosityResult& result) {
+  std::vector<double> sums(result.clusters.size()), leaves(result.leaves.size());
+  for (const Link& link : result.links) {
+    both_ways(link, [&](std::uint32_t to, std::uint32_t) { sums[to] += link.exchange / result.clusters[to].weight; });
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) {  // parents come before their children
+    const Cluster& cluster = result.clusters[i];
+    if (cluster.parent != kNone) sums[i] += sums[cluster.parent];
+    if (cluster.child == kNone) std::fill_n(leaves.begin() + cluster.first, cluster.last - cluster.first, sums[i]);
+  }
+  return leaves;
+}
+
+double furthest_off(const std::vector<double>& closures) {
+  double off = 0;
+  for (const double closure : closures) off = std::max(off, std::abs(closure - 1));
+  return off;
+}
+
+// Multiplies all by factors of the clusters, as symmetric scaling of a full matrix would by those of its rows (Sinkhorn 1964):
+// each goes by what its leaves' sums lack. Some can't close altogether: elements without links of their own, beside others that have
+// some.
+void balance(RadiosityResult& result) {
+  constexpr int kMaxPasses = 500;   // chosen
+  constexpr double kClosed = 1e-4;  // chosen
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
+    const std::vector<double> sums = closures(result);
+    if (furthest_off(sums) < kClosed) return;
+    std::vector<double> factors;
+    for (const Cluster& cluster : result.clusters) {
+      double lacks = 0;
+      for (std::uint32_t leaf = cluster.first; leaf < cluster.last; ++leaf) {
+        lacks += (sums[leaf] > 0 ? std::log(sums[leaf]) : 0) / (cluster.last - cluster.first);
+      }
+      factors.push_back(std::exp(-0.5 * lacks));
+    }
+    for (Link& link : result.links) link.exchange *= factors[link.a] * factors[link.b];
+  }
+}
+
 }  // namespace
 
 std::filesystem::path clusters_file(const std::filesystem::path& file) { return file.string() + ".clusters.csv"; }
 
-void write_factors(const RadiosityResult& result, const std::filesystem::path& file) {
+void write_factors(const RadiosityResult& measured, const std::filesystem::path& file) {
+  RadiosityResult result = measured;
+  balance(result);
+  const double off = furthest_off(closures(result));
   write_whole(file, [&](std::ostream& stream) {
     stream << "%%MatrixMarket matrix coordinate real symmetric\n"
               "% Exchange areas X of the links between clusters, smallest voxel edges squared; form factor F_ij = X_ij "
               "/ w_i.\n"
-              "% Rows: "
-           << clusters_file(file.filename()).string() << '\n'
+           << fmt::format("% Balanced: the sums of all elements are w_i within {:.2g} of it.\n", off)
+           << "% Rows: " << clusters_file(file.filename()).string() << '\n'
            << fmt::format("{} {} {}\n", result.clusters.size(), result.clusters.size(), result.links.size());
     for (const Link& link : result.links) {
       stream << fmt::format("{} {} {:.9g}\n", std::max(link.a, link.b) + 1, std::min(link.a, link.b) + 1,

@@ -91,7 +91,7 @@ Medium make_medium(const SceneSetup& setup, double solid_opacity) {
   return medium;
 }
 
-void load(Board& board, const Medium& medium, double step) {
+void load(Board& board, const Medium& medium) {
   const int longest = *std::max_element(medium.dims.begin(), medium.dims.end());
   if (longest > board.info().max_volume_voxels) {
     throw InputError("setup.volume", fmt::format("at most {} voxels an edge", board.info().max_volume_voxels),
@@ -108,14 +108,6 @@ void load(Board& board, const Medium& medium, double step) {
                      .dims = medium.dims,
                      .spacing = {medium.edges[0], medium.edges[1], medium.edges[2]},
                      .tags = medium.solid});
-  // Pairs are sampled as the last view was.
-  View pixel;
-  pixel.width = pixel.height = 1;
-  pixel.look_at = {medium.dims[0] - 1.0, medium.dims[1] - 1.0, medium.dims[2] - 1.0};
-  pixel.up = {0, 1, -1};
-  pixel.step = step;
-  pixel.shade = false;
-  board.render_to_framebuffer(pixel);
 }
 
 double mean_kappa(const Medium& medium, const GridCell& voxel) {

@@ -8,7 +8,8 @@
 namespace gicube::samples {
 namespace {
 
-constexpr int kRaysPerMember = 2;               // chosen: more pairs of members tell more, fewer spare the bus
+constexpr int kRaysPerMember = 2;  // chosen: more pairs of members tell more, fewer spare the bus
+constexpr double kCautious = 1.8;  // PairFactor::standard_error of a far pair, compared with the scatter of its runs
 constexpr std::size_t kLinksAtOnce = 1u << 16;  // chosen: some ten commands of the driver's
 
 std::uint64_t mix(std::uint64_t x) {  // SplitMix64 (Steele, Lea, Flood 2014)
@@ -67,8 +68,13 @@ void LinkSampler::full_pairs(Links links, int rays) {
   const auto factors = ask(pairs, {.rays = static_cast<std::uint32_t>(rays),
                                    .first = links.front()->next,
                                    .seed = settings_.seed,
+                                   .step = settings_.step,
                                    .made = settings_.made});
-  for (std::size_t i = 0; i < links.size(); ++i) conclude(*links[i], factors[i], rays);
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    PairFactor scattered = factors[i];  // a solution's error comes from many links, whose scatter adds up to it
+    scattered.standard_error /= kCautious;
+    conclude(*links[i], scattered, rays);
+  }
 }
 
 // The leaf at a share, 0..1, of the cluster's measure.
@@ -96,7 +102,8 @@ void LinkSampler::member_pairs(Links links, int rays) {
                        static_cast<std::uint32_t>(hash_of(link, i + 2))});
     }
   }
-  const auto factors = ask(pairs, {.rays = kRaysPerMember, .seed = settings_.seed, .made = settings_.made});
+  const auto factors =
+      ask(pairs, {.rays = kRaysPerMember, .seed = settings_.seed, .step = settings_.step, .made = settings_.made});
   for (std::size_t i = 0; i < links.size(); ++i) {
     const std::span of_link = std::span(factors).subspan(i * draws, draws);
     PairFactor mean;

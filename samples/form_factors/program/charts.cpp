@@ -28,45 +28,25 @@ void fill(Board& board, double kappa) {
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, 1 - std::exp(-kappa / kSide)}}});
 }
 
-// Two elements, cut into parts: all pairs of parts make one estimate.
+// Two elements.
 struct Form {
-  std::vector<Element> a, b;
-  std::vector<double> shares{1};  // of the parts of either
-  double unit = 1;                // F of a mean of G of 1
+  Element a, b;
+  double unit = 1;  // F of a mean of G of 1
 };
 
 const Element kFloor{ElementKind::kPatch, {5, 5, 5}, {kSide, 0, 0}, {0, kSide, 0}, {}};
 const Element kCeiling{ElementKind::kPatch, {5, 5, 25}, {0, kSide, 0}, {kSide, 0, 0}, {}};
 const Element kWall{ElementKind::kPatch, {5, 5, 5}, {0, kSide, 0}, {0, 0, kSide}, {}};
 
-// Floor and wall in strips that grow with their distance from the common edge.
-Form strips() {
-  Form form{.a = {}, .b = {}, .shares = {}, .unit = kSide * kSide};
-  for (double begin = 0, width = kSide / 128; begin < kSide; width = begin) {
-    form.a.push_back({ElementKind::kPatch, {5 + begin, 5, 5}, {width, 0, 0}, {0, kSide, 0}, {}});
-    form.b.push_back({ElementKind::kPatch, {5, 5, 5 + begin}, {0, kSide, 0}, {0, 0, width}, {}});
-    form.shares.push_back(width / kSide);
-    begin += width;
-  }
-  return form;
-}
-
-// Estimates by so many rays each, shared out among the pairs of parts; the first of each pair's samples is `first`.
+// Estimates by so many rays each.
 std::vector<double> estimates(Board& board, const Form& form, std::uint32_t rays) {
-  const auto parts = static_cast<std::uint32_t>(form.a.size() * form.b.size());
-  std::vector<Element> elements = form.a;
-  elements.insert(elements.end(), form.b.begin(), form.b.end());
   std::vector<ElementPair> pairs;
-  const auto of_a = static_cast<std::uint32_t>(form.a.size());
-  for (std::uint32_t e = 0; e < kEstimates; ++e) {
-    for (std::uint32_t i = 0; i < parts; ++i) pairs.push_back({i % of_a, of_a + i / of_a, e * parts + i});
+  for (std::uint32_t e = 0; e < kEstimates; ++e) pairs.push_back({0, 1, e});
+  std::vector<double> found;
+  for (const PairFactor& factor : board.pair_factors(std::array{form.a, form.b}, pairs, {.rays = rays})) {
+    found.push_back(factor.transported * form.unit);
   }
-  const auto factors = board.pair_factors(elements, pairs, {.rays = std::max(1u, rays / parts)});
-  std::vector<double> sums(kEstimates);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    sums[i / parts] += factors[i].transported * form.shares[pairs[i].a] * form.shares[pairs[i].b - of_a] * form.unit;
-  }
-  return sums;
+  return found;
 }
 
 bool wanted(const std::string& point, const std::string& name) { return point.empty() || point == name; }
@@ -81,13 +61,12 @@ std::string point_of(const ErrorCurve& curve, std::uint32_t rays) {
 ErrorCurve curve_of(Board& board, const std::string& name, const Form& form, double exact, std::uint32_t max_rays,
                     const std::string& point) {
   ErrorCurve curve{.name = name, .exact = exact, .rays = {}, .errors = {}};
-  const auto parts = static_cast<std::uint32_t>(form.a.size() * form.b.size());
   double n = 0, x = 0, y = 0, xx = 0, xy = 0;
   for (std::uint32_t rays = kMinRays; rays <= max_rays; rays *= 2) {
-    if (rays < parts || !wanted(point, point_of(curve, rays / parts * parts))) continue;
+    if (!wanted(point, point_of(curve, rays))) continue;
     double squares = 0;
     for (const double estimate : estimates(board, form, rays)) squares += std::pow(estimate / exact - 1, 2);
-    curve.rays.push_back(rays / parts * parts);
+    curve.rays.push_back(rays);
     curve.errors.push_back(std::sqrt(squares / kEstimates));
     const double lx = std::log(curve.rays.back()), ly = std::log(curve.errors.back());
     n += 1, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
@@ -206,14 +185,12 @@ std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t max_rays,
   for (const double kappa : {0.0, 1.0, 3.0}) {
     fill(board, kappa);
     curves.push_back(curve_of(board, kappa == 0 ? "parallel" : fmt::format("parallel kappa {:g}", kappa),
-                              {{kFloor}, {kCeiling}, {1}, area}, parallel_squares(kappa), max_rays, point));
+                              {kFloor, kCeiling, area}, parallel_squares(kappa), max_rays, point));
   }
   fill(board, 0);
-  curves.push_back(curve_of(board, "boxes two apart", {{low}, {high}, {1}, 16 * std::numbers::pi},
-                            mean_inverse_square(2), max_rays, point));
-  curves.push_back(curve_of(board, "common edge in strips", strips(), perpendicular_squares(), max_rays, point));
   curves.push_back(
-      curve_of(board, "common edge", {{kFloor}, {kWall}, {1}, area}, perpendicular_squares(), max_rays, point));
+      curve_of(board, "boxes two apart", {low, high, 16 * std::numbers::pi}, mean_inverse_square(2), max_rays, point));
+  curves.push_back(curve_of(board, "common edge", {kFloor, kWall, area}, perpendicular_squares(), max_rays, point));
   return curves;
 }
 

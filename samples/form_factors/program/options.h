@@ -144,8 +144,8 @@ struct ErrorCurve {
   double slope = 0;  // of a straight line through log(error) over log(rays)
 };
 
-// Parallel squares a side apart, clear and in a medium; perpendicular ones with a common edge, plain and cut into strips that grow
-// with their distance from it; boxes whose centres are two sides apart. `max_rays`: a power of two, 64 or more.
+// Parallel squares a side apart, clear and in a medium; perpendicular ones with a common edge; boxes whose centres are two sides
+// apart. `max_rays`: a power of two, 64 or more.
 // `point`: the name of the only point that is wanted, error/CURVE/RAYS; empty: all.
 std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t max_rays, const std::string& point = "");
 

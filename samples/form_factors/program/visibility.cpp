@@ -110,14 +110,10 @@ void run(const VisibilityOptions& options, ProgressLine& progress) {
   Board board = open_board(options.board);
   check_fits(setup.volume.dims, board.info(), setup.volume.source);
   load(board, setup, false, progress.parts("loading the volume"));
-  View sampling = setup.view;  // rays between pairs take the step of the last picture
-  sampling.width = sampling.height = 1;
-  sampling.irradiance = sampling.scatter = sampling.high_albedo = false;
-  sampling.step = options.step;
-  board.render_to_framebuffer(sampling);
   const RandomPairs pairs = random_pairs(setup.volume.dims, options.pairs, options.board.seed);
   const PairRequest request{.rays = static_cast<std::uint32_t>(options.rays),
                             .seed = static_cast<std::uint32_t>(options.board.seed),
+                            .step = options.step,
                             .made = options.made};
   const Visibility seen = look(board, pairs, request, progress.parts("looking"));
   progress.clear();

@@ -218,7 +218,7 @@ RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emi
   if (!(total(solver.emitted()) > 0)) {
     throw InputError("emissions", "some power from an open face or medium", "none");
   }
-  load(board, medium, settings.step);
+  load(board, medium);
 
   RadiosityResult result;
   RadiosityStatistics& statistics = result.statistics;

@@ -161,14 +161,16 @@ struct RadiosityResult {
 using RadiosityProgress = std::function<void(std::string_view what, double share)>;
 
 // Loads a volume of its own onto the board (solids as opaque tags, the medium's extinction as density) and sets its
-// transfer functions and step: load yours again for pictures. `setup` must still hold its voxels.
+// transfer functions: load yours again for pictures. `setup` must still hold its voxels.
 // Throws InputError that names the field (settings, an emission below 0, a volume too large for the board, a scene without
 // elements or emission), and what Board throws.
 RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,
                                 const RadiositySettings& settings, const RadiosityProgress& progress = {});
 
 // FILE: Matrix Market, coordinate real symmetric: X between clusters, one entry a link, in smallest voxel edges squared; a form
-// factor is X_ij / w_i. FILE.clusters.csv beside it says of each row, counted from 1: facing, tag, box in voxels, area or
+// factor is X_ij / w_i. They are scaled by a factor of each cluster, which keeps them symmetric, until the sums of all elements
+// close (an element's row, and those of the clusters that it is a part of) within 1e-4, or as far as they can; a comment in FILE says how
+// far they are off. FILE.clusters.csv beside it says of each row, counted from 1: facing, tag, box in voxels, area or
 // volume, weight, first and last leaf, and the row of the cluster that it is a part of. Throws FileError.
 void write_factors(const RadiosityResult& result, const std::filesystem::path& file);
 std::filesystem::path clusters_file(const std::filesystem::path& file);  // of the clusters' rows

@@ -41,8 +41,9 @@ Problem problem() {
   return made;
 }
 
+// Without what a proof tells beyond the rays.
 std::vector<PairFactor> unmarked(std::vector<PairFactor> factors) {
-  for (PairFactor& factor : factors) factor.clear = false;
+  for (PairFactor& factor : factors) factor.clear = false, factor.standard_error = 0;
   return factors;
 }
 
@@ -60,8 +61,13 @@ TEST(ClearPairs, AreTheSameBitsAsWithRaysWhoeverMakesThem) {
     const auto clear = std::count_if(proved.begin(), proved.end(), [](const auto& factor) { return factor.clear; });
     EXPECT_GT(clear, 100);
     EXPECT_LT(clear, 500);
-    EXPECT_EQ(unmarked(proved), by_rays);
-    EXPECT_NE(proved, by_rays);
+    EXPECT_EQ(unmarked(proved), unmarked(by_rays));
+    int found_more = 0;
+    for (std::size_t i = 0; i < proved.size(); ++i) {
+      EXPECT_LE(proved[i].standard_error, by_rays[i].standard_error);
+      found_more += proved[i].standard_error < by_rays[i].standard_error ? 1 : 0;
+    }
+    EXPECT_GT(found_more, 50);
   }
 }
 
@@ -89,8 +95,8 @@ TEST(ClearPairs, FollowTheFlagsInForceAsTheBoardDoesAndNoneWithoutLeaping) {
   load(board);
   const Element low{ElementKind::kBox, {18, 18, 1}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   const Element high{ElementKind::kBox, {18, 18, 36}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
-  const auto factor = [&] {
-    return board.pair_factors(std::array{low, high}, std::array{ElementPair{0, 1, 0}}, {})[0];
+  const auto factor = [&](bool leap = true) {
+    return board.pair_factors(std::array{low, high}, std::array{ElementPair{0, 1, 0}}, {.leap = leap})[0];
   };
   const PairFactor through = factor();
   EXPECT_FALSE(through.clear);
@@ -98,10 +104,7 @@ TEST(ClearPairs, FollowTheFlagsInForceAsTheBoardDoesAndNoneWithoutLeaping) {
   board.set_empty_flags(std::vector<std::uint8_t>(board.empty_flags().size(), 1));  // hides the box
   EXPECT_TRUE(factor().clear);
   EXPECT_GT(factor().transported, 0.99 * through.geometric);
-  View view = reference::front_view(40);
-  view.leap = false;
-  board.render_to_framebuffer(view);
-  EXPECT_EQ(factor(), through);
+  EXPECT_EQ(factor(false), through);
 }
 
 TEST(ClearPairs, CountAsDoneInTheProgress) {

@@ -33,21 +33,36 @@ class RayTypes : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(RayTypes, TheFirstHitIsTheSampleThatBringsTheOpacityThere) {
-  View view = front_view(32);
-  view.step = 0.25;
-  board_.render_to_framebuffer(view);
   const HostRay ray{.id = 9, .position = {16, 16, 0}, .direction = {0, 0, 1}};
-  const TracedRay first = trace(ray, {.type = RayType::kFirstHit, .opacity = 1e-6});
+  const TracedRay first = trace(ray, {.type = RayType::kFirstHit, .opacity = 1e-6, .step = 0.25});
   EXPECT_EQ(first.id, 9u);
   EXPECT_NEAR(first.position.z, 7.5, 0.26);
   EXPECT_GT(first.opacity, 0);
   EXPECT_EQ(first.colour, (std::array<double, 3>{}));
   // 1 - 0.9^z = 0.5 at z = 6.58 voxels.
-  const TracedRay half = trace(ray, {.type = RayType::kFirstHit, .opacity = 0.5});
+  const TracedRay half = trace(ray, {.type = RayType::kFirstHit, .opacity = 0.5, .step = 0.25});
   EXPECT_NEAR(half.position.z, 7.5 + 6.58, 0.3);
   EXPECT_NEAR(half.opacity, 0.5, 0.02);
   EXPECT_GE(half.opacity, 0.5);
   EXPECT_DOUBLE_EQ(half.position.x, 16);
+}
+
+TEST_P(RayTypes, StepAndLeapAreTheRequestsWhateverWasRenderedBefore) {
+  const HostRay ray{.position = {16, 16, 0}, .direction = {0, 0, 1}};
+  const RayRequest coarse{.type = RayType::kFirstHit, .step = 2};
+  const TracedRay before = trace(ray, coarse), by_default = trace(ray, {.type = RayType::kFirstHit});
+  View view = front_view(32);
+  view.step = 0.25, view.leap = false;
+  board_.render_to_framebuffer(view);
+  EXPECT_EQ(trace(ray, coarse), before);
+  EXPECT_EQ(trace(ray, {.type = RayType::kFirstHit}), by_default);
+  const auto leaps = [&](bool leap) {
+    const Counters counters = board_.counters();
+    EXPECT_EQ(trace(ray, {.type = RayType::kFirstHit, .leap = leap}), by_default);
+    return (board_.counters() - counters).value("pipeline.leaps");
+  };
+  EXPECT_GT(leaps(true), 0u);
+  EXPECT_EQ(leaps(false), 0u);
 }
 
 TEST_P(RayTypes, WhoHitsNothingStandsWhereItLeftTheVolume) {

@@ -31,9 +31,9 @@ TEST(Pair, RecordsGoThereAndBack) {
 
 // Kept for ever: results of one version of the protocol stay what they are.
 TEST(Pair, PointsAreTheseOnes) {
-  const double step = pair_coordinate(5, 7, 1, 0) - pair_coordinate(5, 7, 0, 0);
+  const double step = pair_coordinate(5, 7, kPairRuns, 0) - pair_coordinate(5, 7, 0, 0);
   EXPECT_NEAR(step - std::floor(step), 0.898653712628699293, 1e-12);
-  const double last = pair_coordinate(5, 7, 1, 5) - pair_coordinate(5, 7, 0, 5);
+  const double last = pair_coordinate(5, 7, kPairRuns, 5) - pair_coordinate(5, 7, 0, 5);
   EXPECT_NEAR(last - std::floor(last), 0.526688986700735982, 1e-12);
 }
 
@@ -45,6 +45,15 @@ TEST(Pair, PointsFillAnElementEvenly) {
     ++cells[x + 4 * y];
   }
   for (const int count : cells) EXPECT_NEAR(count, 100, 12);  // at random it would be 100 +- 30
+}
+
+TEST(Pair, RunsAreIndependentOfEachOther) {
+  double products = 0;
+  constexpr int kPairs = 4000;
+  for (std::uint32_t id = 0; id < kPairs; ++id) {
+    products += (pair_coordinate(id, 0, 0, 2) - 0.5) * (pair_coordinate(id, 0, 1, 2) - 0.5);
+  }
+  EXPECT_NEAR(products / kPairs, 0, 4.0 / 12 / std::sqrt(kPairs));  // four standard errors
 }
 
 TEST(Pair, TheWeightIsTheKernelOfAFormFactor) {
@@ -66,10 +75,10 @@ TEST(Pair, TheStandardErrorIsThatOfEightRuns) {
   PairSum few(7), many(16);
   for (std::uint32_t i = 0; i < 7; ++i) few.add(i, 1, 1);
   EXPECT_EQ(few.result().standard_error, std::numeric_limits<float>::infinity());
-  for (std::uint32_t i = 0; i < 16; ++i) many.add(i, 2, i < 8 ? 1 : 0.5);
+  for (std::uint32_t i = 0; i < 16; ++i) many.add(i, 2, i % 8 < 4 ? 1 : 0.5);
   EXPECT_DOUBLE_EQ(many.result().transported, 1.5);
   EXPECT_FLOAT_EQ(many.result().geometric, 2);
-  EXPECT_FLOAT_EQ(many.result().standard_error, static_cast<float>(std::sqrt(8 * 0.25 / 56)));
+  EXPECT_FLOAT_EQ(many.result().standard_error, static_cast<float>(1.8 * std::sqrt(8 * 0.25 / 56)));
 }
 
 }  // namespace

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <iostream>
 #include <numbers>
+#include <sstream>
 
 #include "form_factors/plan/plan.h"
 #include "form_factors/radiosity/radiosity.h"
 #include "scene/program/input_error.h"
+#include "temporary_directory.h"
 #include "test_board.h"
 #include "test_room.h"
 
@@ -88,6 +91,52 @@ TEST(Enclosure, EmittedPowerIsAbsorbed) {
                   1e-6 * energy.emitted[c]);
     }
     EXPECT_NEAR(energy.absorbed_by_faces[0] / 3, energy.absorbed_by_faces[2], 1e-3 * energy.emitted[2]);
+  }
+}
+
+// How far the sums of a file's elements are from 1, with the rows of the clusters that they are a part of.
+double rows_off(const std::filesystem::path& file) {
+  std::vector<double> sums, weights;
+  std::vector<std::size_t> parents, leaves;
+  std::ifstream table(clusters_file(file));
+  std::string line;
+  std::getline(table, line);
+  while (std::getline(table, line)) {
+    std::vector<std::string> words;
+    for (std::istringstream rest(line); std::getline(rest, line, ',');) words.push_back(line);
+    weights.push_back(std::stod(words[10])), parents.push_back(std::stoul(words[13]));
+  }
+  sums.resize(weights.size());
+  std::ifstream matrix(file);
+  while (matrix.peek() == '%') std::getline(matrix, line);
+  std::size_t rows = 0, columns = 0, entries = 0, row = 0, column = 0;
+  double exchange = 0;
+  matrix >> rows >> columns >> entries;
+  EXPECT_EQ(rows, weights.size());
+  while (matrix >> row >> column >> exchange) {
+    sums[row - 1] += exchange / weights[row - 1];
+    if (row != column) sums[column - 1] += exchange / weights[column - 1];
+  }
+  std::vector<bool> divided(rows);
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (parents[i] == 0) continue;
+    sums[i] += sums[parents[i] - 1];
+    divided[parents[i] - 1] = true;
+  }
+  double off = 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (!divided[i]) off = std::max(off, std::abs(sums[i] - 1));
+  }
+  return off;
+}
+
+TEST(Enclosure, RowsOfTheWrittenMatrixSumToOne) {
+  const reference::TemporaryDirectory folder;
+  for (const double error : {1e-2, 1e-3}) {
+    const auto result = solve(furnished(8, 0.1), kCeilingLamp, {.error = error});
+    write_factors(result, folder.file("factors.mtx"));
+    EXPECT_LT(rows_off(folder.file("factors.mtx")), 0.01) << error;
+    EXPECT_GT(result.statistics.closure_rms, 0.05) << error;  // as measured
   }
 }
 

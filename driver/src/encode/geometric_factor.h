@@ -1,0 +1,19 @@
+// Light between two elements that see each other, without rays: PairFactor::geometric by closed forms, which stay finite where the
+// elements touch. Samples of f f / (pi r^2) have no bound there.
+#pragma once
+
+#include "gicube/pair.h"
+
+namespace gicube {
+
+struct GeometricFactor {
+  double mean = 0;   // of f f / (pi r^2) over both elements
+  double error = 0;  // what one Gauss point less would change
+};
+
+// Of elements with physical sides, in smallest voxel edges. Of boxes that are not near a few points of both tell enough.
+GeometricFactor geometric_factor(const Element& a, const Element& b, bool near);
+
+double measure_of(const Element& element);  // its area or volume
+
+}  // namespace gicube
