@@ -18,21 +18,23 @@ std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
+// A medium element in two clusters, one the other's parent, and an end of the volume; their sums close.
 RadiosityResult three_clusters() {
   RadiosityResult result;
-  result.leaves.resize(3);
-  result.leaves[1].facing = kMedium;
-  result.leaves[2].tag = kOutside;
-  for (std::uint32_t i = 0; i < 3; ++i) {
+  result.leaves.resize(2);
+  result.leaves[0].facing = kMedium;
+  result.leaves[1].tag = kOutside;
+  for (const std::uint32_t leaf : {0u, 0u, 1u}) {
     Cluster cluster;
-    cluster.first = i, cluster.last = i + 1;
-    cluster.facing = result.leaves[i].facing;
+    cluster.first = leaf, cluster.last = leaf + 1;
+    cluster.facing = result.leaves[leaf].facing;
     cluster.high = {1, 2, 3};
     cluster.weight = 0.5;
     result.clusters.push_back(cluster);
   }
+  result.clusters[0].child = 1, result.clusters[0].children = 1;
   result.clusters[1].parent = 0;
-  result.links = {{0, 1, 0.25, 0, 0, 8}, {2, 1, 1.0 / 3, 0, 0, 8}, {1, 1, 2e-9, 0, 0, 8}};
+  result.links = {{0, 2, 0.15, 0, 0, 8}, {2, 1, 0.2, 0, 0, 8}, {1, 1, 0.15, 0, 0, 8}, {2, 2, 0.15, 0, 0, 8}};
   return result;
 }
 
@@ -50,8 +52,8 @@ TEST(Matrix, IsTheLowerHalfOfASymmetricOneWithItsRowsBesideIt) {
   lines >> rows >> columns >> entries;
   EXPECT_EQ(rows, 3u);
   EXPECT_EQ(columns, 3u);
-  ASSERT_EQ(entries, 3u);
-  const double expected[3][3] = {{2, 1, 0.25}, {3, 2, 1.0 / 3}, {2, 2, 2e-9}};
+  ASSERT_EQ(entries, 4u);
+  const double expected[4][3] = {{3, 1, 0.15}, {3, 2, 0.2}, {2, 2, 0.15}, {3, 3, 0.15}};
   for (const auto& entry : expected) {
     double row = 0, column = 0, value = 0;
     lines >> row >> column >> value;
@@ -60,8 +62,8 @@ TEST(Matrix, IsTheLowerHalfOfASymmetricOneWithItsRowsBesideIt) {
     EXPECT_NEAR(value, entry[2], 1e-8 * entry[2]);
   }
   const std::string table = text_of(clusters_file(file));
-  EXPECT_THAT(table, testing::HasSubstr("\n1,-x,0,0,0,0,1,2,3,0,0.5,1,1,0\n"));
-  EXPECT_THAT(table, testing::HasSubstr("\n2,medium,0,0,0,0,1,2,3,0,0.5,2,2,1\n"));
+  EXPECT_THAT(table, testing::HasSubstr("\n1,medium,0,0,0,0,1,2,3,0,0.5,1,1,0\n"));
+  EXPECT_THAT(table, testing::HasSubstr("\n2,medium,0,0,0,0,1,2,3,0,0.5,1,1,1\n"));
   EXPECT_THAT(table, testing::HasSubstr("\n3,-x,outside,"));
 }
 
