@@ -84,9 +84,9 @@ class StabilityOfMarching : public testing::TestWithParam<const char*> {
 
   // Traces them and holds each ray's opacity, and with it the number and the place of its samples, against its words.
   template <typename Visible>
-  void hold(const std::vector<HostRay>& all, double step, const Visible& visible) {
+  void hold(const std::vector<HostRay>& all, double step, bool leap, const Visible& visible) {
     const Counters before = board_.counters();
-    const RayBatch batch = board_.receive(board_.submit(all));
+    const RayBatch batch = board_.receive(board_.submit(all, {.step = step, .leap = leap}));
     const Counters window = board_.counters() - before;
     ASSERT_EQ(batch.rays.size(), all.size());
     std::uint64_t samples = 0, max_leaps = 0;
@@ -114,8 +114,7 @@ class StabilityOfMarching : public testing::TestWithParam<const char*> {
 
 TEST_P(StabilityOfMarching, EveryRayTakesTheSamplesThatItsWordsSayAndNoneOutside) {
   for (const double step : {1.0 / 64, 0.5, 16.0}) {
-    sample_as(board_, step, false);
-    hold(rays(is_cycle() ? 97 : step < 0.1 ? 5 : 1), step, [](std::int64_t) { return true; });
+    hold(rays(is_cycle() ? 97 : step < 0.1 ? 5 : 1), step, false, [](std::int64_t) { return true; });
   }
 }
 
@@ -124,20 +123,18 @@ TEST_P(StabilityOfMarching, LeapsNeverStallNorPassASampleOfAVisibleBlock) {
   for (std::size_t i = 0; i < empty.size(); ++i) empty[i] = i % 3 != 0;
   board_.set_empty_flags(empty);
   for (const double step : {1.0 / 64, 0.5, 16.0}) {
-    sample_as(board_, step, true);
     hold(rays(is_cycle()   ? 97
               : step < 0.1 ? 5
                            : 1),
-         step, [&](std::int64_t block) { return empty[static_cast<std::size_t>(block)] == 0; });
+         step, true, [&](std::int64_t block) { return empty[static_cast<std::size_t>(block)] == 0; });
   }
 }
 
 TEST_P(StabilityOfMarching, ThroughEmptyBlocksAloneARayTakesAtMostOneTurnABlock) {
   board_.set_empty_flags(std::vector<std::uint8_t>(5 * 5 * 3, 1));
-  sample_as(board_, 1.0 / 64, true);
   const auto all = rays(is_cycle() ? 97 : 3);
   const Counters before = board_.counters();
-  board_.receive(board_.submit(all));
+  board_.receive(board_.submit(all, {.step = 1.0 / 64}));
   const Counters window = board_.counters() - before;
   EXPECT_EQ(window.value("pipeline.samples"), 0u);
   std::uint64_t blocks = 0;

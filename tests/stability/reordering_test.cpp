@@ -70,9 +70,8 @@ TEST(StabilityOfReordering, TheTailOfAFewRaysInTwoBlocksTakesTurnsAndEnds) {
   };
   const auto packets = [](const std::vector<HostRay>& rays) {
     Machine machine("");
-    sample_as(machine.board, 0.125, false);
     machine.window();
-    machine.board.receive(machine.board.submit(rays, {.type = RayType::kOpacity}));
+    machine.board.receive(machine.board.submit(rays, {.type = RayType::kOpacity, .step = 0.125, .leap = false}));
     const Counters window = machine.window();
     EXPECT_EQ(window.value("processor.samples"), rays.size() * 52);
     return window.value("processor.cache.packets");

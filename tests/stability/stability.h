@@ -42,19 +42,6 @@ inline void load_fog(Board& board, const Dims& dims, double opacity) {
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, opacity}}});
 }
 
-// Sampling of host rays is that of the last view rendered.
-inline void sample_as(Board& board, double step, bool leap) {
-  View view;
-  view.look_at = {1, 1, 1};
-  view.eye = {1, 1, -10};
-  view.width = view.height = 1;
-  view.step = step;
-  view.leap = leap;
-  view.shade = false;
-  view.opacity_threshold = 1;
-  board.render_to_framebuffer(view);
-}
-
 inline double ratio(std::uint64_t a, std::uint64_t b) { return static_cast<double>(a) / static_cast<double>(b); }
 
 }  // namespace gicube::stability

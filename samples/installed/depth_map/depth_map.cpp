@@ -37,7 +37,7 @@ std::vector<std::byte> ball(int edge, double radius) {
 void load(gicube::Board& board, const std::vector<std::byte>& voxels, int edge) {
   board.load_volume({.samples = voxels, .type = gicube::SampleType::kUint8, .dims = {edge, edge, edge}});
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{128, 0}, {128, 1}}});
-  // Rays are sampled as the last view was.
+  // Rays take jitter and cut planes from the last view.
   gicube::View view;
   view.eye = {edge / 2.0, edge / 2.0, -1.0};
   view.look_at = {edge / 2.0, edge / 2.0, 0};
@@ -50,7 +50,7 @@ void load(gicube::Board& board, const std::vector<std::byte>& voxels, int edge) 
 DepthMap depth_map(gicube::Board& board, int edge, int width, int height, int in_flight,
                    gicube::Picoseconds host_time) {
   DepthMap map{width, height, std::vector<float>(static_cast<std::size_t>(width) * static_cast<std::size_t>(height))};
-  const gicube::RayRequest first_hit{.type = gicube::RayType::kFirstHit, .opacity = 0.5};
+  const gicube::RayRequest first_hit{.type = gicube::RayType::kFirstHit, .opacity = 0.5, .step = 0.25};
   std::vector<gicube::TracedRay> traced(static_cast<std::size_t>(width));
   std::deque<gicube::Ticket> under_way;
   for (int row = 0; row < height || !under_way.empty();) {
