@@ -39,12 +39,12 @@ auto fields(View& view) {
   return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u);
 }
 auto fields(RayRequest& request) {
-  auto& [a, b, c, d, e, f, g] = request;
-  return std::tie(a, b, c, d, e, f, g);
+  auto& [a, b, c, d, e, f, g, h] = request;
+  return std::tie(a, b, c, d, e, f, g, h);
 }
 auto fields(PairRequest& request) {
-  auto& [a, b, c, d, e] = request;
-  return std::tie(a, b, c, d, e);
+  auto& [a, b, c, d, e, f, g] = request;
+  return std::tie(a, b, c, d, e, f, g);
 }
 
 // Another value than the default, which a record can hold.
