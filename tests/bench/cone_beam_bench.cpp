@@ -1,4 +1,4 @@
-// Filtered backprojection by the board, functional level over the socket pair, both processes on all cores; beside its time
+// Filtered backprojection by the board, functional level over the socket pair, both processes on all cores; next to its time
 // the errors against the phantom, and those of the double-precision voxel-driven reconstruction of the same projections.
 #include <benchmark/benchmark.h>
 

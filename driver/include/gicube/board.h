@@ -66,7 +66,7 @@ struct OpenOptions {
   // Rays that may be under way: submitted, and not yet completed by the simulated board. 4096 or more.
   std::size_t max_rays = std::size_t{1} << 22;
   BackPressure back_pressure = BackPressure::kWait;
-  // Keeps the volume's packed blocks in the host's memory, 4.5 bytes a stored voxel, so that reopen() can load them again.
+  // Keeps the volume's packed blocks in the host's memory, 4.5 bytes per stored voxel, so that reopen() can load them again.
   bool keep_volume = false;
   // How often in a row a call resumes a session that lost its connection, before it throws DeviceLost or TimedOut. A resumed
   // call goes on as if nothing had happened. Not for emu:, whose board ends with its connection.
@@ -165,7 +165,7 @@ class GICUBE_API Board {
   // remains until the next illuminate(), load_volume() or reset, for any number of renderings with View::irradiance.
   // Throws BadArgument (a light's index and field, settings), Rejected (no volume, no routine): the irradiance is incomplete.
   LightingReport illuminate(std::span<const Light> lights, const Illumination& settings, const Progress& progress = {});
-  // One value a voxel, x fastest, in units of the lights' power: of the whole volume or of a box. The simulated host waits for
+  // One value per voxel, x fastest, in units of the lights' power: of the whole volume or of a box. The simulated host waits for
   // the transfer. Throws Rejected before the first illuminate() or clear_irradiance(), BadArgument (box).
   std::vector<float> read_irradiance();
   std::vector<float> read_irradiance(const VoxelBox& box);
@@ -176,7 +176,7 @@ class GICUBE_API Board {
   // write_irradiance(). Words saturate at 2047, on the wide datapath at 2^32 - 1. Throws BadArgument, Rejected (no volume).
   void clear_irradiance(double unit);
   // Sets the sums of kBackproject rays to zero, and one unit of them to `unit`, an energy times a length.
-  // They are kept beside the volume until the next load_volume() or reset. Throws BadArgument, Rejected (no volume).
+  // They are kept in addition to the volume until the next load_volume() or reset. Throws BadArgument, Rejected (no volume).
   void clear_sums(double unit);
   // One sum a voxel, x fastest, of a box of the volume. Sums are clipped at 2^34 units; DepositReport counts them. The
   // simulated host waits for the transfer. Throws Rejected before the first clear_sums(), BadArgument (box).
@@ -190,14 +190,14 @@ class GICUBE_API Board {
   // block, x fastest, nonzero = nothing visible. A flag that is set on a visible block hides that block.
   // Throws BadArgument if the count is not the volume's number of blocks: the board is untouched.
   void set_empty_flags(std::span<const std::uint8_t> flags);
-  // The flags in force, one a block.
+  // The flags in force, one per block.
   std::vector<std::uint8_t> empty_flags() const;
   Dims blocks() const;  // how many blocks along each axis
 
   // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image. Throws
   // BadArgument (view's fields) and Rejected (no volume, no scattering routine): the framebuffer is unchanged.
   void render_to_framebuffer(const View& view, const Progress& progress = {});
-  // Transfers the framebuffer at 36 bits a pixel. Throws Rejected before the first rendering.
+  // Transfers the framebuffer at 36 bits per pixel. Throws Rejected before the first rendering.
   Image read_framebuffer();
   // Both.
   Image render(const View& view, const Progress& progress = {});
@@ -227,7 +227,7 @@ class GICUBE_API Board {
   // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit and kBackproject, which can't be taken back.
   bool cancel(Ticket ticket);
 
-  // How much light goes between pairs of elements: one factor a pair. Sampling (step, leaping) is that of the last view
+  // How much light goes between pairs of elements: one factor per pair. Sampling (step, leaping) is that of the last view
   // rendered. The simulated host waits. With PairRays::kByHost it makes rays in no time, unless the application adds
   // host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), while leaping is on) are summed up by the
   // driver, without rays: PairFactor::clear.

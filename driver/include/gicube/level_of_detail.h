@@ -55,7 +55,7 @@ GICUBE_API DerivedVolume coarser(const VolumeView& volume, int level);
 // How far a coarser volume is from its original.
 struct LevelError {
   double largest_density = 0;  // at any point between voxels, in density units (4095 = the value range): a bound
-  double rms_density = 0;      // over the points at which either can turn: voxels, and the middles between them
+  double rms_density = 0;      // over the points where either can change slope: voxels, and the middles between them
   // By how much a sample's opacity of one original voxel length can be wrong, 0..1, for values that differ by
   // largest_density, the worst tag: a bound, reached where something is thinner than a coarse voxel.
   double largest_opacity = 0;

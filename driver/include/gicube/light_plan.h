@@ -5,10 +5,10 @@
 //                                                        .max_error = gicube::share_of_light(0.05)});
 //   board.illuminate(lights, light.settings(illumination));     // what the board holds already
 //
-// A pass of few rays is noisy. Two passes of one setting with different seeds tell how much: the noise is half of the mean square
-// difference of their pictures. It falls as rays grow, so a few rays tell how many are needed; two passes of so many decide.
-// What another albedo or step does beside the noise is told by products of differences of independent pairs of passes. "Error"
-// is as in plan.h: of the picture, and of what light does to it.
+// A pass of few rays is noisy. Two passes of one setting with different seeds measure it: the noise is half of the mean square
+// difference of their pictures. It falls with the number of rays, so a few predict how many are needed; two passes of so many
+// decide. The effect of another albedo or step, free of noise, is the mean product of the differences of two independent pairs
+// of passes. "Error" is as in plan.h: of the picture, and of what light does to it.
 #pragma once
 
 #include <cstdint>
@@ -31,11 +31,11 @@ struct LightPlanRequest {
   // One of both.
   double max_error = 0;         // relative, 0..1
   Picoseconds time_budget = 0;  // of the pass
-  int max_rays = 256;           // a face voxel, 1..4096: no more are chosen, however small the error
-  int pilot_pixels = 64;        // an edge of a pilot, 16..512
+  int max_rays = 256;           // per face voxel, 1..4096: no more are chosen, however small the error
+  int pilot_pixels = 64;        // along each edge of a pilot, 16..512
 };
 
-// One setting, and what two passes of it showed, or what others make one expect.
+// One setting, and what two passes of it showed, or what other passes predict.
 struct LightPoint {
   Albedo albedo = Albedo::kLow;
   double step = 0;
@@ -48,7 +48,7 @@ struct LightPoint {
 
 struct GICUBE_API LightPlan {
   LightPoint chosen;
-  LightPoint asked;                // the request's own settings, as fewer rays make one expect them
+  LightPoint asked;                // the request's own settings, predicted from passes of fewer rays
   bool kept = true;                // false: nothing reaches the target, and `chosen` is what comes nearest
   bool at_limit = false;           // more rays were found to bring nothing: the energy words' rounding is left
   std::vector<LightPoint> points;  // every setting that passes were made of, in that order

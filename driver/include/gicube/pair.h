@@ -28,8 +28,8 @@ struct ElementPair {
 
 // Who makes the rays. The results are the same to the bit; what crosses the bus is not.
 enum class PairRays {
-  kByBoard,  // the DSP: 12 bytes a pair and 56 an element down, 16 a pair up
-  kByHost,   // the application's processor, as rays of type kOpacity: 32 bytes a ray each way
+  kByBoard,  // the DSP: 12 bytes per pair and 56 per element down, 16 per pair up
+  kByHost,   // the application's processor, as rays of type kOpacity: 32 bytes per ray each way
 };
 
 struct PairRequest {

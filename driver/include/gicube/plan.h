@@ -31,8 +31,8 @@ struct PlanRequest {
   double max_error = 0;  // relative, as above; > 0: the cheapest setting whose error_bound is no larger
   // > 0: of one picture; the most accurate setting whose predicted time and a quarter more keeps it
   Picoseconds time_budget = 0;
-  // An edge of a square pilot, 16..512. Larger ones, of twice that or a third of the picture's edge, decide where the picture
-  // has room for them.
+  // Pixels along each edge of a square pilot, 16..512. Larger ones, of twice that or a third of the picture's edge, decide
+  // where the picture has room for them.
   int pilot_pixels = 48;
 };
 
@@ -52,10 +52,10 @@ struct PlanPoint {
 struct GICUBE_API Plan {
   // The error is not known before the picture is made. The bound is 5/4 of the root of: the pilot's mean square error, four of
   // its standard errors, and three times what the worst pixel adds to it (what none of n pixels shows is in fewer than 3/n of
-  // all, with 95%). chosen: checked with scenes that it was not made with (docs/guide/plan.md).
+  // all, at 95% confidence). chosen: checked with scenes that it was not made with (docs/guide/plan.md).
   PlanPoint chosen;
-  PlanPoint best;                 // what errors are told against: level 0, a quarter of a voxel, rays to their end
-  PlanPoint finest;               // what costs are told against: level 0, a sixteenth of a voxel, rays to their end
+  PlanPoint best;                 // what errors are compared with: level 0, a quarter of a voxel, rays to their end
+  PlanPoint finest;               // what costs are compared with: level 0, a sixteenth of a voxel, rays to their end
   bool kept = true;               // false: nothing reaches the target, and `chosen` is what comes nearest
   std::vector<PlanPoint> points;  // every setting tried, in that order
 
@@ -82,7 +82,7 @@ struct GICUBE_API Plan {
 
 // A volume is loaded for each level that is tried, and the board holds the plan's volume and looks afterwards; its shading
 // (set_shading()) is used as it is. Pictures that are lit by irradiance, or scattered, are planned with what the board holds.
-// Boards of all fidelity levels make the same plan but for times, which `functional` does not keep.
+// Boards of all fidelity levels make the same plan except for times, which `functional` does not keep.
 // Throws BadArgument (request), Rejected (no volume), and as load_volume() and render() do.
 GICUBE_API Plan make_plan(Board& board, const PlanRequest& request, const Progress& progress = {});
 

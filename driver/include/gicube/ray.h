@@ -125,8 +125,8 @@ struct BatchReport {
 
 // A ray batch that has come back.
 struct RayBatch : BatchReport {
-  // In the order in which they were submitted. Polylines: one a leg, with what was gathered from the line's first point
-  // to the end of that leg. kDeposit, kBackproject: none.
+  // In the order in which they were submitted. Polylines: one for each leg, with colour and opacity of the line from its
+  // first point to the end of that leg. kDeposit, kBackproject: none.
   std::vector<TracedRay> rays;
 };
 

@@ -30,7 +30,7 @@ struct View {
   double orthographic_height = 0;  // > 0: orthographic, the image's height in (smallest) voxel edges
   int width = 512;                 // pixels, 1..4095
   int height = 512;
-  int samples_per_axis = 1;  // 1, 2 or 4: rays a pixel are its square
+  int samples_per_axis = 1;  // 1, 2 or 4: rays per pixel are its square
   PixelFilter filter = PixelFilter::kBox;
 
   double step = 0.5;                // voxels along the ray, 1/64..16; kept to 16 fraction bits
@@ -42,7 +42,7 @@ struct View {
   bool incident = false;     // the irradiance is what falls on a sample, not what it absorbed (see below)
   double exposure = 0;       // irradiance only: brightness of one unit of irradiance; 0 = chosen by illuminate()
   bool scatter = false;      // rays go on where a material scatters them (Material::seen_through_scattering)
-  bool high_albedo = false;  // colour is taken once, where the ray is absorbed: needs many rays a pixel
+  bool high_albedo = false;  // colour is taken once, where the ray is absorbed: needs many rays per pixel
   int lifetime = 8;          // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;    // of the scatterings' random choices
   std::vector<CutPlane> cut_planes;  // at most 6

@@ -48,10 +48,10 @@ struct VolumeView {
                           // line integrals and backprojection the lengths too
   // Unset: 0..255 for kUint8, 0..4095 for kUint12, the least and the greatest sample for the others.
   std::optional<ValueRange> range{};
-  // Empty: by a 3x3x3 Sobel filter. Else 3 floats a voxel, x fastest: the physical direction in which the value grows;
+  // Empty: by a 3x3x3 Sobel filter. Else 3 floats per voxel, x fastest: the physical direction in which the value grows;
   // lengths are ignored, a zero vector is "no gradient".
   std::span<const float> gradients{};
-  // Empty: tag 0 everywhere. Else one material tag, 0..3, a voxel.
+  // Empty: tag 0 everywhere. Else one material tag, 0..3, per voxel.
   std::span<const std::uint8_t> tags{};
   // False, without `gradients`: no voxel gets a gradient, and nothing of the volume is shaded. For pictures with no
   // View::shade, where a third of load_volume()'s time would go into gradients.

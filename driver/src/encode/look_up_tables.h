@@ -34,7 +34,7 @@ void set_unit_gains(std::vector<wire::SegmentationEntry>& entries);
 void check(const Phong& phong);
 void check(const Shading& shading);
 
-// What a surface reflects beside the ambient part: diffuse max(N.L, 0) + specular s(N.L) max(R.V, 0)^shininess with
+// What a surface reflects in addition to the ambient part: diffuse max(N.L, 0) + specular s(N.L) max(R.V, 0)^shininess with
 // R = 2 (N.L) N - L and s = N.L / 0.1 clamped to 0..1. `normal` and `towards_eye` are unit vectors; `light` has any
 // length, and the zero vector stands for a light at the eye. All are physical.
 double reflected(const Phong& phong, Vec3 normal, Vec3 light, Vec3 towards_eye);

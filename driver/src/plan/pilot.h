@@ -27,7 +27,7 @@ PilotError pilot_error(const Image& pilot, const Image& best, int channel = -1);
 
 // What two pilots of independent random choices tell of either's distance from what both would be with endless rays.
 PilotError noise_of(const Image& a, const Image& b, int channel);
-// What such pairs of two settings tell of how far apart these are beside the noise: the noises of a product's factors don't know
+// What such pairs of two settings tell of how far apart these are without the noise: the noises of a product's factors don't know
 // each other. The bound has two standard errors, the limit of what the pairs can tell.
 PilotError bias_of(const Image& a, const Image& b, const Image& best_a, const Image& best_b, int channel);
 

@@ -21,7 +21,7 @@ struct AxisBox {
 // The light between two boxes by the length of its way: of any even medium between them at once.
 class WayFactor {
  public:
-  // The integrand hangs on the difference of two points alone, whose distribution is a product of trapezoids: so it is an
+  // The integrand depends on the difference of two points alone, whose distribution is a product of trapezoids: so it is an
   // integral over three dimensions, not six, and is graded towards a difference of zero. Boxes may touch, overlap or be one
   // and the same.
   WayFactor(const AxisBox& a, const AxisBox& b);

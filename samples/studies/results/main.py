@@ -36,7 +36,7 @@ PROGRAMS = pathlib.Path(__file__).absolute().parent  # the build makes a link to
 def introduction(bench):
     return (
         "# Results\n\n"
-        "What the paper reports beside what our board does. Everything here is made by one command and nothing is typed in:\n\n"
+        "What the paper reports, compared with what our board does. Everything here is made by one command and nothing is typed in:\n\n"
         "    script/results\n\n"
         "It runs `gicube-results` (samples/studies/results), which measures on emulated boards at the cycle level through the public "
         f"driver. Design point unless noted: volume {bench.edge}^3, blocks {bench.block}^3, 4 processors, queues of 256 rays, 100 MHz, "

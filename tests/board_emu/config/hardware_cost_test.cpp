@@ -30,7 +30,7 @@ TEST(HardwareCost, IsTable1AtTheDesignPoint) {
   EXPECT_EQ(paper_units(cost.segmentation_lut.bits), "5.3 Mb");
   EXPECT_EQ(cost.reflectance_map.bits, 4u * 128 * 128 * 6 * 8);
   EXPECT_EQ(paper_units(cost.reflectance_map.bits), "3.0 Mb");
-  // The paper prints 10 Kb beside a formula that gives 9.1.
+  // The paper prints 10 Kb next to a formula that gives 9.1.
   EXPECT_EQ(cost.registers.formula, "32 x 256 + 20 x 55");
   EXPECT_EQ(paper_units(cost.registers.bits), "9.1 Kb");
   EXPECT_EQ((cost.sram.bits + kMegabit / 2) / kMegabit, 15u);
