@@ -20,7 +20,7 @@ void add_lighting_options(CLI::App& app, LightingOptions& options) {
       ->check(CLI::IsMember({"none", "low", "high"}));
   group.value("--rules", options.rules, "of energy: as-printed or conserving (conserving)")
       ->check(CLI::IsMember({"as-printed", "conserving"}));
-  group.value("--light-rays", options.rays, "k, lighting rays a voxel of the volume's faces (1)")
+  group.value("--light-rays", options.rays, "k, lighting rays per voxel of the volume's faces (1)")
       ->check(CLI::Range(1, 4096));
   group.value("--lifetime", options.lifetime, "scatterings until a ray is given up (lighting rays 32, eye 8)")
       ->check(CLI::Range(0, 1023));

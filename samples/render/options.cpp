@@ -26,7 +26,7 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
   OptionGroup group(app, "Volume");
   group
       .value("--volume-size", options.volume_size,
-             "voxels an edge of a built-in volume (256), or along the longest edge of a scene's world")
+             "voxels along each edge of a built-in volume (256), or along the longest edge of a scene's world")
       ->check(CLI::Range(kMinWorldSize, kMaxBuckyballSize));
   group.parsed("--dims", "X,Y,Z", "size in voxels of a file without a header",
                [&](const std::string& name, const std::string& text) {

@@ -34,7 +34,7 @@ void add_options(CLI::App& app, SweepOptions& options, Texts& texts) {
   CLI::Option* reference = all(app.add_option("--reference", texts.reference,
                                               "a run's reference is the same run with this in place; repeatable"))
                                ->type_name("NAME=VALUE");
-  app.add_option("--reference-picture", options.reference_picture, "an EXR that all runs are held against")
+  app.add_option("--reference-picture", options.reference_picture, "an EXR that all runs are compared with")
       ->excludes(reference)
       ->check(CLI::ExistingFile);
   app.add_option("--cost", options.cost, "a number of gicube-render's --stats: a name, or a JSON pointer")
@@ -50,7 +50,7 @@ void add_options(CLI::App& app, SweepOptions& options, Texts& texts) {
       ->required();
   app.add_option("--name", options.name, "of the files")->capture_default_str();
   app.add_option("--title", options.title, "of the chart");
-  app.add_option("--jobs", options.jobs, "runs at once; 0 = one a core")
+  app.add_option("--jobs", options.jobs, "runs at once; 0 = one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_flag("--chart", options.chart, "draw NAME.svg by gnuplot");

@@ -210,7 +210,7 @@ FdkSettings FdkPlan::settings(const FdkSettings& original) const { return with(c
 
 std::vector<std::string> FdkPlan::explain() const {
   const auto words = [](const FdkPlanPoint& point) {
-    return fmt::format("{} x {} rays a pixel, step {:g}, ripples {}", point.rays, point.rays, point.step,
+    return fmt::format("{} x {} rays per pixel, step {:g}, ripples {}", point.rays, point.rays, point.step,
                        point.normalise ? "divided out" : "left");
   };
   constexpr const char* kFinest = "the finest setting";

@@ -87,7 +87,7 @@ void add_board_options(CLI::App& app, BoardOptions& options) {
       ->capture_default_str();
   group
       .value("--threads", options.threads,
-             "host threads for scene and emulator, 0 = one a core; never changes a result")
+             "host threads for scene and emulator, 0 = one per core; never changes a result")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str();
   group.flag("--quiet", options.quiet, "print nothing but errors");
