@@ -26,7 +26,7 @@ struct RenderCommand {
   std::uint16_t width = 0;  // pixels
   std::uint16_t height = 0;
   Projection projection = Projection::kPerspective;
-  std::uint8_t samples_per_axis = 1;  // 1, 2 or 4: rays a pixel are its square
+  std::uint8_t samples_per_axis = 1;  // 1, 2 or 4: rays per pixel are its square
   Filter filter = Filter::kBox;
   std::array<double, 3> origin{};  // voxels, as all below
   std::array<double, 3> forward{};

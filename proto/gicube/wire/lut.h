@@ -10,7 +10,7 @@
 
 namespace gicube::wire {
 
-// Segmentation LUT: 2^14 entries, index = tag << 12 | density [P §3.4, Table 1]. 84 bits a word, 96 with the wide datapath's
+// Segmentation LUT: 2^14 entries, index = tag << 12 | density [P §3.4, Table 1]. 84 bits per word, 96 with the wide datapath's
 // (README.md). shade = ambient + reflect * map(normal); what it has above `knee` is a highlight and goes to white, the rest
 // scales the colour (docs/reference/hardware.md).
 inline constexpr std::size_t kSegmentationEntries = std::size_t{1} << 14;

@@ -1,4 +1,4 @@
-// Pairs of elements between which the DSP makes rays: the heaviest part of a form factor [P §5.6], with one number a pair on
+// Pairs of elements between which the DSP makes rays: the heaviest part of a form factor [P §5.6], with one number per pair on
 // the bus instead of two ray packets a ray. README.md has the bytes.
 //
 // The samples of a pair are dealt out to eight runs. Each run is a Kronecker sequence in six dimensions, turned by a hash of (id,
