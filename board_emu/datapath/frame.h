@@ -17,6 +17,7 @@
 
 namespace gicube::emu {
 
+class DepthTable;
 class HostTrapQueue;
 class Routines;
 class SumMemory;
@@ -28,6 +29,7 @@ struct Frame {
   std::uint64_t segmentation_writes = 0;  // counts changes: what is made of it is current while this is the same
   const std::uint8_t* reflectance_map = nullptr;  // wire::kReflectanceBytes
   const OpacityCorrection* opacity_correction = nullptr;
+  const DepthTable* depths = nullptr;      // of `segmentation`, for lighting rays with the conserving rules
   std::vector<std::uint8_t> empty;         // one a block; nonzero = leap
   Point extent{};                          // size - 1 in position units
   std::array<std::uint32_t, 3> spacing{};  // 16.16

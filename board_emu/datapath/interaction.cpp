@@ -4,6 +4,7 @@
 
 #include "datapath/illuminate.h"
 #include "datapath/random_stream.h"
+#include "datapath/ray_part.h"
 #include "datapath/scatter.h"
 #include "datapath/splat.h"
 #include "datapath/trilinear_splat.h"
@@ -57,28 +58,6 @@ bool leaves(const RayState& ray, const wire::Material& material, const Sample& s
   return along < 0;
 }
 
-// The part of its step that a sample stands for, 0..1: with the conserving rules a lighting ray's last step ends where the
-// volume does, else it would absorb beyond.
-double part_of_step(const RayState& ray, const Frame& frame) {
-  if (!ray.is(wire::kLightingRay) || frame.rules == wire::EnergyRules::kAsPrinted) return 1;
-  Point next = ray.position;
-  for (std::size_t axis = 0; axis < 3; ++axis) next[axis] += ray.step[axis];
-  if (inside(next, frame.extent)) return 1;
-  double share = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double step = ray.step[axis], at = ray.position[axis];
-    if (step > 0) share = std::min(share, (frame.extent[axis] - at) / step);
-    if (step < 0) share = std::min(share, at / -step);
-  }
-  return std::max(share, 0.0);
-}
-
-std::uint32_t step_opacity(const RayState& ray, std::uint16_t opacity, const Frame& frame) {
-  const double part = part_of_step(ray, frame);
-  const auto exponent = part == 1 ? ray.exponent : static_cast<std::uint32_t>(std::lround(ray.exponent * part));
-  return (*frame.opacity_correction)(opacity, exponent);
-}
-
 // Of what is not absorbed, the part that is scattered: Ks a / (1 - (1 - Ks) a), 24 bits.
 std::uint32_t scattering_opacity(std::uint32_t a, const wire::Material& material) {
   if (a == wire::kOpacityOne) return material.scattering == 0 ? 0 : wire::kOpacityOne;
@@ -91,8 +70,8 @@ std::uint32_t absorption_opacity(std::uint32_t a, const wire::Material& material
   return static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne);
 }
 
-// Accumulates `opacity`; true when the ray interacts within this step, `where` being the place in it, 0..1.
-bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double& where) {
+// Accumulates `opacity`; true when the ray interacts within the sample's part, `share` being that of its depth, 0..1.
+bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double& share) {
   const std::uint32_t before = ray.interacted;
   ray.interacted = before + product(wire::kOpacityOne - before, opacity);
   const std::uint32_t value = interaction_value(ray, frame);
@@ -101,18 +80,18 @@ bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double&
   const auto depth = [before](std::uint32_t until) {
     return std::log((wire::kOpacityOne - before + 0.5) / (wire::kOpacityOne - until + 0.5));
   };
-  where = value > before ? depth(value) / depth(ray.interacted) : 0.0;
+  share = value > before ? depth(value) / depth(ray.interacted) : 0.0;
   return true;
 }
 
-// A place in what the sample stands for, `where` 0..1: the paper's rules know only the sample's own. It may lie in
+// Where this share of the part's depth is behind the ray: the paper's rules know only the sample's own place. It may lie in
 // another block.
-Point along_step(const RayState& ray, double where, const Frame& frame) {
+Point place_in(const RayPart& part, double share, const RayState& ray, const Frame& frame) {
   Point out = ray.position;
   if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
-  where *= part_of_step(ray, frame);
+  const double steps = part.place(share);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    out[axis] += static_cast<std::int32_t>(std::lround(where * ray.step[axis]));
+    out[axis] += static_cast<std::int32_t>(std::lround(steps * ray.step[axis]));
     out[axis] = std::clamp(out[axis], 0, frame.extent[axis]);
   }
   return out;
@@ -164,10 +143,10 @@ void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, 
   counters.energy.given_up += units;
 }
 
-// The ray interacts at `where` of its step and is scattered.
-void scatter(Interaction& interaction, RayState& ray, double where, const wire::Material& material,
+// The ray interacts at `share` of the part's depth and is scattered.
+void scatter(Interaction& interaction, RayState& ray, const RayPart& part, double share, const wire::Material& material,
              const Sample& sample, const Frame& frame, RayCounters& counters) {
-  ray.position = along_step(ray, where, frame);
+  ray.position = place_in(part, share, ray, frame);
   if (ray.lifetime == 0) return give_up(interaction, ray, frame, counters);
   ++counters.scatterings;
   if (material.bsdf == wire::Bsdf::kTrap) {
@@ -189,20 +168,22 @@ bool draws_scattering(const RayState& ray, const wire::Material& material, const
          std::uint64_t{material.scattering} << 16;
 }
 
-void interact_photon(Interaction& interaction, RayState& ray, std::uint32_t a, const wire::Material& material,
+void interact_photon(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
                      const Sample& sample, const Frame& frame, RayCounters& counters) {
+  const std::uint32_t a = part.opacity();
   const bool straight = material.bsdf == wire::Bsdf::kNone;
-  double where = 0;
-  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, where)) return advance(ray, 1);
+  double share = 0;
+  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, share)) return advance(ray, 1);
   if (!straight && draws_scattering(ray, material, frame)) {
-    return scatter(interaction, ray, where, material, sample, frame, counters);
+    return scatter(interaction, ray, part, share, material, sample, frame, counters);
   }
-  deposit(interaction, ray, energy_units(ray, frame), along_step(ray, where, frame), frame);
+  deposit(interaction, ray, energy_units(ray, frame), place_in(part, share, ray, frame), frame);
   interaction.outcome = Outcome::kEnded;
 }
 
-void interact_bundle(Interaction& interaction, RayState& ray, std::uint32_t a, const wire::Material& material,
+void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& part, const wire::Material& material,
                      const Sample& sample, const Frame& frame, RayCounters& counters) {
+  const std::uint32_t a = part.opacity();
   const bool printed = frame.rules == wire::EnergyRules::kAsPrinted;
   const std::uint64_t before = ray.energy(), lost = printed ? a : absorption_opacity(a, material);
   const std::uint32_t units = energy_units(ray, frame);
@@ -218,17 +199,17 @@ void interact_bundle(Interaction& interaction, RayState& ray, std::uint32_t a, c
     counters.energy.scattered_away += given - absorbed;
     given = absorbed;
   }
-  deposit(interaction, ray, given, along_step(ray, 0.5, frame), frame);
+  deposit(interaction, ray, given, place_in(part, 0.5, ray, frame), frame);
   if (left == 0) {
     interaction.outcome = Outcome::kEnded;
     return;
   }
-  double where = 0;
+  double share = 0;
   if (material.bsdf == wire::Bsdf::kNone ||
-      !interacts(ray, printed ? a : scattering_opacity(a, material), frame, where)) {
+      !interacts(ray, printed ? a : scattering_opacity(a, material), frame, share)) {
     return advance(ray, 1);
   }
-  scatter(interaction, ray, where, material, sample, frame, counters);
+  scatter(interaction, ray, part, share, material, sample, frame, counters);
 }
 
 Colour12 colour_of(const Sample& sample, const SampleSite& site, const Frame& frame) {
@@ -260,15 +241,16 @@ void absorb(RayState& ray, WideWords* wide, const Colour12& colour, std::uint32_
 }
 
 void interact_rendering(Interaction& interaction, RayState& ray, WideWords* wide, const SampleSite& site,
-                        std::uint32_t a, const wire::Material& material, const Sample& sample, const Frame& frame,
+                        const RayPart& part, const wire::Material& material, const Sample& sample, const Frame& frame,
                         RayCounters& counters) {
+  const std::uint32_t a = part.opacity();
   const bool scatters =
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
-  double where = 0;
+  double share = 0;
   if (frame.high_albedo) {
-    if (!interacts(ray, a, frame, where)) return advance(ray, 1);
+    if (!interacts(ray, a, frame, share)) return advance(ray, 1);
     if (scatters && draws_scattering(ray, material, frame)) {
-      return scatter(interaction, ray, where, material, sample, frame, counters);
+      return scatter(interaction, ray, part, share, material, sample, frame, counters);
     }
     const Colour12 colour = colour_of(sample, site, frame);
     if (wide != nullptr) {
@@ -281,8 +263,8 @@ void interact_rendering(Interaction& interaction, RayState& ray, WideWords* wide
   }
   absorb(ray, wide, colour_of(sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample,
          frame);
-  if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, where)) return advance(ray, 1);
-  scatter(interaction, ray, where, material, sample, frame, counters);
+  if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, share)) return advance(ray, 1);
+  scatter(interaction, ray, part, share, material, sample, frame, counters);
 }
 
 // A ray that takes nothing from its energy leaves its amount at each sample.
@@ -314,6 +296,7 @@ void redirect(RayState& ray, const Direction& direction, const Frame& frame) {
   --ray.lifetime;
   if (ray.generation < 15) ++ray.generation;
   ray.interacted = 0;
+  ray.under_way = false;
   ray.direction = direction;
   ray.length = physical_length(direction, frame.spacing);
   space(ray, frame.step);
@@ -341,6 +324,8 @@ Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, con
                      RayCounters& counters) {
   if (frame.backprojects()) return backproject(ray, frame, counters);
   Interaction interaction;
+  const bool first = !ray.under_way;
+  ray.under_way = true;
   const Sample sample = classify(site, frame);
   const wire::Material& material = frame.materials[sample.tag];
   interaction.visible = visible(sample.index, wide, frame);
@@ -348,17 +333,21 @@ Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, con
     const bool at_surface = interaction.visible && material.bsdf == wire::Bsdf::kTrap;
     if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
   }
-  if (!interaction.visible || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
+  const std::uint16_t opacity = sample.entry->opacity;
+  const bool integrates = ray.is(wire::kLightingRay) && frame.rules == wire::EnergyRules::kConserving;
+  const bool clear = integrates ? RayPart::is_clear(site, sample.tag, opacity, frame) : !interaction.visible;
+  if (clear || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
     advance(ray, 1);
     return interaction;
   }
-  const std::uint32_t a = step_opacity(ray, sample.entry->opacity, frame);
+  const RayPart part = integrates ? RayPart::of(ray, site, sample.tag, opacity, first, frame)
+                                  : RayPart::step((*frame.opacity_correction)(opacity, ray.exponent));
   if (!ray.is(wire::kLightingRay)) {
-    interact_rendering(interaction, ray, wide, site, a, material, sample, frame, counters);
+    interact_rendering(interaction, ray, wide, site, part, material, sample, frame, counters);
   } else if (ray.is(wire::kHighAlbedo)) {
-    interact_photon(interaction, ray, a, material, sample, frame, counters);
+    interact_photon(interaction, ray, part, material, sample, frame, counters);
   } else {
-    interact_bundle(interaction, ray, a, material, sample, frame, counters);
+    interact_bundle(interaction, ray, part, material, sample, frame, counters);
   }
   if (interaction.deposits) ++counters.deposits;
   return interaction;

@@ -1,7 +1,8 @@
 // What a sample does to a ray where there is more to it than gathering: lighting rays, and rendering rays that are lit by
 // irradiance or scattered [P §2.2]. Pure functions of the ray and the volume, for every fidelity level.
 //
-// A sample stands for the step that follows it. Absorption and scattering share its opacity a (docs/reference/hardware.md):
+// A sample stands for the step that follows it; a lighting ray's, with the conserving rules, for its part of the ray
+// (ray_part.h). Absorption and scattering share its opacity a (docs/reference/hardware.md):
 //   low albedo    the ray keeps 1 - (1 - Ks) a of its energy, or of its transparency, and deposits the rest; of what is
 //                 kept the part Ks a / (1 - (1 - Ks) a) is scattered
 //   high albedo   the ray meets the material when a, accumulated, reaches its interaction value, and is then scattered with
@@ -62,6 +63,7 @@ inline std::int32_t leap(RayState& ray, const Point& low, std::int32_t size, con
   jitter_step(ray, frame);
   ++counters.leaps;
   leave_surface(ray);
+  ray.under_way = true;
   const std::int32_t steps = leap_steps(ray, low, size, frame);
   advance(ray, steps);
   count_steps(ray, steps, frame);

@@ -32,9 +32,10 @@ struct RayState {
   std::array<std::int16_t, 3> direction{};
   std::uint16_t u = 0;
   std::uint16_t v = 0;
-  std::uint16_t lifetime = 0;   // scatterings that are left
-  std::uint8_t generation = 0;  // scatterings so far, saturating at 15
-  std::uint8_t flags = 0;       // wire::RayFlag; of a ray that traps bits 6 and 7 are its material's tag
+  std::uint16_t lifetime = 0;       // scatterings that are left
+  std::uint8_t generation : 4 = 0;  // scatterings so far, saturating at 15
+  std::uint8_t under_way : 1 = 0;   // has taken a sample, or a leap, since it began or was scattered
+  std::uint8_t flags = 0;           // wire::RayFlag; of a ray that traps bits 6 and 7 are its material's tag
 
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 
@@ -77,7 +78,18 @@ inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
   if (steps == 0) return;
   space(ray, (length + steps / 2) / steps);
   const Point half = step_vector(ray.direction, (length + steps) / (2 * steps));
-  for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += half[axis];
+  // Direction and step are rounded (half a unit a voxel and a step, an eighth for the step's length), so a segment along a face
+  // could leave the volume before its last sample. If it does by no more than that, its step is a unit or two shorter.
+  const auto others = static_cast<std::int32_t>(steps) - 1;
+  const std::int32_t rounding = static_cast<std::int32_t>((length >> 17) + steps * 5 / 8) + 3;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int32_t first = std::clamp(ray.position[axis] + half[axis], 0, frame.extent[axis]);
+    ray.position[axis] = first;
+    const std::int64_t last = first + std::int64_t{others} * ray.step[axis];
+    const std::int64_t beyond = last < 0 ? -last : last - frame.extent[axis];
+    if (others == 0 || beyond <= 0 || beyond > rounding) continue;
+    ray.step[axis] += static_cast<std::int32_t>((beyond + others - 1) / others) * (last < 0 ? 1 : -1);
+  }
 }
 
 inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
@@ -88,7 +100,7 @@ inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
   }
   out.opacity = ray.opacity;
   out.lifetime = ray.lifetime;
-  out.generation = ray.generation;
+  out.generation = ray.generation & 15u;
   out.flags = ray.flags;
   out.length = physical_length(ray.direction, frame.spacing);
   out.u = ray.u;

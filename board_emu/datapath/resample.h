@@ -4,6 +4,7 @@
 // Interpolator words have 16 bits (words.h), weights are 0.15.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -95,6 +96,32 @@ inline Channels resample_all(const Neighbourhood& at) {
   return channels;
 #else
   return resample_each(at);
+#endif
+}
+
+// The least and the greatest density round a sample, 12.3.
+struct DensityRange {
+  std::int16_t least, greatest;
+};
+inline DensityRange density_range(const Neighbourhood& at) {
+#if defined(__SSE2__)
+  const auto row = [&at](std::size_t voxel) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(at.cell + voxel));
+  };
+  const __m128i r00 = row(0), r01 = row(at.row), r10 = row(at.slice), r11 = row(at.slice + at.row);
+  const __m128i low = _mm_min_epi16(_mm_min_epi16(r00, r01), _mm_min_epi16(r10, r11));
+  const __m128i high = _mm_max_epi16(_mm_max_epi16(r00, r01), _mm_max_epi16(r10, r11));
+  const auto first = [](__m128i words) { return static_cast<std::int16_t>(_mm_cvtsi128_si32(words)); };
+  return {first(_mm_min_epi16(low, _mm_srli_si128(low, 8))), first(_mm_max_epi16(high, _mm_srli_si128(high, 8)))};
+#else
+  DensityRange out{at.cell->channel[0], at.cell->channel[0]};
+  for (const std::size_t corner : {std::size_t{0}, at.row, at.slice, at.slice + at.row}) {
+    for (const std::size_t voxel : {corner, corner + 1}) {
+      out.least = std::min(out.least, at.cell[voxel].channel[0]);
+      out.greatest = std::max(out.greatest, at.cell[voxel].channel[0]);
+    }
+  }
+  return out;
 #endif
 }
 

@@ -233,6 +233,11 @@ void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
   frame.type = wire::RayType::kDeposit;
   frame.opacity_threshold = wire::kOpacityOne;  // it ends rays that gather
   frame.rules = rules;
+  if (rules == wire::EnergyRules::kAsPrinted) return;
+  frame.jitter = false;  // it hides the places of samples; a part's depth does not depend on them
+  if (!depths_ || depths_of_ != frame.segmentation_writes) depths_.emplace(frame.segmentation);
+  depths_of_ = frame.segmentation_writes;
+  frame.depths = &*depths_;
 }
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progress& work) {

@@ -5,10 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "datapath/frame.h"
+#include "datapath/ray_part.h"
 #include "firmware/aperture.h"
 #include "firmware/host_traps.h"
 #include "firmware/register_file.h"
@@ -85,6 +87,8 @@ class DspCommands {
   Aperture aperture_;
   std::vector<float> wide_depths_;                    // of the segmentation LUT, on the wide datapath
   std::uint64_t wide_depths_of_ = ~std::uint64_t{0};  // Aperture::segmentation_writes()
+  std::optional<DepthTable> depths_;                  // the same of the depths, for lighting rays
+  std::uint64_t depths_of_ = 0;
   const Routines* routines_ = nullptr;
   HostTraps host_traps_;
   std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet

@@ -268,5 +268,53 @@ TEST(Shade, LeavesASampleWithoutAGradientAsItIs) {
   EXPECT_EQ(shade(entry, {kShortestGradient, 0, 0}, map.data()), (Colour12{0, 0, 0}));
 }
 
+// Between two points of a volume of 40^3, often on its faces or beside them, where rounding would carry a ray out.
+TEST(Segment, TakesAllItsSamplesHoweverItIsRounded) {
+  std::mt19937 random(7);
+  const auto within = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  Frame frame;
+  frame.type = wire::RayType::kOpacity;
+  frame.extent = {39 * wire::kVoxel, 39 * wire::kVoxel, 39 * wire::kVoxel};
+  frame.spacing = {wire::kSpacingOne, wire::kSpacingOne, wire::kSpacingOne};
+  for (const std::uint32_t step : {wire::kStepOne, wire::kStepOne / 8, wire::kStepOne / 16, wire::kStepOne / 64}) {
+    frame.step = step;
+    for (int i = 0; i < 5000; ++i) {
+      std::array<double, 3> from{}, to{}, direction{};
+      double length = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double face = within(0, 1) < 0.5 ? 0 : 39, near = face == 0 ? within(0, 0.05) : 39 - within(0, 0.05);
+        const int kind = static_cast<int>(within(0, 4));
+        from[axis] = kind == 0 ? face : within(0, 39);
+        to[axis] = kind == 0 ? near : kind == 1 ? face : within(0, 39);
+        length = std::hypot(length, to[axis] - from[axis]);
+      }
+      wire::Ray ray;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        direction[axis] = (to[axis] - from[axis]) / length;
+        ray.position[axis] = static_cast<std::uint32_t>(std::lround(from[axis] * wire::kVoxel));
+        ray.direction[axis] =
+            static_cast<std::int16_t>(std::lround(direction[axis] * (1 << wire::kDirectionFractionBits)));
+      }
+      const auto word = static_cast<std::uint32_t>(std::lround(length * 65536));
+      ray.set_colour_word(word);
+      RayState state = unpack(ray, frame);
+      const auto steps = static_cast<std::int32_t>((word + step - 1) / step);
+      ASSERT_EQ(state.steps_left(), steps);
+      for (std::int32_t taken = 0; taken < steps; ++taken) {
+        ASSERT_EQ(end(state, frame), Termination::kNot) << "sample " << taken << " of " << steps;
+        advance(state, 1);
+        count_steps(state, 1, frame);
+      }
+      ASSERT_EQ(end(state, frame), Termination::kLeft);
+      for (std::size_t axis = 0; axis < 3; ++axis) {  // direction's and step's rounding, half a unit each
+        ASSERT_NEAR(state.position[axis] / double{wire::kVoxel}, to[axis] + direction[axis] * length / steps / 2,
+                    2 * (length + 3 * steps + 4) / wire::kVoxel);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gicube::emu

@@ -148,6 +148,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   const v1::BoardConfig config = config_with(assignments);
   const wire::IlluminateCommand light = draw_light(scene, dice);
   frame.rules = light.rules;
+  scene.set_depths();
   const unsigned bits = wide ? 24 : light.albedo == wire::Albedo::kHigh ? 4 : 8;
   const LightingRays maker(light, frame.extent, frame.spacing, bits, frame.seed);
   LightRays rays(maker, frame, config.dsp());

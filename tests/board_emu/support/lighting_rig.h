@@ -52,6 +52,7 @@ class LitScene {
   // The whole pass; adds to the irradiance.
   RayCounters light(const wire::IlluminateCommand& command, unsigned threads = 2) {
     scene.frame.rules = command.rules;
+    scene.set_depths();
     const LightingRays maker = rays(command);
     const v1::DspConfig dsp;
     LightRays source(maker, scene.frame, dsp);
@@ -60,6 +61,7 @@ class LitScene {
   // The pass ray by ray on one thread: each ray as it ends, clamped to the volume, if it left it.
   EnergyCounters light(const wire::IlluminateCommand& command, const std::function<void(const wire::Ray&)>& leaves) {
     scene.frame.rules = command.rules;
+    scene.set_depths();
     const LightingRays all = rays(command);
     RayCounters counters;
     for (std::uint64_t i = 0; i < all.count(); ++i) {

@@ -46,6 +46,11 @@ Scene::Scene(const std::array<int, 3>& size, int block_voxels)
   volume.decode(gradients, true, 1);  // clear air, until fill()
 }
 
+void Scene::set_depths() {
+  depths.emplace(segmentation);
+  frame.depths = &*depths;
+}
+
 RunResult run_functional(RaySource& rays, const Frame& frame, unsigned threads) {
   FunctionalLevel level(threads, false);
   Progress progress;

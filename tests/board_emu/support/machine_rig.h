@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "cycle/machine.h"
 #include "cycle/machine_counters.h"
+#include "datapath/ray_part.h"
 #include "firmware/ray_sources/host_rays.h"
 #include "functional/functional_level.h"
 #include "gicube/wire/registers.h"
@@ -53,7 +55,11 @@ struct Scene {
     frame.wide_depths = wide_depths;
   }
 
+  // What lighting rays need of the segmentation as it is now.
+  void set_depths();
+
   VolumeMemory volume;
+  std::optional<DepthTable> depths;
   std::vector<wire::GradientEntry> gradients;
   std::vector<wire::SegmentationEntry> segmentation;
   std::vector<std::uint8_t> reflectance_map;

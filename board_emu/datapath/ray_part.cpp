@@ -1,0 +1,209 @@
+#include "ray_part.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "datapath/opacity_correction.h"
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::size_t kDensities = wire::kSegmentationEntries / wire::kTags;
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+// Of an opaque place: 2^-24 of the light is half a unit of the opacity's word.
+const double kOpaque = std::log(2.0 * wire::kOpacityOne);
+
+double lerp(double a, double b, double w) { return a + (b - a) * w; }
+
+// When the ray is in a cell, in steps from its sample. Cells are cubes of `size` position units, a power of two.
+struct Reach {
+  double entry = -std::numeric_limits<double>::infinity(), exit = std::numeric_limits<double>::infinity();
+};
+
+class Path {
+ public:
+  Path(const RayState& ray, std::int32_t size) : ray_(ray), size_(size) {
+    for (std::size_t axis = 0; axis < 3; ++axis) inverse_[axis] = 1.0 / ray.step[axis];
+    own_ = reach(ray.position, 0);
+  }
+
+  const Reach& own() const { return own_; }
+  // A part begins and ends half way between what two samples' cells have of the ray: so all of it belongs to one sample.
+  double begin() const {
+    const Point previous = moved(-1);
+    if (same_cell(previous)) return -0.5;
+    return (std::min(reach(previous, -1).exit, own_.entry) + own_.entry) / 2;
+  }
+  double end(const Point& extent) const {
+    const Point next = moved(1);
+    if (!inside(next, extent)) return to_the_face(extent);  // the flight's last sample
+    if (same_cell(next)) return 0.5;
+    return (own_.exit + std::max(own_.exit, reach(next, 1).entry)) / 2;
+  }
+
+ private:
+  Point moved(int steps) const {
+    const Point &at = ray_.position, &step = ray_.step;
+    return {at[0] + steps * step[0], at[1] + steps * step[1], at[2] + steps * step[2]};
+  }
+  bool same_cell(const Point& other) const {
+    const Point& at = ray_.position;
+    return (((at[0] ^ other[0]) | (at[1] ^ other[1]) | (at[2] ^ other[2])) & -size_) == 0;
+  }
+  // In the cell of a position that is `steps` away.
+  Reach reach(const Point& position, double steps) const {
+    Reach out;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (ray_.step[axis] == 0) continue;
+      const std::int32_t at = position[axis] & (size_ - 1);
+      const double low = -at * inverse_[axis] + steps, high = (size_ - at) * inverse_[axis] + steps;
+      out.entry = std::max(out.entry, std::min(low, high));
+      out.exit = std::min(out.exit, std::max(low, high));
+    }
+    return out;
+  }
+  double to_the_face(const Point& extent) const {
+    double steps = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (ray_.step[axis] == 0) continue;
+      const std::int32_t at = ray_.position[axis];
+      steps = std::min(steps, (ray_.step[axis] > 0 ? extent[axis] - at : -at) * inverse_[axis]);
+    }
+    return steps;
+  }
+
+  const RayState& ray_;
+  std::int32_t size_;
+  std::array<double, 3> inverse_;
+  Reach own_;
+};
+
+// The density in the sample's cell, 12 bits and a fraction, at `steps` of the ray from the sample.
+double density_at(const Neighbourhood& around, const Cell& cell, const RayState& ray, double steps) {
+  std::array<double, 3> w;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    w[axis] = std::clamp((cell.fraction[axis] + steps * ray.step[axis]) / wire::kVoxel, 0.0, 1.0);
+  }
+  const auto along_x = [&](std::size_t voxel) {
+    return lerp(around.cell[voxel].channel[0], around.cell[voxel + 1].channel[0], w[0]);
+  };
+  const double near = lerp(along_x(0), along_x(around.row), w[1]);
+  const double far = lerp(along_x(around.slice), along_x(around.slice + around.row), w[1]);
+  return lerp(near, far, w[2]) / (1 << kDensityFractionBits);
+}
+
+}  // namespace
+
+DepthTable::DepthTable(std::span<const wire::SegmentationEntry> entries)
+    : sum_(entries.size() + 1), run_(entries.size()), opaque_up_(entries.size(), kNone), opaque_down_(opaque_up_) {
+  const auto opaque = [&](std::size_t i) { return entries[i].opacity == wire::kClassifiedOpacityOne; };
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const double depth = -std::log1p(-entries[i].opacity / double{wire::kClassifiedOpacityOne});
+    sum_[i + 1] = sum_[i] + (opaque(i) ? 0 : depth);
+    const bool first = i % kDensities == 0;
+    run_[i] = i == 0 ? 0 : run_[i - 1] + (first || entries[i].opacity != entries[i - 1].opacity);
+    opaque_down_[i] = opaque(i) ? static_cast<std::uint32_t>(i) : first ? kNone : opaque_down_[i - 1];
+  }
+  for (std::size_t i = entries.size(); i-- > 0;) {
+    const bool last = i % kDensities == kDensities - 1;
+    opaque_up_[i] = opaque(i) ? static_cast<std::uint32_t>(i) : last ? kNone : opaque_up_[i + 1];
+  }
+}
+
+DepthTable::Place DepthTable::place(unsigned tag, double density) {
+  const double at = std::clamp(density + 0.5, 0.0, kDensities - 1e-9);
+  const std::size_t first = tag * kDensities;
+  return {first + static_cast<std::size_t>(at), static_cast<double>(first) + at};
+}
+
+double DepthTable::until(const Place& place) const {
+  return lerp(sum_[place.bin], sum_[place.bin + 1], place.at - static_cast<double>(place.bin));
+}
+
+DepthTable::Depth DepthTable::between(unsigned tag, double from, double to, double length) const {
+  const Place a = place(tag, from), b = place(tag, to);
+  const double way = b.at - a.at;
+  const std::uint32_t opaque = way < 0 ? opaque_down_[a.bin] : opaque_up_[a.bin];
+  Depth out;
+  Place until_there = b;
+  if (opaque != kNone && (way < 0 ? opaque >= b.bin : opaque <= b.bin)) {
+    const double begins = std::clamp(way < 0 ? opaque + 1.0 : opaque, std::min(a.at, b.at), std::max(a.at, b.at));
+    out.opaque = opaque == a.bin || way == 0 ? 0 : (begins - a.at) / way;
+    until_there.at = begins;
+    until_there.bin = std::min(static_cast<std::size_t>(begins), sum_.size() - 2);
+    length *= out.opaque;
+  }
+  const double passed = until_there.at - a.at;
+  constexpr double kNoWay = 1e-6;  // of a bin: the quotient of two small differences would lose its digits
+  const double mean =
+      std::abs(passed) < kNoWay ? sum_[a.bin + 1] - sum_[a.bin] : (until(until_there) - until(a)) / passed;
+  out.depth = length * mean;
+  return out;
+}
+
+RayPart RayPart::step(std::uint32_t opacity) {
+  RayPart out;
+  out.opacity_ = opacity;
+  out.add(0, 1, 1);
+  return out;
+}
+
+RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
+                    const Frame& frame) {
+  RayPart out;
+  const Cell& cell = site.cell;
+  const Neighbourhood voxels = around(site);
+  const bool uniform = frame.depths->uniform(tag, density_range(voxels));
+
+  // A material ends half way between two voxels.
+  const Path path(ray, site.view.tags == nullptr ? wire::kVoxel : wire::kVoxel / 2);
+  const double begin = first ? 0.0 : path.begin(), end = path.end(frame.extent);
+  if (uniform) {
+    const auto exponent = static_cast<std::uint32_t>(std::lround(ray.exponent * (end - begin)));
+    out.opacity_ = (*frame.opacity_correction)(opacity, exponent);
+    out.add(begin, end, 1);
+    return out;
+  }
+
+  // Beyond its cell the density stays what it is at the face.
+  const double entry = std::max(begin, path.own().entry), exit = std::min(end, path.own().exit);
+  const double before = density_at(voxels, cell, ray, entry), after = density_at(voxels, cell, ray, exit);
+  const std::array<double, 5> ends{begin, entry, std::clamp(0.0, entry, exit), exit, end};
+  const std::array<double, 5> density{before, before, density_at(voxels, cell, ray, ends[2]), after, after};
+  const double lengths = ray.exponent / 65536.0;  // of a step, reference voxel lengths
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double way = ends[i + 1] - ends[i];
+    if (way <= 0) continue;
+    const DepthTable::Depth depth = frame.depths->between(tag, density[i], density[i + 1], way * lengths);
+    if (depth.opaque > 1) {
+      out.add(ends[i], ends[i + 1], depth.depth);
+      continue;
+    }
+    const double wall = ends[i] + depth.opaque * way;
+    out.add(ends[i], wall, depth.depth);
+    out.add(wall, wall, kOpaque);
+    out.opacity_ = wire::kOpacityOne;
+    return out;
+  }
+  out.opacity_ = static_cast<std::uint32_t>(std::lround(-std::expm1(-out.depth_) * wire::kOpacityOne));
+  return out;
+}
+
+void RayPart::add(double begin, double end, double depth) {
+  piece_[pieces_++] = {begin, end, depth};
+  depth_ += depth;
+}
+
+double RayPart::place(double share) const {
+  double left = share * depth_;
+  for (std::size_t i = 0; i < pieces_; ++i) {
+    const Piece& piece = piece_[i];
+    if (left <= piece.depth && piece.depth > 0) return lerp(piece.begin, piece.end, left / piece.depth);
+    left -= piece.depth;
+  }
+  return pieces_ == 0 ? 0 : piece_[pieces_ - 1].end;
+}
+
+}  // namespace gicube::emu

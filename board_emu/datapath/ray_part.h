@@ -1,0 +1,81 @@
+// The part of its ray that a sample of a lighting ray stands for, and how much light the medium there takes, with the
+// conserving rules (docs/reference/hardware.md). The eight voxels of the sample's cell tell the densities of the whole part,
+// so that a medium may begin or end anywhere between two samples.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "datapath/ray_step.h"
+#include "gicube/wire/lut.h"
+
+namespace gicube::emu {
+
+// The segmentation LUT's optical depths, summed over the densities: pre-integrated classification [Engel, Kraus and Ertl,
+// "High-quality pre-integrated volume rendering", Graphics Hardware 2001], without colours.
+class DepthTable {
+ public:
+  explicit DepthTable(std::span<const wire::SegmentationEntry> entries);
+
+  // Where a medium without end begins on a way of `depth`.
+  struct Depth {
+    double depth = 0;   // of what can be passed, natural units
+    double opaque = 2;  // from this share of the way on nothing passes; 2: all of it can be passed
+  };
+  // Of `length` voxel lengths on which the density goes evenly from `from` to `to` (12 bits and a fraction).
+  Depth between(unsigned tag, double from, double to, double length) const;
+  // Whether all densities of the range have one opacity.
+  bool uniform(unsigned tag, const DensityRange& range) const {
+    return run_[segmentation_index(range.least, tag)] == run_[segmentation_index(range.greatest, tag)];
+  }
+
+ private:
+  struct Place {
+    std::size_t bin;
+    double at;  // in bins: of the density, which rounds to the nearest entry
+  };
+  static Place place(unsigned tag, double density);
+  double until(const Place& place) const;
+
+  std::vector<double> sum_;         // of the depths of all entries before; opaque ones count nothing
+  std::vector<std::uint32_t> run_;  // counts the changes of opacity
+  std::vector<std::uint32_t> opaque_up_, opaque_down_;  // the next opaque entry at or above, at or below
+};
+
+class RayPart {
+ public:
+  // A whole step, of a medium of one opacity.
+  static RayPart step(std::uint32_t opacity);
+  // Of the lighting ray's sample at `site`, which has this material and classified opacity. `first`: of its flight.
+  static RayPart of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
+                    const Frame& frame);
+  // Whether it has no opacity for certain: so it is nearly everywhere, and that is soon known.
+  static bool is_clear(const SampleSite& site, unsigned tag, std::uint16_t opacity, const Frame& frame) {
+    return opacity == 0 && frame.depths->uniform(tag, density_range(around(site)));
+  }
+
+  std::uint32_t opacity() const { return opacity_; }  // 24 bits
+  // Where this share of its depth, 0..1, is behind the ray: in steps from the sample.
+  double place(double share) const;
+
+ private:
+  struct Piece {
+    double begin, end, depth;
+  };
+  void add(double begin, double end, double depth);
+  static Neighbourhood around(const SampleSite& site) {
+    const auto& voxel = site.cell.voxel;
+    const std::size_t row = site.edge, slice = site.edge * site.edge;
+    return {site.view.voxels + voxel[0] + row * voxel[1] + slice * voxel[2], row, slice, {}};
+  }
+
+  std::uint32_t opacity_ = 0;
+  double depth_ = 0;
+  std::size_t pieces_ = 0;
+  std::array<Piece, 5> piece_;  // two beyond the cell, two in it, and where one of them becomes opaque
+};
+
+}  // namespace gicube::emu
