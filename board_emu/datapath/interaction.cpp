@@ -86,10 +86,10 @@ bool interacts(RayState& ray, std::uint32_t opacity, const Frame& frame, double&
 
 // Where this share of the part's depth is behind the ray: the paper's rules know only the sample's own place. It may lie in
 // another block.
-Point place_in(const RayPart& part, double share, const RayState& ray, const Frame& frame) {
+Point place_in(const RayPart& part, double share, const RayState& ray, const Sample& sample, const Frame& frame) {
   Point out = ray.position;
   if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
-  const double steps = part.place(share);
+  const double steps = part.place(share, sample.tag, frame);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out[axis] += static_cast<std::int32_t>(std::lround(steps * ray.step[axis]));
     out[axis] = std::clamp(out[axis], 0, frame.extent[axis]);
@@ -146,7 +146,7 @@ void give_up(Interaction& interaction, const RayState& ray, const Frame& frame, 
 // The ray interacts at `share` of the part's depth and is scattered.
 void scatter(Interaction& interaction, RayState& ray, const RayPart& part, double share, const wire::Material& material,
              const Sample& sample, const Frame& frame, RayCounters& counters) {
-  ray.position = place_in(part, share, ray, frame);
+  ray.position = place_in(part, share, ray, sample, frame);
   if (ray.lifetime == 0) return give_up(interaction, ray, frame, counters);
   ++counters.scatterings;
   if (material.bsdf == wire::Bsdf::kTrap) {
@@ -177,7 +177,7 @@ void interact_photon(Interaction& interaction, RayState& ray, const RayPart& par
   if (!straight && draws_scattering(ray, material, frame)) {
     return scatter(interaction, ray, part, share, material, sample, frame, counters);
   }
-  deposit(interaction, ray, energy_units(ray, frame), place_in(part, share, ray, frame), frame);
+  deposit(interaction, ray, energy_units(ray, frame), place_in(part, share, ray, sample, frame), frame);
   interaction.outcome = Outcome::kEnded;
 }
 
@@ -199,7 +199,7 @@ void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
     counters.energy.scattered_away += given - absorbed;
     given = absorbed;
   }
-  deposit(interaction, ray, given, place_in(part, 0.5, ray, frame), frame);
+  deposit(interaction, ray, given, place_in(part, 0.5, ray, sample, frame), frame);
   if (left == 0) {
     interaction.outcome = Outcome::kEnded;
     return;

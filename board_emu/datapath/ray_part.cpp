@@ -143,10 +143,23 @@ DepthTable::Depth DepthTable::between(unsigned tag, double from, double to, doub
   return out;
 }
 
+double DepthTable::way_to(double share, unsigned tag, double from, double to) const {
+  const Place a = place(tag, from), b = place(tag, to);
+  const double begin = until(a), whole = until(b) - begin;
+  if (whole == 0) return share;
+  const double wanted = begin + share * whole;
+  const auto low = sum_.begin() + static_cast<std::ptrdiff_t>(std::min(a.bin, b.bin));
+  const auto high = sum_.begin() + static_cast<std::ptrdiff_t>(std::max(a.bin, b.bin)) + 1;
+  const auto above = std::upper_bound(low + 1, high, wanted);
+  const double in_bin = *above > above[-1] ? std::min((wanted - above[-1]) / (*above - above[-1]), 1.0) : 0;
+  const double at = static_cast<double>(above - sum_.begin() - 1) + in_bin;
+  return std::clamp((at - a.at) / (b.at - a.at), 0.0, 1.0);
+}
+
 RayPart RayPart::step(std::uint32_t opacity) {
   RayPart out;
   out.opacity_ = opacity;
-  out.add(0, 1, 1);
+  out.add({0, 1, 1, 0, 0});
   return out;
 }
 
@@ -163,7 +176,7 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
   if (uniform) {
     const auto exponent = static_cast<std::uint32_t>(std::lround(ray.exponent * (end - begin)));
     out.opacity_ = (*frame.opacity_correction)(opacity, exponent);
-    out.add(begin, end, 1);
+    out.add({begin, end, 1, 0, 0});
     return out;
   }
 
@@ -178,12 +191,12 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
     if (way <= 0) continue;
     const DepthTable::Depth depth = frame.depths->between(tag, density[i], density[i + 1], way * lengths);
     if (depth.opaque > 1) {
-      out.add(ends[i], ends[i + 1], depth.depth);
+      out.add({ends[i], ends[i + 1], depth.depth, density[i], density[i + 1]});
       continue;
     }
     const double wall = ends[i] + depth.opaque * way;
-    out.add(ends[i], wall, depth.depth);
-    out.add(wall, wall, kOpaque);
+    out.add({ends[i], wall, depth.depth, density[i], lerp(density[i], density[i + 1], depth.opaque)});
+    out.add({wall, wall, kOpaque, 0, 0});
     out.opacity_ = wire::kOpacityOne;
     return out;
   }
@@ -191,16 +204,20 @@ RayPart RayPart::of(const RayState& ray, const SampleSite& site, unsigned tag, s
   return out;
 }
 
-void RayPart::add(double begin, double end, double depth) {
-  piece_[pieces_++] = {begin, end, depth};
-  depth_ += depth;
+void RayPart::add(const Piece& piece) {
+  piece_[pieces_++] = piece;
+  depth_ += piece.depth;
 }
 
-double RayPart::place(double share) const {
+double RayPart::place(double share, unsigned tag, const Frame& frame) const {
   double left = share * depth_;
   for (std::size_t i = 0; i < pieces_; ++i) {
     const Piece& piece = piece_[i];
-    if (left <= piece.depth && piece.depth > 0) return lerp(piece.begin, piece.end, left / piece.depth);
+    if (left <= piece.depth && piece.depth > 0) {
+      const double here = left / piece.depth;
+      const double way = piece.from == piece.to ? here : frame.depths->way_to(here, tag, piece.from, piece.to);
+      return lerp(piece.begin, piece.end, way);
+    }
     left -= piece.depth;
   }
   return pieces_ == 0 ? 0 : piece_[pieces_ - 1].end;

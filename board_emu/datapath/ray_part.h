@@ -27,6 +27,8 @@ class DepthTable {
   };
   // Of `length` voxel lengths on which the density goes evenly from `from` to `to` (12 bits and a fraction).
   Depth between(unsigned tag, double from, double to, double length) const;
+  // On which share of this way `share` of its depth has been passed, both 0..1.
+  double way_to(double share, unsigned tag, double from, double to) const;
   // Whether all densities of the range have one opacity.
   bool uniform(unsigned tag, const DensityRange& range) const {
     return run_[segmentation_index(range.least, tag)] == run_[segmentation_index(range.greatest, tag)];
@@ -58,14 +60,15 @@ class RayPart {
   }
 
   std::uint32_t opacity() const { return opacity_; }  // 24 bits
-  // Where this share of its depth, 0..1, is behind the ray: in steps from the sample.
-  double place(double share) const;
+  // Where this share of its depth, 0..1, is behind the ray: in steps from the sample. `tag`: the sample's.
+  double place(double share, unsigned tag, const Frame& frame) const;
 
  private:
   struct Piece {
     double begin, end, depth;
+    double from, to;  // densities; equal: the depth is spread evenly
   };
-  void add(double begin, double end, double depth);
+  void add(const Piece& piece);
   static Neighbourhood around(const SampleSite& site) {
     const auto& voxel = site.cell.voxel;
     const std::size_t row = site.edge, slice = site.edge * site.edge;
