@@ -97,8 +97,11 @@ StreamFault Link::take_frame(const wire::FrameHeader& header, std::vector<std::u
   if (phase_ == Phase::kHandshake) return take_version(header, payload);
   const auto arrival = window_.arrival(header);
   if (arrival == wire::ReliableWindow::Arrival::kGap) {
-    const std::uint32_t number = header.type == wire::FrameType::kCredit ? header.id : header.sequence;
-    return {fmt::format("frames of the board are missing: expected number {}, got {}", window_.taken() + 1, number),
+    const std::string missing = fmt::format("frames of the board are missing: expected number {}", window_.taken() + 1);
+    // A credit frame has no number of its own; it tells the last that the board has used.
+    return {header.type == wire::FrameType::kCredit
+                ? fmt::format("{}, the board says that it has sent up to number {}", missing, header.id)
+                : fmt::format("{}, got {}", missing, header.sequence),
             Loss::kCorrupted};
   }
   if (arrival == wire::ReliableWindow::Arrival::kAgain) return {};

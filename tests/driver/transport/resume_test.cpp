@@ -51,6 +51,15 @@ class Boards {
   std::vector<std::unique_ptr<FakeBoard>> boards_;
 };
 
+std::string text_of_loss(Link& link) {
+  try {
+    link.request(FrameType::kCounters, 0, {});
+  } catch (const DeviceLost& error) {
+    return error.what();
+  }
+  return "the link was not lost";
+}
+
 Loss cause_of_loss(Link& link) {
   try {
     link.request(FrameType::kCounters, 0, {});
@@ -175,6 +184,8 @@ TEST(Resume, ABoardThatSaysThatItSentMoreHasLostAFrame) {
   }});
   Link link(boards.connect(), boards.options());
   EXPECT_EQ(cause_of_loss(link), Loss::kCorrupted);
+  EXPECT_THAT(text_of_loss(link),
+              testing::HasSubstr("expected number 1, the board says that it has sent up to number 1"));
 }
 
 TEST(Resume, NeedsASessionThatTheBoardKnows) {
