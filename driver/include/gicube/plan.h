@@ -31,8 +31,8 @@ struct PlanRequest {
   double max_error = 0;  // relative, as above; > 0: the cheapest setting whose error_bound is no larger
   // > 0: of one picture; the most accurate setting whose predicted time and a quarter more keeps it
   Picoseconds time_budget = 0;
-  // Pixels along each edge of a square pilot, 16..512. Larger ones, of twice that or a third of the picture's edge, decide
-  // where the picture has room for them.
+  // An edge of a square pilot, 16..512. Settings that are within the target by their estimate, not by their bound, get a larger
+  // one, of twice that or a third of the picture's edge, where the picture has room for it.
   int pilot_pixels = 48;
 };
 

@@ -242,8 +242,23 @@ class LightPlanner {
             std::max(rays_for(plan_.chosen, request_.max_error), static_cast<int>(std::ceil(kGrowth * rays)));
         rays = std::min(std::min(more, kMaxGrowth * rays), request_.max_rays);
       }
-      if (plan_.kept) return;
+      if (plan_.kept) break;
     }
+    take_cheaper();
+  }
+
+  // A pilot may have found a cheaper setting that does: then its light is what stays.
+  void take_cheaper() {
+    const LightPoint* cheapest = nullptr;
+    for (const LightPoint& point : plan_.points) {
+      const bool does = point.error_bound <= request_.max_error;
+      if (does && (cheapest == nullptr || cost(point) < cost(*cheapest))) cheapest = &point;
+    }
+    if (cheapest == nullptr || (plan_.kept && cost(*cheapest) >= cost(plan_.chosen))) return;
+    plan_.chosen = *cheapest;
+    plan_.kept = true;
+    plan_.at_limit = false;
+    static_cast<void>(pass(plan_.chosen, request_.settings.seed, nullptr));
   }
 
   void choose_within_time() {

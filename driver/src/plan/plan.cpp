@@ -179,21 +179,21 @@ class Planner {
 
   double cost(const PlanPoint& point) const { return keeps_time_ ? static_cast<double>(point.time) : point.samples; }
 
-  // Small pilots say what may do, and larger ones decide, cheapest first: of many settings whose pilots are compared some look
-  // better than they are, and the cheapest would be one of them.
+  // The cheapest of all points whose bound keeps the target. A small pilot's bound is wider than a larger one's, so a point that
+  // is within the target only by its estimate is looked at more closely, as long as it would be cheaper than what was found.
   void choose_cheapest() {
+    const auto keeps = [this](const PlanPoint& point) { return point.error_bound <= request_.max_error; };
     std::vector<PlanPoint> candidates;
     for (const PlanPoint& point : plan_.points) {
       const double error = has_room() ? point.error : point.error_bound;
-      if (error <= request_.max_error && cost(point) < cost(plan_.best)) candidates.push_back(point);
+      if (error <= request_.max_error) candidates.push_back(point);
     }
     std::sort(candidates.begin(), candidates.end(),
               [this](const PlanPoint& a, const PlanPoint& b) { return cost(a) < cost(b); });
     for (const PlanPoint& candidate : candidates) {
-      const PlanPoint point = has_room() ? closer(candidate) : candidate;
-      if (point.error_bound > request_.max_error) continue;
-      choose(point);
-      return;
+      if (cost(candidate) >= cost(plan_.chosen)) break;
+      const PlanPoint point = keeps(candidate) ? candidate : closer(candidate);
+      if (keeps(point) && cost(point) < cost(plan_.chosen)) choose(point);
     }
   }
 

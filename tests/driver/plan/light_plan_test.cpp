@@ -53,6 +53,21 @@ TEST(LightPlan, TakesMoreRaysForLessErrorAndKeepsItsBound) {
   }
 }
 
+TEST(LightPlan, ChoosesTheCheapestOfAllThatItFoundToKeepTheTarget) {
+  const Lamp lamp;
+  Board board = lamp.board();
+  for (const double error : {0.9, 0.4, 0.25, 0.15, 0.1, 0.06}) {
+    LightPlanRequest request = lamp.request();
+    request.max_error = error;
+    const LightPlan plan = plan_light(board, request);
+    EXPECT_LE(plan.chosen.error_bound, error);
+    for (const LightPoint& point : plan.points) {
+      if (point.error_bound > error) continue;
+      EXPECT_GE(point.samples, plan.chosen.samples) << error;
+    }
+  }
+}
+
 TEST(LightPlan, LeavesTheLightOfItsSettingsOnTheBoard) {
   const Lamp lamp;
   Board board = lamp.board(), other = lamp.board();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "plan/pilot.h"
 #include "test_board.h"
@@ -85,6 +86,33 @@ TEST(Plan, TakesMoreSamplesForLessErrorAndFewerForMore) {
     EXPECT_GT(plan.chosen.samples, last);
     last = plan.chosen.samples;
   }
+}
+
+TEST(Plan, ChoosesTheCheapestOfAllThatItFoundToKeepTheTarget) {
+  Shells shells;
+  Board board = open_board();
+  std::mt19937 random(3);
+  const auto within = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  int cheaper_than_best = 0;
+  for (int i = 0; i < 24; ++i) {
+    shells.looks[0].opacities = {{within(60, 120), 0}, {within(121, 180), within(0.02, 0.6)}, {255, within(0.05, 0.9)}};
+    PlanRequest request = shells.request(static_cast<int>(within(40, 200)));
+    request.view.eye = {within(-120, 120), within(-120, -60), within(-90, 90)};
+    request.view.fov_degrees = within(15, 50);
+    request.max_error = std::exp(within(std::log(0.004), std::log(0.08)));
+    SCOPED_TRACE(testing::Message() << "request " << i << ", target " << request.max_error);
+    const Plan plan = make_plan(board, request);
+    EXPECT_LE(plan.chosen.error_bound, request.max_error);
+    cheaper_than_best += plan.chosen.samples < plan.best.samples;
+    for (const PlanPoint& point : plan.points) {
+      if (point.error_bound > request.max_error) continue;
+      EXPECT_GE(point.samples, plan.chosen.samples)
+          << "level " << point.level << ", step " << point.step << ", threshold " << point.opacity_threshold;
+    }
+  }
+  EXPECT_GT(cheaper_than_best, 8);
 }
 
 TEST(Plan, TakesACoarserVolumeWherePixelsAreLargerThanVoxelsAndNothingIsThin) {
