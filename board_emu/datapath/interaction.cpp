@@ -329,19 +329,25 @@ Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, con
   const Sample sample = classify(site, frame);
   const wire::Material& material = frame.materials[sample.tag];
   interaction.visible = visible(sample.index, wide, frame);
-  if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
-    const bool at_surface = interaction.visible && material.bsdf == wire::Bsdf::kTrap;
-    if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
-  }
   const std::uint16_t opacity = sample.entry->opacity;
   const bool integrates = ray.is(wire::kLightingRay) && frame.rules == wire::EnergyRules::kConserving;
-  const bool clear = integrates ? RayPart::is_clear(site, sample.tag, opacity, frame) : !interaction.visible;
-  if (clear || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
+  RayPart part;
+  bool meets = interaction.visible;
+  if (integrates) {
+    meets = !RayPart::is_clear(site, sample.tag, opacity, frame);
+    if (meets) part = RayPart::of(ray, site, sample.tag, opacity, first, frame);
+    meets = meets && part.opacity() != 0;
+  } else if (meets) {
+    part = RayPart::step((*frame.opacity_correction)(opacity, ray.exponent));
+  }
+  if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
+    const bool at_surface = meets && material.bsdf == wire::Bsdf::kTrap;
+    if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
+  }
+  if (!meets || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
     advance(ray, 1);
     return interaction;
   }
-  const RayPart part = integrates ? RayPart::of(ray, site, sample.tag, opacity, first, frame)
-                                  : RayPart::step((*frame.opacity_correction)(opacity, ray.exponent));
   if (!ray.is(wire::kLightingRay)) {
     interact_rendering(interaction, ray, wide, site, part, material, sample, frame, counters);
   } else if (ray.is(wire::kHighAlbedo)) {

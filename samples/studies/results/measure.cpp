@@ -97,28 +97,29 @@ std::vector<HostRay> rays_of(const View& view, const Dims& dims) {
   return rays;
 }
 
-Json trace(Board& board, const std::vector<HostRay>& rays) {
-  return window(board, [&] { board.receive(board.submit(rays)); });
-}
-
-// Host rays are sampled as the last view was. This one looks past the volume: no ray of it goes to the ASIC.
-void set_sampling(Board& board, View view) {
+// The rest of the pipeline is set up as for the last view. This one looks past the volume: no ray of it goes to the ASIC.
+void set_pipeline(Board& board, View view) {
   view.width = view.height = 1;
   view.look_at = 2.0 * view.eye - view.look_at;
   board.render_to_framebuffer(view);
+}
+
+// Host rays, sampled as the view is.
+Json trace(Board& board, const View& view, const std::vector<HostRay>& rays) {
+  set_pipeline(board, view);
+  return window(board, [&] { board.receive(board.submit(rays, {.step = view.step, .leap = view.leap})); });
 }
 
 Json fill_block(Board& board, View view) {
   const int n = board.info().block_voxels;
   view.cut_planes = {{{0, 0, -1}, -double(n)}};
   view.shade = false;
-  set_sampling(board, view);
   std::vector<HostRay> rays;
   for (int y = 0; y < n; ++y) {
     for (int x = 0; x < n; ++x)
       rays.push_back({static_cast<std::uint32_t>(rays.size()), {x + 0.5, y + 0.5, 0.5 * view.step}, {0, 0, 1}});
   }
-  return trace(board, rays);
+  return trace(board, view, rays);
 }
 
 // `lit`: an illumination pass has been there.
@@ -132,10 +133,7 @@ Json measure(Board& board, const Run& run, const SceneData& scene, bool& lit) {
     result["clipped"] = report.emitted == 0 ? 0 : report.clipped / report.emitted;
     return result;
   }
-  if (run.kind == "host_rays") {
-    set_sampling(board, view);
-    return trace(board, rays_of(view, scene.volume.dims));
-  }
+  if (run.kind == "host_rays") return trace(board, view, rays_of(view, scene.volume.dims));
   if (run.kind == "fill_block") return fill_block(board, view);
   Image image;
   Json result = window(board, [&] { image = board.render(view); });

@@ -36,7 +36,7 @@ class BatchSize : public testing::TestWithParam<std::size_t> {
 
 TEST_P(BatchSize, OneByOneEachBatchCostsItsWayDownTheDspAndItsWayUp) {
   const test::Window window(board_);
-  for (std::size_t i = 0; i < batches(); ++i) board_.receive(board_.submit(rays_));
+  for (std::size_t i = 0; i < batches(); ++i) board_.receive(board_.submit(rays_, kEveryVoxel));
   const auto count = static_cast<double>(batches()), n = static_cast<double>(batch());
   const test::Measured measured = window.end();
   EXPECT_TRUE(time_is(measured, count * one_by_one_ps(bus_, n), 0.01));
@@ -46,7 +46,7 @@ TEST_P(BatchSize, OneByOneEachBatchCostsItsWayDownTheDspAndItsWayUp) {
 TEST_P(BatchSize, InAStreamEachBatchCostsTheBusItsBurstsDownAndUp) {
   const test::Window window(board_);
   std::vector<Ticket> tickets;
-  for (std::size_t i = 0; i < batches(); ++i) tickets.push_back(board_.submit(rays_));
+  for (std::size_t i = 0; i < batches(); ++i) tickets.push_back(board_.submit(rays_, kEveryVoxel));
   for (const Ticket ticket : tickets) board_.receive(ticket);
   const auto count = static_cast<double>(batches()), n = static_cast<double>(batch());
   const double per_batch = streamed_ps(bus_, n);

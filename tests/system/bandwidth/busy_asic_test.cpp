@@ -23,7 +23,8 @@ TEST(BusyAsic, HostRaysAreBoundByTheBusOnPciAndByTheProcessorOnAgp) {
 
   const test::Window window(board);
   std::vector<Ticket> tickets;
-  for (std::size_t i = 0; i < kRays; i += kBatch) tickets.push_back(board.submit(std::span(rays).subspan(i, kBatch)));
+  for (std::size_t i = 0; i < kRays; i += kBatch)
+    tickets.push_back(board.submit(std::span(rays).subspan(i, kBatch), kEveryVoxel));
   for (const Ticket ticket : tickets) ASSERT_EQ(board.receive(ticket).rays.size(), kBatch);
   const test::Measured stream = window.end();
 

@@ -20,7 +20,8 @@ TEST(Flood, AFrameOfHostRaysTakesTheClosedFormOfTheBus) {
 
   const test::Window window(board);
   std::vector<Ticket> tickets;
-  for (std::size_t i = 0; i < kRays; i += kBatch) tickets.push_back(board.submit(std::span(rays).subspan(i, kBatch)));
+  for (std::size_t i = 0; i < kRays; i += kBatch)
+    tickets.push_back(board.submit(std::span(rays).subspan(i, kBatch), kEveryVoxel));
   for (const Ticket ticket : tickets) ASSERT_EQ(board.receive(ticket).rays.size(), kBatch);
   const test::Measured frame = window.end();
 

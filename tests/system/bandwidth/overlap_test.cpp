@@ -40,14 +40,14 @@ class Overlap : public testing::Test {
 
 TEST_F(Overlap, WaitingForEachBatchCostsTheSumOfItsStages) {
   const test::Window window(board_);
-  for (std::size_t i = 0; i < kBatches; ++i) board_.receive(board_.submit(rays_));
+  for (std::size_t i = 0; i < kBatches; ++i) board_.receive(board_.submit(rays_, kEveryVoxel));
   EXPECT_TRUE(time_is(window.end(), kBatches * (stage_.down + stage_.asic + stage_.up), 0.01));
 }
 
 TEST_F(Overlap, BatchesInFlightCostTheNarrowestStage) {
   const test::Window window(board_);
   std::vector<Ticket> tickets;
-  for (std::size_t i = 0; i < kBatches; ++i) tickets.push_back(board_.submit(rays_));
+  for (std::size_t i = 0; i < kBatches; ++i) tickets.push_back(board_.submit(rays_, kEveryVoxel));
   for (const Ticket ticket : tickets) board_.receive(ticket);
   EXPECT_TRUE(time_is(window.end(), overlapped_ps(bus_, stage_), 0.01));
 }
@@ -55,7 +55,7 @@ TEST_F(Overlap, BatchesInFlightCostTheNarrowestStage) {
 TEST_F(Overlap, WorkOfTheHostThatTakesNoLongerIsFree) {
   const test::Window window(board_);
   std::vector<Ticket> tickets;
-  for (std::size_t i = 0; i < kBatches; ++i) tickets.push_back(board_.submit(rays_));
+  for (std::size_t i = 0; i < kBatches; ++i) tickets.push_back(board_.submit(rays_, kEveryVoxel));
   board_.host_compute(static_cast<Picoseconds>(0.9 * overlapped_ps(bus_, stage_)));
   for (const Ticket ticket : tickets) board_.receive(ticket);
   EXPECT_TRUE(time_is(window.end(), overlapped_ps(bus_, stage_), 0.01));
@@ -65,10 +65,10 @@ TEST_F(Overlap, WorkOfTheHostThatTakesNoLongerIsFree) {
 TEST_F(Overlap, AHostThatIsSlowerThanTheBoardHidesTheBoard) {
   const double making = 1.5 * (stage_.down + stage_.asic + stage_.up);
   const test::Window window(board_);
-  Ticket last = board_.submit(rays_);
+  Ticket last = board_.submit(rays_, kEveryVoxel);
   for (std::size_t i = 1; i < kBatches; ++i) {
     board_.host_compute(static_cast<Picoseconds>(making));
-    const Ticket next = board_.submit(rays_);
+    const Ticket next = board_.submit(rays_, kEveryVoxel);
     board_.receive(last);
     last = next;
   }

@@ -20,7 +20,10 @@ inline std::vector<HostRay> rays_along_z(std::size_t count, int edge) {
   return rays;
 }
 
-// A cube of ones, which no transfer function makes visible. The next rays sample it at each voxel: `edge` samples a ray.
+// Rays sample each voxel of their way: `edge` samples per ray.
+inline constexpr RayRequest kEveryVoxel{.step = 1, .leap = false};
+
+// A cube of ones, which no transfer function makes visible. The tables and such rays' registers are on the board.
 inline Board open_with_volume(const test::BoardSetup& setup, int edge) {
   Board board = setup.open();
   const auto size = static_cast<std::size_t>(edge);
@@ -30,9 +33,9 @@ inline Board open_with_volume(const test::BoardSetup& setup, int edge) {
   view.eye = {0, 0, -10};
   view.look_at = {0, 0, 0};
   view.width = view.height = 1;
-  view.step = 1;
+  view.step = kEveryVoxel.step;
   view.shade = false;
-  view.leap = false;
+  view.leap = kEveryVoxel.leap;
   board.render_to_framebuffer(view);
   return board;
 }
