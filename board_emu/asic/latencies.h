@@ -13,7 +13,7 @@ inline constexpr Cycle kFifoCycles = 1;    // what was pushed can be popped a cy
 inline constexpr Cycle kSorterCycles = 1;  // from being written into a queue to being issued
 
 // To the tag check at the pipeline's beginning:
-inline constexpr Cycle kSorterToPipeline = kSorterCycles + kFifoCycles;    // from being written into a queue
+inline constexpr Cycle kSorterToPipeline = kSorterCycles + kFifoCycles;        // from being written into a queue
 inline constexpr Cycle kPipelineToPipeline = kFifoCycles + kSorterToPipeline;  // from the pipeline's end
 inline constexpr Cycle kLinkToPipeline = kFifoCycles + kSorterToPipeline;      // from the last link
 inline constexpr Cycle kDspToPipeline = 2 * kFifoCycles + kSorterToPipeline;   // over the ray bus

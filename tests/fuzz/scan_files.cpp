@@ -1,8 +1,8 @@
 // Readers of cone-beam scans: a file becomes a description whose numbers are finite, or an error that names the file.
 #include <cmath>
 
-#include "cone_beam/scan/formats.h"
 #include "cone_beam/scan/description.h"
+#include "cone_beam/scan/formats.h"
 #include "cone_beam/scan/scan.h"
 #include "memory_file.h"
 #include "scene/formats/file_error.h"

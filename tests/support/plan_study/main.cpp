@@ -100,7 +100,8 @@ void run_lit(const Options& options) {
 
 void run_radiosity(const Options& options) {
   fmt::print(
-      "| scene | target % | threshold | rays per link | leaf voxels | error % | predicted | bound | rays saved, times | "
+      "| scene | target % | threshold | rays per link | leaf voxels | error % | predicted | bound | rays saved, times "
+      "| "
       "all "
       "solutions' rays | plan, host s | reference |\n");
   for (const RadiosityScene& scene : radiosity_scenes(GICUBE_SOURCE_DIR)) {
