@@ -332,19 +332,19 @@ Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, con
   const std::uint16_t opacity = sample.entry->opacity;
   const bool integrates = ray.is(wire::kLightingRay) && frame.rules == wire::EnergyRules::kConserving;
   RayPart part;
-  bool meets = interaction.visible;
+  bool in_medium = interaction.visible;
   if (integrates) {
-    meets = !RayPart::is_clear(site, sample.tag, opacity, frame);
-    if (meets) part = RayPart::of(ray, site, sample.tag, opacity, first, frame);
-    meets = meets && part.opacity() != 0;
-  } else if (meets) {
+    in_medium = !RayPart::is_clear(site, sample.tag, opacity, frame);
+    if (in_medium) part = RayPart::of(ray, site, sample.tag, opacity, first, frame);
+    in_medium = in_medium && part.opacity() != 0;
+  } else if (in_medium) {
     part = RayPart::step((*frame.opacity_correction)(opacity, ray.exponent));
   }
   if (ray.is(wire::kTrapped)) {  // and back from the DSP: still at the surface, or outside of it?
-    const bool at_surface = meets && material.bsdf == wire::Bsdf::kTrap;
+    const bool at_surface = in_medium && material.bsdf == wire::Bsdf::kTrap;
     if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
   }
-  if (!meets || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
+  if (!in_medium || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
     advance(ray, 1);
     return interaction;
   }

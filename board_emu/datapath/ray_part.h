@@ -20,14 +20,13 @@ class DepthTable {
  public:
   explicit DepthTable(std::span<const wire::SegmentationEntry> entries);
 
-  // Where a medium without end begins on a way of `depth`.
   struct Depth {
-    double depth = 0;   // of what can be passed, natural units
-    double opaque = 2;  // from this share of the way on nothing passes; 2: all of it can be passed
+    double depth = 0;   // optical depth up to where the way is opaque, natural units
+    double opaque = 2;  // from this share of the way on, 0..1, nothing passes; 2: it is nowhere opaque
   };
-  // Of `length` voxel lengths on which the density goes evenly from `from` to `to` (12 bits and a fraction).
+  // Of a way of `length` voxel lengths on which the density changes evenly from `from` to `to` (12 bits and a fraction).
   Depth between(unsigned tag, double from, double to, double length) const;
-  // On which share of this way `share` of its depth has been passed, both 0..1.
+  // The share of such a way at which `share` of its depth is behind the ray, both 0..1.
   double way_to(double share, unsigned tag, double from, double to) const;
   // Whether all densities of the range have one opacity.
   bool uniform(unsigned tag, const DensityRange& range) const {
@@ -54,7 +53,7 @@ class RayPart {
   // Of the lighting ray's sample at `site`, which has this material and classified opacity. `first`: of its flight.
   static RayPart of(const RayState& ray, const SampleSite& site, unsigned tag, std::uint16_t opacity, bool first,
                     const Frame& frame);
-  // Whether it has no opacity for certain: so it is nearly everywhere, and that is soon known.
+  // True only if it has no opacity. Quick, since most samples lie where nothing is.
   static bool is_clear(const SampleSite& site, unsigned tag, std::uint16_t opacity, const Frame& frame) {
     return opacity == 0 && frame.depths->uniform(tag, density_range(around(site)));
   }

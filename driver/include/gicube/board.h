@@ -227,10 +227,10 @@ class GICUBE_API Board {
   // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit and kBackproject, which can't be taken back.
   bool cancel(Ticket ticket);
 
-  // How much light goes between pairs of elements: one factor per pair. Sampling (step, leaping) is that of the last view
-  // rendered. The simulated host waits. With PairRays::kByHost it makes rays in no time, unless the application adds
-  // host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), while leaping is on) are summed up by the
-  // driver, without rays: PairFactor::clear.
+  // How much light goes between pairs of elements: one factor per pair. Near pairs are divided
+  // (PairFactor). The simulated host waits. With PairRays::kByHost it makes rays in no time, unless the application adds
+  // host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), if PairRequest::leap is on) are summed up by
+  // the driver, without rays: PairFactor::clear.
   // Throws BadArgument (an element's, a pair's index, the request's fields), Rejected (no volume): nothing was sent.
   std::vector<PairFactor> pair_factors(std::span<const Element> elements, std::span<const ElementPair> pairs,
                                        const PairRequest& request = {}, const Progress& progress = {});

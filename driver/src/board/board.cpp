@@ -19,8 +19,8 @@ namespace pci = wire::pci;
 
 OpenOptions checked(const OpenOptions& given) {
   constexpr std::chrono::hours kLongestWait{24 * 7};
-  constexpr std::chrono::hours kLongestWatchdog{24 *
-                                                365};  // longer is as good as for ever, and can't overflow the clock
+  // Longer is as good as for ever, and can't overflow the clock.
+  constexpr std::chrono::hours kLongestWatchdog{24 * 365};
   OpenOptions options = given;
   expect(options.max_rays >= 4096, "max_rays", "at least 4096", options.max_rays);
   const auto wait = options.wait_for_board;
