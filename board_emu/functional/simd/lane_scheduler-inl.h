@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <new>
 #include <span>
 
 #include "datapath/interaction.h"
@@ -116,7 +117,8 @@ class LaneScheduler {
   void put(Lanes& lanes, std::size_t lane) {
     Slot& slot = slots_[lane];
     slot.ray = &rays_[next_];
-    slot.ray_state = unpack(*slot.ray, frame_);
+    // Made in its place: a copy reads in wide words what was just written in narrow ones, and waits for them.
+    new (&slot.ray_state) RayState(unpack(*slot.ray, frame_));
     set_colour(next_, slot.ray_state);
     lanes.ray.lane[lane] = static_cast<std::int32_t>(next_++);
     const RayState& ray = slot.ray_state;

@@ -84,14 +84,15 @@ Image Board::read_framebuffer() {
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   const std::size_t bytes = wire::packed36_bytes(count);
   const std::size_t max_bytes = state_->device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
-  Image image{width, height, {}};
-  image.pixels.reserve(count);
+  Image image{width, height, std::vector<Pixel>(count)};
+  auto next = image.pixels.begin();
   for (std::size_t at = 0; at < bytes; at += max_bytes) {
     const auto part = state_->device.read_memory(wire::kFramebuffer.base + at, std::min(max_bytes, bytes - at));
-    const std::size_t pixels = std::min(count - image.pixels.size(), max_bytes / 9 * 2);
+    const std::span<const std::uint8_t> words = part;
+    const auto pixels = std::min<std::size_t>(image.pixels.end() - next, max_bytes / 9 * 2);
     for (std::size_t i = 0; i < pixels; ++i) {
-      const wire::Pixel pixel = wire::to_pixel(wire::load36(part, i));
-      image.pixels.push_back({pixel.red, pixel.green, pixel.blue, pixel.alpha});
+      const wire::Pixel pixel = wire::to_pixel(wire::load36(words, i));
+      *next++ = {pixel.red, pixel.green, pixel.blue, pixel.alpha};
     }
   }
   return image;
