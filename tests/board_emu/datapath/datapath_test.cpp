@@ -14,6 +14,7 @@
 #include "datapath/ray_step.h"
 #include "datapath/resample.h"
 #include "datapath/shade.h"
+#include "gicube/wire/registers.h"
 
 namespace gicube::emu {
 namespace {

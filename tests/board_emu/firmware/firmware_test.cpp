@@ -90,6 +90,36 @@ TEST(Framebuffer, TurnsFullWordsIntoFullPixels) {
   EXPECT_EQ(framebuffer.pixel(1, 0), wire::Pixel{});
 }
 
+// Half a unit goes up, as std::round() does: the lowest place of which that is true, and the next ones below and above.
+TEST(ViewingRay, APlaceHalfWayBetweenTwoWordsGoesUp) {
+  constexpr double kUnit = 1.0 / wire::kVoxel;
+  for (const std::uint32_t k : {0u, 1u, 12'345u, 800'000u}) {
+    const auto at = [k](double rest) {
+      const double x = (k + rest) * kUnit;
+      return viewing_ray({{x, x, x}, {1, -1, 0.5}}, 0, 0, kExtent, {})->position;
+    };
+    EXPECT_EQ(at(0.25), (std::array{k, k, k}));
+    EXPECT_EQ(at(0.5), (std::array{k + 1, k + 1, k + 1}));
+    EXPECT_EQ(at(0.75), (std::array{k + 1, k + 1, k + 1}));
+  }
+  EXPECT_EQ(viewing_ray({{98.99999999, 49, 3}, {0, 0, 1}}, 0, 0, kExtent, {})->position[0], 99u << 14);
+}
+
+TEST(ViewingRay, HasTheNearestDirectionWordsOfEitherSign) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> any(-1, 1);
+  for (int i = 0; i < 20'000; ++i) {
+    const std::array<double, 3> d{any(random), any(random), any(random)};
+    const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    const auto ray = viewing_ray({{50, 25, 100}, d}, 17, 33, kExtent, {});
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ASSERT_EQ(ray->direction[axis], std::lround(d[axis] / length * 16384));
+    }
+    ASSERT_EQ(ray->u, 17);
+    ASSERT_EQ(ray->v, 33);
+  }
+}
+
 TEST(ViewingRay, IsNoneWithoutADirection) {
   const std::array<double, 3> inside{1, 1, 1};
   EXPECT_TRUE(viewing_ray({inside, {0, 0, 1}}, 0, 0, kExtent, {}));

@@ -154,6 +154,76 @@ TEST(HostBus, CountsTheTimeThatAReadyTransferWaitsForTheOtherDirection) {
   EXPECT_EQ(bus.counters(BusDirection::kUp).wait_ps, (64 - 10) * 30'000u);
 }
 
+// Clocks: the first transfer down takes 0 to 11, the one up 11 to 30, the second down 30 to 37.
+TEST(HostBus, ATransferWaitsFromItsTurnInItsDirectionOn) {
+  HostBus bus(timing(v1::pci33));
+  bus.enqueue(BusDirection::kDown, {.id = 1, .cargo = Cargo::kTable, .bytes = 4 * 8});
+  bus.enqueue(BusDirection::kDown, {.id = 2, .cargo = Cargo::kVolume, .bytes = 4 * 4, .ready_ps = 3 * 30'000});
+  bus.enqueue(BusDirection::kUp, {.id = 3, .cargo = Cargo::kImage, .bytes = 4 * 16, .ready_ps = 5 * 30'000});
+  const auto first = bus.next_delivery(kNever), up = bus.next_delivery(kNever), second = bus.next_delivery(kNever);
+  EXPECT_EQ(first->time_ps, 11 * 30'000u);
+  EXPECT_EQ(up->id, 3u);
+  EXPECT_EQ(up->begin_ps, 11 * 30'000u);
+  EXPECT_EQ(up->time_ps, 30 * 30'000u);
+  EXPECT_EQ(second->begin_ps, 30 * 30'000u);
+  EXPECT_EQ(second->time_ps, 37 * 30'000u);
+  EXPECT_EQ(bus.counters(BusDirection::kDown).wait_ps, (30 - 11) * 30'000u);
+  EXPECT_EQ(bus.counters(BusDirection::kUp).wait_ps, (11 - 5) * 30'000u);
+  EXPECT_EQ(bus.counters(BusDirection::kDown).busy_ps, (11 + 7) * 30'000u);
+  EXPECT_EQ(bus.counters(Cargo::kVolume).time_ps, (37 - 11) * 30'000u);
+  EXPECT_EQ(bus.counters(Cargo::kTable).time_ps, 11 * 30'000u);
+  EXPECT_EQ(bus.counters(Cargo::kImage).time_ps, (30 - 5) * 30'000u);
+}
+
+// The wait of a transfer is that before its first burst; between its bursts the other direction is served.
+TEST(HostBus, WaitsBetweenBurstsAreNotCountedAgain) {
+  HostBus bus(timing(v1::pci33));
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * 61 * 3});
+  bus.enqueue(BusDirection::kUp, {.id = 2, .bytes = 4 * 61 * 3});
+  while (bus.next_delivery(kNever)) {
+  }
+  EXPECT_EQ(bus.counters(BusDirection::kDown).wait_ps, 0u);
+  EXPECT_EQ(bus.counters(BusDirection::kUp).wait_ps, 64 * 30'000u);
+  EXPECT_EQ(bus.counters(BusDirection::kUp).bursts, 3u);
+}
+
+TEST(BusTiming, EveryCostOfTheConfigurationCountsToTheClock) {
+  v1::BusConfig config;
+  config.set_read_latency_clocks(9);
+  config.set_max_burst_dwords(100);
+  config.set_latency_timer_clocks(20);
+  const BusTiming bus(config);
+  EXPECT_EQ(bus.burst_clocks(BusDirection::kDown, TransferKind::kBulk, 1), 4u);
+  EXPECT_EQ(bus.burst_clocks(BusDirection::kDown, TransferKind::kRegisterWrite, 2), 5u);
+  EXPECT_EQ(bus.burst_clocks(BusDirection::kDown, TransferKind::kRegisterRead, 1), 13u);
+  EXPECT_EQ(bus.longest_burst(BusDirection::kUp, TransferKind::kBulk), 100u);
+  EXPECT_EQ(bus.dwords_within(BusDirection::kUp, TransferKind::kBulk, 20), 17u);
+  EXPECT_EQ(bus.dwords_within(BusDirection::kUp, TransferKind::kBulk, 3), 1u) << "a burst moves something";
+  EXPECT_EQ(bus.dwords_within(BusDirection::kUp, TransferKind::kBulk, 1000), 100u);
+  EXPECT_EQ(bus.dwords_within(BusDirection::kDown, TransferKind::kRegisterRead, 20), 8u);
+  config.set_model(v1::agp4x);
+  const BusTiming agp(config);
+  EXPECT_EQ(agp.clock_ps, 15'000u);
+  EXPECT_EQ(agp.burst_clocks(BusDirection::kDown, TransferKind::kBulk, 4), 3u);
+  EXPECT_EQ(agp.burst_clocks(BusDirection::kDown, TransferKind::kBulk, 5), 4u);
+  EXPECT_EQ(agp.burst_clocks(BusDirection::kUp, TransferKind::kBulk, 5), 8u) << "the card writes as on PCI";
+  EXPECT_EQ(agp.burst_clocks(BusDirection::kDown, TransferKind::kRegisterRead, 1), 13u);
+  EXPECT_EQ(agp.longest_burst(BusDirection::kDown, TransferKind::kBulk), 64u);
+  EXPECT_EQ(agp.dwords_within(BusDirection::kDown, TransferKind::kBulk, 10), 32u);
+}
+
+// Contended bursts of the configuration: 17 dwords each in 20 clocks.
+TEST(HostBus, TheLatencyTimerAndTheLongestBurstAreTheConfigurations) {
+  v1::BusConfig config;
+  config.set_latency_timer_clocks(20);
+  config.set_max_burst_dwords(100);
+  HostBus bus{BusTiming(config)};
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * 17 * 2});
+  bus.enqueue(BusDirection::kUp, {.id = 2, .bytes = 4 * (17 * 2 + 100)});
+  EXPECT_EQ(bus.next_delivery(kNever)->time_ps, 3 * 20 * 30'000u);
+  EXPECT_EQ(bus.next_delivery(kNever)->time_ps, (4 * 20 + 103) * 30'000u);
+}
+
 TEST(HostBus, CountsTheTimeOfEachTransferByItsCargo) {
   HostBus bus(timing(v1::pci33));
   bus.enqueue(BusDirection::kDown, {.id = 1, .cargo = Cargo::kVolume, .bytes = 4 * 256});

@@ -1,0 +1,262 @@
+// How a sample's opacity is shared between absorption and scattering, word by word: what a ray holds after one sample of a
+// uniform volume against tests/support/reference/words.h.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "datapath/interaction.h"
+#include "lighting_rig.h"
+#include "reference/words.h"
+
+namespace gicube::emu {
+namespace {
+
+// A volume of one opacity; a step is a voxel long.
+struct Fog {
+  Fog() : lit({5, 5, 5}, 8, false) { lit.scene.frame.rules = wire::EnergyRules::kAsPrinted; }
+
+  void set(std::uint16_t opacity, std::uint16_t scattering, wire::Bsdf bsdf) {
+    lit.scene.segmentation[0].opacity = opacity;
+    lit.scene.frame.materials[0].bsdf = bsdf;
+    lit.scene.frame.materials[0].scattering = scattering;
+    lit.scene.frame.materials[0].flags = wire::kScattersRenderingRays;
+  }
+  // A ray along x in the middle of a cell: its sample's part reaches from face to face.
+  RayState ray(std::uint8_t flags, std::uint16_t number) const {
+    wire::Ray packet;
+    packet.u = number;
+    packet.position = {5u << 13, 2u << 14, 2u << 14};
+    packet.direction = {16384, 0, 0};
+    packet.flags = flags;
+    return unpack(packet, lit.scene.frame);
+  }
+  Interaction take(RayState& ray) {
+    const Frame& frame = lit.scene.frame;
+    const BlockGrid grid(*frame.volume);
+    const Cell at = cell(ray.position, grid.low(ray.position));
+    const BlockView view = frame.volume->view(grid.block(ray.position));
+    return interact(ray, nullptr, {at, view, grid.block(ray.position), 9}, frame, counters);
+  }
+
+  LitScene lit;
+  RayCounters counters;
+};
+
+std::uint32_t alpha_of(const Fog& fog) {
+  return (*fog.lit.scene.frame.opacity_correction)(fog.lit.scene.segmentation[0].opacity, 65536);
+}
+
+TEST(Shares, ARenderingRayTakesTheAbsorbedPartRoundedToTheNearestWord) {
+  Fog fog;
+  fog.lit.scene.frame.type = wire::RayType::kIntegrate;
+  fog.lit.scene.frame.scatter = true;
+  std::mt19937 random(1);
+  for (int i = 0; i < 200'000; ++i) {
+    const auto opacity = static_cast<std::uint16_t>(1 + random() % 65535),
+               ks = static_cast<std::uint16_t>(random() % 65536);
+    fog.set(opacity, ks, wire::Bsdf::kIsotropic);
+    RayState ray = fog.ray(0, static_cast<std::uint16_t>(i));
+    fog.take(ray);
+    ASSERT_EQ(ray.opacity, reference::absorbed(alpha_of(fog), ks)) << opacity << ' ' << ks;
+  }
+}
+
+TEST(Shares, OfWhatIsNotAbsorbedALightingRayAccumulatesTheScatteredShare) {
+  Fog fog;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  std::mt19937 random(2);
+  int kept = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const auto opacity = static_cast<std::uint16_t>(1 + random() % 40'000),
+               ks = static_cast<std::uint16_t>(random() % 65536);
+    fog.set(opacity, ks, wire::Bsdf::kIsotropic);
+    fog.lit.scene.set_depths();
+    RayState ray = fog.ray(wire::kLightingRay, static_cast<std::uint16_t>(i));
+    ray.under_way = true;  // else the part begins at the sample
+    ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
+    const Interaction out = fog.take(ray);
+    if (out.outcome != Outcome::kGoesOn || ray.generation != 0) continue;
+    ++kept;
+    const double a = alpha_of(fog) / double{wire::kOpacityOne};
+    ASSERT_NEAR(ray.interacted, reference::scattered_share(a, ks / 65535.0) * wire::kOpacityOne, 1.0)
+        << opacity << ' ' << ks;
+  }
+  EXPECT_GT(kept, 500);
+}
+
+// 36 bits of energy show each unit of the 24 of the absorbed share.
+TEST(Shares, ALightingRayLosesTheAbsorbedShareOfItsEnergy) {
+  Fog fog;
+  fog.lit.scene.frame.wide = true;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  std::mt19937 random(3);
+  constexpr std::uint64_t kEnergy = (std::uint64_t{1} << 36) - (1 << 13);
+  for (int i = 0; i < 3000; ++i) {
+    const auto opacity = static_cast<std::uint16_t>(1 + random() % 65534),
+               ks = static_cast<std::uint16_t>(random() % 65536);
+    fog.set(opacity, ks, wire::Bsdf::kIsotropic);
+    fog.lit.scene.set_depths();
+    RayState ray = fog.ray(wire::kLightingRay, static_cast<std::uint16_t>(i));
+    ray.under_way = true;
+    ray.set_energy(kEnergy);
+    fog.take(ray);
+    const auto lost = static_cast<double>(kEnergy - ray.energy()) / static_cast<double>(kEnergy) * wire::kOpacityOne;
+    ASSERT_NEAR(lost, static_cast<double>(reference::absorbed(alpha_of(fog), ks)), 1e-3) << opacity << ' ' << ks;
+  }
+}
+
+TEST(Shares, ThePrintedRulesTakeAllOfTheOpacityAndDepositTheAbsorbedPart) {
+  Fog fog;
+  fog.set(20'000, 49'151, wire::Bsdf::kIsotropic);  // Ks = 3/4
+  double deposited = 0, lost = 0;
+  for (std::uint16_t i = 0; i < 20'000; ++i) {
+    RayState ray = fog.ray(wire::kLightingRay, i);
+    ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
+    const Interaction out = fog.take(ray);
+    if (out.deposits) deposited += out.units;
+    lost += 200 - static_cast<double>(ray.energy()) / 4096;
+  }
+  const double a = alpha_of(fog) / double{wire::kOpacityOne};
+  EXPECT_NEAR(lost / 20'000, 200 * a, 0.01);
+  EXPECT_NEAR(deposited / 20'000, 200 * a / 4, 0.05);
+  EXPECT_NEAR(static_cast<double>(fog.counters.energy.scattered_away) / 20'000, 200 * a * 3 / 4, 0.05);
+  EXPECT_EQ(fog.counters.deposits, 20'000u);
+}
+
+TEST(Shares, OfOneSampleAPhotonIsAbsorbedScatteredOrPassesByItsOpacity) {
+  Fog fog;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  fog.set(30'000, 45'875, wire::Bsdf::kIsotropic);  // Ks = 0.7
+  fog.lit.scene.set_depths();
+  constexpr int kRays = 60'000;
+  int absorbed = 0, scattered = 0;
+  for (int i = 0; i < kRays; ++i) {
+    RayState ray = fog.ray(wire::kLightingRay | wire::kHighAlbedo, static_cast<std::uint16_t>(i));
+    ray.under_way = true;
+    ray.set_energy(std::uint64_t{15} << kEnergyFractionBits);
+    const Interaction out = fog.take(ray);
+    absorbed += out.outcome == Outcome::kEnded;
+    scattered += ray.generation == 1;
+    if (out.outcome == Outcome::kEnded) {
+      ASSERT_EQ(out.units, 15u);
+    }
+    ASSERT_EQ(ray.energy(), std::uint64_t{15} << kEnergyFractionBits);
+  }
+  const double a = alpha_of(fog) / double{wire::kOpacityOne}, sigma = 0.5 / std::sqrt(kRays);
+  EXPECT_NEAR(absorbed / double{kRays}, a * 0.3, 4 * sigma);
+  EXPECT_NEAR(scattered / double{kRays}, a * 0.7, 4 * sigma);
+  EXPECT_EQ(fog.counters.scatterings, static_cast<std::uint64_t>(scattered));
+}
+
+// The depth at which photons are absorbed is exponential: a quarter of those of a part lie before where a quarter of its
+// absorption is passed.
+TEST(Shares, PlacesOfAbsorptionFollowTheExponentialWithinTheSample) {
+  Fog fog;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  fog.set(50'000, 0, wire::Bsdf::kNone);
+  fog.lit.scene.set_depths();
+  const double depth = -std::log1p(-50'000 / 65535.0), all = -std::expm1(-depth);
+  std::array<int, 8> seen{};
+  int count = 0;
+  for (int i = 0; i < 60'000; ++i) {
+    RayState ray = fog.ray(wire::kLightingRay | wire::kHighAlbedo, static_cast<std::uint16_t>(i));
+    ray.under_way = true;
+    ray.set_energy(std::uint64_t{15} << kEnergyFractionBits);
+    const Interaction out = fog.take(ray);
+    if (!out.deposits) continue;
+    const double way = out.place[0] / double{wire::kVoxel} - 2;
+    ASSERT_GE(way, 0);
+    ASSERT_LE(way, 1);
+    ++seen[static_cast<std::size_t>(std::min(-std::expm1(-depth * way) / all * 8, 7.99))];
+    ++count;
+  }
+  double chi = 0;
+  for (const int n : seen) chi += std::pow(n - count / 8.0, 2) / (count / 8.0);
+  EXPECT_LT(chi, 24.3);  // 7 degrees of freedom, one in a thousand
+}
+
+TEST(Shares, ABundleLeavesItsDepositWhereHalfOfTheDepthIsPassed) {
+  Fog fog;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  fog.set(30'000, 0, wire::Bsdf::kNone);
+  fog.lit.scene.set_depths();
+  for (const bool first : {false, true}) {
+    RayState ray = fog.ray(wire::kLightingRay, 3);
+    ray.under_way = !first;
+    ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
+    const Interaction out = fog.take(ray);
+    ASSERT_TRUE(out.deposits);
+    EXPECT_EQ(out.place[0], (5 << 13) + (first ? 4096 : 0));  // a first part has only the half behind the sample
+    EXPECT_EQ(out.place[1], 2 << 14);
+    EXPECT_EQ(ray.position[0], 7 << 13);
+  }
+}
+
+TEST(Shares, ALightingRaysEnergyIsRoundedByOneDrawForAllItsDeposits) {
+  Fog fog;
+  for (const double energy : {0.25, 0.5, 7.75}) {
+    double sum = 0;
+    for (std::uint16_t i = 0; i < 20'000; ++i) {
+      RayState ray = fog.ray(wire::kLightingRay, i);
+      ray.set_energy(static_cast<std::uint64_t>(energy * 4096));
+      sum += energy_units(ray, fog.lit.scene.frame);
+    }
+    EXPECT_NEAR(sum / 20'000, energy, 0.015);
+  }
+}
+
+TEST(Shares, EndsAreCountedByTheirCauseAndTheEnergyThatLeaves) {
+  Fog fog;
+  RayState ray = fog.ray(wire::kLightingRay, 1);
+  ray.set_energy(std::uint64_t{100} << kEnergyFractionBits);
+  RayCounters counters;
+  count_end(ray, Termination::kLeft, fog.lit.scene.frame, counters);
+  EXPECT_EQ(counters.rays, 1u);
+  EXPECT_EQ(counters.lighting_rays, 1u);
+  EXPECT_EQ(counters.energy.escaped, 100u);
+  EXPECT_EQ(counters.terminated, 0u);
+  count_end(ray, Termination::kAbsorbed, fog.lit.scene.frame, counters);
+  EXPECT_EQ(counters.energy.escaped, 100u);
+  ray.flags = 0;
+  count_end(ray, Termination::kOpaque, fog.lit.scene.frame, counters);
+  EXPECT_EQ(counters.rays, 3u);
+  EXPECT_EQ(counters.lighting_rays, 2u);
+  EXPECT_EQ(counters.terminated, 1u);
+}
+
+TEST(Shares, ARayAtTheEndOfItsLifetimeGivesItsEnergyUp) {
+  Fog fog;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  fog.set(65535, 65535, wire::Bsdf::kIsotropic);
+  fog.lit.scene.set_depths();
+  RayState ray = fog.ray(wire::kLightingRay, 1);
+  ray.lifetime = 0;
+  ray.set_energy(std::uint64_t{100} << kEnergyFractionBits);
+  EXPECT_EQ(fog.take(ray).outcome, Outcome::kEnded);
+  EXPECT_EQ(fog.counters.energy.scattered_away, 100u);
+  EXPECT_EQ(fog.counters.energy.given_up, 100u);
+  EXPECT_EQ(fog.counters.scatterings, 0u);
+  ray = fog.ray(wire::kLightingRay, 1);
+  ray.lifetime = 1;
+  ray.set_energy(std::uint64_t{100} << kEnergyFractionBits);
+  EXPECT_EQ(fog.take(ray).outcome, Outcome::kGoesOn);
+  EXPECT_EQ(ray.lifetime, 0);
+  EXPECT_EQ(ray.generation, 1);
+  EXPECT_EQ(ray.energy(), std::uint64_t{100} << kEnergyFractionBits);
+}
+
+TEST(Shares, GenerationsSaturateAtFifteen) {
+  Fog fog;
+  RayState ray = fog.ray(wire::kLightingRay, 1);
+  for (int i = 0; i < 20; ++i) {
+    redirect(ray, {0, 16384, 0}, fog.lit.scene.frame);
+    EXPECT_EQ(ray.generation, std::min(i + 1, 15));
+  }
+  EXPECT_EQ(ray.lifetime, wire::kLifetimeMax - 20);
+  EXPECT_EQ(ray.step, (Point{0, 16384, 0}));
+  EXPECT_EQ(ray.interacted, 0u);
+}
+
+}  // namespace
+}  // namespace gicube::emu
