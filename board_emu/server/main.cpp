@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <exception>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -20,6 +22,7 @@
 #include "server/bus/board_slot.h"
 #include "server/bus/bus_server.h"
 #include "server/management/management.h"
+#include "server/management/registration.h"
 
 namespace gicube::emu {
 namespace {
@@ -69,6 +72,12 @@ void serve(const Options& options, const RoutineTable& routines) {
   // After the server in this scope: so it is gone before the sockets and the boards are.
   std::unique_ptr<Management> management;
   if (options.management) management = std::make_unique<Management>(*options.management, boards);
+  std::optional<Registration> registration;
+  try {
+    registration.emplace(management ? to_string(management->endpoint()) : "", boards);
+  } catch (const std::runtime_error& error) {  // the boards can be used all the same
+    spdlog::warn("gicube-smi will not find this process: {}", error.what());
+  }
   for (std::size_t i = 0; i < endpoints.size(); ++i) say_ready(fmt::format("board {}", i), endpoints[i]);
   if (management) say_ready("management", management->endpoint());
   spdlog::info("configuration {}", config_hash_text(options.config));

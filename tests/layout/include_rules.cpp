@@ -61,6 +61,7 @@ const std::vector<Rule>& rules() {
   static const std::vector<Rule> table{
       {"proto",              {"proto"}, {}},
       {"proto/gicube/wire/checksum.cpp", {"proto"}, {"isa-l"}},
+      {"proto/gicube/registry.cpp", {"proto"}, {"sys/stat.h", "unistd.h"}},
       {"proto/gicube/bsdf.h", {}, {"stddef.h", "stdint.h"}},  // C
 
       // Public headers name nothing but themselves and the standard library, so that applications need nothing else.
@@ -132,7 +133,8 @@ const std::vector<Rule>& rules() {
       {"samples/small/bsdf_plugin", {"samples/small/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
       // Like applications; besides in the management plane's messages, and looks for boards as the driver does.
       {"driver/tools/smi",          {"driver/tools/smi", "driver/include", "driver/src/transport", "proto/gicube/v1/management.pb.h",
-                              "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h"}, {kAnything}},
+                              "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h", "proto/gicube/registry.h"},
+                             {kAnything}},
       // Speaks the bus below the driver's public headers.
       {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire"}, {kAnything}},
       {"samples/studies",    {"samples/studies", "samples/scene", "driver/include"}, {kAnything}},

@@ -17,6 +17,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "describe.h"
 #include "gicube/v1/management.grpc.pb.h"
 #include "words/finally.h"
 
@@ -48,13 +49,13 @@ class Service final : public v1::BoardManagement::Service {
     return on_board(*request, [&](BoardSlot& slot) {
       std::vector<Diagnostic> found;
       const auto result = slot.configure(request->config_text(), found);
-      return result == BoardSlot::Configured::kDone ? describe(slot, *info) : refusal(result, slot, to_string(found));
+      return result == BoardSlot::Configured::kDone ? shown(slot, *info) : refusal(result, slot, to_string(found));
     });
   }
 
   Status Reset(ServerContext*, const v1::ResetRequest* request, v1::BoardInfo* info) override {
     return on_board(*request, [&](BoardSlot& slot) -> Status {
-      if (slot.power_reset()) return describe(slot, *info);
+      if (slot.power_reset()) return shown(slot, *info);
       return {StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
     });
   }
@@ -67,7 +68,7 @@ class Service final : public v1::BoardManagement::Service {
     return on_board(*request, [&](BoardSlot& slot) {
       std::string reason;
       const auto result = slot.set_trace_file(request->file(), reason);
-      return result == BoardSlot::Configured::kDone ? describe(slot, *info) : refusal(result, slot, reason);
+      return result == BoardSlot::Configured::kDone ? shown(slot, *info) : refusal(result, slot, reason);
     });
   }
 
@@ -82,7 +83,7 @@ class Service final : public v1::BoardManagement::Service {
     return on_board(*request, [&](BoardSlot& slot) -> Status {
       const std::vector<Diagnostic> found = slot.faults().set_plan(request->plan_text());
       if (!found.empty()) return {StatusCode::INVALID_ARGUMENT, to_string(found)};
-      return describe(slot, *info);
+      return shown(slot, *info);
     });
   }
 
@@ -115,7 +116,7 @@ class Service final : public v1::BoardManagement::Service {
   // What one may see of the board that a request names.
   template <typename Request, typename Message>
   Status show(const Request* request, Message* out) const {
-    return on_board(*request, [&](BoardSlot& slot) { return describe(slot, *out); });
+    return on_board(*request, [&](BoardSlot& slot) { return shown(slot, *out); });
   }
 
   static Status refusal(BoardSlot::Configured result, const BoardSlot& slot, const std::string& reason) {
@@ -146,52 +147,10 @@ class Service final : public v1::BoardManagement::Service {
     return {StatusCode::UNAVAILABLE, "the board process ends"};
   }
 
-  static Status describe(const BoardSlot& slot, v1::TraceInfo& out) {
-    out.set_board(slot.index());
-    out.set_file(slot.trace_file());
-    return Status::OK;
-  }
-
-  static Status describe(const BoardSlot& slot, v1::BoardInfo& out) {
-    const BoardSlot::Info info = slot.info();
-    out.set_board(info.index);
-    out.set_product("GI-Cube (emulated)");
-    out.set_version(GICUBE_VERSION);
-    out.set_bus_endpoint(info.endpoint);
-    out.set_in_use(info.in_use);
-    out.set_config_hash(config_hash_text(info.config));
-    *out.mutable_config() = info.config;
-    for (const RoutineInfo& routine : info.routines) {
-      v1::ScatteringRoutine* listed = out.add_routines();
-      listed->set_number(routine.number);
-      listed->set_name(routine.name);
-      listed->set_file(routine.file);
-      listed->set_cycles(routine.cycles);
-      listed->set_cycle_budget(routine.cycle_budget);
-    }
-    return Status::OK;
-  }
-
-  static Status describe(BoardSlot& slot, v1::FaultPlanInfo& out) {
-    const FaultPoint::Info info = slot.faults().info();
-    out.set_board(slot.index());
-    out.set_plan_text(info.plan_text);
-    out.set_messages_down(info.messages_down);
-    out.set_messages_up(info.messages_up);
-    out.set_faults(info.faults);
-    return Status::OK;
-  }
-
-  static Status describe(const BoardSlot& slot, v1::CounterSnapshot& out) {
-    const BoardSlot::Snapshot counted = slot.counters();
-    out.set_board(slot.index());
-    out.set_simulated_ps(counted.simulated_ps);
-    for (const wire::Counter& counter : counted.counters) {
-      v1::Counter* added = out.add_counters();
-      added->set_name(counter.name);
-      added->set_unit(counter.unit);
-      added->set_value(counter.value);
-    }
+  // What one may see of the board: describe.h has it all.
+  template <typename Slot, typename Message>
+  static Status shown(Slot& slot, Message& out) {
+    describe(slot, out);
     return Status::OK;
   }
 

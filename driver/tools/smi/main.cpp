@@ -4,14 +4,23 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
 #include <exception>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
+#include "arguments.h"
 #include "options.h"
 
 namespace gicube::smi {
 namespace {
 
 using Command = int (*)(const Options&);
+
+constexpr std::chrono::milliseconds kMinInterval{10},
+    kMaxInterval{60'000};  // those of WatchCounters (management.proto)
 
 void add_management(CLI::App& app, Options& options, bool needed) {
   app.add_option("-m,--management", options.management,
@@ -23,10 +32,14 @@ void add_management(CLI::App& app, Options& options, bool needed) {
   app.add_option("--token-file", options.token_file, "TLS: the token that the board asks for")->type_name("FILE");
 }
 
+void add_json(CLI::App& app, Options& options) {
+  app.add_flag("--json", options.json, "for programs: JSON instead of text");
+}
+
 CLI::App* add_command(CLI::App& app, Options& options, Command run, const char* name, const char* what) {
   CLI::App* sub = app.add_subcommand(name, what);
   sub->callback([&options, run] { options.run = run; });
-  sub->add_flag("--json", options.json, "for programs: JSON instead of text");
+  add_json(*sub, options);
   return sub;
 }
 
@@ -38,12 +51,24 @@ CLI::App* add_board_command(CLI::App& app, Options& options, Command run, const 
   return sub;
 }
 
+std::uint32_t interval_of(const std::string& text) try {
+  const std::chrono::milliseconds interval = time_with_unit(text);
+  if (interval < kMinInterval || interval > kMaxInterval) {
+    throw std::invalid_argument(fmt::format("expected 10ms to 60s, got {}", text));
+  }
+  return static_cast<std::uint32_t>(interval.count());
+} catch (const std::invalid_argument& error) {
+  throw CLI::ValidationError("--interval", error.what());
+}
+
 void add_top(CLI::App& app, Options& options) {
   CLI::App* top =
       add_board_command(app, options, smi::top, "top", "what a board does, once a second; ends with Ctrl-C");
-  top->add_option("-i,--interval", options.interval_ms, "between two looks, 10 to 60000")
-      ->type_name("MS")
-      ->check(CLI::Range(10, 60000));
+  top->add_option_function<std::string>(
+         "-i,--interval", [&options](const std::string& text) { options.interval_ms = interval_of(text); },
+         "between two looks, 10ms to 60s, as 500ms")
+      ->type_name("TIME")
+      ->default_str("1s");
   top->add_option("-n,--count", options.count, "end after so many looks")
       ->type_name("N")
       ->check(CLI::Range(1, 1 << 30));
@@ -77,6 +102,15 @@ void add_trace(CLI::App& app, Options& options) {
   add_board_command(*trace, options, stop_trace, "stop", "completes the file; nobody may own the board");
 }
 
+void add_export(CLI::App& app, Options& options) {
+  CLI::App* sub = app.add_subcommand("export", "the counters of all local boards to Prometheus; ends with Ctrl-C");
+  sub->callback([&options] { options.run = export_metrics; });
+  sub->add_option("--listen", options.listen,
+                  "serve http://ADDRESS:PORT/metrics; a loopback address, port 0: any free one")
+      ->type_name("ADDRESS:PORT")
+      ->required();
+}
+
 void add_uri(CLI::App& app, Options& options, const char* what) {
   app.add_option("uri", options.uri, what)->type_name("URI")->capture_default_str();
 }
@@ -86,10 +120,12 @@ int run(int argc, const char* const* argv) {
   Options options;
   CLI::App app(
       "GI-Cube boards from outside: what there is, what it does, whether it works, and why it can't be opened.\n"
-      "Commands that look at a running board need --management or the environment variable GICUBE_MANAGEMENT.",
+      "Without a command: a summary of all boards of this user on this machine. Commands that look at a running board\n"
+      "need --management or the environment variable GICUBE_MANAGEMENT. Options may stand before or after the command.",
       "gicube-smi");
   app.set_version_flag("--version", "gicube-smi " GICUBE_VERSION);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
+  add_json(app, options);
 
   add_management(*add_command(app, options, list, "list", "the boards of a process"), options, true);
   add_board_command(app, options, info, "info", "a board's configuration and routines");
@@ -101,13 +137,16 @@ int run(int argc, const char* const* argv) {
                     "the power button: ends the session that owns the board, clears all state");
   add_faults(app, options);
   add_trace(app, options);
+  add_export(app, options);
   CLI::App* doctor =
       add_command(app, options, smi::doctor, "doctor", "says why a board can't be opened. Exit code 1 if it can't");
   add_uri(*doctor, options, "the board that an application would open");
   add_management(*doctor, options, false);
 
   try {
-    app.parse(argc, argv);
+    std::vector<std::string> words = command_first(app, {argv + 1, argv + argc});
+    std::ranges::reverse(words);  // as CLI11 takes them
+    app.parse(std::move(words));
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {

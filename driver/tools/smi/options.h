@@ -7,9 +7,12 @@
 
 namespace gicube::smi {
 
+struct Options;
+int overview(const Options& options);  // without a command
+
 struct Options {
   // The command that was asked for. It prints to standard output and returns the exit code: 0 good, 1 not.
-  int (*run)(const Options&) = nullptr;
+  int (*run)(const Options&) = &overview;
   bool json = false;
 
   // The management plane: list, info, top, reset, faults, trace; doctor looks at it too if it is named.
@@ -25,6 +28,7 @@ struct Options {
   std::string plan_file;  // faults set; "-" = standard input
   bool clear_log = false;
   std::string trace_file;
+  std::string listen;  // export: ADDRESS:PORT
 };
 
 // The command line is wrong: exit code 2.
@@ -49,5 +53,6 @@ int show_trace(const Options& options);
 int start_trace(const Options& options);
 int stop_trace(const Options& options);
 int doctor(const Options& options);
+int export_metrics(const Options& options);
 
 }  // namespace gicube::smi

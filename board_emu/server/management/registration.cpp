@@ -1,0 +1,84 @@
+#include "registration.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+#include <boost/asio/write.hpp>
+
+#include "describe.h"
+#include "gicube/registry.h"
+
+namespace gicube::emu {
+namespace {
+
+constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until descriptors may be free again
+
+}  // namespace
+
+Registration::Registration(std::string management, std::vector<BoardSlot*> boards)
+    : management_(std::move(management)), boards_(std::move(boards)) {
+  const std::string folder = registry_folder();
+  ::mkdir(folder.c_str(), S_IRWXU);  // if it fails, the next line says so
+  const std::string fault = registry_fault(folder);
+  if (!fault.empty()) throw std::runtime_error(fault);
+  path_ = folder + '/' + std::to_string(::getpid());
+  // Gets its name once it answers: a reader takes a socket that refuses him for a dead process's.
+  const std::string unnamed = folder + "/." + std::to_string(::getpid());
+  try {
+    const asio::local::stream_protocol::endpoint endpoint(unnamed);
+    ::unlink(unnamed.c_str());
+    acceptor_.open(endpoint.protocol());
+    acceptor_.bind(endpoint);
+    acceptor_.listen();
+  } catch (const boost::system::system_error& error) {
+    throw std::runtime_error(unnamed + ": " + error.code().message());
+  }
+  if (std::rename(unnamed.c_str(), path_.c_str()) != 0) {
+    throw std::runtime_error(path_ + ": " + std::generic_category().message(errno));
+  }
+  asio::co_spawn(io_, accept(), asio::detached);
+  thread_ = std::thread([this] { io_.run(); });
+}
+
+Registration::~Registration() {
+  ::unlink(path_.c_str());
+  io_.stop();
+  thread_.join();
+}
+
+awaitable<void> Registration::accept() {
+  asio::steady_timer pause(io_);
+  for (;;) {
+    Socket caller(io_);
+    error_code error;
+    co_await acceptor_.async_accept(caller, into(error));
+    if (error) {
+      co_await sleep(pause, kAcceptRetry);
+    } else {
+      asio::co_spawn(io_, tell(std::move(caller)), asio::detached);
+    }
+  }
+}
+
+awaitable<void> Registration::tell(Socket caller) const {
+  const std::string bytes = message();
+  error_code gone;
+  co_await asio::async_write(caller, asio::buffer(bytes), into(gone));
+}
+
+std::string Registration::message() const {
+  v1::BoardProcess process;
+  process.set_pid(static_cast<std::uint32_t>(::getpid()));
+  process.set_management_endpoint(management_);
+  for (BoardSlot* slot : boards_) {
+    describe(std::as_const(*slot), *process.add_boards());
+    describe(std::as_const(*slot), *process.add_counters());
+  }
+  return process.SerializeAsString();
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,80 @@
+#include "arguments.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+
+namespace gicube::smi {
+namespace {
+
+// "-n" of "-n10", "--count" of "--count=10".
+std::string name_of(const std::string& word) {
+  return word.starts_with("--") ? word.substr(0, word.find('=')) : word.substr(0, 2);
+}
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+// Whether the word after this option is its value; an option has the same form in all commands.
+bool wants_value(const CLI::App& app, const std::string& word) {
+  const std::string name = name_of(word);
+  if (name != word) return false;  // it has its value already
+  if (const CLI::Option* option = app.get_option_no_throw(name)) return option->get_items_expected_max() > 0;
+  return std::ranges::any_of(commands_of(app), [&](const CLI::App* command) { return wants_value(*command, word); });
+}
+
+}  // namespace
+
+std::vector<std::string> command_first(const CLI::App& app, const std::vector<std::string>& words) {
+  struct Early {
+    std::string name;
+    std::vector<std::string> words;
+  };
+  std::vector<Early> options;
+  std::vector<std::string> commands;
+  const CLI::App* command = &app;
+  auto word = words.begin();
+  while (word != words.end() && !commands_of(*command).empty()) {
+    if (word->starts_with('-')) {
+      Early& option = options.emplace_back(Early{name_of(*word), {*word}});
+      const bool has_value = wants_value(app, *word++);
+      if (has_value && word != words.end()) option.words.push_back(*word++);
+      continue;
+    }
+    const auto below = commands_of(*command);
+    const auto named = std::ranges::find(below, *word, [](const CLI::App* each) { return each->get_name(); });
+    if (named == below.end()) break;
+    command = *named;
+    commands.push_back(*word++);
+  }
+  std::vector<std::string> before, behind;
+  for (const Early& option : options) {
+    std::vector<std::string>& side = command->get_option_no_throw(option.name) != nullptr ? behind : before;
+    side.insert(side.end(), option.words.begin(), option.words.end());
+  }
+  std::vector<std::string> ordered = std::move(before);
+  ordered.insert(ordered.end(), commands.begin(), commands.end());
+  ordered.insert(ordered.end(), behind.begin(), behind.end());
+  ordered.insert(ordered.end(), word, words.end());
+  return ordered;
+}
+
+std::chrono::milliseconds time_with_unit(const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view unit(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  const double milliseconds = unit == "ms" ? 1 : unit == "s" ? 1e3 : unit == "min" ? 60e3 : 0;
+  constexpr double kLongest = 1e12;  // 30 years: beyond what anybody means, and no overflow
+  const bool is_time = error == std::errc{} && value >= 0 && value * milliseconds < kLongest && milliseconds > 0;
+  if (!is_time)
+    throw std::invalid_argument(fmt::format("expected a time with its unit (ms, s, min), as 500ms, got {}", text));
+  return std::chrono::milliseconds(std::llround(value * milliseconds));
+}
+
+}  // namespace gicube::smi

@@ -1,0 +1,21 @@
+// What CLI11 does not do by itself: options on both sides of the command, times with units.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace gicube::smi {
+
+// `words` without the program's name, with the options that stand before a command moved behind it. What the command does not
+// know stays where it is.
+std::vector<std::string> command_first(const CLI::App& app, const std::vector<std::string>& words);
+
+// "500ms", "2s", "1.5s", "1min". Throws std::invalid_argument, "expected ..., got ...".
+std::chrono::milliseconds time_with_unit(const std::string& text);
+
+}  // namespace gicube::smi

@@ -1,0 +1,169 @@
+#include "metrics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+namespace gicube::smi {
+namespace {
+
+using Labels = std::vector<std::pair<std::string, std::string>>;
+
+// One metric: its samples must stand together.
+struct Family {
+  std::string type, help;
+  std::vector<std::pair<Labels, std::string>> samples;
+};
+using Families = std::map<std::string, Family>;
+
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) out += c == '\\' ? "\\\\" : c == '"' ? "\\\"" : c == '\n' ? "\\n" : std::string(1, c);
+  return out;
+}
+
+// Exact: picoseconds are the last of twelve decimals.
+std::string seconds_text(std::uint64_t picoseconds) {
+  constexpr std::uint64_t kSecond = 1'000'000'000'000;
+  std::string text = fmt::format("{}.{:012}", picoseconds / kSecond, picoseconds % kSecond);
+  text.erase(text.find_last_not_of('0') + 1);
+  return text.ends_with('.') ? text + '0' : text;
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// Where the digits at its end begin.
+std::size_t digits_of(const std::string& part) { return part.find_last_not_of("0123456789") + 1; }
+
+// A counter in Prometheus' words.
+struct Metric {
+  std::string name, help, value;
+  Labels labels;  // of parts that are numbered
+};
+
+// Cycles of any clock are cycles; which clock, the help says.
+std::string plural(const std::string& unit) {
+  const std::string noun = lower(unit.substr(unit.rfind(' ') + 1));
+  return noun == "clock" || noun.ends_with("cycle") ? "cycles" : noun + 's';
+}
+
+// Nothing for what is a course in time already, one counter for each millisecond: Prometheus keeps that itself.
+std::optional<Metric> metric_of(const v1::Counter& counter) {
+  constexpr std::string_view kPicoseconds = "_ps";
+  Metric metric{"gicube", "", std::to_string(counter.value()), {}};
+  std::string last, name = counter.name();
+  const bool is_time = counter.unit() == "ps";
+  if (is_time && name.ends_with(kPicoseconds)) name.resize(name.size() - kPicoseconds.size());
+  for (const std::string& part : split(name, '.')) {
+    const std::size_t digits = digits_of(part);
+    const std::string word = part.substr(0, digits);
+    if (word == "ms" && digits < part.size()) return std::nullopt;
+    if (digits < part.size()) {  // processor0; or 3 of samples_with_misses.3, which counts the last word
+      metric.labels.emplace_back(word.empty() ? last.substr(last.rfind('_') + 1) : word, part.substr(digits));
+    }
+    if (!word.empty()) metric.name += '_' + lower(word);
+    metric.help += (metric.help.empty() ? "" : ".") + (digits < part.size() ? word + 'N' : part);
+    last = part;
+  }
+  std::ranges::replace_if(
+      metric.name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  const std::string unit = is_time ? "seconds" : plural(counter.unit());
+  const std::vector<std::string> words = split(metric.name, '_');
+  if (std::ranges::find(words, unit) == words.end()) metric.name += '_' + unit;
+  metric.name += "_total";
+  metric.help = is_time ? fmt::format("Counter {}_ps, simulated time in seconds.", metric.help)
+                        : fmt::format("Counter {}, unit: {}.", metric.help, counter.unit());
+  if (is_time) metric.value = seconds_text(counter.value());
+  return metric;
+}
+
+void add(Families& families, const std::string& name, const char* type, const std::string& help, Labels labels,
+         std::string value) {
+  Family& family = families[name];
+  if (family.type.empty()) {
+    family.type = type;
+    family.help = help;
+  }
+  family.samples.emplace_back(std::move(labels), std::move(value));
+}
+
+void add_counters(Families& families, const Labels& board, const v1::CounterSnapshot& snapshot) {
+  std::vector<Metric> metrics;
+  std::set<std::string> numbered;
+  for (const v1::Counter& counter : snapshot.counters()) {
+    std::optional<Metric> metric = metric_of(counter);
+    if (!metric) continue;
+    if (!metric->labels.empty()) numbered.insert(metric->name);
+    metrics.push_back(std::move(*metric));
+  }
+  for (Metric& metric : metrics) {
+    // A sum beside its parts would be counted twice.
+    if (metric.labels.empty() && numbered.contains(metric.name)) continue;
+    Labels labels = board;
+    labels.insert(labels.end(), metric.labels.begin(), metric.labels.end());
+    add(families, metric.name, "counter", metric.help, std::move(labels), std::move(metric.value));
+  }
+}
+
+void add_boards(Families& families, const Labels& process, const v1::BoardProcess& told) {
+  for (int i = 0; i < told.boards_size(); ++i) {
+    const v1::BoardInfo& board = told.boards(i);
+    Labels labels = process;
+    labels.emplace_back("board", std::to_string(board.board()));
+    Labels facts = labels;
+    facts.insert(facts.end(), {{"endpoint", board.bus_endpoint()},
+                               {"fidelity", v1::FidelityLevel_Name(board.config().fidelity())},
+                               {"bus", v1::BusModel_Name(board.config().bus().model())},
+                               {"configuration", board.config_hash()},
+                               {"version", board.version()}});
+    add(families, "gicube_board_info", "gauge", "What a board is; always 1.", std::move(facts), "1");
+    add(families, "gicube_board_in_use", "gauge", "1 while a session owns the board.", labels,
+        board.in_use() ? "1" : "0");
+    if (i >= told.counters_size()) continue;
+    add(families, "gicube_board_simulated_seconds_total", "counter", "Simulated time since the board's reset.", labels,
+        seconds_text(told.counters(i).simulated_ps()));
+    add_counters(families, labels, told.counters(i));
+  }
+}
+
+}  // namespace
+
+std::string metrics_text(const std::vector<LocalProcess>& processes) {
+  Families families;
+  for (const LocalProcess& process : processes) {
+    const Labels labels{{"pid", std::to_string(process.pid)}};
+    add(families, "gicube_process_up", "gauge", "1 if the board process answers.", labels, process.told ? "1" : "0");
+    if (process.told) add_boards(families, labels, *process.told);
+  }
+  std::string text;
+  for (const auto& [name, family] : families) {
+    text += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, family.help, name, family.type);
+    for (const auto& [labels, value] : family.samples) {
+      std::string list;
+      for (const auto& [key, label] : labels) {
+        list += fmt::format("{}{}=\"{}\"", list.empty() ? "" : ",", key, escaped(label));
+      }
+      text += fmt::format("{}{{{}}} {}\n", name, list, value);
+    }
+  }
+  return text;
+}
+
+}  // namespace gicube::smi

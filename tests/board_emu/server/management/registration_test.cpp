@@ -1,0 +1,117 @@
+// What a board process tells those who find its socket in the registry.
+#include "server/management/registration.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include <boost/asio/local/stream_protocol.hpp>
+
+#include "../bus/served_boards.h"
+#include "gicube/registry.h"
+#include "gicube/v1/management.pb.h"
+#include "own_registry.h"
+
+namespace gicube::emu {
+namespace {
+
+namespace fs = std::filesystem;
+
+v1::BoardProcess told_by(const std::string& path) {
+  boost::asio::local::stream_protocol::iostream stream{boost::asio::local::stream_protocol::endpoint(path)};
+  v1::BoardProcess told;
+  EXPECT_TRUE(told.ParseFromIstream(&stream)) << path;
+  return told;
+}
+
+std::string refusal_of(const std::vector<BoardSlot*>& boards) {
+  try {
+    const Registration registration("", boards);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(Registration, TellsEveryCallerWhatTheBoardsAre) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(2);
+  const Registration registration("unix:/somewhere", boards.all());
+  EXPECT_EQ(registration.path(), registry.folder() + "/" + std::to_string(::getpid()));
+  for (int call = 0; call < 3; ++call) {
+    const v1::BoardProcess told = told_by(registration.path());
+    EXPECT_EQ(told.pid(), static_cast<std::uint32_t>(::getpid()));
+    EXPECT_EQ(told.management_endpoint(), "unix:/somewhere");
+    ASSERT_EQ(told.boards_size(), 2);
+    ASSERT_EQ(told.counters_size(), 2);
+    EXPECT_EQ(told.boards(1).bus_endpoint(), boards.all()[1]->info().endpoint);
+    EXPECT_EQ(told.counters(1).board(), 1u);
+    EXPECT_GT(told.counters(1).counters_size(), 0);
+  }
+}
+
+TEST(Registration, SaysWhoOwnsABoard) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(1);
+  const Registration registration("", boards.all());
+  EXPECT_FALSE(told_by(registration.path()).boards(0).in_use());
+  EXPECT_EQ(told_by(registration.path()).boards(0).owner(), "");
+  Claimant who;
+  who.name = "somebody";
+  ASSERT_EQ(boards.all()[0]->claim(who), Claim::kGranted);
+  EXPECT_TRUE(told_by(registration.path()).boards(0).in_use());
+  EXPECT_EQ(told_by(registration.path()).boards(0).owner().substr(0, 15), "somebody since ");
+  boards.all()[0]->release();
+}
+
+TEST(Registration, LeavesAnEmptyAndPrivateFolderBehind) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(1);
+  { const Registration registration("", boards.all()); }
+  EXPECT_TRUE(fs::is_empty(registry.folder()));
+  EXPECT_EQ(fs::status(registry.folder()).permissions(), fs::perms::owner_all);
+}
+
+TEST(Registration, ReplacesTheSocketOfADeadProcessWithItsNumber) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(1);
+  fs::create_directory(registry.folder());
+  fs::permissions(registry.folder(), fs::perms::owner_all);
+  for (const std::string name : {"/", "/."}) std::ofstream(registry.folder() + name + std::to_string(::getpid()));
+  const Registration registration("", boards.all());
+  EXPECT_EQ(told_by(registration.path()).boards_size(), 1);
+}
+
+TEST(Registration, UsesNoFolderThatOthersMayEnter) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(1);
+  fs::create_directory(registry.folder());
+  fs::permissions(registry.folder(), fs::perms::owner_all | fs::perms::group_read);
+  EXPECT_EQ(refusal_of(boards.all()), registry.folder() + ": expected a folder of user " + std::to_string(::geteuid()) +
+                                          ", mode 700, got mode 740");
+  fs::remove(registry.folder());
+  fs::create_directory(registry.folder() + "_of_another");
+  fs::create_directory_symlink(registry.folder() + "_of_another", registry.folder());
+  EXPECT_NE(refusal_of(boards.all()).find("got a file"), std::string::npos);
+}
+
+TEST(Registry, IsInTheRuntimeFolderIfThatIsTheUsersOwn) {
+  const std::string in_tmp = "/tmp/gicube-" + std::to_string(::geteuid());
+  const reference::OwnRegistry registry;
+  EXPECT_EQ(registry_folder(), registry.folder());
+  ::setenv("XDG_RUNTIME_DIR", "relative", 1);
+  EXPECT_EQ(registry_folder(), in_tmp);
+  ::setenv("XDG_RUNTIME_DIR", "/no/such/folder", 1);
+  EXPECT_EQ(registry_folder(), in_tmp);
+  ::unsetenv("XDG_RUNTIME_DIR");
+  EXPECT_EQ(registry_folder(), in_tmp);
+}
+
+}  // namespace
+}  // namespace gicube::emu

@@ -1,0 +1,177 @@
+// gicube-smi without a command: the boards of this user on this machine; and where its options may stand.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "board_process.h"
+#include "gicube/board.h"
+#include "own_registry.h"
+#include "run_program.h"
+#include "temporary_directory.h"
+
+namespace gicube::tools_test {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using reference::OwnRegistry;
+using reference::TemporaryDirectory;
+using system_test::BoardProcess;
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+// For emu: boards.
+[[maybe_unused]] const int kBoardIsNamed = ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
+
+// A board process that listens.
+struct Listening {
+  explicit Listening(std::vector<std::string> more = {})
+      : process([&] {
+          more.insert(more.end(), {"--listen", bus});
+          return more;
+        }()) {
+    if (process.read_line().empty()) throw std::runtime_error("no board: " + process.read_errors());
+  }
+
+  TemporaryDirectory folder;
+  const std::string bus = "unix:" + folder.file("bus");
+  BoardProcess process;
+};
+
+TEST(LocalBoards, AreListedWithoutACommandWithAndWithoutAManagementPlane) {
+  const OwnRegistry registry;
+  const TemporaryDirectory folder;
+  const std::string management = "unix:" + folder.file("mgmt");
+  const Listening managed({"--management", management, "--boards", "2", "--set", "bus.model=agp2x"});
+  const Listening plain;
+  const Board owner = Board::open(plain.bus);
+  const Board alone = Board::open("emu:?fidelity=cycle");
+  const Finished run = run_program("gicube-smi", {});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, ContainsRegex("PID +BOARD +NAME +OPEN WITH +FIDELITY +BUS +SIMULATED +CONFIGURATION"));
+  EXPECT_THAT(run.out, ContainsRegex(" 0 +GI-Cube .emulated. +" + managed.bus + " +functional +agp2x .*" + management +
+                                     " +free"));
+  EXPECT_THAT(run.out, ContainsRegex(" 1 +GI-Cube .emulated. +" + managed.bus + ".1 +functional"));
+  EXPECT_THAT(run.out, ContainsRegex(plain.bus + " +functional +pci33 .* none +in use by process [0-9]+ since "));
+  EXPECT_THAT(run.out, ContainsRegex("private +cycle +pci33 .* none +in use by "));
+
+  const json list = json::parse(run_program("gicube-smi", {"--json"}).out);
+  EXPECT_EQ(list["registry"], registry.folder());
+  ASSERT_EQ(list["processes"].size(), 3u);
+  std::size_t boards = 0;
+  for (const json& process : list["processes"]) {
+    EXPECT_TRUE(process["answers"]);
+    EXPECT_EQ(process["counters"].size(), process["boards"].size());
+    boards += process["boards"].size();
+  }
+  EXPECT_EQ(boards, 4u);
+}
+
+TEST(LocalBoards, AreNoneBeforeOneRuns) {
+  const OwnRegistry registry;
+  const Finished run = run_program("gicube-smi", {});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(run.out, "no board of this user runs on this machine (" + registry.folder() + ")\n");
+  EXPECT_EQ(json::parse(run_program("gicube-smi", {"--json"}).out)["processes"].size(), 0u);
+}
+
+TEST(LocalBoards, AKilledProcessIsNotListedAndItsSocketRemoved) {
+  const OwnRegistry registry;
+  Listening killed;
+  const Listening living;
+  killed.process.send_signal(SIGKILL);
+  EXPECT_EQ(killed.process.exit_code(), 128 + SIGKILL);
+  const auto sockets = [&] {
+    return std::distance(fs::directory_iterator(registry.folder()), fs::directory_iterator());
+  };
+  EXPECT_EQ(sockets(), 2);
+  EXPECT_THAT(run_program("gicube-smi", {}).out, AllOf(HasSubstr(living.bus), Not(HasSubstr(killed.bus))));
+  EXPECT_EQ(sockets(), 1);
+}
+
+TEST(LocalBoards, AProcessThatEndsTakesItsSocketWithIt) {
+  const OwnRegistry registry;
+  Listening ended;
+  ended.process.send_signal(SIGTERM);
+  EXPECT_EQ(ended.process.exit_code(), 0);
+  EXPECT_TRUE(fs::is_empty(registry.folder()));
+}
+
+TEST(LocalBoards, AStoppedProcessDoesNotAnswerButStaysListed) {
+  const OwnRegistry registry;
+  Listening stopped;
+  stopped.process.send_signal(SIGSTOP);
+  const Finished run = run_program("gicube-smi", {});
+  EXPECT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, ContainsRegex("^.*\n *[0-9]+ +does not answer\n$"));
+  stopped.process.send_signal(SIGCONT);
+  EXPECT_THAT(run_program("gicube-smi", {}).out, HasSubstr(stopped.bus));
+}
+
+TEST(LocalBoards, ARegistryThatOthersMayEnterIsNotTrusted) {
+  const OwnRegistry registry;
+  fs::create_directory(registry.folder());
+  fs::permissions(registry.folder(), fs::perms::all);
+  Listening board;
+  Board::open(board.bus).counters();  // serves all the same
+  const Finished run = run_program("gicube-smi", {});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr(registry.folder() + ": expected a folder of user"));
+  EXPECT_THAT(run.err, HasSubstr("mode 700, got mode 777"));
+  board.process.send_signal(SIGTERM);
+  EXPECT_THAT(board.process.read_errors(), HasSubstr("gicube-smi will not find this process"));
+}
+
+TEST(Options, StandBeforeTheCommandOrBehindIt) {
+  const OwnRegistry registry;
+  const TemporaryDirectory folder;
+  const std::string management = "unix:" + folder.file("mgmt");
+  Listening board({"--management", management, "--boards", "2"});
+  while (board.process.read_line().find("management ready") == std::string::npos) {
+  }
+  const std::string expected = run_program("gicube-smi", {"info", "-m", management, "-b", "1", "--json"}).out;
+  EXPECT_EQ(json::parse(expected)["board"], 1);
+  const std::vector<std::vector<std::string>> orders{{"-m", management, "-b", "1", "--json", "info"},
+                                                     {"--json", "-b1", "info", "--management=" + management},
+                                                     {"--management", management, "info", "--board=1", "--json"}};
+  for (const std::vector<std::string>& words : orders) EXPECT_EQ(run_program("gicube-smi", words).out, expected);
+  EXPECT_THAT(run_program("gicube-smi", {"--json", "faults", "-m", management, "show"}).out,
+              HasSubstr("\"plan_text\""));
+  const Finished top = run_program("gicube-smi", {"-i", "20ms", "-m", management, "-n", "2", "--json", "top"});
+  EXPECT_EQ(std::ranges::count(top.out, '\n'), 2) << top.err;
+}
+
+TEST(Options, ThatTheCommandDoesNotKnowAreRefusedOnBothSides) {
+  const Finished before = run_program("gicube-smi", {"-n", "2", "validate"});
+  EXPECT_EQ(before.code, 2);
+  EXPECT_THAT(before.err, HasSubstr("-n"));
+  const Finished behind = run_program("gicube-smi", {"validate", "-n", "2"});
+  EXPECT_EQ(behind.code, 2);
+  EXPECT_THAT(behind.err, HasSubstr("-n"));
+}
+
+TEST(Options, TimesHaveUnits) {
+  for (const char* good : {"10ms", "60s", "1min", "0.5s", "1e3ms"}) {
+    const Finished run = run_program("gicube-smi", {"top", "-m", "unix:/no/such/socket", "-i", good});
+    EXPECT_EQ(run.code, 1) << good << run.err;  // nobody answers there
+  }
+  for (const char* bad : {"20", "ms", "5 s", "1h", "-1s", "nans", ""}) {
+    const Finished run = run_program("gicube-smi", {"top", "-m", "unix:/no/such/socket", "-i", bad});
+    EXPECT_EQ(run.code, 2) << bad;
+    EXPECT_THAT(run.err, AllOf(HasSubstr("--interval: expected a time with its unit (ms, s, min), as 500ms, got"),
+                               HasSubstr(bad)));
+  }
+  for (const char* outside : {"9ms", "61s", "2min"}) {
+    EXPECT_THAT(run_program("gicube-smi", {"top", "-m", "unix:/no/such/socket", "-i", outside}).err,
+                HasSubstr("--interval: expected 10ms to 60s, got " + std::string(outside)));
+  }
+}
+
+}  // namespace
+}  // namespace gicube::tools_test
