@@ -1,4 +1,5 @@
-# script/package: gicube (library and programs) and gicube-dev (headers, CMake, pkg-config, examples) for Debian 12.
+# script/package, for Debian 12: gicube (library, programs, their manual pages), gicube-dev (headers, messages, CMake, pkg-config),
+# gicube-doc (documents, examples).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME gicube)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -6,7 +7,7 @@ set(CPACK_PACKAGE_CONTACT "The GI-Cube SDK's authors <gicube@example.org>")  # c
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL runtime dev)
+set(CPACK_COMPONENTS_ALL runtime dev doc)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -24,12 +25,20 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME gicube-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_DEV_DESCRIPTION
-"GI-Cube driver: headers, CMake package, pkg-config, examples
+"GI-Cube driver: headers, messages, CMake package, pkg-config
 What a program needs to build on the GI-Cube driver and to test itself
 against emulated boards.")
+set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS gicube-doc)
+set(CPACK_DEBIAN_DOC_PACKAGE_NAME gicube-doc)
+set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_DOC_DESCRIPTION
+"GI-Cube SDK: guide, reference, studies, examples
+Documents of the GI-Cube driver, its emulated board and the programs that
+use them, with scenes and small applications.")
 
 # Debian's place for a package's license; each package has its own.
-foreach(component runtime dev)
+foreach(component runtime dev doc)
   string(TOUPPER ${component} upper)
   install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}
     RENAME copyright COMPONENT ${component})

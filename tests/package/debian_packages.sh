@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the Debian packages, unpacks both into a scratch root and builds and runs a program there.
+# Makes the Debian packages, unpacks them into a scratch root and builds and runs a program there.
 # Usage: debian_packages.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
 build=$1
@@ -10,6 +10,7 @@ trap 'rm -rf "$scratch"' EXIT
 cpack --config "$build/CPackConfig.cmake" -B "$scratch/packages" >"$scratch/cpack.log" || { cat "$scratch/cpack.log"; exit 1; }
 runtime=$(echo "$scratch"/packages/gicube_*.deb)
 dev=$(echo "$scratch"/packages/gicube-dev_*.deb)
+doc=$(echo "$scratch"/packages/gicube-doc_*_all.deb)
 
 depends=$(dpkg-deb -f "$runtime" Depends)
 for package in libc6 libgrpc++ libprotobuf; do
@@ -21,7 +22,14 @@ mkdir "$scratch/root"
 dpkg-deb -x "$runtime" "$scratch/root"
 [[ ! -e $scratch/root/usr/include ]]
 test -x "$scratch/root/usr/bin/gicube-board"
+test -e "$scratch/root/usr/share/man/man1/gicube-board.1"
+test -e "$scratch/root/usr/share/bash-completion/completions/gicube-board"
+test -e "$scratch/root/usr/share/gicube/presets/ct-bone.tf"
 dpkg-deb -x "$dev" "$scratch/root"
+test -e "$scratch/root/usr/include/gicube/v1/board_config.proto"
+[[ ! -e $scratch/root/usr/share/doc/gicube/docs ]]
+dpkg-deb -x "$doc" "$scratch/root"
+test -e "$scratch/root/usr/share/doc/gicube/docs/README.md"
 [[ -L $scratch/root/usr/lib/libgicube.so && -e $scratch/root/usr/lib/libgicube.so ]]
 ! grep -rIl --exclude-dir=doc -e "$build" "$scratch/root"  # no text in it names the build's place
 
