@@ -1,4 +1,5 @@
-# script/package, for Debian 12: gicube (library, programs, their manual pages), gicube-dev (headers, messages, CMake, pkg-config),
+# script/package, for Debian 12: gicube (libraries, programs, their manual pages; gicube-scene too, since the
+# programs need what it needs), gicube-dev (headers, messages, CMake, pkg-config),
 # gicube-doc (documents, examples).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME gicube)
@@ -19,7 +20,8 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME gicube)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_RUNTIME_DESCRIPTION
 "emulated GI-Cube volumetric ray tracing board, and its driver
-The driver library (C++ and C), gicube-board (the board's emulator) and
+The driver library (C++ and C), gicube-scene (volume files, scenes, their
+voxels), gicube-board (the board's emulator) and
 the programs that use them.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME gicube-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)

@@ -6,7 +6,8 @@
 #include <random>
 #include <utility>
 
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

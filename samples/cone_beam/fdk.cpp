@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

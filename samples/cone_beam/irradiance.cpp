@@ -3,7 +3,8 @@
 #include <cstdint>
 
 #include "cone_beam/fdk.h"
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 

@@ -2,7 +2,8 @@
 #include <cmath>
 
 #include "cone_beam/fdk.h"
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

@@ -7,7 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 

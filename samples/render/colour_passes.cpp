@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "scene/light_field.h"
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "gicube/scene/light_field.h"
 
 namespace gicube::samples {
 

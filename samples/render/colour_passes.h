@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "gicube/image.h"
-#include "scene/scene.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 

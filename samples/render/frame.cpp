@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
+#include "gicube/scene/error.h"
+#include "gicube/scene/light_field.h"
 #include "render/colour_passes.h"
 #include "render/planning.h"
-#include "scene/light_field.h"
 #include "scene/program/board_run.h"
-#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "gicube/scene/image_file.h"
 #include "render/frame.h"
 #include "render/planning.h"
-#include "scene/image_file.h"
 #include "scene/program/program.h"
 #include "scene/program/run_json.h"
 

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <ostream>
 
-#include "scene/buckyball.h"
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "gicube/scene/scene.h"
+#include "scene/common/checks.h"
 #include "scene/program/option_group.h"
-#include "scene/scene_file.h"
 
 namespace gicube::samples {
 namespace {

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
 #include "scene/program/board_options.h"
 #include "scene/program/plan_options.h"
-#include "scene/scene.h"
 
 namespace gicube::samples {
 

@@ -7,10 +7,10 @@
 #include <nlohmann/json.hpp>
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
+#include "gicube/scene/scene.h"
 #include "render/colour_passes.h"
 #include "scene/program/board_options.h"
 #include "scene/program/plan_options.h"
-#include "scene/scene.h"
 
 namespace gicube::samples {
 

@@ -11,7 +11,8 @@
 #include <set>
 #include <vector>
 
-#include "scene/formats/whole_file.h"
+#include "scene/common/whole_file.h"
+#include "scene/names.h"
 #include "scene/program/program.h"
 #include "scene/program/progress.h"
 #include "sweep/options.h"

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <ostream>
 
+#include "gicube/scene/error.h"
+#include "scene/common/checks.h"
+#include "scene/names.h"
 #include "scene/program/board_options.h"
-#include "scene/program/input_error.h"
 
 namespace gicube::samples::sweep {
 namespace {

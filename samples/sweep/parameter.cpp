@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <ranges>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "scene/common/checks.h"
+#include "scene/names.h"
 
 namespace gicube::samples::sweep {
 

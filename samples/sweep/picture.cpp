@@ -6,7 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include "scene/formats/file_error.h"
+#include "gicube/scene/error.h"
+#include "scene/names.h"
 
 namespace gicube::samples::sweep {
 namespace {

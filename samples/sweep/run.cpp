@@ -15,9 +15,9 @@
 #include <limits>
 #include <mutex>
 
-#include "scene/formats/file_error.h"
-#include "scene/parallel.h"
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 extern char** environ;  // POSIX has it in no header
 

@@ -2,7 +2,8 @@
 #include <benchmark/benchmark.h>
 
 #include "gicube/board.h"
-#include "scene/scene.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

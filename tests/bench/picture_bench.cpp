@@ -6,8 +6,9 @@
 #include <filesystem>
 
 #include "gicube/board.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
 #include "scene/program/host_usage.h"
-#include "scene/scene.h"
 
 namespace gicube::samples {
 namespace {

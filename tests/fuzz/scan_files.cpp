@@ -4,9 +4,8 @@
 #include "cone_beam/scan/description.h"
 #include "cone_beam/scan/formats.h"
 #include "cone_beam/scan/scan.h"
+#include "gicube/scene/error.h"
 #include "memory_file.h"
-#include "scene/formats/file_error.h"
-#include "scene/program/input_error.h"
 
 namespace gicube::fuzz {
 namespace {

@@ -4,12 +4,12 @@
 
 #include "encode/look_up_tables.h"
 #include "gicube/error.h"
-#include "scene/formats/file_error.h"
+#include "gicube/scene/error.h"
+#include "gicube/scene/scene.h"
+#include "gicube/scene/transfer_function_file.h"
 #include "scene/geometry/mesh_distance.h"
 #include "scene/geometry/mesh_file.h"
-#include "scene/program/input_error.h"
-#include "scene/scene_file.h"
-#include "scene/transfer_function_file.h"
+#include "scene/names.h"
 #include "targets.h"
 
 namespace gicube::fuzz {

@@ -3,6 +3,7 @@
 
 #include "memory_file.h"
 #include "scene/formats/readers.h"
+#include "scene/names.h"
 
 namespace gicube::fuzz {
 namespace {

@@ -10,8 +10,8 @@ namespace gicube::layout {
 namespace {
 
 // Where the build looks for our headers, and under which folder of the tree they stand.
-constexpr std::array<std::string_view, 5> kIncludeFolders{"proto", "driver/include", "driver/src", "board_emu",
-                                                          "samples"};
+constexpr std::array<std::string_view, 7> kIncludeFolders{
+    "proto", "driver/include", "driver/scene/include", "driver", "driver/src", "board_emu", "samples"};
 
 // The part of the ASIC between two FIFOs: knows itself, the records that pass, and the wire.
 Rule sibling(std::string_view folder) {
@@ -23,6 +23,16 @@ Rule room(std::string_view folder, const std::vector<std::string_view>& below,
           const std::vector<std::string_view>& outside = {}) {
   std::vector<std::string_view> ours{folder, "proto"};
   ours.insert(ours.end(), below.begin(), below.end());
+  return {folder, ours, outside};
+}
+
+// An application: knows itself, what the programs share, and the SDK's public headers; besides it takes from gicube-scene what no
+// application needs of an SDK: threads, whole files, checks of numbers.
+Rule program(std::string_view folder, const std::vector<std::string_view>& besides,
+             const std::vector<std::string_view>& outside) {
+  std::vector<std::string_view> ours{folder, "samples/scene", "driver/scene/common", "driver/scene/include",
+                                     "driver/include"};
+  ours.insert(ours.end(), besides.begin(), besides.end());
   return {folder, ours, outside};
 }
 
@@ -117,16 +127,23 @@ const std::vector<Rule>& rules() {
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},
                              {kAnything}},
 
-      // Like any application outside the tree; scene.proto is the samples' file format.
-      {"samples/scene",     {"samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {kAnything}},
+      // gicube-scene: an application of the driver's public headers; its own name those and the standard library alone.
+      {"driver/scene/include", {"driver/scene/include", "driver/include"}, {}},
+      {"driver/scene",       {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {"fmt"}},
+      {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include"}, {"fmt", "google/protobuf"}},
+      {"driver/scene/formats", {"driver/scene/formats", "driver/scene/common", "driver/scene/include", "driver/include"},
+                             {"fmt", "nifti2_io.h", "OpenImageIO", "teem", "zlib.h"}},
       // Solids, meshes and their voxels know neither the scene that they stand in nor its file.
-      {"samples/scene/geometry",
-                             {"samples/scene/geometry", "samples/scene/buckyball.h", "samples/scene/formats/file_error.h",
-                              "samples/scene/formats/header_lines.h", "samples/scene/formats/stored_samples.h",
-                              "samples/scene/formats/volume_file.h", "samples/scene/formats/whole_file.h", "samples/scene/parallel.h", "samples/scene/program/checks.h",
-                              "samples/scene/program/input_error.h", "driver/include"}, {"fmt"}},
-      {"samples/scene/graph", {"samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
+      {"driver/scene/geometry", {"driver/scene/geometry", "driver/scene/buckyball.h", "driver/scene/common",
+                              "driver/scene/formats/header_lines.h", "driver/scene/formats/stored_samples.h",
+                              "driver/scene/include/gicube/scene/affine.h", "driver/scene/include/gicube/scene/error.h",
+                              "driver/scene/include/gicube/scene/mesh.h", "driver/scene/include/gicube/scene/shape.h",
+                              "driver/scene/include/gicube/scene/volume_file.h",
+                              "driver/scene/include/gicube/scene/voxeliser.h", "driver/include"}, {"fmt"}},
+      {"driver/scene/graph", {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {"fmt", "google/protobuf"}},
+
+      program("samples/scene", {}, {kAnything}),
       {"samples/small/hello",      {"samples/small/hello", "driver/include"}, {}},
       {"samples/small/host_bsdf",  {"samples/small/host_bsdf", "driver/include"}, {}},
       // Plain C, for the board and not for the driver.
@@ -137,33 +154,29 @@ const std::vector<Rule>& rules() {
                              {kAnything}},
       // Speaks the bus below the driver's public headers.
       {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire"}, {kAnything}},
-      {"samples/studies",    {"samples/studies", "samples/scene", "driver/include"}, {kAnything}},
+      program("samples/studies", {}, {kAnything}),
       // Outside applications, which know the installed headers only; C too.
-      {"samples/installed",  {"samples/installed", "driver/include"}, {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
+      {"samples/installed",  {"samples/installed", "driver/include", "driver/scene/include"},
+                             {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
       // The methods know neither files nor the program.
-      {"samples/cone_beam",  {"samples/cone_beam/*", "samples/scene/parallel.h", "driver/include"}, {"fmt", "fftw3.h"}},
-      {"samples/cone_beam/phantom", {"samples/cone_beam/phantom", "samples/cone_beam/*", "samples/scene/parallel.h",
-                              "driver/include"}, {"fmt"}},
+      {"samples/cone_beam",  {"samples/cone_beam/*", "samples/scene/names.h", "driver/scene/common/parallel.h", "driver/include"},
+                             {"fmt", "fftw3.h"}},
+      {"samples/cone_beam/phantom", {"samples/cone_beam/phantom", "samples/cone_beam/*", "samples/scene/names.h",
+                              "driver/scene/common/parallel.h", "driver/include"}, {"fmt"}},
       {"samples/cone_beam/plan", {"samples/cone_beam/plan", "samples/cone_beam/phantom", "samples/cone_beam/*",
                               "driver/include"}, {"fmt"}},
-      {"samples/cone_beam/charts", {"samples/cone_beam/charts", "samples/cone_beam/phantom", "samples/cone_beam/*", "samples/scene", "driver/include"},
-                             {"fmt"}},
-      {"samples/cone_beam/scan", {"samples/cone_beam/scan", "samples/cone_beam/*", "samples/scene", "driver/include",
-                              "proto/gicube/v1/cone_scan.pb.h"},
-                             {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}},
-      {"samples/cone_beam/program", {"samples/cone_beam", "samples/scene", "driver/include"}, {kAnything}},
-      {"samples/form_factors/exchange", {"samples/form_factors/exchange", "samples/form_factors/radiosity/radiosity.h",
-                              "samples/scene", "driver/include"}, {"boost", "fmt"}},
-      {"samples/form_factors/radiosity", {"samples/form_factors/radiosity", "samples/form_factors/exchange",
-                              "samples/scene", "driver/include"}, {"fmt"}},
-      {"samples/form_factors/plan", {"samples/form_factors/plan", "samples/form_factors/radiosity", "samples/scene",
-                              "driver/include"}, {"fmt"}},
-      {"samples/form_factors", {"samples/form_factors", "samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
-                             {kAnything}},
+      program("samples/cone_beam/charts", {"samples/cone_beam/phantom", "samples/cone_beam/*"}, {"fmt"}),
+      // Projections are read by the parts that read volumes.
+      program("samples/cone_beam/scan", {"samples/cone_beam/*", "driver/scene/formats", "proto/gicube/v1/cone_scan.pb.h"},
+              {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}),
+      program("samples/cone_beam/program", {"samples/cone_beam"}, {kAnything}),
+      program("samples/form_factors/exchange", {"samples/form_factors/radiosity/radiosity.h"}, {"boost", "fmt"}),
+      program("samples/form_factors/radiosity", {"samples/form_factors/exchange"}, {"fmt"}),
+      program("samples/form_factors/plan", {"samples/form_factors/radiosity"}, {"fmt"}),
+      program("samples/form_factors", {}, {kAnything}),
       // Runs gicube-render as a program of its own.
-      {"samples/sweep",      {"samples/sweep", "samples/scene", "driver/include"}, {kAnything}},
-      {"samples/render",     {"samples/render", "samples/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
-                             {kAnything}},
+      program("samples/sweep", {}, {kAnything}),
+      program("samples/render", {}, {kAnything}),
   };
   // clang-format on
   return table;

@@ -35,7 +35,10 @@ const Files kTree{"proto/gicube/wire/ray.h",
                   "board_emu/board/bus/host_bus.h",
                   "board_emu/observe/observation.h",
                   "board_emu/server/bus/session.h",
-                  "samples/scene/scene.h",
+                  "driver/scene/include/gicube/scene/scene.h",
+                  "driver/scene/common/faults.h",
+                  "driver/scene/graph/graph_reader.h",
+                  "samples/scene/names.h",
                   "tests/support/scenes.h"};
 
 Files files_of(const std::filesystem::path& root, const std::string& folder) {
@@ -82,9 +85,10 @@ TEST(IncludeRules, AllowWhatTheArchitectureNeeds) {
   EXPECT_THAT(faults(kTree, "board_emu/firmware/make_level.cpp", "#include \"cycle/machine.h\"\n"), IsEmpty());
   EXPECT_THAT(faults(kTree, "board_emu/server/main.cpp", "#include \"board/board.h\"\n#include \"bus/session.h\"\n"),
               IsEmpty());
-  EXPECT_THAT(faults(kTree, "samples/render/main.cpp", "#include \"gicube/board.h\"\n#include \"scene/scene.h\"\n"),
-              IsEmpty());
-  EXPECT_THAT(faults(kTree, "samples/scene/scene.h", "#include \"gicube/v1/scene.pb.h\"\n"), IsEmpty());
+  EXPECT_THAT(
+      faults(kTree, "samples/render/main.cpp", "#include \"gicube/board.h\"\n#include \"gicube/scene/scene.h\"\n"),
+      IsEmpty());
+  EXPECT_THAT(faults(kTree, "driver/scene/graph/graph_reader.h", "#include \"gicube/v1/scene.pb.h\"\n"), IsEmpty());
 }
 
 TEST(IncludeRules, CatchASiblingThatNamesItsSibling) {
@@ -148,7 +152,12 @@ TEST(IncludeRules, CatchEveryWayBetweenLayersThatRunsBackwards) {
       {"board_emu/server/main.cpp", "\"board/timeline.h\""},                 // server -> inside of the board
       {"samples/render/main.cpp", "\"gicube/wire/ray.h\""},                  // sample -> wire
       {"samples/render/main.cpp", "\"../../driver/src/link.h\""},            // sample -> private header by a path
-      {"samples/scene/scene.h", "\"gicube/v1/management.pb.h\""},
+      {"driver/scene/common/faults.h", "\"gicube/v1/management.pb.h\""},
+      {"driver/scene/include/gicube/scene/scene.h",
+       "\"scene/graph/graph_reader.h\""},  // public header -> private header
+      {"driver/scene/include/gicube/scene/scene.h", "\"gicube/v1/scene.pb.h\""},
+      {"driver/scene/common/faults.h", "\"scene/names.h\""},          // library -> sample
+      {"samples/render/main.cpp", "\"scene/graph/graph_reader.h\""},  // sample -> private header
       {"board_emu/firmware/framebuffer.h", "\"tests/support/scenes.h\""},
   };
   for (const Case& c : forbidden) {

@@ -53,6 +53,14 @@ libraries=$(pkg-config --variable=libdir gicube)
 c++ -std=c++20 "$source/samples/small/hello/main.cpp" "-Wl,-rpath,$libraries" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"
 "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
 
+# gicube-scene, by pkg-config. Its headers name nothing of the libraries that it reads files with, and a fault has its parts.
+if grep -lE 'teem|nifti2|OpenImageIO|google/|zlib|fmt/' "$prefix"/include/gicube/scene/*.h; then exit 1; fi
+# shellcheck disable=SC2046
+c++ -std=c++20 "$source"/samples/installed/turntable/{main,turntable}.cpp "-Wl,-rpath,$libraries" \
+  $(pkg-config --cflags --libs gicube-scene) -o "$scratch/turntable"
+if "$scratch/turntable" "$scratch/none.nrrd" "$scratch/none.png" 2>"$scratch/fault"; then exit 1; fi
+grep -q 'node\[thing\]: .*none.nrrd: file: expected a file, got nothing there' "$scratch/fault"
+
 # And the C program, by a C compiler that knows nothing of C++.
 cc -std=c99 -Wall -Wextra -Wpedantic -Werror "$source/samples/installed/c_host/c_host.c" $(pkg-config --cflags --libs gicube) \
   -o "$scratch/c_host"

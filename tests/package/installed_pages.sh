@@ -52,7 +52,7 @@ check_cited() {  # TEXT FILE: what it names
     [[ -e $doc/$cited || -e $prefix/include/$cited || -e $prefix/include/${cited#proto/} ]] || fault "$1 cites $cited"
   done < <(grep -oE '(docs|proto|gicube/v1|samples)/[A-Za-z0-9_/-]+\.(md|proto|scene)' "$2" | sort -u)
 }
-for header in "$prefix"/include/gicube/*.h; do check_cited "$(basename "$header")" "$header"; done
+for header in "$prefix"/include/gicube/{,scene/}*.h; do check_cited "$(basename "$header")" "$header"; done
 for page in "$prefix"/share/man/man1/*; do check_cited "$(basename "$page")" <(sed 's/\\-/-/g' "$page"); done
 grep -rhoqE 'docs/[a-z_/]+\.md' "$prefix/include/gicube" || fault "no header cites a document"
 
@@ -70,7 +70,7 @@ done < <(grep -roE '\]\([^) ]+\)' "$doc" --include='*.md' | grep -v '://' | sed 
 # ---- messages and presets
 protoc -I "$prefix/include" --descriptor_set_out="$scratch/messages" "$prefix"/include/gicube/v1/*.proto
 diff -r "$source/proto/gicube/v1" "$prefix/include/gicube/v1"
-diff -r "$source/samples/scene/presets" "$prefix/share/gicube/presets"
+diff -r "$source/driver/scene/presets" "$prefix/share/gicube/presets"
 
 [[ $faults -eq 0 ]]
 echo "installed pages: $all_options options, $links links, all is well"

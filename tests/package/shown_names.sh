@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# libgicube.so shows names of the public API only, all with its version, and needs neither Protobuf nor gRPC.
-# Usage: shown_names.sh libgicube.so
+# The shared libraries show names of their public API only, all with their version; libgicube.so needs neither Protobuf nor gRPC.
+# Usage: shown_names.sh libgicube.so libgicube-scene.so
 set -euo pipefail
 library=$1
+scene=$2
 
 shown=$(nm -D --defined-only --with-symbol-versions "$library" | awk '{print $3}' | grep -v '^GICUBE_0$')
 if strange=$(grep -vE '^(gicube_|_ZNK?6gicube|_ZT[ISV]N6gicube).*@@GICUBE_0$' <<<"$shown"); then
@@ -16,3 +17,16 @@ fi
 grep -q '^_ZN6gicube5Board4openE' <<<"$shown"
 [[ $(objdump -p "$library" | awk '/SONAME/ {print $2}') == libgicube.so.0 ]]
 if objdump -p "$library" | grep NEEDED | grep -E 'protobuf|grpc'; then exit 1; fi
+
+shown=$(nm -D --defined-only --with-symbol-versions "$scene" | awk '{print $3}' | grep -v '^GICUBE_SCENE_0$')
+if strange=$(grep -vE '^(_ZNK?6gicube5scene|_ZT[ISV]N6gicube5scene).*@@GICUBE_SCENE_0$' <<<"$shown"); then
+  echo "names that are not of gicube-scene's API: $strange" >&2
+  exit 1
+fi
+if inner=$(c++filt <<<"$shown" | grep -E 'Faults|MeshDistance|DataStream|read_nrrd|closed_surface|WholeFile'); then
+  echo "names of gicube-scene's inside: $inner" >&2
+  exit 1
+fi
+grep -q '^_ZN6gicube5scene11read_volumeE' <<<"$shown"
+[[ $(objdump -p "$scene" | awk '/SONAME/ {print $2}') == libgicube-scene.so.0 ]]
+objdump -p "$scene" | grep 'NEEDED *libgicube.so.0' >/dev/null

@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "scene/scene.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
 
 namespace gicube::reference {
 

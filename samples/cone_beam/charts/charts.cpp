@@ -8,8 +8,10 @@
 #include <sstream>
 #include <utility>
 
-#include "scene/formats/whole_file.h"
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "scene/common/checks.h"
+#include "scene/common/whole_file.h"
+#include "scene/names.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {

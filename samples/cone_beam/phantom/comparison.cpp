@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "gicube/error.h"
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

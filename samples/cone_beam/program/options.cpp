@@ -10,8 +10,9 @@
 
 #include "cone_beam/charts/charts.h"
 #include "cone_beam/scan/formats.h"
-#include "scene/formats/volume_output.h"
-#include "scene/image_file.h"
+#include "gicube/scene/image_file.h"
+#include "gicube/scene/volume_file.h"
+#include "scene/common/checks.h"
 #include "scene/program/option_group.h"
 
 namespace gicube::samples {

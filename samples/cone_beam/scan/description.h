@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "cone_beam/geometry.h"
-#include "scene/formats/volume_file.h"
+#include "gicube/scene/volume_file.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
 
 namespace gicube::samples {
 namespace {

@@ -4,8 +4,8 @@
 #include <fstream>
 
 #include "cone_beam/scan/formats.h"
+#include "scene/common/whole_file.h"
 #include "scene/formats/readers.h"
-#include "scene/formats/whole_file.h"
 
 namespace gicube::samples {
 namespace {

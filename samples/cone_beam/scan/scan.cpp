@@ -8,8 +8,8 @@
 
 #include "cone_beam/fdk.h"
 #include "cone_beam/scan/formats.h"
-#include "scene/formats/header_lines.h"
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "scene/common/checks.h"
 
 namespace gicube::samples {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "cone_beam/scan/formats.h"
 #include "gicube/v1/cone_scan.pb.h"
-#include "scene/formats/whole_file.h"
-#include "scene/graph/faults.h"
+#include "scene/common/faults.h"
+#include "scene/common/whole_file.h"
 
 namespace gicube::samples {
 namespace {

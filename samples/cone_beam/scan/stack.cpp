@@ -8,12 +8,12 @@
 #include <sstream>
 
 #include "cone_beam/scan/description.h"
+#include "gicube/scene/volume_file.h"
+#include "scene/common/checks.h"
+#include "scene/common/whole_file.h"
 #include "scene/formats/data_stream.h"
-#include "scene/formats/header_lines.h"
 #include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
-#include "scene/formats/volume_output.h"
-#include "scene/formats/whole_file.h"
 
 namespace gicube::samples {
 namespace {

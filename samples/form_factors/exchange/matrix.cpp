@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "form_factors/radiosity/radiosity.h"
-#include "scene/formats/whole_file.h"
+#include "scene/common/whole_file.h"
 
 namespace gicube::samples {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/program/input_error.h"
-#include "scene/visible_box.h"
+#include "gicube/scene/error.h"
+#include "gicube/scene/scene.h"
 
 namespace gicube::samples {
 namespace {

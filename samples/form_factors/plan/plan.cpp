@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
 
 namespace gicube::samples {
 namespace {

@@ -6,9 +6,10 @@
 
 #include "form_factors/exchange/box_factor.h"
 #include "form_factors/program/options.h"
-#include "scene/formats/whole_file.h"
+#include "gicube/scene/error.h"
+#include "scene/common/checks.h"
+#include "scene/common/whole_file.h"
 #include "scene/program/board_run.h"
-#include "scene/program/input_error.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {

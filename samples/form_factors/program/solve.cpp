@@ -5,7 +5,7 @@
 
 #include "form_factors/program/options.h"
 #include "form_factors/radiosity/field.h"
-#include "scene/image_file.h"
+#include "gicube/scene/image_file.h"
 #include "scene/program/board_run.h"
 #include "scene/program/program.h"
 #include "scene/program/run_json.h"

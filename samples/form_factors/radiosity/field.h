@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "form_factors/radiosity/radiosity.h"
-#include "scene/light_field.h"
+#include "gicube/scene/light_field.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 

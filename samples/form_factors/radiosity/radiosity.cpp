@@ -10,7 +10,7 @@
 
 #include "form_factors/exchange/sampler.h"
 #include "form_factors/radiosity/solver.h"
-#include "scene/program/checks.h"
+#include "scene/common/checks.h"
 
 namespace gicube::samples {
 namespace {

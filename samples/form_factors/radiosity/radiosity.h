@@ -29,7 +29,8 @@
 
 #include "gicube/board.h"
 #include "gicube/pair.h"
-#include "scene/scene.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <ranges>
 
-#include "scene/program/checks.h"
+#include "scene/common/checks.h"
 #include "scene/program/option_group.h"
 
 namespace gicube::samples {

@@ -5,8 +5,9 @@
 #include <string>
 
 #include "gicube/board.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
 #include "scene/program/board_options.h"
-#include "scene/scene.h"
 
 namespace gicube::samples {
 
@@ -15,12 +16,6 @@ Board open_board(const BoardOptions& options);
 
 // Throws InputError that says how an emulated board is made larger.
 void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source);
-
-// A world's normals get a codebook of their own, which only a board without a volume can take.
-void set_own_codebook(Board& board, const SceneSetup& setup);
-
-// The scene's voxels and how they look; with `own_codebook` that first.
-void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progress& progress = {});
 
 // Wall and simulated time of a part of the work, and what the board counted in it.
 class RunWindow {

@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "gicube/scene/error.h"
+#include "scene/common/checks.h"
+#include "scene/names.h"
 #include "scene/program/board_options.h"
-#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 

@@ -7,8 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "gicube/scene/error.h"
+#include "scene/common/checks.h"
 #include "scene/program/board_options.h"
-#include "scene/program/input_error.h"
 #include "scene/program/option_group.h"
 
 namespace gicube::samples {

@@ -4,8 +4,9 @@
 #include <iostream>
 #include <new>
 
+#include "gicube/scene/error.h"
+#include "scene/names.h"
 #include "scene/program/board_options.h"
-#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 

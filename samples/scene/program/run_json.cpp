@@ -5,8 +5,8 @@
 #include <cctype>
 #include <fstream>
 
+#include "gicube/scene/error.h"
 #include "scene/program/board_run.h"
-#include "scene/program/input_error.h"
 
 namespace gicube::samples {
 

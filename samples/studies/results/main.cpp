@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
 #include "scene/program/board_options.h"
 #include "scene/program/program.h"
 #include "studies/results/measure.h"

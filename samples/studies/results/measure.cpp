@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "scene/image_file.h"
+#include "gicube/scene/image_file.h"
 #include "scene/program/board_run.h"
 
 namespace gicube::samples::results {

@@ -6,9 +6,10 @@
 #include <numbers>
 #include <utility>
 
-#include "scene/geometry/codebook.h"
-#include "scene/program/input_error.h"
-#include "scene/scene_file.h"
+#include "gicube/scene/error.h"
+#include "gicube/scene/scene.h"
+#include "gicube/scene/voxeliser.h"
+#include "scene/common/cells.h"
 
 namespace gicube::samples::results {
 namespace {
@@ -153,7 +154,7 @@ View make_view(const SceneData& scene, const std::string& name, int width, int h
   view.height = height;
   view.samples_per_axis = 1;
   if (own_camera) return view;
-  const VoxelBox& box = scene.box;
+  const SceneBox& box = scene.box;
   if (name == "oblique") {
     fit_camera(scene.built_in.camera, box, {1, 1, 1}, view);
     return view;

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/scene.h"
+#include "gicube/scene/scene.h"
+#include "scene/names.h"
 
 namespace gicube::samples::results {
 

@@ -7,7 +7,8 @@
 #include <cstdlib>
 #include <set>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

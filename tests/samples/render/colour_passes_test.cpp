@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
 
 namespace gicube::samples {
 namespace {

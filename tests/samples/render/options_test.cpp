@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
 
 namespace gicube::samples {
 namespace {

@@ -7,8 +7,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "gicube/scene/light_field.h"
 #include "render_program.h"
-#include "scene/light_field.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

@@ -4,7 +4,8 @@
 
 #include <fstream>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

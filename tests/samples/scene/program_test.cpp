@@ -5,8 +5,9 @@
 
 #include <new>
 
+#include "gicube/scene/error.h"
+#include "scene/names.h"
 #include "scene/program/board_options.h"
-#include "scene/program/input_error.h"
 #include "scene/program/progress.h"
 
 namespace gicube::samples {

@@ -3,7 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "scene/names.h"
 
 namespace gicube::samples::sweep {
 namespace {

@@ -6,7 +6,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
+#include "scene/names.h"
 #include "sweep/picture.h"
 #include "sweep/run.h"
 

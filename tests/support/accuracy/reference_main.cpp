@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "gicube/scene/image_file.h"
 #include "reference/march.h"
 #include "render/options.h"
-#include "scene/image_file.h"
 #include "scenes.h"
 
 namespace {

@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "gicube/scene/scene.h"
 #include "reference/scene.h"
-#include "scene/scene.h"
+#include "scene/names.h"
 
 namespace gicube::accuracy {
 

@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "gicube/level_of_detail.h"
+#include "gicube/scene/volume_file.h"
 #include "lit_study.h"
-#include "scene/formats/volume_file.h"
-#include "scene/formats/volume_output.h"
 #include "temporary_directory.h"
 
 namespace gicube::plan_study {

@@ -1,7 +1,7 @@
 #include "radiosity_study.h"
 
 #include "form_factors/program/options.h"
-#include "scene/scene_file.h"
+#include "gicube/scene/scene.h"
 
 namespace gicube::plan_study {
 namespace {

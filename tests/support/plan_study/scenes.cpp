@@ -1,6 +1,6 @@
 #include "scenes.h"
 
-#include "scene/scene_file.h"
+#include "gicube/scene/scene.h"
 
 namespace gicube::plan_study {
 namespace {

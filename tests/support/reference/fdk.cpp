@@ -3,7 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 namespace gicube::reference {
 namespace {

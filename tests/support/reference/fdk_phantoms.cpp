@@ -8,7 +8,8 @@
 #include <numbers>
 #include <random>
 
-#include "scene/parallel.h"
+#include "scene/common/parallel.h"
+#include "scene/names.h"
 
 namespace gicube::reference {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "form_factors/plan/plan.h"
 #include "form_factors/radiosity/radiosity.h"
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
 #include "temporary_directory.h"
 #include "test_board.h"
 #include "test_room.h"

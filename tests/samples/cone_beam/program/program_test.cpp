@@ -8,8 +8,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "gicube/scene/volume_file.h"
 #include "program_test.h"
-#include "scene/formats/volume_file.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

@@ -9,7 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "scene/geometry/mesh.h"
+#include "gicube/scene/mesh.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "scene/formats/file_error.h"
+#include "gicube/scene/error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

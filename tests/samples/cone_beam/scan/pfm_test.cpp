@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "scene/formats/file_error.h"
+#include "gicube/scene/error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

@@ -10,7 +10,7 @@
 #include <numbers>
 
 #include "cone_beam/scan/description.h"
-#include "scene/formats/file_error.h"
+#include "gicube/scene/error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

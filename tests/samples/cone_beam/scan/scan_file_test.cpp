@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

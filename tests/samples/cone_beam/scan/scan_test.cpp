@@ -7,8 +7,7 @@
 
 #include "cone_beam/scan/description.h"
 #include "gicube/error.h"
-#include "scene/formats/file_error.h"
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <limits>
 
-#include "scene/formats/file_error.h"
+#include "gicube/scene/error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

@@ -8,7 +8,7 @@
 #include <map>
 #include <numeric>
 
-#include "scene/program/input_error.h"
+#include "gicube/scene/error.h"
 #include "test_room.h"
 
 namespace gicube::samples {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "scene/formats/file_error.h"
+#include "gicube/scene/error.h"
 #include "temporary_directory.h"
 
 namespace gicube::samples {

@@ -6,9 +6,9 @@
 #include <cstdlib>
 
 #include "form_factors/program/options.h"
+#include "gicube/scene/error.h"
+#include "gicube/scene/scene.h"
 #include "scene/program/board_run.h"
-#include "scene/program/input_error.h"
-#include "scene/scene_file.h"
 
 namespace gicube::samples {
 namespace {

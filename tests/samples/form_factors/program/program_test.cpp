@@ -7,8 +7,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "gicube/scene/light_field.h"
 #include "program_test.h"
-#include "scene/light_field.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 namespace {

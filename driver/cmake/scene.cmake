@@ -1,0 +1,33 @@
+# libgicube-scene.so, the component `scene` of find_package(gicube): from the objects of driver/scene. Its public headers name
+# the driver's, and no header of the libraries that it reads files with.
+add_library(gicube-scene SHARED)
+add_library(gicube::scene ALIAS gicube-scene)
+set(scene_script ${CMAKE_CURRENT_SOURCE_DIR}/gicube-scene.map)
+set(scene_include ${PROJECT_SOURCE_DIR}/driver/scene/include)
+file(GLOB scene_headers CONFIGURE_DEPENDS ${scene_include}/gicube/scene/*.h)
+target_sources(gicube-scene
+  PRIVATE $<TARGET_OBJECTS:gicube_scene>
+  PUBLIC FILE_SET HEADERS BASE_DIRS ${scene_include} FILES ${scene_headers})
+target_compile_features(gicube-scene INTERFACE cxx_std_20)
+target_link_libraries(gicube-scene
+  PUBLIC gicube
+  PRIVATE gicube_scene_proto fmt::fmt ZLIB::ZLIB PkgConfig::OpenImageIO ${TEEM_LIBRARY} ${NIFTI_LIBRARY} Threads::Threads)
+target_link_options(gicube-scene PRIVATE
+  LINKER:--version-script=${scene_script} LINKER:--exclude-libs,ALL LINKER:--as-needed)
+if(NOT GICUBE_SANITIZE AND NOT GICUBE_FUZZ)  # as libgicube.so
+  target_link_options(gicube-scene PRIVATE LINKER:--no-undefined)
+endif()
+set_target_properties(gicube-scene PROPERTIES
+  EXPORT_NAME scene
+  LINKER_LANGUAGE CXX
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
+  LINK_DEPENDS ${scene_script}
+  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib
+  INSTALL_RPATH "$ORIGIN")  # libgicube.so lies beside it
+
+install(TARGETS gicube-scene EXPORT gicubeSceneTargets
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev
+  FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
+install(EXPORT gicubeSceneTargets NAMESPACE gicube:: DESTINATION ${cmake_dir} COMPONENT dev)
+configure_file(gicube-scene.pc.in gicube-scene.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/gicube-scene.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)

@@ -1,0 +1,42 @@
+// A volume's voxels a cell at a time.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "gicube/vector.h"
+#include "scene/common/parallel.h"
+
+namespace gicube::scene {
+
+constexpr int kCell = 8;  // voxels; solids are looked up a cell at a time
+
+inline Vec3 middle_of_cell(const Dims& first) {
+  return Vec3{double(first[0]), double(first[1]), double(first[2])} + 0.5 * (kCell - 1) * Vec3{1, 1, 1};
+}
+
+// Calls fill(first) for each cell's first voxel, on so many threads (0 = one a core).
+template <typename Fill>
+void each_cell(const Dims& dims, int threads, const Fill& fill) {
+  in_parallel(static_cast<std::size_t>((dims[2] + kCell - 1) / kCell), threads, [&](std::size_t layer) {
+    for (int y = 0; y < dims[1]; y += kCell) {
+      for (int x = 0; x < dims[0]; x += kCell) fill(Dims{x, y, static_cast<int>(layer) * kCell});
+    }
+  });
+}
+
+// Calls visit(p, index) for each of a cell's voxels.
+template <typename Visit>
+void each_voxel(const Dims& dims, const Dims& first, const Visit& visit) {
+  const auto across = static_cast<std::size_t>(dims[0]), down = static_cast<std::size_t>(dims[1]);
+  for (int z = first[2]; z < std::min(first[2] + kCell, dims[2]); ++z) {
+    for (int y = first[1]; y < std::min(first[1] + kCell, dims[1]); ++y) {
+      const std::size_t row = (static_cast<std::size_t>(z) * down + static_cast<std::size_t>(y)) * across;
+      for (int x = first[0]; x < std::min(first[0] + kCell, dims[0]); ++x) {
+        visit(Vec3{double(x), double(y), double(z)}, row + static_cast<std::size_t>(x));
+      }
+    }
+  }
+}
+
+}  // namespace gicube::scene

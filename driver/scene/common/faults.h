@@ -1,0 +1,91 @@
+// Faults of a scene's text and of its meaning, in the order in which they are met; all of them are told at once.
+#pragma once
+
+#include <fmt/format.h>
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/text_format.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scene/common/checks.h"
+
+namespace gicube::scene {
+
+class Faults : public google::protobuf::io::ErrorCollector {
+ public:
+  explicit Faults(std::string name) : name_(std::move(name)) {}
+
+  void AddError(int line, int column, const std::string& message) override {
+    const std::string text = fmt::format("{}:{}:{}: {}", name_, line + 1, column + 1, message);
+    faults_.push_back({name_, line + 1, "", "protobuf text with known fields", message, text});
+  }
+  // The parser only warns of unknown fields when it is told to go on behind them.
+  void AddWarning(int line, int column, const std::string& message) override { AddError(line, column, message); }
+
+  void fault(const std::string& field, const std::string& expected, const std::string& got) {
+    add({"", 0, field, expected, got, fmt::format("{}: expected {}, got {}", field, expected, got)});
+  }
+  void check(bool good, const std::string& field, const std::string& expected, const std::string& got) {
+    if (!good) fault(field, expected, got);
+  }
+  // The value; a whole number within its range, so that it fits into an int.
+  double check_range(const std::string& field, double value, double low, double high) {
+    check(value >= low && value <= high, field, shown(low) + " to " + shown(high), shown(value));
+    return value;
+  }
+  int check_whole(const std::string& field, std::uint32_t value, int low, int high) {
+    return static_cast<int>(std::clamp<double>(check_range(field, value, low, high), low, high));
+  }
+  // Whether exactly one of these parts is there.
+  bool check_one(const std::string& field, const std::string& expected, std::initializer_list<bool> there) {
+    const auto count = std::ranges::count(there, true);
+    check(count == 1, field, expected, count == 0 ? "none" : "several");
+    return count == 1;
+  }
+  // Runs something that throws InputError about a part or a file of its own; `between` the field and its message.
+  template <typename Call>
+  void gather(const std::string& field, const Call& call, const char* between = ": ") {
+    try {
+      call();
+    } catch (const InputError& error) {
+      for (Fault& fault : within(field, error, between)) add(std::move(fault));
+    }
+  }
+  // The same where the message names a field of `field` itself: "FIELD.RADIUS: expected ...".
+  template <typename Call>
+  void gather_part(const std::string& field, const Call& call) {
+    gather(field, call, ".");
+  }
+  void throw_if_any() const {
+    if (!faults_.empty()) throw InputError(faults_);
+  }
+
+ private:
+  void add(Fault fault) {
+    if (fault.file.empty()) fault.file = name_;
+    fault.text = name_ + ": " + fault.text;
+    faults_.push_back(std::move(fault));
+  }
+
+  std::string name_;
+  std::vector<Fault> faults_;
+};
+
+// The message of a text, whose braces are nested at most so deep: that bounds the parser's stack. Throws InputError with all that is
+// wrong with the text if no message came of it.
+template <typename Message>
+Message parsed_message(const std::string& text, int max_nesting, Faults& faults) {
+  google::protobuf::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&faults);
+  parser.SetRecursionLimit(max_nesting);
+  parser.AllowUnknownField(true);  // reported by AddWarning, and the parser goes on to the next fault
+  Message message;
+  if (!parser.ParseFromString(text, &message)) faults.throw_if_any();
+  return message;
+}
+
+}  // namespace gicube::scene

@@ -1,0 +1,13 @@
+// Volumes of floats as compressed NRRD, with one channel or three.
+#pragma once
+
+#include <filesystem>
+
+#include "gicube/scene/volume_file.h"
+
+namespace gicube::scene {
+
+// As NRRD, compressed, without an origin. Throws FileError.
+void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path);
+
+}  // namespace gicube::scene

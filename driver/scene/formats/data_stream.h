@@ -1,0 +1,70 @@
+// Bytes of a file, as they are or out of a gzip or zlib stream.
+#pragma once
+
+#include <zlib.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gicube/scene/error.h"
+
+namespace gicube::scene {
+
+// Where the samples of a volume lie.
+struct DataPlace {
+  std::filesystem::path file;
+  std::uint64_t offset = 0;    // bytes of the file before the data, or before its compressed stream
+  bool compressed = false;     // gzip or zlib; the stream says which
+  std::uint64_t skip = 0;      // uncompressed bytes before the first sample
+  bool nothing_after = false;  // bytes behind the samples are an error
+};
+
+// Reads forward. Damage in the compressed stream, its checksum included, throws FileError.
+class DataStream {
+ public:
+  // Throws FileError when the file is missing, unreadable, no regular file, or shorter than the offset.
+  DataStream(const std::filesystem::path& file, std::uint64_t offset, bool compressed);
+  DataStream(const DataStream&) = delete;
+  DataStream& operator=(const DataStream&) = delete;
+  ~DataStream();
+
+  // Fills `bytes`, or as much of it as there is; how many bytes came.
+  std::size_t read(std::span<std::byte> bytes);
+
+  // An upper bound of the bytes that read() can give in all.
+  std::uint64_t max_bytes() const;
+
+ private:
+  std::size_t read_file(void* bytes, std::size_t count);
+  bool refill();
+  void end_member();
+  void inflate_some(std::span<std::byte> out);
+
+  std::filesystem::path file_;
+  std::ifstream input_;
+  std::uint64_t bytes_;  // of the file, behind the offset
+  bool compressed_;
+  bool ended_ = false;
+  z_stream inflater_{};
+  std::array<char, 65536> buffer_;
+};
+
+// The size of a regular file. Throws FileError when it is missing or not regular.
+std::uint64_t file_bytes(const std::filesystem::path& file);
+
+// The first bytes of a file as they are stored, at most so many.
+std::string file_start(const std::filesystem::path& file, std::size_t max_bytes);
+
+bool starts_as_gzip(const std::filesystem::path& file);
+
+// Exactly `bytes` bytes. Nothing is allocated before the file's size has shown that they can be there, and for
+// compressed data not much more than has come. Throws FileError (truncated, damaged, too long).
+std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes);
+
+}  // namespace gicube::scene

@@ -1,0 +1,26 @@
+// The text header of a volume file, whose data may follow it in the same file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gicube::scene {
+
+struct HeaderLines {
+  std::vector<std::string> lines;  // the last one included, without line ends
+  std::uint64_t end = 0;           // byte of the file behind the last line
+  bool complete = false;           // `is_last` was met; else the file ended
+};
+
+// Reads lines up to the first for which is_last(line) holds. Throws FileError when the file can't be read or its first
+// mebibyte has no such line.
+HeaderLines read_header_lines(const std::filesystem::path& file, const std::function<bool(std::string_view)>& is_last);
+
+// The data file that a header names: relative names are relative to the header's folder.
+std::filesystem::path beside(const std::filesystem::path& header, std::string_view name);
+
+}  // namespace gicube::scene

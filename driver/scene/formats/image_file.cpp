@@ -1,0 +1,109 @@
+#include "gicube/scene/image_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include "scene/common/checks.h"
+#include "scene/common/whole_file.h"
+
+namespace gicube::scene {
+namespace {
+
+// The pixel's alpha, and its colour not premultiplied; 0..1.
+struct Straight {
+  std::array<double, 3> colour{};
+  double alpha = 0;
+};
+
+Straight straight(const Pixel& pixel) {
+  Straight result;
+  result.alpha = std::min(pixel.alpha / 4095.0, 1.0);
+  if (pixel.alpha == 0) return result;
+  const std::array<std::uint8_t, 3> stored = {pixel.red, pixel.green, pixel.blue};
+  for (std::size_t c = 0; c < 3; ++c) {
+    // Rounding can leave a colour slightly above its alpha.
+    result.colour[c] = std::min(stored[c] / 255.0 / result.alpha, 1.0);
+  }
+  return result;
+}
+
+std::uint8_t to_byte(double value) { return static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0, 1.0))); }
+
+void check(const Image& image, const std::filesystem::path& path) {
+  const bool sized = image.width > 0 && image.height > 0;
+  const auto pixels = sized ? static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) : 0;
+  if (sized && pixels == image.pixels.size()) return;
+  throw FileError(path, "image", "width x height pixels, at least one",
+                  fmt::format("{} x {} and {}", image.width, image.height, image.pixels.size()));
+}
+
+void write(const std::filesystem::path& path, const std::string& format, OIIO::ImageSpec spec, OIIO::TypeDesc type,
+           const void* samples) {
+  spec["Software"] = "GI-Cube";
+  const WholeFile file(path);
+  const auto output = OIIO::ImageOutput::create(format);
+  if (!output) throw FileError(path, "format", "one that OpenImageIO can write", OIIO::geterror());
+  const bool written =
+      output->open(file.path().string(), spec) && output->write_image(type, samples) && output->close();
+  if (!written) throw FileError(path, "file", "a place to write to", output->geterror());
+  file.rename();
+}
+
+}  // namespace
+
+double linear_light(double display) {
+  return display <= 0.04045 ? display / 12.92 : std::pow((display + 0.055) / 1.055, 2.4);
+}
+
+void write_png(const Image& image, const std::filesystem::path& path, const std::optional<Colour>& background) {
+  check(image, path);
+  const int channels = background ? 3 : 4;
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(image.pixels.size() * static_cast<std::size_t>(channels));
+  for (const Pixel& pixel : image.pixels) {
+    const Straight seen = straight(pixel);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double over =
+          background ? seen.alpha * seen.colour[c] + (1 - seen.alpha) * (*background)[c] : seen.colour[c];
+      bytes.push_back(to_byte(over));
+    }
+    if (!background) bytes.push_back(to_byte(seen.alpha));
+  }
+  OIIO::ImageSpec spec(image.width, image.height, channels, OIIO::TypeDesc::UINT8);
+  spec["oiio:UnassociatedAlpha"] = 1;  // already so: OpenImageIO must not divide again
+  spec["oiio:ColorSpace"] = "sRGB";
+  write(path, "png", spec, OIIO::TypeDesc::UINT8, bytes.data());
+}
+
+void write_exr(const Image& image, const std::filesystem::path& path) {
+  check(image, path);
+  std::vector<float> floats;
+  floats.reserve(image.pixels.size() * 4);
+  for (const Pixel& pixel : image.pixels) {
+    const Straight seen = straight(pixel);
+    for (const double colour : seen.colour) floats.push_back(static_cast<float>(seen.alpha * linear_light(colour)));
+    floats.push_back(static_cast<float>(seen.alpha));
+  }
+  OIIO::ImageSpec spec(image.width, image.height, 4, OIIO::TypeDesc::FLOAT);
+  spec["oiio:ColorSpace"] = "Linear";
+  spec["compression"] = "zip";
+  write(path, "openexr", spec, OIIO::TypeDesc::FLOAT, floats.data());
+}
+
+void write_image(const Image& image, const std::filesystem::path& path, const std::optional<Colour>& background) {
+  const std::string extension = lower_case(path.extension().string());
+  if (extension == ".png") return write_png(image, path, background);
+  if (extension != ".exr") throw FileError(path, "extension", ".png or .exr", '"' + extension + '"');
+  if (background) throw FileError(path, "background", "none for an EXR file, which keeps its alpha", "a colour");
+  write_exr(image, path);
+}
+
+}  // namespace gicube::scene

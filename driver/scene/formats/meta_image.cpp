@@ -1,0 +1,165 @@
+#include "scene/formats/readers.h"
+
+#include <bit>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "scene/common/checks.h"
+#include "scene/formats/data_stream.h"
+#include "scene/formats/header_lines.h"
+#include "scene/formats/stored_samples.h"
+
+namespace gicube::scene {
+namespace {
+
+class Header {
+ public:
+  explicit Header(const std::filesystem::path& file) : file_(file) {
+    const HeaderLines lines =
+        read_header_lines(file, [](std::string_view line) { return key_of(line) == "ElementDataFile"; });
+    end_ = lines.end;
+    for (const std::string& line : lines.lines) {
+      const std::size_t equals = line.find('=');
+      if (trimmed(line).empty()) continue;
+      if (equals == std::string::npos)
+        throw FileError(file, "header", "lines \"Key = Value\"", in_quotes(line.substr(0, 40)));
+      values_[std::string(key_of(line))] = std::string(trimmed(std::string_view(line).substr(equals + 1)));
+    }
+  }
+
+  static std::string_view key_of(std::string_view line) { return trimmed(line.substr(0, line.find('='))); }
+
+  std::uint64_t end() const { return end_; }
+  bool has(const std::string& key) const { return values_.contains(key); }
+
+  const std::string& text(const std::string& key) const {
+    const auto found = values_.find(key);
+    if (found == values_.end()) throw FileError(file_, key, "a value", "none");
+    return found->second;
+  }
+
+  bool flag(const std::string& key, bool otherwise) const {
+    if (!has(key)) return otherwise;
+    const std::string value = lower_case(text(key));
+    if (value == "true" || value == "t" || value == "1") return true;
+    if (value == "false" || value == "f" || value == "0") return false;
+    throw FileError(file_, key, "True or False", in_quotes(text(key)));
+  }
+
+  template <typename Number>
+  std::vector<Number> numbers(const std::string& key) const {
+    const std::string& value = text(key);
+    std::vector<Number> list;
+    for (const std::string_view word : words_of(value)) {
+      const auto number = parse_number<Number>(word);
+      if (!number) throw FileError(file_, key, "numbers", in_quotes(value));
+      list.push_back(*number);
+    }
+    return list;
+  }
+
+  std::int64_t number(const std::string& key, std::int64_t otherwise) const {
+    if (!has(key)) return otherwise;
+    const auto list = numbers<std::int64_t>(key);
+    if (list.size() != 1) throw FileError(file_, key, "one number", in_quotes(text(key)));
+    return list[0];
+  }
+
+ private:
+  std::filesystem::path file_;
+  std::map<std::string, std::string> values_;
+  std::uint64_t end_ = 0;
+};
+
+StoredType type_of(const std::filesystem::path& file, const std::string& name) {
+  static const std::map<std::string, StoredType> kTypes = {
+      {"MET_CHAR", StoredType::kInt8},       {"MET_UCHAR", StoredType::kUint8},
+      {"MET_SHORT", StoredType::kInt16},     {"MET_USHORT", StoredType::kUint16},
+      {"MET_INT", StoredType::kInt32},       {"MET_UINT", StoredType::kUint32},
+      {"MET_LONG", StoredType::kInt32},      {"MET_ULONG", StoredType::kUint32},
+      {"MET_LONG_LONG", StoredType::kInt64}, {"MET_ULONG_LONG", StoredType::kUint64},
+      {"MET_FLOAT", StoredType::kFloat32},   {"MET_DOUBLE", StoredType::kFloat64}};
+  const auto found = kTypes.find(name);
+  if (found == kTypes.end()) throw FileError(file, "ElementType", "a MET_ number type", in_quotes(name));
+  return found->second;
+}
+
+Vec3 spacing_of(const std::filesystem::path& file, const Header& header) {
+  const std::string key = header.has("ElementSpacing") ? "ElementSpacing" : "ElementSize";
+  if (!header.has(key)) return {1, 1, 1};
+  const auto list = header.numbers<double>(key);
+  if (list.size() < 3) throw FileError(file, key, "three numbers", in_quotes(header.text(key)));
+  return {list[0], list[1], list[2]};
+}
+
+StoredLayout layout_of(const std::filesystem::path& file, const Header& header) {
+  StoredLayout layout;
+  layout.file = file;
+  const auto sizes = header.numbers<std::int64_t>("DimSize");
+  if (const auto axes = header.number("NDims", 3); axes != static_cast<std::int64_t>(sizes.size())) {
+    throw FileError(file, "DimSize", fmt::format("NDims = {} numbers", axes), in_quotes(header.text("DimSize")));
+  }
+  layout.dims = checked_dims(file, "DimSize", sizes);
+  if (const auto channels = header.number("ElementNumberOfChannels", 1); channels != 1) {
+    throw FileError(file, "ElementNumberOfChannels", "1", fmt::format("{}", channels));
+  }
+  layout.type = type_of(file, header.text("ElementType"));
+  layout.spacing = spacing_of(file, header);
+  // Two names of one thing; writers differ.
+  layout.big_endian = header.flag("ElementByteOrderMSB", header.flag("BinaryDataByteOrderMSB", false));
+  return layout;
+}
+
+DataPlace place_of(const std::filesystem::path& file, const Header& header, std::size_t bytes) {
+  DataPlace place;
+  place.compressed = header.flag("CompressedData", false);
+  const std::string& name = header.text("ElementDataFile");
+  if (name == "LOCAL") {
+    place.file = file;
+    place.offset = header.end();
+    return place;
+  }
+  if (name.empty() || name.starts_with("LIST") || name.find('%') != std::string::npos) {
+    throw FileError(file, "ElementDataFile", "LOCAL or the name of one file", in_quotes(name));
+  }
+  place.file = beside(file, name);
+  const std::int64_t skip = header.number("HeaderSize", 0);
+  if (skip >= 0) {
+    place.offset = static_cast<std::uint64_t>(skip);
+    return place;
+  }
+  const bool at_end = skip == -1 && !place.compressed;
+  if (!at_end) throw FileError(file, "HeaderSize", "0 or more, or -1 for plain data", fmt::format("{}", skip));
+  const std::uint64_t all = file_bytes(place.file);
+  if (all >= bytes) place.offset = all - bytes;
+  return place;
+}
+
+}  // namespace
+
+bool is_meta_image(const std::filesystem::path& file) {
+  const std::string start = file_start(file, 64);
+  const std::string_view line = std::string_view(start).substr(0, start.find('\n'));
+  const std::string_view key = Header::key_of(line);
+  return line.find('=') != std::string_view::npos && (key == "ObjectType" || key == "NDims");
+}
+
+Volume read_meta_image(const std::filesystem::path& file) {
+  if (!is_meta_image(file))
+    throw FileError(file, "header", "\"ObjectType = Image\" or \"NDims = 3\" first", "another beginning");
+  const Header header(file);
+  if (header.has("ObjectType") && header.text("ObjectType") != "Image") {
+    throw FileError(file, "ObjectType", "Image", in_quotes(header.text("ObjectType")));
+  }
+  StoredLayout layout = layout_of(file, header);
+  const std::size_t bytes = checked_bytes(layout);
+  const DataPlace place = place_of(file, header, bytes);
+  if (header.flag("BinaryData", true)) return to_volume(read_data(place, bytes), layout);
+  layout.big_endian = std::endian::native == std::endian::big;
+  return to_volume(read_numbers(place.file, place.offset, layout.type, bytes / bytes_of(layout.type)), layout);
+}
+
+}  // namespace gicube::scene

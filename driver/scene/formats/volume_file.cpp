@@ -1,0 +1,109 @@
+#include "gicube/scene/volume_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <system_error>
+
+#include "scene/common/checks.h"
+#include "scene/formats/data_stream.h"
+#include "scene/formats/header_lines.h"
+#include "scene/formats/readers.h"
+#include "scene/formats/stored_samples.h"
+
+namespace gicube::scene {
+namespace {
+
+using Reader = Volume (*)(const std::filesystem::path&);
+
+struct Format {
+  const char* extension;  // lower case, at the end of the name
+  Reader read;
+};
+
+constexpr std::array kFormats = {Format{".nrrd", read_nrrd},      Format{".nhdr", read_nrrd},
+                                 Format{".mhd", read_meta_image}, Format{".mha", read_meta_image},
+                                 Format{".nii", read_nifti},      Format{".nii.gz", read_nifti}};
+
+// Null: the name says nothing.
+Reader reader_by_name(const std::filesystem::path& path) {
+  const std::string name = lower_case(path.filename().string());
+  for (const Format& format : kFormats) {
+    if (name.ends_with(format.extension)) return format.read;
+  }
+  return nullptr;
+}
+
+Reader reader_by_contents(const std::filesystem::path& path) {
+  if (is_nrrd(path)) return read_nrrd;
+  if (is_meta_image(path)) return read_meta_image;
+  if (is_nifti(path)) return read_nifti;
+  throw FileError(path, "format", "NRRD, MetaImage, NIfTI, a folder of slices, or the layout of raw samples",
+                  "an unknown format and no layout");
+}
+
+Volume read_raw(const std::filesystem::path& path, const RawLayout& raw) {
+  StoredLayout layout;
+  layout.file = path;
+  const std::array<std::int64_t, 3> sizes{raw.dims[0], raw.dims[1], raw.dims[2]};
+  layout.dims = checked_dims(path, "dims", sizes);
+  layout.type = stored_type(raw.type);
+  layout.spacing = raw.spacing;
+  layout.big_endian = raw.big_endian;
+  DataPlace place;
+  place.file = path;
+  place.compressed = lower_case(path.extension().string()) == ".gz";
+  place.skip = raw.skip_bytes;
+  place.nothing_after = true;
+  return to_volume(read_data(place, checked_bytes(layout)), layout);
+}
+
+}  // namespace
+
+std::vector<float> values_of(const Volume& volume) {
+  return with_sample(volume.type, [&volume](auto sample) {
+    std::vector<float> values(volume.samples.size() / sizeof sample);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = static_cast<float>(sample_at<decltype(sample)>(volume.samples, i));
+    }
+    return values;
+  });
+}
+
+ValueRange value_range_of(const Volume& volume) {
+  if (volume.range) return *volume.range;
+  if (volume.type == SampleType::kUint8) return {0, 255};
+  if (volume.type == SampleType::kUint12) return {0, 4095};
+  ValueRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  with_sample(volume.type, [&](auto sample) {
+    for (std::size_t i = 0; i < volume.samples.size() / sizeof sample; ++i) {
+      const auto value = static_cast<double>(sample_at<decltype(sample)>(volume.samples, i));
+      if (std::isfinite(value)) range = {std::min(range.low, value), std::max(range.high, value)};
+    }
+  });
+  return range;
+}
+
+SampleType sample_type_named(const std::string& name, const std::string& field) {
+  return named<SampleType>(field, name,
+                           {{"uint8", SampleType::kUint8},
+                            {"uint12", SampleType::kUint12},
+                            {"uint16", SampleType::kUint16},
+                            {"int16", SampleType::kInt16},
+                            {"float32", SampleType::kFloat32}});
+}
+
+Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {
+  std::error_code fault;
+  const bool folder = std::filesystem::is_directory(path, fault);
+  Reader read = folder ? read_slices : reader_by_name(path);
+  if (read != nullptr && layout) {
+    throw FileError(path, "layout", "none: the file says its own", "the layout of raw samples");
+  }
+  if (layout) return read_raw(path, *layout);
+  if (read == nullptr) read = reader_by_contents(path);
+  return read(path);
+}
+
+}  // namespace gicube::scene

@@ -1,0 +1,161 @@
+#include "gicube/scene/volume_file.h"
+
+#include <fmt/format.h>
+#include <nifti2_io.h>
+#include <teem/nrrd.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "scene/common/checks.h"
+#include "scene/common/whole_file.h"
+#include "scene/formats/compressed_nrrd.h"
+
+namespace gicube::scene {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "floats are written as they lie in memory");
+
+std::array<double, 3> in_order(Vec3 v) { return {v.x, v.y, v.z}; }
+
+std::string ending_of(const std::filesystem::path& path) {
+  const std::string name = lower_case(path.filename().string());
+  for (const char* ending : {".nrrd", ".mhd", ".mha", ".nii", ".nii.gz"}) {
+    if (name.ends_with(ending)) return ending;
+  }
+  return {};
+}
+
+FileError unwritable(const std::filesystem::path& path, const std::string& why) {
+  return {path, "file", "a place to write to", why};
+}
+
+// `describe` says where the samples lie, as far as teem takes it: it gets the axis that is x.
+template <typename Describe>
+void save_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const NrrdEncoding* encoding,
+               const Describe& describe) {
+  const std::unique_ptr<Nrrd, decltype(&nrrdNix)> nrrd(nrrdNew(), &nrrdNix);  // nix: the values stay ours
+  const std::unique_ptr<NrrdIoState, decltype(&nrrdIoStateNix)> io(nrrdIoStateNew(), &nrrdIoStateNix);
+  auto* values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast): teem only reads it
+  const unsigned first = volume.channels > 1 ? 1 : 0;
+  std::array<std::size_t, 4> sizes{static_cast<std::size_t>(volume.channels)};
+  for (unsigned axis = 0; axis < 3; ++axis) sizes[first + axis] = static_cast<std::size_t>(volume.dims[axis]);
+  io->format = nrrdFormatNRRD;
+  io->encoding = encoding;
+  const WholeFile file(path);
+  if (nrrdWrap_nva(nrrd.get(), values, nrrdTypeFloat, first + 3, sizes.data()) != 0 || !describe(nrrd.get(), first) ||
+      nrrdSave(file.path().string().c_str(), nrrd.get(), io.get()) != 0) {
+    const std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
+    throw unwritable(path, text ? text.get() : "an error of teem");
+  }
+  file.rename();
+}
+
+void write_nrrd(const FloatVolume& volume, const std::filesystem::path& path) {
+  save_nrrd(volume, path, nrrdEncodingRaw, [&](Nrrd* nrrd, unsigned) {
+    const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
+    double directions[3][NRRD_SPACE_DIM_MAX] = {};
+    for (std::size_t axis = 0; axis < 3; ++axis) directions[axis][axis] = edges[axis];
+    const bool good = nrrdSpaceDimensionSet(nrrd, 3) == 0 && nrrdSpaceOriginSet(nrrd, origin.data()) == 0;
+    nrrdAxisInfoSet_nva(nrrd, nrrdAxisInfoSpaceDirection, directions);
+    return good;
+  });
+}
+
+void write_bytes(const FloatVolume& volume, const std::string& header, const std::filesystem::path& path) {
+  const WholeFile file(path);
+  std::ofstream stream(file.path(), std::ios::binary);
+  stream << header;
+  stream.write(reinterpret_cast<const char*>(volume.values.data()),
+               static_cast<std::streamsize>(volume.values.size_bytes()));
+  stream.close();
+  if (!stream) throw unwritable(path, "an error");
+  file.rename();
+}
+
+// MetaImage; its samples in the same file, or in another.
+void write_meta_image(const FloatVolume& volume, const std::filesystem::path& path, bool apart) {
+  const auto [x, y, z] = volume.dims;
+  const auto data = std::filesystem::path(path).replace_extension(".raw");
+  const std::string header = fmt::format(
+      "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
+      "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = {}\nElementSpacing = {}\nDimSize = {} {} {}\n"
+      "ElementType = MET_FLOAT\nElementDataFile = {}\n",
+      fmt::join(in_order(volume.origin), " "), fmt::join(in_order(volume.spacing), " "), x, y, z,
+      apart ? data.filename().string() : "LOCAL");
+  if (!apart) return write_bytes(volume, header, path);
+  write_bytes(volume, {}, data);
+  FloatVolume nothing = volume;
+  nothing.values = {};
+  write_bytes(nothing, header, path);
+}
+
+// NIfTI-1 in one file, its axes those of the scan without a claim about a patient's (sform code 2, "aligned").
+void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, const std::string& ending) {
+  const std::int64_t dims[8] = {3, volume.dims[0], volume.dims[1], volume.dims[2], 1, 1, 1, 1};
+  const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> image(nifti_make_new_nim(dims, NIFTI_TYPE_FLOAT32, 0),
+                                                                        &nifti_image_free);
+  if (!image) throw unwritable(path, "an error of libnifti");
+  const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
+  image->dx = image->pixdim[1] = edges[0];
+  image->dy = image->pixdim[2] = edges[1];
+  image->dz = image->pixdim[3] = edges[2];
+  image->sform_code = NIFTI_XFORM_ALIGNED_ANAT;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) image->sto_xyz.m[row][column] = row == column ? edges[row] : 0;
+    image->sto_xyz.m[row][3] = origin[row];
+  }
+  image->sto_xyz.m[3][3] = 1;
+  // libnifti decides on compression by the name.
+  const WholeFile file(path);
+  const std::string name = file.path().string() + ending;
+  if (!std::ofstream(name)) throw unwritable(path, "an error");  // libnifti would say so on stderr, and go on
+  image->nifti_type = NIFTI_FTYPE_NIFTI1_1;
+  image->fname = nifti_strdup(name.c_str());
+  image->iname = nifti_strdup(name.c_str());
+  image->data = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast): it is only read
+  nifti_set_debug_level(0);                                // it says on stderr what is thrown below
+  nifti_image_write(image.get());
+  image->data = nullptr;
+  std::error_code error;
+  std::filesystem::rename(name, file.path(), error);
+  if (error) throw unwritable(path, error.message());
+  file.rename();
+}
+
+}  // namespace
+
+void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path) {
+  const auto* encoding = nrrdEncodingGzip->available() != 0 ? nrrdEncodingGzip : nrrdEncodingRaw;
+  save_nrrd(volume, path, encoding, [&](Nrrd* nrrd, unsigned first) {
+    std::array<double, 4> spacings{std::nan("")};  // channels have none
+    std::ranges::copy(in_order(volume.spacing), spacings.begin() + first);
+    nrrdAxisInfoSet_nva(nrrd, nrrdAxisInfoSpacing, spacings.data());
+    if (first > 0) nrrd->axis[0].kind = nrrdKindRGBColor;
+    return true;
+  });
+}
+
+bool is_volume_output(const std::filesystem::path& path) { return !ending_of(path).empty(); }
+
+void write_volume(const FloatVolume& volume, const std::filesystem::path& path) {
+  if (volume.values.empty() || volume.values.size() != voxels_of(volume.dims)) {
+    throw FileError(path, "values", fmt::format("{} x {} x {}", volume.dims[0], volume.dims[1], volume.dims[2]),
+                    std::to_string(volume.values.size()));
+  }
+  const std::string ending = ending_of(path);
+  if (ending.empty()) {
+    throw FileError(path, "extension", ".nrrd, .mhd, .mha, .nii or .nii.gz", '"' + path.extension().string() + '"');
+  }
+  if (ending == ".nrrd") return write_nrrd(volume, path);
+  if (ending.starts_with(".mh")) return write_meta_image(volume, path, ending == ".mhd");
+  write_nifti(volume, path, ending);
+}
+
+}  // namespace gicube::scene

@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scene/graph/graph_reader.h"
+
+namespace gicube::scene {
+namespace {
+
+constexpr int kMaxReadDepth = 60;  // of nodes within nodes; below the limits of the text parser and of build()
+
+struct Reader {
+  const std::filesystem::path& folder;
+  Faults& faults;
+
+  Node node(const v1::Node& source, const std::string& place, int depth) const {
+    Node result;
+    result.name = source.name();
+    const std::string field = result.name.empty() ? place : "node[" + result.name + "]";
+    result.material = source.material();
+    for (int i = 0; i < source.transform_size(); ++i) {
+      result.transforms.push_back(transform(source.transform(i), fmt::format("{}.transform[{}]", field, i)));
+    }
+    std::vector<const google::protobuf::FieldDescriptor*> fields;
+    source.GetReflection()->ListFields(source, &fields);
+    const auto contents =
+        std::ranges::count_if(fields, [](const auto* each) { return each->number() >= v1::Node::kChildFieldNumber; });
+    faults.check(contents == 1, field, "children, one shape or one volume", contents == 0 ? "nothing" : "several");
+    result.content = content(source, field);
+    if (depth >= kMaxReadDepth) {
+      faults.check(source.child_size() == 0, field, fmt::format("at most {} levels", kMaxReadDepth), "more");
+      return result;
+    }
+    for (int i = 0; i < source.child_size(); ++i) {
+      result.children.push_back(node(source.child(i), fmt::format("{}.child[{}]", field, i), depth + 1));
+    }
+    return result;
+  }
+
+  Transform transform(const v1::Transform& source, const std::string& field) const {
+    faults.check_one(field, "one of translate, rotate and scale",
+                     {source.has_translate(), source.has_rotate(), source.has_scale()});
+    Transform result = Translate{};
+    if (source.has_translate()) result = Translate{finite_vector(faults, field + ".translate", source.translate())};
+    if (source.has_rotate()) {
+      Rotate rotate;
+      if (source.rotate().has_axis())
+        rotate.axis = finite_vector(faults, field + ".rotate.axis", source.rotate().axis());
+      rotate.degrees = source.rotate().degrees();
+      result = rotate;
+    }
+    if (source.has_scale()) {
+      const v1::Scaling& scale = source.scale();
+      faults.check(!scale.has_all() || !(scale.has_x() || scale.has_y() || scale.has_z()), field + ".scale",
+                   "all, or x, y and z", "both");
+      result =
+          scale.has_all() ? Scale{{scale.all(), scale.all(), scale.all()}} : Scale{{scale.x(), scale.y(), scale.z()}};
+    }
+    faults.gather_part(field, [&] { map_of({result}); });
+    return result;
+  }
+
+  Content content(const v1::Node& source, const std::string& field) const {
+    if (source.has_volume()) {
+      const std::string place = field + ".volume";
+      faults.check(!source.volume().has_builtin(), place, "a file", "a builtin");
+      return ScanContent{read_volume_source(faults, place, source.volume(), folder)};
+    }
+    std::optional<Shape> shape;
+    std::string kind;
+    if (source.has_sphere()) kind = ".sphere", shape = SphereShape{source.sphere().radius()};
+    if (source.has_box()) {
+      const v1::Box& box = source.box();
+      BoxShape own{.rounding = box.rounding()};
+      if (box.has_low()) own.low = finite_vector(faults, field + ".box.low", box.low());
+      if (box.has_high()) own.high = finite_vector(faults, field + ".box.high", box.high());
+      kind = ".box", shape = own;
+    }
+    if (source.has_torus()) kind = ".torus", shape = TorusShape{source.torus().radius(), source.torus().tube()};
+    if (source.has_cylinder()) {
+      const v1::Cylinder& cylinder = source.cylinder();
+      kind = ".cylinder";
+      shape = CylinderShape{cylinder.radius(), cylinder.height(), cylinder.inner_radius(), cylinder.rounding()};
+    }
+    if (source.has_mesh()) {
+      kind = ".mesh", shape = MeshShape{source.mesh().file().empty() ? "" : folder / source.mesh().file(), nullptr};
+    }
+    if (source.has_builtin()) kind = "", shape = BuiltinShape{source.builtin()};
+    if (!shape) return Group{};
+    faults.gather_part(field + kind, [&] { check(*shape); });
+    return *shape;
+  }
+};
+
+}  // namespace
+
+World read_world(const v1::World& source, const std::filesystem::path& folder, Faults& faults) {
+  World world;
+  if (source.has_low()) world.low = finite_vector(faults, "world.low", source.low());
+  if (source.has_high()) world.high = finite_vector(faults, "world.high", source.high());
+  world.size = static_cast<int>(std::min(source.size(), 1'000'000u));
+  faults.check(source.node_size() > 0, "world.node", "at least one", "none");
+  const Reader reader{folder, faults};
+  for (int i = 0; i < source.node_size(); ++i) {
+    world.root.children.push_back(reader.node(source.node(i), fmt::format("world.node[{}]", i), 1));
+  }
+  faults.gather("world", [&] { grid_of(world); });
+  return world;
+}
+
+}  // namespace gicube::scene

@@ -1,0 +1,48 @@
+// What gicube-scene throws: something that a user wrote, in a file or as a value, is wrong. No board has been touched then.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gicube/error.h"
+
+namespace gicube::scene {
+
+// One thing that is wrong. Where a file names another, it is the inner file that these name; the text has both.
+struct GICUBE_API Fault {
+  std::string file{};   // empty: the value did not come from a file
+  int line = 0;         // of a text file, from 1; 0: no line is known
+  std::string field{};  // its path, as "node[ring].torus.radius"; empty: the text is no valid text at all
+  std::string expected{}, got{};
+  std::string text{};  // a sentence with all of it, for people: "FILE:LINE: FIELD: expected ..., got ..."
+};
+
+// A scene, a transfer function or a value in them. what() has a line for each fault.
+class GICUBE_API InputError : public Error {
+ public:
+  InputError(const std::string& field, const std::string& expected, const std::string& got);
+  // At least one.
+  explicit InputError(std::vector<Fault> faults);
+
+  const std::vector<Fault>& faults() const { return faults_; }
+
+  // Of the first fault.
+  const std::string& file() const { return faults_.front().file; }
+  int line() const { return faults_.front().line; }
+  const std::string& field() const { return faults_.front().field; }
+  const std::string& expected() const { return faults_.front().expected; }
+  const std::string& got() const { return faults_.front().got; }
+
+ private:
+  std::vector<Fault> faults_;
+};
+
+// A file can't be read or written, is damaged, or says what can't be.
+class GICUBE_API FileError : public InputError {
+ public:
+  FileError(const std::filesystem::path& file, const std::string& field, const std::string& expected,
+            const std::string& got);
+};
+
+}  // namespace gicube::scene

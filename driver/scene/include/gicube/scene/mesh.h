@@ -1,0 +1,32 @@
+// Triangle meshes, in memory or from Wavefront OBJ and PLY files.
+//
+//   .obj   `v` and `f` statements (also v/vt/vn and negative indices); normals, textures, groups and materials are ignored
+//   .ply   ascii, binary_little_endian, binary_big_endian 1.0: element vertex with x y z, element face with the list
+//          vertex_indices or vertex_index; other elements and properties are skipped
+//
+// Polygons become fans of triangles around their first corner, which is right for convex ones.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "gicube/scene/error.h"
+#include "gicube/vector.h"
+
+namespace gicube::scene {
+
+struct Mesh {
+  std::vector<Vec3> points;
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of points, counter-clockwise as seen from outside
+};
+
+constexpr std::uintmax_t kMaxMeshMib = 512;      // chosen: of the file
+constexpr std::size_t kMaxTriangles = 8u << 20;  // chosen: far finer than any board's voxels
+
+// By the extension. Memory is taken only as far as the file's real size can back it. Throws InputError: the file is not
+// there, is too large or can't be read. Throws FileError: it is truncated or damaged, names points that it does not have, holds no triangle, or too many.
+GICUBE_API Mesh read_mesh(const std::filesystem::path& path);
+
+}  // namespace gicube::scene

@@ -1,0 +1,49 @@
+// Transfer functions as plain text files, and the presets that come with the library. One statement a line:
+//
+//   # a comment, to the end of the line
+//   values normalised          0 and 1 are the ends of the volume's value range; default: values absolute
+//   colour VALUE R G B         0..1, display-referred; also "color"
+//   opacity VALUE ALPHA        0..1, of one voxel length
+//
+// Piecewise linear between its points and constant beyond them. Each kind's values rise from line to line; two lines may
+// share one value, which is a step.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gicube/scene/error.h"
+#include "gicube/transfer_function.h"
+#include "gicube/volume.h"
+
+namespace gicube::scene {
+
+struct TransferFunctionFile {
+  TransferFunction function;
+  bool normalised = false;  // its values are 0..1 of the volume's range
+};
+
+// Throws InputError: all faults of `text`, one a line, as "NAME:LINE: field: expected ..., got ...".
+GICUBE_API TransferFunctionFile parse_transfer_function(std::string_view text, const std::string& name);
+// The same for a file. Throws InputError also if it can't be read.
+GICUBE_API TransferFunctionFile read_transfer_function(const std::filesystem::path& path);
+
+// The function in the values of a volume whose range is `range`.
+GICUBE_API TransferFunction in_values_of(const ValueRange& range, const TransferFunctionFile& file);
+
+// Built into the library; the same are installed as share/gicube/presets/*.tf.
+struct Preset {
+  std::string_view name;
+  std::string_view text;
+};
+GICUBE_API const std::vector<Preset>& presets();
+GICUBE_API std::string preset_names();  // for messages: "ct-bone, ct-engine, ..."
+// Throws InputError with the list of names if there is none of this name.
+GICUBE_API TransferFunctionFile find_preset(std::string_view name);
+
+// A preset's name, or else the path of a file ("./ct-bone" is always a file).
+GICUBE_API TransferFunctionFile find_transfer_function(const std::string& preset_or_path);
+
+}  // namespace gicube::scene

@@ -1,0 +1,100 @@
+// Volumes in files: NRRD, MetaImage, NIfTI, folders of image slices, or raw samples, also gzipped (.gz), if a RawLayout says how they
+// lie. The end of a file's name says its format, or else its contents do.
+//
+// Axes stay as the file stores them: voxel (x, y, z) is the x-th sample of the y-th row of the z-th slice. Orientation
+// and origin (NIfTI's qform, NRRD's space) are ignored. Spacing is the voxel's edge on each axis; a zero, missing or
+// non-finite one counts as 1, a negative one as its absolute value.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gicube/scene/error.h"
+#include "gicube/volume.h"
+
+namespace gicube::scene {
+
+constexpr int kMaxFileDim = 4096;  // chosen: voxels an axis, far above what a board holds
+constexpr std::uint64_t kMaxVolumeBytes = std::uint64_t{8} << 30;  // chosen: of the samples, stored or converted
+
+constexpr std::size_t voxels_of(const Dims& dims) {
+  return static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]) * static_cast<std::size_t>(dims[2]);
+}
+
+struct Volume {
+  std::vector<std::byte> samples;  // dims[0] * dims[1] * dims[2], x fastest, the machine's byte order
+  SampleType type = SampleType::kUint8;
+  Dims dims{};                      // voxels, 1..kMaxFileDim
+  Vec3 spacing{1, 1, 1};            // the file's unit of length
+  std::optional<ValueRange> range;  // unset: the driver's default for the type
+  std::string source;               // the file or folder, for messages
+
+  // Points into this Volume.
+  VolumeView view() const { return {samples, type, dims, spacing, range, {}, {}}; }
+};
+
+// How the samples of a file without a header lie.
+struct RawLayout {
+  Dims dims{};
+  SampleType type = SampleType::kUint8;  // kUint12: 0..4095 in 16 bits
+  Vec3 spacing{1, 1, 1};
+  bool big_endian = false;
+  std::uint64_t skip_bytes = 0;  // before the first sample
+
+  friend bool operator==(const RawLayout&, const RawLayout&) = default;
+};
+
+constexpr int kMinBuckyballSize = 16, kMaxBuckyballSize = 1024;  // voxels an edge
+
+// Where a volume comes from.
+struct VolumeSource {
+  std::string builtin;           // "buckyball", or empty
+  std::filesystem::path file;    // a file or a folder of slices
+  int size = 256;                // voxels an edge, builtin only
+  std::optional<RawLayout> raw;  // headerless files only
+  std::optional<Vec3> spacing;   // overrides the file's
+
+  friend bool operator==(const VolumeSource&, const VolumeSource&) = default;
+};
+
+// Types int8, int32, uint32, int64, uint64 and float64 become float32, and so does every NIfTI volume with a slope and
+// intercept other than 1 and 0: its values are the scaled ones. float32 samples are taken as they are, NaNs included.
+//
+// Memory is taken only as far as the file's real size can back it. A file may be longer than its header says (the rest
+// is ignored); a raw file may not, since a wrong layout shows just there.
+//
+// Throws FileError: the file can't be read, is truncated or damaged, has a field of no or impossible meaning, or
+// exceeds kMaxFileDim or kMaxVolumeBytes. A layout for a file that has a header of its own is refused too.
+// Not to be called from two threads at once: teem keeps its error texts in one place.
+GICUBE_API Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
+
+// The samples as numbers.
+GICUBE_API std::vector<float> values_of(const Volume& volume);
+
+// The volume's own range, or else the driver's default for its type (VolumeView::range). Not-a-numbers are left out.
+GICUBE_API ValueRange value_range_of(const Volume& volume);
+
+// A type's name in files and options, "uint8" to "float32". Throws InputError that names `field`.
+GICUBE_API SampleType sample_type_named(const std::string& name, const std::string& field);
+
+struct FloatVolume {
+  Dims dims{};
+  Vec3 spacing{1, 1, 1};          // voxel edges, > 0
+  Vec3 origin;                    // of the first voxel's centre; axes run along x, y, z
+  std::span<const float> values;  // x fastest
+  int channels = 1;               // or 3, a voxel's side by side: of light fields only
+};
+
+// Whether write_volume() knows the extension.
+GICUBE_API bool is_volume_output(const std::filesystem::path& path);
+// By the extension: .nrrd, .mhd (samples in a .raw beside it), .mha, .nii, .nii.gz. Values, spacing and origin come back
+// as they are, in NIfTI spacing and origin as 32-bit floats. A file that was there stays until the new one is whole.
+// Throws FileError: another extension, a wrong number of values, a place that can't be written to.
+GICUBE_API void write_volume(const FloatVolume& volume, const std::filesystem::path& path);
+
+}  // namespace gicube::scene

@@ -1,0 +1,99 @@
+#include "gicube/scene/light_field.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "gicube/scene/volume_file.h"
+#include "scene/formats/compressed_nrrd.h"
+#include "scene/formats/readers.h"
+
+namespace gicube::scene {
+namespace {
+
+constexpr double kWhite = 0.8;    // of full scale, for
+constexpr double kShare = 0.9;    // of the values that show any light
+constexpr double kBrightest = 4;  // times white
+constexpr double kWords = 2047;   // the paper's irradiance words; of the wide ones the upper parts count so many
+constexpr double kOpaque = 4095;  // alpha
+
+// Writes a channel as the board's irradiance, in place of what was there.
+void put_on(Board& board, const LightField& field, int channel, double exposure) {
+  const auto stride = static_cast<std::size_t>(field.channels);
+  std::vector<float> values(field.values.size() / stride);
+  const double most = kBrightest / exposure;
+  double brightest = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = std::min(field.values[i * stride + static_cast<std::size_t>(channel)], static_cast<float>(most));
+    brightest = std::max(brightest, double{values[i]});
+  }
+  const double words = kWords * (board.info().wide ? 65536.0 : 1.0);
+  board.clear_irradiance(brightest > 0 ? brightest / words : 1);
+  board.write_irradiance({{0, 0, 0}, field.dims}, values);
+}
+
+}  // namespace
+
+void write_light_field(const LightField& field, Vec3 spacing, const std::filesystem::path& path) {
+  write_compressed_nrrd({field.dims, spacing, {}, field.values, field.channels}, path);
+}
+
+LightField read_light_field(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path) || !is_nrrd(path)) {
+    throw FileError(path, "file", "an NRRD file", "another or none");
+  }
+  LightField field;
+  const Volume volume = read_nrrd_channels(path, field.channels);
+  if (volume.type != SampleType::kFloat32) throw FileError(path, "type", "float", "integers");
+  field.dims = volume.dims;
+  field.dims[0] /= field.channels;
+  field.values.resize(volume.samples.size() / sizeof(float));
+  std::memcpy(field.values.data(), volume.samples.data(), volume.samples.size());
+  for (const float value : field.values) {
+    if (!(value >= 0 && std::isfinite(value))) {
+      throw FileError(path, "values", "finite numbers, 0 or more", fmt::format("{}", value));
+    }
+  }
+  return field;
+}
+
+void take_channel(const Image& from, int channel, const std::optional<Colour>& background, Image& into) {
+  if (into.pixels.empty()) into = {from.width, from.height, std::vector<Pixel>(from.pixels.size())};
+  constexpr std::uint8_t Pixel::*kChannels[] = {&Pixel::red, &Pixel::green, &Pixel::blue};
+  const auto index = static_cast<std::size_t>(channel);
+  for (std::size_t i = 0; i < into.pixels.size(); ++i) {
+    const Pixel& source = from.pixels[i];
+    Pixel& target = into.pixels[i];
+    double value = source.*kChannels[index];
+    if (background) value += (1 - source.alpha / kOpaque) * 255 * (*background)[index];
+    target.*kChannels[index] = static_cast<std::uint8_t>(std::min(std::lround(value), 255L));
+    target.alpha = background ? static_cast<std::uint16_t>(kOpaque) : std::max(target.alpha, source.alpha);
+  }
+}
+
+double exposure_for(const LightField& field) {
+  std::vector<float> lit;
+  std::copy_if(field.values.begin(), field.values.end(), std::back_inserter(lit), [](float v) { return v > 0; });
+  if (lit.empty()) return 1;
+  const auto at = lit.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(lit.size() - 1));
+  std::nth_element(lit.begin(), at, lit.end());
+  return kWhite / *at;
+}
+
+Image picture_of(Board& board, const LightField& field, View view, double exposure,
+                 const std::optional<Colour>& background, const Progress& progress) {
+  view.irradiance = view.incident = true;
+  view.exposure = exposure;
+  Image picture;
+  for (int channel = 0; channel < field.channels; ++channel) {
+    put_on(board, field, channel, exposure);
+    const Image pass = board.render(view, progress);
+    const int last = field.channels > 1 ? channel : 2;  // light of one channel is white
+    for (int shown = channel; shown <= last; ++shown) take_channel(pass, shown, background, picture);
+  }
+  return picture;
+}
+
+}  // namespace gicube::scene

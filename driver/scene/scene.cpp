@@ -1,0 +1,100 @@
+#include "gicube/scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "scene/common/checks.h"
+#include "scene/geometry/signed_distance.h"
+
+namespace gicube::scene {
+namespace {
+
+constexpr double kMargin = 1.04;                    // chosen: of the image that stays free around the volume's box
+constexpr Vec3 kDefaultDirection{-0.35, -1, 0.45};  // chosen: three-quarter view of a head whose face looks along -y
+
+Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+// Physical voxel edges over the smallest one: the shape of space, in which angles are seen.
+Vec3 relative(Vec3 spacing) { return (1 / std::min({spacing.x, spacing.y, spacing.z})) * spacing; }
+
+// Where the box's corners lie as seen along the line of sight; physical lengths.
+struct SeenBox {
+  double width = 0;     // twice the greatest distance from the line of sight, to the side
+  double height = 0;    // and upwards
+  double distance = 0;  // of the eye from look_at, so that a perspective image holds all corners
+  double depth = 0;     // of the nearest corner before look_at
+};
+
+// Unit vectors of physical space; zero where the caller's directions make none.
+struct Frame {
+  Vec3 towards_eye, right, up;
+};
+
+Frame make_frame(Vec3 up, Vec3 towards_eye) {
+  const Vec3 right = unit_or_zero(cross(up, towards_eye));
+  return {towards_eye, right, cross(towards_eye, right)};
+}
+
+SeenBox see_box(const SceneBox& box, Vec3 scale, Vec3 look_at, const Frame& frame, double tan_side, double tan_up) {
+  SeenBox seen;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 voxel{(corner & 1) != 0 ? box.high.x : box.low.x, (corner & 2) != 0 ? box.high.y : box.low.y,
+                     (corner & 4) != 0 ? box.high.z : box.low.z};
+    const Vec3 offset = times(voxel - look_at, scale);
+    const double side = std::abs(dot(offset, frame.right)), up = std::abs(dot(offset, frame.up));
+    const double near = dot(offset, frame.towards_eye);
+    seen.width = std::max(seen.width, 2 * side);
+    seen.height = std::max(seen.height, 2 * up);
+    seen.depth = std::max(seen.depth, near);
+    seen.distance = std::max(seen.distance, near + kMargin * std::max(side / tan_side, up / tan_up));
+  }
+  return seen;
+}
+
+Vec3 choose_up(const CameraSettings& camera, Vec3 towards_eye) {
+  const Vec3 up = camera.up.value_or(Vec3{0, 0, 1});
+  const bool along = length(cross(up, towards_eye)) < 1e-6 * length(up);
+  return along && !camera.up ? Vec3{0, 1, 0} : up;
+}
+
+}  // namespace
+
+void fit_camera(const CameraSettings& camera, const SceneBox& box, const Vec3& spacing, View& view) {
+  const Vec3 scale = relative(spacing), inverse{1 / scale.x, 1 / scale.y, 1 / scale.z};
+  view.fov_degrees = camera.fov_degrees.value_or(view.fov_degrees);
+  if (!(view.fov_degrees > 0 && view.fov_degrees < 180)) {
+    throw InputError("field of view", "more than 0 and less than 180 degrees", std::to_string(view.fov_degrees));
+  }
+  view.look_at = camera.look_at.value_or(0.5 * (box.low + box.high));
+  const Vec3 sight = camera.eye ? times(*camera.eye - view.look_at, scale) : kDefaultDirection;
+  const Vec3 towards_eye = unit_or_zero(sight);  // zero: the driver refuses it
+  view.up = choose_up(camera, towards_eye);
+
+  const Frame frame = make_frame(view.up, towards_eye);
+  const double aspect = double(view.width) / double(view.height);
+  const double tan_up = std::tan(view.fov_degrees * std::numbers::pi / 360);
+  const SeenBox seen = see_box(box, scale, view.look_at, frame, tan_up * aspect, tan_up);
+
+  view.orthographic_height = camera.orthographic_height.value_or(0);
+  // Parallel rays start at the eye's plane: keep it before the whole box.
+  const double distance = view.orthographic_height > 0 ? kMargin * seen.depth + 1 : seen.distance;
+  view.eye = camera.eye.value_or(view.look_at + times(distance * towards_eye, inverse));
+}
+
+Vec3 shoulder_light(const View& view, const Vec3& spacing) {
+  const Frame frame = make_frame(view.up, unit_or_zero(times(view.eye - view.look_at, relative(spacing))));
+  return frame.towards_eye + 0.55 * frame.up - 0.45 * frame.right;  // chosen: relief, and few shadows
+}
+
+void choose_camera(Scene& scene, const std::string& name) {
+  if (scene.camera.name == name) return;
+  const auto found = std::ranges::find(scene.more_cameras, name, &CameraSettings::name);
+  if (found != scene.more_cameras.end()) return std::swap(*found, scene.camera);
+  std::string names = scene.camera.name;
+  for (const CameraSettings& camera : scene.more_cameras) names += (names.empty() ? "" : ", ") + camera.name;
+  throw InputError("camera", names.empty() ? "a scene with named cameras" : "one of " + names, in_quotes(name));
+}
+
+}  // namespace gicube::scene

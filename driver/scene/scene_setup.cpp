@@ -1,0 +1,178 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gicube/scene/error.h"
+#include "gicube/scene/scene.h"
+#include "scene/buckyball.h"
+#include "scene/common/checks.h"
+
+namespace gicube::scene {
+namespace {
+
+constexpr int kMaxAnalyticSize = 256;   // voxels an edge: beyond it 12 bytes a voxel of normals cost too much memory
+constexpr double kLitAmbient = 0.03;    // chosen: what lighting rays do not reach is almost black
+constexpr double kLightDistance = 1.5;  // chosen: of a volume file's own point light, in diagonals from the centre
+
+void take_buckyball(const Scene& scene, int threads, SceneSetup& setup) {
+  const int size = scene.volume.size;
+  static_cast<VoxelWorld&>(setup) = make_buckyball(size, size <= kMaxAnalyticSize, threads);
+  setup.built_in = buckyball_appearance(size);
+}
+
+void take_world(const Scene& scene, int threads, SceneSetup& setup) {
+  BuiltWorld built = build(*scene.world, scene.materials, threads);
+  setup.grid = built.grid;
+  static_cast<VoxelWorld&>(setup) = std::move(built.voxels);
+  setup.built_in.materials = std::move(built.looks);
+}
+
+// A look of a material in place of what the volume has.
+void set_material_looks(const Scene& scene, SceneSetup& setup) {
+  for (const SceneMaterial& material : scene.materials) {
+    const auto tag = static_cast<std::size_t>(material.tag);
+    if (!material.look || scene.world) continue;
+    const auto* function = look_as<TransferFunctionFile>(material);
+    if (function == nullptr) {
+      throw InputError("material[" + material.name + "]", "a transfer_function, as for all volume files",
+                       "a solid or fog");
+    }
+    if (setup.materials.size() <= tag) setup.materials.resize(tag + 1, setup.materials.front());
+    setup.materials[tag] = *function;
+  }
+}
+
+CameraSettings in_voxels(CameraSettings camera, const WorldGrid& grid) {
+  if (camera.eye) camera.eye = grid.voxel_of(*camera.eye);
+  if (camera.look_at) camera.look_at = grid.voxel_of(*camera.look_at);
+  if (camera.orthographic_height) *camera.orthographic_height /= grid.voxel;
+  return camera;
+}
+
+void set_camera(const Scene& scene, SceneSetup& setup) {
+  // A camera is taken as a whole: half of the built-in one with half of the user's shows nothing.
+  const CameraSettings& asked = scene.camera;
+  const bool own = asked.eye || asked.look_at || asked.up || asked.fov_degrees || asked.orthographic_height;
+  setup.view = scene.view;
+  for (CutPlane& plane : setup.view.cut_planes) {
+    plane.offset = (plane.offset - dot(plane.normal, setup.grid.low)) / setup.grid.voxel;
+  }
+  fit_camera(own ? in_voxels(asked, setup.grid) : setup.built_in.camera, setup.box, setup.volume.spacing, setup.view);
+}
+
+// Outside of the volume, where the light of its pictures without illumination shines from.
+PointLight default_light(const SceneSetup& setup) {
+  const Vec3& spacing = setup.volume.spacing;
+  const double least = std::min({spacing.x, spacing.y, spacing.z});
+  const Vec3 scale = (1 / least) * spacing;
+  const Vec3 middle = 0.5 * Vec3{setup.volume.dims[0] - 1.0, setup.volume.dims[1] - 1.0, setup.volume.dims[2] - 1.0};
+  const double diagonal = 2 * length({middle.x * scale.x, middle.y * scale.y, middle.z * scale.z});
+  const Vec3 away = kLightDistance * diagonal * normalise(setup.shading.light);
+  return {middle + Vec3{away.x / scale.x, away.y / scale.y, away.z / scale.z}, 1};
+}
+
+void set_lights(const Scene& scene, SceneSetup& setup) {
+  setup.lighting = scene.lighting;
+  setup.lighting.exposure /= setup.grid.voxel * setup.grid.voxel;  // a voxel's face gets that much less power
+  setup.lights.clear();
+  setup.light_colours.clear();
+  std::optional<Vec3> towards = scene.light ? scene.light : setup.built_in.light;
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    const SceneLight& light = scene.lights[i];
+    try {
+      check(light);
+    } catch (const InputError& error) {
+      throw InputError(within("light[" + (light.name.empty() ? std::to_string(i) : light.name) + "]", error, "."));
+    }
+    setup.lights.push_back(in_voxels(light.light, setup.grid));
+    setup.light_colours.push_back(light.colour);
+    const auto* directional = std::get_if<DirectionalLight>(&light.light);
+    if (directional != nullptr && !towards) towards = directional->towards;
+  }
+  Phong phong = setup.built_in.phong;
+  if (scene.lighting.on) phong.ambient = kLitAmbient, phong.specular = 0;
+  setup.shading = {scene.phong.value_or(phong), towards ? *towards : shoulder_light(setup.view, setup.volume.spacing)};
+  if (scene.lighting.on && setup.lights.empty()) {
+    setup.lights.push_back(default_light(setup));
+    setup.light_colours.push_back({1, 1, 1});
+  }
+}
+
+void set_optics(const Scene& scene, SceneSetup& setup) {
+  setup.optics.clear();
+  setup.scattering_colours.clear();
+  setup.emissions.clear();
+  for (const SceneMaterial& material : scene.materials) {
+    check(material);
+    const auto tag = static_cast<std::size_t>(material.tag);
+    if (setup.optics.size() <= tag) {
+      setup.optics.resize(tag + 1);
+      setup.scattering_colours.resize(tag + 1, {1, 1, 1});
+      setup.emissions.resize(tag + 1, {0, 0, 0});
+    }
+    setup.optics[tag] = material.optics;
+    setup.scattering_colours[tag] = material.scattering_colour;
+    for (std::size_t c = 0; c < 3; ++c) setup.emissions[tag][c] = material.emission * material.emission_colour[c];
+    setup.view.scatter = setup.view.scatter || material.optics.seen_through_scattering;
+  }
+}
+
+}  // namespace
+
+VolumeView SceneSetup::volume_view() const {
+  VolumeView result = volume.view();
+  result.tags = tags;
+  result.gradients = gradients;
+  return result;
+}
+
+void SceneSetup::free_voxels() {
+  std::vector<std::byte>().swap(volume.samples);
+  std::vector<std::uint8_t>().swap(tags);
+  std::vector<float>().swap(gradients);
+}
+
+SceneSetup set_up(const Scene& scene, int threads) {
+  SceneSetup setup;
+  if (scene.world) {
+    take_world(scene, threads, setup);
+  } else if (scene.volume.builtin.empty()) {
+    setup.volume = read_volume(scene.volume.file, scene.volume.raw);
+    setup.built_in.materials = {find_preset("ramp")};
+  } else if (scene.volume.builtin == "buckyball") {
+    take_buckyball(scene, threads, setup);
+  } else {
+    throw InputError("built-in volume", "buckyball", in_quotes(scene.volume.builtin));
+  }
+  if (scene.volume.spacing) setup.volume.spacing = *scene.volume.spacing;
+  setup.box = whole_box(setup.volume.dims);
+  if (!scene.world && scene.volume.builtin.empty() && !scene.camera.eye) {
+    const Materials& own = setup.built_in.materials;
+    setup.box = visible_box(setup.volume, scene.transfer_function ? *scene.transfer_function : own.front());
+  }
+  set_look(scene, setup);
+  return setup;
+}
+
+void set_look(const Scene& scene, SceneSetup& setup) {
+  setup.materials = setup.built_in.materials;
+  set_material_looks(scene, setup);
+  if (scene.transfer_function) setup.materials.assign(setup.materials.size(), *scene.transfer_function);
+  setup.background = scene.background ? scene.background : setup.built_in.background;
+  set_camera(scene, setup);
+  set_lights(scene, setup);
+  set_optics(scene, setup);
+  setup.view.irradiance = scene.lighting.on;
+}
+
+bool same_voxels(const Scene& a, const Scene& b) { return a.volume == b.volume && a.world == b.world; }
+
+bool same_illumination(const Scene& a, const Scene& b) {
+  const auto same_light = [](const SceneLight& x, const SceneLight& y) {
+    return x.light == y.light && x.colour == y.colour;
+  };
+  return same_voxels(a, b) && a.lighting.on == b.lighting.on && a.lighting.colour_passes == b.lighting.colour_passes &&
+         a.lighting.settings == b.lighting.settings && std::ranges::equal(a.lights, b.lights, same_light);
+}
+
+}  // namespace gicube::scene

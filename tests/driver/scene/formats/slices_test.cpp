@@ -1,0 +1,137 @@
+#include "scene/formats/readers.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "written_files.h"
+
+// libpng jumps out of OpenImageIO's read callback over a string when a PNG is truncated.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:ImageInput::geterror"; }
+
+// OpenImageIO unpacks TIFF strips in threads of its own; ThreadSanitizer does not see the locks within that library.
+extern "C" const char* __tsan_default_suppressions();
+extern "C" const char* __tsan_default_suppressions() { return "race:libOpenImageIO_Util"; }
+
+namespace gicube::scene {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+OIIO::TypeDesc type_of(const std::vector<std::uint8_t>&) { return OIIO::TypeDesc::UINT8; }
+OIIO::TypeDesc type_of(const std::vector<std::uint16_t>&) { return OIIO::TypeDesc::UINT16; }
+OIIO::TypeDesc type_of(const std::vector<float>&) { return OIIO::TypeDesc::FLOAT; }
+OIIO::TypeDesc type_of(const std::vector<double>&) { return OIIO::TypeDesc::DOUBLE; }
+
+template <typename Sample>
+void write_image(const std::filesystem::path& path, int width, int height, int channels,
+                 const std::vector<Sample>& samples) {
+  ASSERT_EQ(samples.size(), static_cast<std::size_t>(width * height * channels));
+  OIIO::ImageSpec spec(width, height, channels, type_of(samples));
+  spec["oiio:UnassociatedAlpha"] = 1;
+  const auto output = OIIO::ImageOutput::create(path.string());
+  ASSERT_TRUE(output && output->open(path.string(), spec) && output->write_image(spec.format, samples.data()) &&
+              output->close());
+}
+
+// Slices z = 0..3 of 2 x 3 pixels.
+template <typename Sample>
+std::vector<Sample> slice(std::size_t z) {
+  const auto all = ramp<Sample>();
+  return {all.begin() + static_cast<std::ptrdiff_t>(6 * z), all.begin() + static_cast<std::ptrdiff_t>(6 * z + 6)};
+}
+
+TEST(Slices, AreStackedInNaturalOrderAndOtherFilesIgnored) {
+  const TemporaryFolder folder;
+  const char* names[] = {"texture-2.png", "texture-10.png", "texture-11.PNG", "texture-100.png"};
+  for (std::size_t z = 0; z < 4; ++z) write_image(folder.path() / names[z], 2, 3, 1, slice<std::uint8_t>(z));
+  folder.write("SOURCE.txt", "words");
+  std::filesystem::create_directory(folder.path() / "folder.png");
+  const Volume volume = read_volume(folder.path());
+  EXPECT_EQ(volume.dims, kRampDims);
+  EXPECT_EQ(volume.type, SampleType::kUint8);
+  EXPECT_EQ(volume.spacing, (Vec3{1, 1, 1}));
+  EXPECT_EQ(samples_of<std::uint8_t>(volume), ramp<std::uint8_t>());
+}
+
+TEST(Slices, MayHaveSixteenBitsOrFloats) {
+  const TemporaryFolder png, tiff;
+  for (std::size_t z = 0; z < 4; ++z) {
+    write_image(png.path() / (std::to_string(z) + ".png"), 2, 3, 1, slice<std::uint16_t>(z));
+    write_image(tiff.path() / (std::to_string(z) + ".tif"), 2, 3, 1, slice<float>(z));
+  }
+  const Volume u16 = read_volume(png.path()), f32 = read_volume(tiff.path());
+  EXPECT_EQ(u16.type, SampleType::kUint16);
+  EXPECT_EQ(samples_of<std::uint16_t>(u16), ramp<std::uint16_t>());
+  EXPECT_EQ(f32.type, SampleType::kFloat32);
+  EXPECT_EQ(samples_of<float>(f32), ramp<float>());
+}
+
+TEST(Slices, MayBeColourImagesWithoutColour) {
+  const TemporaryFolder folder;
+  write_image<std::uint8_t>(folder.path() / "0.png", 2, 1, 4, {7, 7, 7, 100, 9, 9, 9, 255});
+  write_image<std::uint8_t>(folder.path() / "1.png", 2, 1, 3, {1, 1, 1, 2, 2, 2});
+  write_image<std::uint8_t>(folder.path() / "2.png", 2, 1, 2, {3, 50, 4, 60});
+  EXPECT_EQ(samples_of<std::uint8_t>(read_volume(folder.path())), (std::vector<std::uint8_t>{7, 9, 1, 2, 3, 4}));
+  write_image<std::uint8_t>(folder.path() / "3.png", 2, 1, 3, {1, 1, 1, 2, 3, 2});
+  EXPECT_THAT(read_error(folder.path()), AllOf(HasSubstr("3.png: colour"), HasSubstr("number 1")));
+}
+
+TEST(Slices, MustAgreeInSizeAndType) {
+  const TemporaryFolder folder;
+  write_image(folder.path() / "0.png", 2, 3, 1, slice<std::uint8_t>(0));
+  write_image(folder.path() / "1.png", 3, 2, 1, slice<std::uint8_t>(1));
+  EXPECT_THAT(read_error(folder.path()), AllOf(HasSubstr("1.png: size"), HasSubstr("2 x 3"), HasSubstr("3 x 2")));
+  write_image(folder.path() / "1.png", 2, 3, 1, slice<std::uint16_t>(1));
+  EXPECT_THAT(read_error(folder.path()), HasSubstr("1.png: sample type"));
+}
+
+TEST(Slices, MustBeWholeImagesOfAKnownType) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(read_error(folder.path()), HasSubstr("no image file"));
+  folder.write("0.png", "not an image");
+  EXPECT_THAT(read_error(folder.path()), HasSubstr("0.png: image"));
+  std::vector<std::uint8_t> noise(64 * 64);
+  for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<std::uint8_t>(i * i * 7919 >> 4);
+  write_image(folder.path() / "0.png", 64, 64, 1, noise);
+  std::filesystem::resize_file(folder.path() / "0.png", 500);
+  EXPECT_THAT(read_error(folder.path()), HasSubstr("0.png: image: expected a whole image"));
+  std::filesystem::remove(folder.path() / "0.png");
+  write_image(folder.path() / "0.tif", 2, 3, 1, slice<double>(0));
+  EXPECT_THAT(read_error(folder.path()), HasSubstr("0.tif: sample type"));
+}
+
+TEST(Slices, MayBeThePagesOfOneFile) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "pages.tif";
+  const auto output = OIIO::ImageOutput::create("tiff");
+  const OIIO::ImageSpec spec(2, 3, 1, OIIO::TypeDesc::UINT16);
+  for (std::size_t z = 0; z < 4; ++z) {
+    const auto mode = z == 0 ? OIIO::ImageOutput::Create : OIIO::ImageOutput::AppendSubimage;
+    const auto page = slice<std::uint16_t>(z);
+    ASSERT_TRUE(output->open(file.string(), spec, mode) && output->write_image(spec.format, page.data()));
+  }
+  output->close();
+  const Volume volume = read_pages(file);
+  EXPECT_EQ(volume.dims, kRampDims);
+  EXPECT_EQ(samples_of<std::uint16_t>(volume), ramp<std::uint16_t>());
+  write_image(folder.path() / "one.png", 2, 3, 1, slice<std::uint8_t>(1));
+  EXPECT_EQ(read_pages(folder.path() / "one.png").dims, (Dims{2, 3, 1}));
+  EXPECT_THROW(read_pages(folder.path() / "none.tif"), FileError);
+}
+
+TEST(Slices, NaturalOrderComparesNumbersAsNumbers) {
+  EXPECT_TRUE(natural_less("a2.png", "a10.png"));
+  EXPECT_FALSE(natural_less("a10.png", "a2.png"));
+  EXPECT_TRUE(natural_less("a09b1", "a9b2"));
+  EXPECT_TRUE(natural_less("a", "a1"));
+  EXPECT_TRUE(natural_less("a01", "a1"));
+  EXPECT_FALSE(natural_less("a1", "a01"));
+  EXPECT_FALSE(natural_less("a1", "a1"));
+  EXPECT_TRUE(natural_less("x99999999999999999999998", "x99999999999999999999999"));
+}
+
+}  // namespace
+}  // namespace gicube::scene

@@ -1,0 +1,89 @@
+#include "gicube/scene/volume_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "written_files.h"
+
+namespace gicube::scene {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+std::vector<float> ramp(int count) {
+  std::vector<float> values;
+  for (int i = 0; i < count; ++i) values.push_back(0.5F * static_cast<float>(i) - 3);
+  return values;
+}
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+TEST(VolumeOutput, ReadsBackWithItsSpacingInEveryFormat) {
+  const TemporaryFolder folder;
+  const std::vector<float> values = ramp(24);
+  for (const char* name : {"a.nrrd", "a.mhd", "a.mha", "a.nii", "a.nii.gz"}) {
+    const auto file = folder.write(name, "what was there before");
+    ASSERT_TRUE(is_volume_output(file));
+    write_volume({{2, 3, 4}, {0.5, 0.25, 2}, {-1.5, 2, 7}, values}, file);
+    const Volume volume = read_volume(file);
+    EXPECT_EQ(volume.dims, (Dims{2, 3, 4})) << name;
+    EXPECT_EQ(volume.spacing, (Vec3{0.5, 0.25, 2})) << name;
+    EXPECT_EQ(values_of(volume), values) << name;
+  }
+}
+
+TEST(VolumeOutput, SaysWhereTheFirstVoxelIs) {
+  const TemporaryFolder folder;
+  const std::vector<float> values = ramp(8);
+  const FloatVolume volume{{2, 2, 2}, {1, 1, 1}, {-1.5, 2, 7}, values};
+  const auto nrrd = folder.write("a.nrrd", ""), mha = folder.write("a.mha", ""), nifti = folder.write("a.nii", "");
+  write_volume(volume, nrrd);
+  write_volume(volume, mha);
+  write_volume(volume, nifti);
+  EXPECT_THAT(text_of(nrrd), HasSubstr("space origin: (-1.5,2,7)"));
+  EXPECT_THAT(text_of(mha), HasSubstr("Offset = -1.5 2 7\n"));
+  // NIfTI-1: srow_x, srow_y and srow_z begin at byte 280; their fourth numbers are the origin.
+  const std::string bytes = text_of(nifti);
+  for (std::size_t row = 0; row < 3; ++row) {
+    float offset = 0;
+    std::memcpy(&offset, bytes.data() + 280 + 16 * row + 12, sizeof offset);
+    EXPECT_EQ(offset, (std::array{-1.5F, 2.0F, 7.0F})[row]);
+  }
+}
+
+TEST(VolumeOutput, RefusesWhatItCannotWrite) {
+  const TemporaryFolder folder;
+  const std::vector<float> values = ramp(8);
+  EXPECT_FALSE(is_volume_output("a.png"));
+  EXPECT_THAT(
+      [&] {
+        write_volume({{2, 2, 2}, {1, 1, 1}, {}, values}, folder.write("a.png", ""));
+      },
+      ThrowsMessage<FileError>(HasSubstr("extension: expected .nrrd")));
+  EXPECT_THAT(
+      [&] {
+        write_volume({{2, 2, 3}, {1, 1, 1}, {}, values}, folder.write("a.nrrd", ""));
+      },
+      ThrowsMessage<FileError>(HasSubstr("values: expected 2 x 2 x 3, got 8")));
+  for (const char* name : {"a.nrrd", "a.mha", "a.nii"}) {
+    EXPECT_THAT(
+        [&] {
+          write_volume({{2, 2, 2}, {1, 1, 1}, {}, values}, std::filesystem::path("/nowhere") / name);
+        },
+        ThrowsMessage<FileError>(HasSubstr("expected a place to write to")))
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace gicube::scene

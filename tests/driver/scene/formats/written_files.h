@@ -1,0 +1,76 @@
+// Small files for the tests of the readers, and what to expect of them.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "gicube/scene/volume_file.h"
+
+namespace gicube::scene {
+
+// A folder of its own, gone with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  // Writes a file and returns its path.
+  std::filesystem::path write(const std::string& name, const std::string& bytes) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+enum class Order { kLittle, kBig };
+
+// The samples' bytes in the given order.
+template <typename Sample>
+std::string stored(const std::vector<Sample>& samples, Order order = Order::kLittle) {
+  std::string bytes;
+  for (const Sample sample : samples) {
+    char one[sizeof(Sample)];
+    std::memcpy(one, &sample, sizeof(Sample));
+    if ((order == Order::kBig) != (std::endian::native == std::endian::big)) std::reverse(one, one + sizeof(Sample));
+    bytes.append(one, sizeof(Sample));
+  }
+  return bytes;
+}
+
+// 2 x 3 x 4 different samples, no byte pattern a palindrome.
+template <typename Sample>
+std::vector<Sample> ramp() {
+  std::vector<Sample> samples;
+  for (int i = 0; i < 24; ++i) samples.push_back(static_cast<Sample>(1 + i * (sizeof(Sample) == 1 ? 5 : 157)));
+  return samples;
+}
+constexpr Dims kRampDims{2, 3, 4};
+
+template <typename Sample>
+std::vector<Sample> samples_of(const Volume& volume) {
+  std::vector<Sample> samples(volume.samples.size() / sizeof(Sample));
+  std::memcpy(samples.data(), volume.samples.data(), volume.samples.size());
+  return samples;
+}
+
+template <typename To, typename From>
+std::vector<To> as(const std::vector<From>& from) {
+  return std::vector<To>(from.begin(), from.end());
+}
+
+std::string gzip(const std::string& bytes);
+std::string zlib(const std::string& bytes);
+
+// The text of the FileError that reading the file throws; "no error" if it throws none.
+std::string read_error(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
+
+}  // namespace gicube::scene
