@@ -6,6 +6,7 @@
 #include <random>
 
 #include "datapath/interaction.h"
+#include "datapath/random_stream.h"
 #include "lighting_rig.h"
 #include "reference/words.h"
 
@@ -176,6 +177,25 @@ TEST(Shares, PlacesOfAbsorptionFollowTheExponentialWithinTheSample) {
   EXPECT_LT(chi, 24.3);  // 7 degrees of freedom, one in a thousand
 }
 
+// The opacity's last half unit stands for what is opaque: log 2^25 = 17.3 depths, of which the mean photon passes one.
+TEST(Shares, InAnOpaqueMediumPhotonsEndASeventeenthOfThePartBehindItsBegin) {
+  Fog fog;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  fog.set(65535, 0, wire::Bsdf::kNone);
+  fog.lit.scene.set_depths();
+  double mean = 0;
+  constexpr int kRays = 20'000;
+  for (int i = 0; i < kRays; ++i) {
+    RayState ray = fog.ray(wire::kLightingRay | wire::kHighAlbedo, static_cast<std::uint16_t>(i));
+    ray.under_way = true;
+    ray.set_energy(std::uint64_t{15} << kEnergyFractionBits);
+    const Interaction out = fog.take(ray);
+    ASSERT_TRUE(out.deposits);
+    mean += (out.place[0] / double{wire::kVoxel} - 2) / kRays;
+  }
+  EXPECT_NEAR(mean, 1 / std::log(0x1p25), 0.002);
+}
+
 TEST(Shares, ABundleLeavesItsDepositWhereHalfOfTheDepthIsPassed) {
   Fog fog;
   fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
@@ -190,6 +210,46 @@ TEST(Shares, ABundleLeavesItsDepositWhereHalfOfTheDepthIsPassed) {
     EXPECT_EQ(out.place[0], (5 << 13) + (first ? 4096 : 0));  // a first part has only the half behind the sample
     EXPECT_EQ(out.place[1], 2 << 14);
     EXPECT_EQ(ray.position[0], 7 << 13);
+  }
+}
+
+// Which numbers are drawn: those of the ray, its flight and the place where it is scattered.
+TEST(Shares, AScatteredRaysDirectionIsDrawnByItsPlaceItsNumberItsFlightAndTheSeed) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.rules = wire::EnergyRules::kConserving;
+  frame.seed = 99;
+  fog.set(65535, 65535, wire::Bsdf::kIsotropic);
+  fog.lit.scene.set_depths();
+  for (std::uint16_t i = 1; i < 200; ++i) {
+    RayState ray = fog.ray(wire::kLightingRay | wire::kHighAlbedo, i);
+    ray.v = static_cast<std::uint16_t>(3 * i);
+    ray.lifetime = 700;
+    ray.set_energy(std::uint64_t{15} << kEnergyFractionBits);
+    fog.take(ray);
+    ASSERT_EQ(ray.generation, 1);
+    const std::uint64_t drawn = draw_at(RandomStream::kDirection, ray.position, i, ray.v, 700, 99);
+    EXPECT_EQ(ray.direction, scattered(frame.materials[0], {16384, 0, 0}, {}, frame.spacing, drawn));
+  }
+}
+
+// The loss is rounded up if the draw's fraction is more than what is missing to a whole unit of the energy's word.
+TEST(Shares, TheLossOfEnergyIsRoundedByADrawOfItsPlace) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.seed = 5;
+  fog.set(1, 0, wire::Bsdf::kNone);
+  const std::int64_t a = alpha_of(fog), one = wire::kOpacityOne;
+  for (std::uint16_t i = 0; i < 2000; ++i) {
+    RayState ray = fog.ray(wire::kLightingRay, i);
+    ray.v = static_cast<std::uint16_t>(7 * i);
+    const std::int64_t energy = 1000 + 13 * i;
+    ray.set_energy(static_cast<std::uint64_t>(energy));
+    fog.take(ray);
+    const std::uint64_t drawn =
+        draw_at(RandomStream::kLoss, {5 << 13, 2 << 14, 2 << 14}, i, ray.v, ray.lifetime, 5) >> 40;
+    const auto chance = static_cast<std::int64_t>(drawn * static_cast<std::uint64_t>(one) >> 24);
+    ASSERT_EQ(ray.energy(), static_cast<std::uint64_t>(energy - (energy * a + chance) / one));
   }
 }
 

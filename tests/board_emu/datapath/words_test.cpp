@@ -350,13 +350,13 @@ TEST(PipelineWords, AShadeScalesTheColourUpToTheKneeAndAddsWhiteAbove) {
     entry.knee = static_cast<std::uint8_t>(words(0, 255));
     const Point gradient{static_cast<int>(words(-16352, 16352)), static_cast<int>(words(-16352, 16352)),
                          static_cast<int>(words(1022, 16352))};
-    const double intensity = reflectance(map.data(), gradient) / 32768.0;
+    const std::int64_t total =
+        entry.ambient * 256 + reference::nearest(std::int64_t{entry.reflect} * reflectance(map.data(), gradient), 128);
+    const std::int64_t base = std::min<std::int64_t>(total, entry.knee * 256);
     const Colour12 lit = shade(entry, gradient, map.data());
-    const double total = entry.ambient / 128.0 + entry.reflect / 128.0 * intensity;
     for (std::size_t c = 0; c < 3; ++c) {
-      // Half a unit of the word, and half a unit of 2^-15 in the shade.
-      ASSERT_NEAR(lit[c], reference::shaded(entry.colour[c] / 4095.0, total, entry.knee / 128.0) * 4095,
-                  0.5 + 4095.0 / 65536);
+      const std::int64_t sum = entry.colour[c] * base + 4095 * (total - base);
+      ASSERT_EQ(lit[c], std::min<std::int64_t>(reference::nearest(sum, 1 << 15), 4095));
     }
   }
 }
@@ -390,6 +390,7 @@ TEST(PipelineWords, IrradianceIsInterpolatedWithFourFractionBitsAndSaturates) {
   }
 }
 
+// Irradiance 11.4, gain 8.8 and exposure 16.16 make a shade of 15 fraction bits, rounded; so does the highlight, in 1/128.
 TEST(PipelineWords, ALitSampleHasItsColourTimesIrradianceGainAndExposure) {
   const std::vector<std::uint8_t> map = random_map(3);
   Words words(16);
@@ -398,23 +399,27 @@ TEST(PipelineWords, ALitSampleHasItsColourTimesIrradianceGainAndExposure) {
     for (std::uint16_t& c : entry.colour) c = words.u16(0, 4095);
     entry.ambient = static_cast<std::uint8_t>(words(0, 255));
     entry.specular = static_cast<std::uint8_t>(words(0, 255));
-    entry.set_gain(words.u32(0, 65535));
-    const std::uint32_t light = words.u32(0, 32767), exposure = words.u32(0, 1 << 17);
+    entry.set_gain(words.u32(0, i % 2 == 0 ? 65535 : 300));
+    const std::uint32_t light = words.u32(0, i % 3 == 0 ? 32767 : 100), exposure = words.u32(0, 1 << 17);
     const Point gradient{static_cast<int>(words(-16352, 16352)), static_cast<int>(words(-16352, 16352)),
                          static_cast<int>(words(0, 16352))};
     const double length = std::hypot(gradient[0], gradient[1], gradient[2]);
-    const double lit = std::min(light / 16.0 * (entry.gain() / 256.0) * (exposure / 65536.0), 8.0);
-    const double highlight = length < 1022 ? 0 : entry.specular / 128.0 * reflectance(map.data(), gradient) / 32768.0;
+    const std::int64_t product = std::int64_t{light} * entry.gain() * exposure;
+    const std::int64_t lit = std::min<std::int64_t>(reference::nearest(product, 1 << 13), 8 << 15);
+    const std::int64_t highlight =
+        length < 1022 ? 0 : reference::nearest(std::int64_t{entry.specular} * reflectance(map.data(), gradient), 128);
     const Colour12 got = illuminated(entry, light, exposure, gradient, map.data());
     for (std::size_t c = 0; c < 3; ++c) {
-      const double exact = std::min(entry.colour[c] / 4095.0 * (lit + entry.ambient / 128.0) + highlight, 1.0) * 4095;
-      ASSERT_NEAR(got[c], exact, 0.5 + 2 * 4095.0 / 65536);
+      const std::int64_t sum = entry.colour[c] * (lit + entry.ambient * 256) + 4095 * highlight;
+      ASSERT_EQ(got[c], std::min<std::int64_t>(reference::nearest(sum, 1 << 15), 4095));
     }
   }
   wire::SegmentationEntry white;
   white.colour = {4095, 4095, 4095};
   white.set_gain(256);
   EXPECT_EQ(illuminated(white, 8, 65536, {}, map.data()), (Colour12{2048, 2048, 2048})) << "2047.5 rounded up";
+  white.set_gain(1);
+  EXPECT_EQ(illuminated(white, 9, 4096, {}, map.data()), (Colour12{1, 1, 1})) << "a shade of 4.5 is 5: 0.62 units";
 }
 
 TEST(PipelineWords, WideOpacityIsExactToTwoUnitsOfAFloatsLastBit) {

@@ -59,6 +59,210 @@ TEST(HostRay, ThereAndBackIsWithinTheRounding) {
   }));
 }
 
+HostRay ray_along(Vec3 direction, double length, double energy = 0) {
+  HostRay ray;
+  ray.direction = direction;
+  ray.length = length;
+  ray.energy = energy;
+  return ray;
+}
+
+RaySetup setup_of(RayType type) {
+  RaySetup setup;
+  setup.request.type = type;
+  setup.dims = {32, 32, 32};
+  setup.energy_unit = 0.5;
+  return setup;
+}
+
+TEST(HostRay, ASegmentsLengthIsTheNearestWord) {
+  const RaySetup setup = setup_of(RayType::kSegment);
+  EXPECT_EQ(to_wire(ray_along({1, 0, 0}, 3.6 / 65536), setup).colour_word(), 4u);
+  EXPECT_EQ(to_wire(ray_along({1, 0, 0}, 1000.25), setup).colour_word(), 65552384u);
+  EXPECT_EQ(to_wire(ray_along({1, 0, 0}, 3), setup_of(RayType::kFirstHit)).colour_word(), 0u);
+  EXPECT_EQ(to_wire(ray_along({1, 0, 0}, 3, 1), setup_of(RayType::kOpacity)).colour_word(), 3u << 16);
+}
+
+TEST(HostRay, ADepositsEnergyIsInUnitsWithTwelveFractionBits) {
+  RaySetup setup = setup_of(RayType::kDeposit);
+  setup.request.lifetime = 77;
+  const wire::Ray low = to_wire(ray_along({1, 0, 0}, 0, 0.85), setup);  // 1.7 units: 6963.2
+  EXPECT_EQ(low.colour_word(), 6963u);
+  EXPECT_EQ(to_wire(ray_along({1, 0, 0}, 0, 0.5 * 6963.6 / 4096), setup).colour_word(), 6964u);
+  EXPECT_EQ(low.flags, wire::kHostRay | wire::kLightingRay);
+  EXPECT_EQ(low.lifetime, 77);
+  setup.request.albedo = Albedo::kHigh;
+  EXPECT_EQ(to_wire(ray_along({1, 0, 0}, 0, 1), setup).flags, wire::kHostRay | wire::kLightingRay | wire::kHighAlbedo);
+}
+
+// Length 3 in steps of at most 0.5: six steps of 0.5 voxels, each 1 long where voxels are twice as long.
+TEST(HostRay, ABackprojectedAmountIsThatOfAStepsPhysicalLength) {
+  RaySetup setup = setup_of(RayType::kBackproject);
+  setup.sampling.step = 0.5;
+  setup.spacing = {2, 1, 1};
+  const HostRay ray = ray_along({1, 0, 0}, 3, 100.3);
+  EXPECT_EQ(to_wire(ray, setup).opacity, 201u);  // 200.6
+  HostRay negative = ray;
+  negative.energy = -100.3;
+  EXPECT_EQ(to_wire(negative, setup).opacity, (1u << 24) - 201);
+  EXPECT_EQ(max_moved(to_wire(negative, setup), setup), 201u * 6);
+  setup.request.words = SumWords::kIrradiance;
+  EXPECT_EQ(to_wire(ray, setup).opacity, 821658u);  // 200.6 * 4096 = 821657.6
+  EXPECT_EQ(max_moved(to_wire(ray, setup), setup), 0u);
+  EXPECT_EQ(to_wire(ray_along({1, 0, 0}, 0, 5), setup).opacity, 0u);
+}
+
+TEST(HostRay, AnIntegralsUnitIsADensityStepTimesAStepsPhysicalLength) {
+  RaySetup setup = setup_of(RayType::kIntegral);
+  setup.sampling.step = 0.5;
+  setup.spacing = {1, 1, 3};
+  setup.range = {-1, 4};
+  const HostRay ray = ray_along({0, 0, 2}, 3.2);  // seven steps
+  EXPECT_NEAR(integral_unit(ray, setup), 5 / (8.0 * 4095) * (3.2 / 7) * 3, 1e-12);
+  wire::Ray packet;
+  packet.set_colour_word(1000);
+  EXPECT_EQ(integral_from_wire(packet, 0.25).integral, 250);
+  EXPECT_EQ(integral_from_wire(packet, 0.25).colour, (std::array<double, 3>{}));
+}
+
+TEST(HostRay, AThresholdIsTheNearestWordAndNeverNothing) {
+  EXPECT_EQ(opacity_word(1), wire::kOpacityOne);
+  EXPECT_EQ(opacity_word(0.5), 8388608u);  // 8388607.5
+  EXPECT_EQ(opacity_word(0.25), 4194304u);  // 4194303.75
+  EXPECT_EQ(opacity_word(1e-12), 1u);
+  View view;
+  view.step = 0.3;
+  EXPECT_EQ(step_word(view), 19661u);  // 19660.8
+}
+
+TEST(HostRay, AHeaderHasWhatItsTypeNeeds) {
+  RayRequest request{.type = RayType::kFirstHit, .opacity = 0.5, .albedo = Albedo::kHigh, .words = SumWords::kSums};
+  wire::TraceHeader header = trace_header(request, 17);
+  EXPECT_EQ(header.count, 17u);
+  EXPECT_EQ(header.type, wire::RayType::kFirstHit);
+  EXPECT_EQ(header.opacity, 8388608u);
+  EXPECT_EQ(header.albedo, wire::Albedo::kLow);
+  EXPECT_EQ(header.words, wire::SumWords::kIrradiance);
+  request.type = RayType::kIntegrate;
+  EXPECT_EQ(trace_header(request, 1).opacity, 0u);
+  request.type = RayType::kBackproject;
+  EXPECT_EQ(trace_header(request, 1).words, wire::SumWords::kWhole);
+  request.type = RayType::kDeposit;
+  header = trace_header(request, 1);
+  EXPECT_EQ(header.albedo, wire::Albedo::kHigh);
+  EXPECT_EQ(header.rules, wire::EnergyRules::kConserving);
+  EXPECT_EQ(header.words, wire::SumWords::kIrradiance);
+}
+
+TEST(HostRay, LegsOfALineAreCompositedFrontToBack) {
+  std::vector<TracedRay> legs(3);
+  legs[0].colour = {0.2, 0, 0};
+  legs[0].opacity = 0.5;
+  legs[1].colour = {0, 0.4, 0};
+  legs[1].opacity = 0.8;
+  legs[2].colour = {0, 0, 1};
+  legs[2].opacity = 1;
+  add_up(legs);
+  EXPECT_DOUBLE_EQ(legs[1].colour[0], 0.2);
+  EXPECT_DOUBLE_EQ(legs[1].colour[1], 0.2);
+  EXPECT_DOUBLE_EQ(legs[1].opacity, 0.9);
+  EXPECT_NEAR(legs[2].colour[2], 0.1, 1e-15);
+  EXPECT_DOUBLE_EQ(legs[2].opacity, 1);
+}
+
+TEST(HostRay, OfEqualPointsHasNoLengthAndRunsAlongZ) {
+  const HostRay none = ray_between(4, {1, 2, 3}, {1, 2, 3}), way = ray_between(5, {1, 2, 3}, {1, 5, 7});
+  EXPECT_EQ(none.length, 0);
+  EXPECT_EQ(none.direction, (Vec3{0, 0, 1}));
+  EXPECT_EQ(way.id, 5u);
+  EXPECT_EQ(way.length, 5);
+  EXPECT_EQ(way.direction, (Vec3{0, 3, 4}));
+  EXPECT_EQ(way.position, (Vec3{1, 2, 3}));
+}
+
+template <typename Edit>
+std::string refused_request(RayType type, Edit&& edit) {
+  RayRequest request;
+  request.type = type;
+  edit(request);
+  return refusal([&] { check(request); });
+}
+
+TEST(RayRequestCheck, AcceptsTheLimitsOfEachFieldAndNamesWhatIsBeyond) {
+  const auto same = [](RayRequest&) {};
+  for (int type = 0; type <= 6; ++type)
+    EXPECT_EQ(refused_request(static_cast<RayType>(type), same), "accepted") << type;
+  EXPECT_EQ(refused_request(static_cast<RayType>(7), same), "request.type: expected one of RayType's, got 7");
+  EXPECT_EQ(refused_request(static_cast<RayType>(-1), same), "request.type: expected one of RayType's, got -1");
+  for (const RayType type : {RayType::kFirstHit, RayType::kSegment, RayType::kOpacity}) {
+    EXPECT_EQ(refused_request(type, [](RayRequest& r) { r.opacity = 1e-9; }), "accepted");
+    EXPECT_EQ(refused_request(type, [](RayRequest& r) { r.opacity = 0; }),
+              "request.opacity: expected more than 0, at most 1, got 0");
+    EXPECT_EQ(refused_request(type, [](RayRequest& r) { r.opacity = 1.01; }),
+              "request.opacity: expected more than 0, at most 1, got 1.01");
+  }
+  EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.opacity = 0; }), "accepted") << "not used";
+  EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.step = 16; }), "accepted");
+  EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.step = 1.0 / 64; }), "accepted");
+  EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.step = 0.0156; }),
+            "request.step: expected 0.015625..16, got 0.0156");
+  EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.step = 17; }),
+            "request.step: expected 0.015625..16, got 17");
+  EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.words = static_cast<SumWords>(2); }),
+            "request.words: expected one of SumWords', got 2");
+  EXPECT_EQ(refused_request(RayType::kBackproject, [](RayRequest& r) { r.words = SumWords::kIrradiance; }), "accepted");
+  EXPECT_EQ(refused_request(RayType::kDeposit, [](RayRequest& r) { r.lifetime = 1023; }), "accepted");
+  EXPECT_EQ(refused_request(RayType::kDeposit, [](RayRequest& r) { r.lifetime = 1024; }),
+            "request.lifetime: expected 0..1023, got 1024");
+  EXPECT_EQ(refused_request(RayType::kDeposit, [](RayRequest& r) { r.lifetime = -1; }),
+            "request.lifetime: expected 0..1023, got -1");
+  EXPECT_EQ(refused_request(RayType::kIntegrate, [](RayRequest& r) { r.lifetime = -1; }), "accepted") << "not used";
+}
+
+TEST(HostRayCheck, KeepsLengthAndEnergyWithinTheirWords) {
+  const auto refused = [](RaySetup setup, double length, double energy) {
+    return refusal([&] { check(ray_along({1, 0, 0}, length, energy), 2, setup); });
+  };
+  const RaySetup segment = setup_of(RayType::kSegment);
+  EXPECT_EQ(refused(segment, 0, 0), "accepted");
+  EXPECT_EQ(refused(segment, 4096, 0), "accepted");
+  EXPECT_EQ(refused(segment, 4096.1, 0), "rays[2].length: expected 0..4096, got 4096.1");
+  EXPECT_EQ(refused(segment, -1, 0), "rays[2].length: expected 0..4096, got -1");
+  RaySetup deposit = setup_of(RayType::kDeposit);  // of units of 0.5
+  EXPECT_EQ(refused(deposit, 0, 0.5 / 4096), "accepted");
+  EXPECT_EQ(refused(deposit, 0, 0.49 / 4096).substr(0, 15), "rays[2].energy:");
+  EXPECT_EQ(refused(deposit, 0, 127.5), "accepted");
+  EXPECT_EQ(refused(deposit, 0, 127.6).substr(0, 15), "rays[2].energy:");
+  deposit.request.albedo = Albedo::kHigh;
+  EXPECT_EQ(refused(deposit, 0, 7.5), "accepted");
+  EXPECT_EQ(refused(deposit, 0, 7.6).substr(0, 15), "rays[2].energy:");
+  deposit.wide = true;
+  EXPECT_EQ(refused(deposit, 0, 0.5 * 16777215), "accepted");
+  EXPECT_EQ(refused(deposit, 0, 0.5 * 16777216).substr(0, 15), "rays[2].energy:");
+  RaySetup sums = setup_of(RayType::kBackproject);
+  sums.sampling.step = 1;
+  EXPECT_EQ(refused(sums, 3, 0.5 * 8388607), "accepted");
+  EXPECT_EQ(refused(sums, 3, -0.5 * 8388607), "accepted");
+  EXPECT_EQ(refused(sums, 3, 0.5 * 8388608), "rays[2].energy: expected -4194303.5..4194303.5, got 4194304");
+  EXPECT_EQ(refused(sums, 3, -0.5 * 8388608), "rays[2].energy: expected -4194303.5..4194303.5, got -4194304");
+  EXPECT_EQ(refused(sums, 3, std::nan("")), "rays[2].energy: expected a finite number, got nan");
+  sums.request.words = SumWords::kIrradiance;
+  EXPECT_EQ(refused(sums, 3, 0), "accepted");
+  EXPECT_EQ(refused(sums, 3, 1023), "accepted");
+  EXPECT_EQ(refused(sums, 3, 1025).substr(0, 15), "rays[2].energy:");
+  EXPECT_EQ(refused(sums, 3, -1).substr(0, 15), "rays[2].energy:");
+}
+
+TEST(PolylineCheck, NamesLineAndPoint) {
+  const std::vector<Vec3> one{{1, 1, 1}}, two{{1, 1, 1}, {2, 2, 2}}, outside{{1, 1, 1}, {2, 2, 32}};
+  const auto refused = [](const std::vector<Vec3>& points) {
+    return refusal([&] { check(Polyline{1, points}, 4, {32, 32, 32}); });
+  };
+  EXPECT_EQ(refused(two), "accepted");
+  EXPECT_EQ(refused(one), "lines[4].points: expected at least 2, got 1");
+  EXPECT_EQ(refused(outside), "lines[4].points[1].z: expected 0..31, got 32");
+}
+
 TEST(HostRayCheck, NamesRayAndField) {
   const Dims dims{32, 16, 8};
   const auto refused = [&](Vec3 position, Vec3 direction) {

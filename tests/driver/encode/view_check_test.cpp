@@ -75,6 +75,51 @@ TEST(ViewCheck, NamesWhatIsWrongWithImageAndSampling) {
             "opacity_threshold: expected 0..1, got 1.01");
 }
 
+// Every number of a view, its limits, and the next ones beyond.
+TEST(ViewCheck, TakesTheLimitsOfEachNumberAndNothingBeyond) {
+  struct Case {
+    const char* name;
+    void (*set)(View&, double);
+    double low, high, below, above;
+  };
+  constexpr double kFar = 1e9, kBeyond = 1e9 + 1e-6;
+  const Case cases[] = {
+      {"eye.x", [](View& v, double x) { v.eye.x = x; }, -kFar, kFar, -kBeyond, kBeyond},
+      {"eye.y", [](View& v, double x) { v.eye.y = x; }, -kFar, kFar, -kBeyond, kBeyond},
+      {"eye.z", [](View& v, double x) { v.eye.z = x; }, -kFar, kFar, -kBeyond, kBeyond},
+      {"look_at.x", [](View& v, double x) { v.look_at.x = x; }, -kFar, kFar, -kBeyond, kBeyond},
+      {"look_at.y", [](View& v, double x) { v.look_at.y = x; }, -kFar, kFar, -kBeyond, kBeyond},
+      {"look_at.z", [](View& v, double x) { v.look_at.z = x; }, -kFar, kFar, -kBeyond, kBeyond},
+      {"orthographic_height", [](View& v, double x) { v.orthographic_height = x; }, 0, kFar, -1e-9, kBeyond},
+      {"width", [](View& v, double x) { v.width = static_cast<int>(x); }, 1, 4095, 0, 4096},
+      {"height", [](View& v, double x) { v.height = static_cast<int>(x); }, 1, 4095, 0, 4096},
+      {"step", [](View& v, double x) { v.step = x; }, 1.0 / 64, 16, 0.0156, 16.001},
+      {"opacity_threshold", [](View& v, double x) { v.opacity_threshold = x; }, 0, 1, -0.001, 1.001},
+      {"exposure", [](View& v, double x) { v.exposure = x; }, 0, 1e308, -1e-300,
+       std::numeric_limits<double>::infinity()},
+      {"lifetime", [](View& v, double x) { v.lifetime = static_cast<int>(x); }, 0, 1023, -1, 1024},
+  };
+  for (const Case& it : cases) {
+    const auto with = [&it](double value) {
+      return refusal_after([&](View& view) {
+        view.up = {1e-4, 0.5, 0.7};
+        it.set(view, value);
+      });
+    };
+    EXPECT_EQ(with(it.low), "accepted") << it.name;
+    EXPECT_EQ(with(it.high), "accepted") << it.name;
+    EXPECT_EQ(with(it.below).substr(0, std::string(it.name).size() + 10), std::string(it.name) + ": expected");
+    EXPECT_EQ(with(it.above).substr(0, std::string(it.name).size() + 10), std::string(it.name) + ": expected");
+  }
+  for (const int samples : {0, 1, 2, 3, 4, 5, 8}) {
+    const bool good = samples == 1 || samples == 2 || samples == 4;
+    EXPECT_EQ(refusal_after([&](View& view) { view.samples_per_axis = samples; }) == "accepted", good) << samples;
+  }
+  EXPECT_EQ(refusal_after([](View& view) { view.filter = PixelFilter::kTent; }), "accepted");
+  EXPECT_EQ(refusal_after([](View& view) { view.up = {2e-6, 0, 1}; }), "accepted");
+  EXPECT_NE(refusal_after([](View& view) { view.up = {0.5e-6, 0, 1}; }), "accepted");
+}
+
 TEST(ViewCheck, NamesTheCutPlaneThatIsWrong) {
   EXPECT_EQ(refusal_after([](View& view) {
               view.cut_planes.assign(7, CutPlane{{0, 0, 1}, 0});

@@ -61,12 +61,6 @@ double reflected(const Texels& texels, const std::array<double, 3>& normal) {
          t * ((1 - s) * texel(column, row + 1) + s * texel(column + 1, row + 1));
 }
 
-// "Highlights": what a shade (1 = the sample's own colour) has above the knee adds white, the rest scales the colour.
-inline double shaded(double colour, double shade, double knee) {
-  const double base = std::min(shade, knee);
-  return std::min(1.0, colour * base + (shade - base));
-}
-
 // SplitMix64's finaliser: Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 constexpr std::uint64_t mixed(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
