@@ -32,19 +32,14 @@ bool wants_value(const CLI::App& app, const std::string& word) {
 }  // namespace
 
 std::vector<std::string> command_first(const CLI::App& app, const std::vector<std::string>& words) {
-  struct Early {
-    std::string name;
-    std::vector<std::string> words;
-  };
-  std::vector<Early> options;
-  std::vector<std::string> commands;
+  std::vector<std::string> commands, options;
   const CLI::App* command = &app;
   auto word = words.begin();
   while (word != words.end() && !commands_of(*command).empty()) {
     if (word->starts_with('-')) {
-      Early& option = options.emplace_back(Early{name_of(*word), {*word}});
-      const bool has_value = wants_value(app, *word++);
-      if (has_value && word != words.end()) option.words.push_back(*word++);
+      const bool has_value = wants_value(app, *word);
+      options.push_back(*word++);
+      if (has_value && word != words.end()) options.push_back(*word++);
       continue;
     }
     const auto below = commands_of(*command);
@@ -53,14 +48,8 @@ std::vector<std::string> command_first(const CLI::App& app, const std::vector<st
     command = *named;
     commands.push_back(*word++);
   }
-  std::vector<std::string> before, behind;
-  for (const Early& option : options) {
-    std::vector<std::string>& side = command->get_option_no_throw(option.name) != nullptr ? behind : before;
-    side.insert(side.end(), option.words.begin(), option.words.end());
-  }
-  std::vector<std::string> ordered = std::move(before);
-  ordered.insert(ordered.end(), commands.begin(), commands.end());
-  ordered.insert(ordered.end(), behind.begin(), behind.end());
+  std::vector<std::string> ordered = std::move(commands);
+  ordered.insert(ordered.end(), options.begin(), options.end());
   ordered.insert(ordered.end(), word, words.end());
   return ordered;
 }

@@ -55,7 +55,8 @@ std::size_t digits_of(const std::string& part) { return part.find_last_not_of("0
 // A counter in Prometheus' words.
 struct Metric {
   std::string name, help, value;
-  Labels labels;  // of parts that are numbered
+  Labels labels;        // of parts that are numbered
+  bool of_one = false;  // of one of several like parts of the board: processor0, not processor
 };
 
 // Cycles of any clock are cycles; which clock, the help says.
@@ -67,7 +68,7 @@ std::string plural(const std::string& unit) {
 // Nothing for what is a course in time already, one counter for each millisecond: Prometheus keeps that itself.
 std::optional<Metric> metric_of(const v1::Counter& counter) {
   constexpr std::string_view kPicoseconds = "_ps";
-  Metric metric{"gicube", "", std::to_string(counter.value()), {}};
+  Metric metric{"gicube", "", std::to_string(counter.value()), {}, false};
   std::string last, name = counter.name();
   const bool is_time = counter.unit() == "ps";
   if (is_time && name.ends_with(kPicoseconds)) name.resize(name.size() - kPicoseconds.size());
@@ -75,6 +76,7 @@ std::optional<Metric> metric_of(const v1::Counter& counter) {
     const std::size_t digits = digits_of(part);
     const std::string word = part.substr(0, digits);
     if (word == "ms" && digits < part.size()) return std::nullopt;
+    if (last.empty()) metric.of_one = digits < part.size();
     if (digits < part.size()) {  // processor0; or 3 of samples_with_misses.3, which counts the last word
       metric.labels.emplace_back(word.empty() ? last.substr(last.rfind('_') + 1) : word, part.substr(digits));
     }
@@ -106,16 +108,16 @@ void add(Families& families, const std::string& name, const char* type, const st
 
 void add_counters(Families& families, const Labels& board, const v1::CounterSnapshot& snapshot) {
   std::vector<Metric> metrics;
-  std::set<std::string> numbered;
+  std::set<std::string> divided;
   for (const v1::Counter& counter : snapshot.counters()) {
     std::optional<Metric> metric = metric_of(counter);
     if (!metric) continue;
-    if (!metric->labels.empty()) numbered.insert(metric->name);
+    if (metric->of_one) divided.insert(metric->name);
     metrics.push_back(std::move(*metric));
   }
   for (Metric& metric : metrics) {
     // A sum beside its parts would be counted twice.
-    if (metric.labels.empty() && numbered.contains(metric.name)) continue;
+    if (!metric.of_one && divided.contains(metric.name)) continue;
     Labels labels = board;
     labels.insert(labels.end(), metric.labels.begin(), metric.labels.end());
     add(families, metric.name, "counter", metric.help, std::move(labels), std::move(metric.value));

@@ -195,16 +195,24 @@ TEST(Export, LabelsProcessorsAndLeavesTheirSumToTheReader) {
   work(board);
   const Counters counters = board.counters();
   const Metrics metrics = parse(exporter.metrics());
-  double sum = 0;
-  std::set<std::string> processors;
-  const auto [begin, end] = metrics.equal_range("gicube_processor_sorter_issued_rays_total");
-  for (auto each = begin; each != end; ++each) {
-    sum += each->second.value;
-    processors.insert(each->second.labels.at("processor"));
-  }
-  EXPECT_EQ(processors, (std::set<std::string>{"0", "1", "2", "3"}));
-  EXPECT_EQ(sum, static_cast<double>(counters.value("processor.sorter.issued")));
-  EXPECT_TRUE(metrics.find("gicube_processor_cache_samples_with_misses_total")->second.labels.contains("misses"));
+  const auto sum_of = [&](const std::string& name, const std::string& label, const std::string& value) {
+    double sum = 0;
+    std::set<std::string> processors;
+    const auto [begin, end] = metrics.equal_range(name);
+    for (auto each = begin; each != end; ++each) {
+      const std::map<std::string, std::string>& labels = each->second.labels;
+      if (!label.empty() && labels.at(label) != value) continue;
+      sum += each->second.value;
+      EXPECT_TRUE(labels.contains("processor")) << name;
+      if (labels.contains("processor")) processors.insert(labels.at("processor"));
+    }
+    EXPECT_EQ(processors, (std::set<std::string>{"0", "1", "2", "3"})) << name;
+    return sum;
+  };
+  EXPECT_EQ(sum_of("gicube_processor_sorter_issued_rays_total", "", ""),
+            static_cast<double>(counters.value("processor.sorter.issued")));
+  EXPECT_EQ(sum_of("gicube_processor_cache_samples_with_misses_total", "misses", "1"),
+            static_cast<double>(counters.value("processor.cache.samples_with_misses.1")));
 }
 
 TEST(Export, ABoardThatGoesAwayIsNoError) {

@@ -151,6 +151,7 @@ TEST(Options, ThatTheCommandDoesNotKnowAreRefusedOnBothSides) {
   const Finished before = run_program("gicube-smi", {"-n", "2", "validate"});
   EXPECT_EQ(before.code, 2);
   EXPECT_THAT(before.err, HasSubstr("-n"));
+  EXPECT_THAT(run_program("gicube-smi", {"--json", "export", "--listen", "nowhere"}).err, HasSubstr("--json"));
   const Finished behind = run_program("gicube-smi", {"validate", "-n", "2"});
   EXPECT_EQ(behind.code, 2);
   EXPECT_THAT(behind.err, HasSubstr("-n"));
