@@ -32,12 +32,12 @@ struct Fog {
     packet.flags = flags;
     return unpack(packet, lit.scene.frame);
   }
-  Interaction take(RayState& ray) {
+  Interaction take(RayState& ray, WideWords* wide = nullptr) {
     const Frame& frame = lit.scene.frame;
     const BlockGrid grid(*frame.volume);
     const Cell at = cell(ray.position, grid.low(ray.position));
     const BlockView view = frame.volume->view(grid.block(ray.position));
-    return interact(ray, nullptr, {at, view, grid.block(ray.position), 9}, frame, counters);
+    return interact(ray, wide, {at, view, grid.block(ray.position), 9}, frame, counters);
   }
 
   LitScene lit;
@@ -233,6 +233,83 @@ TEST(Shares, AScatteredRaysDirectionIsDrawnByItsPlaceItsNumberItsFlightAndTheSee
   }
 }
 
+TEST(Shares, WhetherAPhotonIsScatteredIsDrawnByItsNumberItsFlightAndTheSeed) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.rules = wire::EnergyRules::kConserving;
+  frame.seed = 7;
+  fog.set(65535, 26'214, wire::Bsdf::kIsotropic);  // Ks = 0.4
+  fog.lit.scene.set_depths();
+  for (std::uint16_t i = 1; i < 500; ++i) {
+    RayState ray = fog.ray(wire::kLightingRay | wire::kHighAlbedo, i);
+    ray.v = static_cast<std::uint16_t>(3 * i);
+    ray.lifetime = 700;
+    ray.set_energy(std::uint64_t{15} << kEnergyFractionBits);
+    fog.take(ray);
+    const auto drawn = static_cast<double>(draw(RandomStream::kAbsorption, i, ray.v, 700, 7) >> 48) / 65536;
+    ASSERT_EQ(ray.generation == 1, drawn < 26'214 / 65535.0);
+  }
+}
+
+TEST(Shares, OnTheWideDatapathARenderingRayTakesTheAbsorbedPartInFloats) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.type = wire::RayType::kIntegrate;
+  frame.scatter = true;
+  std::mt19937 random(9);
+  for (int i = 0; i < 50; ++i) {
+    const auto opacity = static_cast<std::uint16_t>(1 + random() % 65534),
+               ks = static_cast<std::uint16_t>(random() % 65536);
+    fog.set(opacity, ks, wire::Bsdf::kIsotropic);
+    fog.lit.scene.widen();
+    RayState ray = fog.ray(0, static_cast<std::uint16_t>(i));
+    WideWords wide;
+    fog.take(ray, &wide);
+    const double exact = opacity / 65535.0 * (1 - ks / 65535.0);
+    ASSERT_NEAR(wide.opacity, exact, 1e-6 * exact) << opacity << ' ' << ks;
+  }
+}
+
+// A ray that was scattered at a surface passes it, until it has been outside.
+TEST(Shares, ATrappedRayPassesItsMaterialUntilItHasLeftIt) {
+  Fog fog;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  const auto taken = [&fog](std::uint16_t opacity, wire::Bsdf bsdf) {
+    fog.set(opacity, 65535, bsdf);
+    fog.lit.scene.set_depths();
+    RayState ray = fog.ray(wire::kLightingRay | wire::kHighAlbedo | wire::kTrapped, 4);
+    ray.under_way = true;
+    ray.set_energy(std::uint64_t{15} << kEnergyFractionBits);
+    fog.take(ray);
+    return ray;
+  };
+  const RayState inside = taken(65535, wire::Bsdf::kTrap);
+  EXPECT_TRUE(inside.is(wire::kTrapped));
+  EXPECT_EQ(inside.position[0], 7 << 13);
+  EXPECT_EQ(inside.interacted, 0u);
+  const RayState outside = taken(0, wire::Bsdf::kTrap);
+  EXPECT_FALSE(outside.is(wire::kTrapped));
+  EXPECT_EQ(outside.position[0], 7 << 13);
+  const RayState elsewhere = taken(65535, wire::Bsdf::kIsotropic);
+  EXPECT_FALSE(elsewhere.is(wire::kTrapped));
+  EXPECT_EQ(elsewhere.generation, 1) << "another material scatters it";
+}
+
+TEST(Shares, ARayThatMeetsATrapWaitsThereWithItsMaterialsTag) {
+  Fog fog;
+  fog.lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  fog.set(65535, 65535, wire::Bsdf::kTrap);
+  fog.lit.scene.set_depths();
+  RayState ray = fog.ray(wire::kLightingRay | wire::kHighAlbedo, 4);
+  ray.set_energy(std::uint64_t{15} << kEnergyFractionBits);
+  EXPECT_EQ(fog.take(ray).outcome, Outcome::kTrapped);
+  EXPECT_TRUE(ray.is(wire::kTrapped));
+  EXPECT_EQ(ray.flags >> kTrapTagShift, 0);
+  EXPECT_EQ(fog.counters.traps, 1u);
+  EXPECT_EQ(fog.counters.scatterings, 1u);
+  EXPECT_EQ(ray.lifetime, wire::kLifetimeMax) << "it is counted down when the routine has answered";
+}
+
 // The loss is rounded up if the draw's fraction is more than what is missing to a whole unit of the energy's word.
 TEST(Shares, TheLossOfEnergyIsRoundedByADrawOfItsPlace) {
   Fog fog;
@@ -304,6 +381,67 @@ TEST(Shares, ARayAtTheEndOfItsLifetimeGivesItsEnergyUp) {
   EXPECT_EQ(ray.lifetime, 0);
   EXPECT_EQ(ray.generation, 1);
   EXPECT_EQ(ray.energy(), std::uint64_t{100} << kEnergyFractionBits);
+}
+
+// One pass each: what it counts, and how far it goes.
+TEST(Passes, OfASegmentEndWithItsStepsWhetherItGathersOrLeaps) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.type = wire::RayType::kOpacity;
+  frame.step = wire::kStepOne / 8;
+  fog.set(1000, 0, wire::Bsdf::kNone);
+  wire::Ray packet;
+  packet.position = {1u << 13, 2u << 14, 2u << 14};
+  packet.direction = {16384, 0, 0};
+  packet.set_colour_word(2u << 16);  // two voxels: 16 steps
+  const BlockGrid grid(*frame.volume);
+  RayState ray = unpack(packet, frame);
+  RayCounters counters;
+  for (int taken = 0; taken < 16; ++taken) {
+    ASSERT_EQ(end(ray, frame), Termination::kNot);
+    ASSERT_EQ(ray.steps_left(), 16 - taken);
+    const Cell at = cell(ray.position, grid.low(ray.position));
+    const BlockView view = frame.volume->view(0);
+    gather(ray, nullptr, {at, view, 0, 9}, frame, counters);
+  }
+  EXPECT_EQ(end(ray, frame), Termination::kLeft);
+  EXPECT_EQ(counters.samples, 16u);
+  EXPECT_EQ(counters.visible_samples, 16u);
+  EXPECT_NEAR(ray.opacity / double{wire::kOpacityOne}, reference::corrected(1000 / 65535.0, 2), 1e-5);
+
+  ray = unpack(packet, frame);
+  EXPECT_EQ(leap(ray, {0, 0, 0}, 8 << 14, frame, counters), 16) << "the segment ends before its block";
+  EXPECT_EQ(ray.steps_left(), 0);
+  EXPECT_EQ(counters.leaps, 1u);
+  EXPECT_EQ(counters.samples, 16u);
+  EXPECT_TRUE(ray.under_way);
+  packet.set_colour_word(30u << 16);
+  ray = unpack(packet, frame);
+  EXPECT_EQ(leap(ray, {0, 0, 0}, 2 << 14, frame, counters), 12) << "the first sample lies at 9/16";
+  EXPECT_EQ(ray.steps_left(), 240 - 12);
+}
+
+TEST(Passes, OfALightingRayCountItsSampleAndTakeItOffTheSurface) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  fog.set(1000, 0, wire::Bsdf::kNone);
+  RayState ray = fog.ray(wire::kLightingRay | wire::kTrapped, 1);
+  ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
+  const BlockGrid grid(*frame.volume);
+  const Cell at = cell(ray.position, grid.low(ray.position));
+  const BlockView view = frame.volume->view(0);
+  RayCounters counters;
+  leap(ray, {0, 0, 0}, 8 << 14, frame, counters);
+  EXPECT_FALSE(ray.is(wire::kTrapped));
+  ray = fog.ray(wire::kLightingRay, 1);
+  ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
+  sample(ray, nullptr, {at, view, 0, 9}, frame, counters);
+  EXPECT_EQ(counters.samples, 1u);
+  EXPECT_EQ(counters.visible_samples, 1u);
+  fog.set(0, 0, wire::Bsdf::kNone);
+  sample(ray, nullptr, {at, view, 0, 9}, frame, counters);
+  EXPECT_EQ(counters.samples, 2u);
+  EXPECT_EQ(counters.visible_samples, 1u);
 }
 
 TEST(Shares, GenerationsSaturateAtFifteen) {
