@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include "datapath/interaction.h"
+#include "lighting_rig.h"
 
 namespace gicube::emu {
 namespace {
@@ -119,6 +123,101 @@ TEST(DepthTable, KnowsWhereAllDensitiesHaveOneOpacity) {
   EXPECT_FALSE(table.uniform(0, range(50, 250))) << "the same at both ends";
   EXPECT_TRUE(table.uniform(0, range(200, 4095)));
   EXPECT_TRUE(table.uniform(1, range(0, 4095)));
+}
+
+// A volume of rough densities and a ray whose samples lie in the middle of its cell.
+struct Rough {
+  explicit Rough(unsigned seed) : lit({5, 5, 5}, 8, false), random(seed) {
+    lit.scene.fill([this](int, int, int) { return wire::Voxel{static_cast<std::uint16_t>(1000 + random() % 1000)}; });
+    lit.scene.frame.rules = wire::EnergyRules::kConserving;
+  }
+  RayState ray(const Point& direction, std::uint32_t step) {
+    lit.scene.frame.step = step;
+    wire::Ray packet;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      packet.direction[axis] = static_cast<std::int16_t>(direction[axis]);
+      packet.position[axis] = static_cast<std::uint32_t>((2u << 14) + 7000 + random() % 2000);
+    }
+    packet.flags = wire::kLightingRay;
+    return unpack(packet, lit.scene.frame);
+  }
+  RayPart part(const RayState& ray, bool first) {
+    const Frame& frame = lit.scene.frame;
+    const Cell at = cell(ray.position, {0, 0, 0});
+    const BlockView view = frame.volume->view(0);
+    const Sample sample = sample_at(ray.position, frame);
+    return RayPart::of(ray, {at, view, 0, 9}, 0, sample.entry->opacity, first, frame);
+  }
+  // The density at `steps` from the sample.
+  double density(const RayState& ray, double steps) const {
+    const BlockView view = lit.scene.frame.volume->view(0);
+    std::array<double, 3> f{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      f[axis] = (ray.position[axis] + steps * ray.step[axis]) / wire::kVoxel - 2;
+    double sum = 0;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      double weight = 1;
+      std::size_t voxel = 0, stride = 1;
+      for (std::size_t axis = 0; axis < 3; ++axis, stride *= 9) {
+        const bool upper = (corner >> axis & 1) != 0;
+        weight *= upper ? f[axis] : 1 - f[axis];
+        voxel += stride * (upper ? 3 : 2);
+      }
+      sum += weight * view.voxels[voxel].channel[0] / 8.0;
+    }
+    return sum;
+  }
+
+  LitScene lit;
+  std::mt19937 random;
+};
+
+TEST(RayPart, HasTheDepthsOfDensitiesThatAreLinearBetweenItsEndsAndTheSample) {
+  Rough rough(1);
+  for (std::size_t i = 0; i < 4096; ++i)
+    rough.lit.scene.segmentation[i].opacity = static_cast<std::uint16_t>(i < 1400 ? 0 : (i - 1400) * 90);
+  rough.lit.scene.set_depths();
+  const DepthTable& table = *rough.lit.scene.depths;
+  for (int i = 0; i < 500; ++i) {
+    const RayState ray = rough.ray({9000, -9700, 9600}, wire::kStepOne / 5 + 1);
+    for (const bool first : {false, true}) {
+      const double length = ray.exponent / 65536.0, middle = rough.density(ray, 0);
+      const double before = first ? 0 : table.between(0, rough.density(ray, -0.5), middle, length / 2).depth;
+      const double depth = before + table.between(0, middle, rough.density(ray, 0.5), length / 2).depth;
+      ASSERT_NEAR(rough.part(ray, first).opacity(), -std::expm1(-depth) * wire::kOpacityOne, 0.5 + 1e-3);
+    }
+  }
+}
+
+TEST(RayPart, OfOneOpacityIsCorrectedForItsLengthRounded) {
+  Rough rough(2);
+  for (std::size_t i = 0; i < 4096; ++i) rough.lit.scene.segmentation[i].opacity = 30'000;
+  rough.lit.scene.set_depths();
+  const OpacityCorrection correct;
+  const RayState ray = rough.ray({16384, 0, 0}, 12'001);
+  ASSERT_EQ(ray.exponent, 12'001u);
+  EXPECT_EQ(rough.part(ray, false).opacity(), correct(30'000, 12'001));
+  EXPECT_EQ(rough.part(ray, true).opacity(), correct(30'000, 6001)) << "6000.5";
+  EXPECT_NE(correct(30'000, 6001), correct(30'000, 6000));
+}
+
+// Along x the density grows from 1000 to 2000 in the cell; from 1500 on nothing passes.
+TEST(RayPart, EndsAtAWallAndHasPlacesBeforeIt) {
+  Rough rough(3);
+  rough.lit.scene.fill([](int x, int, int) { return wire::Voxel{static_cast<std::uint16_t>(x <= 2 ? 1000 : 2000)}; });
+  for (std::size_t i = 0; i < 4096; ++i) rough.lit.scene.segmentation[i].opacity = i < 1500 ? 60'000 : 65535;
+  rough.lit.scene.set_depths();
+  RayState ray = rough.ray({16384, 0, 0}, wire::kStepOne);
+  ray.position[0] = (2 << 14) + 4096;
+  const RayPart part = rough.part(ray, false);
+  EXPECT_EQ(part.opacity(), wire::kOpacityOne);
+  const Frame& frame = rough.lit.scene.frame;
+  // Depth 2.47 a voxel before the wall, half a unit below 1500; log 2^25 in it.
+  const double fog = -std::log1p(-60'000 / 65535.0), way = 0.4995, all = fog * way + std::log(2.0 * wire::kOpacityOne);
+  EXPECT_NEAR(part.place(0, 0, frame), -0.25, 1e-9);
+  EXPECT_NEAR(part.place(0.25 * fog * way / all, 0, frame), -0.25 + 0.25 * way, 1e-3);
+  EXPECT_NEAR(part.place(0.75 * fog * way / all, 0, frame), -0.25 + 0.75 * way, 1e-3);
+  EXPECT_NEAR(part.place(0.5, 0, frame), -0.25 + way, 1e-3);
 }
 
 }  // namespace

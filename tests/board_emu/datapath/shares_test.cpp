@@ -421,6 +421,85 @@ TEST(Passes, OfASegmentEndWithItsStepsWhetherItGathersOrLeaps) {
   EXPECT_EQ(ray.steps_left(), 240 - 12);
 }
 
+TEST(Passes, OfARenderingRayGatherItsColourAndOpacity) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.type = wire::RayType::kIntegrate;
+  fog.set(20'000, 0, wire::Bsdf::kNone);
+  fog.lit.scene.segmentation[0].colour = {4000, 2000, 7};
+  const BlockGrid grid(*frame.volume);
+  for (const bool colourless : {false, true}) {
+    frame.type = colourless ? wire::RayType::kFirstHit : wire::RayType::kIntegrate;
+    RayState ray = fog.ray(0, 1), expected = ray;
+    const Cell at = cell(ray.position, grid.low(ray.position));
+    const BlockView view = frame.volume->view(0);
+    RayCounters counters;
+    gather(ray, nullptr, {at, view, 0, 9}, frame, counters);
+    over(expected, colourless ? Colour12{} : Colour12{4000, 2000, 7}, alpha_of(fog));
+    EXPECT_EQ(ray.opacity, expected.opacity);
+    EXPECT_EQ(ray.colour, expected.colour);
+    EXPECT_EQ(ray.position[0], 7 << 13);
+  }
+}
+
+// A hit is the sample before the ray's place; a segment's end half a step before it; what lies outside is put on the face.
+TEST(Packets, HoldWhatARayGatheredAndWhereItEnded) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  RayState ray = fog.ray(0, 9);
+  ray.v = 77;
+  ray.opacity = 5'000'000;
+  ray.colour = {1, 2, 3};
+  ray.lifetime = 44;
+  ray.generation = 5;
+  const auto packed = [&](wire::RayType type, std::uint32_t threshold) {
+    frame.type = type;
+    frame.opacity_threshold = threshold;
+    return pack(ray, frame);
+  };
+  const wire::Ray plain = packed(wire::RayType::kIntegrate, 5'000'000);
+  EXPECT_EQ(plain.position, (std::array<std::uint32_t, 3>{5u << 13, 2u << 14, 2u << 14}));
+  EXPECT_EQ(plain.u, 9);
+  EXPECT_EQ(plain.v, 77);
+  EXPECT_EQ(plain.opacity, 5'000'000u);
+  EXPECT_EQ(plain.colour, ray.colour);
+  EXPECT_EQ(plain.contribution, (wire::kOpacityOne - 5'000'000) >> 12);
+  EXPECT_EQ(plain.lifetime, 44);
+  EXPECT_EQ(plain.generation, 5);
+  EXPECT_EQ(plain.direction, ray.direction);
+  EXPECT_EQ(packed(wire::RayType::kFirstHit, 5'000'000).position[0], 3u << 13);
+  EXPECT_EQ(packed(wire::RayType::kFirstHit, 5'000'001).position[0], 5u << 13);
+  EXPECT_EQ(packed(wire::RayType::kSegment, 5'000'001).position[0], 2u << 14);
+  ray.position[0] = 9 << 14;
+  EXPECT_EQ(packed(wire::RayType::kIntegrate, 5'000'001).position[0], 4u << 14);
+  ray.position[0] = -3;
+  EXPECT_EQ(packed(wire::RayType::kIntegrate, 5'000'001).position[0], 0u);
+}
+
+// A rendering ray's sample stands for the step behind it: it is scattered there, exponentially.
+TEST(Shares, ARenderingRayIsScatteredWithinTheStepBehindItsSample) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.type = wire::RayType::kIntegrate;
+  frame.rules = wire::EnergyRules::kConserving;
+  frame.scatter = frame.high_albedo = true;
+  fog.set(50'000, 65535, wire::Bsdf::kIsotropic);
+  const double depth = -std::log1p(-50'000 / 65535.0);
+  double mean = 0;
+  int count = 0;
+  for (int i = 0; i < 40'000; ++i) {
+    RayState ray = fog.ray(0, static_cast<std::uint16_t>(i));
+    fog.take(ray);
+    if (ray.generation == 0) continue;
+    const double way = ray.position[0] / double{wire::kVoxel} - 2.5;
+    ASSERT_GE(way, 0);
+    ASSERT_LE(way, 1);
+    mean += way;
+    ++count;
+  }
+  EXPECT_NEAR(mean / count, 1 / depth - 1 / std::expm1(depth), 0.006);  // four standard errors
+}
+
 TEST(Passes, OfALightingRayCountItsSampleAndTakeItOffTheSurface) {
   Fog fog;
   Frame& frame = fog.lit.scene.frame;

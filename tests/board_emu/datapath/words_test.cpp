@@ -139,16 +139,17 @@ TEST(PipelineWords, CompositingAddsTheWeightOfWhatIsLeftAndTheColoursPartOfIt) {
   }
 }
 
-TEST(PipelineWords, OpacityCorrectionHasTheWordsOfItsTablesHalves) {
+TEST(PipelineWords, OpacityCorrectionIsNearlyWithoutBiasAndExactAtItsEnds) {
   const OpacityCorrection correct;
-  // 1 - (1 - 32768/65535)^e: golden words, within the tables' bound of the closed form.
+  // Golden words, within the bound of the tables.
   for (const auto& [alpha, exponent] :
        {std::pair(0.5, 1.0), std::pair(0.25, 0.5), std::pair(0.01, 2.0), std::pair(0.9, 0.125)}) {
     const auto word = static_cast<std::uint16_t>(std::lround(alpha * 65535));
     const double exact = reference::corrected(word / 65535.0, exponent) * wire::kOpacityOne;
     EXPECT_NEAR(correct(word, static_cast<std::uint32_t>(exponent * 65536)), exact, 2) << alpha;
   }
-  // At a whole power of two of transparency and of the exponent the tables have no error but their last bit.
+  EXPECT_EQ(correct(65534, 65536), wire::kOpacityOne - 256);
+  EXPECT_EQ(correct(65534, 8 << 16), wire::kOpacityOne) << "2^-128 is nothing";
   EXPECT_EQ(correct(65535 - 32768, 0), 0u);
   Words words(6);
   double worst = 0, sum = 0;
