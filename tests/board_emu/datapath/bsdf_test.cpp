@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "datapath/scatter.h"
@@ -209,6 +210,22 @@ TEST(Bsdf, WhereNothingIsLeftOfASumTheNormalOrTheRayIsTaken) {
   const Direction in = wire::direction_words(against, kCubes);
   const Direction out = scattered(material(wire::Bsdf::kDullScattering, 1), in, {}, kCubes, 7);
   EXPECT_NEAR(std::hypot(out[0], out[1], out[2]), 16384, 2);
+}
+
+// A ray that just grazes leaves on the side that the gradient tells.
+TEST(Bsdf, ARayAlongTheSurfaceIsReflectedAgainstTheGradient) {
+  for (const Vector& v : directions(material(wire::Bsdf::kDiffuse), {1, 0, 0}, kUp)) ASSERT_GE(v[2], 0);
+}
+
+// Golden entries: the lattice and its shuffle, computed apart from this tree.
+TEST(Bsdf, TheTableOfRandomDirectionsHasTheseWords) {
+  const std::array<std::pair<std::size_t, Vector>, 4> golden{{{0, {-0.130881, 0.419665, -0.898193}},
+                                                              {1, {0.189098, 0.125721, -0.973877}},
+                                                              {2047, {0.906470, 0.399441, 0.136963}},
+                                                              {4095, {-0.762573, -0.638287, -0.105225}}}};
+  for (const auto& [i, expected] : golden) {
+    for (std::size_t axis = 0; axis < 3; ++axis) EXPECT_NEAR(random_direction(i)[axis], expected[axis], 1e-6) << i;
+  }
 }
 
 // In a volume of long voxels a direction word is not a physical direction.

@@ -47,6 +47,8 @@ TEST(SegmentationLut, TheWideDatapathGetsTwelveFurtherBitsAndNothingElseChanges)
     // Half a unit, or a whole one where the word ends.
     EXPECT_NEAR(entry(alpha, true).wide_opacity(), alpha, 1.01 / 65535 / wire::kFineOpacityOne) << alpha;
   }
+  EXPECT_EQ(entry((100 + 10.7 / 4096) / 65535, true).opacity_fine, 11);
+  EXPECT_EQ(entry((100 - 10.7 / 4096) / 65535, true).opacity_fine, -11);
   EXPECT_EQ(entry(1, true).wide_opacity(), 1);
   EXPECT_LT(entry(1 - 1e-7, true).wide_opacity(), 1);
   EXPECT_EQ(entry(1e-9, true).wide_opacity(), 0);

@@ -38,6 +38,25 @@ TEST(Command, TheTicketIsTheFramesId) {
   EXPECT_EQ(seen, ticket);
 }
 
+TEST(Command, AWaitHasItsTicketAndADeadlineOnlyIfThereIsOne) {
+  std::vector<Frame> waits;
+  {
+    FakeBoard board([&waits](FakeBoard& self) {
+      self.shake_hands();
+      for (int i = 0; i < 2; ++i) {
+        waits.push_back(*self.receive());
+        self.respond(waits.back(), 0);
+      }
+      self.drain();
+    });
+    Link link(board.take_socket(), kPatient);
+    link.wait(0x01020304, 0, kNoDeadline, {});
+    link.wait(5, 0, 0x1122334455667788, {});
+  }
+  EXPECT_EQ(waits[0].payload, (std::vector<std::uint8_t>{4, 3, 2, 1}));
+  EXPECT_EQ(waits[1].payload, (std::vector<std::uint8_t>{5, 0, 0, 0, 0x88, 0x77, 0x66, 0x55, 0x44, 0x33, 0x22, 0x11}));
+}
+
 TEST(Command, AResultIsKeptUntilItIsTakenOnce) {
   FakeBoard board([](FakeBoard& self) {
     self.shake_hands();

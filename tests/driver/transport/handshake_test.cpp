@@ -73,6 +73,51 @@ TEST(Handshake, SendsTheDriversVersionFirst) {
   EXPECT_EQ(heard, driver_version());
 }
 
+TEST(Handshake, TheDriverKnowsAllLevelsProgressAndHostRays) { EXPECT_EQ(driver_version().capabilities, 0x1Fu); }
+
+TEST(Handshake, ALongAnswerIsRefusedByItsHeader) {
+  for (const std::uint32_t size : {wire::kMaxHandshakePayload, wire::kMaxHandshakePayload + 1}) {
+    const auto text = open_error([size](FakeBoard& self) {
+      self.respond(*self.receive(), 0, std::vector<std::uint8_t>(size, 0xFF));
+      self.drain();
+    });
+    const std::string refusal = "the peer announced a handshake of " + std::to_string(size) + " bytes, at most " +
+                                std::to_string(wire::kMaxHandshakePayload) + " are allowed";
+    EXPECT_EQ(text.find(refusal) != std::string::npos, size > wire::kMaxHandshakePayload) << text;
+  }
+}
+
+TEST(Handshake, AVersionThatIsNoResponseIsRefused) {
+  const auto text = open_error([](FakeBoard& self) {
+    self.receive();
+    self.send({wire::FrameType::kVersion}, std::vector<std::uint8_t>(wire::kVersionBytes));
+    self.drain();
+  });
+  EXPECT_THAT(text, HasSubstr("another type"));
+}
+
+// Credit is handed back at half of the window: the board's largest frame must fit the other half.
+TEST(Handshake, ADriversWindowHoldsTwoOfTheLargestFrames) {
+  const auto opened = [](std::uint64_t window) {
+    FakeBoard board([](FakeBoard& self) {
+      wire::VersionInfo theirs;
+      theirs.max_payload_bytes = 5000;
+      self.shake_hands(theirs);
+      self.drain();
+    });
+    LinkOptions options;
+    options.mine.window_bytes = window;
+    try {
+      const Link link(board.take_socket(), options);
+      return std::string("opened");
+    } catch (const OpenFailed& error) {
+      return std::string(error.what());
+    }
+  };
+  EXPECT_EQ(opened(10'000), "opened");
+  EXPECT_THAT(opened(9'998), HasSubstr("window is too small"));
+}
+
 TEST(Handshake, AnotherMajorVersionIsAVersionMismatchWithBothNumbers) {
   wire::VersionInfo theirs;
   theirs.major = 9;

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -127,6 +128,8 @@ TEST_F(Launch, LongLastWordsAreCutToTheirLastLines) {
   const std::string text = child.last_words();
   EXPECT_THAT(text, HasSubstr("line 2999"));
   EXPECT_LT(text.size(), 4200u);
+  EXPECT_GT(text.size(), 4000u) << "four KiB, but for the line that is cut";
+  EXPECT_THAT(text, ::testing::StartsWith("gicube-board ended with exit code 1:\nline ")) << "whole lines";
 }
 
 TEST_F(Launch, AChildThatWasKilledSaysByWhichSignal) {
@@ -142,6 +145,45 @@ TEST_F(Launch, ARunningChildHasNoLastWords) {
 
 TEST_F(Launch, AProgramThatCannotRunIsAnOpenFailure) {
   EXPECT_THROW(ChildProcess((folder_ / "missing").string(), {}), OpenFailed);
+}
+
+// What the application ignores is not the board's affair, and Ctrl-C is not either.
+TEST_F(Launch, TheChildHasAProcessGroupOfItsOwnAndIgnoresNoSignal) {
+  const auto before = ::signal(SIGUSR2, SIG_IGN);
+  ChildProcess child(script("read -r id name state parent group rest </proc/$$/stat; echo $id $group >&3\n"
+                            "grep SigIgn /proc/$$/status >&3"),
+                     {});
+  ::signal(SIGUSR2, before);
+  std::istringstream said(receive_all(child.take_socket()));
+  int id = 0, group = -1;
+  std::string word, ignored;
+  said >> id >> group >> word >> ignored;
+  EXPECT_GT(id, 0);
+  EXPECT_EQ(group, id);
+  EXPECT_EQ(std::stoull(ignored, nullptr, 16) & (1ULL << (SIGUSR2 - 1)), 0u);
+}
+
+// It is told by the socket that closes, then by SIGTERM.
+TEST_F(Launch, AChildThatDoesNotHearTheSocketIsTerminated) {
+  std::string id;
+  {
+    ChildProcess child(script("echo $$ >&3; exec 3>&-; while :; do sleep 0.1; done"), {});
+    id = receive_all(child.take_socket());
+  }
+  EXPECT_EQ(::kill(std::stoi(id), 0), -1);
+}
+
+TEST(Fd, HasNothingLeftAfterItsRelease) {
+  Fd owner(::dup(2));
+  const int number = owner.release();
+  EXPECT_GE(number, 3);
+  EXPECT_EQ(owner.get(), -1);
+  Fd other(number), third(std::move(other));
+  EXPECT_EQ(other.get(), -1);
+  EXPECT_EQ(third.get(), number);
+  third.reset();
+  EXPECT_EQ(third.get(), -1);
+  EXPECT_EQ(::fcntl(number, F_GETFD), -1) << "closed";
 }
 
 TEST_F(Launch, TheChildIsGoneWhenItsObjectIs) {

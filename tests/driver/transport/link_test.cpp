@@ -237,6 +237,71 @@ TEST(Link, AResponseThatClaimsFourGigabytesEndsTheSessionBeforeMemoryIsTaken) {
               ::testing::ThrowsMessage<DeviceLost>(HasSubstr("4294967295")));
 }
 
+TEST(Link, AResponseBeyondTheAgreedLimitIsRefusedWithBothSizes) {
+  FakeBoard board([](FakeBoard& self) {
+    wire::VersionInfo mine;
+    mine.max_payload_bytes = 5000;
+    self.shake_hands(mine);
+    self.respond(*self.receive(), 0, std::vector<std::uint8_t>(5000));
+    self.respond(*self.receive(), 0, std::vector<std::uint8_t>(5001));
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  EXPECT_EQ(link.request(FrameType::kCounters, 0, {}).payload.size(), 5000u);
+  EXPECT_THAT([&] { link.request(FrameType::kCounters, 0, {}); },
+              ::testing::ThrowsMessage<DeviceLost>(
+                  HasSubstr("the board announced 5001 payload bytes, agreed were at most 5000")));
+}
+
+TEST(Link, AnAnswerThatIsNotMarkedAsOneIsAFault) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame request = *self.receive();
+    wire::FrameHeader header{request.header.type};
+    header.id = request.header.id;
+    self.send(header);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  EXPECT_THAT([&] { link.request(FrameType::kCounters, 0, {}); },
+              ::testing::ThrowsMessage<DeviceLost>(HasSubstr("not made")));
+}
+
+TEST(Link, EachErrorOfTheBoardHasItsOwnType) {
+  using enum wire::ErrorCode;
+  const auto text = [](wire::ErrorCode code) {
+    try {
+      throw_error(code, "words");
+    } catch (const BoardBusy& error) {
+      return std::string("BoardBusy ") + error.what();
+    } catch (const VersionMismatch& error) {
+      return std::string("VersionMismatch ") + error.what();
+    } catch (const Unsupported& error) {
+      return std::string("Unsupported ") + error.what();
+    } catch (const MemoryFault& error) {
+      return std::string("MemoryFault ") + error.what();
+    } catch (const DeviceLost& error) {
+      return "DeviceLost " + std::to_string(static_cast<int>(error.cause())) + ' ' + error.what();
+    } catch (const Rejected& error) {
+      return std::string("Rejected ") + error.what();
+    }
+  };
+  const auto lost = [](Loss cause) { return "DeviceLost " + std::to_string(static_cast<int>(cause)) + ' '; };
+  EXPECT_EQ(text(kBusy), "BoardBusy the board is busy: words");
+  EXPECT_EQ(text(kVersion), "VersionMismatch the board speaks another version: words");
+  EXPECT_EQ(text(kUnsupported), "Unsupported words");
+  EXPECT_EQ(text(kMemory), "MemoryFault words");
+  EXPECT_EQ(text(kProtocol), lost(Loss::kEnded) + "the board ended the session: words");
+  EXPECT_EQ(text(kTooLarge), lost(Loss::kEnded) + "the board ended the session: words");
+  EXPECT_EQ(text(kCancelled), lost(Loss::kEnded) + "the board shuts down: words");
+  EXPECT_EQ(text(kCorrupted), lost(Loss::kCorrupted) + "words");
+  EXPECT_EQ(text(kTaken), lost(Loss::kTakenOver) + "words");
+  EXPECT_EQ(text(kBadValue), "Rejected words");
+  EXPECT_TRUE(ends_session(kTaken));
+  EXPECT_TRUE(ends_session(kProtocol));
+  EXPECT_FALSE(ends_session(kBadValue));
+}
+
 TEST(Link, WhatTheBoardDoesNotOweIsAFault) {
   const auto reason_after = [](const FakeBoard::Script& misbehave) {
     FakeBoard board([&misbehave](FakeBoard& self) {

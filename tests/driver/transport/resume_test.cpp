@@ -117,6 +117,31 @@ TEST(Resume, ByItselfLetsTheCallGoOn) {
   EXPECT_EQ(response.payload, bytes_of("four"));
 }
 
+TEST(Resume, IsOverOnceTheDriverHasGivenUp) {
+  Boards boards({[](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   self.drain();
+                 },
+                 [](FakeBoard&) {}});
+  Link link(boards.connect(), boards.options(1));
+  EXPECT_THROW(link.give_up("it can't have meant that"), DeviceLost);
+  EXPECT_EQ(text_of_loss(link), "the board is lost: it can't have meant that");
+  EXPECT_FALSE(link.resume());
+  EXPECT_NO_THROW(boards.connect()) << "the second was not asked for";
+}
+
+// Without a session there is nothing to resume, however many attempts there may be.
+TEST(Resume, ByItselfNeedsASession) {
+  Boards boards({[](FakeBoard& self) {
+                   self.shake_hands();
+                   self.receive();
+                 },
+                 [](FakeBoard&) {}});
+  Link link(boards.connect(), boards.options(3));
+  EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
+  EXPECT_NO_THROW(boards.connect()) << "the second was not asked for";
+}
+
 TEST(Resume, ByItselfEndsAfterSoManyAttemptsWithoutProgress) {
   const FakeBoard::Script hangs_up = [](FakeBoard& self) {
     self.shake_hands(board_with_session());

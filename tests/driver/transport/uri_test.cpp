@@ -12,7 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-std::string error_of(const char* text) {
+std::string error_of(std::string_view text) {
   try {
     parse_uri(text);
   } catch (const BadArgument& error) {
@@ -105,6 +105,31 @@ TEST(Uri, ACaptureIsTheDriversOwnAffair) {
   EXPECT_EQ(uri.capture, "a session");
   EXPECT_TRUE(uri.board_arguments.empty());
   EXPECT_THROW(parse_uri("emu:?capture="), BadArgument);
+}
+
+TEST(Uri, ARefusalNamesFieldExpectationAndValueInThisOrder) {
+  EXPECT_EQ(error_of("usb:0"), "URI: expected emu:, unix:PATH or tcp:HOST:PORT, got \"usb:0\"");
+  EXPECT_EQ(error_of("emu:0"), "URI: expected emu: or emu:?option=value, got \"emu:0\"");
+  EXPECT_EQ(error_of("emu:?fidelity"), "URI option: expected option=value, got \"fidelity\"");
+  EXPECT_EQ(error_of("emu:?bus=pci33&bus=agp1x"), "URI option bus: expected to be given once, got it twice");
+  EXPECT_EQ(error_of("emu:?threads=1025"), "URI option threads: expected a number from 0 to 1024, got \"1025\"");
+  EXPECT_EQ(error_of("emu:?threads=1024"), "accepted");
+  EXPECT_EQ(error_of("emu:?config="), "URI option config: expected a file name, got \"\"");
+  for (const char* set : {"a", "=1", "a.b="}) {
+    EXPECT_EQ(error_of(std::string("emu:?set=") + set),
+              std::string("URI option set: expected path.to.field=value, got \"") + set + '"');
+  }
+  EXPECT_EQ(error_of("unix:"), "URI: expected unix:PATH, got no path");
+  EXPECT_EQ(
+      error_of("unix:/a?b"),
+      "URI: expected unix:PATH without options (they are for emu:; %3F stands for ? in a path), got \"unix:/a?b\"");
+  EXPECT_EQ(error_of("unix:/a%4"), "URI path: expected two hexadecimal digits after each %, got \"/a%4\"");
+  EXPECT_EQ(error_of("unix:/a%00"), "URI path: expected no %00, got \"/a%00\"");
+  EXPECT_EQ(error_of(std::string_view("unix:/a\0b", 9)), "URI path: expected text without zero bytes, got one at 2");
+  EXPECT_EQ(error_of("tcp:host"), "URI: expected tcp:HOST:PORT, got \"tcp:host\"");
+  EXPECT_EQ(error_of("tcp:[]:7000"), "URI: expected tcp:[IPV6]:PORT, got \"tcp:[]:7000\"");
+  EXPECT_EQ(error_of("tcp:host:0"),
+            "URI: expected a port from 1 to 65535 in tcp:HOST:PORT, and no options, got \"tcp:host:0\"");
 }
 
 TEST(Uri, HoldsNoZeroByte) {

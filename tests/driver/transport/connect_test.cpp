@@ -1,0 +1,139 @@
+#include "transport/connect.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "gicube/error.h"
+#include "gicube/wire/capture.h"
+#include "transport/frame_stream.h"
+
+namespace gicube {
+namespace {
+
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+constexpr std::chrono::seconds kLong{20};
+
+// A TCP socket that listens on a free port of this machine.
+struct Listener {
+  Listener() : socket(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::listen(socket.get(), 1), 0);
+    EXPECT_EQ(::getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &size), 0);
+    port = ntohs(address.sin_port);
+  }
+  Uri uri() const {
+    Uri out;
+    out.scheme = UriScheme::kTcp;
+    out.host = "127.0.0.1";
+    out.port = port;
+    return out;
+  }
+  Fd socket;
+  std::uint16_t port = 0;
+};
+
+TEST(Connect, ToATcpPortWithoutDelayOfSmallFrames) {
+  const Listener listener;
+  for (const std::chrono::milliseconds watchdog : {std::chrono::milliseconds(0), std::chrono::milliseconds(kLong)}) {
+    const Fd socket = connect(listener.uri(), watchdog);
+    int no_delay = 0;
+    socklen_t size = sizeof no_delay;
+    EXPECT_EQ(::getsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &no_delay, &size), 0);
+    EXPECT_NE(no_delay, 0);
+    EXPECT_EQ(::fcntl(socket.get(), F_GETFD), FD_CLOEXEC);
+  }
+}
+
+TEST(Connect, WhereNobodyListensFailsWithThePlace) {
+  Uri nobody;
+  {
+    const Listener listener;
+    nobody = listener.uri();
+  }
+  const std::string where = "cannot connect to tcp:127.0.0.1:" + std::to_string(nobody.port) + ": ";
+  EXPECT_THAT([&] { connect(nobody, kLong); }, ::testing::ThrowsMessage<OpenFailed>(HasSubstr(where)));
+  Uri path;
+  path.scheme = UriScheme::kUnix;
+  path.path = "/nowhere/board";
+  EXPECT_THAT([&] { connect(path, kLong); },
+              ::testing::ThrowsMessage<OpenFailed>(HasSubstr("cannot connect to unix:/nowhere/board: ")));
+  path.path = std::string(108, 'a');
+  EXPECT_THAT([&] { connect(path, kLong); },
+              ::testing::ThrowsMessage<BadArgument>("URI path: expected at most 107 bytes, got 108"));
+  path.path = std::string(107, 'a');
+  EXPECT_THROW(connect(path, kLong), OpenFailed);
+}
+
+// A queue of one that is full: the next connection waits.
+TEST(Connect, ThatIsNotTakenRunsIntoTheWatchdog) {
+  const Listener listener;
+  std::vector<Fd> waiting;
+  std::string text;
+  for (int i = 0; i < 8 && text.empty(); ++i) {
+    try {
+      waiting.push_back(connect(listener.uri(), std::chrono::milliseconds(100)));
+    } catch (const TimedOut& error) {
+      text = error.what();
+    }
+  }
+  EXPECT_EQ(text, "no connection to tcp:127.0.0.1:" + std::to_string(listener.port) + " within 100 ms");
+}
+
+class CaptureFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "gicube-capture-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder = name;
+  }
+  void TearDown() override {
+    ::unsetenv("GICUBE_CAPTURE");
+    fs::remove_all(folder);
+  }
+  fs::path folder;
+};
+
+TEST_F(CaptureFile, HoldsAHeaderTheFramesAndTheEnd) {
+  const fs::path file = folder / "session";
+  std::array<std::uint8_t, wire::kFrameHeaderBytes> header{};
+  const std::vector<std::uint8_t> payload{1, 2, 3};
+  {
+    const FrameTap tap = capture_session(file.string(), 0);
+    tap(true, header, payload);
+    tap(false, header, {});
+  }
+  // 16 bytes of the file, 16 of each record, their frames.
+  EXPECT_EQ(fs::file_size(file), 16u + (16 + 48 + 3) + (16 + 48) + 16);
+  capture_session(file.string(), 2);
+  EXPECT_TRUE(fs::exists(folder / "session.2"));
+  EXPECT_THROW(capture_session("/nowhere/session", 0), OpenFailed);
+}
+
+TEST_F(CaptureFile, IsNamedByTheEnvironmentIfNotByTheUri) {
+  ::unsetenv("GICUBE_CAPTURE");
+  EXPECT_FALSE(capture_session("", 0));
+  ::setenv("GICUBE_CAPTURE", "", 1);
+  EXPECT_FALSE(capture_session("", 0));
+  ::setenv("GICUBE_CAPTURE", (folder / "all").c_str(), 1);
+  EXPECT_TRUE(capture_session("", 5));
+  EXPECT_TRUE(capture_session("", 5));
+  EXPECT_TRUE(fs::exists(folder / "all"));
+  EXPECT_TRUE(fs::exists(folder / "all.1"));
+}
+
+}  // namespace
+}  // namespace gicube
