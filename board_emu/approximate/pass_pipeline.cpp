@@ -76,19 +76,24 @@ void PassProcessor::change_block(QueuedRay ray, Point at, Cycle out) {
   if (!out_blocked_) enter_links();
 }
 
-inline Point PassProcessor::drawn_step(const QueuedRay& ray) const {
-  const auto words = std::bit_cast<std::array<std::uint16_t, 6>>((*shared_.rays)[ray.ray].step);
-  const std::array<std::int16_t, 3> direction{static_cast<std::int16_t>(words[0]), static_cast<std::int16_t>(words[1]),
-                                              static_cast<std::int16_t>(words[2])};
+// What a drawn step is drawn from: the words of drawn_from().
+struct DrawnFrom {
+  std::array<std::int16_t, 3> direction;
+  std::uint16_t u, v, unused;
+};
+
+// A jittered step's, 16.16 voxels.
+inline std::uint32_t PassProcessor::distance_of(const QueuedRay& ray) const {
+  const auto words = std::bit_cast<DrawnFrom>((*shared_.rays)[ray.ray].step);
   Point position = unpacked(ray.at);
   for (std::size_t axis = 0; axis < 3; ++axis) position[axis] += corner_[axis];
-  const std::uint32_t factor = jitter(position, words[3], words[4]);
-  return step_vector(direction, static_cast<std::uint32_t>(round_shift<16>(std::int64_t{frame_->step} * factor)));
+  return jittered(*frame_, jitter(position, words.u, words.v));
 }
 
 inline Point PassProcessor::step_of(const QueuedRay& ray) const {
-  if (jitter_) return drawn_step(ray);
-  if (!short_steps_) return (*shared_.rays)[ray.ray].step;
+  const PassRay& words = (*shared_.rays)[ray.ray];
+  if (jitter_) return step_vector(std::bit_cast<DrawnFrom>(words.step).direction, distance_of(ray));
+  if (!short_steps_) return words.step;
   // What a field borrowed from is added to it again.
   const auto field = [](std::uint64_t from) {
     return static_cast<std::int32_t>(static_cast<std::int64_t>(from << (64 - kField)) >> (64 - kField));
@@ -97,6 +102,20 @@ inline Point PassProcessor::step_of(const QueuedRay& ray) const {
   const std::uint64_t above = (ray.step - static_cast<std::uint64_t>(std::int64_t{x})) >> kField;
   const std::int32_t y = field(above);
   return {x, y, field((above - static_cast<std::uint64_t>(std::int64_t{y})) >> kField)};
+}
+
+inline FinePoint PassProcessor::fine_step_of(const QueuedRay& ray) const {
+  const PassRay& words = (*shared_.rays)[ray.ray];
+  if (!jitter_) return fine(words.step, words.step_rest);
+  return fine_step_vector(std::bit_cast<DrawnFrom>(words.step).direction, distance_of(ray));
+}
+
+// Where a ray is after a step that is its own; `rest`: on the wide datapath, what it then has below a unit.
+inline std::uint64_t PassProcessor::next_place(const QueuedRay& ray, Rest& rest) const {
+  if (!wide_) return ray.at + packed(step_of(ray));
+  const FinePoint to = moved(fine(unpacked(ray.at), (*shared_.rays)[ray.ray].rest), fine_step_of(ray), 1);
+  rest = rest_of(to);
+  return packed(units_of(to));
 }
 
 // One pass of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
@@ -112,17 +131,30 @@ bool PassProcessor::pass_out(Cycle& now) {
   now_ = std::max({now, started_[(passes_ - prefetch_) % kRemembered], oldest_taken()});
   now = now_ + 1;
   computing_ = std::max(computing_ + 1, now_ + prefetch_);
-  const Point step = step_of(ray);
+  const bool wide = wide_;
+  Rest& rest = (*shared_.rays)[ray.ray].rest;
+  const Point step = wide ? Point{} : step_of(ray);
+  const FinePoint fine_step = wide ? fine_step_of(ray) : FinePoint{};
   Point at = unpacked(ray.at);
+  const FinePoint from = wide ? fine(at, rest) : FinePoint{};
   std::int32_t steps = 1;
   if (empty_ != nullptr && empty_[block_] != 0) {
     ++counters_.leaps;
-    steps = std::min(leap_steps(at, step, Point{}, grid_.size()), ray.left);
+    const std::int32_t out_of_block =
+        wide ? leap_steps(from, fine_step, FinePoint{}, std::int64_t{grid_.size()} << kRestBits)
+             : leap_steps(at, step, Point{}, grid_.size());
+    steps = std::min(out_of_block, ray.left);
   } else {
     computing_ = fetch(cache_.check(block_, cell(at, Point{}).voxel), computing_);
   }
   started_[passes_++ % kRemembered] = computing_;
-  for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += steps * step[axis];
+  if (wide) {
+    const FinePoint to = moved(from, fine_step, steps);
+    at = units_of(to);
+    rest = rest_of(to);
+  } else {
+    for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += steps * step[axis];
+  }
   ray.left -= steps;
   const Cycle out = computing_ + compute_;
   if (ray.left <= 0) {
@@ -147,7 +179,7 @@ inline Cycle PassProcessor::own_return() const {
 
 // Turns of the active queue's rays one after the other, until it is empty or something else happens. In most a ray takes a step
 // within the block and comes back, and nothing is asked for; what they change is kept in registers.
-template <bool kJitter, bool kPlain>
+template <bool kAlike, bool kPlain>
 void PassProcessor::rotate(Cycle& ends, Cycle until) {
   const std::uint32_t* const tags = cache_.plain_tags();
   const std::uint32_t block = block_;
@@ -170,7 +202,9 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
     for (; now <= last; ++first) {
       const QueuedRay& ray = places[first & mask];
       if (ray.ready > now) break;
-      const std::uint64_t at = ray.at, step = ray.step, to = at + (kJitter ? packed(drawn_step(ray)) : step);
+      const std::uint64_t at = ray.at, step = ray.step;
+      [[maybe_unused]] Rest rest{};
+      const std::uint64_t to = kAlike ? at + step : next_place(ray, rest);
       goes_out = goes_out || (to & leaving) != 0 || ray.left == 1;
       if (goes_out) break;
       bool there = false;
@@ -200,6 +234,9 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
         taken = oldest_taken();
       }
       started_[(passes + first) % kRemembered] = computing;
+      if constexpr (!kAlike) {
+        if (wide_) (*shared_.rays)[ray.ray].rest = rest;
+      }
       places[(first + size) & mask] = {to, step, computing + come_back, ray.ray, ray.left - 1};
     }
     active_rays_.rotated(first - begin);

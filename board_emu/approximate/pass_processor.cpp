@@ -42,10 +42,12 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   computing_ = std::max(computing_, now);
   frame_ = &frame;
   jitter_ = frame.jitter;
+  wide_ = frame.wide;
   short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare
   const bool plain = cache_.plain_tags() != nullptr;
-  rotate_ = jitter_ ? (plain ? &PassProcessor::rotate<true, true> : &PassProcessor::rotate<true, false>)
-                    : (plain ? &PassProcessor::rotate<false, true> : &PassProcessor::rotate<false, false>);
+  const bool alike = !jitter_ && !wide_;
+  rotate_ = alike ? (plain ? &PassProcessor::rotate<true, true> : &PassProcessor::rotate<true, false>)
+                  : (plain ? &PassProcessor::rotate<false, true> : &PassProcessor::rotate<false, false>);
   empty_ = frame.leap ? frame.empty.data() : nullptr;
   grid_ = BlockGrid(*frame.volume);
   block_shift_ = std::countr_zero(static_cast<std::uint32_t>(grid_.size()));

@@ -36,12 +36,14 @@
 
 namespace gicube::emu {
 
-// A ray under way. Of jittered rays `step` has the words from which each step is drawn.
+// A ray under way. Of jittered rays `step` has the words from which each step is drawn. `rest`, `step_rest`: of the wide datapath
+// (datapath/advance.h).
 struct PassRay {
   Point position{};  // from its block's least corner
   Point step{};
   std::int32_t left = 0;  // steps to its end
   std::uint32_t block = 0;
+  Rest rest{}, step_rest{};
 };
 
 // All rays under way, each in one place; what goes from part to part is its handle.
@@ -153,7 +155,7 @@ class PassProcessor {
   // A ray in a queue, or on its way back to one.
   struct QueuedRay {
     std::uint64_t at = 0;
-    std::uint64_t step = 0;  // if it is not drawn
+    std::uint64_t step = 0;  // if all are alike
     Cycle ready = 0;         // when it is in the queue
     std::uint32_t ray = 0;   // its handle
     std::int32_t left = 0;   // steps
@@ -191,15 +193,17 @@ class PassProcessor {
   Cycle arrive(Cycle now, Cycle before);
   QueuedRay queued_ray(std::uint32_t handle, Cycle ready) const;
   void put(const QueuedRay& ray, std::size_t block);
-  template <bool kJitter, bool kPlain>
+  template <bool kAlike, bool kPlain>
   void rotate(Cycle& now, Cycle until);
   [[gnu::noinline]] bool pass_out(Cycle& now);
   // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
   [[gnu::noinline]] Cycle fetch(const Misses& misses, Cycle first);
   Cycle own_return() const;
-  Point drawn_step(const QueuedRay& ray) const;
+  std::uint32_t distance_of(const QueuedRay& ray) const;
   Point step_of(const QueuedRay& ray) const;
+  FinePoint fine_step_of(const QueuedRay& ray) const;
+  std::uint64_t next_place(const QueuedRay& ray, Rest& rest) const;
   void finish(std::uint32_t handle, Cycle out);
   void change_block(QueuedRay ray, Point at, Cycle out);
   Cycle retry(Cycle now) const;
@@ -236,7 +240,7 @@ class PassProcessor {
   std::uint32_t tree_places_;  // on that way
   bool ideal_memory_;
   const Frame* frame_ = nullptr;
-  bool jitter_ = false;
+  bool jitter_ = false, wide_ = false;
   bool short_steps_ = false;                                // each fits in its fields
   void (PassProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
   const std::uint8_t* empty_ = nullptr;                     // by block, if empty ones are leapt over

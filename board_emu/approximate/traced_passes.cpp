@@ -18,6 +18,8 @@ void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
     const RayState start = unpack(*ray, frame_);
     way.position = start.position;
     way.step = frame_.jitter ? drawn_from(start.direction, start.u, start.v) : start.step;
+    way.rest = start.rest;
+    way.step_rest = start.step_rest;
     rays.push_back(*ray);
     places.push_back(i);
   }

@@ -54,7 +54,6 @@ Processor::Processor(const ProcessorConfig& config)
 void Processor::begin(const Frame& frame) {
   frame_ = &frame;
   scatters_or_deposits_ = !frame.plain();
-  wide_ = gathers_wide(frame);
   grid_ = BlockGrid(*frame.volume);
   edge_ = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
 }
@@ -138,9 +137,9 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
       splat(ray.block, deposit_of(ray_state, *frame_), entry);
       how = Termination::kAbsorbed;
     } else if (!scatters_or_deposits_) {
-      gather(ray_state, wide_of(issued.ray), site, *frame_, counts_);
+      gather(ray_state, site, *frame_, counts_);
     } else {
-      how = after(sample(ray_state, wide_of(issued.ray), site, *frame_, counts_), ray, entry);
+      how = after(sample(ray_state, site, *frame_, counts_), ray, entry);
     }
   }
 

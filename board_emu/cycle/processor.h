@@ -91,7 +91,6 @@ class Processor {
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
   Termination after(const Interaction& interaction, RayUnderWay& ray, InFlight& entry);
-  WideWords* wide_of(std::uint32_t ray) const { return wide_ ? &rays_.wide(ray) : nullptr; }
   Splat& add_splat(std::uint32_t block, InFlight& entry);
   Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
   RayToken carrier(const RayState& from, const Interaction& interaction, std::uint32_t block);
@@ -125,7 +124,6 @@ class Processor {
   SplatUnit splats_;
 
   bool scatters_or_deposits_ = false;  // rays of this frame do more than gather
-  bool wide_ = false;                  // gathers_wide() of it
   bool fed_ = false;                   // a ray entered the prefetch line in this cycle
   bool backed_up_ = false;
   bool bubble_ = false;  // the compute line got nothing, and not because it was stalled or waited

@@ -74,8 +74,7 @@ void RayEngine::take_back(Cycle now) {
 RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
   RayUnderWay& ray = rays_[token.ray];
   std::uint32_t cycles = 0;
-  const Interaction interaction =
-      resolve_trap(ray.ray_state, gathers_wide(*frame_) ? &rays_.wide(token.ray) : nullptr, *frame_, counts_, cycles);
+  const Interaction interaction = resolve_trap(ray.ray_state, *frame_, counts_, cycles);
   counts_.trap_cycles += cycles;
   work_for(now, overflow_cycles_ / 2 + cycles);
   if (interaction.outcome == Outcome::kTrapped) return Scattered::kToHost;
@@ -102,7 +101,7 @@ std::optional<RayToken> RayEngine::make() {
     return std::nullopt;
   }
   ++rays_made_;
-  RayUnderWay ray{unpack(*made, *frame_), 0};
+  RayUnderWay ray{0, unpack(*made, *frame_)};
   if (const Termination how = end(ray.ray_state, *frame_);
       how != Termination::kNot) {  // its clipping leaves nothing of it
     count_end(ray.ray_state, how, *frame_, counts_);
@@ -112,7 +111,6 @@ std::optional<RayToken> RayEngine::make() {
   }
   ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.ray_state.position));
   const std::uint32_t handle = rays_.add(ray);
-  if (gathers_wide(*frame_)) rays_.wide(handle) = wide_words(ray.ray_state);
   if (index_of_.size() <= handle) index_of_.resize(handle + 1);
   index_of_[handle] = index;
   return launch(handle);

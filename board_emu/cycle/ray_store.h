@@ -1,6 +1,7 @@
 // The rays under way on the ASIC. FIFOs carry handles into this store: a ray's words change in one place.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -8,11 +9,12 @@
 
 namespace gicube::emu {
 
-// A cache line of the host: most passes of a ray begin by missing it.
+// Two cache lines of the host: most passes of a ray begin by missing the first, and only those of the wide datapath need the other.
 struct alignas(64) RayUnderWay {
-  RayState ray_state;
   std::uint32_t block = 0;  // that its position lies in
+  RayState ray_state;
 };
+static_assert(offsetof(RayUnderWay, ray_state) + offsetof(RayState, wide) == 64);
 
 class RayStore {
  public:
@@ -34,16 +36,10 @@ class RayStore {
 
   RayUnderWay& operator[](std::uint32_t handle) { return rays_[handle]; }
   const RayUnderWay& operator[](std::uint32_t handle) const { return rays_[handle]; }
-  // What a ray of a frame that gathers_wide() has gathered. The reference is good until the next call.
-  WideWords& wide(std::uint32_t handle) {
-    if (wide_.size() <= handle) wide_.resize(rays_.capacity());
-    return wide_[handle];
-  }
   std::size_t under_way() const { return rays_.size() - free_.size(); }
 
  private:
   std::vector<RayUnderWay> rays_;
-  std::vector<WideWords> wide_;  // none on the paper's datapath
   std::vector<std::uint32_t> free_;
 };
 

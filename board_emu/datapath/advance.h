@@ -5,11 +5,40 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "datapath/fixed.h"
 #include "words/words.h"
 
 namespace gicube::emu {
+
+// A position or a step of the wide datapath: 30 fraction bits, as a direction times a length has. Nothing is rounded, so a ray's
+// position is its start plus any number of steps exactly.
+using FinePoint = std::array<std::int64_t, 3>;
+inline constexpr int kRestBits = 16;  // below the units of positions
+// What such a word has below a unit. A flight begins half a unit up, so that the units alone are rounded to nearest.
+using Rest = std::array<std::uint16_t, 3>;
+inline constexpr std::uint16_t kHalfUnit = 1u << (kRestBits - 1);
+inline constexpr Rest kHalfUnits{kHalfUnit, kHalfUnit, kHalfUnit};
+
+constexpr FinePoint fine(const Point& units, const Rest& rest) {
+  FinePoint out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = std::int64_t{units[axis]} * (1 << kRestBits) + rest[axis];
+  return out;
+}
+constexpr Point units_of(const FinePoint& fine) {
+  Point out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = static_cast<std::int32_t>(fine[axis] >> kRestBits);
+  return out;
+}
+constexpr Rest rest_of(const FinePoint& fine) {
+  Rest out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = static_cast<std::uint16_t>(fine[axis]);
+  return out;
+}
+constexpr FinePoint moved(const FinePoint& position, const FinePoint& step, std::int64_t steps) {
+  return {position[0] + steps * step[0], position[1] + steps * step[1], position[2] + steps * step[2]};
+}
 
 // The vector of one step of `length` (16.16 voxels) along a ray's direction (1.14, unit length).
 constexpr Point step_vector(const std::array<std::int16_t, 3>& direction, std::uint32_t length) {
@@ -17,6 +46,13 @@ constexpr Point step_vector(const std::array<std::int16_t, 3>& direction, std::u
   for (std::size_t axis = 0; axis < 3; ++axis) {
     step[axis] = static_cast<std::int32_t>(round_shift<16>(std::int64_t{direction[axis]} * length));
   }
+  return step;
+}
+
+// The same on the wide datapath.
+constexpr FinePoint fine_step_vector(const std::array<std::int16_t, 3>& direction, std::uint32_t length) {
+  FinePoint step{};
+  for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = std::int64_t{direction[axis]} * length;
   return step;
 }
 
@@ -33,20 +69,51 @@ constexpr bool beyond(const Plane& plane, const Point& position, const Point& st
   return dot(plane.normal, step) < 0 && dot(plane.normal, position) < plane.offset;
 }
 
+// How far a position of the wide datapath, which is half a unit up, is inside of a kept half space: 44 fraction bits.
+constexpr std::int64_t fine_height(const Plane& plane, const FinePoint& position) {
+  constexpr std::int64_t kFarOff = std::int64_t{1} << 46;  // beyond any volume
+  std::int64_t height = -std::clamp(plane.offset, -kFarOff, kFarOff) * (1 << kRestBits);
+  for (std::size_t axis = 0; axis < 3; ++axis) height += plane.normal[axis] * (position[axis] - kHalfUnit);
+  return height;
+}
+constexpr std::int64_t fine_slope(const Plane& plane, const FinePoint& step) {
+  return plane.normal[0] * step[0] + plane.normal[1] * step[1] + plane.normal[2] * step[2];
+}
+constexpr bool fine_beyond(const Plane& plane, const FinePoint& position, const FinePoint& step) {
+  return fine_slope(plane, step) < 0 && fine_height(plane, position) < 0;
+}
+
 // The least number of whole steps that take `position` out of the block [low, low + size) on some axis; at least 1.
 // Whole steps keep the samples where they would have been: without jitter, leaping never changes a bit. (The paper leaps
 // to the block's face, "but at least dr"; docs/reference/hardware.md.)
-constexpr std::int32_t leap_steps(const Point& position, const Point& step, const Point& low, std::int32_t size) {
-  std::int32_t least = size;  // a step that moves at all moves at least one unit
+template <typename Word>
+constexpr std::int32_t leap_steps(const std::array<Word, 3>& position, const std::array<Word, 3>& step,
+                                  const std::array<Word, 3>& low, std::type_identity_t<Word> size) {
+  Word least = size;  // a step that moves at all moves at least one unit
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int32_t s = step[axis];
+    const Word s = step[axis];
     if (s > 0) {
-      least = std::min(least, (low[axis] + size - position[axis] + s - 1) / s);
+      least = std::min<Word>(least, (low[axis] + size - position[axis] + s - 1) / s);
     } else if (s < 0) {
-      least = std::min(least, (position[axis] - low[axis]) / -s + 1);
+      least = std::min<Word>(least, (position[axis] - low[axis]) / -s + 1);
     }
   }
-  return least;
+  return static_cast<std::int32_t>(least);
 }
+
+// The least number of whole steps, at most `most`, that take a position inside out of the volume.
+template <typename Word>
+constexpr std::int32_t steps_inside(const std::array<Word, 3>& position, const std::array<Word, 3>& step,
+                                    const std::array<Word, 3>& extent, std::int32_t most) {
+  Word least = most;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Word s = step[axis];
+    if (s > 0) least = std::min<Word>(least, (extent[axis] - position[axis]) / s + 1);
+    if (s < 0) least = std::min<Word>(least, position[axis] / -s + 1);
+  }
+  return static_cast<std::int32_t>(least);
+}
+// The greatest position of the wide datapath that is in the volume.
+constexpr FinePoint fine_extent(const Point& extent) { return fine(extent, {0xFFFF, 0xFFFF, 0xFFFF}); }
 
 }  // namespace gicube::emu

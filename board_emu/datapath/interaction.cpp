@@ -91,7 +91,7 @@ Point place_in(const RayPart& part, double share, const RayState& ray, const Sam
   if (frame.rules == wire::EnergyRules::kAsPrinted) return out;
   const double steps = part.place(share, sample.tag, frame);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    out[axis] += static_cast<std::int32_t>(std::lround(steps * ray.step[axis]));
+    out[axis] += static_cast<std::int32_t>(std::lround(steps * ray.slope(axis)));
     out[axis] = std::clamp(out[axis], 0, frame.extent[axis]);
   }
   return out;
@@ -159,7 +159,7 @@ void scatter(Interaction& interaction, RayState& ray, const RayPart& part, doubl
            scattered(material, ray.direction, sample.gradient(), frame.spacing,
                      draw_here(RandomStream::kDirection, ray, frame)),
            frame);
-  if (frame.rules == wire::EnergyRules::kAsPrinted) advance(ray, 1);
+  if (frame.rules == wire::EnergyRules::kAsPrinted) advance(ray, 1, frame);
 }
 
 bool draws_scattering(const RayState& ray, const wire::Material& material, const Frame& frame) {
@@ -173,7 +173,7 @@ void interact_photon(Interaction& interaction, RayState& ray, const RayPart& par
   const std::uint32_t a = part.opacity();
   const bool straight = material.bsdf == wire::Bsdf::kNone;
   double share = 0;
-  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, share)) return advance(ray, 1);
+  if (!interacts(ray, straight ? absorption_opacity(a, material) : a, frame, share)) return advance(ray, 1, frame);
   if (!straight && draws_scattering(ray, material, frame)) {
     return scatter(interaction, ray, part, share, material, sample, frame, counters);
   }
@@ -207,7 +207,7 @@ void interact_bundle(Interaction& interaction, RayState& ray, const RayPart& par
   double share = 0;
   if (material.bsdf == wire::Bsdf::kNone ||
       !interacts(ray, printed ? a : scattering_opacity(a, material), frame, share)) {
-    return advance(ray, 1);
+    return advance(ray, 1, frame);
   }
   scatter(interaction, ray, part, share, material, sample, frame, counters);
 }
@@ -228,42 +228,41 @@ Colour12 colour_of(const Sample& sample, const SampleSite& site, const Frame& fr
 }
 
 // Leaves the part of a sample's opacity that is absorbed, of `scattering` units of wire::kScatteringOne.
-void absorb(RayState& ray, WideWords* wide, const Colour12& colour, std::uint32_t a, std::uint16_t scattering,
-            const Sample& sample, const Frame& frame) {
+void absorb(RayState& ray, const Colour12& colour, std::uint32_t a, std::uint16_t scattering, const Sample& sample,
+            const Frame& frame) {
   constexpr float kOne = wire::kScatteringOne;
-  if (wide == nullptr) {
+  if (!gathers_wide(frame)) {
     const std::uint64_t kept = wire::kScatteringOne - scattering;
     over(ray, colour, static_cast<std::uint32_t>((a * kept + wire::kScatteringOne / 2) / wire::kScatteringOne));
     return;
   }
   const float alpha = wide_alpha(frame.wide_depths[sample.index], ray.exponent);
-  over(ray, *wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
+  over(ray, ray.wide, colour, scattering == 0 ? alpha : alpha * ((kOne - scattering) / kOne));
 }
 
-void interact_rendering(Interaction& interaction, RayState& ray, WideWords* wide, const SampleSite& site,
-                        const RayPart& part, const wire::Material& material, const Sample& sample, const Frame& frame,
+void interact_rendering(Interaction& interaction, RayState& ray, const SampleSite& site, const RayPart& part,
+                        const wire::Material& material, const Sample& sample, const Frame& frame,
                         RayCounters& counters) {
   const std::uint32_t a = part.opacity();
   const bool scatters =
       frame.scatter && (material.flags & wire::kScattersRenderingRays) != 0 && material.bsdf != wire::Bsdf::kNone;
   double share = 0;
   if (frame.high_albedo) {
-    if (!interacts(ray, a, frame, share)) return advance(ray, 1);
+    if (!interacts(ray, a, frame, share)) return advance(ray, 1, frame);
     if (scatters && draws_scattering(ray, material, frame)) {
       return scatter(interaction, ray, part, share, material, sample, frame, counters);
     }
     const Colour12 colour = colour_of(sample, site, frame);
-    if (wide != nullptr) {
-      over(ray, *wide, colour, 1.0F);
+    if (gathers_wide(frame)) {
+      over(ray, ray.wide, colour, 1.0F);
     } else {
       over(ray, colour, wire::kOpacityOne);
     }
     interaction.outcome = Outcome::kEnded;
     return;
   }
-  absorb(ray, wide, colour_of(sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample,
-         frame);
-  if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, share)) return advance(ray, 1);
+  absorb(ray, colour_of(sample, site, frame), a, scatters ? material.scattering : std::uint16_t{0}, sample, frame);
+  if (!scatters || !interacts(ray, scattering_opacity(a, material), frame, share)) return advance(ray, 1, frame);
   scatter(interaction, ray, part, share, material, sample, frame, counters);
 }
 
@@ -286,7 +285,7 @@ Interaction backproject(RayState& ray, const Frame& frame, RayCounters& counters
             ray.position, frame);
     counters.energy.emitted += interaction.units;
   }
-  advance(ray, 1);
+  advance(ray, 1, frame);
   return interaction;
 }
 
@@ -299,7 +298,8 @@ void redirect(RayState& ray, const Direction& direction, const Frame& frame) {
   ray.under_way = false;
   ray.direction = direction;
   ray.length = physical_length(direction, frame.spacing);
-  space(ray, frame.step);
+  if (frame.wide) ray.rest = kHalfUnits;
+  space(ray, frame.step, frame);
 }
 
 Sample sample_at(const Point& position, const Frame& frame) {
@@ -320,15 +320,14 @@ std::uint32_t energy_units(const RayState& ray, const Frame& frame) {
   return static_cast<std::uint32_t>((ray.energy() + phase) >> kEnergyFractionBits);
 }
 
-Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame,
-                     RayCounters& counters) {
+Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters) {
   if (frame.backprojects()) return backproject(ray, frame, counters);
   Interaction interaction;
   const bool first = !ray.under_way;
   ray.under_way = true;
   const Sample sample = classify(site, frame);
   const wire::Material& material = frame.materials[sample.tag];
-  interaction.visible = visible(sample.index, wide, frame);
+  interaction.visible = visible(sample.index, frame);
   const std::uint16_t opacity = sample.entry->opacity;
   const bool integrates = ray.is(wire::kLightingRay) && frame.rules == wire::EnergyRules::kConserving;
   RayPart part;
@@ -345,11 +344,11 @@ Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, con
     if (!at_surface) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
   }
   if (!in_medium || ray.is(wire::kTrapped) || leaves(ray, material, sample, frame)) {
-    advance(ray, 1);
+    advance(ray, 1, frame);
     return interaction;
   }
   if (!ray.is(wire::kLightingRay)) {
-    interact_rendering(interaction, ray, wide, site, part, material, sample, frame, counters);
+    interact_rendering(interaction, ray, site, part, material, sample, frame, counters);
   } else if (ray.is(wire::kHighAlbedo)) {
     interact_photon(interaction, ray, part, material, sample, frame, counters);
   } else {

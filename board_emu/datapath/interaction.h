@@ -43,8 +43,8 @@ struct Interaction {
 // How the energy of an irradiance carrier is shared among the voxels round its position: as by the ray that sent it.
 Deposit deposit_of(const RayState& carrier, const Frame& frame);
 
-// Takes a sample, and advances or scatters the ray. `wide`, here and below: as take_sample().
-Interaction interact(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame, RayCounters& counters);
+// Takes a sample, and advances or scatters the ray.
+Interaction interact(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters);
 
 // Begins a new flight of a scattered ray, along `direction`.
 void redirect(RayState& ray, const Direction& direction, const Frame& frame);
@@ -65,26 +65,25 @@ inline std::int32_t leap(RayState& ray, const Point& low, std::int32_t size, con
   leave_surface(ray);
   ray.under_way = true;
   const std::int32_t steps = leap_steps(ray, low, size, frame);
-  advance(ray, steps);
+  advance(ray, steps, frame);
   count_steps(ray, steps, frame);
   return steps;
 }
 
 // It gathers a sample: in a plain frame.
-inline void gather(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame, RayCounters& counters) {
+inline void gather(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters) {
   jitter_step(ray, frame);
   ++counters.samples;
-  if (take_sample(ray, wide, site, frame)) ++counters.visible_samples;
-  advance(ray, 1);
+  if (take_sample(ray, site, frame)) ++counters.visible_samples;
+  advance(ray, 1, frame);
   count_steps(ray, 1, frame);
 }
 
 // It takes a sample that may also deposit, scatter or end it: in any other frame.
-inline Interaction sample(RayState& ray, WideWords* wide, const SampleSite& site, const Frame& frame,
-                          RayCounters& counters) {
+inline Interaction sample(RayState& ray, const SampleSite& site, const Frame& frame, RayCounters& counters) {
   jitter_step(ray, frame);
   ++counters.samples;
-  const Interaction interaction = interact(ray, wide, site, frame, counters);
+  const Interaction interaction = interact(ray, site, frame, counters);
   if (interaction.visible) ++counters.visible_samples;
   count_steps(ray, 1, frame);
   return interaction;
@@ -96,8 +95,7 @@ bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
 
 // Scatters a trapped ray by its routine on the DSP. `cycles`: receives the DSP cycles that it took. Throws RoutineFault.
 // Outcome::kTrapped: the host must answer; the frame's HostTrapQueue has the ray.
-Interaction resolve_trap(RayState& ray, WideWords* wide, const Frame& frame, RayCounters& counters,
-                         std::uint32_t& cycles);
+Interaction resolve_trap(RayState& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles);
 
 // The whole energy units that the ray holds. Its fraction is rounded by one draw a ray, so that its deposits sum exactly to the
 // energy that it had.

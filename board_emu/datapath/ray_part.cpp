@@ -25,7 +25,7 @@ struct Reach {
 class Path {
  public:
   Path(const RayState& ray, std::int32_t size) : ray_(ray), size_(size) {
-    for (std::size_t axis = 0; axis < 3; ++axis) inverse_[axis] = 1.0 / ray.step[axis];
+    for (std::size_t axis = 0; axis < 3; ++axis) inverse_[axis] = 1.0 / ray.slope(axis);
     own_ = reach(ray.position, 0);
   }
 
@@ -44,10 +44,7 @@ class Path {
   }
 
  private:
-  Point moved(int steps) const {
-    const Point &at = ray_.position, &step = ray_.step;
-    return {at[0] + steps * step[0], at[1] + steps * step[1], at[2] + steps * step[2]};
-  }
+  Point moved(int steps) const { return units_of(emu::moved(ray_.fine_position(), ray_.fine_step(), steps)); }
   bool same_cell(const Point& other) const {
     const Point& at = ray_.position;
     return (((at[0] ^ other[0]) | (at[1] ^ other[1]) | (at[2] ^ other[2])) & -size_) == 0;
@@ -56,7 +53,7 @@ class Path {
   Reach reach(const Point& position, double steps) const {
     Reach out;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (ray_.step[axis] == 0) continue;
+      if (ray_.slope(axis) == 0) continue;
       const std::int32_t at = position[axis] & (size_ - 1);
       const double low = -at * inverse_[axis] + steps, high = (size_ - at) * inverse_[axis] + steps;
       out.entry = std::max(out.entry, std::min(low, high));
@@ -67,9 +64,9 @@ class Path {
   double to_the_face(const Point& extent) const {
     double steps = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (ray_.step[axis] == 0) continue;
+      if (ray_.slope(axis) == 0) continue;
       const std::int32_t at = ray_.position[axis];
-      steps = std::min(steps, (ray_.step[axis] > 0 ? extent[axis] - at : -at) * inverse_[axis]);
+      steps = std::min(steps, (ray_.slope(axis) > 0 ? extent[axis] - at : -at) * inverse_[axis]);
     }
     return steps;
   }
@@ -84,7 +81,7 @@ class Path {
 double density_at(const Neighbourhood& around, const Cell& cell, const RayState& ray, double steps) {
   std::array<double, 3> w;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    w[axis] = std::clamp((cell.fraction[axis] + steps * ray.step[axis]) / wire::kVoxel, 0.0, 1.0);
+    w[axis] = std::clamp((cell.fraction[axis] + steps * ray.slope(axis)) / wire::kVoxel, 0.0, 1.0);
   }
   const auto along_x = [&](std::size_t voxel) {
     return lerp(around.cell[voxel].channel[0], around.cell[voxel + 1].channel[0], w[0]);

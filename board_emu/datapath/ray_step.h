@@ -37,6 +37,10 @@ struct RayState {
   std::uint8_t under_way : 1 = 0;   // has taken a sample, or a leap, since it began or was scattered
   std::uint8_t flags = 0;           // wire::RayFlag; of a ray that traps bits 6 and 7 are its material's tag
 
+  // What the wide datapath adds; of other rays nothing reads it.
+  WideWords wide{};
+  Rest rest{}, step_rest{};  // of position and step, which is then the whole units in it
+
   bool is(wire::RayFlag flag) const { return (flags & flag) != 0; }
 
   // The colour's 36 bits hold the energy of a lighting ray, 24.12 units; the sum of densities of an integral; or, in their low
@@ -50,10 +54,24 @@ struct RayState {
   std::int32_t amount() const { return wire::sign_extend(static_cast<std::uint32_t>(energy()), 24); }
   void set_amount(std::uint32_t word) { set_energy(word); }
 
+  FinePoint fine_position() const { return fine(position, rest); }
+  FinePoint fine_step() const { return fine(step, step_rest); }
+  void set_fine_position(const FinePoint& at) {
+    position = units_of(at);
+    rest = rest_of(at);
+  }
+  void set_fine_step(const FinePoint& a_step) {
+    step = units_of(a_step);
+    step_rest = rest_of(a_step);
+  }
+  // The step along an axis, in position units.
+  double slope(std::size_t axis) const { return step[axis] + step_rest[axis] * (1.0 / (1 << kRestBits)); }
+
   std::int32_t steps_left() const { return static_cast<std::int32_t>(interacted); }
   void set_steps_left(std::int32_t steps) { interacted = static_cast<std::uint32_t>(steps); }
 };
-static_assert(sizeof(RayState) == 60, "with its block it fills one of the host's cache lines (ray_store.h)");
+static_assert(offsetof(RayState, wide) == 60,
+              "the paper's words and a block fill one of the host's lines (ray_store.h)");
 
 inline constexpr int kTrapTagShift = 6;
 
@@ -64,19 +82,42 @@ std::uint32_t physical_length(const std::array<std::int16_t, 3>& direction,
                               const std::array<std::uint32_t, 3>& spacing);
 
 // Sets the distance to the next sample, 16.16 voxels.
-inline void space(RayState& ray, std::uint32_t distance) {
-  ray.step = step_vector(ray.direction, distance);
+inline void space(RayState& ray, std::uint32_t distance, const Frame& frame) {
+  if (frame.wide) {
+    ray.set_fine_step(fine_step_vector(ray.direction, distance));
+  } else {
+    ray.step = step_vector(ray.direction, distance);
+  }
   ray.exponent =
       static_cast<std::uint32_t>(round_shift<16>(static_cast<std::int64_t>(std::uint64_t{distance} * ray.length)));
 }
 
+// divide() on the wide datapath: the segment's own vector is divided, so that a step is within 2^-17 of a unit.
+inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t steps, const Frame& frame) {
+  const FinePoint whole = fine_step_vector(ray.direction, length), most = fine_extent(frame.extent);
+  FinePoint at = ray.fine_position(), step{};
+  const std::int64_t count = steps, others = count - 1;
+  // The direction's rounding, half a unit a voxel, could take the last sample of a segment along a face out of the volume.
+  const std::int64_t rounding = std::int64_t{(length >> 17) + 3} << kRestBits;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    step[axis] = (2 * whole[axis] + (whole[axis] < 0 ? -count : count)) / (2 * count);
+    at[axis] = std::clamp<std::int64_t>(at[axis] + (whole[axis] - others * step[axis]) / 2, 0, most[axis]);
+    const std::int64_t last = at[axis] + others * step[axis], face = last < 0 ? 0 : most[axis];
+    const std::int64_t beyond = last < 0 ? -last : last - most[axis];
+    if (others > 0 && beyond > 0 && beyond <= rounding) step[axis] = (face - at[axis]) / others;
+  }
+  ray.set_fine_position(at);
+  ray.set_fine_step(step);
+}
+
 // Divides a segment's `length`, 16.16 voxels, into even steps of at most the frame's, and goes to the middle of the first.
 inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
-  const std::uint32_t steps = (length + frame.step - 1) / frame.step;
+  const std::uint32_t steps = wire::steps_of(length, frame.step);
   ray.set_steps_left(static_cast<std::int32_t>(steps));
   ray.colour = {};
   if (steps == 0) return;
-  space(ray, (length + steps / 2) / steps);
+  space(ray, (length + steps / 2) / steps, frame);
+  if (frame.wide) return divide_finely(ray, length, steps, frame);
   const Point half = step_vector(ray.direction, (length + steps) / (2 * steps));
   // Direction and step are rounded (half a unit a voxel and a step, an eighth for the step's length), so a segment along a face
   // could leave the volume before its last sample. If it does by no more than that, its step is a unit or two shorter.
@@ -106,23 +147,31 @@ inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
   out.u = ray.u;
   out.v = ray.v;
   out.direction = ray.direction;
-  space(out, frame.step);
+  if (frame.wide) out.rest = kHalfUnits;
+  space(out, frame.step, frame);
   if (frame.segments()) divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
   if (frame.backprojects()) {
     out.set_amount(ray.opacity);
     out.opacity = 0;
   }
+  if (frame.wide) out.wide = wide_words(out);
   return out;
 }
 
 // Writes what the ray has gathered, and where it ended, clamped to the volume, into its packet.
 inline void pack(const RayState& ray, const Frame& frame, wire::Ray& out) {
   const bool hit = frame.to_the_hit() && ray.opacity >= frame.opacity_threshold;
+  Point place = ray.position;
+  if (hit || frame.segments()) {  // back from the next sample's place to that of the hit, or to a segment's end
+    const int parts = hit ? 1 : 2;
+    const FinePoint at = ray.fine_position(), step = ray.fine_step();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      place[axis] = frame.wide ? static_cast<std::int32_t>((at[axis] - step[axis] / parts) >> kRestBits)
+                               : ray.position[axis] - ray.step[axis] / parts;
+    }
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // Back from the next sample's place to that of the hit, or to a segment's end.
-    const std::int32_t back = hit ? ray.step[axis] : frame.segments() ? ray.step[axis] / 2 : 0;
-    const std::int32_t at = ray.position[axis] - back;
-    out.position[axis] = static_cast<std::uint32_t>(std::clamp(at, 0, frame.extent[axis]));
+    out.position[axis] = static_cast<std::uint32_t>(std::clamp(place[axis], 0, frame.extent[axis]));
     out.colour[axis] = ray.colour[axis];
   }
   out.direction = ray.direction;
@@ -150,7 +199,9 @@ inline Termination end(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return Termination::kLeft;
   if (frame.segments() && ray.steps_left() == 0) return Termination::kLeft;
   for (const Plane& plane : frame.cut_planes) {
-    if (beyond(plane, ray.position, ray.step)) return Termination::kLeft;
+    if (frame.wide ? fine_beyond(plane, ray.fine_position(), ray.fine_step()) : beyond(plane, ray.position, ray.step)) {
+      return Termination::kLeft;
+    }
   }
   return ray.opacity >= frame.opacity_threshold ? Termination::kOpaque : Termination::kNot;
 }
@@ -163,15 +214,15 @@ inline Channels resample_view(const BlockView& view, std::size_t first, const Ce
   return {resample_density(view.densities + first, row, slice, weights), 0, 0, 0};
 }
 
-// Composites a sample of the classified opacity behind what the ray has gathered: in `wide` words, if there are any.
-inline void composite(RayState& ray, WideWords* wide, const Colour12& colour, std::size_t index, const Frame& frame) {
-  if (wide != nullptr) return over(ray, *wide, colour, wide_alpha(frame.wide_depths[index], ray.exponent));
+// Composites a sample of the classified opacity behind what the ray has gathered.
+inline void composite(RayState& ray, const Colour12& colour, std::size_t index, const Frame& frame) {
+  if (gathers_wide(frame)) return over(ray, ray.wide, colour, wide_alpha(frame.wide_depths[index], ray.exponent));
   over(ray, colour, (*frame.opacity_correction)(frame.segmentation[index].opacity, ray.exponent));
 }
 
 // Whether samples of this entry of the segmentation LUT are seen.
-inline bool visible(std::size_t index, const WideWords* wide, const Frame& frame) {
-  return wide != nullptr ? frame.wide_depths[index] != 0 : frame.segmentation[index].opacity != 0;
+inline bool visible(std::size_t index, const Frame& frame) {
+  return gathers_wide(frame) ? frame.wide_depths[index] != 0 : frame.segmentation[index].opacity != 0;
 }
 
 // Where a sample lies: its place in a block of (edge)^3 voxels, +1 faces included, and the block's number.
@@ -182,10 +233,9 @@ struct SampleSite {
   std::size_t edge = 0;
 };
 
-// Resamples, classifies, shades and composites. False if the sample has no opacity. `wide`: the ray's, of a frame that
-// gathers_wide(); else null. Inline, since each pass takes one: a call would put the place into memory.
-[[gnu::always_inline]] inline bool take_sample(RayState& ray, WideWords* wide, const SampleSite& site,
-                                               const Frame& frame) {
+// Resamples, classifies, shades and composites. False if the sample has no opacity. Inline, since each pass takes one: a call
+// would put the place into memory.
+[[gnu::always_inline]] inline bool take_sample(RayState& ray, const SampleSite& site, const Frame& frame) {
   const Cell& at = site.cell;
   const BlockView& view = site.view;
   const std::size_t row = site.edge, slice = site.edge * site.edge;
@@ -203,13 +253,13 @@ struct SampleSite {
   }
   const std::size_t index = segmentation_index(sample[0], tag);
   const wire::SegmentationEntry& entry = frame.segmentation[index];
-  if (!visible(index, wide, frame)) return false;
+  if (!visible(index, frame)) return false;
   Colour12 colour{};
   if (!frame.colourless()) {
     colour = frame.shade ? shade(entry, Point{sample[1], sample[2], sample[3]}, frame.reflectance_map)
                          : Colour12{entry.colour[0], entry.colour[1], entry.colour[2]};
   }
-  composite(ray, wide, colour, index, frame);
+  composite(ray, colour, index, frame);
   return true;
 }
 
@@ -221,7 +271,7 @@ inline std::uint32_t jittered(const Frame& frame, std::uint32_t factor) {
 // Draws the distance to the next sample, if the frame jitters.
 inline void jitter_step(RayState& ray, const Frame& frame) {
   if (!frame.jitter) return;
-  space(ray, jittered(frame, jitter(ray.position, ray.u, ray.v)));
+  space(ray, jittered(frame, jitter(ray.position, ray.u, ray.v)), frame);
 }
 
 // What the sorter counts of the ray, 12 bits: what a rendering ray can still add to the image, and a lighting ray's energy.
@@ -232,13 +282,16 @@ inline std::uint16_t contribution(const RayState& ray) {
   return static_cast<std::uint16_t>(std::min<std::uint64_t>(ray.energy() >> kShift, kFullContribution));
 }
 
-inline void advance(RayState& ray, std::int32_t steps) {
+inline void advance(RayState& ray, std::int32_t steps, const Frame& frame) {
+  if (frame.wide) return ray.set_fine_position(moved(ray.fine_position(), ray.fine_step(), steps));
   for (std::size_t axis = 0; axis < 3; ++axis) ray.position[axis] += steps * ray.step[axis];
 }
 
 // The steps that take the ray out of its empty block [low, low + size), or a segment to its end.
 inline std::int32_t leap_steps(const RayState& ray, const Point& low, std::int32_t size, const Frame& frame) {
-  const std::int32_t steps = leap_steps(ray.position, ray.step, low, size);
+  const std::int32_t steps =
+      frame.wide ? leap_steps(ray.fine_position(), ray.fine_step(), fine(low, {}), std::int64_t{size} << kRestBits)
+                 : leap_steps(ray.position, ray.step, low, size);
   return frame.segments() ? std::min(steps, ray.steps_left()) : steps;
 }
 

@@ -45,8 +45,8 @@ ScatterEvent event_of(const wire::TrappedRay& trapped, const wire::Material& mat
 }
 
 // The ray goes on along `direction`, or ends if all of it is dropped; `dropped`: 2^24 - 1 = all.
-Interaction answer_trap(RayState& ray, WideWords* wide, const Direction& direction, std::uint32_t dropped,
-                        const Frame& frame, RayCounters& counters) {
+Interaction answer_trap(RayState& ray, const Direction& direction, std::uint32_t dropped, const Frame& frame,
+                        RayCounters& counters) {
   Interaction interaction;
   if (dropped != 0) {
     const bool lighting = ray.is(wire::kLightingRay);
@@ -55,8 +55,8 @@ Interaction answer_trap(RayState& ray, WideWords* wide, const Direction& directi
       const std::uint64_t e = ray.energy();
       ray.set_energy(e - (e * dropped + wire::kOpacityOne / 2) / wire::kOpacityOne);
       counters.energy.scattered_away += before - energy_units(ray, frame);
-    } else if (wide != nullptr) {
-      over(ray, *wide, {0, 0, 0}, static_cast<float>(dropped) / static_cast<float>(wire::kOpacityOne));
+    } else if (gathers_wide(frame)) {
+      over(ray, ray.wide, {0, 0, 0}, static_cast<float>(dropped) / static_cast<float>(wire::kOpacityOne));
     } else {
       over(ray, {0, 0, 0}, dropped);
     }
@@ -73,18 +73,15 @@ Interaction answer_trap(RayState& ray, WideWords* wide, const Direction& directi
 
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
   RayState ray_state = unpack(ray, frame);
-  WideWords words = wide_words(ray_state);
-  WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
   if (ray_state.is(wire::kLightingRay)) counters.energy.emitted += energy_units(ray_state, frame);
   const bool ends =
-      answer_trap(ray_state, wide, ray.direction, wire::dropped_share(ray), frame, counters).outcome == Outcome::kEnded;
+      answer_trap(ray_state, ray.direction, wire::dropped_share(ray), frame, counters).outcome == Outcome::kEnded;
   if (ends) count_end(ray_state, Termination::kAbsorbed, frame, counters);
   ray = pack(ray_state, frame);
   return ends;
 }
 
-Interaction resolve_trap(RayState& ray, WideWords* wide, const Frame& frame, RayCounters& counters,
-                         std::uint32_t& cycles) {
+Interaction resolve_trap(RayState& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles) {
   const unsigned tag = ray.flags >> kTrapTagShift;
   const wire::Material& material = frame.materials[tag];
   ray.flags &= (1u << kTrapTagShift) - 1;
@@ -99,8 +96,8 @@ Interaction resolve_trap(RayState& ray, WideWords* wide, const Frame& frame, Ray
   }
   const ScatterAnswer answer = frame.routines->scatter(material.routine, event_of(trapped, material, frame));
   cycles = answer.cycles;
-  return answer_trap(ray, wide, wire::direction_words(answer.direction, frame.spacing),
-                     wire::dropped_share(answer.passes), frame, counters);
+  return answer_trap(ray, wire::direction_words(answer.direction, frame.spacing), wire::dropped_share(answer.passes),
+                     frame, counters);
 }
 
 }  // namespace gicube::emu

@@ -29,13 +29,8 @@ struct Cut {
 // How many samples of the ray lie in the volume, of those that it has left.
 std::int32_t samples_inside(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return 0;
-  std::int32_t count = ray.steps_left();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int32_t step = ray.step[axis];
-    if (step > 0) count = std::min(count, (frame.extent[axis] - ray.position[axis]) / step + 1);
-    if (step < 0) count = std::min(count, ray.position[axis] / -step + 1);
-  }
-  return count;
+  return frame.wide ? steps_inside(ray.fine_position(), ray.fine_step(), fine_extent(frame.extent), ray.steps_left())
+                    : steps_inside(ray.position, ray.step, frame.extent, ray.steps_left());
 }
 
 void cut(const wire::Ray& packet, const Frame& frame, const BlockGrid& grid, Cut& out) {
@@ -49,14 +44,18 @@ void cut(const wire::Ray& packet, const Frame& frame, const BlockGrid& grid, Cut
   out.counters.energy.deposited.kept += static_cast<std::uint64_t>(std::int64_t{amount} * left);
   while (left > 0) {
     const Point low = grid.low(ray.position);
-    const std::int32_t count = std::min(left, leap_steps(ray.position, ray.step, low, grid.size()));
-    Piece piece{
-        static_cast<std::uint32_t>(grid.block(ray.position)), static_cast<std::uint32_t>(count), {}, ray.step, amount};
+    const std::int32_t count = std::min(left, leap_steps(ray, low, grid.size(), frame));
+    Piece piece{.block = static_cast<std::uint32_t>(grid.block(ray.position)),
+                .count = static_cast<std::uint32_t>(count),
+                .step = ray.step,
+                .amount = amount,
+                .rest = ray.rest,
+                .step_rest = ray.step_rest};
     for (std::size_t axis = 0; axis < 3; ++axis) piece.first[axis] = ray.position[axis] - low[axis];
     ++out.counts[piece.block];
     out.moves[piece.block] += moves;
     out.pieces.push_back(piece);
-    advance(ray, count);
+    advance(ray, count, frame);
     left -= count;
   }
 }

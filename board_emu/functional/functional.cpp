@@ -8,8 +8,7 @@ namespace gicube::emu {
 namespace {
 
 // A ray that gathers and does nothing else.
-Termination run_plain(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters,
-                      std::int32_t& taken) {
+Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   std::size_t here = ~std::size_t{0};
@@ -28,22 +27,22 @@ Termination run_plain(RayState& ray_state, WideWords* wide, const Frame& frame, 
       continue;
     }
     const Cell at = cell(ray_state.position, low);
-    gather(ray_state, wide, {at, view, block, edge}, frame, counters);
+    gather(ray_state, {at, view, block, edge}, frame, counters);
     ++taken;
   }
   return how;
 }
 
 // The DSP's routine scatters the ray; kTrapped if it is the host's to do.
-Outcome scatter_trapped(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters) {
+Outcome scatter_trapped(RayState& ray_state, const Frame& frame, RayCounters& counters) {
   std::uint32_t cycles = 0;
-  const Interaction interaction = resolve_trap(ray_state, wide, frame, counters, cycles);
+  const Interaction interaction = resolve_trap(ray_state, frame, counters, cycles);
   counters.trap_cycles += cycles;
   return interaction.outcome;
 }
 
 // A ray that also deposits, or is scattered.
-Termination run(RayState& ray_state, WideWords* wide, const Frame& frame, RayCounters& counters) {
+Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   Termination how = Termination::kNot;
@@ -56,10 +55,10 @@ Termination run(RayState& ray_state, WideWords* wide, const Frame& frame, RayCou
     }
     const Cell at = cell(ray_state.position, low);
     const BlockView view = frame.volume->view(block);
-    const Interaction interaction = sample(ray_state, wide, {at, view, block, edge}, frame, counters);
+    const Interaction interaction = sample(ray_state, {at, view, block, edge}, frame, counters);
     if (interaction.deposits) counters.energy.deposited += frame.irradiance->add(interaction.deposit);
     Outcome outcome = interaction.outcome;
-    if (outcome == Outcome::kTrapped) outcome = scatter_trapped(ray_state, wide, frame, counters);
+    if (outcome == Outcome::kTrapped) outcome = scatter_trapped(ray_state, frame, counters);
     if (outcome == Outcome::kEnded) return Termination::kAbsorbed;
     if (outcome == Outcome::kTrapped) return Termination::kWaits;
   }
@@ -71,10 +70,8 @@ Termination run(RayState& ray_state, WideWords* wide, const Frame& frame, RayCou
 bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps) {
   RayState ray_state = unpack(ray, frame);
   std::int32_t taken = 0;
-  WideWords words = wide_words(ray_state);
-  WideWords* const wide = gathers_wide(frame) ? &words : nullptr;
   const Termination how =
-      frame.plain() ? run_plain(ray_state, wide, frame, counters, taken) : run(ray_state, wide, frame, counters);
+      frame.plain() ? run_plain(ray_state, frame, counters, taken) : run(ray_state, frame, counters);
   if (steps != nullptr) *steps = taken;
   if (how == Termination::kWaits) return false;
   count_end(ray_state, how, frame, counters);

@@ -27,14 +27,12 @@ constexpr std::int32_t kNoLimit = std::int32_t{1} << 29;
 // How many even steps take the ray out of the volume, or beyond a cut plane.
 inline std::int32_t steps_inside(const RayState& ray, const Frame& frame) {
   if (!inside(ray.position, frame.extent)) return 0;
-  std::int32_t least = kNoLimit;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::int32_t s = ray.step[axis], p = ray.position[axis];
-    if (s > 0) least = std::min(least, (frame.extent[axis] - p) / s + 1);
-    if (s < 0) least = std::min(least, p / -s + 1);
-  }
+  const FinePoint at = ray.fine_position(), step = ray.fine_step();
+  std::int32_t least = frame.wide ? emu::steps_inside(at, step, fine_extent(frame.extent), kNoLimit)
+                                  : emu::steps_inside(ray.position, ray.step, frame.extent, kNoLimit);
   for (const Plane& plane : frame.cut_planes) {
-    const std::int64_t a_step = dot(plane.normal, ray.step), above = dot(plane.normal, ray.position) - plane.offset;
+    const std::int64_t a_step = frame.wide ? fine_slope(plane, step) : dot(plane.normal, ray.step);
+    const std::int64_t above = frame.wide ? fine_height(plane, at) : dot(plane.normal, ray.position) - plane.offset;
     if (a_step >= 0) continue;
     if (above < 0) return 0;
     least = static_cast<std::int32_t>(std::min<std::int64_t>(least, above / -a_step + 1));
@@ -122,11 +120,12 @@ class LaneScheduler {
     set_colour(next_, slot.ray_state);
     lanes.ray.lane[lane] = static_cast<std::int32_t>(next_++);
     const RayState& ray = slot.ray_state;
-    const WideWords wide = wide_words(ray);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       lanes.position[axis].lane[lane] = ray.position[axis];
       lanes.step[axis].lane[lane] = ray.step[axis];
       lanes.direction[axis].lane[lane] = ray.direction[axis];
+      lanes.rest[axis].lane[lane] = ray.rest[axis];
+      lanes.step_rest[axis].lane[lane] = ray.step_rest[axis];
     }
     for (Word& word : lanes.sum) word.lane[lane] = 0;
     const std::int32_t segment = frame_.segments() ? ray.steps_left() : kNoLimit;
@@ -138,7 +137,7 @@ class LaneScheduler {
     lanes.destination.lane[lane] = static_cast<std::int32_t>(ray.u | std::uint32_t{ray.v} << 16);
     lanes.exponent.lane[lane] = static_cast<std::int32_t>(ray.exponent);
     lanes.opacity.lane[lane] = static_cast<std::int32_t>(ray.opacity);
-    lanes.wide_opacity.lane[lane] = std::bit_cast<std::int32_t>(wide.opacity);
+    lanes.wide_opacity.lane[lane] = std::bit_cast<std::int32_t>(ray.wide.opacity);
     ++busy_;
   }
 
@@ -148,6 +147,8 @@ class LaneScheduler {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ray.position[axis] = lanes.position[axis].lane[lane];
       ray.step[axis] = lanes.step[axis].lane[lane];
+      ray.rest[axis] = static_cast<std::uint16_t>(lanes.rest[axis].lane[lane]);
+      ray.step_rest[axis] = static_cast<std::uint16_t>(lanes.step_rest[axis].lane[lane]);
     }
     if (frame_.integral()) {
       const auto low = static_cast<std::uint64_t>(lanes.sum[0].lane[lane]);
@@ -172,7 +173,7 @@ class LaneScheduler {
   const Frame& frame_;
   RayCounters& counters_;
   std::span<std::int32_t> steps_;
-  const bool wide_ = gathers_wide(frame_);
+  const bool wide_ = frame_.wide;
   std::array<Slot, 16> slots_{};
   std::size_t next_ = 0, busy_ = 0;
   ShadingQueue seen_;

@@ -49,6 +49,68 @@ HWY_INLINE V step_of(V direction, V distance) {
   return hn::Add(hn::Mul(direction, hn::ShiftRight<16>(distance)), hn::ShiftRight<16>(hn::Add(low, set(1 << 15))));
 }
 
+// fine_step_vector() along one axis: whole units, and what is below them.
+struct FineStep {
+  V whole, rest;
+};
+HWY_INLINE FineStep fine_step_of(V direction, V distance) {
+  const V low = hn::Mul(direction, hn::And(distance, set(0xFFFF)));
+  return {hn::Add(hn::Mul(direction, hn::ShiftRight<16>(distance)), hn::ShiftRight<kRestBits>(low)),
+          hn::And(low, set((1 << kRestBits) - 1))};
+}
+
+// InverseStep of fine steps: in doubles, for the lower and the upper lanes.
+using DD = hn::Repartition<double, D32>;
+using VD = hn::Vec<DD>;
+using DHalf = hn::Half<D32>;
+struct Doubles {
+  VD lower, upper;
+};
+struct FineInverseStep {
+  std::array<V, 3> turned;
+  std::array<Doubles, 3> per_unit;
+};
+
+HWY_INLINE Doubles doubles(V whole, V rest) {
+  const DD d;
+  const VD unit = hn::Set(d, double{1 << kRestBits});
+  const auto sum = [&](auto high, auto low) {
+    return hn::Add(hn::Mul(hn::PromoteTo(d, high), unit), hn::PromoteTo(d, low));
+  };
+  return {sum(hn::LowerHalf(DHalf(), whole), hn::LowerHalf(DHalf(), rest)),
+          sum(hn::UpperHalf(DHalf(), whole), hn::UpperHalf(DHalf(), rest))};
+}
+
+HWY_INLINE FineInverseStep pace_of(const std::array<V, 3>& step, const std::array<V, 3>& rest) {
+  const DD d;
+  FineInverseStep out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Doubles way = doubles(step[axis], rest[axis]);
+    const auto inverse = [&](VD of) {
+      return hn::IfThenElse(hn::Eq(of, hn::Zero(d)), hn::Set(d, 0x1p40), hn::Div(hn::Set(d, 1), hn::Abs(of)));
+    };
+    out.turned[axis] = hn::VecFromMask(D32(), hn::Gt(step[axis], set(-1)));
+    out.per_unit[axis] = {inverse(way.lower), inverse(way.upper)};
+  }
+  return out;
+}
+
+// steps_out() of fine steps: dividends have 36 bits and quotients 13, so that doubles are exact in the same way.
+HWY_INLINE V steps_out(const std::array<V, 3>& position, const std::array<V, 3>& rest, V mask,
+                       const FineInverseStep& pace, std::int32_t most) {
+  const DD d;
+  Doubles least{hn::Set(d, double(most - 1)), hn::Set(d, double(most - 1))};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Doubles ahead = doubles(hn::And(hn::Xor(position[axis], pace.turned[axis]), mask),
+                                  hn::And(hn::Xor(rest[axis], pace.turned[axis]), set((1 << kRestBits) - 1)));
+    const VD half = hn::Set(d, 0.5);
+    least.lower = hn::Min(least.lower, hn::Mul(hn::Add(ahead.lower, half), pace.per_unit[axis].lower));
+    least.upper = hn::Min(least.upper, hn::Mul(hn::Add(ahead.upper, half), pace.per_unit[axis].upper));
+  }
+  const V whole = hn::Combine(D32(), hn::DemoteTo(DHalf(), least.upper), hn::DemoteTo(DHalf(), least.lower));
+  return hn::Add(whole, set(1));
+}
+
 // The exponent of space().
 HWY_INLINE V exponent_of(V distance, V length) {
   const auto half = [](VU64 a, VU64 b) { return hn::ShiftRight<16>(hn::Add(product(a, b), set64(1u << 15))); };

@@ -37,6 +37,7 @@ struct Lanes {
   Word wide_opacity;  // floats
   Word left;          // steps to the end of a segment or of the volume; jittered: none or one
   Word more;          // by which a leap may go beyond that: a leaping ray overshoots the volume, but not its segment
+  std::array<Word, 3> rest, step_rest;  // of the wide datapath
   // Of jittered rays:
   std::array<Word, 3> direction;
   Word length, destination, taken;
@@ -50,7 +51,17 @@ struct LaneState {
   std::array<V, 2> sum;
   V exponent, opacity, left;
   VF wide_opacity;
+  std::array<V, 3> rest, step_rest;
 };
+
+template <bool kWide>
+HWY_INLINE auto pace_of(const LaneState& ray) {
+  if constexpr (kWide) {
+    return pace_of(ray.step, ray.step_rest);
+  } else {
+    return pace_of(ray.step);
+  }
+}
 
 template <bool kWide>
 HWY_INLINE LaneState begin(const Lanes& lanes) {
@@ -63,21 +74,68 @@ HWY_INLINE LaneState begin(const Lanes& lanes) {
   out.exponent = lanes.exponent.load();
   out.opacity = lanes.opacity.load();
   out.left = lanes.left.load();
-  if constexpr (kWide) out.wide_opacity = hn::BitCast(DF(), lanes.wide_opacity.load());
+  if constexpr (kWide) {
+    out.wide_opacity = hn::BitCast(DF(), lanes.wide_opacity.load());
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      out.rest[axis] = lanes.rest[axis].load();
+      out.step_rest[axis] = lanes.step_rest[axis].load();
+    }
+  }
   return out;
 }
 
+// advance(): at most 2^14 steps.
+template <bool kWide>
+HWY_INLINE void advance(LaneState& ray, V steps) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ray.position[axis] = hn::Add(ray.position[axis], hn::Mul(steps, ray.step[axis]));
+    if constexpr (kWide) {
+      const V sum = hn::Add(ray.rest[axis], hn::Mul(steps, ray.step_rest[axis]));
+      ray.position[axis] = hn::Add(ray.position[axis], hn::ShiftRight<kRestBits>(sum));
+      ray.rest[axis] = hn::And(sum, set((1 << kRestBits) - 1));
+    }
+  }
+}
+
+// The same of any number of steps: those of a lane's way.
+template <bool kWide>
+HWY_INLINE void advance_far(LaneState& ray, V steps) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ray.position[axis] = hn::Add(ray.position[axis], hn::Mul(steps, ray.step[axis]));
+    if constexpr (kWide) {
+      // By the steps' high and low bits, since the product has more than 32.
+      constexpr int kLow = 8;
+      const V high = hn::Mul(hn::ShiftRight<kLow>(steps), ray.step_rest[axis]);
+      const V low = hn::Mul(hn::And(steps, set((1 << kLow) - 1)), ray.step_rest[axis]);
+      const V between = hn::ShiftLeft<kRestBits - kLow>(hn::And(high, set((1 << kLow) - 1)));
+      const V sum = hn::Add(ray.rest[axis], hn::Add(low, between));
+      ray.position[axis] =
+          hn::Add(ray.position[axis], hn::Add(hn::ShiftRight<kRestBits - kLow>(high), hn::ShiftRight<kRestBits>(sum)));
+      ray.rest[axis] = hn::And(sum, set((1 << kRestBits) - 1));
+    }
+  }
+}
+
 // What jitter_step() draws, of the lanes of `running`.
+template <bool kWide>
 HWY_INLINE void jitter_step(LaneState& ray, const Lanes& lanes, Mask running, const PacketField& field) {
   const V drawn = jitter_index(ray.position, lanes.destination.load());
   const V distance = gather(field.tables->distance.data(), hn::ShiftLeft<2>(drawn));
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    ray.step[axis] = hn::IfThenElse(running, step_of(lanes.direction[axis].load(), distance), ray.step[axis]);
+    const V direction = lanes.direction[axis].load();
+    if constexpr (kWide) {
+      const FineStep step = fine_step_of(direction, distance);
+      ray.step[axis] = hn::IfThenElse(running, step.whole, ray.step[axis]);
+      ray.step_rest[axis] = hn::IfThenElse(running, step.rest, ray.step_rest[axis]);
+    } else {
+      ray.step[axis] = hn::IfThenElse(running, step_of(direction, distance), ray.step[axis]);
+    }
   }
   ray.exponent = exponent_of(distance, lanes.length.load());
 }
 
 // Inside the volume, and not beyond a cut plane.
+template <bool kWide>
 HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
   const D32 d;
   Mask out = hn::FirstN(d, 0);
@@ -87,16 +145,31 @@ HWY_INLINE Mask kept(const LaneState& ray, const PacketField& field) {
     out = hn::Or(out, outside);
   }
   if (!field.cut_planes.empty()) {
-    std::array<Word, 3> position, step;
+    std::array<Word, 3> position, step, rest, step_rest;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       position[axis].store(ray.position[axis]);
       step[axis].store(ray.step[axis]);
+      if constexpr (kWide) {
+        rest[axis].store(ray.rest[axis]);
+        step_rest[axis].store(ray.step_rest[axis]);
+      }
     }
     Word cut;
     for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
-      const Point p{position[0].lane[i], position[1].lane[i], position[2].lane[i]};
-      const Point s{step[0].lane[i], step[1].lane[i], step[2].lane[i]};
-      for (const Plane& plane : field.cut_planes) cut.lane[i] |= beyond(plane, p, s) ? -1 : 0;
+      const auto of_lane = [i](const auto& words) {
+        return Point{words[0].lane[i], words[1].lane[i], words[2].lane[i]};
+      };
+      const auto rest_of_lane = [i](const auto& words) {
+        Rest out{};
+        for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = static_cast<std::uint16_t>(words[axis].lane[i]);
+        return out;
+      };
+      const Point p = of_lane(position), s = of_lane(step);
+      for (const Plane& plane : field.cut_planes) {
+        const bool is_beyond = kWide ? fine_beyond(plane, fine(p, rest_of_lane(rest)), fine(s, rest_of_lane(step_rest)))
+                                     : beyond(plane, p, s);
+        cut.lane[i] |= is_beyond ? -1 : 0;
+      }
     }
     out = hn::Or(out, hn::MaskFromVec(cut.load()));
   }
@@ -167,18 +240,18 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
   LaneState ray = begin<kWide>(lanes);
   const V more = lanes.more.load(), zero = hn::Zero(d), one = set(1), block_mask = set((1 << field.block_shift) - 1);
   const V rays = lanes.ray.load();
-  InverseStep pace = pace_of(ray.step);
+  auto pace = pace_of<kWide>(ray);
   V taken = zero, passed = zero;  // steps, and those of samples that are not seen
   Mask stepping{};
   while (true) {
     if constexpr (kJitter) {
-      stepping = kept(ray, field);
+      stepping = kept<kWide>(ray, field);
     } else {
       stepping = hn::Gt(ray.left, zero);
     }
     const Mask running = hn::And(stepping, hn::Lt(ray.opacity, set(field.threshold)));
     if (hn::Lanes(d) - hn::CountTrue(d, running) >= enough) break;
-    if constexpr (kJitter) jitter_step(ray, lanes, running, field);
+    if constexpr (kJitter) jitter_step<kWide>(ray, lanes, running, field);
     const Mask going = kJitter ? running : stepping;
 
     constexpr int kCellShift = CellRanges::kEdgeShift + wire::kPositionFractionBits;
@@ -195,9 +268,14 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
     V steps = hn::IfThenElseZero(going, one);
     if (!hn::AllFalse(d, skips)) {
       const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeapt))), unseen = hn::AndNot(leaps, skips);
-      if constexpr (kJitter) pace = pace_of(ray.step);
-      V out = steps_out(ray.position, hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1)), pace,
-                        1 << field.block_shift);
+      if constexpr (kJitter) pace = pace_of<kWide>(ray);
+      const V mask = hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1));
+      V out;
+      if constexpr (kWide) {
+        out = steps_out(ray.position, ray.rest, mask, pace, 1 << field.block_shift);
+      } else {
+        out = steps_out(ray.position, mask, pace, 1 << field.block_shift);
+      }
       if (!kJitter) out = hn::Min(out, hn::Add(ray.left, hn::IfThenElseZero(leaps, more)));
       steps = hn::IfThenElse(skips, out, steps);
       counters.leaps += hn::CountTrue(d, hn::And(leaps, running));
@@ -208,15 +286,23 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
     }
     taken = hn::Add(taken, hn::IfThenElseZero(running, steps));
     ray.left = hn::Sub(ray.left, steps);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      ray.position[axis] = hn::Add(ray.position[axis], hn::Mul(steps, ray.step[axis]));
-    }
+    advance<kWide>(ray, steps);
   }
   counters.samples += static_cast<std::uint32_t>(hn::GetLane(hn::SumOfLanes(d, passed)));
+  if constexpr (!kJitter) {  // opaque rays went on
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ray.position[axis] = lanes.position[axis].load();
+      if constexpr (kWide) ray.rest[axis] = lanes.rest[axis].load();
+    }
+    advance_far<kWide>(ray, taken);
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const V there = hn::Add(lanes.position[axis].load(), hn::Mul(taken, ray.step[axis]));
-    lanes.position[axis].store(kJitter ? ray.position[axis] : there);
-    if (kJitter) lanes.step[axis].store(ray.step[axis]);
+    lanes.position[axis].store(ray.position[axis]);
+    if constexpr (kJitter) lanes.step[axis].store(ray.step[axis]);
+    if constexpr (kWide) {
+      lanes.rest[axis].store(ray.rest[axis]);
+      if constexpr (kJitter) lanes.step_rest[axis].store(ray.step_rest[axis]);
+    }
   }
   if constexpr (kGathers == Gathers::kIntegral) {
     for (std::size_t i = 0; i < 2; ++i) lanes.sum[i].store(ray.sum[i]);

@@ -60,7 +60,9 @@ void trace(std::span<wire::Ray> rays, const Frame& frame, const PacketField& fie
   switch (field.gathers) {
     case Gathers::kOpacity: return trace_gathering<Gathers::kOpacity>(exchange, field, counters);
     case Gathers::kColour: return trace_gathering<Gathers::kColour>(exchange, field, counters);
-    case Gathers::kIntegral: return trace_with<Gathers::kIntegral, false, false>(exchange, field, counters);
+    case Gathers::kIntegral:
+      return field.wide ? trace_with<Gathers::kIntegral, false, true>(exchange, field, counters)
+                        : trace_with<Gathers::kIntegral, false, false>(exchange, field, counters);
   }
 }
 
@@ -81,7 +83,7 @@ std::uint32_t common_exponent(const Frame& frame) {
   if (frame.jitter || frame.segments() || spacing[0] != spacing[1] || spacing[1] != spacing[2]) return 0;
   RayState ray;
   ray.length = spacing[0];
-  space(ray, frame.step);
+  space(ray, frame.step, frame);
   return ray.exponent;
 }
 
@@ -237,7 +239,7 @@ void SimdTracer::trace(std::span<wire::Ray> rays, const Frame& frame, RayCounter
   field.voxels = volume.decoded().data();
   field.tags = volume.decoded_tags().empty() ? nullptr : volume.decoded_tags().data();
   field.tables = &tables_;
-  field.wide = gathers_wide(frame);
+  field.wide = frame.wide;
   field.corrected = !tables_.alpha.empty();
   field.opacities = field.corrected ? static_cast<const void*>(tables_.alpha.data())
                     : field.wide    ? static_cast<const void*>(frame.wide_depths.data())

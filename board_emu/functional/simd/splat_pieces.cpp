@@ -49,11 +49,16 @@ HWY_INLINE void splat_in_vectors(const Piece& piece, std::int64_t* pairs, std::i
   const D d;
   const std::size_t lanes = hn::Lanes(d);
   const V mask = hn::Set(d, wire::kVoxel - 1), amount = hn::Set(d, piece.amount);
-  std::array<V, 3> at{}, step{};
+  std::array<V, 3> at{}, step{}, rest{}, step_rest{};
+  const V whole = hn::Set(d, (1 << kRestBits) - 1), all = hn::Set(d, static_cast<std::int32_t>(lanes));
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const V one = hn::Set(d, piece.step[axis]);
-    at[axis] = hn::Add(hn::Set(d, piece.first[axis]), hn::Mul(one, hn::Iota(d, 0)));
-    step[axis] = hn::Mul(one, hn::Set(d, static_cast<std::int32_t>(lanes)));
+    const V one = hn::Set(d, piece.step[axis]), below = hn::Set(d, piece.step_rest[axis]);
+    const V first = hn::Add(hn::Set(d, piece.rest[axis]), hn::Mul(below, hn::Iota(d, 0)));
+    at[axis] =
+        hn::Add(hn::Add(hn::Set(d, piece.first[axis]), hn::Mul(one, hn::Iota(d, 0))), hn::ShiftRight<kRestBits>(first));
+    rest[axis] = hn::And(first, whole);
+    step[axis] = hn::Mul(one, all);
+    step_rest[axis] = hn::Mul(below, all);
   }
   for (std::size_t done = 0; done < piece.count; done += lanes) {
     alignas(32) std::array<std::int32_t, 8> index;
@@ -79,7 +84,11 @@ HWY_INLINE void splat_in_vectors(const Piece& piece, std::int64_t* pairs, std::i
       to[slice] += far[2 * i];
       to[slice + row] += far[2 * i + 1];
     }
-    for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = hn::Add(at[axis], step[axis]);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      rest[axis] = hn::Add(rest[axis], step_rest[axis]);
+      at[axis] = hn::Add(hn::Add(at[axis], step[axis]), hn::ShiftRight<kRestBits>(rest[axis]));
+      rest[axis] = hn::And(rest[axis], whole);
+    }
   }
 }
 
@@ -109,15 +118,16 @@ void each_row(std::span<const Piece> pieces, std::size_t row, std::size_t slice,
   constexpr int kBits = wire::kPositionFractionBits;
   constexpr std::uint32_t kMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
   for (const Piece& piece : pieces) {
-    std::array<std::uint32_t, 3> at{};
-    for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = static_cast<std::uint32_t>(piece.first[axis]);
-    for (std::uint32_t i = 0; i < piece.count; ++i) {
+    const FinePoint step = fine(piece.step, piece.step_rest);
+    FinePoint place = fine(piece.first, piece.rest);
+    for (std::uint32_t i = 0; i < piece.count; ++i, place = moved(place, step, 1)) {
+      std::array<std::uint32_t, 3> at{};
+      for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = static_cast<std::uint32_t>(place[axis] >> kRestBits);
       const std::size_t word = (at[0] >> kBits) + row * (at[1] >> kBits) + slice * (at[2] >> kBits);
       const SignedShares shares = spread(piece.amount, {at[0] & kMask, at[1] & kMask, at[2] & kMask});
       for (std::size_t k = 0; k < 4; ++k) {
         add(word + row * (k & 1) + slice * (k >> 1), shares[2 * k], shares[2 * k + 1]);
       }
-      for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += static_cast<std::uint32_t>(piece.step[axis]);
     }
   }
 }

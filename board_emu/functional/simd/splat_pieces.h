@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "datapath/advance.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -16,7 +17,8 @@ struct Piece {
   std::uint32_t count = 0;
   Point first{};  // from the block's corner
   Point step{};
-  std::int32_t amount = 0;  // of each sample
+  std::int32_t amount = 0;   // of each sample
+  Rest rest{}, step_rest{};  // of the wide datapath, below the units of the first place and of the step
 };
 
 // Adds all samples of the pieces to `pairs` (SumMemory::pairs()) of their block. `row`, `slice`: from a voxel to the next in y

@@ -51,7 +51,7 @@ struct Illumination {
   Albedo albedo = Albedo::kLow;
   EnergyRules rules = EnergyRules::kConserving;
   int rays_per_face_voxel = 1;  // k, 1..4096; each light sends up to 6 k N^2 rays
-  double step = 0.5;            // voxels along the ray, 1/64..16
+  double step = 0.5;            // voxels along the ray, 1/64..16; refused as View::step
   bool jitter = false;          // of rays with the printed rules; the conserving ones don't depend on where samples lie
   bool leap = true;
   int lifetime = 32;       // scatterings until a ray is given up, 0..1023

@@ -39,7 +39,7 @@ struct PairRequest {
   std::uint32_t first = 0;  // the first sample: one that no earlier request has used, if that ended before it
   std::uint32_t seed = 0;
   double opacity = 1;  // > 0..1: a ray that has gathered that much ends
-  double step = 0.5;   // voxels between samples, 1/64..16
+  double step = 0.5;   // voxels between samples, 1/64..16; refused as View::step
   bool leap = true;    // over blocks whose empty flag is set
   PairRays made = PairRays::kByBoard;
 };

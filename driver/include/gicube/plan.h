@@ -8,7 +8,7 @@
 // "Error" is the root of the mean square difference of red, green, blue and alpha over all pixels, divided by the root mean
 // square of the best picture, so that background does not count. It is what settings do to a picture; how far the board's best
 // one is from an exact one is in docs/studies/accuracy.md. "Cost" is compared with the finest setting, a sixteenth of a voxel.
-// Its picture is the worse one: positions drift with the number of steps.
+// Its picture is the worse one on the paper's datapath, where positions drift with the number of steps.
 #pragma once
 
 #include <cstdint>

@@ -76,7 +76,7 @@ struct RayRequest {
   EnergyRules rules = EnergyRules::kConserving;
   int lifetime = 32;
   SumWords words = SumWords::kSums;  // kBackproject
-  double step = 0.5;                 // voxels between samples, 1/64..16
+  double step = 0.5;                 // voxels between samples, 1/64..16; refused as View::step
   bool leap = true;                  // over blocks whose empty flag is set; kIntegral, kBackproject never do
 };
 

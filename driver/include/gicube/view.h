@@ -33,7 +33,9 @@ struct View {
   int samples_per_axis = 1;  // 1, 2 or 4: rays per pixel are its square
   PixelFilter filter = PixelFilter::kBox;
 
-  double step = 0.5;                // voxels along the ray, 1/64..16; kept to 16 fraction bits
+  // Voxels along the ray, 1/64..16, kept to 16 fraction bits. Without BoardInfo::wide each step is rounded to 2^-14 voxel on every
+  // axis: steps with which positions could drift by more than a voxel over the volume are refused.
+  double step = 0.5;
   double opacity_threshold = 0.98;  // 0..1: a ray at or above it is done
   bool shade = true;
   bool jitter = false;

@@ -14,6 +14,7 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
   if (!info.host_rays) throw Unsupported("this board takes no host rays");
   check(request);
   const LoadedVolume& of = loaded("submit()");
+  check_drift("request.step", request.step);
   const bool deposits = request.type == RayType::kDeposit;
   if (deposits && irradiance_unit <= 0) {
     throw Rejected("rays that deposit need a unit of energy: clear_irradiance() or illuminate() first");

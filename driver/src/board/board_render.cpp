@@ -37,6 +37,19 @@ std::uint32_t Board::State::exposure_word(const View& view) const {
   return static_cast<std::uint32_t>(std::clamp(std::round(word), 0.0, 4294967295.0));
 }
 
+void Board::State::check_drift(const char* field, double step) const {
+  if (info.wide) return;
+  const Vec3 way{volume->dims[0] - 1.0, volume->dims[1] - 1.0, volume->dims[2] - 1.0};
+  if (wire::max_drift(length(way), static_cast<std::uint32_t>(std::lround(step * wire::kStepOne))) <= 1) return;
+  const double shortest = 1 / (1 / wire::max_drift(length(way), wire::kStepOne) - 1);
+  throw BadArgument(
+      field,
+      fmt::format("at least {:.3f}, since over this volume positions drift by more than a voxel in shorter "
+                  "steps (not with asic.datapath=wide)",
+                  std::ceil(shortest * 1000) / 1000),
+      number_text(step));
+}
+
 void Board::State::set_sampling(const View& view) {
   device.set_register(reg::kStep, step_word(view));
   device.set_register(reg::kOpacityThreshold,
@@ -65,6 +78,7 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
     throw Rejected("View::irradiance needs light: illuminate() first");
   }
   if (view.scatter) state_->need_routine(false);
+  state_->check_drift("step", view.step);
   const Vec3 eye = towards_eye(view, volume.relative_spacing);
   state_->set_sampling(view);
   if (view.shade) state_->tables.send_reflectance(eye);
@@ -126,6 +140,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], i);
   check(settings);
   const LoadedVolume& volume = state_->loaded("illuminate()");
+  state_->check_drift("step", settings.step);
   state_->need_routine(true);
   const LitBox box = lit_box(volume);
   LightingReport report;

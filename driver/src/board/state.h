@@ -108,6 +108,8 @@ struct GICUBE_HIDDEN Board::State {
     of.flags = find_empty_blocks(of.statistics, tables.segmentation());
     tables.send_flags(of.flags);
   }
+  // Throws BadArgument if the positions of rays could drift by more than a voxel over the volume in steps of `step` voxels.
+  void check_drift(const char* field, double step) const;
   void set_sampling(const View& view);
   Ticket submit(std::span<const std::span<const HostRay>> rays, const RayRequest& request,
                 std::vector<std::size_t> lines);

@@ -15,7 +15,7 @@ namespace gicube {
 namespace {
 
 constexpr double kFinestStep = 1.0 / 16;  // voxels; what is saved is told against it
-// chosen: with shorter steps the drift of 14-bit positions, which grows with their number, costs more than they gain
+// chosen: with shorter steps the paper's drift of 14-bit positions, which grows with their number, costs more than they gain
 // (docs/guide/plan.md has the measurement).
 constexpr double kBestStep = 1.0 / 4;
 constexpr double kSteps[] = {kBestStep, 1.0 / 2, 1, 2};           // chosen: each costs half of the one before

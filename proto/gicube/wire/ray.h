@@ -69,6 +69,16 @@ struct Ray {
 // [P §3.6]. Every bit pattern is a ray; whether it makes sense (unit direction, position in the volume) is the DSP's to check.
 inline constexpr std::size_t kRayBytes = bytes_of<Ray>();
 
+// How far the position of a ray on the paper's datapath can drift from its line on each axis, in voxels, after a way of `voxels` in
+// steps of `step` (16.16): a position is the start plus a whole number of one rounded step. The direction's rounding adds at most half
+// a unit for each voxel, and the step's half a unit for each step, or nothing where steps are whole voxels. On the wide datapath
+// steps are not rounded, and positions only once: voxels / 2^15, and half a unit.
+constexpr double max_drift(double voxels, std::uint32_t step) {
+  constexpr double kOne = 1 << 16;
+  const double by_steps = step % (1u << 16) == 0 ? 0 : kOne / step;
+  return voxels * (1 + by_steps) / (2 * kVoxel);
+}
+
 // The nearest whole number to x, 0..2^30: what rounds a position or a direction into its word, without a library call.
 constexpr std::uint32_t to_nearest(double x) { return (static_cast<std::uint32_t>(2 * x) + 1) / 2; }
 

@@ -41,7 +41,7 @@ struct Case {
   int image = 96;
   bool cube = false, leap = true;
   std::uint16_t opacity = 800;
-  bool jitter = false;
+  bool jitter = false, wide = false;
   double max_error = 0.03;  // of time, packets and hit ratio
 };
 
@@ -55,6 +55,7 @@ void set_up(Scene& scene, const Case& test) {
   scene.frame.shade = true;
   scene.frame.leap = test.leap;
   scene.frame.jitter = test.jitter;
+  if (test.wide) scene.widen();
 }
 
 struct Figures {
@@ -137,6 +138,12 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{
                         .name = "narrow_links",
                         .machine = {"asic.partition=skewed_block", "asic.processors=8", "link.bits=16", "link.rays=2"}},
+                    Case{.name = "wide_datapath", .machine = {"asic.datapath=wide"}, .wide = true},
+                    Case{.name = "wide_datapath_jittered",
+                         .machine = {"asic.datapath=wide"},
+                         .opacity = 300,
+                         .jitter = true,
+                         .wide = true},
                     Case{.name = "four_ways", .machine = {"cache.ways=4"}},
                     Case{.name = "one_processor", .machine = {"asic.processors=1"}},
                     Case{.name = "runs_of_rays", .machine = {"dsp.run_rays=16"}},

@@ -225,6 +225,47 @@ TEST(Advance, LeapsToTheFirstSampleOutsideTheBlockForEveryPositionAndDirection) 
   }
 }
 
+// On the wide datapath, whose steps are those of the words themselves.
+TEST(Advance, FineStepsAreExactHoweverManyAndALeapIsThatManySteps) {
+  std::mt19937 random(4);
+  std::uniform_int_distribution<int> component(-16'384, 16'384), coordinate(0, 8 * wire::kVoxel - 1);
+  std::uniform_int_distribution<std::uint32_t> length(wire::kStepMin, wire::kStepMax);
+  Frame frame;
+  frame.wide = true;
+  frame.extent = {1023 * wire::kVoxel, 1023 * wire::kVoxel, 1023 * wire::kVoxel};
+  const Point low{8 * wire::kVoxel, 0, 16 * wire::kVoxel};
+  for (int trial = 0; trial < 2000; ++trial) {
+    wire::Ray ray;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ray.position[axis] = static_cast<std::uint32_t>(low[axis] + coordinate(random));
+      ray.direction[axis] = static_cast<std::int16_t>(component(random));
+    }
+    ray.direction[static_cast<std::size_t>(trial % 3)] = 9000;  // no short one
+    frame.step = trial % 2 == 0 ? wire::kStepMin : length(random);
+    RayState one = unpack(ray, frame), leaping = one;
+    const std::int32_t steps = leap_steps(leaping, low, 8 * wire::kVoxel, frame);
+    for (std::int32_t k = 1; k <= steps; ++k) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        ASSERT_GE(one.position[axis], low[axis]) << k;
+        ASSERT_LT(one.position[axis], low[axis] + 8 * wire::kVoxel) << k;
+      }
+      advance(one, 1, frame);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double exact = ray.position[axis] + k * (ray.direction[axis] * (frame.step / 65536.0));
+        ASSERT_NEAR(one.position[axis], exact, 0.5);
+      }
+    }
+    advance(leaping, steps, frame);
+    ASSERT_EQ(leaping.position, one.position);
+    ASSERT_EQ(leaping.rest, one.rest);
+    bool outside = false;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      outside |= one.position[axis] < low[axis] || one.position[axis] >= low[axis] + 8 * wire::kVoxel;
+    }
+    ASSERT_TRUE(outside);
+  }
+}
+
 TEST(Advance, LeavesAHalfSpaceOnlyWhenItRunsOutOfIt) {
   const Plane plane{{16384, 0, 0}, std::int64_t{10} << kPlaneFractionBits};  // x >= 10
   const Point before{9 * wire::kVoxel, 0, 0}, behind{11 * wire::kVoxel, 0, 0};
@@ -279,8 +320,16 @@ TEST(Segment, TakesAllItsSamplesHoweverItIsRounded) {
   frame.type = wire::RayType::kOpacity;
   frame.extent = {39 * wire::kVoxel, 39 * wire::kVoxel, 39 * wire::kVoxel};
   frame.spacing = {wire::kSpacingOne, wire::kSpacingOne, wire::kSpacingOne};
-  for (const std::uint32_t step : {wire::kStepOne, wire::kStepOne / 8, wire::kStepOne / 16, wire::kStepOne / 64}) {
+  const std::uint32_t one = wire::kStepOne;
+  for (const auto& [step, wide] : {std::pair{one, false},
+                                   {one / 8, false},
+                                   {one / 16, false},
+                                   {one / 64, false},
+                                   {one, true},
+                                   {one / 8, true},
+                                   {one / 64, true}}) {
     frame.step = step;
+    frame.wide = wide;
     for (int i = 0; i < 5000; ++i) {
       std::array<double, 3> from{}, to{}, direction{};
       double length = 0;
@@ -305,13 +354,15 @@ TEST(Segment, TakesAllItsSamplesHoweverItIsRounded) {
       ASSERT_EQ(state.steps_left(), steps);
       for (std::int32_t taken = 0; taken < steps; ++taken) {
         ASSERT_EQ(end(state, frame), Termination::kNot) << "sample " << taken << " of " << steps;
-        advance(state, 1);
+        advance(state, 1, frame);
         count_steps(state, 1, frame);
       }
       ASSERT_EQ(end(state, frame), Termination::kLeft);
-      for (std::size_t axis = 0; axis < 3; ++axis) {  // direction's and step's rounding, half a unit each
+      // Half a unit a voxel by the direction's rounding; on the paper's datapath as much a step by its own.
+      const double units = wide ? length / 2 + 4 : 2 * (length + 3 * steps + 4);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
         ASSERT_NEAR(state.position[axis] / double{wire::kVoxel}, to[axis] + direction[axis] * length / steps / 2,
-                    2 * (length + 3 * steps + 4) / wire::kVoxel);
+                    units / wire::kVoxel);
       }
     }
   }

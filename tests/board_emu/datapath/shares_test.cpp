@@ -34,12 +34,12 @@ struct Fog {
     packet.flags = flags;
     return unpack(packet, lit.scene.frame);
   }
-  Interaction take(RayState& ray, WideWords* wide = nullptr) {
+  Interaction take(RayState& ray) {
     const Frame& frame = lit.scene.frame;
     const BlockGrid grid(*frame.volume);
     const Cell at = cell(ray.position, grid.low(ray.position));
     const BlockView view = frame.volume->view(grid.block(ray.position));
-    return interact(ray, wide, {at, view, grid.block(ray.position), 9}, frame, counters);
+    return interact(ray, {at, view, grid.block(ray.position), 9}, frame, counters);
   }
 
   LitScene lit;
@@ -265,10 +265,9 @@ TEST(Shares, OnTheWideDatapathARenderingRayTakesTheAbsorbedPartInFloats) {
     fog.set(opacity, ks, wire::Bsdf::kIsotropic);
     fog.lit.scene.widen();
     RayState ray = fog.ray(0, static_cast<std::uint16_t>(i));
-    WideWords wide;
-    fog.take(ray, &wide);
+    fog.take(ray);
     const double exact = opacity / 65535.0 * (1 - ks / 65535.0);
-    ASSERT_NEAR(wide.opacity, exact, 1e-6 * exact) << opacity << ' ' << ks;
+    ASSERT_NEAR(ray.wide.opacity, exact, 1e-6 * exact) << opacity << ' ' << ks;
   }
 }
 
@@ -319,7 +318,7 @@ TEST(Traps, TellTheHostTheRaySampleAndFourRandomNumbers) {
   ray.set_energy(std::uint64_t{100} << kEnergyFractionBits);
   RayCounters counters;
   std::uint32_t cycles = 7;
-  EXPECT_EQ(resolve_trap(ray, nullptr, frame, counters, cycles).outcome, Outcome::kTrapped);
+  EXPECT_EQ(resolve_trap(ray, frame, counters, cycles).outcome, Outcome::kTrapped);
   EXPECT_EQ(cycles, 0u);
   ASSERT_EQ(caught.rays.size(), 1u);
   const wire::TrappedRay& told = caught.rays[0];
@@ -477,7 +476,7 @@ TEST(Passes, OfASegmentEndWithItsStepsWhetherItGathersOrLeaps) {
     ASSERT_EQ(ray.steps_left(), 16 - taken);
     const Cell at = cell(ray.position, grid.low(ray.position));
     const BlockView view = frame.volume->view(0);
-    gather(ray, nullptr, {at, view, 0, 9}, frame, counters);
+    gather(ray, {at, view, 0, 9}, frame, counters);
   }
   EXPECT_EQ(end(ray, frame), Termination::kLeft);
   EXPECT_EQ(counters.samples, 16u);
@@ -513,7 +512,7 @@ TEST(Passes, OfABackprojectingRayLeaveItsAmountAtEachStepOfItsSegment) {
     ASSERT_EQ(end(ray, frame), Termination::kNot);
     const Cell at = cell(ray.position, grid.low(ray.position));
     const BlockView view = frame.volume->view(0);
-    const Interaction left = sample(ray, nullptr, {at, view, 0, 9}, frame, counters);
+    const Interaction left = sample(ray, {at, view, 0, 9}, frame, counters);
     EXPECT_TRUE(left.deposits);
     EXPECT_EQ(left.units, 5u);
   }
@@ -537,7 +536,7 @@ TEST(Passes, OfARenderingRayGatherItsColourAndOpacity) {
     const Cell at = cell(ray.position, grid.low(ray.position));
     const BlockView view = frame.volume->view(0);
     RayCounters counters;
-    gather(ray, nullptr, {at, view, 0, 9}, frame, counters);
+    gather(ray, {at, view, 0, 9}, frame, counters);
     over(expected, colourless ? Colour12{} : Colour12{4000, 2000, 7}, alpha_of(fog));
     EXPECT_EQ(ray.opacity, expected.opacity);
     EXPECT_EQ(ray.colour, expected.colour);
@@ -617,11 +616,11 @@ TEST(Passes, OfALightingRayCountItsSampleAndTakeItOffTheSurface) {
   EXPECT_FALSE(ray.is(wire::kTrapped));
   ray = fog.ray(wire::kLightingRay, 1);
   ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
-  sample(ray, nullptr, {at, view, 0, 9}, frame, counters);
+  sample(ray, {at, view, 0, 9}, frame, counters);
   EXPECT_EQ(counters.samples, 1u);
   EXPECT_EQ(counters.visible_samples, 1u);
   fog.set(0, 0, wire::Bsdf::kNone);
-  sample(ray, nullptr, {at, view, 0, 9}, frame, counters);
+  sample(ray, {at, view, 0, 9}, frame, counters);
   EXPECT_EQ(counters.samples, 2u);
   EXPECT_EQ(counters.visible_samples, 1u);
 }

@@ -213,7 +213,7 @@ TEST(PipelineWords, ASampleStandsForItsStepTimesThePhysicalLength) {
     RayState ray;
     ray.length = words.u32(1, 16 << 16);
     const std::uint32_t distance = words.u32(1, 16 << 16);
-    space(ray, distance);
+    space(ray, distance, {});
     ASSERT_EQ(ray.exponent, reference::nearest(std::int64_t{distance} * ray.length, 65536));
   }
 }

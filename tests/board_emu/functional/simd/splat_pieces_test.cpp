@@ -25,6 +25,14 @@ Piece random_piece(std::mt19937& random, std::int32_t amount) {
     piece.first[axis] = place(random);
     piece.step[axis] = (place(random) - piece.first[axis]) / static_cast<std::int32_t>(piece.count);
   }
+  if (piece.count % 2 == 0) return piece;
+  for (std::size_t axis = 0; axis < 3;
+       ++axis) {  // of the wide datapath: below a step's unit, which is one less for that
+    if (piece.step[axis] <= 0) continue;
+    piece.rest[axis] = static_cast<std::uint16_t>(random());
+    piece.step_rest[axis] = static_cast<std::uint16_t>(random());
+    --piece.step[axis];
+  }
   return piece;
 }
 
