@@ -1,5 +1,5 @@
-// The lines that all plans have, in the same words: those of pictures (plan.h), of light (light_plan.h), and those that
-// applications make for work of their own.
+// What all plans have in common, those of pictures (plan.h), of light (light_plan.h), and those that applications make for work of
+// their own: targets, the rule by which a setting is chosen, and the lines that tell of it.
 #pragma once
 
 #include <string>
@@ -13,6 +13,17 @@ struct PlanTarget {
   double max_error = 0;         // relative; 0: none
   Picoseconds time_budget = 0;  // 0: none
 };
+
+// The cheapest of a plan's points whose `error_bound` is at most `max_error`, by cost(point); null if there is none.
+template <typename Points, typename Cost>
+auto cheapest_kept(const Points& points, double max_error, const Cost& cost) -> decltype(points.data()) {
+  decltype(points.data()) cheapest = nullptr;
+  for (const auto& point : points) {
+    if (point.error_bound > max_error) continue;
+    if (cheapest == nullptr || cost(point) < cost(*cheapest)) cheapest = &point;
+  }
+  return cheapest;
+}
 
 // "12.5 million".
 GICUBE_API std::string count_text(double count);

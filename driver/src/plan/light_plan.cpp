@@ -249,11 +249,8 @@ class LightPlanner {
 
   // A pilot may have found a cheaper setting that does: then its light is what stays.
   void take_cheaper() {
-    const LightPoint* cheapest = nullptr;
-    for (const LightPoint& point : plan_.points) {
-      const bool does = point.error_bound <= request_.max_error;
-      if (does && (cheapest == nullptr || cost(point) < cost(*cheapest))) cheapest = &point;
-    }
+    const LightPoint* const cheapest =
+        cheapest_kept(plan_.points, request_.max_error, [this](const LightPoint& point) { return cost(point); });
     if (cheapest == nullptr || (plan_.kept && cost(*cheapest) >= cost(plan_.chosen))) return;
     plan_.chosen = *cheapest;
     plan_.kept = true;

@@ -178,17 +178,34 @@ struct Planner {
     return all;
   }
 
+  // The cheapest of all pilots whose bound keeps the target. What promises to keep it and would be cheaper still is tried, cheapest
+  // first.
   void choose_cheapest(std::vector<FdkPlanPoint> all) {
-    std::ranges::stable_sort(all, {}, &FdkPlanPoint::deposits);
-    int tries = 0;
-    for (const FdkPlanPoint& point : all) {
-      if (point.error_bound > plan.target.max_error || ++tries > kTries) continue;
-      plan.chosen = tried(point);
-      plan.kept = plan.chosen.error_bound <= plan.target.max_error;
-      if (plan.kept) return;
-    }
+    const auto cost = [](const FdkPlanPoint& point) { return point.deposits; };
+    const double max_error = plan.target.max_error;
     plan.chosen = plan.finest;  // what all is told against, and so without an error
     plan.kept = true;
+    if (const FdkPlanPoint* point = cheapest_kept(plan.points, max_error, cost); point != nullptr) {
+      if (cost(*point) < cost(plan.chosen)) plan.chosen = *point;
+    }
+    std::ranges::stable_sort(all, {}, cost);
+    int tries = 0;
+    for (const FdkPlanPoint& candidate : all) {
+      if (cost(candidate) >= cost(plan.chosen) || tries == kTries) return;
+      if (candidate.error_bound > max_error || coarser_ways(candidate) < 2) continue;
+      ++tries;
+      const FdkPlanPoint point = tried(candidate);
+      if (point.error_bound > max_error) continue;
+      plan.chosen = point;
+      return;
+    }
+  }
+
+  // In how many ways it is coarser than the finest setting; those that are so in one have been tried.
+  int coarser_ways(const FdkPlanPoint& point) const {
+    const FdkPlanPoint& finest = plan.finest;
+    return (point.every != finest.every) + (point.rays != finest.rays) + (point.step != finest.step) +
+           (point.normalise != finest.normalise);
   }
 
   void choose_within_time(const std::vector<FdkPlanPoint>& all) {

@@ -2,8 +2,8 @@
 // step, and whether ripples are divided out.
 //
 // A pilot is the same reconstruction of a slab around the middle plane. That of the finest setting (all views, one ray a pixel along
-// each axis more than asked for, half a voxel, ripples divided out) is compared with others: first each coarser one alone, then the
-// cheapest combinations, until one is good enough. Two and six of its views tell what settings cost in the whole volume. "Error" is the
+// each axis more than asked for, half a voxel, ripples divided out) is compared with others: first each coarser one alone, then
+// combinations, cheapest first. The cheapest of all that are good enough is chosen. Two and six of its views tell what settings cost in the whole volume. "Error" is the
 // root of the mean square difference over that of the finest setting's values, of the voxels that all views see.
 #pragma once
 

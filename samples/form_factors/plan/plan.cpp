@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "gicube/scene/error.h"
@@ -19,7 +20,13 @@ constexpr double kTimeMargin = 1.25;           // as of pictures
 
 // chosen: the error of the later of two solutions over what they differ by. If their errors knew nothing of each other it would be
 // 0.6, where each solution errs by three quarters of the one before; if they erred alike, 3 (docs/guide/plan.md has what was measured).
-constexpr double kEstimate = 1, kBound = 2;
+// Either way the earlier one errs by a third more.
+constexpr double kEstimate = 1, kBound = 2, kOfEarlier = 4.0 / 3;
+
+struct Solution {
+  RadiosityResult result;
+  std::size_t point = 0;  // of the plan
+};
 
 struct Planner {
   Board& board;
@@ -30,85 +37,101 @@ struct Planner {
   int first_rays = plan.settings.rays;
   std::uint32_t solutions = 0;
 
+  std::optional<Solution> cheapest{};  // of those whose bound keeps the target
+
   RadiosityPlan make() {
     const auto start = std::chrono::steady_clock::now();
-    auto [before, point_before] = solve(plan.settings);
+    Solution before = solve(plan.settings);
     plan.kept = false;
     for (int stage = 1; plan.settings.error / kStep >= kLast; ++stage) {
-      if (plan.target.time_budget > 0 && too_long(point_before)) break;
+      const RadiosityPlanPoint& last = plan.points[before.point];
+      if (plan.target.time_budget > 0 && too_long(last)) break;
       plan.settings.error /= kStep;
-      plan.settings.hierarchy =
-          2 * point_before.all_rays < plan.finest_rays;  // chosen: else a full matrix does as well
-      auto [result, point] = solve(plan.settings);
-      tell(point, difference(before, result));
-      plan.points.push_back(point);
-      if (stage == 2) try_variants(result, point_before);
-      const bool over = plan.target.time_budget > 0 && point.time > plan.target.time_budget;
+      plan.settings.hierarchy = 2 * last.all_rays < plan.finest_rays;  // chosen: else a full matrix does as well
+      Solution here = solve(plan.settings);
+      const double off = difference(before.result, here.result);
+      tell(before.point, off, kOfEarlier);
+      tell(here.point, off, 1);
+      if (stage == 2) try_variants(here.result, before.point, off);
+      const bool over = plan.target.time_budget > 0 && plan.points[here.point].time > plan.target.time_budget;
       if (over) break;
-      before = std::move(result);
-      point_before = point;
-      if (plan.target.max_error > 0 && point.error_bound <= plan.target.max_error) {
-        plan.kept = true;
-        break;
-      }
+      consider(std::exchange(before, std::move(here)));
+      if (keeps(before.point) || cheapest) break;
       if (!plan.settings.hierarchy) break;  // there is nothing finer
     }
-    if (plan.target.time_budget > 0) plan.kept = point_before.time <= plan.target.time_budget;
-    const RadiosityPlanPoint& chosen = plan.chosen = point_before;
+    if (plan.target.max_error > 0) {
+      consider(before);
+      plan.kept = cheapest.has_value();
+      if (cheapest) before = *std::move(cheapest);
+    } else {
+      plan.kept = plan.points[before.point].time <= plan.target.time_budget;
+    }
+    const RadiosityPlanPoint& chosen = plan.chosen = plan.points[before.point];
     plan.settings.hierarchy = chosen.hierarchy;
     plan.settings.error = chosen.threshold;
     plan.settings.rays = chosen.rays;
     plan.settings.leaf_voxels = chosen.leaf_voxels;
     plan.settings.seed = chosen.seed;
-    plan.result = std::move(before);
+    plan.result = std::move(before.result);
     const double more = chosen.all_rays > 0 ? plan.finest_rays / chosen.all_rays : 1;
     plan.finest_time = static_cast<Picoseconds>(more * static_cast<double>(chosen.time));
     plan.host_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return std::move(plan);
   }
 
-  std::pair<RadiosityResult, RadiosityPlanPoint> solve(RadiositySettings settings) {
+  Solution solve(RadiositySettings settings) {
     settings.seed += solutions++;
     settings.max_rays = std::max(settings.max_rays, settings.rays);
     RadiosityResult result = solve_radiosity(board, setup, emissions, settings, progress);
     const RadiosityStatistics& statistics = result.statistics;
-    RadiosityPlanPoint point{.hierarchy = settings.hierarchy,
-                             .threshold = settings.error,
-                             .rays = settings.rays,
-                             .leaf_voxels = settings.leaf_voxels,
-                             .seed = settings.seed,
-                             .all_rays = static_cast<double>(statistics.rays),
-                             .time = statistics.board_time};
-    plan.all_rays += point.all_rays;
+    plan.points.push_back({.hierarchy = settings.hierarchy,
+                           .threshold = settings.error,
+                           .rays = settings.rays,
+                           .leaf_voxels = settings.leaf_voxels,
+                           .seed = settings.seed,
+                           .error = 1,
+                           .error_bound = 1,  // nothing is known of it
+                           .all_rays = static_cast<double>(statistics.rays),
+                           .time = statistics.board_time});
+    plan.all_rays += plan.points.back().all_rays;
     plan.finest_rays = static_cast<double>(statistics.all_pairs) * first_rays;
-    if (plan.points.empty()) {
-      point.error = point.error_bound = 1;  // nothing is known of it
-      plan.points.push_back(point);
-    }
-    return {std::move(result), point};
+    return {std::move(result), plan.points.size() - 1};
   }
 
-  static void tell(RadiosityPlanPoint& point, double difference) {
-    point.difference = difference;
-    point.error = kEstimate * difference;
-    point.error_bound = kBound * difference;
+  // What it differs from another solution tells of a point's error; of two tellings the lower bound holds.
+  void tell(std::size_t index, double off, double factor) {
+    RadiosityPlanPoint& point = plan.points[index];
+    if (point.difference > 0 && kBound * factor * off >= point.error_bound) return;
+    point.difference = off;
+    point.error = kEstimate * factor * off;
+    point.error_bound = kBound * factor * off;
   }
 
-  // Those of the stage before, held against this one's solution as that stage's own was.
-  void try_variants(const RadiosityResult& better, const RadiosityPlanPoint& base) {
+  bool keeps(std::size_t index) const {
+    return plan.target.max_error > 0 && plan.points[index].error_bound <= plan.target.max_error;
+  }
+  void consider(Solution solution) {
+    if (!keeps(solution.point)) return;
+    const double rays = plan.points[solution.point].all_rays;
+    if (!cheapest || rays < plan.points[cheapest->point].all_rays) cheapest = std::move(solution);
+  }
+
+  // Those of the stage before, which differed by `off` from this one's solution.
+  void try_variants(const RadiosityResult& better, std::size_t base, double off) {
     RadiositySettings original = plan.settings;
     original.hierarchy = true;
-    original.error = base.threshold;
-    double best = kGain * std::pow(plan.points.back().difference, 2) * base.all_rays;
+    original.error = plan.points[base].threshold;
+    double best = kGain * std::pow(off, 2) * plan.points[base].all_rays;
     // chosen: rays beside 16, and cubes twice as large
     for (const auto& [rays, times] : {std::pair{8, 1}, {32, 1}, {original.rays, 2}}) {
       RadiositySettings variant = original;
       variant.rays = rays;
       variant.leaf_voxels *= times;
-      auto [result, point] = solve(variant);
-      tell(point, difference(result, better));
-      plan.points.push_back(point);
+      Solution solution = solve(variant);
+      tell(solution.point, difference(solution.result, better), kOfEarlier);
+      const RadiosityPlanPoint& point = plan.points[solution.point];
       const double merit = point.difference * point.difference * point.all_rays;
+      consider(std::move(solution));
       if (merit >= best) continue;
       best = merit;
       plan.settings.rays = variant.rays;
@@ -153,12 +176,12 @@ std::vector<std::string> RadiosityPlan::explain() const {
                                  : std::string("subdivision: to single voxels"),
           plan_error_line(
               chosen.error,
-              fmt::format("of the light on all elements ({:.2g}% from a coarser solution)", 100 * chosen.difference),
+              fmt::format("of the light on all elements ({:.2g}% from another solution)", 100 * chosen.difference),
               chosen.error_bound),
           plan_cost_line("rays", chosen.all_rays, kFinest, finest_rays),
           plan_time_line(chosen.time, kFinest, finest_time),
-          fmt::format("the plan itself: {} solutions, {} rays, {:.2f} s of the host; the last is used", points.size(),
-                      count_text(all_rays), host_seconds)};
+          fmt::format("the plan itself: {} solutions, {} rays, {:.2f} s of the host; the chosen one is used",
+                      points.size(), count_text(all_rays), host_seconds)};
 }
 
 RadiosityPlan plan_radiosity(Board& board, const SceneSetup& setup, const Emissions& emissions,

@@ -1,10 +1,10 @@
 // The plan step of radiosity: from a target to the threshold of the links, their rays and how far elements are divided.
 //
 // Solutions of one scene are made with thresholds that fall by the root of ten, each with other random choices. What one differs
-// from the next (difference()) is what both err; so each tells how good the one before it was, and how much better the next will be.
-// Where rays become as many as a full matrix would take, that is the last one. The first that is good enough is the solution. Before
-// the third, other numbers of rays and larger elements are tried at the second threshold, and the one that needs the fewest rays for
-// its error is kept.
+// from the next (difference()) is what both err; so each tells how good both were, and how much better the next will be. Where rays
+// become as many as a full matrix would take, that is the last one. Before the third, other numbers of rays and larger elements are
+// tried at the second threshold, and the one that needs the fewest rays for its error is kept. Once any is good enough, the one of
+// those with the fewest rays is the solution.
 #pragma once
 
 #include <string>
@@ -21,7 +21,7 @@ struct RadiosityPlanPoint {
   int rays = 0;          // RadiositySettings::rays
   int leaf_voxels = 1;
   std::uint32_t seed = 0;
-  double difference = 0;  // from the solution that it is held against: of the one before, or of the next for variants
+  double difference = 0;              // from the solution that it is held against: the one before or the next
   double error = 0, error_bound = 0;  // of the light on all elements, relative; see plan.cpp
   double all_rays = 0;                // that it took
   Picoseconds time = 0;               // of the board

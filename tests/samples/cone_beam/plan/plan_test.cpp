@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "../open_board.h"
 #include "../small_scan.h"
@@ -27,6 +28,31 @@ TEST(FdkPlan, TakesMoreDepositsForLessError) {
     EXPECT_LE(plan.chosen.deposits, plan.finest.deposits);
     last = plan.chosen.deposits;
   }
+}
+
+TEST(FdkPlan, ChoosesTheCheapestOfAllThatItFoundToKeepTheTarget) {
+  Board board = open_board("&fidelity=functional");
+  std::mt19937 random(6);
+  const auto within = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  int cheaper = 0;
+  for (int i = 0; i < 8; ++i) {
+    const ConeGeometry geometry = small_scan(i % 2 == 0 ? 20 : 26, i % 3 == 0 ? 24 : 48);
+    const Projections projections = project(high_contrast_shepp_logan(within(25, 40)), geometry);
+    const double error = std::exp(within(std::log(0.02), std::log(0.6)));
+    SCOPED_TRACE(testing::Message() << "request " << i << ", target " << error);
+    const FdkPlan plan = plan_fdk(board, geometry, projections, {}, {error, 0});
+    EXPECT_TRUE(plan.kept);
+    EXPECT_LE(plan.chosen.error_bound, error);
+    cheaper += plan.chosen.deposits < plan.finest.deposits;
+    for (const FdkPlanPoint& point : plan.points) {
+      if (point.error_bound > error) continue;
+      EXPECT_GE(point.deposits, plan.chosen.deposits)
+          << "every " << point.every << ", rays " << point.rays << ", step " << point.step;
+    }
+  }
+  EXPECT_GT(cheaper, 4);
 }
 
 TEST(FdkPlan, TheFinestSettingIsWithoutError) {

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
+#include <random>
 
 #include "form_factors/program/options.h"
 #include "gicube/scene/error.h"
@@ -40,6 +42,32 @@ TEST(RadiosityPlan, TakesMoreRaysForLessErrorAndKeepsItsBound) {
   EXPECT_LE(difference(fine.result, reference), fine.chosen.error_bound);
   EXPECT_LE(difference(rough.result, reference), rough.chosen.error_bound);
   EXPECT_GT(difference(rough.result, reference), 0.1 * rough.chosen.error_bound);
+}
+
+TEST(RadiosityPlan, ChoosesTheCheapestOfAllThatItFoundToKeepTheTarget) {
+  std::mt19937 random(5);
+  const auto within = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const Room room;
+  Board board = open_board({});
+  int variants = 0;
+  for (int i = 0; i < 5; ++i) {
+    const double error = std::exp(within(std::log(0.08), std::log(0.6)));
+    SCOPED_TRACE(testing::Message() << "request " << i << ", target " << error);
+    const RadiositySettings settings{.rays = 12 + 4 * (i % 2), .seed = static_cast<std::uint32_t>(random() % 1000)};
+    const RadiosityPlan plan = plan_radiosity(board, room.setup, room.emissions, settings, {error, 0});
+    EXPECT_EQ(plan.kept, plan.chosen.error_bound <= error);
+    for (const RadiosityPlanPoint& point : plan.points) {
+      if (point.error_bound > error) continue;
+      EXPECT_TRUE(plan.kept);
+      EXPECT_GE(point.all_rays, plan.chosen.all_rays) << "threshold " << point.threshold << ", rays " << point.rays;
+    }
+    variants += plan.points.size() > 3;
+    const RadiosityResult again = solve_radiosity(board, room.setup, room.emissions, plan.settings);
+    EXPECT_EQ(again.incident, plan.result.incident);
+  }
+  EXPECT_GT(variants, 0);
 }
 
 TEST(RadiosityPlan, ItsSettingsMakeTheSameSolutionAgain) {
