@@ -36,8 +36,9 @@ void put_on(Board& board, const LightField& field, int channel, double exposure)
 
 }  // namespace
 
-void write_light_field(const LightField& field, Vec3 spacing, const std::filesystem::path& path) {
-  write_compressed_nrrd({field.dims, spacing, {}, field.values, field.channels}, path);
+void write_light_field(const LightField& field, Vec3 spacing, Vec3 origin, const std::filesystem::path& path,
+                       const Provenance& provenance) {
+  write_compressed_nrrd({field.dims, spacing, origin, field.values, field.channels}, path, provenance);
 }
 
 LightField read_light_field(const std::filesystem::path& path) {
@@ -59,7 +60,7 @@ LightField read_light_field(const std::filesystem::path& path) {
   return field;
 }
 
-void take_channel(const Image& from, int channel, const std::optional<Colour>& background, Image& into) {
+void take_channel(const Image& from, int channel, const std::optional<Background>& background, Image& into) {
   if (into.pixels.empty()) into = {from.width, from.height, std::vector<Pixel>(from.pixels.size())};
   constexpr std::uint8_t Pixel::*kChannels[] = {&Pixel::red, &Pixel::green, &Pixel::blue};
   const auto index = static_cast<std::size_t>(channel);
@@ -67,7 +68,13 @@ void take_channel(const Image& from, int channel, const std::optional<Colour>& b
     const Pixel& source = from.pixels[i];
     Pixel& target = into.pixels[i];
     double value = source.*kChannels[index];
-    if (background) value += (1 - source.alpha / kOpaque) * 255 * (*background)[index];
+    const double alpha = std::min(source.alpha / kOpaque, 1.0);
+    if (background && background->composite == Composite::kDisplay) {
+      value += (1 - alpha) * 255 * background->colour[index];
+    } else if (background) {
+      const double straight = alpha > 0 ? std::min(value / 255 / alpha, 1.0) : 0;
+      value = 255 * background->under(straight, alpha, index);
+    }
     target.*kChannels[index] = static_cast<std::uint8_t>(std::min(std::lround(value), 255L));
     target.alpha = background ? static_cast<std::uint16_t>(kOpaque) : std::max(target.alpha, source.alpha);
   }
@@ -83,7 +90,7 @@ double exposure_for(const LightField& field) {
 }
 
 Image picture_of(Board& board, const LightField& field, View view, double exposure,
-                 const std::optional<Colour>& background, const Progress& progress) {
+                 const std::optional<Background>& background, const Progress& progress) {
   view.irradiance = view.incident = true;
   view.exposure = exposure;
   Image picture;

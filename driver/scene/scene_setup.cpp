@@ -6,6 +6,7 @@
 #include "gicube/scene/scene.h"
 #include "scene/buckyball.h"
 #include "scene/common/checks.h"
+#include "scene/hashes.h"
 
 namespace gicube::scene {
 namespace {
@@ -145,6 +146,7 @@ SceneSetup set_up(const Scene& scene, int threads) {
     throw InputError("built-in volume", "buckyball", in_quotes(scene.volume.builtin));
   }
   if (scene.volume.spacing) setup.volume.spacing = *scene.volume.spacing;
+  setup.voxel_hash = hash_of_voxels(setup);
   setup.box = whole_box(setup.volume.dims);
   if (!scene.world && scene.volume.builtin.empty() && !scene.camera.eye) {
     const Materials& own = setup.built_in.materials;

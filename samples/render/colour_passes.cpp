@@ -36,7 +36,7 @@ std::vector<LightPass> passes_of(const SceneSetup& setup) {
   return passes;
 }
 
-void put_together(const LightPass& pass, const Image& from, const std::optional<Colour>& background, Image& into) {
+void put_together(const LightPass& pass, const Image& from, const std::optional<Background>& background, Image& into) {
   if (pass.channel < 0) {
     into = from;
   } else {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gicube/image.h"
+#include "gicube/scene/image_file.h"
 #include "gicube/scene/scene.h"
 #include "scene/names.h"
 
@@ -24,6 +25,6 @@ const char* name_of(const LightPass& pass);
 std::vector<LightPass> passes_of(const SceneSetup& setup);
 
 // Takes the pass's channel from `from` (take_channel()), or the whole picture.
-void put_together(const LightPass& pass, const Image& from, const std::optional<Colour>& background, Image& into);
+void put_together(const LightPass& pass, const Image& from, const std::optional<Background>& background, Image& into);
 
 }  // namespace gicube::samples

@@ -35,10 +35,14 @@ bool moves_nodes(const Scene& scene) {
                      [](const Engine& engine) { return engine.target.starts_with("node["); });
 }
 
-// An EXR has alpha instead; a colour asked for is passed on, and refused by write_image.
-std::optional<Colour> background_of(const RenderOptions& options, const std::optional<Colour>& own) {
-  if (options.background) return options.background;
-  return options.no_background || options.output.extension() == ".exr" ? std::nullopt : own;
+// An EXR has alpha instead, unless it is to be composited here.
+std::optional<Background> background_of(const RenderOptions& options, const std::optional<Colour>& own) {
+  const bool alpha = options.no_background || (options.output.extension() == ".exr" && !options.composite);
+  const std::optional<Colour>& colour = options.background ? options.background : own;
+  if (options.composite && !colour)
+    throw UsageError("--composite: expected with --background, since the scene has none");
+  if (alpha || !colour) return std::nullopt;
+  return Background(*colour, options.composite.value_or(Composite::kDisplay));
 }
 
 class Renderer {
@@ -202,6 +206,7 @@ class Renderer {
     statistics.height = frame.image.height;
     statistics.dims = setup_.volume.dims;
     statistics.seed = options_.board.seed;
+    statistics.scene_hash = scene_hash(setup_);
     statistics.plan = plan_;
     statistics.light_plans = light_plans_;
   }

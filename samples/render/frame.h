@@ -6,6 +6,7 @@
 
 #include "gicube/board.h"
 #include "gicube/image.h"
+#include "gicube/scene/image_file.h"
 #include "render/options.h"
 #include "render/statistics.h"
 #include "scene/program/progress.h"
@@ -15,7 +16,7 @@ namespace gicube::samples {
 struct Frame {
   int number = 0;
   Image image;
-  std::optional<Colour> background;  // to be put behind the image
+  std::optional<Background> background;  // to be put behind the image
   FrameStatistics statistics;
 };
 

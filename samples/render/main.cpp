@@ -64,7 +64,8 @@ int run(int argc, char** argv) {
     ProgressLine progress(!options->board.quiet);
     render_frames(*options, progress, [&](const Frame& frame) {
       const std::filesystem::path file = frame_file(options->output, options->animation, frame.number);
-      write_image(frame.image, file, frame.background);
+      write_image(frame.image, file, frame.background,
+                  provenance_of(frame.statistics.board, frame.statistics.scene_hash));
       statistics.push_back(frame.statistics);
       progress.clear();
       if (options->plan.explain) explain_once(*options, frame.statistics, plan);

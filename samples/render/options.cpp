@@ -83,6 +83,15 @@ void add_camera_options(CLI::App& app, RenderOptions& options) {
                    throw CLI::ValidationError(name, "expected numbers from 0 to 1, got " + in_quotes(text));
                  options.background = {rgb[0], rgb[1], rgb[2]};
                });
+  group.parsed(
+      "--composite", "HOW",
+      "put the background behind the picture in display-referred values (display, as PNG has it by default) or "
+      "in linear light (linear); an EXR then has no alpha",
+      [&](const std::string& name, const std::string& text) {
+        if (text != "display" && text != "linear")
+          throw CLI::ValidationError(name, "expected display or linear, got " + in_quotes(text));
+        options.composite = text == "linear" ? Composite::kLinear : Composite::kDisplay;
+      });
   group.value("-o,--output", options.output, "the picture: PNG (8 bit) or EXR (linear float with alpha)")
       ->type_name("FILE")
       ->capture_default_str();
@@ -122,11 +131,15 @@ void add_sampling_options(CLI::App& app, RenderOptions& options) {
       ->take_all();
 }
 
-void check_output(const std::filesystem::path& output) {
+void check_output(const RenderOptions& options) {
+  const std::filesystem::path& output = options.output;
   const std::string extension = output.extension().string();
   if (extension != ".png" && extension != ".exr") {
     throw UsageError("--output: expected a name that ends in .png or .exr, got " + in_quotes(output.string()));
   }
+  if (options.composite && options.no_background) throw UsageError("--composite: expected with a background, got none");
+  if (extension == ".exr" && options.background && !options.composite)
+    throw UsageError("--background: expected with --composite for an EXR file, which keeps its alpha otherwise");
 }
 
 // A plan chooses these itself, and knows nothing of a field of light.
@@ -233,7 +246,7 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_plan_options(app, options.plan, "a picture");
   add_board_options(app, options.board);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
-  check_output(options.output);
+  check_output(options);
   check_animation(options.animation);
   check_plan_options(app, options);
   return options;

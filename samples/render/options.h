@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "gicube/scene/image_file.h"
 #include "gicube/scene/scene.h"
 #include "scene/names.h"
 #include "scene/program/board_options.h"
@@ -71,6 +72,7 @@ struct RenderOptions {
   std::optional<double> ambient, diffuse, specular, shininess;
   std::optional<Colour> background;
   bool no_background = false;
+  std::optional<Composite> composite;
   LightingOptions lighting;
   AnimationOptions animation;
   std::filesystem::path output = "gicube-render.png";

@@ -90,7 +90,7 @@ Json to_json(const FrameStatistics& statistics) {
 }
 
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path) {
-  write_json(to_json(statistics), path);
+  write_json(to_json(statistics), provenance_of(statistics.board, statistics.scene_hash), path);
 }
 
 void write_statistics(const std::vector<FrameStatistics>& frames, const std::filesystem::path& path) {
@@ -108,7 +108,7 @@ void write_statistics(const std::vector<FrameStatistics>& frames, const std::fil
   }
   json["illumination_passes"] = passes;
   json["volumes_loaded"] = loads;
-  write_json(json, path);
+  write_json(json, provenance_of(frames.front().board, frames.front().scene_hash), path);
 }
 
 }  // namespace gicube::samples

@@ -37,6 +37,7 @@ struct FrameStatistics {
   int width = 0, height = 0;
   Dims dims{};  // voxels
   std::uint64_t seed = 0;
+  std::uint64_t scene_hash = 0;
   double time = 0;                           // seconds, of the scene's engines
   std::vector<LightingStatistics> lighting;  // what lit the picture; several in colour passes
   std::optional<Plan> plan;                  // by which it was made
@@ -53,7 +54,7 @@ struct FrameStatistics {
 // that of each pass. host: of program/host_usage.h.
 nlohmann::ordered_json to_json(const FrameStatistics& statistics);
 
-// Throws InputError if the file can't be written.
+// With `provenance`, of the first picture. Throws InputError if the file can't be written.
 void write_statistics(const FrameStatistics& statistics, const std::filesystem::path& path);
 // Of several pictures: keys frames (each as above, without the counters), illumination_passes (made, not reused) and
 // volumes_loaded.

@@ -13,8 +13,10 @@
 
 #include "scene/common/whole_file.h"
 #include "scene/names.h"
+#include "scene/program/board_options.h"
 #include "scene/program/program.h"
 #include "scene/program/progress.h"
+#include "scene/program/run_json.h"
 #include "sweep/options.h"
 #include "sweep/picture.h"
 #include "sweep/run.h"
@@ -102,7 +104,7 @@ Table run_sweep(const SweepOptions& options, ProgressLine& progress) {
 void write_files(const SweepOptions& options, const Table& table) {
   const std::string base = (options.folder / options.name).string();
   write_whole(base + ".csv", csv(table));
-  write_whole(base + ".json", json(table));
+  write_json(nlohmann::ordered_json::parse(json(table)), this_run(), base + ".json");
   write_whole(base + ".gp", chart(table, options.name, options.title.empty() ? options.name : options.title));
   if (options.chart) run_to_end("gnuplot", {options.name + ".gp"}, base + ".log", options.folder);
 }

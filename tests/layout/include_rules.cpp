@@ -129,7 +129,7 @@ const std::vector<Rule>& rules() {
 
       // gicube-scene: an application of the driver's public headers; its own name those and the standard library alone.
       {"driver/scene/include", {"driver/scene/include", "driver/include"}, {}},
-      {"driver/scene",       {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {"fmt"}},
+      {"driver/scene",       {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {"fmt", "OpenImageIO"}},
       {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include"}, {"fmt", "google/protobuf"}},
       {"driver/scene/formats", {"driver/scene/formats", "driver/scene/common", "driver/scene/include", "driver/include"},
                              {"fmt", "nifti2_io.h", "OpenImageIO", "teem", "zlib.h"}},

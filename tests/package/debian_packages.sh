@@ -30,7 +30,7 @@ test -e "$scratch/root/usr/include/gicube/v1/board_config.proto"
 [[ ! -e $scratch/root/usr/share/doc/gicube/docs ]]
 dpkg-deb -x "$doc" "$scratch/root"
 test -e "$scratch/root/usr/share/doc/gicube/docs/README.md"
-[[ -L $scratch/root/usr/lib/libgicube.so && -e $scratch/root/usr/lib/libgicube.so ]]
+for library in gicube gicube-scene; do [[ -L $scratch/root/usr/lib/lib$library.so && -e $scratch/root/usr/lib/lib$library.so ]]; done
 ! grep -rIl --exclude-dir=doc -e "$build" "$scratch/root"  # no text in it names the build's place
 
 unset GICUBE_BOARD

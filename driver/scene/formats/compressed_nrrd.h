@@ -7,7 +7,7 @@
 
 namespace gicube::scene {
 
-// As NRRD, compressed, without an origin. Throws FileError.
-void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path);
+// As NRRD, compressed. Throws FileError.
+void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const Provenance& provenance);
 
 }  // namespace gicube::scene

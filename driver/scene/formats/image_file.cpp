@@ -45,9 +45,10 @@ void check(const Image& image, const std::filesystem::path& path) {
                   fmt::format("{} x {} and {}", image.width, image.height, image.pixels.size()));
 }
 
-void write(const std::filesystem::path& path, const std::string& format, OIIO::ImageSpec spec, OIIO::TypeDesc type,
-           const void* samples) {
+void write(const std::filesystem::path& path, const std::string& format, OIIO::ImageSpec spec,
+           const Provenance& provenance, OIIO::TypeDesc type, const void* samples) {
   spec["Software"] = "GI-Cube";
+  for (const auto& [key, value] : entries(provenance)) spec[key] = value;
   const WholeFile file(path);
   const auto output = OIIO::ImageOutput::create(format);
   if (!output) throw FileError(path, "format", "one that OpenImageIO can write", OIIO::geterror());
@@ -63,7 +64,18 @@ double linear_light(double display) {
   return display <= 0.04045 ? display / 12.92 : std::pow((display + 0.055) / 1.055, 2.4);
 }
 
-void write_png(const Image& image, const std::filesystem::path& path, const std::optional<Colour>& background) {
+double display_value(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double Background::under(double value, double alpha, std::size_t channel) const {
+  const double behind = colour[channel];
+  if (composite == Composite::kDisplay) return alpha * value + (1 - alpha) * behind;
+  return display_value(alpha * linear_light(value) + (1 - alpha) * linear_light(behind));
+}
+
+void write_png(const Image& image, const std::filesystem::path& path, const std::optional<Background>& background,
+               const Provenance& provenance) {
   check(image, path);
   const int channels = background ? 3 : 4;
   std::vector<std::uint8_t> bytes;
@@ -71,39 +83,44 @@ void write_png(const Image& image, const std::filesystem::path& path, const std:
   for (const Pixel& pixel : image.pixels) {
     const Straight seen = straight(pixel);
     for (std::size_t c = 0; c < 3; ++c) {
-      const double over =
-          background ? seen.alpha * seen.colour[c] + (1 - seen.alpha) * (*background)[c] : seen.colour[c];
-      bytes.push_back(to_byte(over));
+      bytes.push_back(to_byte(background ? background->under(seen.colour[c], seen.alpha, c) : seen.colour[c]));
     }
     if (!background) bytes.push_back(to_byte(seen.alpha));
   }
   OIIO::ImageSpec spec(image.width, image.height, channels, OIIO::TypeDesc::UINT8);
   spec["oiio:UnassociatedAlpha"] = 1;  // already so: OpenImageIO must not divide again
   spec["oiio:ColorSpace"] = "sRGB";
-  write(path, "png", spec, OIIO::TypeDesc::UINT8, bytes.data());
+  write(path, "png", spec, provenance, OIIO::TypeDesc::UINT8, bytes.data());
 }
 
-void write_exr(const Image& image, const std::filesystem::path& path) {
+void write_exr(const Image& image, const std::filesystem::path& path, const std::optional<Background>& background,
+               const Provenance& provenance) {
   check(image, path);
+  const int channels = background ? 3 : 4;
   std::vector<float> floats;
-  floats.reserve(image.pixels.size() * 4);
+  floats.reserve(image.pixels.size() * static_cast<std::size_t>(channels));
   for (const Pixel& pixel : image.pixels) {
     const Straight seen = straight(pixel);
-    for (const double colour : seen.colour) floats.push_back(static_cast<float>(seen.alpha * linear_light(colour)));
-    floats.push_back(static_cast<float>(seen.alpha));
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double light = background ? linear_light(background->under(seen.colour[c], seen.alpha, c))
+                                      : seen.alpha * linear_light(seen.colour[c]);
+      floats.push_back(static_cast<float>(light));
+    }
+    if (!background) floats.push_back(static_cast<float>(seen.alpha));
   }
-  OIIO::ImageSpec spec(image.width, image.height, 4, OIIO::TypeDesc::FLOAT);
+  OIIO::ImageSpec spec(image.width, image.height, channels, OIIO::TypeDesc::FLOAT);
+  spec["DateTime"] = "";  // or OpenImageIO would put the time of day there, and no two files were alike
   spec["oiio:ColorSpace"] = "Linear";
   spec["compression"] = "zip";
-  write(path, "openexr", spec, OIIO::TypeDesc::FLOAT, floats.data());
+  write(path, "openexr", spec, provenance, OIIO::TypeDesc::FLOAT, floats.data());
 }
 
-void write_image(const Image& image, const std::filesystem::path& path, const std::optional<Colour>& background) {
+void write_image(const Image& image, const std::filesystem::path& path, const std::optional<Background>& background,
+                 const Provenance& provenance) {
   const std::string extension = lower_case(path.extension().string());
-  if (extension == ".png") return write_png(image, path, background);
+  if (extension == ".png") return write_png(image, path, background, provenance);
   if (extension != ".exr") throw FileError(path, "extension", ".png or .exr", '"' + extension + '"');
-  if (background) throw FileError(path, "background", "none for an EXR file, which keeps its alpha", "a colour");
-  write_exr(image, path);
+  write_exr(image, path, background, provenance);
 }
 
 }  // namespace gicube::scene

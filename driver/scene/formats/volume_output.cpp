@@ -36,10 +36,21 @@ FileError unwritable(const std::filesystem::path& path, const std::string& why) 
   return {path, "file", "a place to write to", why};
 }
 
-// `describe` says where the samples lie, as far as teem takes it: it gets the axis that is x.
-template <typename Describe>
+// Where the samples lie; of channels, which come first, nothing is said. Whether teem took it.
+bool describe(Nrrd* nrrd, const FloatVolume& volume, unsigned first) {
+  const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
+  double directions[4][NRRD_SPACE_DIM_MAX] = {};
+  for (double& none : directions[0]) none = first > 0 ? AIR_NAN : 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) directions[first + axis][axis] = edges[axis];
+  const bool good = nrrdSpaceDimensionSet(nrrd, 3) == 0 && nrrdSpaceOriginSet(nrrd, origin.data()) == 0;
+  nrrdAxisInfoSet_nva(nrrd, nrrdAxisInfoSpaceDirection, directions);
+  for (unsigned axis = 0; axis < 3; ++axis) nrrd->axis[first + axis].kind = nrrdKindDomain;
+  if (first > 0) nrrd->axis[0].kind = nrrdKindRGBColor;
+  return good;
+}
+
 void save_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const NrrdEncoding* encoding,
-               const Describe& describe) {
+               const Provenance& provenance) {
   const std::unique_ptr<Nrrd, decltype(&nrrdNix)> nrrd(nrrdNew(), &nrrdNix);  // nix: the values stay ours
   const std::unique_ptr<NrrdIoState, decltype(&nrrdIoStateNix)> io(nrrdIoStateNew(), &nrrdIoStateNix);
   auto* values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast): teem only reads it
@@ -48,24 +59,17 @@ void save_nrrd(const FloatVolume& volume, const std::filesystem::path& path, con
   for (unsigned axis = 0; axis < 3; ++axis) sizes[first + axis] = static_cast<std::size_t>(volume.dims[axis]);
   io->format = nrrdFormatNRRD;
   io->encoding = encoding;
+  bool good = nrrdWrap_nva(nrrd.get(), values, nrrdTypeFloat, first + 3, sizes.data()) == 0 &&
+              describe(nrrd.get(), volume, first);
+  for (const auto& [key, value] : entries(provenance)) {
+    good = good && nrrdKeyValueAdd(nrrd.get(), key.c_str(), value.c_str()) == 0;
+  }
   const WholeFile file(path);
-  if (nrrdWrap_nva(nrrd.get(), values, nrrdTypeFloat, first + 3, sizes.data()) != 0 || !describe(nrrd.get(), first) ||
-      nrrdSave(file.path().string().c_str(), nrrd.get(), io.get()) != 0) {
+  if (!good || nrrdSave(file.path().string().c_str(), nrrd.get(), io.get()) != 0) {
     const std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
     throw unwritable(path, text ? text.get() : "an error of teem");
   }
   file.rename();
-}
-
-void write_nrrd(const FloatVolume& volume, const std::filesystem::path& path) {
-  save_nrrd(volume, path, nrrdEncodingRaw, [&](Nrrd* nrrd, unsigned) {
-    const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
-    double directions[3][NRRD_SPACE_DIM_MAX] = {};
-    for (std::size_t axis = 0; axis < 3; ++axis) directions[axis][axis] = edges[axis];
-    const bool good = nrrdSpaceDimensionSet(nrrd, 3) == 0 && nrrdSpaceOriginSet(nrrd, origin.data()) == 0;
-    nrrdAxisInfoSet_nva(nrrd, nrrdAxisInfoSpaceDirection, directions);
-    return good;
-  });
 }
 
 void write_bytes(const FloatVolume& volume, const std::string& header, const std::filesystem::path& path) {
@@ -96,8 +100,18 @@ void write_meta_image(const FloatVolume& volume, const std::filesystem::path& pa
   write_bytes(nothing, header, path);
 }
 
-// NIfTI-1 in one file, its axes those of the scan without a claim about a patient's (sform code 2, "aligned").
-void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, const std::string& ending) {
+// One extension of lines "key=value".
+void add_comment(nifti_image* image, const Provenance& provenance) {
+  std::string text;
+  for (const auto& [key, value] : entries(provenance)) text += key + '=' + value + '\n';
+  if (!text.empty()) {
+    nifti_add_extension(image, text.c_str(), static_cast<int>(text.size()) + 1, NIFTI_ECODE_COMMENT);
+  }
+}
+
+// NIfTI-1 in one file. Its axes are the scanner's: sform and qform say the same, since some programs read one and some the other.
+void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, const std::string& ending,
+                 const Provenance& provenance) {
   const std::int64_t dims[8] = {3, volume.dims[0], volume.dims[1], volume.dims[2], 1, 1, 1, 1};
   const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> image(nifti_make_new_nim(dims, NIFTI_TYPE_FLOAT32, 0),
                                                                         &nifti_image_free);
@@ -106,12 +120,18 @@ void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, c
   image->dx = image->pixdim[1] = edges[0];
   image->dy = image->pixdim[2] = edges[1];
   image->dz = image->pixdim[3] = edges[2];
-  image->sform_code = NIFTI_XFORM_ALIGNED_ANAT;
+  image->xyz_units = NIFTI_UNITS_MM;
+  image->sform_code = image->qform_code = NIFTI_XFORM_SCANNER_ANAT;
+  image->qfac = 1;  // with a quaternion of 0: no rotation
+  image->qoffset_x = origin[0];
+  image->qoffset_y = origin[1];
+  image->qoffset_z = origin[2];
   for (std::size_t row = 0; row < 3; ++row) {
     for (std::size_t column = 0; column < 3; ++column) image->sto_xyz.m[row][column] = row == column ? edges[row] : 0;
     image->sto_xyz.m[row][3] = origin[row];
   }
   image->sto_xyz.m[3][3] = 1;
+  add_comment(image.get(), provenance);
   // libnifti decides on compression by the name.
   const WholeFile file(path);
   const std::string name = file.path().string() + ending;
@@ -131,20 +151,13 @@ void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, c
 
 }  // namespace
 
-void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path) {
-  const auto* encoding = nrrdEncodingGzip->available() != 0 ? nrrdEncodingGzip : nrrdEncodingRaw;
-  save_nrrd(volume, path, encoding, [&](Nrrd* nrrd, unsigned first) {
-    std::array<double, 4> spacings{std::nan("")};  // channels have none
-    std::ranges::copy(in_order(volume.spacing), spacings.begin() + first);
-    nrrdAxisInfoSet_nva(nrrd, nrrdAxisInfoSpacing, spacings.data());
-    if (first > 0) nrrd->axis[0].kind = nrrdKindRGBColor;
-    return true;
-  });
+void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const Provenance& provenance) {
+  save_nrrd(volume, path, nrrdEncodingGzip->available() != 0 ? nrrdEncodingGzip : nrrdEncodingRaw, provenance);
 }
 
 bool is_volume_output(const std::filesystem::path& path) { return !ending_of(path).empty(); }
 
-void write_volume(const FloatVolume& volume, const std::filesystem::path& path) {
+void write_volume(const FloatVolume& volume, const std::filesystem::path& path, const Provenance& provenance) {
   if (volume.values.empty() || volume.values.size() != voxels_of(volume.dims)) {
     throw FileError(path, "values", fmt::format("{} x {} x {}", volume.dims[0], volume.dims[1], volume.dims[2]),
                     std::to_string(volume.values.size()));
@@ -153,9 +166,9 @@ void write_volume(const FloatVolume& volume, const std::filesystem::path& path) 
   if (ending.empty()) {
     throw FileError(path, "extension", ".nrrd, .mhd, .mha, .nii or .nii.gz", '"' + path.extension().string() + '"');
   }
-  if (ending == ".nrrd") return write_nrrd(volume, path);
+  if (ending == ".nrrd") return save_nrrd(volume, path, nrrdEncodingRaw, provenance);
   if (ending.starts_with(".mh")) return write_meta_image(volume, path, ending == ".mhd");
-  write_nifti(volume, path, ending);
+  write_nifti(volume, path, ending, provenance);
 }
 
 }  // namespace gicube::scene

@@ -138,6 +138,11 @@ int run(int argc, const char* const* argv) {
   add_faults(app, options);
   add_trace(app, options);
   add_export(app, options);
+  add_command(app, options, show, "show",
+              "where a PNG, EXR, NRRD, NIfTI or JSON file came from: program, command, board, scene")
+      ->add_option("file", options.shown_file, "written by a program of this SDK")
+      ->type_name("FILE")
+      ->required();
   CLI::App* doctor =
       add_command(app, options, smi::doctor, "doctor", "says why a board can't be opened. Exit code 1 if it can't");
   add_uri(*doctor, options, "the board that an application would open");

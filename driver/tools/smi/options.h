@@ -28,7 +28,8 @@ struct Options {
   std::string plan_file;  // faults set; "-" = standard input
   bool clear_log = false;
   std::string trace_file;
-  std::string listen;  // export: ADDRESS:PORT
+  std::string listen;      // export: ADDRESS:PORT
+  std::string shown_file;  // show
 };
 
 // The command line is wrong: exit code 2.
@@ -54,5 +55,6 @@ int start_trace(const Options& options);
 int stop_trace(const Options& options);
 int doctor(const Options& options);
 int export_metrics(const Options& options);
+int show(const Options& options);
 
 }  // namespace gicube::smi

@@ -58,9 +58,11 @@ void run_compare(const CompareOptions& options) {
   const std::vector<float> truth = truth_of(options.truth, volume.grid);
   const Comparison found = compare(volume.grid, volume.values, truth, options.field);
   const std::vector<float> difference = differences(volume.values, truth);
-  write_values(volume.grid, {}, difference, options.difference);
+  Provenance provenance = this_run();
+  provenance.scene_hash = hex(hash_of(volume.values));
+  write_values(volume.grid, {}, difference, provenance, options.difference);
   if (!options.profiles.empty()) write_whole(options.profiles, profiles_text(volume, truth));
-  write_slices(options.slices, volume.grid, difference);
+  write_slices(options.slices, volume.grid, difference, provenance);
   if (!options.stats.empty()) {
     write_json({{"voxels", found.voxels},
                 {"rmse", found.rmse},
@@ -68,7 +70,7 @@ void run_compare(const CompareOptions& options) {
                 {"relative_l2", found.relative_l2},
                 {"psnr", found.psnr},  // null if it is infinite
                 {"ssim", found.ssim}},
-               options.stats);
+               provenance, options.stats);
   }
   fmt::print("RMSE {:.6g}, bias {:.6g}, relative L2 error {:.6g}, PSNR {:.4g} dB, SSIM {:.6g}, {} voxels\n", found.rmse,
              found.bias, found.relative_l2, found.psnr, found.ssim, found.voxels);

@@ -173,9 +173,13 @@ GridValues read_values(const std::filesystem::path& file) {
   return out;
 }
 
-void write_values(const Grid& grid, Vec3 centre, std::span<const float> values, const std::filesystem::path& file) {
-  if (!file.empty()) write_volume({grid.dims, grid.spacing, centre + to_space(grid, {0, 0, 0}), values}, file);
+void write_values(const Grid& grid, Vec3 centre, std::span<const float> values, const Provenance& provenance,
+                  const std::filesystem::path& file) {
+  if (file.empty()) return;
+  write_volume({grid.dims, grid.spacing, centre + to_space(grid, {0, 0, 0}), values}, file, provenance);
 }
+
+std::uint64_t hash_of(std::span<const float> values) { return scene::hash_of(std::as_bytes(values)); }
 
 void check_volume_name(const char* option, const std::filesystem::path& path) {
   if (path.empty() || is_volume_output(path)) return;
@@ -213,7 +217,8 @@ std::array<double, 2> grey_range(std::span<const float> values) {
   return {low, high > low ? high : low + 1};
 }
 
-void write_slices(const SliceOptions& options, const Grid& grid, std::span<const float> values) {
+void write_slices(const SliceOptions& options, const Grid& grid, std::span<const float> values,
+                  const Provenance& provenance) {
   if (options.name.empty()) return;
   const std::array<double, 2> grey = options.grey ? *options.grey : grey_range(values);
   auto planes = options.planes;
@@ -226,7 +231,8 @@ void write_slices(const SliceOptions& options, const Grid& grid, std::span<const
       throw InputError(fmt::format("--slice {}", letter), fmt::format("0 to {}", end - 1), std::to_string(index));
     }
     write_png(slice_of(grid, values, axis, index, grey),
-              fmt::format("{}_{}{}.png", options.name, letter, middle ? "" : std::to_string(index)), Colour{0, 0, 0});
+              fmt::format("{}_{}{}.png", options.name, letter, middle ? "" : std::to_string(index)), Colour{0, 0, 0},
+              provenance);
   }
 }
 

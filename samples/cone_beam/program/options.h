@@ -11,6 +11,7 @@
 #include "cone_beam/phantom/phantom.h"
 #include "cone_beam/scan/scan.h"
 #include "gicube/image.h"
+#include "gicube/scene/provenance.h"
 #include "scene/program/board_options.h"
 
 namespace gicube::samples {
@@ -59,7 +60,10 @@ struct GridValues {
 // Throws FileError: what read_volume() throws, a value that is not finite.
 GridValues read_values(const std::filesystem::path& file);
 // Centred on `centre`; nothing for an empty name. Throws FileError.
-void write_values(const Grid& grid, Vec3 centre, std::span<const float> values, const std::filesystem::path& file);
+void write_values(const Grid& grid, Vec3 centre, std::span<const float> values, const Provenance& provenance,
+                  const std::filesystem::path& file);
+// For provenance.
+std::uint64_t hash_of(std::span<const float> values);
 // Throws UsageError unless the name is empty or write_values() knows its extension.
 void check_volume_name(const char* option, const std::filesystem::path& path);
 
@@ -78,6 +82,7 @@ Image slice_of(const Grid& grid, std::span<const float> values, int axis, int in
 std::array<double, 2> grey_range(std::span<const float> values);
 // Writes NAME_x.png and so on, or NAME_z75.png for planes that were asked for. Throws InputError (an index beyond the volume),
 // FileError.
-void write_slices(const SliceOptions& options, const Grid& grid, std::span<const float> values);
+void write_slices(const SliceOptions& options, const Grid& grid, std::span<const float> values,
+                  const Provenance& provenance);
 
 }  // namespace gicube::samples

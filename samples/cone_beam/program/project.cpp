@@ -40,13 +40,14 @@ void check(const ProjectOptions& options) {
   for (const auto* file : {&options.output, &options.voxels, &options.board.stats}) check_folder(*file);
 }
 
-void write_files(const ProjectOptions& options, ScanDescription description, const Projections& projections) {
+void write_files(const ProjectOptions& options, ScanDescription description, const Projections& projections,
+                 const Provenance& provenance) {
   // What is written is line integrals in the geometry's own order of pixels, but for plastimatch's matrices: there rows run downwards.
   const bool matrices = options.extension() == ".pfm";
   description.columns_reversed = false;
   description.rows_reversed = matrices;
   const Stack stack{projections.columns, projections.rows, as_stored(projections, description), false};
-  const auto files = write_stack(stack, options.output);
+  const auto files = write_stack(stack, options.output, provenance);
   description.projections = {files, {}};
   if (options.extension() == ".raw") description.projections.raw = RawLayout{.type = SampleType::kFloat32};
   description.intensities = false;
@@ -71,7 +72,7 @@ void run_project(const ProjectOptions& options) {
     phantom = phantom_of(options.object);
     check(geometry);
     if (options.by_board || !options.voxels.empty()) values = voxels(phantom, geometry.volume);
-    write_values(geometry.volume, description.centre, values, options.voxels);
+    write_values(geometry.volume, description.centre, values, this_run(), options.voxels);
   } else {
     progress.show("reading");
     GridValues object = read_values(options.object.name);
@@ -82,6 +83,7 @@ void run_project(const ProjectOptions& options) {
   Projections projections;
   nlohmann::ordered_json stats;
   std::string cost = "in closed form";
+  Provenance provenance = this_run();  // of a phantom, which the command line names
   if (!phantom.empty() && !options.by_board) {
     progress.show("projecting");
     projections = project(phantom, geometry);
@@ -92,17 +94,18 @@ void run_project(const ProjectOptions& options) {
     RunWindow window(board);
     projections = project_by_board(board, geometry, values, options.step, progress.parts("projecting"));
     stats = cost_json(board.info(), window);
+    provenance = provenance_of(board.info(), hash_of(values));
     cost = fmt::format("{:.1f} ms simulated", stats["board_ms"].get<double>());
   }
   std::size_t unseen = 0;
   if (options.photons > 0) unseen = add_poisson_noise(projections, options.photons, options.board.seed);
   progress.show("writing");
-  write_files(options, description, projections);
+  write_files(options, description, projections, provenance);
   stats.update(nlohmann::ordered_json{{"views", geometry.angles.size()},
                                       {"photons", options.photons},
                                       {"seed", options.board.seed},
                                       {"unseen", unseen}});
-  if (!options.board.stats.empty()) write_json(stats, options.board.stats);
+  if (!options.board.stats.empty()) write_json(stats, provenance, options.board.stats);
   progress.clear();
   if (options.board.quiet) return;
   fmt::print("{}: {} views of {} x {} pixels, {}\n", options.output.string(), geometry.angles.size(),

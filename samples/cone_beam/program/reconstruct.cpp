@@ -196,6 +196,7 @@ void run_reconstruct(ReconstructOptions& options) {
   ProgressLine progress(!options.board.quiet);
   progress.show("reading");
   Scan scan = load_scan(description_of(options.scan));
+  const std::uint64_t projection_hash = hash_of(scan.projections.values);  // as read, before a plan leaves views out
   if (options.fdk() && options.filtered.rays == 0) {
     options.filtered.rays = rays_of(options.filtered, scan.geometry);
     constexpr double kFarApart = 1.25 * 4;  // of the most rays that there are
@@ -225,11 +226,12 @@ void run_reconstruct(ReconstructOptions& options) {
                     : reconstruct_algebraic(board, scan.geometry, scan.projections, options.algebraic, parts);
   const auto cost = cost_json(board.info(), window);
   progress.show("writing");
-  write_values(grid, scan.centre, result.values, options.output);
-  write_slices(options.slices, grid, result.values);
+  const Provenance provenance = provenance_of(board.info(), projection_hash);
+  write_values(grid, scan.centre, result.values, provenance, options.output);
+  write_slices(options.slices, grid, result.values, provenance);
   scan.warnings = warnings_of(scan, result, options.algebraic);
   if (!options.board.stats.empty()) {
-    write_json(statistics_of(options, scan, result, cost, plan), options.board.stats);
+    write_json(statistics_of(options, scan, result, cost, plan), provenance, options.board.stats);
   }
   progress.clear();
   if (plan && options.plan.explain) print_plan(plan->explain());

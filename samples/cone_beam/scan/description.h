@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cone_beam/geometry.h"
+#include "gicube/scene/provenance.h"
 #include "gicube/scene/volume_file.h"
 #include "scene/names.h"
 
@@ -43,7 +44,8 @@ Stack read_stack(const StackFiles& files);
 
 // By the extension: .nrrd, .mhd (with a .raw beside it), .mha or .raw (float32, little-endian) one file for all; .pfm, .tif or .tiff
 // a file a view, NAME_0000.EXT beside `path`. Returns the files that a StackFiles names to read them again. Throws FileError.
-std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path);
+std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path,
+                                               const Provenance& provenance = {});
 
 // Portable float maps of one channel: "Pf", width and height, a scale whose sign says the byte order (below 0: little-endian) and
 // whose size is ignored. Rows stay in the file's order, which the format's own description lets run upwards and writers of

@@ -126,7 +126,8 @@ Stack read_stack(const StackFiles& files) {
   return out;
 }
 
-std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path) {
+std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path,
+                                               const Provenance& provenance) {
   const std::string extension = lower_case(path.extension().string());
   const bool tiff = extension == ".tif" || extension == ".tiff";
   if (extension == ".raw") {
@@ -134,7 +135,8 @@ std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::fi
     return {path};
   }
   if (!tiff && extension != ".pfm") {
-    write_volume({{stack.columns, stack.rows, static_cast<int>(stack.views())}, {1, 1, 1}, {}, stack.values}, path);
+    write_volume({{stack.columns, stack.rows, static_cast<int>(stack.views())}, {1, 1, 1}, {}, stack.values}, path,
+                 provenance);
     return {path};
   }
   std::vector<std::filesystem::path> files;

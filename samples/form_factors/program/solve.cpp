@@ -48,7 +48,7 @@ void draw(const SolveOptions& options, const Scene& scene, const SceneSetup& set
   const bool own_alpha = options.picture.extension() == ".exr";
   const auto background = own_alpha ? std::nullopt : setup.background;
   const Image image = picture_of(board, field, setup.view, exposure, background, progress.parts("picture"));
-  write_image(image, options.picture, background);
+  write_image(image, options.picture, background, provenance_of(board.info(), scene_hash(setup)));
   progress.clear();
   if (!options.board.quiet) fmt::print("{}: exposure {:.4g}\n", options.picture.string(), exposure);
 }
@@ -97,10 +97,14 @@ void run(const SolveOptions& options, ProgressLine& progress) {
   if (!options.board.quiet) print(result);
   if (!options.factors.empty()) write_factors(result, options.factors);
   const LightField field = field_of(result, setup);
-  if (!options.solution.empty()) write_light_field(field, setup.volume.spacing, options.solution);
+  const Provenance provenance = provenance_of(board.info(), scene_hash(setup));
+  if (!options.solution.empty()) {
+    write_light_field(field, setup.grid.voxel * setup.volume.spacing, setup.grid.low, options.solution, provenance);
+  }
   if (!options.board.stats.empty()) {
     const double voxel = setup.grid.voxel;
-    write_json(statistics_of(result, settings, voxel * voxel, counters, board.info(), plan), options.board.stats);
+    write_json(statistics_of(result, settings, voxel * voxel, counters, board.info(), plan), provenance,
+               options.board.stats);
   }
   if (!options.picture.empty()) draw(options, scene, setup, field, board, progress);
 }

@@ -118,7 +118,10 @@ void run(const VisibilityOptions& options, ProgressLine& progress) {
   const Visibility seen = look(board, pairs, request, progress.parts("looking"));
   progress.clear();
   if (!options.board.quiet) print(seen);
-  if (!options.board.stats.empty()) write_json(statistics_of(seen, options, board.info()), options.board.stats);
+  if (!options.board.stats.empty()) {
+    write_json(statistics_of(seen, options, board.info()), provenance_of(board.info(), scene_hash(setup)),
+               options.board.stats);
+  }
 }
 
 }  // namespace gicube::samples

@@ -14,6 +14,12 @@ namespace {
 
 constexpr int kMaxThreads = 1024;  // as the driver's URI option
 
+// A process has one command line.
+Provenance& last_run() {
+  static Provenance run;
+  return run;
+}
+
 // & ends an option of the URI and % starts an escape.
 std::string percent_encoded(const std::string& text) {
   std::string encoded;
@@ -54,8 +60,11 @@ std::vector<std::string> words_of(const std::string& program, int argc, const ch
 
 }  // namespace
 
+Provenance this_run() { return last_run(); }
+
 bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
             const std::vector<RenamedOption>& renamed) {
+  last_run() = {.program = app.get_name(), .version = GICUBE_VERSION, .command = command_line(argc, argv)};
   try {
     app.parse(words_of(app.get_name(), argc, argv, renamed));
     return true;

@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "gicube/scene/provenance.h"
 #include "gicube/vector.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 
@@ -24,6 +26,9 @@ class UsageError : public std::runtime_error {
 struct RenamedOption {
   std::string before, now;
 };
+
+// The program, its version and the command line that parsed() has read last.
+Provenance this_run();
 
 // Reads the command line of a program, whose name the app has. False if help or the version was asked for, which `out` has got then.
 // Says once on stderr for each renamed option that was typed what replaces it. Throws UsageError with one line.

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "gicube/scene/error.h"
+#include "scene/program/board_options.h"
 #include "scene/program/board_run.h"
 
 namespace gicube::samples {
@@ -27,7 +28,7 @@ nlohmann::ordered_json to_json(const Counters& counters) {
 }
 
 nlohmann::ordered_json to_json(const BoardInfo& board) {
-  return {{"fidelity", name_of(board.fidelity)}, {"config_hash", fmt::format("{:016x}", board.config_hash)}};
+  return {{"fidelity", name_of(board.fidelity)}, {"config_hash", hex(board.config_hash)}};
 }
 
 double bus_ms(const Counters& counters) {
@@ -55,7 +56,17 @@ nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window) {
           {"counters", to_json(counters)}};
 }
 
-void write_json(const nlohmann::ordered_json& json, const std::filesystem::path& path) {
+Provenance provenance_of(const BoardInfo& board, std::uint64_t scene_hash) {
+  Provenance provenance = this_run();
+  provenance.config_hash = hex(board.config_hash);
+  provenance.fidelity = name_of(board.fidelity);
+  provenance.scene_hash = hex(scene_hash);
+  return provenance;
+}
+
+void write_json(nlohmann::ordered_json json, const Provenance& provenance, const std::filesystem::path& path) {
+  constexpr std::string_view kPrefix = "gicube.";
+  for (const auto& [key, value] : entries(provenance)) json["provenance"][key.substr(kPrefix.size())] = value;
   std::ofstream stream(path);
   stream << json.dump(2) << '\n';
   stream.close();

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "gicube/board.h"
+#include "gicube/scene/provenance.h"
+#include "scene/names.h"
 
 namespace gicube::samples {
 
@@ -29,7 +31,10 @@ std::string memory_of(const Counters& counters);
 // What a part of the work cost. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board counters.
 nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);
 
-// Throws InputError if the file can't be written.
-void write_json(const nlohmann::ordered_json& json, const std::filesystem::path& path);
+// this_run() with the board, and the hash of what was computed with.
+Provenance provenance_of(const BoardInfo& board, std::uint64_t scene_hash);
+
+// With `provenance` as a last key. Throws InputError if the file can't be written.
+void write_json(nlohmann::ordered_json json, const Provenance& provenance, const std::filesystem::path& path);
 
 }  // namespace gicube::samples

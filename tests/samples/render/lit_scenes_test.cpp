@@ -115,10 +115,10 @@ TEST_F(LitScenes, KeepTheLightWhileTheEyeMoves) {
   EXPECT_EQ(json.at("frames").at(0).at("lighting").at(0).at("reused"), false);
   EXPECT_EQ(json.at("frames").at(2).at("lighting").at(0).at("reused"), true);
   EXPECT_EQ(json.at("frames").at(2).at("time"), 2);
-  EXPECT_NE(text_of(path("move_0000.png")), text_of(path("move_0002.png")));
+  EXPECT_NE(pixels_of(path("move_0000.png")), pixels_of(path("move_0002.png")));
   // A single picture of that time is the same.
   draw("alone", scene, "--time 2");
-  EXPECT_EQ(text_of(path("alone.png")), text_of(path("move_0002.png")));
+  EXPECT_EQ(pixels_of(path("alone.png")), pixels_of(path("move_0002.png")));
 }
 
 TEST_F(LitScenes, AreLitAnewWhenALightOrASolidMoves) {
@@ -144,7 +144,7 @@ TEST_F(LitScenes, OfPlainVolumesHaveALightOfTheirOwn) {
       run(ball + path("lit.png") + " --illumination low --light-rays 4 --stats " + path("lit.json"));
   ASSERT_EQ(lit.code, 0) << lit.err;
   EXPECT_GT(colours(path("lit.png"), 40, 40), 100u);
-  EXPECT_NE(text_of(path("plain.png")), text_of(path("lit.png")));
+  EXPECT_NE(pixels_of(path("plain.png")), pixels_of(path("lit.png")));
   const auto json = nlohmann::json::parse(text_of(path("lit.json"))).at("lighting").at(0);
   const double emitted = json.at("emitted").get<double>();
   EXPECT_GT(emitted, 0);

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "gicube/scene/image_file.h"
 #include "gicube/scene/light_field.h"
 #include "render_program.h"
 #include "scene/names.h"
@@ -56,7 +57,7 @@ TEST_F(RenderProgram, DrawsTheSamePictureAtTheCycleLevelAndSaysWhatTheAsicDid) {
   ASSERT_EQ(run(scene + path("functional.png")).code, 0);
   const ProgramResult result = run(scene + path("cycle.png") + " --fidelity cycle --stats " + path("cycle.json"));
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_EQ(text_of(path("cycle.png")), text_of(path("functional.png")));
+  EXPECT_EQ(pixels_of(path("cycle.png")), pixels_of(path("functional.png")));
   const auto json = nlohmann::json::parse(text_of(path("cycle.json")));
   for (const char* key : {"throughput", "hit_ratio", "memory_utilisation"}) {
     EXPECT_GT(json.at(key).get<double>(), 0) << key;
@@ -92,7 +93,66 @@ TEST_F(RenderProgram, DrawsTheSamePictureForAnyNumberOfThreads) {
     EXPECT_EQ(result.out, "");
   }
   EXPECT_GT(colours(path("1.png"), 32, 32), 20u);
-  EXPECT_EQ(text_of(path("1.png")), text_of(path("3.png")));
+  EXPECT_EQ(pixels_of(path("1.png")), pixels_of(path("3.png")));
+}
+
+// White fog that is partly seen through, over a dark red.
+TEST_F(RenderProgram, CompositesInDisplayValuesOrInLinearLight) {
+  std::ofstream(path("haze.scene")) << R"(
+    world { size: 16 node { name: "haze" material: "air" box { low { x: -0.5 y: -1 z: -1 } high { x: 1 y: 1 z: 1 } } } }
+    material { name: "air" fog { extinction: 0.3 } } shade: false
+    camera { eye { x: 0 y: -9 z: 0 } fov_degrees: 10 } image { width: 16 height: 16 })";
+  const std::string draw = path("haze.scene") + " --quiet --background 0.2,0,0 -o ";
+  const auto made = [&](const std::string& name, const std::string& options) {
+    const ProgramResult result = run(draw + path(name) + options);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return pixel(path(name), 12, 8);
+  };
+  const auto alpha = [&] {
+    EXPECT_EQ(run(path("haze.scene") + " --quiet -o " + path("alpha.exr")).code, 0);
+    return pixels_of(path("alpha.exr"))[4 * (8 * 16 + 12) + 3];
+  }();
+  ASSERT_GT(alpha, 0.2);
+  ASSERT_LT(alpha, 0.8);
+  const auto plain = made("plain.png", ""), display = made("display.png", " --composite display"),
+             linear = made("linear.png", " --composite linear");
+  EXPECT_EQ(plain, display);
+  EXPECT_NEAR(display[1], alpha, 0.005);  // white over no green
+  EXPECT_NEAR(linear[1], display_value(alpha), 0.005);
+  EXPECT_NEAR(linear[0], display_value(alpha + (1 - alpha) * linear_light(0.2)), 0.005);
+  // An EXR holds linear light of the same two pictures, and no alpha.
+  EXPECT_NEAR(made("linear.exr", " --composite linear")[0], linear_light(linear[0]), 0.005);
+  EXPECT_NEAR(made("display.exr", " --composite display")[0], linear_light(display[0]), 0.005);
+  EXPECT_EQ(pixels_of(path("linear.exr")).size(), 16u * 16 * 3);
+  const ProgramResult without = run(path("haze.scene") + " --composite linear -o " + path("a.png"));
+  EXPECT_EQ(without.code, 2);
+  EXPECT_THAT(without.err, HasSubstr("--composite: expected with --background"));
+}
+
+TEST_F(RenderProgram, WritesTheSameBytesByTheSameCommand) {
+  const std::string command = "builtin:buckyball --volume-size 24 --size 16x16 --quiet -o " + path("a.png");
+  ASSERT_EQ(run(command).code, 0);
+  const std::string first = text_of(path("a.png"));
+  ASSERT_EQ(run(command).code, 0);
+  EXPECT_EQ(text_of(path("a.png")), first);
+}
+
+// Of the same scene, whatever camera sees it; another one has another hash.
+TEST_F(RenderProgram, TellsInItsStatisticsWhereTheyCameFrom) {
+  const auto hash = [&](const std::string& options) {
+    const ProgramResult result =
+        run("builtin:buckyball --size 8x8 --quiet -o " + path("a.png") + " --stats " + path("a.json") + options);
+    EXPECT_EQ(result.code, 0) << result.err;
+    const auto from = nlohmann::json::parse(text_of(path("a.json"))).at("provenance");
+    EXPECT_EQ(from.at("program"), "gicube-render");
+    EXPECT_TRUE(from.at("command").get<std::string>().starts_with("gicube-render builtin:buckyball --size 8x8"));
+    return from.at("scene_hash").get<std::string>();
+  };
+  const std::string small = hash(" --volume-size 24");
+  EXPECT_EQ(small.size(), 16u);
+  EXPECT_EQ(hash(" --volume-size 24 --eye 100,20,3 --step 1"), small);
+  EXPECT_NE(hash(" --volume-size 25"), small);
+  EXPECT_NE(hash(" --volume-size 24 --transfer-function ramp"), small);
 }
 
 TEST_F(RenderProgram, DrawsASceneFileIntoAnExr) {
@@ -111,7 +171,7 @@ TEST_F(RenderProgram, ShowsAFieldOfLightInPlaceOfLightingRays) {
     camera { eye { x: 0 y: -9 z: 0 } fov_degrees: 10 } illumination { exposure: 2 colour_passes: true })";
   LightField field{{16, 16, 16}, 3, {}};
   for (int i = 0; i < 16 * 16 * 16; ++i) field.values.insert(field.values.end(), {0.6F, 0.0F, 0.2F});
-  write_light_field(field, {1, 1, 1}, path("field.nrrd"));
+  write_light_field(field, {1, 1, 1}, {}, path("field.nrrd"));
   const std::string shown = path("block.scene") + " --size 16x16 --irradiance " + path("field.nrrd") + " -o ";
   for (const char* set : {"", " --set asic.datapath=wide"}) {
     const ProgramResult result = run(shown + path("field.png") + set);

@@ -17,6 +17,16 @@ class RenderProgram : public ProgramTest {
  protected:
   RenderProgram() : ProgramTest("gicube-render") {}
 
+  // All channels of all pixels; the files themselves also hold the command lines that made them.
+  static std::vector<float> pixels_of(const std::string& file) {
+    const auto input = OIIO::ImageInput::open(file);
+    if (!input) return {};
+    const OIIO::ImageSpec& spec = input->spec();
+    std::vector<float> pixels(static_cast<std::size_t>(spec.width * spec.height * spec.nchannels));
+    EXPECT_TRUE(input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()));
+    return pixels;
+  }
+
   // How many different colours an image has, its size checked.
   static std::size_t colours(const std::string& file, int width, int height) {
     const auto input = OIIO::ImageInput::open(file);

@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
+
 #include "gicube/scene/light_field.h"
 #include "gicube/scene/volume_file.h"
 #include "written_files.h"
@@ -21,7 +24,7 @@ TEST(LightFieldFile, ReadsBackAsItWasWrittenWithOneChannelOrThree) {
   const TemporaryFolder folder;
   for (const int channels : {1, 3}) {
     const auto file = folder.write("field.nrrd", "what was there before");
-    write_light_field(ramp_field(channels), {1, 1, 2}, file);
+    write_light_field(ramp_field(channels), {1, 1, 2}, {-1, 0, 3}, file);
     const LightField read = read_light_field(file);
     EXPECT_EQ(read.dims, (Dims{2, 3, 4}));
     EXPECT_EQ(read.channels, channels);
@@ -29,10 +32,24 @@ TEST(LightFieldFile, ReadsBackAsItWasWrittenWithOneChannelOrThree) {
   }
 }
 
+TEST(LightFieldFile, SaysWhereItsVoxelsAreAndNoSpacingThatIsNone) {
+  const TemporaryFolder folder;
+  for (const int channels : {1, 3}) {
+    const auto file = folder.write("field.nrrd", "");
+    write_light_field(ramp_field(channels), {1, 1, 2}, {-1, 0, 3}, file);
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    EXPECT_THAT(text.str(), HasSubstr("space origin: (-1,0,3)"));
+    EXPECT_THAT(text.str(), HasSubstr(channels == 3 ? "space directions: none (1,0,0) (0,1,0) (0,0,2)"
+                                                    : "space directions: (1,0,0) (0,1,0) (0,0,2)"));
+    EXPECT_EQ(text.str().substr(0, text.str().find("\n\n")).find("nan"), std::string::npos);
+  }
+}
+
 TEST(LightFieldFile, OfOneChannelIsAVolumeLikeOthers) {
   const TemporaryFolder folder;
   const auto file = folder.write("field.nrrd", "");
-  write_light_field(ramp_field(1), {1, 1, 2}, file);
+  write_light_field(ramp_field(1), {1, 1, 2}, {-1, 0, 3}, file);
   const Volume volume = read_volume(file);
   EXPECT_EQ(volume.dims, (Dims{2, 3, 4}));
   EXPECT_EQ(volume.spacing.z, 2);
@@ -58,7 +75,7 @@ TEST(LightFieldFile, WhatIsNoFieldIsNamed) {
   EXPECT_EQ(fault(head + "type: float\ndimension: 4\nsizes: 3 1 1 2\n\n1 2 3 4 5 6\n"), "none");
   EXPECT_THAT(
       [&] {
-        write_light_field(ramp_field(1), {1, 1, 1}, "/nowhere/field.nrrd");
+        write_light_field(ramp_field(1), {1, 1, 1}, {}, "/nowhere/field.nrrd");
       },
       ThrowsMessage<FileError>(HasSubstr("/nowhere/field.nrrd: file: expected a place to write to")));
 }

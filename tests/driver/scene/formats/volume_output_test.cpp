@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nifti2_io.h>
 
 #include <array>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <sstream>
 
 #include "written_files.h"
@@ -58,6 +60,27 @@ TEST(VolumeOutput, SaysWhereTheFirstVoxelIs) {
     float offset = 0;
     std::memcpy(&offset, bytes.data() + 280 + 16 * row + 12, sizeof offset);
     EXPECT_EQ(offset, (std::array{-1.5F, 2.0F, 7.0F})[row]);
+  }
+}
+
+// As NIfTI readers take it: both transforms of the same code, lengths in millimetres, and no rotation.
+TEST(VolumeOutput, NiftiSaysUnitsAndTwiceWhereTheVoxelsAre) {
+  const TemporaryFolder folder;
+  const std::vector<float> values = ramp(8);
+  const auto file = folder.write("a.nii", "");
+  write_volume({{2, 2, 2}, {0.5, 1, 2}, {-1.5, 2, 7}, values}, file);
+  const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> image(nifti_image_read(file.c_str(), 0),
+                                                                        &nifti_image_free);
+  ASSERT_TRUE(image);
+  EXPECT_EQ(image->xyz_units, NIFTI_UNITS_MM);
+  EXPECT_EQ(image->sform_code, NIFTI_XFORM_SCANNER_ANAT);
+  EXPECT_EQ(image->qform_code, NIFTI_XFORM_SCANNER_ANAT);
+  const double expected[3][4] = {{0.5, 0, 0, -1.5}, {0, 1, 0, 2}, {0, 0, 2, 7}};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      EXPECT_EQ(image->sto_xyz.m[row][column], expected[row][column]) << row << ' ' << column;
+      EXPECT_EQ(image->qto_xyz.m[row][column], expected[row][column]) << row << ' ' << column;
+    }
   }
 }
 

@@ -93,6 +93,8 @@ struct SceneSetup : VoxelWorld {
   View view;
   std::optional<Colour> background;
 
+  std::uint64_t voxel_hash = 0;  // of volume, tags and gradients, as set_up() made them
+
   GICUBE_API VolumeView volume_view() const;  // with tags and gradients; points into this SceneSetup
   // The driver has its own copy after load_volume(): keeps the dimensions, gives the memory back.
   GICUBE_API void free_voxels();
@@ -106,6 +108,9 @@ GICUBE_API SceneSetup set_up(const Scene& scene, int threads = 0);
 
 // The same for another scene with the same voxels, which may have been freed: materials, lights, camera and view anew.
 GICUBE_API void set_look(const Scene& scene, SceneSetup& setup);
+
+// For Provenance: of the voxels, the materials and the lights; not of camera and sampling. Holds after free_voxels() too.
+GICUBE_API std::uint64_t scene_hash(const SceneSetup& setup);
 
 // Whether set_up() makes the same voxels and materials of both, so that one setup, and what was loaded of it, serves both.
 GICUBE_API bool same_voxels(const Scene& a, const Scene& b);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "gicube/scene/error.h"
+#include "gicube/scene/provenance.h"
 #include "gicube/volume.h"
 
 namespace gicube::scene {
@@ -93,8 +94,10 @@ struct FloatVolume {
 // Whether write_volume() knows the extension.
 GICUBE_API bool is_volume_output(const std::filesystem::path& path);
 // By the extension: .nrrd, .mhd (samples in a .raw beside it), .mha, .nii, .nii.gz. Values, spacing and origin come back
-// as they are, in NIfTI spacing and origin as 32-bit floats. A file that was there stays until the new one is whole.
+// as they are, in NIfTI spacing and origin as 32-bit floats; NIfTI says that they are millimetres in the scanner's space (qform and
+// sform of code 1). MetaImage has no place for the provenance. A file that was there stays until the new one is whole.
 // Throws FileError: another extension, a wrong number of values, a place that can't be written to.
-GICUBE_API void write_volume(const FloatVolume& volume, const std::filesystem::path& path);
+GICUBE_API void write_volume(const FloatVolume& volume, const std::filesystem::path& path,
+                             const Provenance& provenance = {});
 
 }  // namespace gicube::scene
