@@ -1,5 +1,7 @@
 #include "firmware/low_discrepancy.h"
 
+#include <array>
+
 namespace gicube::emu {
 
 namespace {

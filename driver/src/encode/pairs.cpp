@@ -11,6 +11,7 @@
 #include "encode/host_ray.h"
 #include "encode/volume/samples.h"
 #include "gicube/wire/ray.h"
+#include "gicube/wire/registers.h"
 
 namespace gicube {
 namespace {

@@ -165,12 +165,15 @@ TEST_F(Launch, TheChildHasAProcessGroupOfItsOwnAndIgnoresNoSignal) {
 
 // It is told by the socket that closes, then by SIGTERM.
 TEST_F(Launch, AChildThatDoesNotHearTheSocketIsTerminated) {
+  const fs::path told = folder_ / "told";
   std::string id;
   {
-    ChildProcess child(script("echo $$ >&3; exec 3>&-; while :; do sleep 0.1; done"), {});
+    ChildProcess child(script("trap 'touch \"$1\"; exit' TERM; echo $$ >&3; exec 3>&-; while :; do sleep 0.1; done"),
+                       {told.string()});
     id = receive_all(child.take_socket());
   }
   EXPECT_EQ(::kill(std::stoi(id), 0), -1);
+  EXPECT_TRUE(fs::exists(told)) << "it could end in its own way";
 }
 
 TEST(Fd, HasNothingLeftAfterItsRelease) {

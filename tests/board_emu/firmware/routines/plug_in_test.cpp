@@ -54,6 +54,66 @@ std::string load_fault(const std::string& file) {
   return "no fault";
 }
 
+gicube_bsdf_event last_event{};
+
+TEST(PlugIn, IsToldAllOfTheEventAndMayReportAsFewAsOneCycle) {
+  gicube_bsdf description{};
+  description.abi = GICUBE_BSDF_ABI;
+  description.size = sizeof description;
+  description.name = "told";
+  description.cycles = 50;
+  description.cycle_budget = 60;
+  description.scatter = [](const gicube_bsdf_event* event, gicube_bsdf_answer* answer) {
+    last_event = *event;
+    answer->direction[1] = 1;
+    answer->cycles = static_cast<std::uint32_t>(event->parameters[0]);
+  };
+  const PlugIn plug_in(description, "linked in");
+  const std::vector<float> parameters{1, 7};
+  ScatterEvent event = event_with(parameters);
+  event.position = {1, 2, 3};
+  event.opacity = 0.25;
+  event.density = 77;
+  event.tag = 2;
+  event.lighting = true;
+  event.generation = 4;
+  event.random = {0.1, 0.2, 0.3, 0.4};
+  EXPECT_EQ(plug_in.scatter(event).cycles, 1u);
+  EXPECT_EQ(plug_in.scatter(event).direction, (std::array<double, 3>{0, 1, 0}));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(last_event.position[i], event.position[i]);
+    EXPECT_EQ(last_event.direction[i], event.direction[i]);
+    EXPECT_EQ(last_event.normal[i], event.normal[i]);
+  }
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(last_event.random[i], event.random[i]);
+  EXPECT_EQ(last_event.size, sizeof last_event);
+  EXPECT_EQ(last_event.tag, 2u);
+  EXPECT_EQ(last_event.opacity, 0.25);
+  EXPECT_EQ(last_event.density, 77);
+  EXPECT_EQ(last_event.lighting, 1u);
+  EXPECT_EQ(last_event.generation, 4u);
+  EXPECT_EQ(last_event.parameter_count, 2u);
+  const std::vector<float> none{0}, most{60}, more{61};
+  event.parameters = most;
+  EXPECT_EQ(plug_in.scatter(event).cycles, 60u);
+  for (const auto* wrong : {&none, &more}) {
+    event.parameters = *wrong;
+    EXPECT_THROW(plug_in.scatter(event), RoutineFault);
+  }
+}
+
+TEST(RoutineAnswer, HasALengthOfAMillionthToAMillionAndAShare) {
+  const auto faulty = [](double length, double passes) {
+    return fault({.direction = {0, length, 0}, .passes = passes}).has_value();
+  };
+  EXPECT_FALSE(faulty(1e6, 1));
+  EXPECT_FALSE(faulty(1e-6, 0));
+  EXPECT_TRUE(faulty(1.01e6, 1));
+  EXPECT_TRUE(faulty(0.99e-6, 1));
+  EXPECT_TRUE(faulty(1, 1.001));
+  EXPECT_TRUE(faulty(1, -0.001));
+}
+
 TEST(PlugIn, AnswersAsItsCodeSays) {
   const RoutineTable table = fickle_table();
   const std::vector<float> parameters{static_cast<float>(Whim::kRetroreflect), 0.25f};
