@@ -54,7 +54,7 @@ c++ -std=c++20 "$source/samples/small/hello/main.cpp" "-Wl,-rpath,$libraries" $(
 "$scratch/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
 
 # gicube-scene, by pkg-config. Its headers name nothing of the libraries that it reads files with, and a fault has its parts.
-if grep -lE 'teem|nifti2|OpenImageIO|google/|zlib|fmt/' "$prefix"/include/gicube/scene/*.h; then exit 1; fi
+if grep -E '#include [<"](teem|nifti|OpenImageIO|google|zlib|fmt)' "$prefix"/include/gicube/scene/*.h; then exit 1; fi
 # shellcheck disable=SC2046
 c++ -std=c++20 "$source"/samples/installed/turntable/{main,turntable}.cpp "-Wl,-rpath,$libraries" \
   $(pkg-config --cflags --libs gicube-scene) -o "$scratch/turntable"
