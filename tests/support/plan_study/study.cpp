@@ -89,6 +89,34 @@ std::string uri_for(const StudyScene& study, const std::string& uri) {
   return uri + separator + "set=asic.max_volume_voxels=" + std::to_string(study.max_volume_voxels);
 }
 
+std::vector<Plan> plans_for(const StudyScene& study, int size, const std::vector<double>& max_errors,
+                            const std::string& uri) {
+  samples::Scene scene = study.scene;
+  scene.view.width = scene.view.height = size;
+  const samples::SceneSetup setup = samples::set_up(scene);
+  Board board = Board::open(uri_for(study, uri));
+  board.set_shading(setup.shading);
+  const std::vector<TransferFunction> looks = looks_of(setup);
+  PlanRequest request;
+  request.view = setup.view;
+  request.volume = setup.volume_view();
+  request.looks = looks;
+  std::vector<Plan> plans;
+  for (const double error : max_errors) {
+    request.max_error = error;
+    plans.push_back(make_plan(board, request));
+  }
+  return plans;
+}
+
+int cheaper_and_kept(const Plan& plan) {
+  int count = 0;
+  for (const PlanPoint& point : plan.points) {
+    count += point.error_bound <= plan.request.max_error && point.samples < plan.chosen.samples;
+  }
+  return count;
+}
+
 PlanOutcome carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri, bool exact) {
   samples::Scene scene = study.scene;
   scene.view.width = scene.view.height = size;

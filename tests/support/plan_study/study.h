@@ -34,6 +34,13 @@ double relative_error(const Image& image, const Image& best);
 // `uri` with room for the scene.
 std::string uri_for(const StudyScene& study, const std::string& uri);
 
+// The plans of the scene's picture of `size` x `size` pixels for these errors, on one board. Not of lit scenes.
+std::vector<Plan> plans_for(const StudyScene& study, int size, const std::vector<double>& max_errors,
+                            const std::string& uri);
+
+// How many of the settings that a plan for an error tried are cheaper than the chosen one, and their bounds keep the target.
+int cheaper_and_kept(const Plan& plan);
+
 // Plans the scene's picture of `size` x `size` pixels on a board of its own, renders it by the plan, by the best and by the
 // finest setting with the whole volume, and exactly, if asked for (not of lit scenes).
 PlanOutcome carry_out(const StudyScene& study, int size, const Target& target, const std::string& uri,
