@@ -63,6 +63,22 @@ constexpr bool inside(const Point& position, const Point& extent) {
   return true;
 }
 
+// The face (wire::kFaces) that a ray crossed first of those whose plane it is beyond: at least one. `step`: its last one, or
+// several; on an axis where it does not lead out, the ray was beyond before.
+constexpr std::size_t face_left_by(const Point& position, const FinePoint& step, const Point& extent) {
+  std::size_t face = 0;
+  std::int64_t beyond_face = 0, out_of_face = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool low = position[axis] < 0;
+    const std::int64_t beyond = low ? -std::int64_t{position[axis]} : std::int64_t{position[axis]} - extent[axis];
+    const std::int64_t out = std::max<std::int64_t>(low ? -step[axis] : step[axis], 0);
+    if (beyond <= 0 || beyond * out_of_face <= beyond_face * out) continue;  // the share of the step that is beyond
+    face = 2 * axis + (low ? 0 : 1);
+    beyond_face = beyond, out_of_face = out;
+  }
+  return face;
+}
+
 // True once a ray that runs out of a kept half space has left it. A ray that runs into it was placed on the plane by the
 // DSP and may stand a rounding short of it.
 constexpr bool beyond(const Plane& plane, const Point& position, const Point& step) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -85,6 +86,7 @@ struct EnergyCounters {
   std::uint64_t emitted = 0;
   Deposited deposited;
   std::uint64_t escaped = 0;
+  std::array<std::uint64_t, wire::kFaces> escaped_by_face{};  // sum to `escaped`
   std::uint64_t scattered_away = 0;
   std::uint64_t given_up = 0;  // of that, with rays at the end of their lifetime
 };
@@ -128,6 +130,9 @@ struct RayCounters {
     change(energy.deposited.kept, other.energy.deposited.kept);
     change(energy.deposited.clipped, other.energy.deposited.clipped);
     change(energy.escaped, other.energy.escaped);
+    for (std::size_t face = 0; face < wire::kFaces; ++face) {
+      change(energy.escaped_by_face[face], other.energy.escaped_by_face[face]);
+    }
     change(energy.scattered_away, other.energy.scattered_away);
     change(energy.given_up, other.energy.given_up);
     return *this;

@@ -367,7 +367,11 @@ void count_end(const RayState& ray, Termination how, const Frame& frame, RayCoun
   if (how == Termination::kOpaque) ++counters.terminated;
   if (!ray.is(wire::kLightingRay)) return;
   ++counters.lighting_rays;
-  if (how == Termination::kLeft) counters.energy.escaped += energy_units(ray, frame);
+  if (how != Termination::kLeft) return;
+  const std::uint32_t units = energy_units(ray, frame);
+  counters.energy.escaped += units;
+  const FinePoint step = fine(ray.step, frame.wide ? ray.step_rest : Rest{});
+  counters.energy.escaped_by_face[face_left_by(ray.position, step, frame.extent)] += units;
 }
 
 }  // namespace gicube::emu

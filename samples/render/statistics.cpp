@@ -41,6 +41,13 @@ void add_asic(const FrameStatistics& statistics, Json& json) {
   json["dsp_utilisation"] = value(statistics, "dsp.busy_ps") * 1e-12 / seconds;
 }
 
+Json by_face(const std::array<double, 6>& energy) {
+  constexpr std::array kFaces{"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"};
+  Json json;
+  for (std::size_t face = 0; face < kFaces.size(); ++face) json[kFaces[face]] = energy[face];
+  return json;
+}
+
 Json lighting_json(const LightingStatistics& lighting) {
   const LightingReport& report = lighting.report;
   return {{"channel", lighting.channel},
@@ -56,6 +63,7 @@ Json lighting_json(const LightingStatistics& lighting) {
           {"emitted", report.emitted},
           {"deposited", report.deposited},
           {"escaped", report.escaped},
+          {"escaped_by_face", by_face(report.escaped_by_face)},
           {"scattered_away", report.scattered_away},
           {"given_up", report.given_up},
           {"clipped", report.clipped},

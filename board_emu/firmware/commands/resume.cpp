@@ -28,6 +28,7 @@ void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, b
   ledger.emitted = energy.emitted;
   ledger.deposited = energy.deposited.kept;
   ledger.escaped = energy.escaped;
+  ledger.escaped_by_face = energy.escaped_by_face;
   ledger.scattered_away = energy.scattered_away;
   ledger.given_up = energy.given_up;
   ledger.clipped = energy.deposited.clipped;

@@ -214,6 +214,7 @@ typedef struct gicube_lighting_report {
   uint64_t rays;
   double emitted, deposited, escaped, scattered_away, given_up, clipped;
   double unit;
+  double escaped_by_face[6]; /* of `escaped`: x = 0, x = size - 1, y = 0, ... */
 } gicube_lighting_report;
 
 /* gicube/view.h: View */
@@ -314,7 +315,14 @@ typedef struct gicube_deposit_report {
   double unit;
 } gicube_deposit_report;
 
-/* gicube/ray.h: BatchReport */
+/* gicube/ray.h: BatchReport. Its `lighting` is a gicube_lighting_report up to `unit`, since a record grows at its end alone. */
+typedef struct gicube_batch_lighting {
+  uint32_t size;
+  uint32_t warnings;
+  uint64_t rays;
+  double emitted, deposited, escaped, scattered_away, given_up, clipped;
+  double unit;
+} gicube_batch_lighting;
 typedef struct gicube_batch_report {
   uint32_t size;
   uint32_t ticket;
@@ -322,10 +330,11 @@ typedef struct gicube_batch_report {
   uint64_t rays;         /* that come back: gicube_receive() writes so many */
   int32_t cancelled;
   int32_t deposited; /* 1: `lighting` says where the energy of a deposit went */
-  gicube_lighting_report lighting;
+  gicube_batch_lighting lighting;
   int32_t backprojected; /* 1: `deposits` says what was left */
   int32_t reserved;
   gicube_deposit_report deposits;
+  double escaped_by_face[6]; /* of lighting.escaped */
 } gicube_batch_report;
 
 /* gicube/pair.h: Element, ElementPair, PairRequest, PairFactor */

@@ -1,6 +1,7 @@
 // Volumetric global illumination: lights, and the pass that distributes their energy into the volume [P §2.2].
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -63,9 +64,13 @@ struct Illumination {
 // emitted = deposited + escaped + scattered_away + clipped.
 struct LightingReport {
   std::uint64_t rays = 0;
-  double emitted = 0;         // given to rays
-  double deposited = 0;       // into irradiance words
-  double escaped = 0;         // out of the volume
+  double emitted = 0;    // given to rays
+  double deposited = 0;  // into irradiance words
+  double escaped = 0;    // out of the volume
+  // Of that, by the faces x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to `escaped`. Of a slab that is
+  // lit along z the last two are its reflectance and its transmittance. Across an edge or a corner it is the face whose plane the
+  // ray crosses first; if it crosses several at once, that of the first axis.
+  std::array<double, 6> escaped_by_face{};
   double scattered_away = 0;  // dropped by the printed rules, with rays given up, and by routines
   double given_up = 0;        // of that, with rays at the end of their lifetime
   double clipped = 0;         // did not fit saturated irradiance words

@@ -22,6 +22,9 @@ inline void add(const wire::LightingLedger& ledger, LightingReport& report) {
   report.emitted += static_cast<double>(ledger.emitted) * report.unit;
   report.deposited += static_cast<double>(ledger.deposited) * report.unit;
   report.escaped += static_cast<double>(ledger.escaped) * report.unit;
+  for (std::size_t face = 0; face < wire::kFaces; ++face) {
+    report.escaped_by_face[face] += static_cast<double>(ledger.escaped_by_face[face]) * report.unit;
+  }
   report.scattered_away += static_cast<double>(ledger.scattered_away) * report.unit;
   report.given_up += static_cast<double>(ledger.given_up) * report.unit;
   report.clipped += static_cast<double>(ledger.clipped) * report.unit;

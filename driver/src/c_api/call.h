@@ -123,6 +123,10 @@ template <typename Record>
 inline constexpr std::size_t kFirstSize = sizeof(Record);
 template <>
 inline constexpr std::size_t kFirstSize<gicube_volume> = offsetof(gicube_volume, find_gradients);
+template <>
+inline constexpr std::size_t kFirstSize<gicube_lighting_report> = offsetof(gicube_lighting_report, escaped_by_face);
+template <>
+inline constexpr std::size_t kFirstSize<gicube_batch_report> = offsetof(gicube_batch_report, escaped_by_face);
 
 // Throws BadArgument.
 template <typename Record>

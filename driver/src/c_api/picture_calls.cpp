@@ -133,16 +133,19 @@ void read(gicube_board& handle, gicube_pixel* pixels, std::size_t count) {
 }  // namespace
 
 gicube_lighting_report to_c(const LightingReport& report) {
-  return {.size = sizeof(gicube_lighting_report),
-          .warnings = static_cast<std::uint32_t>(report.warnings.size()),
-          .rays = report.rays,
-          .emitted = report.emitted,
-          .deposited = report.deposited,
-          .escaped = report.escaped,
-          .scattered_away = report.scattered_away,
-          .given_up = report.given_up,
-          .clipped = report.clipped,
-          .unit = report.unit};
+  gicube_lighting_report record{.size = sizeof(gicube_lighting_report),
+                                .warnings = static_cast<std::uint32_t>(report.warnings.size()),
+                                .rays = report.rays,
+                                .emitted = report.emitted,
+                                .deposited = report.deposited,
+                                .escaped = report.escaped,
+                                .scattered_away = report.scattered_away,
+                                .given_up = report.given_up,
+                                .clipped = report.clipped,
+                                .unit = report.unit,
+                                .escaped_by_face = {}};
+  std::ranges::copy(report.escaped_by_face, record.escaped_by_face);
+  return record;
 }
 
 }  // namespace gicube::c_api

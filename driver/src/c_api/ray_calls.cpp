@@ -26,6 +26,7 @@ static_assert(offsetof(gicube_traced_ray, direction) == offsetof(TracedRay, dire
 static_assert(offsetof(gicube_traced_ray, colour) == offsetof(TracedRay, colour));
 static_assert(offsetof(gicube_traced_ray, opacity) == offsetof(TracedRay, opacity));
 static_assert(offsetof(gicube_traced_ray, integral) == offsetof(TracedRay, integral));
+static_assert(sizeof(gicube_batch_lighting) == offsetof(gicube_lighting_report, escaped_by_face));
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && std::is_standard_layout_v<Vec3>);
 
 std::span<const HostRay> to_rays(const gicube_host_ray* rays, std::size_t count) {
@@ -37,17 +38,22 @@ bool comes_back(const BatchReport& batch) { return !batch.lighting && !batch.dep
 void write_report(gicube_batch_report* out, const BatchReport& batch, std::size_t rays) {
   if (out == nullptr) return;
   const DepositReport left = batch.deposits.value_or(DepositReport{});
-  write_record("report", out,
-               {.size = 0,
-                .ticket = batch.ticket.id,
-                .completed_ps = batch.completed,
-                .rays = rays,
-                .cancelled = batch.cancelled,
-                .deposited = batch.lighting.has_value(),
-                .lighting = to_c(batch.lighting.value_or(LightingReport{})),
-                .backprojected = batch.deposits.has_value(),
-                .reserved = 0,
-                .deposits = {left.rays, left.samples, left.kept, left.clipped, left.overflowed, left.unit}});
+  const gicube_lighting_report lighting = to_c(batch.lighting.value_or(LightingReport{}));
+  gicube_batch_report record{.size = 0,
+                             .ticket = batch.ticket.id,
+                             .completed_ps = batch.completed,
+                             .rays = rays,
+                             .cancelled = batch.cancelled,
+                             .deposited = batch.lighting.has_value(),
+                             .lighting = {},
+                             .backprojected = batch.deposits.has_value(),
+                             .reserved = 0,
+                             .deposits = {left.rays, left.samples, left.kept, left.clipped, left.overflowed, left.unit},
+                             .escaped_by_face = {}};
+  std::memcpy(&record.lighting, &lighting, sizeof record.lighting);
+  record.lighting.size = sizeof record.lighting;
+  std::ranges::copy(lighting.escaped_by_face, record.escaped_by_face);
+  write_record("report", out, record);
 }
 
 // Of a batch that gicube_poll() has told of. False if it has not.

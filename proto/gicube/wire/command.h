@@ -139,6 +139,10 @@ enum class LightKind : std::uint8_t { kPoint = 0, kDirectional = 1, kRectangle =
 
 inline constexpr std::uint32_t kMaxRaysPerVoxel = 4096;
 
+// The volume's faces: x = 0, x = size - 1, y = 0, and so on. A ray that leaves across an edge or a corner leaves by the face
+// whose plane it crosses first; if it crosses several at once, by that of the first axis.
+inline constexpr std::size_t kFaces = 6;
+
 struct IlluminateCommand {
   LightKind kind = LightKind::kPoint;
   Albedo albedo = Albedo::kLow;
@@ -171,9 +175,10 @@ struct LightingLedger {
   std::uint64_t given_up = 0;        // of that, with rays at the end of their lifetime
   std::uint64_t clipped = 0;         // by saturated irradiance words
   std::uint64_t light_in_solid = 0;  // 1: the voxels at the light's place are opaque
+  std::array<std::uint64_t, kFaces> escaped_by_face{};  // sum to `escaped`
 
   constexpr void fields(auto&& list) {
-    list(rays, emitted, deposited, escaped, scattered_away, given_up, clipped, light_in_solid);
+    list(rays, emitted, deposited, escaped, scattered_away, given_up, clipped, light_in_solid, escaped_by_face);
   }
   friend constexpr bool operator==(const LightingLedger&, const LightingLedger&) = default;
 };

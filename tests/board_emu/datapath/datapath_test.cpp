@@ -266,6 +266,24 @@ TEST(Advance, FineStepsAreExactHoweverManyAndALeapIsThatManySteps) {
   }
 }
 
+TEST(Advance, LeavesByTheFaceWhosePlaneItCrossesFirst) {
+  constexpr Point kExtent{100, 200, 300};
+  const auto face = [&](const Point& position, const FinePoint& step) { return face_left_by(position, step, kExtent); };
+  EXPECT_EQ(face({-1, 5, 5}, {-10, 0, 0}), 0u);
+  EXPECT_EQ(face({101, 5, 5}, {10, 0, 0}), 1u);
+  EXPECT_EQ(face({5, -3, 5}, {1, -10, 2}), 2u);
+  EXPECT_EQ(face({5, 203, 5}, {1, 10, 2}), 3u);
+  EXPECT_EQ(face({5, 5, -1}, {0, 0, -1}), 4u);
+  EXPECT_EQ(face({5, 5, 301}, {0, 0, 1}), 5u);
+  EXPECT_EQ(face({101, 205, 5}, {10, 10, 0}), 3u) << "y = 200 was crossed half a step ago, x = 100 a tenth";
+  EXPECT_EQ(face({105, 201, 5}, {10, 10, 0}), 1u);
+  EXPECT_EQ(face({101, 201, 302}, {10, 20, 10}), 5u) << "a fifth, a tenth and a twentieth";
+  EXPECT_EQ(face({130, 205, 5}, {10, 1, 0}), 3u) << "a leap of several steps";
+  EXPECT_EQ(face({5, 204, 304}, {0, 8, 8}), 3u) << "an edge: the first axis";
+  EXPECT_EQ(face({-4, 204, 304}, {-8, 8, 8}), 0u) << "a corner";
+  EXPECT_EQ(face({-1, 5, 305}, {0, 0, 10}), 0u) << "beyond x = 0 before this step";
+}
+
 TEST(Advance, LeavesAHalfSpaceOnlyWhenItRunsOutOfIt) {
   const Plane plane{{16384, 0, 0}, std::int64_t{10} << kPlaneFractionBits};  // x >= 10
   const Point before{9 * wire::kVoxel, 0, 0}, behind{11 * wire::kVoxel, 0, 0};

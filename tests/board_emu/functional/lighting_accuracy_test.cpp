@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "lighting_rig.h"
@@ -31,6 +32,12 @@ double share_of(std::uint64_t part, const EnergyCounters& energy) {
   return static_cast<double>(part) / static_cast<double>(energy.emitted);
 }
 
+// What left by the faces z = 0, z = size - 1, and the four others.
+std::tuple<double, double, double> shares_along_z(const EnergyCounters& energy) {
+  const auto& [x_min, x_max, y_min, y_max, z_min, z_max] = energy.escaped_by_face;
+  return {share_of(z_min, energy), share_of(z_max, energy), share_of(x_min + x_max + y_min + y_max, energy)};
+}
+
 // A slab of 8 voxel edges between x-y faces that are 255 x 64 edges wide, lit along +z by rays of one energy.
 struct Slab {
   static constexpr int kWide = 256, kThick = 9;
@@ -44,15 +51,9 @@ struct Slab {
 
   void light(std::uint32_t k, Albedo albedo) {
     const double units = lit.scene.frame.wide ? 1e6 : 8;  // of a ray
-    const auto leaves = [this](const wire::Ray& ray) {
-      const auto left = static_cast<double>(ray.colour_word());
-      const bool at_back = ray.position[2] == 0, at_front = ray.position[2] == (kThick - 1) * wire::kVoxel;
-      (at_back ? back : at_front ? through : sideways) += left;
-    };
-    ledger = lit.light(sun(units * k / (kEdge * kEdge), {0, 0, -1}, k, albedo), leaves);
-    const auto emitted = static_cast<double>(ledger.emitted);
-    for (double* share : {&back, &through, &sideways}) *share /= emitted;
-    photons = emitted / units;
+    ledger = lit.light(sun(units * k / (kEdge * kEdge), {0, 0, -1}, k, albedo)).energy;
+    std::tie(back, through, sideways) = shares_along_z(ledger);
+    photons = static_cast<double>(ledger.emitted) / units;
   }
 
   LitScene lit;
@@ -166,15 +167,10 @@ struct LayerLight {
     lit.medium(depth / (layer.end - layer.begin), albedo, albedo > 0 ? Bsdf::kIsotropic : Bsdf::kNone);
     for (std::size_t i = 0; i < 2000; ++i) lit.scene.segmentation[i].opacity = 0;
     lit.scene.frame.step = static_cast<std::uint32_t>(std::lround(step * wire::kStepOne));
-    const auto leaves = [this](const wire::Ray& ray) {
-      const auto left = static_cast<double>(ray.colour_word());
-      (ray.position[2] == 0 ? back : ray.position[2] == (kThick - 1) * wire::kVoxel ? through : sideways) += left;
-    };
     const double units = 1e6;  // of a ray
-    const EnergyCounters energy = lit.light(sun(units / (edge * edge), {0, 0, -1}, 1, rays), leaves);
-    const auto emitted = static_cast<double>(energy.emitted);
-    for (double* share : {&back, &through, &sideways}) *share /= emitted;
-    photons = emitted / units;
+    const EnergyCounters energy = lit.light(sun(units / (edge * edge), {0, 0, -1}, 1, rays)).energy;
+    std::tie(back, through, sideways) = shares_along_z(energy);
+    photons = static_cast<double>(energy.emitted) / units;
   }
 
   LitScene lit;

@@ -118,6 +118,7 @@ void expect_equal(const RayCounters& a, const RayCounters& b) {
   EXPECT_EQ(a.energy.deposited.kept, b.energy.deposited.kept);
   EXPECT_EQ(a.energy.deposited.clipped, b.energy.deposited.clipped);
   EXPECT_EQ(a.energy.escaped, b.energy.escaped);
+  EXPECT_EQ(a.energy.escaped_by_face, b.energy.escaped_by_face);
   EXPECT_EQ(a.energy.scattered_away, b.energy.scattered_away);
   EXPECT_EQ(a.energy.given_up, b.energy.given_up);
 }
@@ -166,6 +167,8 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   EXPECT_EQ(ran.rays.energy.emitted, counts.energy.emitted);
   const EnergyCounters& energy = counts.energy;
   EXPECT_EQ(energy.emitted, energy.deposited.kept + energy.deposited.clipped + energy.escaped + energy.scattered_away);
+  EXPECT_EQ(std::accumulate(energy.escaped_by_face.begin(), energy.escaped_by_face.end(), std::uint64_t{0}),
+            energy.escaped);
 
   std::uint64_t tiles = 0, fetched = 0, packets = 0, written = 0, read = 0;
   for (const auto& processor : machine.processors()) {

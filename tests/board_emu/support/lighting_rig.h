@@ -4,7 +4,6 @@
 
 #include <array>
 #include <cmath>
-#include <functional>
 
 #include "datapath/ray_step.h"
 #include "firmware/lighting_rays.h"
@@ -58,28 +57,6 @@ class LitScene {
     LightRays source(maker, scene.frame, dsp);
     return run_functional(source, scene.frame, threads).rays;
   }
-  // The pass ray by ray on one thread: each ray as it ends, clamped to the volume, if it left it.
-  EnergyCounters light(const wire::IlluminateCommand& command, const std::function<void(const wire::Ray&)>& leaves) {
-    scene.frame.rules = command.rules;
-    scene.set_depths();
-    const LightingRays all = rays(command);
-    RayCounters counters;
-    for (std::uint64_t i = 0; i < all.count(); ++i) {
-      auto ray = all.make(i);
-      if (!ray) continue;
-      ray->lifetime = scene.frame.lifetime;
-      counters.energy.emitted += ray->colour_word() >> kEnergyFractionBits;
-      ++counters.rays;
-      const std::uint64_t escaped = counters.energy.escaped;
-      integrate(*ray, scene.frame, counters);
-      if (counters.energy.escaped != escaped) {
-        ray->set_colour_word(counters.energy.escaped - escaped);  // whole units
-        leaves(*ray);
-      }
-    }
-    return counters.energy;
-  }
-
   std::uint32_t irradiance_at(int x, int y, int z) const {
     const int n = scene.volume.block_voxels();
     const auto edge = static_cast<std::size_t>(n) + 1;

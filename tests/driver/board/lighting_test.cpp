@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
+#include "reference/photons.h"
 #include "test_board.h"
 
 namespace gicube {
@@ -49,6 +51,65 @@ class Lighting : public ::testing::Test {
 
 double sum(const LightingReport& report) {
   return report.deposited + report.escaped + report.scattered_away + report.clipped;
+}
+
+// A slab that fills the volume, 15 long along `axis` and 127 x 64 across, lit from its low face. What left by each face of the
+// volume, as shares of what was emitted.
+std::array<double, 6> slab_shares(Board& board, int axis, double depth, double albedo, const Illumination& settings) {
+  constexpr int kThick = 16, kWide = 128;
+  constexpr double kEdge = 64;
+  Dims dims{kWide, kWide, kWide};
+  Vec3 spacing{kEdge, kEdge, kEdge}, towards;
+  dims[static_cast<std::size_t>(axis)] = kThick;
+  constexpr std::array kAxes{&Vec3::x, &Vec3::y, &Vec3::z};
+  spacing.*kAxes[static_cast<std::size_t>(axis)] = 1;
+  towards.*kAxes[static_cast<std::size_t>(axis)] = -1;
+  const std::vector<std::byte> samples(std::size_t{kThick} * kWide * kWide, std::byte{100});
+  board.load_volume({.samples = samples, .dims = dims, .spacing = spacing, .find_gradients = false});
+  board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, -std::expm1(-depth / (kThick - 1))}}});
+  Material fog;
+  fog.scattering = albedo;
+  fog.bsdf = Bsdf::kIsotropic;
+  board.set_material(fog);
+  const LightingReport report = board.illuminate(std::array<Light, 1>{DirectionalLight{towards, 1}}, settings);
+  double all = 0;
+  std::array<double, 6> shares = report.escaped_by_face;
+  for (double& share : shares) all += share, share /= report.emitted;
+  EXPECT_NEAR(all, report.escaped, 1e-12 * report.escaped);
+  return shares;
+}
+
+constexpr const char* kWideBoard =
+    "emu:?set=asic.datapath=wide&set=asic.block_voxels=16&set=asic.max_volume_voxels=128";
+
+TEST(LightingReport, TellsTheTransmittanceOfASlabThatAbsorbsWhicheverWayItLies) {
+  Board board = open_board(kWideBoard);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double depth : {0.3, 2.0}) {
+      const auto shares = slab_shares(board, axis, depth, 0, {});
+      for (std::size_t face = 0; face < 6; ++face) {
+        const bool far = face == 2 * static_cast<std::size_t>(axis) + 1;
+        EXPECT_NEAR(shares[face], far ? std::exp(-depth) : 0, far ? 0.003 * std::exp(-depth) : 0)
+            << "face " << face << ", axis " << axis << ", depth " << depth;
+      }
+    }
+  }
+}
+
+TEST(LightingReport, TellsReflectanceAndTransmittanceOfASlabThatScatters) {
+  Board board = open_board(kWideBoard);
+  for (const auto& [axis, depth, albedo, rays] :
+       {std::tuple{2, 4.0, 0.95, Albedo::kLow}, {0, 1.0, 0.5, Albedo::kHigh}, {1, 0.5, 0.9, Albedo::kLow}}) {
+    const reference::Fates expected = reference::slab(depth, albedo, 1'000'000, 7);
+    const Illumination settings{.albedo = rays, .rays_per_face_voxel = 8, .lifetime = 1000};
+    const auto shares = slab_shares(board, axis, depth, albedo, settings);
+    const auto low = 2 * static_cast<std::size_t>(axis);
+    const double photons = 127.0 * 127 * settings.rays_per_face_voxel;
+    for (const auto& [share, right] : {std::pair{shares[low], expected.back}, {shares[low + 1], expected.through}}) {
+      const double error = std::hypot(std::sqrt(right.mean * (1 - right.mean) / photons), right.error);
+      EXPECT_NEAR(share, right.mean, std::max(3 * error, 0.005 * right.mean)) << "axis " << axis;
+    }
+  }
 }
 
 TEST_F(Lighting, EmitsThePowerThatFallsIntoTheVolumeAndAccountsForAllOfIt) {

@@ -2,6 +2,7 @@
 #include "c_board.h"
 
 #include <fstream>
+#include <numeric>
 
 #include "temporary_directory.h"
 
@@ -136,6 +137,8 @@ TEST_F(CApi, IlluminatesAndScattersByTheCallersRoutine) {
   EXPECT_GT(report.emitted, 0);
   EXPECT_NEAR(report.emitted, report.deposited + report.escaped + report.scattered_away + report.clipped,
               1e-9 * report.emitted);
+  EXPECT_NEAR(std::accumulate(report.escaped_by_face, report.escaped_by_face + 6, 0.0), report.escaped,
+              1e-9 * report.escaped);
   EXPECT_EQ(gicube_lighting_warning(board_, report.warnings), nullptr);
 
   asked = {0, 3};

@@ -59,6 +59,8 @@ TEST_F(CApi, AskedForRaysOfEveryTypeItPassesTheRequestOn) {
   EXPECT_EQ(report.deposited, 1);
   EXPECT_EQ(report.rays, 0u);
   EXPECT_GT(report.lighting.deposited, 0);
+  EXPECT_GT(report.escaped_by_face[5], 0);  // the rays go along z
+  EXPECT_EQ(report.escaped_by_face[5], report.lighting.escaped);
   std::vector<float> irradiance(voxels_.size());
   ASSERT_EQ(gicube_read_irradiance(board_, nullptr, irradiance.data(), irradiance.size()), GICUBE_OK);
   double sum = 0;

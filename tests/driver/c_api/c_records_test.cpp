@@ -114,5 +114,25 @@ TEST(CRecord, OfAnEarlierVersionHasTheDefaultsOfLaterFields) {
   EXPECT_STREQ(gicube_last_error_field(), "volume.size");
 }
 
+TEST(CRecord, OfAnEarlierVersionIsFilledNoFurther) {
+  constexpr std::size_t kEarlier = offsetof(gicube_lighting_report, escaped_by_face);
+  gicube_lighting_report record;
+  record.escaped_by_face[0] = 7;
+  ASSERT_EQ(gicube_lighting_report_init(&record, kEarlier), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(record.size, kEarlier);
+  LightingReport report;
+  report.rays = 5;
+  report.unit = 0.5;
+  report.escaped_by_face = {1, 2};
+  write_record("report", &record, to_c(report));
+  EXPECT_EQ(record.rays, 5u);
+  EXPECT_EQ(record.unit, 0.5);
+  EXPECT_EQ(record.escaped_by_face[0], 7);
+  record.size = sizeof record;
+  write_record("report", &record, to_c(report));
+  EXPECT_EQ(record.escaped_by_face[0], 1);
+  EXPECT_EQ(record.escaped_by_face[1], 2);
+}
+
 }  // namespace
 }  // namespace gicube::c_api

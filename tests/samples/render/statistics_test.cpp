@@ -83,7 +83,7 @@ TEST(Statistics, TellWhereTheLightWentAndWhetherAPassWasMadeAnew) {
   LightingStatistics red;
   red.channel = "red";
   red.settings.albedo = Albedo::kHigh;
-  red.report = {100, 10, 4, 3, 2, 1, 1, 0.01, {"a light stands in a solid"}};
+  red.report = {100, 10, 4, 3, {0, 0, 0, 0, 2, 1}, 2, 1, 1, 0.01, {"a light stands in a solid"}};
   red.duration = 5'000'000'000;
   red.reused = true;
   statistics.lighting = {red};
@@ -97,6 +97,9 @@ TEST(Statistics, TellWhereTheLightWentAndWhetherAPassWasMadeAnew) {
   const double parts = json.at("deposited").get<double>() + json.at("escaped").get<double>() +
                        json.at("scattered_away").get<double>() + json.at("clipped").get<double>();
   EXPECT_DOUBLE_EQ(json.at("emitted"), parts);
+  EXPECT_EQ(json.at("escaped_by_face").at("y_max"), 0);
+  EXPECT_EQ(json.at("escaped_by_face").at("z_min"), 2);
+  EXPECT_EQ(json.at("escaped_by_face").at("z_max"), 1);
   EXPECT_EQ(json.at("warnings").at(0), "a light stands in a solid");
 }
 
