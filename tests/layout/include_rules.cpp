@@ -79,7 +79,8 @@ const std::vector<Rule>& rules() {
       {"driver/include/gicube/c_api.h", {"driver/include/gicube/c_types.h", "driver/include/gicube/export.h"}, {}},
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
       {"driver/src",         {"driver", "proto/gicube/wire"}, {kAnything}},
-      {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/include"}, {"fmt"}},
+      {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/src/transport/event.h",
+                              "driver/include"}, {"fmt"}},
       {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/wire"}, {"fmt"}},
 
       // The board's rooms, from the ground up.

@@ -11,6 +11,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <span>
 #include <string>
@@ -227,6 +228,20 @@ class GICUBE_API Board {
   // Throws BadArgument if the ticket is unknown; Unsupported for kDeposit and kBackproject, which can't be taken back.
   bool cancel(Ticket ticket);
 
+  // A file descriptor that poll(), epoll or an event loop can wait for: it becomes readable, and stays so, when receive() would
+  // no longer have to wait for the board's work, or if the board is lost or the Board is destroyed. Don't read from it. It is the
+  // caller's to close, at any time. It moves no clock: receive() does, as ever.
+  // The board answers once it has worked out all that was sent before this call, so ask right after submit(). With
+  // `pace: realtime` receive() may still wait until the wall clock has come to the batch's arrival. After reopen() on a new board
+  // ask again. Throws BadArgument as receive(), Error if the process has no descriptor left.
+  int descriptor(Ticket ticket);
+  // receive() as a future: get() and wait() call it, on their thread, and the simulated clock moves then. So it is a deferred one:
+  // wait_for() says std::future_status::deferred. When a batch arrives in simulated time depends on what else the host does
+  // until it waits, so that no thread of the driver's may do that for it; what can be waited for in wall-clock time is
+  // descriptor(). The future may outlive this Board, and never hangs: if the Board is destroyed, before get() or while it waits, that
+  // throws DeviceLost (Loss::kClosed). Throws BadArgument as receive().
+  std::future<RayBatch> future(Ticket ticket);
+
   // How much light goes between pairs of elements: one factor per pair. Near pairs are divided
   // (PairFactor). The simulated host waits. With PairRays::kByHost it makes rays in no time, unless the application adds
   // host_compute(). Pairs with nothing but empty blocks between them (empty_flags(), if PairRequest::leap is on) are summed up by
@@ -248,8 +263,8 @@ class GICUBE_API Board {
 
  private:
   struct State;
-  explicit Board(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit Board(std::shared_ptr<State> state);
+  std::shared_ptr<State> state_;  // futures have weak ones
 };
 
 }  // namespace gicube

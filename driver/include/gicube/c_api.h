@@ -141,6 +141,9 @@ GICUBE_API gicube_status gicube_receive(gicube_board* board, uint32_t ticket, ui
 /* The next batch that has arrived by now, in the order of their arrival; gicube_receive() gives its rays. report->ticket is 0 if
  * there is none. */
 GICUBE_API gicube_status gicube_poll(gicube_board* board, gicube_batch_report* report);
+/* A file descriptor that becomes readable when gicube_receive() would no longer have to wait for the board's work, or if the board is
+ * lost or closed: for poll() and event loops (gicube/board.h, descriptor()). The caller closes it. */
+GICUBE_API gicube_status gicube_batch_descriptor(gicube_board* board, uint32_t ticket, int* descriptor);
 /* *cancelled is 0 if it is too late: the batch comes back whole. It comes back in either case. */
 GICUBE_API gicube_status gicube_cancel(gicube_board* board, uint32_t ticket, int32_t* cancelled);
 

@@ -181,9 +181,21 @@ bool Batches::cancel(Ticket ticket) {
   return any;
 }
 
+Fd Batches::descriptor(Ticket ticket) {
+  Batch& batch = find(ticket)->second;
+  if (!batch.worked_out) {
+    auto event = std::make_shared<Event>();
+    const Device::Mark mark = device_.mark();
+    watch_.add(mark.link, mark.request, event);
+    batch.worked_out = std::move(event);
+  }
+  return batch.worked_out->descriptor();
+}
+
 void Batches::send_again(const std::function<void(const View&, Vec3)>& set_sampling) {
   for (auto& [ticket, batch] : batches_) {
     if (batch.complete()) continue;
+    batch.worked_out.reset();
     set_sampling(batch.sampling, batch.towards_eye);
     for (Part& part : batch.parts) {
       if (!part.result) part.command = device_.command(part.encoded);

@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "answer_watch.h"
 #include "device.h"
 #include "encode/host_ray.h"
 #include "gicube/ray.h"
@@ -52,6 +54,10 @@ class Batches {
   // Throws Rejected or Unsupported for one batch that the board refused, which is gone then; the others stay.
   std::vector<RayBatch> poll();
   bool cancel(Ticket ticket);
+  // Board::descriptor(). Throws BadArgument (ticket).
+  Fd descriptor(Ticket ticket);
+  // Throws BadArgument (ticket).
+  void check(Ticket ticket) { find(ticket); }
 
   bool empty() const { return batches_.empty(); }
   // The link goes to a new board: everything that has not come back is sent again, in its order.
@@ -75,6 +81,7 @@ class Batches {
     Vec3 towards_eye;
     std::vector<std::size_t> lines;
     std::vector<Part> parts;
+    std::shared_ptr<Event> worked_out;  // once somebody has asked for its descriptor
 
     bool complete() const {
       return std::ranges::all_of(parts, [](const Part& part) { return part.result.has_value(); });
@@ -97,6 +104,7 @@ class Batches {
   std::uint32_t last_ticket_ = 0;
   std::size_t rays_under_way_ = 0;
   std::map<std::uint32_t, Batch> batches_;
+  AnswerWatch watch_;
 };
 
 }  // namespace gicube

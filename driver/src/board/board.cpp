@@ -143,7 +143,7 @@ Counters Board::counters() {
 }
 
 Board Board::open(std::string_view uri, const OpenOptions& options) {
-  auto state = std::make_unique<State>(parse_uri(uri), checked(options));
+  auto state = std::make_shared<State>(parse_uri(uri), checked(options));
   try {
     state->info = read_info(state->device);
     state->tables.set_wide(state->info.wide);
@@ -189,10 +189,17 @@ Reopened Board::reopen() {
   return {resumed, state_->volume.has_value()};
 }
 
-Board::Board(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Board::Board(std::shared_ptr<State> state) : state_(std::move(state)) {}
 Board::Board(Board&&) noexcept = default;
-Board& Board::operator=(Board&&) noexcept = default;
-Board::~Board() = default;
+Board& Board::operator=(Board&& other) noexcept {
+  Board taken(std::move(other));
+  std::swap(state_, taken.state_);
+  return *this;
+}
+// A future of one of its batches may be waiting on another thread.
+Board::~Board() {
+  if (state_) state_->device.close();
+}
 
 const BoardInfo& Board::info() const { return state_->info; }
 

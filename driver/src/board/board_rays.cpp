@@ -94,6 +94,26 @@ bool Board::cancel(Ticket ticket) {
   return state_->batches.cancel(ticket);
 }
 
+int Board::descriptor(Ticket ticket) {
+  const auto lock = state_->begin();
+  state_->need_batches();
+  return state_->batches.descriptor(ticket).release();
+}
+
+std::future<RayBatch> Board::future(Ticket ticket) {
+  {
+    const auto lock = state_->begin();
+    state_->batches.check(ticket);
+  }
+  return std::async(std::launch::deferred, [weak = std::weak_ptr(state_), ticket] {
+    const auto state = weak.lock();
+    if (!state) throw DeviceLost("the board is lost: the application has closed it", Loss::kClosed);
+    const auto lock = state->begin();
+    state->need_batches();
+    return state->batches.receive(ticket, kNoDeadline);
+  });
+}
+
 void Board::set_time_limit(Picoseconds limit) {
   const auto lock = state_->begin();
   state_->time_limit = limit;

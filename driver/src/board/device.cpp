@@ -39,12 +39,12 @@ Device::Device(const Uri& uri, const OpenOptions& options)
   link_ = open_link();
 }
 
-std::unique_ptr<Link> Device::open_link() {
+std::shared_ptr<Link> Device::open_link() {
   link_options_.tap = capture_session(capture_file_, captures_++);
-  if (link_options_.reconnect) return std::make_unique<Link>(link_options_.reconnect(), link_options_);
+  if (link_options_.reconnect) return std::make_shared<Link>(link_options_.reconnect(), link_options_);
   child_ = std::make_unique<ChildProcess>(find_board_program(), uri_.board_arguments);
   try {
-    return std::make_unique<Link>(child_->take_socket(), link_options_);
+    return std::make_shared<Link>(child_->take_socket(), link_options_);
   } catch (const OpenFailed&) {
     if (!child_->ended(kObituary)) throw;
     throw OpenFailed(child_->last_words());
@@ -145,6 +145,10 @@ CommandResult Device::run(std::vector<std::uint8_t> payload, const Progress& pro
   }
   if (result.error != wire::ErrorCode::kNone) throw_error(result.error, error_text(result.payload));
   return result;
+}
+
+Device::Mark Device::mark() {
+  return {link_, with_last_words([&] { return link_->begin(wire::FrameType::kPoll, clock_.now(), {}); })};
 }
 
 bool Device::cancel(std::uint32_t ticket) {

@@ -55,6 +55,8 @@ class Device {
   const HostClock& clock() const { return clock_; }
   // Throws DeviceLost if the board is.
   void check();
+  // Ends the session; any thread. All that waits, and all later calls, throw DeviceLost.
+  void close() { link_->close(); }
   [[noreturn]] void give_up(const std::string& reason) { link_->give_up(reason); }
 
   std::uint32_t read_config(std::uint32_t offset) { return read_word(wire::FrameType::kConfigRead, offset); }
@@ -93,11 +95,17 @@ class Device {
   bool cancel(std::uint32_t ticket);
   // Fetches the results of all commands that have completed by now.
   void poll() { request(wire::FrameType::kPoll, {}); }
+  // The same without waiting: the board answers once it has worked out all that was sent before. No clock moves.
+  struct Mark {
+    std::shared_ptr<Link> link;
+    std::uint32_t request = 0;  // Link::finish()
+  };
+  Mark mark();
 
   Counters counters();
 
  private:
-  std::unique_ptr<Link> open_link();
+  std::shared_ptr<Link> open_link();
   std::vector<std::uint8_t> request(wire::FrameType type, std::vector<std::uint8_t> payload);
   std::uint32_t read_word(wire::FrameType type, std::uint32_t offset);
   auto with_last_words(const auto& call) const;
@@ -107,7 +115,7 @@ class Device {
   unsigned captures_ = 0;  // sessions that were begun
   LinkOptions link_options_;
   std::unique_ptr<ChildProcess> child_;  // before the link: it ends by itself once the link has closed
-  std::unique_ptr<Link> link_;
+  std::shared_ptr<Link> link_;           // shared with who waits for a mark
   HostClock clock_;
   std::map<std::uint32_t, std::uint32_t> registers_;  // as last written, for set_register()
 };

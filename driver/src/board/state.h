@@ -42,6 +42,7 @@ struct GICUBE_HIDDEN Board::State {
         device(uri, options),
         tables(device),
         batches(device, options) {}
+  ~State() { device.close(); }
 
   // Throws Rejected while the batches wait for a volume.
   void need_batches() const {

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "call.h"
+#include "transport/event.h"
 
 namespace gicube::c_api {
 namespace {
@@ -183,6 +184,23 @@ gicube_status gicube_poll(gicube_board* board, gicube_batch_report* report) {
     const gicube::RayBatch& first = handle.arrived.at(handle.announce.front());
     write_report(report, first, first.rays.size());
     handle.announce.erase(handle.announce.begin());
+  });
+}
+
+gicube_status gicube_batch_descriptor(gicube_board* board, uint32_t ticket, int* descriptor) {
+  return call([&] {
+    checked("descriptor", descriptor) = -1;
+    gicube_board& handle = checked_board(board);
+    {
+      const std::scoped_lock lock(handle.mutex);
+      if (handle.arrived.contains(ticket)) {
+        gicube::Event arrived;
+        gicube::Fd readable = arrived.descriptor();
+        *descriptor = readable.release();
+        return;
+      }
+    }
+    *descriptor = handle.board.descriptor({ticket});
   });
 }
 

@@ -22,10 +22,14 @@ Link::Link(Fd socket, const LinkOptions& options) : options_(options), agreed_(o
   if (phase_ != Phase::kOpen) refuse_to_open();
 }
 
-Link::~Link() {
+Link::~Link() { close(); }
+
+void Link::close() {
   const std::lock_guard lock(mutex_);
-  if (phase_ != Phase::kOpen) return;
-  stream_->send({wire::FrameType::kVersion, wire::kPosted}, wire::no_payload());
+  if (phase_ == Phase::kOpen) stream_->send({wire::FrameType::kVersion, wire::kPosted}, wire::no_payload());
+  closed_ = true;
+  session_ = 0;
+  break_off({"the application has closed it", Loss::kClosed});
 }
 
 void Link::refuse_to_open() {
@@ -75,7 +79,7 @@ Response Link::wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds dead
   std::vector<std::uint8_t> payload(bounded ? 12 : 4);
   wire::store(std::span(payload), 0, ticket);
   if (bounded) wire::store(std::span(payload), 4, deadline);
-  return exchange(wire::FrameType::kWait, now_ps, std::move(payload), ticket, on_progress);
+  return finish(begin(wire::FrameType::kWait, now_ps, std::move(payload)), ticket, on_progress);
 }
 
 std::optional<CommandResult> Link::take(std::uint32_t ticket) {
@@ -98,17 +102,21 @@ void Link::forget(std::uint32_t ticket) {
   }
 }
 
-Response Link::exchange(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload,
-                        std::uint32_t watched_ticket, const OnProgress& on_progress) {
+std::uint32_t Link::begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
   Lock lock(mutex_);
   const wire::FrameHeader header = next_header(lock, type, 0, now_ps, payload.size());
-  Pending& pending = pending_[header.id];
-  pending.type = type;
-  pending.watched_ticket = watched_ticket;
+  pending_[header.id].type = type;
   send_with_credit(header, wire::share(std::move(payload)));
-  await_response(lock, header.id, on_progress);
+  return header.id;
+}
+
+Response Link::finish(std::uint32_t id, std::uint32_t watched_ticket, const OnProgress& on_progress) {
+  Lock lock(mutex_);
+  Pending& pending = pending_.at(id);
+  pending.watched_ticket = watched_ticket;
+  await_response(lock, id, on_progress);
   Response response = std::move(*pending.response);
-  pending_.erase(header.id);
+  pending_.erase(id);
 
   const auto command = commands_.find(watched_ticket);
   if (response.error != wire::ErrorCode::kNone && command != commands_.end() && command->second.result) {

@@ -92,10 +92,16 @@ class Link : private FrameSink {
   // Sends a frame that has no response. Waits for credit. Throws DeviceLost, TimedOut, BadArgument (a payload too large).
   void post(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload);
 
+  // Ends the session: the application wants no more of it. All that waits throws DeviceLost.
+  void close();
+
   // Sends a request and waits for its response. Throws as post(), and what the board's error reply stands for.
   Response request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
-    return exchange(type, now_ps, std::move(payload), 0, {});
+    return finish(begin(type, now_ps, std::move(payload)), 0, {});
   }
+  // The same in two calls: the request's id, and with it the wait, which may be another thread's.
+  std::uint32_t begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload);
+  Response finish(std::uint32_t id) { return finish(id, 0, {}); }
 
   // Posts a DSP command; its result is kept until it is taken or forgotten. Returns the ticket, which is never 0.
   std::uint32_t command(std::uint64_t now_ps, wire::Payload payload);
@@ -142,8 +148,7 @@ class Link : private FrameSink {
   void take_completion(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
   void take_progress(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
 
-  Response exchange(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload,
-                    std::uint32_t watched_ticket, const OnProgress& on_progress);
+  Response finish(std::uint32_t id, std::uint32_t watched_ticket, const OnProgress& on_progress);
   void await_response(Lock& lock, std::uint32_t id, const OnProgress& on_progress);
   wire::FrameHeader next_header(Lock& lock, wire::FrameType type, std::uint16_t flags, std::uint64_t now_ps,
                                 std::size_t payload);
@@ -171,6 +176,7 @@ class Link : private FrameSink {
   StreamFault broken_;
   wire::ErrorCode refusal_ = wire::ErrorCode::kNone;  // of the handshake
   std::uint64_t session_ = 0;                         // its token; 0 = it can't be resumed
+  bool closed_ = false;                               // by close()
   int attempts_ = 0;                                  // to resume, since the board last took or sent something
   std::uint32_t known_taken_ = 0;  // the last frame of ours that the board has said it took, when it was resumed
   bool deaf_ = false;              // what the stream reports belongs to a connection that is given up

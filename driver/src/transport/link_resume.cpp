@@ -113,6 +113,7 @@ void Link::recover(Lock& lock) {
       fault = {error.what(), Loss::kClosed};
     }
     lock.lock();
+    if (closed_) return;
     if (fault.text.empty()) {
       shake_hands(lock, std::move(socket), options_.watchdog);
     } else {

@@ -1,12 +1,31 @@
 #include "test_board.h"
 
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "temporary_directory.h"
 
 namespace gicube::reference {
 
 Board open_board(const std::string& uri) {
   ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
   return Board::open(uri);
+}
+
+// A script that says its id and becomes the board stands in for it.
+BoardProcess open_board_process(const OpenOptions& options) {
+  const TemporaryDirectory folder;
+  const std::string script = folder.file("board"), id_file = folder.file("id");
+  std::ofstream(script) << "#!/bin/sh\necho $$ > " << id_file << "\nexec " GICUBE_BIN_DIR "/gicube-board \"$@\"\n";
+  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  ::setenv("GICUBE_BOARD", script.c_str(), 1);
+  BoardProcess opened{Board::open(kSmallBlocks, options), 0};
+  ::setenv("GICUBE_BOARD", GICUBE_BIN_DIR "/gicube-board", 1);
+  std::ifstream(id_file) >> opened.id;
+  if (opened.id <= 0) throw std::runtime_error("the board did not say its process");
+  return opened;
 }
 
 BoxVolume::BoxVolume(int edge, int first, int last) : size(edge), low(first), high(last) {

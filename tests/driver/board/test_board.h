@@ -1,6 +1,8 @@
 // A private board and a small volume for the tests of the public interface.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -14,6 +16,13 @@ constexpr const char* kSmallBlocks = "emu:?set=asic.block_voxels=8&set=asic.max_
 
 // Opens `uri` with the gicube-board of this build tree.
 Board open_board(const std::string& uri = "emu:");
+
+// A board like open_board(kSmallBlocks)'s with the id of its process, which may be stopped or killed.
+struct BoardProcess {
+  Board board;
+  pid_t id;
+};
+BoardProcess open_board_process(const OpenOptions& options = {});
 
 // A cube of `size`^3 bytes, 0 but for a box of 200 in the voxels low..high, both included, on each axis.
 struct BoxVolume {

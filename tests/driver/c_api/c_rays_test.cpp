@@ -1,6 +1,9 @@
 // Rays of a C program come back as those of a C++ program, bit by bit.
 #include "c_board.h"
 
+#include <poll.h>
+#include <unistd.h>
+
 #include <utility>
 
 namespace gicube::c_api_test {
@@ -66,6 +69,31 @@ TEST_F(CApi, AskedForRaysOfEveryTypeItPassesTheRequestOn) {
   double sum = 0;
   for (const float value : irradiance) sum += value;
   EXPECT_NEAR(sum, report.lighting.deposited, 1e-3 * sum);
+}
+
+TEST_F(CApi, HasADescriptorOfEachBatchThatPollCanWaitFor) {
+  load();
+  const auto given = rays(5000);
+  std::uint32_t ticket = 0;
+  int descriptor = 0;
+  EXPECT_EQ(gicube_batch_descriptor(board_, 77, &descriptor), GICUBE_BAD_ARGUMENT);
+  EXPECT_EQ(descriptor, -1);
+  ASSERT_EQ(gicube_submit(board_, given.data(), given.size(), nullptr, &ticket), GICUBE_OK) << gicube_last_error();
+  EXPECT_EQ(gicube_batch_descriptor(board_, ticket, nullptr), GICUBE_BAD_ARGUMENT);
+  const auto wait = [&] {
+    ASSERT_EQ(gicube_batch_descriptor(board_, ticket, &descriptor), GICUBE_OK) << gicube_last_error();
+    pollfd waits{descriptor, POLLIN, 0};
+    EXPECT_EQ(::poll(&waits, 1, -1), 1);
+    EXPECT_EQ(::close(descriptor), 0);
+  };
+  wait();
+  gicube_batch_report report = made(gicube_batch_report_init);
+  ASSERT_EQ(gicube_host_compute(board_, 1'000'000'000'000), GICUBE_OK);
+  ASSERT_EQ(gicube_poll(board_, &report), GICUBE_OK);
+  ASSERT_EQ(report.ticket, ticket);
+  wait();  // of one that has arrived, too
+  std::vector<gicube_traced_ray> traced(given.size());
+  EXPECT_EQ(gicube_receive(board_, ticket, GICUBE_NO_DEADLINE, traced.data(), traced.size(), nullptr), GICUBE_OK);
 }
 
 TEST_F(CApi, ProjectsAndBackprojects) {

@@ -1,0 +1,44 @@
+// Waits for answers of the board on a thread of its own, so that no call of the application has to: what the link needs for that,
+// such as its watchdog and resuming, goes on meanwhile.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "transport/event.h"
+#include "transport/link.h"
+
+namespace gicube {
+
+class AnswerWatch {
+ public:
+  AnswerWatch() = default;
+  // The links must be closed. What was not answered has happened then, too.
+  ~AnswerWatch();
+  AnswerWatch(const AnswerWatch&) = delete;
+  AnswerWatch& operator=(const AnswerWatch&) = delete;
+
+  // `event` happens when `request`, which was begun on the link, is answered, or never will be. Requests are answered in the order in
+  // which they were begun.
+  void add(std::shared_ptr<Link> link, std::uint32_t request, std::shared_ptr<Event> event);
+
+ private:
+  struct Watched {
+    std::shared_ptr<Link> link;
+    std::uint32_t request = 0;
+    std::shared_ptr<Event> event;
+  };
+  void run();
+
+  std::mutex mutex_;  // of all below but the thread
+  std::condition_variable changed_;
+  std::deque<Watched> waiting_;
+  bool ends_ = false;
+  std::thread thread_;  // from the first add() on
+};
+
+}  // namespace gicube

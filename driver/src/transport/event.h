@@ -1,0 +1,44 @@
+// Something that happens once, which an event loop can wait for by a file descriptor.
+#pragma once
+
+#include <fcntl.h>
+#include <sys/eventfd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include "fd.h"
+#include "gicube/error.h"
+
+namespace gicube {
+
+class Event {
+ public:
+  Event() : fd_(checked(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK))) {}
+  // Nobody can say any more that it happens: who waits must not do so for ever.
+  ~Event() { happen(); }
+  Event(const Event&) = delete;
+  Event& operator=(const Event&) = delete;
+
+  // Any thread, any number of times.
+  void happen() {
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written =
+        ::write(fd_.get(), &one, sizeof one);  // fails only if it has happened very often
+  }
+
+  // Readable from when it happens on. The caller's to close; it outlives the event.
+  Fd descriptor() const { return Fd(checked(::fcntl(fd_.get(), F_DUPFD_CLOEXEC, 0))); }
+
+ private:
+  static int checked(int fd) {
+    if (fd < 0) throw Error(std::string("no descriptor for an event: ") + std::strerror(errno));
+    return fd;
+  }
+
+  Fd fd_;
+};
+
+}  // namespace gicube
