@@ -28,17 +28,16 @@ void check_header(const wire::PairsHeader& header, std::size_t payload_bytes) {
   expect(header.opacity >= 1 && header.opacity <= wire::kOpacityOne, "opacity", "1..2^24 - 1", header.opacity);
 }
 
-// All points of an element lie in the volume if its corners do.
 void check_element(const wire::Element& element, const Point& extent) {
-  expect(element.kind <= wire::ElementKind::kBox, "kind", "0 or 1", static_cast<std::uint64_t>(element.kind));
-  for (int corner = 0; corner < 8; ++corner) {
-    const wire::Vector s{corner & 1 ? 1.0 : 0.0, corner & 2 ? 1.0 : 0.0, corner & 4 ? 1.0 : 0.0};
-    const wire::Vector point = wire::point_of(element, s);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double last = extent[axis] / double{wire::kVoxel};
-      if (!(point[axis] >= 0 && point[axis] <= last)) refuse("origin, u, v, w: expected corners in the volume");
+  expect(element.kind <= wire::ElementKind::kDisc, "kind", "0..3", static_cast<std::uint64_t>(element.kind));
+  if (element.kind == wire::ElementKind::kDisc) {
+    for (const float share : {element.w[0], element.w[1]}) {
+      if (!(share >= 0 && share < 1)) refuse("w: expected shares of a disc, 0 or more and below 1");
     }
   }
+  wire::Vector last{};
+  for (std::size_t axis = 0; axis < 3; ++axis) last[axis] = extent[axis] / double{wire::kVoxel};
+  if (!wire::lies_within(element, last)) refuse("origin, u, v, w: expected an element in the volume");
 }
 
 }  // namespace

@@ -338,12 +338,12 @@ typedef struct gicube_batch_report {
 } gicube_batch_report;
 
 /* gicube/pair.h: Element, ElementPair, PairRequest, PairFactor */
-enum { GICUBE_ELEMENT_PATCH = 0, GICUBE_ELEMENT_BOX = 1 };
+enum { GICUBE_ELEMENT_PATCH = 0, GICUBE_ELEMENT_BOX = 1, GICUBE_ELEMENT_TRIANGLE = 2, GICUBE_ELEMENT_DISC = 3 };
 typedef struct gicube_element {
   int32_t kind;
   int32_t reserved; /* 0 */
   double origin[3], u[3], v[3];
-  double w[3]; /* box */
+  double w[3]; /* box, disc */
 } gicube_element;
 typedef struct gicube_element_pair {
   uint32_t a, b; /* indices of elements */

@@ -10,15 +10,22 @@
 
 namespace gicube {
 
+// Flat elements have their front to the side of u x v.
 enum class ElementKind {
-  kPatch,  // origin + s u + t v, 0..1 each; its front is to the side of u x v
-  kBox,    // origin + s u + t v + r w: a part of the volume
+  kPatch,     // a parallelogram: origin + s u + t v, 0..1 each
+  kBox,       // origin + s u + t v + r w: a part of the volume
+  kTriangle,  // with the corners origin, origin + u, origin + v
+  // origin + s u + t v, s^2 + t^2 <= 1: about its centre, with the half-axes u and v; a circle or an ellipse. For rings and sectors w
+  // takes two shares of it away, 0 or more and below 1 each: w.x is that of its area which a hole in the middle has, w.y that of the turn
+  // from u to v and on which is missing at its end. {} is a whole disc.
+  kDisc,
 };
 
-// In voxels; all corners inside the volume. Kept as floats.
+// In voxels; wholly inside the volume. Kept as floats.
 struct Element {
   ElementKind kind = ElementKind::kPatch;
-  Vec3 origin, u, v, w;
+  Vec3 origin, u, v;
+  Vec3 w;  // of boxes and discs
 };
 
 struct ElementPair {
@@ -45,18 +52,19 @@ struct PairRequest {
 };
 
 // Means over both elements. r is the physical distance of two points (in smallest voxel edges), T the transmittance between them,
-// and f the cosine at a patch (0 behind it), or 1 in a box.
+// and f the cosine at a flat element (0 behind it), or 1 in a box.
 //
 // A far pair's means are those over its rays. A pair is near if the gap between its elements' bounds along the axes is below half of
-// their longest side. There f f / (pi r^2) has no bound that rays could know, so the driver divides such a pair into parts of
-// about equal light, up to 1024. It knows `geometric` of each without rays (Sparrow 1963 for patches); the part's rays say which
+// their longest side, edge or diameter. There f f / (pi r^2) has no bound that rays could know, so the driver divides such a pair into parts of
+// about equal light, up to 1024. It knows `geometric` of each without rays (Sparrow 1963 for flat ones); the part's rays say which
 // share of it arrives.
 struct PairFactor {
   double transported = 0;  // f f T / (pi r^2)
   double geometric = 0;    // f f / (pi r^2)
   // Of `transported`: the truth is within three of them for at least 99 of 100 pairs. Infinite for fewer than 8 rays of a far pair.
   // - Far: from the means of eight independent runs of the rays, 1.8 times as large for being so few, and
-  //   with what no ray has found: about 1.4 / (rays + 4) of the value, so that few rays alone are never certain.
+  //   with what no ray has found: about 1.4 / (rays + 4) of the value, so that few rays alone are never certain, and up to
+  //   1 / (rays + 4) of `geometric` where most rays end at something opaque.
   // - Near: the most that rays can vary that arrive or not, with what the closed forms may be off. It is wide, some 3 to 10 times the
   //   true scatter, through an even medium, between boxes that touch or overlap, and for fewer than some 256 rays.
   // Rounding on the board (opacities, positions) is no part of it: docs/studies/accuracy.md.

@@ -144,7 +144,7 @@ std::vector<PairFactor> Board::State::factors_by_rays(std::span<const Element> e
   } else {
     using SentRays = std::pair<Ticket, std::vector<double>>;  // with their weights
     const auto send = [&](std::span<const ElementPair> piece) -> SentRays {
-      PairRaysMade made = make_rays(elements, piece, request, of.relative_spacing);
+      PairRaysMade made = make_rays(elements, piece, request, of.relative_spacing, of.dims);
       const std::span<const HostRay> rays(made.rays);
       const RayRequest asked{
           .type = RayType::kOpacity, .opacity = request.opacity, .step = request.step, .leap = request.leap};

@@ -76,7 +76,7 @@ bool receive_arrived(gicube_board& handle, std::uint32_t ticket, gicube_traced_r
 Element to_element(const gicube_element& element, std::size_t index) {
   const std::string name = "elements[" + std::to_string(index) + "]";
   expect(element.reserved == 0, name + ".reserved", "0", element.reserved);
-  return {choice(name + ".kind", element.kind, ElementKind::kBox), to_vec3(element.origin), to_vec3(element.u),
+  return {choice(name + ".kind", element.kind, ElementKind::kDisc), to_vec3(element.origin), to_vec3(element.u),
           to_vec3(element.v), to_vec3(element.w)};
 }
 

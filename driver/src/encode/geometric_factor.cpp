@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <span>
+#include <vector>
+
+#include "gicube/wire/pair.h"
 
 namespace gicube {
 namespace {
@@ -23,42 +25,56 @@ constexpr Rule kFour{4,
                      {0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263},
                      {0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692}};
 
-Vec3 normal_of(const Element& patch) { return normalise(cross(patch.u, patch.v)); }
+Vec3 normal_of(const Element& flat) { return normalise(cross(flat.u, flat.v)); }
 
-// A parallelogram, or what a plane leaves of it.
-struct Polygon {
-  std::array<Vec3, 5> corners;
-  int count = 0;
+// A flat element, or what a plane leaves of it. Where there is a hole in it, or two parts, edges that run to and fro on one line join
+// them: what they add to an integral along the outline cancels.
+using Polygon = std::vector<Vec3>;
 
-  void add(Vec3 corner) { corners[static_cast<std::size_t>(count++)] = corner; }
-  std::span<const Vec3> all() const { return {corners.data(), static_cast<std::size_t>(count)}; }
-};
+// Of a whole turn and of any arc, at least; of the other rule half as many. Chosen: a disc's factor is then known to some 0.002%.
+constexpr int kChordsOfTurn = 32, kChordsOfArc = 4;
 
-Polygon outline(Vec3 origin, Vec3 u, Vec3 v) {
-  Polygon out;
-  for (const Vec3 corner : {origin, origin + u, origin + u + v, origin + v}) out.add(corner);
-  return out;
+// Arcs are chords whose ends lie a little outside, so that areas are those of the arcs.
+Polygon outline(const Element& flat, bool fine) {
+  if (flat.kind == ElementKind::kTriangle) return {flat.origin, flat.origin + flat.u, flat.origin + flat.v};
+  if (flat.kind == ElementKind::kPatch) {
+    return {flat.origin, flat.origin + flat.u, flat.origin + flat.u + flat.v, flat.origin + flat.v};
+  }
+  const double turn = 1 - flat.w.y, hole = std::sqrt(flat.w.x);
+  const int pairs = std::max(kChordsOfArc / 2, static_cast<int>(std::ceil(turn * kChordsOfTurn / 2)));
+  const int chords = fine ? 2 * pairs : pairs;
+  const double each = turn / chords, angle = 2 * std::numbers::pi * each;
+  const double out = std::sqrt(angle / wire::cosine_sine(each).sine);
+  Polygon corners;
+  const auto add = [&](double radius, int i) {
+    const auto [cosine, sine] = wire::cosine_sine(i * each);
+    corners.push_back(flat.origin + (radius * cosine) * flat.u + (radius * sine) * flat.v);
+  };
+  const bool whole = flat.w.y == 0;
+  for (int i = 0; i <= (whole && hole == 0 ? chords - 1 : chords); ++i) add(out, i);
+  if (hole == 0 && !whole) corners.push_back(flat.origin);
+  for (int i = chords; i >= 0 && hole > 0; --i) add(out * hole, i);
+  return corners;
 }
 
 template <typename Visit>
-void for_each_edge(const Polygon& polygon, const Visit& visit) {
-  const auto corners = polygon.all();
+void for_each_edge(const Polygon& corners, const Visit& visit) {
   for (std::size_t i = 0; i < corners.size(); ++i) visit(corners[i], corners[(i + 1) % corners.size()]);
 }
 
-// The part of a patch that is in front of another one; without corners if it is not.
-Polygon seen_by(const Element& other, const Element& patch) {
-  const Polygon all = outline(patch.origin, patch.u, patch.v);
+// The part of a flat element that is in front of another one; without corners if it is not.
+Polygon seen_by(const Element& other, const Element& flat, bool fine) {
+  const Polygon all = outline(flat, fine);
   const Vec3 normal = normal_of(other);
   const auto height = [&](Vec3 corner) { return dot(corner - other.origin, normal); };
   double highest = 0;
-  for (const Vec3 corner : all.all()) highest = std::max(highest, height(corner));
+  for (const Vec3 corner : all) highest = std::max(highest, height(corner));
   Polygon out;
-  if (highest <= kFlat * (length(patch.u) + length(patch.v))) return out;
+  if (highest <= kFlat * (length(flat.u) + length(flat.v))) return out;
   for_each_edge(all, [&](Vec3 here, Vec3 next) {
     const double from = height(here), to = height(next);
-    if (from >= 0) out.add(here);
-    if ((from > 0 && to < 0) || (from < 0 && to > 0)) out.add(here + (from / (from - to)) * (next - here));
+    if (from >= 0) out.push_back(here);
+    if ((from > 0 && to < 0) || (from < 0 && to > 0)) out.push_back(here + (from / (from - to)) * (next - here));
   });
   return out;
 }
@@ -90,15 +106,19 @@ double between(const Polygon& a, const Polygon& b, const Rule& rule) {
   return 0.5 * std::abs(sum);
 }
 
-// Van Oosterom and Strackee 1983.
+// Of a triangle, signed by its turn (Van Oosterom and Strackee 1983).
 double solid_angle(Vec3 a, Vec3 b, Vec3 c) {
   const double la = length(a), lb = length(b), lc = length(c);
-  return 2 * std::atan2(std::abs(dot(a, cross(b, c))), la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
+  return 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(a, c) * lb + dot(b, c) * la);
 }
 
-double solid_angle(Vec3 point, const Element& patch) {
-  const Vec3 at = patch.origin - point, far = at + patch.u + patch.v;
-  return solid_angle(at, at + patch.u, far) + solid_angle(at, far, at + patch.v);
+// Of a flat element, from a point in front of it.
+double solid_angle(Vec3 point, Element flat, bool fine) {
+  flat.origin = flat.origin - point;
+  const Polygon corners = outline(flat, fine);
+  double sum = 0;
+  for (std::size_t i = 1; i + 1 < corners.size(); ++i) sum += solid_angle(corners[0], corners[i], corners[i + 1]);
+  return std::abs(sum);
 }
 
 // Of a box, its normal outwards.
@@ -178,7 +198,12 @@ double integral_over(const Element& box, const Rule& rule, const Function& f) {
 
 double measure_of(const Element& element) {
   const Vec3 across = cross(element.u, element.v);
-  return element.kind == ElementKind::kPatch ? length(across) : std::abs(dot(across, element.w));
+  switch (element.kind) {
+    case ElementKind::kBox: return std::abs(dot(across, element.w));
+    case ElementKind::kTriangle: return 0.5 * length(across);
+    case ElementKind::kDisc: return std::numbers::pi * (1 - element.w.x) * (1 - element.w.y) * length(across);
+    default: return length(across);
+  }
 }
 
 GeometricFactor geometric_factor(const Element& a, const Element& b, bool near) {
@@ -189,16 +214,22 @@ GeometricFactor geometric_factor(const Element& a, const Element& b, bool near) 
     // Floats, since a machine's logarithms may differ in their last bits.
     return GeometricFactor{static_cast<float>(scale * fine), static_cast<float>(scale * std::abs(fine - coarse))};
   };
-  const bool patch_a = a.kind == ElementKind::kPatch, patch_b = b.kind == ElementKind::kPatch;
-  if (patch_a && patch_b) {
-    const Polygon seen_a = seen_by(b, a), seen_b = seen_by(a, b);
-    return of(between(seen_a, seen_b, kThree), between(seen_a, seen_b, kFour));
+  const bool flat_a = a.kind != ElementKind::kBox, flat_b = b.kind != ElementKind::kBox;
+  if (flat_a && flat_b) {
+    const Polygon seen_a = seen_by(b, a, true), seen_b = seen_by(a, b, true);
+    const bool round = a.kind == ElementKind::kDisc || b.kind == ElementKind::kDisc;
+    return of(round ? between(seen_by(b, a, false), seen_by(a, b, false), kThree) : between(seen_a, seen_b, kThree),
+              between(seen_a, seen_b, kFour));
   }
-  if (patch_a || patch_b) {
-    const Element &patch = patch_a ? a : b, &box = patch_a ? b : a;
-    const Vec3 normal = normal_of(patch);
-    const auto seen = [&](Vec3 point) { return dot(point - patch.origin, normal) > 0 ? solid_angle(point, patch) : 0; };
-    return of(integral_over(box, kTwo, seen), integral_over(box, kThree, seen));
+  if (flat_a || flat_b) {
+    const Element &flat = flat_a ? a : b, &box = flat_a ? b : a;
+    const Vec3 normal = normal_of(flat);
+    const auto seen = [&](bool fine) {
+      return [&flat, normal, fine](Vec3 point) {
+        return dot(point - flat.origin, normal) > 0 ? solid_angle(point, flat, fine) : 0;
+      };
+    };
+    return of(integral_over(box, kTwo, seen(false)), integral_over(box, kThree, seen(true)));
   }
   const bool first = measure_of(a) <= measure_of(b);
   const Element &points = first ? a : b, &whole = first ? b : a;

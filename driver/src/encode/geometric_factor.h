@@ -8,10 +8,10 @@ namespace gicube {
 
 struct GeometricFactor {
   double mean = 0;   // of f f / (pi r^2) over both elements
-  double error = 0;  // what one Gauss point less would change
+  double error = 0;  // what one Gauss point less, and of discs half the chords, would change
 };
 
-// Of elements with physical sides, in smallest voxel edges. Of boxes that are not near a few points of both tell enough.
+// Of elements with physical sides, in smallest voxel edges; w of a disc as it is. Of boxes that are not near a few points of both tell enough.
 GeometricFactor geometric_factor(const Element& a, const Element& b, bool near);
 
 double measure_of(const Element& element);  // its area or volume

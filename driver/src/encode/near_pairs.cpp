@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "gicube/wire/pair.h"
+
 namespace gicube {
 namespace {
 
@@ -17,32 +19,86 @@ constexpr double kUnseen = 4;  // pseudo-rays, two of which arrive (Agresti and 
 Vec3 in_space(Vec3 v, Vec3 spacing) { return {v.x * spacing.x, v.y * spacing.y, v.z * spacing.z}; }
 
 Element physical(const Element& element, Vec3 spacing) {
-  const Vec3 w = element.kind == ElementKind::kBox ? element.w : Vec3{};
+  const bool box = element.kind == ElementKind::kBox, disc = element.kind == ElementKind::kDisc;
   return {element.kind, in_space(element.origin, spacing), in_space(element.u, spacing), in_space(element.v, spacing),
-          in_space(w, spacing)};
+          box    ? in_space(element.w, spacing)
+          : disc ? element.w
+                 : Vec3{}};
 }
 
-using Side = Vec3 Element::*;
+// Which way an element is halved: across u, v, w or the edge between the ends of u and v; of a disc, at a radius or at an angle.
+enum class Way { kU, kV, kW, kEdge, kRadius, kAngle };
+struct Length {
+  Way way;
+  double length;
+};
 
-Side longest_side(const Element& element) {
-  Side longest = &Element::u;
-  for (const Side side : {&Element::v, &Element::w}) {
-    if (length(element.*side) > length(element.*longest)) longest = side;
+// Of an element with physical sides. Of a disc: from its hole to its rim, and round half way between them.
+Length longest(const Element& element) {
+  std::array<Length, 3> all{{{Way::kU, length(element.u)}, {Way::kV, length(element.v)}, {Way::kW, length(element.w)}}};
+  if (element.kind == ElementKind::kTriangle) all[2] = {Way::kEdge, length(element.v - element.u)};
+  if (element.kind == ElementKind::kDisc) {
+    const double radius = std::max(all[0].length, all[1].length), inner = std::sqrt(element.w.x);
+    all[0] = {Way::kAngle, std::numbers::pi * radius * (1 + inner) * (1 - element.w.y)};
+    all[1] = {Way::kRadius, radius * (1 - inner)};
+    all[2].length = 0;
   }
-  return longest;
+  return *std::ranges::max_element(all, {}, &Length::length);
+}
+
+// Two of equal area or volume.
+std::array<Element, 2> halves(const Element& whole, Way way) {
+  Element first = whole, second = whole;
+  const bool triangle = whole.kind == ElementKind::kTriangle;
+  switch (way) {
+    case Way::kU:
+      first.u = second.u = 0.5 * whole.u;
+      second.origin = whole.origin + second.u;
+      if (triangle) second.v = whole.v - second.u;
+      break;
+    case Way::kV:
+      first.v = second.v = 0.5 * whole.v;
+      second.origin = whole.origin + second.v;
+      if (triangle) second.u = whole.u - second.v;
+      break;
+    case Way::kW:
+      first.w = second.w = 0.5 * whole.w;
+      second.origin = whole.origin + second.w;
+      break;
+    case Way::kEdge: first.v = second.u = 0.5 * (whole.u + whole.v); break;
+    case Way::kRadius: {
+      const double middle = 0.5 * (1 + whole.w.x), radius = std::sqrt(middle);
+      first.u = radius * whole.u, first.v = radius * whole.v, first.w.x = whole.w.x / middle;
+      second.w.x = middle;
+      break;
+    }
+    case Way::kAngle: {
+      const double turn = 0.5 * (1 - whole.w.y);
+      const auto [cosine, sine] = wire::cosine_sine(turn);
+      second.u = cosine * whole.u + sine * whole.v;
+      second.v = cosine * whole.v - sine * whole.u;
+      first.w.y = second.w.y = 1 - turn;
+      break;
+    }
+  }
+  return {first, second};
+}
+
+// What a gap is compared with: the longest side, edge or diameter.
+double size_of(const Element& element) {
+  if (element.kind != ElementKind::kDisc) return longest(element).length;
+  const double radius = std::max(length(element.u), length(element.v));
+  const double round = 2 * radius * std::min(1.0, std::numbers::pi * (1 - element.w.y));
+  return std::max(round, radius * (1 - std::sqrt(element.w.x)));
 }
 
 double gap_along(double Vec3::*axis, const Element& a, const Element& b) {
-  const auto ends = [axis](const Element& element) {
-    std::array<double, 2> end{element.origin.*axis, element.origin.*axis};
-    for (const Side side : {&Element::u, &Element::v, &Element::w}) {
-      const double step = (element.*side).*axis;
-      end[step > 0 ? 1 : 0] += step;
-    }
-    return end;
+  const auto bounds = [axis](const Element& e) {
+    return wire::bounds_of(static_cast<wire::ElementKind>(e.kind), e.origin.*axis, e.u.*axis, e.v.*axis, e.w.*axis,
+                           e.w.x, e.w.y);
   };
-  const auto of_a = ends(a), of_b = ends(b);
-  return std::max({of_a[0] - of_b[1], of_b[0] - of_a[1], 0.0});
+  const auto of_a = bounds(a), of_b = bounds(b);
+  return std::max({of_a.low - of_b.high, of_b.low - of_a.high, 0.0});
 }
 
 // How much a part is to be divided for: its light, and more for light that is not known well.
@@ -51,6 +107,9 @@ double weight_of(const PairPart& part) { return part.measure * (part.factor.mean
 double share_of(const PairFactor& found) {
   return found.geometric > 0 ? std::min(found.transported / found.geometric, 1.0) : 0;
 }
+
+// With pseudo-rays beside those that found this share.
+double likely_share(double share, double rays) { return (rays * share + kUnseen / 2) / (rays + kUnseen); }
 
 }  // namespace
 
@@ -62,13 +121,13 @@ NearPairs::NearPairs(Vec3 spacing, std::uint32_t rays)
 bool NearPairs::is_near(const Element& from, const Element& to) const {
   const Element a = physical(from, spacing_), b = physical(to, spacing_);
   const Vec3 gap{gap_along(&Vec3::x, a, b), gap_along(&Vec3::y, a, b), gap_along(&Vec3::z, a, b)};
-  return length(gap) < kNear * std::max(length(a.*longest_side(a)), length(b.*longest_side(b)));
+  return length(gap) < kNear * std::max(size_of(a), size_of(b));
 }
 
 const Division* NearPairs::division_of(const Element& a, const Element& b) {
   if (!is_near(a, b) || measure_of(a) * measure_of(b) == 0) return nullptr;
   const Vec3 apart = b.origin - a.origin;
-  std::vector<double> key{a.kind == ElementKind::kBox ? 1.0 : 0, b.kind == ElementKind::kBox ? 1.0 : 0};
+  std::vector<double> key{static_cast<double>(a.kind), static_cast<double>(b.kind)};
   for (const Vec3& v : {apart, a.u, a.v, a.w, b.u, b.v, b.w}) key.insert(key.end(), {v.x, v.y, v.z});
   const auto [at, fresh] = known_.try_emplace(std::move(key));
   if (fresh) {
@@ -79,7 +138,7 @@ const Division* NearPairs::division_of(const Element& a, const Element& b) {
   return &at->second;
 }
 
-// Always the part with the greatest weight, across the longest side of both its elements.
+// Always the part with the greatest weight, across the longest way of both its elements.
 Division NearPairs::divide(const Element& a, const Element& b) const {
   Division division{{a, b}, {}};
   auto& [elements, parts] = division;
@@ -89,25 +148,23 @@ Division NearPairs::divide(const Element& a, const Element& b) const {
     parts.push_back({of_a, of_b, measure, geometric_factor(physical(x, spacing_), physical(y, spacing_), near), near});
   };
   const auto less = [](const PairPart& x, const PairPart& y) { return weight_of(x) < weight_of(y); };
-  std::map<std::uint32_t, std::uint32_t> halves;  // of elements that were divided before: the first; the second follows
+  std::map<std::uint32_t, std::uint32_t>
+      halves_of;  // of elements that were divided before: the first; the second follows
   add(0, 1, 1);
   while (parts.size() < parts_) {
     std::pop_heap(parts.begin(), parts.end(), less);
     const PairPart whole = parts.back();
     parts.pop_back();
-    const Element shape_a = physical(elements[whole.a], spacing_), shape_b = physical(elements[whole.b], spacing_);
-    const Side side_a = longest_side(shape_a), side_b = longest_side(shape_b);
-    const bool first = length(shape_a.*side_a) >= length(shape_b.*side_b);
-    const Side side = first ? side_a : side_b;
+    const Length length_a = longest(physical(elements[whole.a], spacing_));
+    const Length length_b = longest(physical(elements[whole.b], spacing_));
+    const bool first = length_a.length >= length_b.length;
     const auto [half, fresh] =
-        halves.try_emplace(first ? whole.a : whole.b, static_cast<std::uint32_t>(elements.size()));
-    for (std::uint32_t i = 0; i < 2; ++i) {
-      if (fresh) {
-        Element part = elements[half->first];
-        part.*side = 0.5 * part.*side;
-        part.origin = part.origin + static_cast<double>(i) * part.*side;
+        halves_of.try_emplace(first ? whole.a : whole.b, static_cast<std::uint32_t>(elements.size()));
+    if (fresh) {
+      for (const Element& part : halves(elements[half->first], first ? length_a.way : length_b.way))
         elements.push_back(part);
-      }
+    }
+    for (std::uint32_t i = 0; i < 2; ++i) {
       first ? add(half->second + i, whole.b, 0.5 * whole.measure) : add(whole.a, half->second + i, 0.5 * whole.measure);
       std::push_heap(parts.begin(), parts.end(), less);
     }
@@ -135,8 +192,7 @@ PairFactor NearPairs::sum_up(const Division& division, std::span<const PairFacto
   double noise = 0;
   if (squares > 0) {
     const double even = sum.geometric * sum.geometric / squares;  // rays that each carry as much light
-    const double share = sum.transported / sum.geometric;
-    const double likely = (even * share + kUnseen / 2) / (even + kUnseen);
+    const double share = sum.transported / sum.geometric, likely = likely_share(share, even);
     noise = sum.geometric * (std::sqrt(likely * (1 - likely) / (even + kUnseen)) + std::abs(likely - share) / 3);
   }
   sum.standard_error = noise + common;
@@ -146,7 +202,14 @@ PairFactor NearPairs::sum_up(const Division& division, std::span<const PairFacto
 double error_with_unseen(const PairFactor& found, std::uint32_t rays) {
   if (found.clear) return found.standard_error;
   const double unseen = std::numbers::sqrt2 / (rays + kUnseen);  // deviation of the share, if all rays found the same
-  return std::hypot(found.standard_error, unseen * (found.transported > 0 ? found.transported : found.geometric));
+  const double scatter =
+      std::hypot(found.standard_error, unseen * (found.transported > 0 ? found.transported : found.geometric));
+  // Where most rays meet a screen, few runs have light, and their scatter is too small when it is little. So as far as it is that of
+  // rays that arrive or don't, half of the way to the likely share is added (chosen: 99% are then within three, from 8 rays on).
+  const double share = share_of(found), yes_or_no = found.geometric * found.geometric * share * (1 - share) / rays;
+  const double variance = std::pow(found.standard_error / wire::kStudent, 2);
+  const double so_far = variance < yes_or_no ? variance / yes_or_no : 1;
+  return scatter + so_far * std::max(0.0, likely_share(share, rays) - share) / 2 * found.geometric;
 }
 
 }  // namespace gicube

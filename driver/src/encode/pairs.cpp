@@ -27,14 +27,10 @@ struct Bounds {
 };
 
 Bounds bounds_of(const wire::Element& element) {
-  Bounds bounds{wire::point_of(element, {}), wire::point_of(element, {})};
-  for (int corner = 1; corner < 8; ++corner) {
-    const wire::Vector at =
-        wire::point_of(element, {corner & 1 ? 1.0 : 0.0, corner & 2 ? 1.0 : 0.0, corner & 4 ? 1.0 : 0.0});
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      bounds.low[axis] = std::min(bounds.low[axis], at[axis]);
-      bounds.high[axis] = std::max(bounds.high[axis], at[axis]);
-    }
+  Bounds bounds;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = wire::bounds_of(element, axis);
+    bounds.low[axis] = low, bounds.high[axis] = high;
   }
   return bounds;
 }
@@ -110,16 +106,19 @@ void check(const PairRequest& request) {
 }
 
 void check(const Element& element, std::size_t index, Dims dims) {
-  const wire::Element rounded = to_wire(element);
-  for (int corner = 0; corner < 8; ++corner) {
-    const wire::Vector at =
-        wire::point_of(rounded, {corner & 1 ? 1.0 : 0.0, corner & 2 ? 1.0 : 0.0, corner & 4 ? 1.0 : 0.0});
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (at[axis] >= 0 && at[axis] <= dims[axis] - 1) continue;
-      throw BadArgument(fmt::format("elements[{}]", index), "its corners in the volume",
-                        fmt::format("one at ({}, {}, {})", at[0], at[1], at[2]));
+  const std::string name = fmt::format("elements[{}]", index);
+  if (element.kind == ElementKind::kDisc) {
+    for (const double share : {element.w.x, element.w.y}) {
+      if (share >= 0 && share < 1) continue;
+      throw BadArgument(name + ".w", "shares of 0 or more and below 1 of a disc", number_text(share));
     }
   }
+  const wire::Element rounded = to_wire(element);
+  if (wire::lies_within(rounded, {dims[0] - 1.0, dims[1] - 1.0, dims[2] - 1.0})) return;
+  const auto [low, high] = bounds_of(rounded);
+  throw BadArgument(
+      name, "an element in the volume",
+      fmt::format("one from ({}, {}, {}) to ({}, {}, {})", low[0], low[1], low[2], high[0], high[1], high[2]));
 }
 
 void check(const ElementPair& pair, std::size_t index, std::size_t elements) {
@@ -130,9 +129,9 @@ void check(const ElementPair& pair, std::size_t index, std::size_t elements) {
 }
 
 wire::Element to_wire(const Element& element) {
-  const bool box = element.kind == ElementKind::kBox;
-  return {box ? wire::ElementKind::kBox : wire::ElementKind::kPatch, floats(element.origin), floats(element.u),
-          floats(element.v), box ? floats(element.w) : std::array<float, 3>{}};
+  const bool has_w = element.kind == ElementKind::kBox || element.kind == ElementKind::kDisc;
+  return {static_cast<wire::ElementKind>(element.kind), floats(element.origin), floats(element.u), floats(element.v),
+          has_w ? floats(element.w) : std::array<float, 3>{}};
 }
 
 std::vector<std::uint8_t> pairs_command(std::span<const Element> elements, std::span<const ElementPair> pairs,
@@ -166,7 +165,8 @@ PairFactor from_wire(const wire::PairResult& result) {
 }
 
 PairRaysMade make_rays(std::span<const Element> elements, std::span<const ElementPair> pairs,
-                       const PairRequest& request, Vec3 spacing) {
+                       const PairRequest& request, Vec3 spacing, Dims dims) {
+  const auto in_volume = [](double at, int size) { return std::clamp(at, 0.0, size - 1.0); };
   const wire::Vector edges{spacing.x, spacing.y, spacing.z};
   PairRaysMade made;
   for (const ElementPair& pair : pairs) {
@@ -175,7 +175,11 @@ PairRaysMade make_rays(std::span<const Element> elements, std::span<const Elemen
     for (std::uint32_t i = 0; i < request.rays; ++i) {
       const auto sample = wire::pair_sample(a, b, normals, edges, pair.id, request.seed, request.first + i);
       made.weights.push_back(sample.weight);
-      if (sample.weight > 0) made.rays.push_back(ray_between(pair.id, to_vec3(sample.from), to_vec3(sample.to)));
+      if (!(sample.weight > 0)) continue;
+      HostRay ray = ray_between(pair.id, to_vec3(sample.from), to_vec3(sample.to));
+      ray.position = {in_volume(ray.position.x, dims[0]), in_volume(ray.position.y, dims[1]),
+                      in_volume(ray.position.z, dims[2])};  // where the board rounds it to
+      made.rays.push_back(ray);
     }
   }
   return made;

@@ -13,7 +13,7 @@
 
 namespace gicube {
 
-// Throw BadArgument naming the field: "elements[3]: expected its corners in the volume, got (1, 2, 40)".
+// Throw BadArgument naming the field: "elements[3]: expected an element in the volume, got one from (1, 2, 30) to (1, 2, 40)".
 void check(const PairRequest& request);
 void check(const Element& element, std::size_t index, Dims dims);
 void check(const ElementPair& pair, std::size_t index, std::size_t elements);
@@ -32,7 +32,7 @@ struct PairRaysMade {
   std::vector<double> weights;  // rays of the request for each pair
 };
 PairRaysMade make_rays(std::span<const Element> elements, std::span<const ElementPair> pairs,
-                       const PairRequest& request, Vec3 spacing);
+                       const PairRequest& request, Vec3 spacing, Dims dims);
 
 // What became of them, summed up. `opacity`: of each ray that there is.
 std::vector<PairFactor> sum_up(std::span<const double> weights, std::span<const TracedRay> rays, std::uint32_t samples);

@@ -6,11 +6,12 @@
 // the runs' means tells the error. Along one sequence it would not: a part of the error can be the same in all pieces of it. The
 // weight of a sample is
 //
-//   G = f_a f_b / (pi r^2),  f = the cosine at a patch, 0 behind it; 1 in a box
+//   G = f_a f_b / (pi r^2),  f = the cosine at a flat element, 0 behind it; 1 in a box
 //
 // with r physical, in reference voxel edges, and a ray between the two points finds the transmittance T.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -28,9 +29,14 @@ inline constexpr std::uint32_t kMaxPairRays = 1u << 22;  // of one command; chos
 
 using Vector = std::array<double, 3>;
 
-enum class ElementKind : std::uint32_t { kPatch = 0, kBox = 1 };
+enum class ElementKind : std::uint32_t { kPatch = 0, kBox = 1, kTriangle = 2, kDisc = 3 };
 
-// A flat patch origin + s u + t v, its front to the side of u x v; or a box of the volume, + r w. Voxels; a patch has no w.
+// In voxels. Flat ones have their front to the side of u x v.
+//   patch     origin + s u + t v, 0..1 each; w = 0
+//   box       origin + s u + t v + r w: a part of the volume
+//   triangle  a patch's half with s + t <= 1; w = 0
+//   disc      origin + s u + t v, s^2 + t^2 <= 1: u and v are half-axes, of a circle or an ellipse. Without a hole in its middle that has
+//             the share w[0] of its area, and without the last share w[1] of its turn from u to v; 0..1, not 1 each
 struct Element {
   ElementKind kind = ElementKind::kPatch;
   std::array<float, 3> origin{}, u{}, v{}, w{};
@@ -98,16 +104,108 @@ constexpr double pair_coordinate(std::uint32_t id, std::uint32_t seed, std::uint
   return static_cast<double>((turn + index / kPairRuns * kSteps[dimension]) >> 11) * 0x1p-53;
 }
 
+struct CosineSine {
+  double cosine = 1, sine = 0;
+};
+// Of a share of a whole turn, 0..1: Taylor's series from the nearest quarter on, whose next terms are below 2e-14.
+constexpr CosineSine cosine_sine(double turn) {
+  const int quarter = static_cast<int>(turn * 4 + 0.5);
+  const double x = (turn - 0.25 * quarter) * (2 * std::numbers::pi), y = x * x;
+  const double c =
+      1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90 * (1 - y / 132 * (1 - y / 182))))));
+  const double s = x * (1 - y / 6 * (1 - y / 20 * (1 - y / 42 * (1 - y / 72 * (1 - y / 110 * (1 - y / 156))))));
+  switch (quarter & 3) {
+    case 0: return {c, s};
+    case 1: return {-s, c};
+    case 2: return {-c, -s};
+    default: return {s, -c};
+  }
+}
+
+// The factors of u, v and w at a point of the unit cube. Equal volumes of the cube are equal areas of what is flat.
+inline Vector place_in(const Element& element, const Vector& s) {
+  if (element.kind == ElementKind::kTriangle) {  // Heitz 2019, "A low-distortion map between triangle and square"
+    const double x = s[0] / 2, y = s[1] / 2;
+    return y > x ? Vector{x, y + (y - x), 0} : Vector{x + (x - y), y, 0};
+  }
+  if (element.kind == ElementKind::kDisc) {
+    const double hole = static_cast<double>(element.w[0]), cut = static_cast<double>(element.w[1]);
+    const double radius = std::sqrt(hole + s[0] * (1 - hole));
+    const auto [cosine, sine] = cosine_sine(s[1] * (1 - cut));
+    return {radius * cosine, radius * sine, 0};
+  }
+  return s;
+}
+
+// At a point of the unit cube.
 inline Vector point_of(const Element& element, const Vector& s) {
+  const Vector at = place_in(element, s);
   Vector point{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    point[axis] = static_cast<double>(element.origin[axis]) + s[0] * static_cast<double>(element.u[axis]) +
-                  s[1] * static_cast<double>(element.v[axis]) + s[2] * static_cast<double>(element.w[axis]);
+    point[axis] = static_cast<double>(element.origin[axis]) + at[0] * static_cast<double>(element.u[axis]) +
+                  at[1] * static_cast<double>(element.v[axis]) + at[2] * static_cast<double>(element.w[axis]);
   }
   return point;
 }
 
-// Of a patch, physical; `spacing`: voxel edges in reference lengths. Zero if it has no area.
+struct Bounds {
+  double low = 0, high = 0;
+};
+
+// Of s u + t v over a disc, by a number of u and v each.
+inline Bounds disc_bounds(double u, double v, double hole, double cut) {
+  const double inner = std::sqrt(hole);
+  const auto [cosine, sine] = cosine_sine(1 - cut);
+  Bounds bounds{std::min(u, inner * u), std::max(u, inner * u)};
+  const double end = cosine * u + sine * v;
+  bounds.low = std::min({bounds.low, end, inner * end});
+  bounds.high = std::max({bounds.high, end, inner * end});
+  const double most = std::sqrt(u * u + v * v);  // in the direction (u, v) of the unit circle, if the turn comes by it
+  const double before_end = u * sine - v * cosine;
+  const auto comes_by = [&](double sign) {
+    const bool after_begin = sign * v >= 0, left = sign * before_end >= 0;
+    return cut == 0 || (cut >= 0.5 ? after_begin && left : after_begin || left);
+  };
+  if (comes_by(1)) bounds.high = std::max(bounds.high, most);
+  if (comes_by(-1)) bounds.low = std::min(bounds.low, -most);
+  return bounds;
+}
+
+// Of an element along one axis, by its coordinates there; of a disc w[0] and w[1] are those of its record.
+inline Bounds bounds_of(ElementKind kind, double origin, double u, double v, double w, double hole, double cut) {
+  switch (kind) {
+    case ElementKind::kDisc: {
+      const auto [low, high] = disc_bounds(u, v, hole, cut);
+      return {origin + low, origin + high};
+    }
+    case ElementKind::kTriangle:
+      return {std::min({origin, origin + u, origin + v}), std::max({origin, origin + u, origin + v})};
+    default:
+      return {origin + std::min(u, 0.0) + std::min(v, 0.0) + std::min(w, 0.0),
+              origin + std::max(u, 0.0) + std::max(v, 0.0) + std::max(w, 0.0)};
+  }
+}
+inline Bounds bounds_of(const Element& element, std::size_t axis) {
+  const auto at = [axis](const std::array<float, 3>& vector) { return static_cast<double>(vector[axis]); };
+  return bounds_of(element.kind, at(element.origin), at(element.u), at(element.v), at(element.w),
+                   static_cast<double>(element.w[0]), static_cast<double>(element.w[1]));
+}
+
+// Whether all its points are places of a volume that ends at `last`, once they are rounded to positions: an element that ends at a face
+// may be a rounding beyond.
+inline bool lies_within(const Element& element, const Vector& last) {
+  constexpr double kRounding = 0.25 / kVoxel;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const auto& vector : {element.origin, element.u, element.v, element.w}) {
+      if (!std::isfinite(vector[axis])) return false;
+    }
+    const auto [low, high] = bounds_of(element, axis);
+    if (low < -kRounding || high > last[axis] + kRounding) return false;
+  }
+  return true;
+}
+
+// Of a flat element, physical; `spacing`: voxel edges in reference lengths. Zero if it has no area.
 inline Vector normal_of(const Element& patch, const Vector& spacing) {
   Vector u{}, v{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -126,7 +224,7 @@ struct PairSample {
   double weight = 0;    // G; 0: no ray is sent
 };
 
-// `normals`: of the elements that are patches.
+// `normals`: of the elements that are flat.
 inline PairSample pair_sample(const Element& a, const Element& b, const std::array<Vector, 2>& normals,
                               const Vector& spacing, std::uint32_t id, std::uint32_t seed, std::uint32_t index) {
   std::array<double, 6> s{};
@@ -142,7 +240,7 @@ inline PairSample pair_sample(const Element& a, const Element& b, const std::arr
   }
   if (square == 0) return sample;
   const double r = std::sqrt(square);
-  const double f_a = a.kind == ElementKind::kPatch ? at_a / r : 1, f_b = b.kind == ElementKind::kPatch ? at_b / r : 1;
+  const double f_a = a.kind == ElementKind::kBox ? 1 : at_a / r, f_b = b.kind == ElementKind::kBox ? 1 : at_b / r;
   if (f_a > 0 && f_b > 0) sample.weight = f_a * f_b / (std::numbers::pi * square);
   return sample;
 }

@@ -260,7 +260,7 @@ TEST(PairsCommand, RefusesWhatIsBeyondItsFields) {
   EXPECT_EQ(refused({.rays = 4, .opacity = 1 << 24}), "opacity: expected 1..2^24 - 1, got 16777216");
   wire::Element outside = kCeiling;
   outside.origin[2] = 16.5F;
-  EXPECT_EQ(refused({.rays = 4}, outside), "element 1: origin, u, v, w: expected corners in the volume");
+  EXPECT_EQ(refused({.rays = 4}, outside), "element 1: origin, u, v, w: expected an element in the volume");
   outside.origin[2] = 16;
   EXPECT_EQ(refused({.rays = 4}, outside), "accepted");
   EXPECT_EQ(refused({.rays = 4}, kCeiling, {0, 2, 7}), "pair 0: a, b: expected elements below 2, got 2");

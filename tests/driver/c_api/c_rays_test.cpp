@@ -222,7 +222,7 @@ TEST_F(CApi, FindsTheFactorsOfPairsOfTheCppApi) {
   EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 2),
             GICUBE_BAD_ARGUMENT);
   EXPECT_STREQ(gicube_last_error_field(), "count");
-  elements[1].kind = 2;
+  elements[1].kind = 4;
   EXPECT_EQ(gicube_pair_factors(board_, elements, 2, &pair, 1, &request, nullptr, nullptr, &factor, 1),
             GICUBE_BAD_ARGUMENT);
   EXPECT_STREQ(gicube_last_error_field(), "elements[1].kind");

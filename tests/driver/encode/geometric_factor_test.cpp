@@ -127,7 +127,29 @@ TEST(GeometricFactor, OfBoxesIsTheMeanOfTheInverseSquare) {
   EXPECT_NEAR(geometric_factor(cube, turned, true).mean, expected, 0.02 * expected);
 }
 
+// Howell's catalogue C-41. Seen from half a disc of it, from a ring and the disc in it, by parts: the same.
+TEST(GeometricFactor, OfCoaxialDiscsAndTheirPartsIsTheCatalogues) {
+  const auto disc = [](double radius, double height, Vec3 shares) {
+    return Element{ElementKind::kDisc, {1, 2, height}, {radius, 0, 0}, {0, height > 0 ? -radius : radius, 0}, shares};
+  };
+  for (const auto& [radius_1, radius_2, height] : {std::array{10.0, 10.0, 20.0}, {4.0, 15.0, 10.0}, {8.0, 8.0, 0.2}}) {
+    const double r1 = radius_1 / height, r2 = radius_2 / height, s = 1 + (1 + r2 * r2) / (r1 * r1);
+    const double factor = (s - std::sqrt(s * s - 4 * (r2 / r1) * (r2 / r1))) / 2;
+    const double expected = factor / (std::numbers::pi * radius_2 * radius_2);
+    const Element low = disc(radius_1, 0, {}), high = disc(radius_2, height, {});
+    const auto mean = [&](const Element& of) { return geometric_factor(of, high, true).mean; };
+    EXPECT_NEAR(mean(low), expected, 3e-5 * expected);
+    EXPECT_LE(std::abs(mean(low) - expected), geometric_factor(low, high, true).error + 1e-6 * expected);
+    EXPECT_NEAR(mean(disc(radius_1, 0, {0, 0.5, 0})), expected, 3e-5 * expected);
+    EXPECT_NEAR(0.36 * mean(disc(0.6 * radius_1, 0, {})) + 0.64 * mean(disc(radius_1, 0, {0.36, 0, 0})), expected,
+                3e-5 * expected);
+  }
+}
+
 TEST(GeometricFactor, MeasuresAreAreasAndVolumes) {
+  EXPECT_DOUBLE_EQ(measure_of({ElementKind::kTriangle, {1, 1, 1}, {2, 0, 0}, {1, 3, 0}, {}}), 3);
+  EXPECT_DOUBLE_EQ(measure_of({ElementKind::kDisc, {1, 1, 1}, {2, 0, 0}, {0, 0, 3}, {0.25, 0.5, 0}}),
+                   6 * std::numbers::pi * 0.75 * 0.5);
   EXPECT_DOUBLE_EQ(measure_of(patch({1, 1, 1}, {2, 0, 0}, {1, 3, 0})), 6);
   EXPECT_DOUBLE_EQ(measure_of(box({1, 1, 1}, 2)), 8);
   Element turned = box({1, 1, 1}, 2);

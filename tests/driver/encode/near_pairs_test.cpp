@@ -79,6 +79,37 @@ TEST(NearPairs, AreDividedIntoPartsThatCoverAllPairsOfPointsOnce) {
   EXPECT_NE(pairs.division_of(square({0, 0, 0}, 2), cube({2, 0, 0})), division);
 }
 
+TEST(NearPairs, OfDiscsAndTrianglesAreDividedIntoSectorsRingsAndTriangles) {
+  NearPairs pairs({1, 1, 2}, 4096);
+  const Element disc{ElementKind::kDisc, {8, 8, 4}, {4, 0, 0}, {0, 3, 0.5}, {}};
+  const Element triangle{ElementKind::kTriangle, {3, 6, 5}, {1, 8, 1}, {9, 2, 1}, {}};
+  const Division* division = pairs.division_of(disc, triangle);
+  ASSERT_NE(division, nullptr);
+  ASSERT_EQ(division->parts.size(), 256u);
+  const auto area = [](const Element& element) {
+    Element physical = element;
+    for (Vec3* side : {&physical.u, &physical.v}) side->z *= 2;
+    return measure_of(physical);
+  };
+  const double whole = area(disc) * area(triangle);
+  double measures = 0, light = 0, error = 0;
+  bool ring = false, sector = false;
+  for (const PairPart& part : division->parts) {
+    const Element &x = division->elements[part.a], &y = division->elements[part.b];
+    EXPECT_NEAR(part.measure, area(x) * area(y) / whole, 1e-9);
+    measures += part.measure;
+    light += part.measure * part.factor.mean, error += part.measure * part.factor.error;
+    ring = ring || x.w.x > 0, sector = sector || x.w.y > 0;
+  }
+  EXPECT_NEAR(measures, 1, 1e-12);
+  EXPECT_TRUE(ring && sector);
+  // The light of the parts is that of the whole, which the first of all elements are.
+  NearPairs one({1, 1, 2}, 3);
+  const PairPart all = one.division_of(disc, triangle)->parts.at(0);
+  EXPECT_GT(light, 0);
+  EXPECT_NEAR(light, all.factor.mean, 3 * all.factor.error + 3 * error + 0.001 * light);
+}
+
 TEST(NearPairs, AreDividedMostWhereTheirLightIs) {
   NearPairs pairs({1, 1, 1}, 128);
   const Division* division = pairs.division_of(cube({0, 0, 0}), cube({1, 0, 0}));
@@ -140,7 +171,15 @@ TEST(PairError, HoldsWhatNoRayHasFound) {
   const double unseen = std::sqrt(2.0) / 20;
   EXPECT_NEAR(error_with_unseen({.transported = 3, .geometric = 5, .standard_error = 0.4}, 16),
               std::hypot(0.4, 3 * unseen), 1e-12);
-  EXPECT_NEAR(error_with_unseen({.transported = 0, .geometric = 5, .standard_error = 0}, 16), 5 * unseen, 1e-12);
+  // Half of the way from nothing to two of twenty rays.
+  EXPECT_NEAR(error_with_unseen({.transported = 0, .geometric = 5, .standard_error = 0}, 16), 5 * (unseen + 0.05),
+              1e-12);
+  // A share of 0.2 that varies as that of rays that arrive or end, 1.8 times told, and one that varies half as much.
+  const double yes_or_no = 1.8 * 5 * std::sqrt(0.2 * 0.8 / 16), half_way = 5 * ((16 * 0.2 + 2) / 20 - 0.2) / 2;
+  EXPECT_NEAR(error_with_unseen({.transported = 1, .geometric = 5, .standard_error = yes_or_no}, 16),
+              std::hypot(yes_or_no, unseen) + half_way, 1e-12);
+  EXPECT_NEAR(error_with_unseen({.transported = 1, .geometric = 5, .standard_error = yes_or_no / 2}, 16),
+              std::hypot(yes_or_no / 2, unseen) + half_way / 4, 1e-12);
   EXPECT_EQ(error_with_unseen({.transported = 3, .geometric = 5, .standard_error = 0.4, .clear = true}, 16), 0.4);
 }
 
@@ -168,15 +207,15 @@ TEST(PairRequestCheck, AcceptsTheLimitsOfEachFieldAndNamesWhatIsBeyond) {
   EXPECT_EQ(refused_pairs([](PairRequest& r) { r.step = 0.0156; }), "request.step: expected 0.015625..16, got 0.0156");
 }
 
-TEST(PairCheck, NamesTheElementWithACornerOutsideAndThePairWithoutElement) {
+TEST(PairCheck, NamesTheElementThatIsPartlyOutsideAndThePairWithoutElement) {
   const auto refused = [](const Element& element) { return refusal([&] { check(element, 3, {8, 9, 10}); }); };
   EXPECT_EQ(refused(Element{ElementKind::kBox, {0, 0, 0}, {7, 0, 0}, {0, 8, 0}, {0, 0, 9}}), "accepted");
   EXPECT_EQ(refused(Element{ElementKind::kBox, {0, 0, 1}, {7, 0, 0}, {0, 8, 0}, {0, 0, 9}}),
-            "elements[3]: expected its corners in the volume, got one at (0, 0, 10)");
+            "elements[3]: expected an element in the volume, got one from (0, 0, 1) to (7, 8, 10)");
   EXPECT_EQ(refused(Element{ElementKind::kPatch, {0, 0, 1}, {7, 0, 0}, {0, 8, 0}, {0, 0, 9}}), "accepted")
       << "a patch has no w";
   EXPECT_EQ(refused(Element{ElementKind::kPatch, {1, 0, 0}, {-2, 0, 0}, {0, 8, 0}, {}}),
-            "elements[3]: expected its corners in the volume, got one at (-1, 0, 0)");
+            "elements[3]: expected an element in the volume, got one from (-1, 0, 0) to (1, 8, 0)");
   EXPECT_EQ(refusal([] { check(ElementPair{4, 4, 0}, 6, 5); }), "accepted");
   EXPECT_EQ(refusal([] { check(ElementPair{4, 5, 0}, 6, 5); }), "pairs[6]: expected elements below 5, got 5");
   EXPECT_EQ(refusal([] { check(ElementPair{5, 0, 0}, 6, 5); }), "pairs[6]: expected elements below 5, got 5");
@@ -220,7 +259,7 @@ TEST(HostsPairRays, AreSummedUpWithTheirWeightsAndThoseWithoutWeightAsClear) {
 TEST(HostsPairRays, RunFromPointsOfOneElementToPointsOfTheOther) {
   const std::vector<Element> elements{square({4, 4, 4}, 2), cube({4, 4, 7}, 2), cube({4, 4, 1}, 2)};
   const PairRequest request{.rays = 40, .seed = 3};
-  const PairRaysMade front = make_rays(elements, std::vector<ElementPair>{{0, 1, 5}}, request, {1, 1, 1});
+  const PairRaysMade front = make_rays(elements, std::vector<ElementPair>{{0, 1, 5}}, request, {1, 1, 1}, {40, 40, 40});
   EXPECT_EQ(front.weights.size(), 40u);
   ASSERT_EQ(front.rays.size(), 40u);
   for (const HostRay& ray : front.rays) {
@@ -233,12 +272,13 @@ TEST(HostsPairRays, RunFromPointsOfOneElementToPointsOfTheOther) {
   double mean = 0;
   for (const double weight : front.weights) mean += weight / 40;
   EXPECT_NEAR(mean, geometric_factor(elements[0], elements[1], false).mean, 0.1 * mean);
-  EXPECT_TRUE(make_rays(elements, std::vector<ElementPair>{{0, 2, 5}}, request, {1, 1, 1}).rays.empty());
+  EXPECT_TRUE(make_rays(elements, std::vector<ElementPair>{{0, 2, 5}}, request, {1, 1, 1}, {40, 40, 40}).rays.empty());
   // Later samples are others.
   PairRequest later = request;
   later.first = 40;
-  EXPECT_FALSE(make_rays(elements, std::vector<ElementPair>{{0, 1, 5}}, later, {1, 1, 1}).rays[0].position ==
-               front.rays[0].position);
+  EXPECT_FALSE(
+      make_rays(elements, std::vector<ElementPair>{{0, 1, 5}}, later, {1, 1, 1}, {40, 40, 40}).rays[0].position ==
+      front.rays[0].position);
 }
 
 TEST(ClearPair, HasTheSumOfRaysThatAllArrive) {
@@ -246,7 +286,7 @@ TEST(ClearPair, HasTheSumOfRaysThatAllArrive) {
   const PairRequest request{.rays = 40, .first = 7, .seed = 3};
   const PairFactor clear = clear_factor(to_wire(a), to_wire(b), 5, request, {1, 1, 1});
   const PairRaysMade made =
-      make_rays(std::vector<Element>{a, b}, std::vector<ElementPair>{{0, 1, 5}}, request, {1, 1, 1});
+      make_rays(std::vector<Element>{a, b}, std::vector<ElementPair>{{0, 1, 5}}, request, {1, 1, 1}, {40, 40, 40});
   const std::vector<TracedRay> arrived(made.rays.size());
   const PairFactor sum = sum_up(made.weights, arrived, 40)[0];
   EXPECT_TRUE(clear.clear);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace gicube::wire {
 namespace {
 
@@ -45,6 +47,97 @@ TEST(Pair, PointsFillAnElementEvenly) {
     ++cells[x + 4 * y];
   }
   for (const int count : cells) EXPECT_NEAR(count, 100, 12);  // at random it would be 100 +- 30
+}
+
+TEST(Pair, CosineAndSineAreExactToTheLastDigits) {
+  for (int i = 0; i <= 100'000; ++i) {
+    const double turn = i / 100'000.0, angle = 2 * std::numbers::pi * turn;
+    const auto [cosine, sine] = cosine_sine(turn);
+    ASSERT_NEAR(cosine, std::cos(angle), 1e-13) << turn;
+    ASSERT_NEAR(sine, std::sin(angle), 1e-13) << turn;
+  }
+  EXPECT_EQ(cosine_sine(0.5).cosine, -1);
+  EXPECT_EQ(cosine_sine(1).cosine, 1);
+}
+
+TEST(Pair, PointsFillATriangleEvenly) {
+  const Element triangle{ElementKind::kTriangle, {1, 2, 3}, {4, 0, 0}, {0, 4, 0}, {}};
+  std::array<int, 16> cells{};  // a square's lower half, of 4 x 4 squares: those on its edge are halved too
+  for (std::uint32_t i = 0; i < 16'000; ++i) {
+    const Vector at = point_of(triangle, {pair_coordinate(3, 1, i, 0), pair_coordinate(3, 1, i, 1), 0.7});
+    const double s = at[0] - 1, t = at[1] - 2;
+    ASSERT_TRUE(s >= 0 && t >= 0 && s + t <= 4 && at[2] == 3);
+    ++cells[static_cast<std::size_t>(s) + 4 * static_cast<std::size_t>(t)];
+  }
+  for (std::size_t x = 0; x < 4; ++x) {
+    for (std::size_t y = 0; x + y < 4; ++y)
+      EXPECT_NEAR(cells[x + 4 * y], x + y == 3 ? 1000 : 2000, 60) << x << ' ' << y;
+  }
+}
+
+TEST(Pair, PointsFillADiscARingAndASectorEvenly) {
+  for (const auto& [hole, cut] : {std::pair{0.0F, 0.0F}, {0.25F, 0.0F}, {0.0F, 0.4F}, {0.5F, 0.75F}}) {
+    const Element disc{ElementKind::kDisc, {10, 20, 3}, {0, 6, 0}, {0, 0, 2}, {hole, cut, 0}};
+    std::array<int, 16> cells{};  // four rings of equal area, four angles each
+    for (std::uint32_t i = 0; i < 16'000; ++i) {
+      const Vector at = point_of(disc, {pair_coordinate(3, 1, i, 0), pair_coordinate(3, 1, i, 1), 0.7});
+      const double s = (at[1] - 20) / 6, t = (at[2] - 3) / 2;
+      const double share = (s * s + t * t - hole) / (1 - hole);
+      double turn = std::atan2(t, s) / (2 * std::numbers::pi);
+      turn = (turn < 0 ? turn + 1 : turn) / (1 - cut);
+      ASSERT_EQ(at[0], 10);
+      ASSERT_TRUE(share >= -1e-7 && share <= 1 + 1e-7 && turn <= 1 + 1e-7) << share << ' ' << turn;
+      const auto cell = [](double x) { return static_cast<std::size_t>(std::clamp(4 * x, 0.0, 3.5)); };
+      ++cells[cell(share) + 4 * cell(turn)];
+    }
+    for (const int count : cells) EXPECT_NEAR(count, 1000, 60) << hole << ' ' << cut;
+  }
+}
+
+TEST(Pair, BoundsAreThoseOfAllPoints) {
+  for (std::uint32_t trial = 0; trial < 400; ++trial) {
+    const auto any = [trial](std::uint32_t i) {
+      return static_cast<float>(pair_coordinate(trial, 5, i, i % 6)) - 0.5F;
+    };
+    Element element{
+        static_cast<ElementKind>(trial % 4), {1, 2, 3}, {any(0), any(1), any(2)}, {any(3), any(4), any(5)}, {}};
+    if (element.kind == ElementKind::kBox) element.w = {any(6), any(7), any(8)};
+    if (element.kind == ElementKind::kDisc && trial > 50) element.w = {any(6) + 0.5F, any(7) + 0.5F, 0};
+    Vector low{9, 9, 9}, high{-9, -9, -9};
+    for (int i = 0; i <= 40; ++i) {
+      for (int j = 0; j <= 40; ++j) {
+        for (const double r : {0.0, 1.0}) {
+          const Vector at = point_of(element, {i / 40.0, j / 40.0, r});
+          for (std::size_t axis = 0; axis < 3; ++axis) {
+            low[axis] = std::min(low[axis], at[axis]), high[axis] = std::max(high[axis], at[axis]);
+          }
+        }
+      }
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto [least, most] = bounds_of(element, axis);
+      EXPECT_LE(least, low[axis] + 1e-12) << trial;
+      EXPECT_GE(most, high[axis] - 1e-12) << trial;
+      EXPECT_NEAR(least, low[axis], 0.003) << trial;  // the points are a 40th of a turn apart
+      EXPECT_NEAR(most, high[axis], 0.003) << trial;
+    }
+  }
+}
+
+TEST(Pair, AnElementMayBeARoundingBeyondTheVolumeAndNoMore) {
+  const Vector last{39, 39, 39};
+  const auto disc = [](float radius) { return Element{ElementKind::kDisc, {20, 5, 5}, {0, radius, 0}, {0, 0, 5}, {}}; };
+  EXPECT_TRUE(lies_within(disc(5), last));
+  EXPECT_TRUE(lies_within(disc(5.00001F), last));
+  EXPECT_FALSE(lies_within(disc(5.00003F), last));
+  EXPECT_FALSE(lies_within({ElementKind::kTriangle, {1, 1, 1}, {38.001F, 0, 0}, {0, 1, 0}, {}}, last));
+  for (const auto kind : {ElementKind::kPatch, ElementKind::kBox, ElementKind::kTriangle, ElementKind::kDisc}) {
+    EXPECT_FALSE(
+        lies_within({kind, {20, 20, 20}, {0, std::numeric_limits<float>::quiet_NaN(), 0}, {1, 0, 0}, {}}, last));
+  }
+  const Ray at_face = segment_packet({20, -1e-5, 39.00001}, {20, 20, 20}, 1);
+  EXPECT_EQ(at_face.position[1], 0u);
+  EXPECT_EQ(at_face.position[2], 39u * kVoxel);
 }
 
 TEST(Pair, RunsAreIndependentOfEachOther) {
