@@ -60,7 +60,8 @@ TEST(GeometricFactor, IsNoneOfPatchesThatLookAwayOrLieInOnePlane) {
   EXPECT_EQ(geometric_factor(up, patch({0, 0, 3}, {2, 0, 0}, {0, 2, 0}), true).mean, 0) << "it looks up too";
   EXPECT_EQ(geometric_factor(up, patch({0, 0, -3}, {0, 2, 0}, {2, 0, 0}), true).mean, 0);
   EXPECT_EQ(geometric_factor(up, patch({5, 0, 0}, {2, 0, 0}, {0, 2, 0}), true).mean, 0);
-  EXPECT_EQ(geometric_factor(up, patch({5, 0, 1e-6}, {0, 2, 0}, {2, 0, 0}), true).mean, 0) << "no higher than floats round";
+  EXPECT_EQ(geometric_factor(up, patch({5, 0, 1e-6}, {0, 2, 0}, {2, 0, 0}), true).mean, 0)
+      << "no higher than floats round";
   EXPECT_EQ(geometric_factor(up, patch({0, 0, 3}, {2, 0, 0}, {4, 0, 0}), true).mean, 0) << "without an area";
 }
 

@@ -127,7 +127,7 @@ TEST(HostRay, AnIntegralsUnitIsADensityStepTimesAStepsPhysicalLength) {
 
 TEST(HostRay, AThresholdIsTheNearestWordAndNeverNothing) {
   EXPECT_EQ(opacity_word(1), wire::kOpacityOne);
-  EXPECT_EQ(opacity_word(0.5), 8388608u);  // 8388607.5
+  EXPECT_EQ(opacity_word(0.5), 8388608u);   // 8388607.5
   EXPECT_EQ(opacity_word(0.25), 4194304u);  // 4194303.75
   EXPECT_EQ(opacity_word(1e-12), 1u);
   View view;
