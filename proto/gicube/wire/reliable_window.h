@@ -23,7 +23,8 @@ inline Payload share(std::vector<std::uint8_t> bytes) {
 }
 
 inline const Payload& no_payload() {
-  static const Payload kNone = share({});
+  // Never destroyed: a board may be closed by the destructor of an application's static object.
+  static const Payload& kNone = *new Payload(share({}));
   return kNone;
 }
 
