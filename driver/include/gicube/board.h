@@ -237,8 +237,7 @@ class GICUBE_API Board {
   int descriptor(Ticket ticket);
   // receive() as a future: get() and wait() call it, on their thread, and the simulated clock moves then. So it is a deferred one:
   // wait_for() says std::future_status::deferred. When a batch arrives in simulated time depends on what else the host does
-  // until it waits, so that no thread of the driver's may do that for it; what can be waited for in wall-clock time is
-  // descriptor(). The future may outlive this Board, and never hangs: if the Board is destroyed, before get() or while it waits, that
+  // before it waits, so a thread of the driver can't wait in its place. To wait in wall-clock time use descriptor(). The future may outlive this Board, and never hangs: if the Board is destroyed, before get() or while it waits, that
   // throws DeviceLost (Loss::kClosed). Throws BadArgument as receive().
   std::future<RayBatch> future(Ticket ticket);
 

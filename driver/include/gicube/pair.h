@@ -15,9 +15,9 @@ enum class ElementKind {
   kPatch,     // a parallelogram: origin + s u + t v, 0..1 each
   kBox,       // origin + s u + t v + r w: a part of the volume
   kTriangle,  // with the corners origin, origin + u, origin + v
-  // origin + s u + t v, s^2 + t^2 <= 1: about its centre, with the half-axes u and v; a circle or an ellipse. For rings and sectors w
-  // takes two shares of it away, 0 or more and below 1 each: w.x is that of its area which a hole in the middle has, w.y that of the turn
-  // from u to v and on which is missing at its end. {} is a whole disc.
+  // origin + s u + t v, s^2 + t^2 <= 1: about its centre, with the half-axes u and v; a circle or an ellipse. For rings and sectors: w.x
+  // is the hole's share of the area, and w.y the missing share of the turn, which begins at u and goes towards v; each 0 or more and
+  // below 1. {} is a whole disc.
   kDisc,
 };
 
