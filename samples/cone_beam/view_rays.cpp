@@ -101,7 +101,7 @@ std::uint64_t project_views(Board& board, const ConeGeometry& geometry, std::spa
   const std::size_t pixels = Projections{geometry.detector.columns, geometry.detector.rows, {}}.view_size();
   View next = begin(angles[0]);
   for (std::size_t i = 0; i < angles.size(); ++i) {
-    const View view = std::move(next);
+    const View view = std::exchange(next, View());
     if (i + 1 < angles.size()) next = begin(angles[i + 1]);
     std::vector<TracedRay> traced(view.rays.size());
     board.receive(view.ticket, traced);

@@ -35,7 +35,7 @@ class Watch {
   Watch();
   ~Watch() {
     ::timer_delete(timer_);
-    current_ = nullptr;
+    current = nullptr;
   }
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
@@ -46,7 +46,7 @@ class Watch {
   static void tick(int);
   bool set_ticks(std::chrono::nanoseconds period);  // 0: none
 
-  static constinit thread_local Watch* current_;
+  static constinit thread_local Watch* current;
 
   timer_t timer_{};
   sigjmp_buf home_;
@@ -59,7 +59,7 @@ class Watch {
   int ticks_ = 0;
 };
 
-constinit thread_local Watch* Watch::current_ = nullptr;
+constinit thread_local Watch* Watch::current = nullptr;
 
 Watch::Watch() {
   struct sigaction action {};
@@ -72,7 +72,7 @@ Watch::Watch() {
   sigaddset(&ticks, tick_signal());
   ::pthread_sigmask(SIG_UNBLOCK, &ticks, nullptr);
 
-  current_ = this;
+  current = this;
   sigevent event{};
   event.sigev_notify = SIGEV_THREAD_ID;
   event.sigev_signo = tick_signal();
@@ -89,7 +89,7 @@ bool Watch::set_ticks(std::chrono::nanoseconds period) {
 
 void Watch::tick(int) {
   const int error = errno;
-  Watch* const watch = current_;
+  Watch* const watch = current;
   if (watch != nullptr && watch->inside_ == 0) {
     if (watch->idle_ == watch->call_) watch->set_ticks({});  // no call since the last tick: let the thread sleep
     watch->idle_ = watch->call_;

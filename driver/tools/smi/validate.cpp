@@ -124,7 +124,8 @@ std::string rays(Board& board) {
   board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, kOpacity}}});
   std::vector<HostRay> sent;
   for (std::uint32_t i = 0; i < 1000; ++i) {
-    sent.push_back({.id = 7 * i, .position = {1.0 + i % 40, 1.0 + i / 40, 0}, .direction = {0, 0, 1}});
+    sent.push_back(
+        {.id = 7 * i, .position = {1. + i % 40, static_cast<double>(1 + i / 40), 0}, .direction = {0, 0, 1}});
   }
   const Picoseconds begin = board.now();
   const RayBatch batch = board.receive(board.submit(sent));

@@ -109,7 +109,7 @@ struct CosineSine {
 };
 // Of a share of a whole turn, 0..1: Taylor's series from the nearest quarter on, whose next terms are below 2e-14.
 constexpr CosineSine cosine_sine(double turn) {
-  const int quarter = static_cast<int>(turn * 4 + 0.5);
+  const int quarter = (static_cast<int>(turn * 8) + 1) / 2;
   const double x = (turn - 0.25 * quarter) * (2 * std::numbers::pi), y = x * x;
   const double c =
       1 - y / 2 * (1 - y / 12 * (1 - y / 30 * (1 - y / 56 * (1 - y / 90 * (1 - y / 132 * (1 - y / 182))))));
