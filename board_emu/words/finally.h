@@ -8,7 +8,5 @@ struct Finally {
   Function function;
   ~Finally() { function(); }
 };
-template <typename Function>
-Finally(Function) -> Finally<Function>;  // clang 14 does not deduce it
 
 }  // namespace gicube::emu
