@@ -21,8 +21,8 @@ using google::protobuf::Message;
 using google::protobuf::io::ColumnNumber;
 using google::protobuf::io::Tokenizer;
 
-constexpr std::size_t kMaxTextBytes = 1 << 20;  // chosen: a configuration is below 1 KB, 10,000 planned faults are 1 MB
-constexpr std::size_t kMaxDiagnostics = 100;    // chosen: nobody reads more
+constexpr std::size_t kMaxDiagnostics = 100;  // chosen: nobody reads more
+constexpr std::size_t kMaxShown = 60;         // chosen: characters of a value in a fault
 
 class FirstError : public google::protobuf::io::ErrorCollector {
  public:
@@ -107,16 +107,13 @@ class Reader {
   // Takes a value without a look at it: a token with its sign, or all between brackets. Returns it in words.
   std::string skip_value() {
     const bool is_message = opens_message();
+    const int outside = depth_;
     std::string text;
-    int depth = 0;
     do {
       if (at_end()) break_off("a value");
-      const std::string& next = tokens_.current().text;
-      if (next == "{" || next == "<" || next == "[") ++depth;
-      if (next == "}" || next == ">" || next == "]") --depth;
-      if (depth < 0) return "nothing";
+      if (depth_ == outside && bracket() < 0) return "nothing";
       text += take();
-    } while (depth > 0 || text == "-");
+    } while (depth_ > outside || text == "-");
     return is_message ? "a message" : text;
   }
 
@@ -127,8 +124,9 @@ class Reader {
     for (const RenamedField& each : renamed_) {
       const FieldDescriptor* field = each.was == name ? type.FindFieldByName(std::string(each.now)) : nullptr;
       if (field == nullptr) continue;
-      result_.notes.push_back(fmt::format("line {}: {}{} is now called {}; the old name will go with the next release",
-                                          line, path, name, each.now));
+      if (result_.notes.size() < kMaxDiagnostics)
+        result_.notes.push_back(fmt::format(
+            "line {}: {}{} is now called {}; the old name will go with the next release", line, path, name, each.now));
       return field;
     }
     return nullptr;
@@ -139,18 +137,37 @@ class Reader {
 
   std::string take() {
     std::string text = tokens_.current().text;
-    tokens_.Next();
+    next();
     return text;
   }
 
   bool accept(std::string_view text) {
     if (at_end() || tokens_.current().text != text) return false;
-    tokens_.Next();
+    next();
     return true;
+  }
+
+  void next() {
+    depth_ += bracket();
+    if (depth_ > kMaxTextDepth) {
+      throw Diagnostic{"", fmt::format("at most {} brackets in one another", kMaxTextDepth), "more",
+                       tokens_.current().line + 1};
+    }
+    tokens_.Next();
+  }
+
+  // 1 at one that opens, -1 at one that closes.
+  int bracket() {
+    const std::string& text = tokens_.current().text;
+    if (text == "{" || text == "<" || text == "[") return 1;
+    return text == "}" || text == ">" || text == "]" ? -1 : 0;
   }
 
   void report(std::string field, std::string expected, std::string got, int line) {
     if (result_.diagnostics.size() >= kMaxDiagnostics) return;
+    for (std::string* text : {&field, &got}) {
+      if (text->size() > kMaxShown) text->replace(kMaxShown, std::string::npos, "...");
+    }
     result_.diagnostics.push_back({std::move(field), std::move(expected), std::move(got), line});
   }
 
@@ -167,6 +184,7 @@ class Reader {
   const std::span<const RenamedField> renamed_;
   TextReading& result_;
   std::map<std::string, int> instances_;  // of repeated fields
+  int depth_ = 0;                         // of brackets before the current token
 };
 
 std::vector<std::uint64_t> numbers_in(std::string_view text) {

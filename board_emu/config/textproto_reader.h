@@ -3,6 +3,7 @@
 // Nothing is guessed and nothing is ignored: everything wrong is collected, named by its field, and reported together.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <span>
@@ -17,6 +18,10 @@ class Message;
 }  // namespace google::protobuf
 
 namespace gicube::emu {
+
+// A text that is longer is not looked at; one whose brackets are nested deeper is not read on from there.
+inline constexpr std::size_t kMaxTextBytes = 1 << 20;  // chosen: a configuration is below 1 KB, 10,000 faults 1 MB
+inline constexpr int kMaxTextDepth = 16;               // chosen: the schemas have two
 
 struct Diagnostic {
   std::string field;  // dotted path, as "asic.processors" or "fault[3].kind"; empty where the text can't be read at all

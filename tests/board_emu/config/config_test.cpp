@@ -82,6 +82,32 @@ TEST(Config, RefusesAHugeText) {
               testing::ElementsAre(HasSubstr("at most")));
 }
 
+TEST(Config, RefusesATextThatIsNestedTooDeepWhereverThatIs) {
+  const auto nested = [](const std::string& before, const std::string& one, int levels) {
+    std::string text = before;
+    for (int i = 0; i < levels; ++i) text += one;
+    return texts(parse_config(text).diagnostics);
+  };
+  const std::pair<const char*, const char*> kinds[] = {
+      {"", "a{"}, {"", "a: <"}, {"asic { processors: ", "["}, {"fidelity: ", "[{"}, {"asik ", "{a "}, {"", "asic {"}};
+  for (const auto& [before, one] : kinds) {
+    EXPECT_THAT(nested(before, one, 120'000),
+                testing::Contains(HasSubstr("expected at most 16 brackets in one another, got more")))
+        << before << one;
+  }
+  EXPECT_THAT(nested("\n\n", "asic {\n", 17), testing::Contains(HasSubstr("line 19: expected at most 16 brackets")));
+  EXPECT_THAT(nested("", "asic {", 16), testing::Not(testing::Contains(HasSubstr("brackets"))));
+}
+
+TEST(Config, AFaultShowsTheBeginningOfALongValue) {
+  const std::string text = "asic { processors: \"" + std::string(200'000, 'x') + "\" }";
+  const auto found = texts(parse_config(text).diagnostics);
+  ASSERT_THAT(found, testing::SizeIs(1));
+  EXPECT_THAT(found[0], AllOf(HasSubstr("asic.processors: expected a whole number"), HasSubstr("got \"xxx"),
+                              testing::EndsWith("xxx...")));
+  EXPECT_LT(found[0].size(), 200u);
+}
+
 TEST(Config, EndsOnATextFullOfFaults) {
   std::string text;
   for (int i = 0; i < 500; ++i) text += "threads: \"many\"\n";
