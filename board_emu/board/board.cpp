@@ -64,12 +64,15 @@ Cargo cargo_at(std::uint64_t address) {
   return address >= wire::kFramebuffer.base ? Cargo::kImage : Cargo::kTable;
 }
 
+// chosen: above what the maps and queues take of a transaction that is under way, and of a command's completion besides.
+constexpr std::uint64_t kBytesOfTransaction = 256, kBytesOfCompletion = 768;
+
 }  // namespace
 
-// What stands on the board, from power-up to the next reset.
+// What stands on the board.
 struct Board::Parts {
   Parts(const v1::BoardConfig& board_config, std::uint64_t config_hash, BoardObserver* board_observer,
-        const Routines* routines)
+        const Routines* routines, std::uint64_t max_memory_bytes)
       : config(board_config),
         observer(board_observer),
         pci(agp_rates(config.bus())),
@@ -77,6 +80,7 @@ struct Board::Parts {
         commands(config, registers, *level),
         timeline(BusTiming(config.bus()), config.dsp().clock_khz()) {
     commands.set_routines(routines);
+    commands.set_max_memory(max_memory_bytes);
     if (observer != nullptr) {
       observer->power_up(config);
       timeline.set_watcher(observer);
@@ -89,6 +93,7 @@ struct Board::Parts {
     registers.set_fixed(reg::kQueueRays, config.asic().queue_rays());
     registers.set_fixed(reg::kCoreKhz, config.asic().core_khz());
     registers.set_fixed(reg::kDatapath, static_cast<std::uint32_t>(config.asic().datapath()));
+    registers.set_fixed(reg::kMaxMemory, commands.max_memory_mib());
     registers.set_fixed(reg::kConfigHashLow, static_cast<std::uint32_t>(config_hash));
     registers.set_fixed(reg::kConfigHashHigh, static_cast<std::uint32_t>(config_hash >> 32));
   }
@@ -96,10 +101,12 @@ struct Board::Parts {
   Reply transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   Reply read_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   void write_memory(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
-  void command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
+  // False, and nothing done, if a command under way has that ticket.
+  bool command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
   Reply wait(std::span<const std::uint8_t> payload);
   Reply cancel(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   void control(std::uint32_t bits);
+  void lack_memory();
 
   Reply finish(const wire::FrameHeader& header, const BusTransaction& transaction, std::vector<std::uint8_t> payload) {
     const std::uint64_t id = next_transaction++;
@@ -107,6 +114,9 @@ struct Board::Parts {
     return {.time_ps = timeline.finish(id), .payload = std::move(payload)};
   }
   std::vector<Completion> take_completions();
+  std::uint64_t held_bytes() const {
+    return result_bytes + under_way.size() * kBytesOfCompletion + timeline.under_way() * kBytesOfTransaction;
+  }
   std::vector<wire::Counter> count() const;
 
   v1::BoardConfig config;
@@ -119,6 +129,7 @@ struct Board::Parts {
   std::uint64_t next_transaction = 1;
   std::unordered_map<std::uint64_t, Completion> under_way;   // by transaction
   std::unordered_map<std::uint32_t, std::uint64_t> tickets;  // ticket -> transaction
+  std::uint64_t result_bytes = 0;                            // of the payloads in under_way
 };
 
 void Board::Parts::control(std::uint32_t bits) {
@@ -148,10 +159,13 @@ Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<con
       const std::uint32_t before = registers.value(offset & (wire::kBar0Bytes - 4));
       if (!registers.write(offset, value)) return {};
       if (offset == reg::kControl) control(value);
-      if (!commands.accept_register(offset)) {
-        registers.write(offset, before);
-        registers.raise(wire::kStatusBadValue, offset);
+      switch (commands.accept_register(offset)) {
+        case Acceptance::kTaken: return {};
+        case Acceptance::kTooMuchMemory: lack_memory(); break;
+        case Acceptance::kOutOfRange: break;
       }
+      registers.write(offset, before);
+      registers.raise(wire::kStatusBadValue, offset);
       return {};
     }
   }
@@ -180,12 +194,23 @@ void Board::Parts::write_memory(const wire::FrameHeader& header, std::span<const
   const auto address = wire::load<std::uint64_t>(payload, 0);
   const auto bytes = payload.subspan(8);
   timeline.add(header.time_ps, next_transaction++, {.cargo = cargo_at(address), .down_bytes = bytes.size()});
-  if (!commands.aperture().write(address, bytes)) {
-    registers.raise(wire::kStatusBadAddress, static_cast<std::uint32_t>(address));
-  }
+  const Acceptance accepted = commands.write_memory(address, bytes);
+  if (accepted == Acceptance::kTaken) return;
+  if (accepted == Acceptance::kTooMuchMemory) lack_memory();
+  registers.raise(wire::kStatusBadAddress, static_cast<std::uint32_t>(address));
 }
 
-void Board::Parts::command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work) {
+// Beside the bit that says which write it was, so that a driver that does not know this one sees that it was refused.
+void Board::Parts::lack_memory() {
+  registers.set_fixed(reg::kMemoryAsked, commands.memory_asked_mib());
+  registers.raise(wire::kStatusNoMemory, 0);
+}
+
+bool Board::Parts::command(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work) {
+  if (tickets.contains(header.id)) {
+    registers.raise(wire::kStatusBadCommand, 0);
+    return false;
+  }
   if (observer != nullptr && observer->places_cycles()) {
     observer->begin_command(timeline.turn_of(header.time_ps, {.down_bytes = payload.size()}));
   }
@@ -205,8 +230,10 @@ void Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
                 .up_cargo = result.returns_rays ? Cargo::kRays : Cargo::kCompletion,
                 .watched = true,
                 .name = command_name(payload)});
+  result_bytes += result.payload.capacity();
   under_way[id] = {header.id, result.error, 0, std::move(result.payload), result.leaves_nothing};
   tickets[header.id] = id;
+  return true;
 }
 
 Reply Board::Parts::wait(std::span<const std::uint8_t> payload) {
@@ -233,7 +260,9 @@ Reply Board::Parts::cancel(const wire::FrameHeader& header, std::span<const std:
     Completion& completion = under_way.at(found->second);
     completion.error = ErrorCode::kCancelled;
     const std::string text = "cancelled by the host";
-    completion.payload.assign(text.begin(), text.end());
+    result_bytes -= completion.payload.capacity();
+    completion.payload = {text.begin(), text.end()};
+    result_bytes += completion.payload.capacity();
   }
   std::vector<std::uint8_t> answer(4);
   wire::store(std::span(answer), 0, std::uint32_t{cancelled});
@@ -247,6 +276,7 @@ std::vector<Completion> Board::Parts::take_completions() {
     if (found == under_way.end()) continue;
     completions.push_back(std::move(found->second));
     completions.back().time_ps = finished.time_ps;
+    result_bytes -= completions.back().payload.capacity();
     tickets.erase(completions.back().ticket);
     under_way.erase(found);
   }
@@ -278,11 +308,9 @@ std::vector<wire::Counter> Board::Parts::count() const {
 }
 
 Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObserver* observer,
-             const Routines* routines)
-    : config_hash_(config_hash),
-      observer_(observer),
-      routines_(routines != nullptr ? routines : &built_in_routines()),
-      parts_(std::make_unique<Parts>(config, config_hash, observer, routines_)) {
+             const Routines* routines, std::uint64_t max_memory_bytes)
+    : parts_(std::make_unique<Parts>(config, config_hash, observer,
+                                     routines != nullptr ? routines : &built_in_routines(), max_memory_bytes)) {
   publish();
 }
 
@@ -290,11 +318,7 @@ Board::~Board() = default;
 
 void Board::add_memory_error(const MemoryError& error) { parts_->commands.add_memory_error(error); }
 
-void Board::reset() {
-  const v1::BoardConfig config = parts_->config;
-  parts_ = std::make_unique<Parts>(config, config_hash_, observer_, routines_);
-  publish();
-}
+std::uint64_t Board::held_bytes() const { return parts_->held_bytes(); }
 
 TransactionResult Board::transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload,
                                   Progress& work) {
@@ -313,7 +337,7 @@ TransactionResult Board::transact(const wire::FrameHeader& header, std::span<con
     case FrameType::kRegisterWrite: parts_->transact_word(header, payload); return outcome;
     case FrameType::kMemoryWrite: parts_->write_memory(header, payload); return outcome;
     case FrameType::kMemoryRead: outcome.reply = parts_->read_memory(header, payload); break;
-    case FrameType::kCommand: parts_->command(header, payload, work); break;
+    case FrameType::kCommand: outcome.ticket_in_use = !parts_->command(header, payload, work); break;
     case FrameType::kWait: outcome.reply = parts_->wait(payload); break;
     case FrameType::kCancel: outcome.reply = parts_->cancel(header, payload); break;
     case FrameType::kPoll:

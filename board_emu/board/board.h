@@ -39,7 +39,11 @@ struct Completion {
 struct TransactionResult {
   std::vector<Completion> completions;
   std::optional<Reply> reply;  // nothing for posted transactions
+  // A command came with the ticket of one that is under way: nothing was done, and no completion will tell the two apart.
+  bool ticket_in_use = false;
 };
+
+inline constexpr std::uint64_t kUnlimitedMemory = ~std::uint64_t{0};
 
 class BoardObserver;
 class Routines;
@@ -47,21 +51,23 @@ class Routines;
 class Board {
  public:
   // `config`: resolved and checked; the hash is its own (config.h). `observer`: of this board alone, or null. `routines`: for
-  // materials that trap; null: the built-in ones. Both must outlive the board.
+  // materials that trap; null: the built-in ones. Both must outlive the board. `max_memory_bytes`: what volume, words and image
+  // may take of the host's memory; what would take more is refused. A new board is as at power-up, its time and counters at 0.
   Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObserver* observer = nullptr,
-        const Routines* routines = nullptr);
+        const Routines* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory);
   ~Board();
 
   // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
-  // host sends can throw: faults are error replies, error completions, or for posted writes STATUS bits.
+  // host sends can throw: faults are error replies, error completions, or for posted writes STATUS bits. Throws std::bad_alloc
+  // where the system has less memory than the board may take: it must not be used any more then.
   TransactionResult transact(const wire::FrameHeader& header, std::span<const std::uint8_t> payload, Progress& work);
 
   // Called like transact(). Detected: the next command that reads the volume fails with ErrorCode::kMemory and changes
   // nothing; there is no other harm. Silent: that bit is wrong until it is written again; without a volume nothing happens.
   void add_memory_error(const MemoryError& error);
 
-  // All state back to power-up. Simulated time starts at 0 again; so do the counters.
-  void reset();
+  // Memory for what the host has not fetched: results, and the bookkeeping of what is under way. Called like transact().
+  std::uint64_t held_bytes() const;
 
   // The counters after the latest transaction. Any thread.
   std::vector<wire::Counter> counters() const {
@@ -78,9 +84,6 @@ class Board {
 
   void publish();
 
-  std::uint64_t config_hash_;
-  BoardObserver* observer_;
-  const Routines* routines_;
   std::unique_ptr<Parts> parts_;
   mutable std::mutex published_mutex_;
   std::vector<wire::Counter> published_;

@@ -117,6 +117,8 @@ class Timeline {
     return taken;
   }
 
+  // Transactions that were added and have not finished, or were not taken yet.
+  std::size_t under_way() const { return under_way_.size() + finished_.size(); }
   Picoseconds now() const { return now_ps_; }
   Picoseconds dsp_busy_ps() const { return dsp_busy_ps_; }
   // Time in which the DSP had nothing to do while a command for it was on its way down the bus.

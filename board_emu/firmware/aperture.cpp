@@ -52,6 +52,23 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
   return true;
 }
 
+Aperture::Bytes Aperture::bytes_of_write(std::uint64_t address, std::uint64_t length) const {
+  const wire::MemoryRegion* region = wire::find_region(address, length);
+  if (region == nullptr) return {};
+  if (is(region, wire::kVolume)) return {.volume = volume_.bytes_to_write(address - region->base, length)};
+  if (is(region, wire::kIrradiance)) return {.irradiance = irradiance_.bytes_to_write(length)};
+  return {};
+}
+
+std::uint64_t Aperture::bytes_of_blocks(const std::array<int, 3>& size, int block_voxels) {
+  constexpr std::uint64_t kBytesOfCell = 12;  // at most what the functional level has of 4^3 voxels (functional/simd)
+  std::uint64_t blocks = 1;
+  for (const int edge : size) blocks *= static_cast<std::uint64_t>((edge + block_voxels - 1) / block_voxels);
+  const auto cells = static_cast<std::uint64_t>(block_voxels / 4);
+  return blocks * (VolumeMemory::kBytesOfBlock + IrradianceMemory::kBytesOfBlock + SumMemory::kBytesOfBlock +
+                   cells * cells * cells * kBytesOfCell);
+}
+
 std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, std::uint64_t length) const {
   const wire::MemoryRegion* region = wire::find_region(address, length);
   if (region == nullptr) return std::nullopt;

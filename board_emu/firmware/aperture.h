@@ -56,6 +56,21 @@ class Aperture {
   // Nothing if no memory is there. The framebuffer has as many bytes as its image.
   std::optional<std::vector<std::uint8_t>> read(std::uint64_t address, std::uint64_t length) const;
 
+  // Memory of the host's: of the volume, of the image; what a write would add to the volume, and at most to the irradiance.
+  std::uint64_t volume_bytes() const {
+    return bytes_of_blocks(volume_.size(), volume_.block_voxels()) + volume_.memory_bytes();
+  }
+  std::uint64_t image_bytes() const { return framebuffer_.memory_bytes() + pixels_.capacity(); }
+  struct Bytes {
+    std::uint64_t volume = 0, irradiance = 0;
+  };
+  Bytes bytes_of_write(std::uint64_t address, std::uint64_t length) const;
+  // Of a volume before anything is stored in it, and of an image while it is resolved.
+  static std::uint64_t bytes_of_blocks(const std::array<int, 3>& size, int block_voxels);
+  static std::uint64_t bytes_of_image(std::uint64_t pixels) {
+    return pixels * (Framebuffer::kBytesPerPixel + 2 * wire::kVoxelBits / 8);
+  }
+
   // Drops the volume and its empty flags; `size` as VolumeMemory::resize.
   void resize_volume(const std::array<int, 3>& size);
   // Makes the decoded form of what is read of the volume current.

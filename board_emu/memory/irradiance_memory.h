@@ -6,6 +6,7 @@
 // that saturate don't depend on their order. A block that no energy has reached takes no memory.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -68,6 +69,17 @@ class IrradianceMemory : public Blocked {
   const std::uint32_t* view(std::size_t block) const { return words_[block].load(std::memory_order_acquire); }
   std::size_t stored_blocks() const;
 
+  // Memory of the host's: of the words that are stored, and what those of all other blocks would take. With their copy at the
+  // functional level (functional/simd).
+  std::uint64_t stored_bytes() const { return stored_blocks() * bytes_of_words(); }
+  std::uint64_t free_bytes() const { return words_.size() * bytes_of_words() - stored_bytes(); }
+  // At most what a write of such bytes adds: a voxel has copies in up to eight blocks.
+  std::uint64_t bytes_to_write(std::uint64_t length) const {
+    return std::min(8 * (length / block_bytes() + 2) * bytes_of_words(), free_bytes());
+  }
+  // What it has for each block, stored or not.
+  static constexpr std::uint64_t kBytesOfBlock = 2 * sizeof(std::uint32_t*);
+
   // Bytes of the address range (memory_map.h): n^3 words a block. `offset` and the length are multiples of four, within
   // bytes(). Writing sets all copies; a word beyond `most` saturates.
   std::uint64_t bytes() const { return words_.size() * block_bytes(); }
@@ -78,6 +90,7 @@ class IrradianceMemory : public Blocked {
   using Words = std::atomic<std::uint32_t*>;
 
   std::uint64_t block_bytes() const { return wire::kIrradianceBytes * voxels_of_block(); }
+  std::uint64_t bytes_of_words() const { return voxels_and_faces() * (sizeof(std::uint32_t) + sizeof(std::int16_t)); }
   std::uint32_t* storage(std::size_t block);
   std::uint32_t most_;
   std::uint64_t changes_ = 1;

@@ -61,8 +61,14 @@ class SumMemory : public Blocked {
 
   std::size_t stored_blocks() const;
 
+  // Memory of the host's, as IrradianceMemory's: of words and pairs.
+  std::uint64_t stored_bytes() const { return stored_blocks() * bytes_of_words(); }
+  std::uint64_t free_bytes() const { return blocks_words_.size() * bytes_of_words() - stored_bytes(); }
+  static constexpr std::uint64_t kBytesOfBlock = 2 * sizeof(std::int64_t*) + 2 * sizeof(std::uint64_t);
+
  private:
   std::uint64_t block_bytes() const { return voxels_of_block() * 9 / 2; }
+  std::uint64_t bytes_of_words() const { return 2 * voxels_and_faces() * sizeof(std::int64_t); }
   // Of the block's own words and pairs.
   std::int64_t part(std::size_t block, std::size_t index, bool first) const;
   std::int64_t value(std::size_t block, int x, int y, int z) const;

@@ -20,7 +20,9 @@ VolumeMemory::VolumeMemory(int block_voxels)
 
 void VolumeMemory::resize(const std::array<int, 3>& size) {
   const std::size_t count = resize_blocks(size);
-  packed_.assign(count, {});
+  packed_.clear();  // its blocks first: there may be no memory for both
+  packed_.resize(count);
+  stored_ = 0;
   stale_.assign(count, 0);
   first_.assign(count, 0);
   voxels_ = {};
@@ -29,9 +31,28 @@ void VolumeMemory::resize(const std::array<int, 3>& size) {
   resized_ = true;
 }
 
-std::size_t VolumeMemory::stored_blocks() const {
-  return static_cast<std::size_t>(
-      std::count_if(packed_.begin(), packed_.end(), [](const auto& block) { return !block.empty(); }));
+std::uint64_t VolumeMemory::bytes_to_write(std::uint64_t offset, std::uint64_t length) const {
+  if (length == 0 || offset + length > bytes()) return 0;
+  std::uint64_t fresh = 0;
+  for (std::uint64_t block = offset / block_bytes_; block <= (offset + length - 1) / block_bytes_; ++block) {
+    if (packed_[static_cast<std::size_t>(block)].empty()) ++fresh;
+  }
+  return fresh * block_bytes_;
+}
+
+std::uint64_t VolumeMemory::bytes_to_decode(const VolumeReads& reads) const {
+  const bool anew = voxels_.empty() && (reads.gradients || densities_.empty());
+  std::uint64_t blocks = anew ? 1 : 0;
+  for (std::size_t block = 0; block < packed_.size(); ++block) {
+    const bool has_place = !anew && first_[block] != 0;
+    const bool read = reads.leapt_over.empty() || reads.leapt_over[block] == 0;
+    if (!packed_[block].empty() && !has_place && read) ++blocks;
+  }
+  if (blocks == 0) return 0;
+  // A vector that grows takes twice its size or what is asked for, beside what it has.
+  const std::uint64_t have = anew ? 0 : places(), want = have + blocks * voxels_and_faces();
+  const bool gradients = anew ? reads.gradients : !voxels_.empty();
+  return std::max(2 * have, want) * ((gradients ? kBytesOfVoxel : sizeof(std::int16_t)) + 1);
 }
 
 // A block's voxels stand also on the +1 faces of up to seven blocks before it.
@@ -50,7 +71,10 @@ void VolumeMemory::write(std::uint64_t offset, std::span<const std::uint8_t> byt
     const auto at = static_cast<std::size_t>(offset % block_bytes_);
     const std::size_t length = std::min(bytes.size(), block_bytes_ - at);
     auto& packed = packed_[block];
-    if (packed.empty()) packed.resize(block_bytes_);
+    if (packed.empty()) {
+      packed.resize(block_bytes_);
+      ++stored_;
+    }
     std::copy_n(bytes.begin(), length, packed.begin() + static_cast<std::ptrdiff_t>(at));
     mark_stale(block);
     bytes = bytes.subspan(length);
@@ -74,10 +98,9 @@ void VolumeMemory::read(std::uint64_t offset, std::span<std::uint8_t> out) const
 }
 
 std::optional<VolumeMemory::BitPlace> VolumeMemory::find_bit(std::size_t stored, std::size_t bit) const {
-  const std::size_t count = stored_blocks();
-  if (count == 0) return std::nullopt;
+  if (stored_ == 0) return std::nullopt;
   std::size_t block = 0;
-  for (std::size_t before = stored % count;; ++block) {
+  for (std::size_t before = stored % stored_;; ++block) {
     if (packed_[block].empty()) continue;
     if (before == 0) break;
     --before;

@@ -40,7 +40,17 @@ class VolumeMemory : public Blocked {
 
   std::size_t block_count() const { return packed_.size(); }
   std::uint64_t bytes() const { return block_count() * block_bytes_; }  // of the address range
-  std::size_t stored_blocks() const;
+  std::size_t stored_blocks() const { return stored_; }
+
+  // Memory of the host's: what it has, what a write of such bytes would add, and at most what decode() would while it works.
+  std::uint64_t memory_bytes() const {
+    return stored_ * block_bytes_ + voxels_.capacity() * kBytesOfVoxel + densities_.capacity() * sizeof(std::int16_t) +
+           tags_.capacity();
+  }
+  std::uint64_t bytes_to_write(std::uint64_t offset, std::uint64_t length) const;
+  std::uint64_t bytes_to_decode(const VolumeReads& reads) const;
+  // What it has for each block, stored or not.
+  static constexpr std::uint64_t kBytesOfBlock = sizeof(std::vector<std::uint8_t>) + 1 + sizeof(std::size_t);
 
   // Byte ranges of the packed blocks (memory_map.h), offset + length <= bytes(). Reading gives what was written, or 0.
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
@@ -79,6 +89,9 @@ class VolumeMemory : public Blocked {
   std::uint64_t decodings() const { return decodings_; }
 
  private:
+  // With the density's copy at the functional level (functional/simd).
+  static constexpr std::uint64_t kBytesOfVoxel = sizeof(DecodedVoxel) + sizeof(std::int16_t);
+
   void mark_stale(std::size_t block);
   std::size_t places() const { return voxels_.empty() ? densities_.size() - 1 : voxels_.size(); }
   void take_form(bool gradients);
@@ -89,6 +102,7 @@ class VolumeMemory : public Blocked {
                      bool only_tags = false);
 
   std::size_t block_bytes_;
+  std::size_t stored_ = 0;                         // blocks
   std::vector<std::vector<std::uint8_t>> packed_;  // empty: never written
   std::vector<std::uint8_t> stale_;                // one a block
   std::vector<std::size_t> first_;                 // of each block in:

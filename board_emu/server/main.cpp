@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "config/hardware_cost.h"
+#include "end_on_signals.h"
 #include "firmware/routines/routine_table.h"
 #include "gicube/wire/register_markdown.h"
 #include "options.h"
@@ -23,6 +24,7 @@
 #include "server/bus/bus_server.h"
 #include "server/management/management.h"
 #include "server/management/registration.h"
+#include "words/finally.h"
 
 namespace gicube::emu {
 namespace {
@@ -44,12 +46,14 @@ void load_routines(const Options& options, RoutineTable& routines) {
 }
 
 void serve(const Options& options, const RoutineTable& routines) {
+  EndOnSignals ending({SIGINT, SIGTERM});
   std::vector<std::unique_ptr<BoardSlot>> slots;
   std::vector<BoardSlot*> boards;
   for (std::uint32_t i = 0; i < options.boards; ++i) {
     std::unique_ptr<Observation> observation;
     if (options.observation.any()) observation = std::make_unique<Observation>(for_board(options.observation, i));
-    slots.push_back(std::make_unique<BoardSlot>(i, options.config, std::move(observation), &routines));
+    slots.push_back(
+        std::make_unique<BoardSlot>(i, options.config, std::move(observation), &routines, options.max_memory_bytes));
     FaultPoint& faults = slots.back()->faults();
     faults.set_plan(options.fault_plan);  // has been checked
     const std::string suffix = i == 0 ? "" : fmt::format(".{}", i);
@@ -58,8 +62,10 @@ void serve(const Options& options, const RoutineTable& routines) {
   }
   BusOptions bus;
   bus.resume_limit = options.resume_limit;
+  bus.max_held_bytes = options.max_results_bytes;
   BusServer server(bus);
-  server.stop_on_signals({SIGINT, SIGTERM});
+  ending.set_stop([&server] { server.stop(); });
+  const Finally server_goes{[&ending] { ending.set_stop([] {}); }};
   std::vector<Endpoint> endpoints;
   for (BoardSlot* slot : boards) {
     const Endpoint endpoint = for_board(options.listen, slot->index());
@@ -71,10 +77,14 @@ void serve(const Options& options, const RoutineTable& routines) {
   }
   // After the server in this scope: so it is gone before the sockets and the boards are.
   std::unique_ptr<Management> management;
-  if (options.management) management = std::make_unique<Management>(*options.management, boards);
+  if (options.management) {
+    management = std::make_unique<Management>(*options.management, boards);
+    if (options.management->endpoint.kind == EndpointKind::kUnix) ending.add_file(options.management->endpoint.path);
+  }
   std::optional<Registration> registration;
   try {
     registration.emplace(management ? to_string(management->endpoint()) : "", boards);
+    ending.add_file(registration->path());
   } catch (const std::runtime_error& error) {  // the boards can be used all the same
     spdlog::warn("gicube-smi will not find this process: {}", error.what());
   }

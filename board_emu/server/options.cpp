@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <fstream>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 
@@ -13,6 +12,9 @@
 
 namespace gicube::emu {
 namespace {
+
+constexpr std::uint64_t kBytesOfMib = std::uint64_t{1} << 20;
+constexpr std::uint32_t kMaxMib = 1u << 24;  // chosen: 16 TiB
 
 // Those flags that are options only once they have been read.
 struct Flags {
@@ -22,6 +24,8 @@ struct Flags {
   std::string trace_file, vcd_file, vcd_window;
   std::string fault_file;
   std::uint32_t resume_seconds = 10;
+  std::uint32_t max_memory_mib = 0;
+  std::uint32_t max_results_mib = static_cast<std::uint32_t>(BusOptions().max_held_bytes / kBytesOfMib);
   bool allow_remote_bus = false;
 };
 
@@ -44,6 +48,16 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--resume-seconds", flags.resume_seconds, "N",
       "how long a session whose connection broke waits for its client, unless another one comes; 0 = not")
       ->check(CLI::Range(0u, 86'400u))
+      ->capture_default_str();
+
+  app.option_defaults()->group("Limits");
+  add("--max-memory", flags.max_memory_mib, "MIB",
+      "what a board's volume, irradiance, sums and image may take of this machine's memory; 0 = no limit")
+      ->check(CLI::Range(0u, kMaxMib))
+      ->capture_default_str();
+  add("--max-results", flags.max_results_mib, "MIB",
+      "what a board may hold for a client: results that it has not waited or polled for, answers it has not taken")
+      ->check(CLI::Range(1u, kMaxMib))
       ->capture_default_str();
 
   app.option_defaults()->group("Configuration");
@@ -75,12 +89,16 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "the token that callers must send as \"authorization: Bearer TOKEN\"; only its owner may read the file");
 }
 
-// Empty without a file.
+// Empty without a file. No more is read than tells that the text is too long, as of /dev/zero.
 std::string read_file(const char* flag, const std::string& path, std::vector<std::string>& errors) {
   if (path.empty()) return {};
   std::ifstream file(path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) errors.push_back(fmt::format("{}: expected a readable file, got {}", flag, path));
+  std::string text(kMaxTextBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!file.is_open() || file.bad()) {
+    errors.push_back(fmt::format("{}: expected a readable file, got {}", flag, path));
+  }
+  text.resize(static_cast<std::size_t>(file.gcount()));
   return text;
 }
 
@@ -209,6 +227,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     return result;
   }
   result.options.resume_limit = std::chrono::seconds(flags.resume_seconds);
+  if (flags.max_memory_mib > 0) result.options.max_memory_bytes = flags.max_memory_mib * kBytesOfMib;
+  result.options.max_results_bytes = flags.max_results_mib * kBytesOfMib;
   read_listen(flags, result.options, result.errors);
   read_management(flags, result.options, result.errors);
   result.options.config = read_config(flags, result.errors);

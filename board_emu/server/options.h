@@ -27,6 +27,8 @@ struct Options {
   std::string fault_log_file;           // empty: none
   std::vector<std::string> bsdf_files;  // scattering routines, in the order of their numbers
   std::chrono::milliseconds resume_limit = BusOptions().resume_limit;
+  std::uint64_t max_memory_bytes = kUnlimitedMemory;  // of each board
+  std::uint64_t max_results_bytes = BusOptions().max_held_bytes;
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;

@@ -64,19 +64,22 @@ class Impatience {
 };
 
 struct Machine {
-  explicit Machine(const char* text) : config(resolved(text)), board(config, 1, nullptr, &emu::built_in_routines()) {
-    first_day = known_scene();
+  explicit Machine(const char* text) : config(resolved(text)) { first_day = known_scene(); }
+
+  void renew() {
+    board.reset();
+    board = std::make_unique<emu::Board>(config, 1, nullptr, &emu::built_in_routines());
   }
 
   static v1::BoardConfig resolved(const char* text) { return emu::resolve(emu::parse_config(text).config); }
 
   emu::TransactionResult send(const Move& move, emu::Progress& work) {
-    return board.transact(move.header, move.payload, work);
+    return board->transact(move.header, move.payload, work);
   }
 
   // Everything that a small scene brings back, with its times.
   std::vector<std::uint8_t> known_scene() {
-    board.reset();
+    renew();
     emu::Progress work;
     std::vector<std::uint8_t> all;
     std::uint64_t now = 0;
@@ -99,7 +102,7 @@ struct Machine {
   }
 
   v1::BoardConfig config;
-  emu::Board board;
+  std::unique_ptr<emu::Board> board;
   std::vector<std::uint8_t> first_day;
 };
 
@@ -114,8 +117,10 @@ void play(Machine& machine, Input& input, emu::Progress& work) {
     Move move = next_move(input, id);
     const bool warps = move.header.time_ps != 0;
     if (!warps) move.header.time_ps = now;
-    if (move.header.type == FrameType::kCommand) ++issued[move.header.id];
     const emu::TransactionResult outcome = machine.send(move, work);
+    if (move.header.type == FrameType::kCommand && !outcome.ticket_in_use) {
+      expect(++issued[move.header.id] == 1, "a ticket names one command at a time");
+    }
     expect(outcome.reply.has_value() != is_posted(move.header.type), "what is posted has no reply, all else has one");
     std::uint64_t last = 0;
     for (const emu::Completion& completion : outcome.completions) {
@@ -142,7 +147,7 @@ void board(Bytes bytes) {
   const std::size_t which = input.u8() % 2;
   std::unique_ptr<Machine>& machine = machines[which];
   if (!machine) machine = std::make_unique<Machine>(kBoards[which]);
-  machine->board.reset();
+  machine->renew();
   emu::Progress work;
   Impatience::instance().begin(work);
   try {
@@ -152,8 +157,7 @@ void board(Bytes bytes) {
     throw;
   }
   Impatience::instance().end();
-  if (bytes.size() % 4 == 0)
-    expect(machine->known_scene() == machine->first_day, "a reset board is as on its first day");
+  if (bytes.size() % 4 == 0) expect(machine->known_scene() == machine->first_day, "a new board is as on its first day");
 }
 
 }  // namespace gicube::fuzz

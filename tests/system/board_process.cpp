@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -75,6 +76,11 @@ std::string BoardProcess::read_output() { return read_all(output_); }
 std::string BoardProcess::read_errors() { return read_all(errors_); }
 
 void BoardProcess::send_signal(int signal) const { ::kill(pid_, signal); }
+
+void BoardProcess::limit_memory(std::uint64_t bytes) const {
+  const rlimit limit{bytes, bytes};
+  if (::prlimit(pid_, RLIMIT_AS, &limit, nullptr) != 0) throw std::runtime_error("prlimit");
+}
 
 bool BoardProcess::reap(int options) {
   if (pid_ > 0 && ::waitpid(pid_, &status_, options) == pid_) pid_ = -1;

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ class BoardProcess {
   std::string read_errors();
 
   void send_signal(int signal) const;
+  // From now on it has at most so much address space.
+  void limit_memory(std::uint64_t bytes) const;
   // Waits for its end; 128 + signal if one ended it.
   int exit_code();
   bool has_ended();

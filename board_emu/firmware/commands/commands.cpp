@@ -67,12 +67,16 @@ DspCommands::DspCommands(const v1::BoardConfig& config, const RegisterFile& regi
       threads_(thread_count(config.threads())),
       aperture_(static_cast<int>(config.asic().block_voxels()), max_irradiance(config)) {}
 
-void DspCommands::clear_volume() {
+std::array<int, 3> DspCommands::volume_size() const {
   std::array<int, 3> size{};
   for (std::uint32_t axis = 0; axis < 3; ++axis)
     size[axis] = static_cast<int>(registers_.value(reg::kVolumeX + 4 * axis));
-  const bool complete = std::all_of(size.begin(), size.end(), [](int edge) { return edge > 0; });
-  aperture_.resize_volume(complete ? size : std::array<int, 3>{});
+  return std::ranges::all_of(size, [](int edge) { return edge > 0; }) ? size : std::array<int, 3>{};
+}
+
+void DspCommands::clear_volume() {
+  aperture_.resize_volume(volume_size());
+  words_bytes_ = 0;
   level_.volume_changed();
 }
 
@@ -90,6 +94,8 @@ void DspCommands::reset() {
   level_.reset();
   host_traps_.begin(false, {});
   memory_errors_.clear();
+  aperture_.resize_volume({});  // first: there may be no memory for both
+  words_bytes_ = 0;
   aperture_ = Aperture(static_cast<int>(config_.asic().block_voxels()), max_irradiance(config_));
   wide_depths_of_ = ~std::uint64_t{0};
 }
@@ -103,16 +109,22 @@ RunResult DspCommands::run_level(RaySource& rays, const Frame& frame, Progress& 
   return ran;
 }
 
-bool DspCommands::accept_register(std::uint32_t offset) {
+Acceptance DspCommands::accept_register(std::uint32_t offset) {
   const std::uint32_t value = registers_.value(offset);
-  const auto within = [value](std::uint32_t low, std::uint32_t high) { return value >= low && value <= high; };
+  const auto within = [value](std::uint32_t low, std::uint32_t high) {
+    return value >= low && value <= high ? Acceptance::kTaken : Acceptance::kOutOfRange;
+  };
   switch (offset) {
     case reg::kVolumeX:
     case reg::kVolumeY:
-    case reg::kVolumeZ:
-      if (!within(2, config_.asic().max_volume_voxels())) return false;
+    case reg::kVolumeZ: {
+      const Acceptance accepted = within(2, config_.asic().max_volume_voxels());
+      if (accepted != Acceptance::kTaken) return accepted;
+      const std::uint64_t bytes = Aperture::bytes_of_blocks(volume_size(), config_.asic().block_voxels());
+      if (!fits(aperture_.image_bytes() + bytes)) return Acceptance::kTooMuchMemory;
       clear_volume();
-      return true;
+      return Acceptance::kTaken;
+    }
     case reg::kSpacingX:
     case reg::kSpacingY:
     case reg::kSpacingZ: return within(wire::kSpacingOne / 64, wire::kSpacingMax);
@@ -121,8 +133,58 @@ bool DspCommands::accept_register(std::uint32_t offset) {
     case reg::kPipeline: return within(0, wire::kPipelineBits);
     case reg::kLifetime: return within(0, wire::kLifetimeMax);
     case reg::kCutPlanes: return within(0, wire::kMaxCutPlanes);
-    default: return true;
+    default: return Acceptance::kTaken;
   }
+}
+
+std::uint64_t DspCommands::stored_words() {
+  return aperture_.irradiance().stored_bytes() + aperture_.sums().stored_bytes();
+}
+
+Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes) {
+  if (is_limited()) {
+    const auto [volume, irradiance] = aperture_.bytes_of_write(address, bytes.size());
+    const std::uint64_t rest = aperture_.volume_bytes() + aperture_.image_bytes() + volume + irradiance;
+    const bool more = volume + irradiance > 0;
+    if (more && rest + words_bytes_ > max_memory_bytes_) {
+      words_bytes_ = stored_words();  // of writes before this one more was expected than came of them
+      if (!fits(rest + words_bytes_)) return Acceptance::kTooMuchMemory;
+    }
+    words_bytes_ += irradiance;
+  }
+  return aperture_.write(address, bytes) ? Acceptance::kTaken : Acceptance::kOutOfRange;
+}
+
+std::uint32_t DspCommands::max_memory_mib() const {
+  constexpr std::uint32_t kNoLimit = ~std::uint32_t{0};
+  return is_limited() ? static_cast<std::uint32_t>(std::min<std::uint64_t>(max_memory_bytes_ >> 20, kNoLimit - 1))
+                      : kNoLimit;
+}
+
+std::uint32_t DspCommands::memory_asked_mib() const {
+  return static_cast<std::uint32_t>((memory_asked_bytes_ + (1 << 20) - 1) >> 20);
+}
+
+bool DspCommands::fits(std::uint64_t bytes) {
+  if (bytes <= max_memory_bytes_) return true;
+  memory_asked_bytes_ = bytes;
+  return false;
+}
+
+void DspCommands::expect_memory(const Frame& frame, std::uint64_t pixels) {
+  if (!is_limited()) return;
+  const bool sums = frame.sums != nullptr, deposits = frame.lights() || (frame.backprojects() && !sums);
+  words_bytes_ = stored_words();
+  const std::uint64_t more_words =
+      (deposits ? aperture_.irradiance().free_bytes() : 0) + (sums ? aperture_.sums().free_bytes() : 0);
+  const std::uint64_t decoded = frame.backprojects() ? 0 : aperture_.volume().bytes_to_decode(reads(frame));
+  const std::uint64_t image = pixels > 0 ? Aperture::bytes_of_image(pixels) : aperture_.image_bytes();
+  if (!fits(aperture_.volume_bytes() + words_bytes_ + more_words + decoded + image)) {
+    refuse("memory: expected at most " + std::to_string(max_memory_mib()) +
+           " MiB for volume, words and image (gicube-board --max-memory), got " + std::to_string(memory_asked_mib()) +
+           " MiB");
+  }
+  words_bytes_ += more_words;
 }
 
 void DspCommands::check_volume() const {
@@ -214,7 +276,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
       case Opcode::kTrace: return trace(payload, work);
       case Opcode::kIlluminate: return illuminate(payload, work);
       case Opcode::kResume: return resume(payload, work);
-      case Opcode::kVerify: return verify(payload);
+      case Opcode::kVerify: return verify(payload, work);
       case Opcode::kPairs: return pairs(payload, work);
     }
     refuse("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs)", opcode);
@@ -247,8 +309,9 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   check_volume();
   check_materials();
 
-  host_traps_.begin(false, {});
   const Frame frame = this->frame();
+  expect_memory(frame, std::uint64_t{command.width} * command.height);
+  host_traps_.begin(false, {});
   aperture_.decode(threads_, reads(frame));
   ImageRays rays(command, frame, aperture_.framebuffer(), config_.dsp());
   const RunResult ran = run_level(rays, frame, work);
@@ -266,8 +329,9 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Pro
   check_materials();
   Frame frame = this->frame();
   if (const auto what = LightingRays::fault(command, frame.extent)) refuse(*what);
-  host_traps_.begin(true, command.rules);
   set_light(frame, command.rules);
+  expect_memory(frame);
+  host_traps_.begin(true, command.rules);
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
   aperture_.decode(threads_, reads(frame));
   const LightingRays maker(command, frame.extent, frame.spacing, bits, frame.seed);

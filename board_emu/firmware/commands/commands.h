@@ -33,6 +33,9 @@ struct CommandResult {
   bool leaves_nothing = false;  // but what it returns: it may be taken back
 };
 
+// What became of a posted write.
+enum class Acceptance { kTaken, kOutOfRange, kTooMuchMemory };
+
 // Sets the frame for rays between two points that gather opacity alone, up to `opacity` (24 bits).
 void set_opacity_rays(Frame& frame, std::uint32_t opacity);
 
@@ -46,12 +49,21 @@ class DspCommands {
   // As Board::add_memory_error().
   void add_memory_error(const MemoryError& error);
 
-  // Called after a write of a register: false if its new value is out of range. A new volume size drops the volume.
-  bool accept_register(std::uint32_t offset);
+  // Called after a write of a register. A new volume size drops the volume.
+  Acceptance accept_register(std::uint32_t offset);
+  // Nothing is written unless it is kTaken.
+  Acceptance write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes);
   void clear_volume();
   void clear_irradiance();
   void clear_sums();
   void reset();
+
+  // What volume, words and image may take of the host's memory. It is asked for before it is taken: register and memory writes
+  // are refused, commands end with an error, and nothing else has changed.
+  void set_max_memory(std::uint64_t bytes) { max_memory_bytes_ = bytes; }
+  std::uint32_t max_memory_mib() const;
+  // What they would have taken together with the last thing that was refused.
+  std::uint32_t memory_asked_mib() const;
 
   // For materials that trap; null: there is none. Must outlive this.
   void set_routines(const Routines* routines) { routines_ = routines; }
@@ -64,12 +76,18 @@ class DspCommands {
   CommandResult trace(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult illuminate(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult resume(std::span<const std::uint8_t> payload, Progress& work);
-  CommandResult verify(std::span<const std::uint8_t> payload);
+  CommandResult verify(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult pairs(std::span<const std::uint8_t> payload, Progress& work);
   Picoseconds reading_time(std::size_t first, std::size_t count) const;
   [[noreturn]] void meet_memory_error();
   static void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid);
   void add_trap_list(CommandResult& result, std::size_t max_rays);
+  bool is_limited() const { return max_memory_bytes_ != kUnlimited; }
+  bool fits(std::uint64_t bytes);
+  std::uint64_t stored_words();  // bytes of irradiance and sums
+  // Throws CommandFault if there is no room for what the frame's rays read and leave, and for an image.
+  void expect_memory(const Frame& frame, std::uint64_t pixels = 0);
+  std::array<int, 3> volume_size() const;  // 0 in every direction until all are set
   Frame frame();
   void set_light(Frame& frame, wire::EnergyRules rules);
   // The level's answer to a command. Throws CommandFault if it was cancelled.
@@ -78,6 +96,8 @@ class DspCommands {
   // Throw CommandFault if there is none, or for what is wrong with what the host wrote.
   void check_volume() const;
   void check_materials(bool host_answers = true) const;
+
+  static constexpr std::uint64_t kUnlimited = ~std::uint64_t{0};
 
   const v1::BoardConfig& config_;
   const RegisterFile& registers_;
@@ -89,6 +109,9 @@ class DspCommands {
   std::uint64_t wide_depths_of_ = ~std::uint64_t{0};  // Aperture::segmentation_writes()
   std::optional<DepthTable> depths_;                  // the same of the depths, for lighting rays
   std::uint64_t depths_of_ = 0;
+  std::uint64_t max_memory_bytes_ = kUnlimited;
+  std::uint64_t memory_asked_bytes_ = 0;
+  std::uint64_t words_bytes_ = 0;  // of irradiance and sums, at most
   const Routines* routines_ = nullptr;
   HostTraps host_traps_;
   std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet

@@ -33,7 +33,7 @@ void DspCommands::meet_memory_error() {
   throw CommandFault{wire::ErrorCode::kMemory, text};
 }
 
-CommandResult DspCommands::verify(std::span<const std::uint8_t> payload) {
+CommandResult DspCommands::verify(std::span<const std::uint8_t> payload, Progress& work) {
   expect(payload.size() == wire::kVerifyCommandBytes, "payload", "16 bytes", payload.size());
   check_volume();
   const VolumeMemory& volume = aperture_.volume();
@@ -47,6 +47,7 @@ CommandResult DspCommands::verify(std::span<const std::uint8_t> payload) {
   CommandResult result{.asic_ps = reading_time(first, count), .up_bytes = 4 * count};
   result.payload.resize(4 * count);
   for (std::size_t i = 0; i < count; ++i) {
+    if (work.cancel) throw CommandFault{wire::ErrorCode::kCancelled, ""};
     const auto packed = volume.packed(first + i);
     wire::store(std::span(result.payload), 4 * i, packed.empty() ? never_written : wire::crc32c(packed));
   }

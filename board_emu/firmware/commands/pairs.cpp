@@ -64,6 +64,7 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress
            std::max(job.pairs[p].a, job.pairs[p].b));
   }
 
+  expect_memory(frame);
   aperture_.decode(threads_, reads(frame));
   std::vector<std::uint8_t> results(job.pairs.size() * wire::kPairResultBytes);
   PairRays rays(job, config_.dsp(), results);

@@ -74,6 +74,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
     answers[i] = wire::decode<wire::Ray>(payload.subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes));
     check_part("ray", i, [&] { check_answer(answers[i], frame.extent, light); });
   }
+  expect_memory(frame);
   aperture_.decode(threads_, reads(frame));
   host_traps_.answered(count);
   RunResult ran;

@@ -139,6 +139,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
     frame.max_moved = max_moved(rays, frame);
     expect(frame.max_moved <= kMaxMoved, "rays", "that can move no sum by more than 2^34", frame.max_moved);
   }
+  expect_memory(frame);
   if (!frame.backprojects()) aperture_.decode(threads_, reads(frame));
   const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
   HostRays source(rays, frame, back, {first, back ? both - first : 0});

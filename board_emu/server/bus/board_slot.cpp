@@ -1,5 +1,6 @@
 #include "board_slot.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <future>
 #include <utility>
@@ -16,20 +17,51 @@ namespace {
 
 // chosen: work looks at its cancel flag many times a second, so a session that takes longer hangs.
 constexpr std::chrono::seconds kReleaseTimeout{10};
+constexpr std::chrono::milliseconds kCancelCheck{50};  // chosen: how late a cancelled call is noticed
+
+bool is_true(const Cancelled& cancelled) { return cancelled && cancelled(); }
+
+constexpr const char* kNoMemory = "the system has no memory left for the board";
 
 }  // namespace
 
 BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation,
-                     const RoutineTable* routines)
+                     const RoutineTable* routines, std::uint64_t max_memory_bytes)
     : index_(index),
       config_(resolve(config)),
       routines_(routines != nullptr ? routines : &built_in_routines()),
+      max_memory_bytes_(max_memory_bytes),
       observation_(std::move(observation)),
-      board_(std::make_unique<Board>(config_, config_hash(config_), observation_.get(), routines_)) {}
+      board_(BoardSlot::build(config_, observation_.get())) {}
 
 BoardSlot::~BoardSlot() {
   compute_.join();
   log_fault(observation_.get());
+}
+
+std::unique_ptr<Board> BoardSlot::build(const v1::BoardConfig& config, Observation* observation) const {
+  return std::make_unique<Board>(config, config_hash(config), observation, routines_, max_memory_bytes_);
+}
+
+void BoardSlot::drop_board() {
+  std::unique_ptr<Board> last;
+  const std::lock_guard lock(mutex_);
+  board_.swap(last);
+}
+
+void BoardSlot::renew(std::string& why) {
+  why.clear();
+  drop_board();
+  try {
+    auto fresh = build(config_, observation_.get());
+    const std::lock_guard lock(mutex_);
+    board_.swap(fresh);
+  } catch (const std::bad_alloc&) {
+    why = kNoMemory;
+  } catch (const std::exception& error) {
+    why = error.what();
+  }
+  if (!why.empty()) spdlog::error("board {} could not be built anew: {}; the next session tries again", index_, why);
 }
 
 void BoardSlot::log_fault(const Observation* observation) const {
@@ -60,13 +92,24 @@ void BoardSlot::ask_to_end(wire::ErrorCode error, const std::string& text) {
   std::exchange(end_session_, nullptr)(error, text);
 }
 
+bool BoardSlot::wait_until(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled,
+                           const std::function<bool()>& free) {
+  const auto end = std::chrono::steady_clock::now() + kReleaseTimeout;
+  while (!free()) {
+    if (is_true(cancelled) || std::chrono::steady_clock::now() > end) return false;
+    released_.wait_for(lock, kCancelCheck);
+  }
+  return true;
+}
+
 // A session whose client is away makes way.
-bool BoardSlot::take_for_management(std::unique_lock<std::mutex>& lock) {
+bool BoardSlot::take_for_management(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled) {
+  const auto is_free = [this] { return owner_ == Owner::kNone; };
   if (owner_ == Owner::kSession && away_) {
     ask_to_end(wire::ErrorCode::kCancelled, "the management plane has rebuilt the board");
-    released_.wait_for(lock, kReleaseTimeout, [this] { return owner_ == Owner::kNone; });
+    wait_until(lock, cancelled, is_free);
   }
-  if (owner_ != Owner::kNone) return false;
+  if (!is_free()) return false;
   owner_ = Owner::kManagement;
   return true;
 }
@@ -87,26 +130,36 @@ void BoardSlot::settle() {
   settled->get_future().wait();
 }
 
-BoardSlot::Configured BoardSlot::configure(std::string_view text, std::vector<Diagnostic>& found) {
+BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& reason, const Cancelled& cancelled) {
   ParsedConfig parsed = parse_config(text);
   std::unique_lock lock(mutex_);
   v1::BoardConfig merged = config_;
   merged.MergeFrom(parsed.config);
-  found = std::move(parsed.diagnostics);
+  std::vector<Diagnostic> found = std::move(parsed.diagnostics);
   for (Diagnostic& each : check(merged, parsed.lines)) found.push_back(std::move(each));
+  reason = to_string(found);
   if (!found.empty()) return Configured::kFaulty;
-  if (!take_for_management(lock)) return Configured::kInUse;
+  if (is_true(cancelled)) return Configured::kCancelled;
+  if (!take_for_management(lock, cancelled)) return Configured::kInUse;
   lock.unlock();
   // Allocating a large board takes a while, so the lock is not held; the claim keeps everyone else out.
   const Finally released{[this] { release(); }};
-  auto rebuilt = std::make_unique<Board>(merged, config_hash(merged), observation_.get(), routines_);
+  std::unique_ptr<Board> rebuilt;
+  try {
+    rebuilt = build(merged, observation_.get());
+  } catch (const std::bad_alloc&) {
+    reason = kNoMemory;
+    return Configured::kFailed;
+  }
+  if (is_true(cancelled)) return Configured::kCancelled;
   const std::lock_guard swapping(mutex_);
   board_.swap(rebuilt);
   config_ = std::move(merged);
   return Configured::kDone;
 }
 
-BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& reason) {
+BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& reason,
+                                                const Cancelled& cancelled) {
   std::unique_lock lock(mutex_);
   if (observation_ && !observation_->options().vcd_file.empty()) {
     reason = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
@@ -117,7 +170,8 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
     reason = "file: expected the name of a new file, got " + file;
     return Configured::kFaulty;
   }
-  if (!take_for_management(lock)) return Configured::kInUse;
+  if (is_true(cancelled)) return Configured::kCancelled;
+  if (!take_for_management(lock, cancelled)) return Configured::kInUse;
   const v1::BoardConfig config = config_;
   lock.unlock();
   // As in configure(). The board is gone before what it speaks to, and both before the release.
@@ -126,10 +180,13 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   std::unique_ptr<Board> board;
   try {
     if (!file.empty()) observation = std::make_unique<Observation>(ObservationOptions{file, {}, {}});
-    board = std::make_unique<Board>(config, config_hash(config), observation.get(), routines_);
+    board = build(config, observation.get());
     const std::lock_guard swapping(mutex_);
     board_.swap(board);
     observation_.swap(observation);
+  } catch (const std::bad_alloc&) {
+    reason = kNoMemory;
+    return Configured::kFailed;
   } catch (const std::exception& error) {
     reason = error.what();
     return Configured::kFaulty;
@@ -139,19 +196,19 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   return Configured::kDone;
 }
 
-bool BoardSlot::power_reset() {
+BoardSlot::Configured BoardSlot::power_reset(std::string& reason, const Cancelled& cancelled) {
   std::unique_lock lock(mutex_);
   const std::uint64_t session = sessions_;
   if (owner_ == Owner::kSession) ask_to_end(wire::ErrorCode::kCancelled, "the management plane has reset the board");
-  // A session that ends resets the board; one that came after it has found it so.
+  // A session that ends leaves a new board; one that came after it has found it so.
   const auto ended = [this, session] { return owner_ == Owner::kNone || sessions_ != session; };
-  if (!released_.wait_for(lock, kReleaseTimeout, ended)) return false;
-  if (owner_ != Owner::kNone) return true;
+  if (!wait_until(lock, cancelled, ended)) return is_true(cancelled) ? Configured::kCancelled : Configured::kInUse;
+  if (owner_ != Owner::kNone) return Configured::kDone;
   owner_ = Owner::kManagement;
   lock.unlock();
-  board_->reset();
-  release();
-  return true;
+  const Finally released{[this] { release(); }};
+  renew(reason);
+  return reason.empty() ? Configured::kDone : Configured::kFailed;
 }
 
 }  // namespace gicube::emu

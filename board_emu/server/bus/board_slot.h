@@ -3,6 +3,9 @@
 // A board has at most one owner, either a session or the management plane while it resets or rebuilds the board. Only
 // the owner touches the board's state; counters can be read at any time. Who wants a board that has an owner stands in
 // line. An owner whose client is away makes way for the first in line. All calls from any thread.
+//
+// Each owner has a new board: the last one's is gone, with its memory, before the next is built. If that fails the slot has no
+// board, and the next owner's first act is to try again.
 #pragma once
 
 #include <chrono>
@@ -28,6 +31,9 @@ namespace gicube::emu {
 
 enum class Claim { kGranted, kBusy, kSoonFree };  // kSoonFree: the owner is about to let go
 
+// Asked now and then by calls that may take a while. True: nobody waits for their answer any more.
+using Cancelled = std::function<bool()>;
+
 // Asks a session to end, with what its client is told. Must not block.
 using EndSession = std::function<void(wire::ErrorCode error, std::string text)>;
 
@@ -40,10 +46,10 @@ struct Claimant {
 
 class BoardSlot {
  public:
-  // `config` must be checked; it is resolved here. `observation`: for this board alone, or null. `routines`: as Board's.
+  // `config` must be checked; it is resolved here. `observation`: for this board alone, or null. The rest: as Board's.
   BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation = nullptr,
-            const RoutineTable* routines = nullptr);
-  ~BoardSlot();
+            const RoutineTable* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory);
+  virtual ~BoardSlot();
 
   BoardSlot(const BoardSlot&) = delete;
   BoardSlot& operator=(const BoardSlot&) = delete;
@@ -75,7 +81,7 @@ class BoardSlot {
     const std::lock_guard lock(mutex_);
     releasing_ = true;
   }
-  // The board must have been reset.
+  // What it left on the board must be gone: renew(), drop_board().
   void release() {
     const std::lock_guard lock(mutex_);
     owner_ = Owner::kNone;
@@ -86,6 +92,14 @@ class BoardSlot {
 
   // Only for the owner, and only from work on compute().
   Board& board() { return *board_; }
+  // Ends the board and builds a new one. If that fails it is logged, `why` says so, and there is none.
+  void renew(std::string& why);
+  // Only for the owner, while nothing works on compute().
+  void drop_board();
+  bool has_board() const {
+    const std::lock_guard lock(mutex_);
+    return board_ != nullptr;
+  }
   // The thread on which all of this board's work is done.
   boost::asio::thread_pool& compute() { return compute_; }
   // Returns when all work given to compute() so far has ended. Not from compute() itself.
@@ -123,12 +137,15 @@ class BoardSlot {
   };
   Snapshot counters() const {
     const std::lock_guard lock(mutex_);
+    if (!board_) return {};
     return {board_->simulated_ps(), board_->counters()};
   }
 
-  enum class Configured { kDone, kInUse, kFaulty };
-  // Merges configuration text and builds the board anew. On anything but kDone nothing has changed.
-  Configured configure(std::string_view text, std::vector<Diagnostic>& found);
+  // The calls of the management plane. On anything but kDone nothing has changed; `reason` says why it is kFaulty or kFailed.
+  // kFailed: a board could not be built, as for want of memory.
+  enum class Configured { kDone, kInUse, kFaulty, kFailed, kCancelled };
+  // Merges configuration text and builds the board anew.
+  Configured configure(std::string_view text, std::string& reason, const Cancelled& cancelled = {});
 
   // The file that the board writes its trace to; empty: none.
   std::string trace_file() const {
@@ -136,16 +153,23 @@ class BoardSlot {
     return observation_ ? observation_->options().trace_file : std::string();
   }
   // Builds the board anew, to write its trace to a file that is not there yet; empty: to none, and the former file is
-  // completed. On anything but kDone nothing has changed; kFaulty: `reason` says why.
-  Configured set_trace_file(const std::string& file, std::string& reason);
+  // completed.
+  Configured set_trace_file(const std::string& file, std::string& reason, const Cancelled& cancelled = {});
 
-  // The power button: ends the owning session and resets the board. False if the session did not end in time.
-  bool power_reset();
+  // The power button: ends the owning session and resets the board. kInUse: the session did not end in time. After kInUse and
+  // kCancelled it ends all the same, as soon as it can; after kFailed there is no board.
+  Configured power_reset(std::string& reason, const Cancelled& cancelled = {});
+
+ protected:
+  // Virtual for tests, in which it fails. Throws what there is no memory for.
+  virtual std::unique_ptr<Board> build(const v1::BoardConfig& config, Observation* observation) const;
 
  private:
   enum class Owner { kNone, kSession, kManagement };
 
-  bool take_for_management(std::unique_lock<std::mutex>& lock);
+  // True once `free()` is, false if that takes too long or nobody waits for it.
+  bool wait_until(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled, const std::function<bool()>& free);
+  bool take_for_management(std::unique_lock<std::mutex>& lock, const Cancelled& cancelled);
   void log_fault(const Observation* observation) const;
   void ask_to_end(wire::ErrorCode error, const std::string& text);
 
@@ -164,6 +188,7 @@ class BoardSlot {
   std::string endpoint_;
   v1::BoardConfig config_;
   const RoutineTable* const routines_;
+  const std::uint64_t max_memory_bytes_;
   std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
   std::unique_ptr<Board> board_;
   FaultPoint faults_;  // has a lock of its own

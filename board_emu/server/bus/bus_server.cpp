@@ -33,6 +33,7 @@ namespace {
 constexpr milliseconds kAcceptPause{100};   // chosen: until descriptors may be free again
 constexpr milliseconds kBusyPatience{200};  // chosen: an owner may just be closing its socket
 constexpr milliseconds kClaimInterval{10};  // chosen
+constexpr milliseconds kLastWords{300};     // chosen: what clients get to read them before the process ends
 
 // Which file is at `path`, so that one that has taken our place is left alone.
 std::pair<dev_t, ino_t> identity(const std::string& path) {
@@ -178,25 +179,25 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
 
 awaitable<void> BusServer::serve(Connection::Socket socket, BoardSlot& slot, bool is_private) {
   try {
-    co_await receive(std::make_shared<Connection>(std::move(socket)), slot, !is_private);
+    const auto connection = std::make_shared<Connection>(std::move(socket));
+    std::erase_if(connections_, [](const auto& each) { return each.expired(); });
+    connections_.push_back(connection);
+    co_await receive(connection, slot, !is_private);
   } catch (const std::exception& error) {
     spdlog::error("a session ended by a fault of the server: {}", error.what());
   }
   if (is_private) stop_now();
 }
 
-void BusServer::stop_on_signals(std::initializer_list<int> signals) {
-  for (const int signal : signals) signals_.add(signal);
-  signals_.async_wait([this](const error_code& cancelled, int) {
-    if (!cancelled) stop_now();
-  });
-}
-
 void BusServer::run() {
   auto alive = asio::make_work_guard(io_);
-  while (!stopped_) io_.run_one();
+  while (!stopped_ || !sessions_.empty()) io_.run_one();
   alive.reset();
-  io_.run();  // until the last session has ended
+  io_.run_for(kLastWords);
+  for (const auto& each : connections_) {
+    if (const auto connection = each.lock()) connection->close();
+  }
+  io_.run();
   // A compute thread may still be on its way out of telling this io context so.
   for (BoardSlot* slot : slots_) slot->settle();
 }
@@ -208,7 +209,6 @@ void BusServer::stop() {
 void BusServer::stop_now() {
   if (stopped_) return;
   stopped_ = true;
-  signals_.cancel();
   for (const auto& listener : listeners_) listener->close();
   const LastWord word{ErrorCode::kCancelled, 0, "the board shuts down"};
   const auto guests = guests_;
@@ -240,6 +240,13 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
   if (!claimed) co_return;
   std::erase(guests_, connection);
   sessions_.emplace(token, session);
+  const std::string fault = co_await session->prepare();
+  if (!fault.empty()) {
+    connection->refuse({ErrorCode::kInternal, id, fmt::format("board {}: {}", slot.index(), fault)});
+    sessions_.erase(token);
+    slot.release();
+    co_return;
+  }
   session->attach(connection, id, theirs);  // the board is ours, even if the client has gone
   if (stopped_) session->end(ErrorCode::kCancelled, "the board shuts down");
   co_await session->run(can_resume);

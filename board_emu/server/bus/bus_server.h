@@ -1,13 +1,11 @@
 // The data plane's sockets, on one io thread: gives each client a session with a board of this process, or a last word.
 #pragma once
 
-#include <initializer_list>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/signal_set.hpp>
 
 #include "board_slot.h"
 #include "connection.h"
@@ -31,10 +29,7 @@ class BusServer {
   // Before run(). Serves `slot` over one connected stream socket; with `is_private` its end stops the server.
   void adopt(BoardSlot& slot, int fd, bool is_private);
 
-  // Before run(): these signals stop the server.
-  void stop_on_signals(std::initializer_list<int> signals);
-
-  // Serves until stop(); returns when every session has ended, with its socket files removed.
+  // Serves until stop(); returns when every session has ended and its client had time to read why, with the socket files removed.
   void run();
 
   // Any thread.
@@ -58,10 +53,10 @@ class BusServer {
 
   const BusOptions options_;
   bool stopped_ = false;
+  std::vector<std::weak_ptr<Connection>> connections_;                    // all of them
   std::vector<std::shared_ptr<Connection>> guests_;                       // that own no board yet
   std::unordered_map<std::uint64_t, std::shared_ptr<Session>> sessions_;  // by token
   asio::io_context io_{1};
-  asio::signal_set signals_{io_};
   std::vector<BoardSlot*> slots_;  // those that were served
   std::vector<std::unique_ptr<Listener>> listeners_;
 };

@@ -1,6 +1,10 @@
 #include "session.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <new>
 
 namespace gicube::emu {
 
@@ -29,9 +33,18 @@ awaitable<void> Session::run(bool can_resume) {
   } catch (const LastWord& fault) {
     fail(fault);
   } catch (const std::exception& error) {
-    fail({ErrorCode::kInternal, 0, error.what()});
+    fail(error);
   }
   co_await give_board_back();
+}
+
+awaitable<std::string> Session::prepare() {
+  if (slot_.has_board()) co_return "";
+  std::string why;
+  std::function<void()> build = [this, &why] { slot_.renew(why); };
+  co_await run_on_compute(std::move(build), false);
+  if (why.empty() && stopped_) why = "others have taken it, or the board shuts down";
+  co_return why;
 }
 
 // ---- connections
@@ -80,19 +93,37 @@ void Session::lose(const Connected& connection, const std::optional<LastWord>& w
 
 // ---- end
 
+void Session::fail(const std::exception& error) {
+  const bool no_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+  const char* const why = no_memory ? "the system has no memory left for what was asked" : error.what();
+  spdlog::error("board {}: a session has ended: {}", slot_.index(), why);
+  fail({ErrorCode::kInternal, 0, why});
+}
+
 awaitable<void> Session::give_board_back() {
   stop();
   if (connection_) std::exchange(connection_, nullptr)->close();
   slot_.announce_release();
-  std::function<void()> reset = [this] { slot_.board().reset(); };
-  co_await run_on_compute(std::move(reset), false);
+  try {
+    std::function<void()> renew = [this] {
+      std::string logged;
+      slot_.renew(logged);
+    };
+    co_await run_on_compute(std::move(renew), false);
+  } catch (const std::bad_alloc&) {  // not even for the job: no work is under way, so it can be done here
+    slot_.drop_board();
+  }
   slot_.release();
 }
 
 awaitable<void> Session::pause(std::chrono::microseconds duration) {
-  if (duration.count() <= 0) co_return;
+  constexpr std::chrono::milliseconds kLook{50};  // chosen: how late the end of the session is noticed
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + duration;
   asio::steady_timer timer(wake_.get_executor());
-  co_await sleep(timer, duration);
+  while (!stopped_ && Clock::now() < end) {
+    co_await sleep(timer, std::min<Clock::duration>(end - Clock::now(), kLook));
+  }
 }
 
 awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job, bool shows_progress) {

@@ -5,7 +5,8 @@
 // What was sent is kept until its credit has come back: after a broken connection the client resumes the session by its token,
 // and each side sends again what the other has not taken. All but Board::transact runs on the io thread: nothing is locked.
 //
-// A fault of the client ends its session with a last word. However a session ends, the board is reset before the next one.
+// A fault of the client ends its session with a last word. However a session ends, its board is gone before the next one, which
+// has a new board.
 #pragma once
 
 #include <chrono>
@@ -16,7 +17,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -36,8 +36,8 @@ struct BusOptions {
   std::size_t max_unowned = 32;                        // chosen: connections that own no board (yet)
   // How long a session without a connection waits to be resumed while nobody else wants the board; 0 = it ends.
   std::chrono::milliseconds resume_limit{10'000};  // chosen: a network that comes back, not one that is gone
-  // Commands whose completions the client has not waited or polled for: their results stay in memory until then.
-  std::uint64_t max_unclaimed_bytes = std::uint64_t{1} << 30;  // chosen: 32 million rays
+  // What a session may hold for its client: results that were not waited or polled for, frames whose credit has not returned.
+  std::uint64_t max_held_bytes = std::uint64_t{1} << 30;  // chosen: 32 million rays
 };
 
 class Session : public std::enable_shared_from_this<Session> {
@@ -51,6 +51,8 @@ class Session : public std::enable_shared_from_this<Session> {
 
   // Why a client that says `theirs` can't go on with this session; empty if it can.
   std::string resume_fault(const wire::VersionInfo& theirs) const;
+  // Before attach(): has a board built if the slot has none. Returns why there is none, or why the session has ended meanwhile.
+  awaitable<std::string> prepare();
   // Answers the version frame `id` of a client that opens or resumes this session, and goes on over its connection.
   void attach(std::shared_ptr<Connection> connection, std::uint32_t id, const wire::VersionInfo& theirs);
 
@@ -73,13 +75,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void admit(const wire::FrameHeader& header);
 
   awaitable<void> work();
-  void book_command(const wire::FrameHeader& header);
-  void settle_command(std::uint32_t ticket) {
-    const auto found = unclaimed_.find(ticket);
-    if (found == unclaimed_.end()) return;
-    unclaimed_bytes_ -= found->second;
-    unclaimed_.erase(found);
-  }
+  void check_held(const wire::FrameHeader& header) const;
   awaitable<TransactionResult> transact(const Frame& frame);
   awaitable<void> send_result(const wire::FrameHeader& request, TransactionResult result);
   awaitable<void> keep_pace(std::uint64_t time_ps);
@@ -91,8 +87,11 @@ class Session : public std::enable_shared_from_this<Session> {
   awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress);
 
   awaitable<void> give_board_back();
+  // Shorter if the session ends.
   awaitable<void> pause(std::chrono::microseconds duration);
   void lose(const Connected& connection, const std::optional<LastWord>& word);
+  // What no client should bring about: no memory left, or a fault of ours.
+  void fail(const std::exception& error);
   // The first fault is the one that the client hears of.
   void fail(const LastWord& fault) {
     if (stopped_) return;
@@ -120,8 +119,7 @@ class Session : public std::enable_shared_from_this<Session> {
   wire::ReliableWindow window_;
   std::uint32_t judged_ = 0;  // the last number that the fault plan has had its say about
 
-  std::unordered_map<std::uint32_t, std::uint64_t> unclaimed_;  // ticket -> bytes
-  std::uint64_t unclaimed_bytes_ = 0;
+  std::uint64_t held_bytes_ = 0;  // by the board, after the latest transaction
 
   std::deque<Frame> inbox_;
   Progress progress_;

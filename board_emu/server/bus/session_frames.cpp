@@ -18,8 +18,6 @@ using Arrival = wire::ReliableWindow::Arrival;
 
 namespace {
 
-constexpr std::uint64_t kCommandOverhead = 1024;  // chosen: bytes of bookkeeping for one command
-
 enum class Manner { kNotFromHost, kPosted, kNonPosted };
 
 Manner manner_of(FrameType type) {
@@ -56,7 +54,7 @@ awaitable<void> Session::read_frames(std::shared_ptr<Session> self, Connected co
   } catch (const LastWord& fault) {
     self->fail(fault);
   } catch (const std::exception& error) {  // no memory for a payload
-    self->fail({ErrorCode::kInternal, 0, error.what()});
+    self->fail(error);
   }
 }
 
@@ -174,27 +172,28 @@ awaitable<void> Session::work() {
     }
     const Frame frame = std::move(inbox_.front());
     inbox_.pop_front();
-    book_command(frame.header);
     TransactionResult result = co_await transact(frame);
     window_.consume(frame.header.size);
     if (stopped_) break;
+    if (result.ticket_in_use) {
+      throw LastWord{ErrorCode::kProtocol, frame.header.id,
+                     fmt::format("ticket: expected one that no command under way has, got {}", frame.header.id)};
+    }
+    check_held(frame.header);
     co_await send_result(frame.header, std::move(result));
     const bool is_due = window_.credit_is_due() || window_.may_keep_out(agreed_.max_payload_bytes);
     if (!stopped_ && is_due) return_credit();
   }
 }
 
-// Throws LastWord if the client piles up results that it never fetches.
-void Session::book_command(const FrameHeader& header) {
-  if (header.type != FrameType::kCommand) return;
-  const std::uint64_t bytes = kCommandOverhead + header.size;  // rays come back in as many bytes as they were sent
-  unclaimed_[header.id] += bytes;
-  unclaimed_bytes_ += bytes;
-  if (unclaimed_bytes_ <= options_.max_unclaimed_bytes) return;
+// Throws LastWord if the client piles up results that it never fetches, or answers that it never takes.
+void Session::check_held(const FrameHeader& header) const {
+  const std::uint64_t bytes = held_bytes_ + window_.kept_bytes();
+  if (bytes <= options_.max_held_bytes) return;
   throw LastWord{
       ErrorCode::kTooLarge, header.id,
-      fmt::format("expected at most {} bytes of commands before their completions are waited or polled for, got {}",
-                  options_.max_unclaimed_bytes, unclaimed_bytes_)};
+      fmt::format("expected at most {} bytes of results before they are waited or polled for and taken, got {}",
+                  options_.max_held_bytes, bytes)};
 }
 
 awaitable<TransactionResult> Session::transact(const Frame& frame) {
@@ -204,6 +203,7 @@ awaitable<TransactionResult> Session::transact(const Frame& frame) {
   std::function<void()> job = [this, &frame, &result] {
     if (frame.memory_error) slot_.board().add_memory_error(*frame.memory_error);
     result = slot_.board().transact(frame.header, frame.payload, progress_);
+    held_bytes_ = slot_.board().held_bytes();
   };
   const bool shows_progress = (agreed_.capabilities & wire::kProgressFrames) != 0;
   const std::exception_ptr fault = co_await run_on_compute(std::move(job), shows_progress);
@@ -215,7 +215,6 @@ awaitable<void> Session::send_result(const FrameHeader& request, TransactionResu
   for (Completion& completion : result.completions) {
     FrameHeader header{FrameType::kCompletion, wire::kPosted, completion.ticket};
     header.error = completion.error;
-    settle_command(completion.ticket);
     header.time_ps = completion.time_ps;
     co_await keep_pace(completion.time_ps);
     co_await send(header, std::move(completion.payload));
@@ -276,7 +275,7 @@ awaitable<void> Session::deliver(const wire::ReliableWindow::Sent& frame) {
   if (action.any()) {
     delivering_ = true;
     // What was sent before must not be lost with the process: the log would not be that of the plan and the traffic.
-    while (action.kill && connection && !connection->idle()) co_await pause(std::chrono::milliseconds(1));
+    while (!stopped_ && action.kill && connection && !connection->idle()) co_await pause(std::chrono::milliseconds(1));
     if (action.kill) ::raise(SIGKILL);
     co_await pause(action.pause);
     delivering_ = false;

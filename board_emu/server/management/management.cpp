@@ -31,7 +31,7 @@ using grpc::StatusCode;
 constexpr int kMaxWatchers = 16;  // chosen: each holds a thread
 constexpr std::uint32_t kMinIntervalMs = 10, kMaxIntervalMs = 60'000, kDefaultIntervalMs = 1000;
 constexpr std::chrono::milliseconds kCancelCheck{50};     // chosen: how late a cancelled watch is noticed
-constexpr std::chrono::milliseconds kShutdownGrace{500};  // chosen
+constexpr std::chrono::milliseconds kShutdownGrace{200};  // chosen: with the last words to clients less than kMaxEnding
 constexpr int kMaxMessageBytes = 2 << 20;                 // chosen: twice what a configuration text may have
 
 class Service final : public v1::BoardManagement::Service {
@@ -45,17 +45,20 @@ class Service final : public v1::BoardManagement::Service {
 
   Status GetInfo(ServerContext*, const v1::GetInfoRequest* in, v1::BoardInfo* out) override { return show(in, out); }
 
-  Status Configure(ServerContext*, const v1::ConfigureRequest* request, v1::BoardInfo* info) override {
+  Status Configure(ServerContext* context, const v1::ConfigureRequest* request, v1::BoardInfo* info) override {
     return on_board(*request, [&](BoardSlot& slot) {
-      std::vector<Diagnostic> found;
-      const auto result = slot.configure(request->config_text(), found);
-      return result == BoardSlot::Configured::kDone ? shown(slot, *info) : refusal(result, slot, to_string(found));
+      std::string reason;
+      const auto result = slot.configure(request->config_text(), reason, given_up(*context));
+      return result == BoardSlot::Configured::kDone ? shown(slot, *info) : refusal(result, slot, reason);
     });
   }
 
-  Status Reset(ServerContext*, const v1::ResetRequest* request, v1::BoardInfo* info) override {
+  Status Reset(ServerContext* context, const v1::ResetRequest* request, v1::BoardInfo* info) override {
     return on_board(*request, [&](BoardSlot& slot) -> Status {
-      if (slot.power_reset()) return shown(slot, *info);
+      std::string reason;
+      const auto result = slot.power_reset(reason, given_up(*context));
+      if (result == BoardSlot::Configured::kDone) return shown(slot, *info);
+      if (result != BoardSlot::Configured::kInUse) return refusal(result, slot, reason);
       return {StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
     });
   }
@@ -64,10 +67,10 @@ class Service final : public v1::BoardManagement::Service {
     return show(in, out);
   }
 
-  Status SetTrace(ServerContext*, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
+  Status SetTrace(ServerContext* context, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
     return on_board(*request, [&](BoardSlot& slot) {
       std::string reason;
-      const auto result = slot.set_trace_file(request->file(), reason);
+      const auto result = slot.set_trace_file(request->file(), reason, given_up(*context));
       return result == BoardSlot::Configured::kDone ? shown(slot, *info) : refusal(result, slot, reason);
     });
   }
@@ -82,7 +85,7 @@ class Service final : public v1::BoardManagement::Service {
   Status SetFaultPlan(ServerContext*, const v1::SetFaultPlanRequest* request, v1::FaultPlanInfo* info) override {
     return on_board(*request, [&](BoardSlot& slot) -> Status {
       const std::vector<Diagnostic> found = slot.faults().set_plan(request->plan_text());
-      if (!found.empty()) return {StatusCode::INVALID_ARGUMENT, to_string(found)};
+      if (!found.empty()) return {StatusCode::INVALID_ARGUMENT, in_short(to_string(found))};
       return shown(slot, *info);
     });
   }
@@ -120,8 +123,28 @@ class Service final : public v1::BoardManagement::Service {
   }
 
   static Status refusal(BoardSlot::Configured result, const BoardSlot& slot, const std::string& reason) {
-    if (result == BoardSlot::Configured::kFaulty) return {StatusCode::INVALID_ARGUMENT, reason};
-    return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", slot.index())};
+    switch (result) {
+      case BoardSlot::Configured::kFaulty: return {StatusCode::INVALID_ARGUMENT, in_short(reason)};
+      case BoardSlot::Configured::kFailed: return {StatusCode::RESOURCE_EXHAUSTED, reason};
+      case BoardSlot::Configured::kCancelled:
+        return {StatusCode::CANCELLED, "the caller has given up, or the process ends"};
+      default: return {StatusCode::FAILED_PRECONDITION, fmt::format("board {} has an owner", slot.index())};
+    }
+  }
+
+  // gRPC refuses metadata of more than 8 KiB, in which a status travels percent-encoded.
+  static std::string in_short(std::string text) {
+    constexpr std::size_t kMaxBytes = 4096;  // chosen
+    if (text.size() <= kMaxBytes) return text;
+    text.resize(text.rfind('\n', kMaxBytes) == std::string::npos ? kMaxBytes : text.rfind('\n', kMaxBytes));
+    return text + "\nand more";
+  }
+
+  Cancelled given_up(const ServerContext& context) {
+    return [this, &context] {
+      const std::lock_guard lock(mutex_);
+      return stopping_ || context.IsCancelled();
+    };
   }
 
   Status watch(const ServerContext& context, const v1::WatchCountersRequest& request, const BoardSlot& slot,

@@ -123,7 +123,8 @@ class GICUBE_API Board {
   // Replaces the volume: converts the samples, quantises gradients by the codebook, cuts all into blocks and sends those that are
   // not zero including their shared faces. The simulated host waits for the transfer. The transfer functions are kept, and
   // the empty flags are found again.
-  // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags): the board keeps its volume.
+  // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags): the board keeps its volume. Throws Rejected
+  // if the volume needs more memory than the board may take (gicube-board --max-memory): there is no volume then.
   // On DeviceLost or TimedOut the volume is lost with the board.
   void load_volume(const VolumeView& volume, const Progress& progress = {});
 

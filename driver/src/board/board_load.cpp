@@ -72,11 +72,17 @@ void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of
 
 // Waits for all that was written and asks whether the board took it.
 void Board::State::check_fence() {
-  constexpr std::uint32_t kFaults = wire::kStatusBadAddress | wire::kStatusBadValue;
+  constexpr std::uint32_t kFaults = wire::kStatusBadAddress | wire::kStatusBadValue | wire::kStatusNoMemory;
   const std::uint32_t faults = device.read_register(reg::kStatus) & kFaults;
   if (faults == 0) return;
   const std::uint32_t address = device.read_register(reg::kErrorAddress);
   device.write_register(reg::kStatusClear, faults);
+  if ((faults & wire::kStatusNoMemory) != 0) {
+    const std::uint32_t max = device.read_register(reg::kMaxMemory), asked = device.read_register(reg::kMemoryAsked);
+    throw Rejected(fmt::format(
+        "memory: expected at most {} MiB for volume, words and image (gicube-board --max-memory), got {} MiB", max,
+        asked));
+  }
   throw Rejected(
       fmt::format("the board did not take what was written to it: STATUS {}, ERROR_ADDRESS {}", faults, address));
 }

@@ -1,7 +1,8 @@
 // The register table of BAR0: one list that driver, board, tests and docs/reference/protocol.md share.
 //
 // Registers are 32 bits wide at multiples of 4. Unmapped reads give all ones, unmapped or read-only writes set
-// STATUS.bad_address and leave everything else as it was, values out of range set STATUS.bad_value.
+// STATUS.bad_address and leave everything else as it was, values out of range set STATUS.bad_value. A write refused for want of
+// memory sets STATUS.no_memory beside the one of both that tells what it was.
 #pragma once
 
 #include <array>
@@ -28,6 +29,8 @@ inline constexpr std::uint32_t kStatusClear = 0x008;
 inline constexpr std::uint32_t kControl = 0x00C;
 inline constexpr std::uint32_t kErrorAddress = 0x010;
 inline constexpr std::uint32_t kDatapath = 0x014;
+inline constexpr std::uint32_t kMaxMemory = 0x018;
+inline constexpr std::uint32_t kMemoryAsked = 0x01C;
 inline constexpr std::uint32_t kFidelity = 0x020;
 inline constexpr std::uint32_t kProcessors = 0x024;
 inline constexpr std::uint32_t kBlockVoxels = 0x028;
@@ -61,6 +64,7 @@ enum StatusBit : std::uint32_t {
   kStatusBadValue = 1 << 1,
   kStatusBadCommand = 1 << 2,
   kStatusMemory = 1 << 3,
+  kStatusNoMemory = 1 << 4,
 };
 enum ControlBit : std::uint32_t {
   kControlReset = 1 << 0,
@@ -92,11 +96,13 @@ inline constexpr std::uint32_t kSpacingMax = 64 * kSpacingOne;
 // clang-format off
 inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kId, "ID", Access::kReadOnly, kIdValue, "\"GICB\""},
-    RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command, 3 memory_error"},
+    RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command, 3 memory_error, 4 no_memory"},
     RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear the same bits of STATUS"},
     RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags, its irradiance and its sums, bit 2 clear the irradiance, bit 3 the sums"},
     RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0, "low 32 bits of the address that last set bad_address or bad_value"},
     RegisterInfo{reg::kDatapath, "DATAPATH", Access::kReadOnly, 0, "1 paper, 2 wide; from the configuration"},
+    RegisterInfo{reg::kMaxMemory, "MAX_MEMORY", Access::kReadOnly, 0, "what volume, words and image may take of the host's memory, MiB; all ones: no limit; from --max-memory"},
+    RegisterInfo{reg::kMemoryAsked, "MEMORY_ASKED", Access::kReadOnly, 0, "MiB that they would have taken with what last set no_memory"},
     RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0, "1 functional, 2 approximate, 3 cycle; from the configuration"},
     RegisterInfo{reg::kProcessors, "PROCESSORS", Access::kReadOnly, 0, "ray integration processors; from the configuration"},
     RegisterInfo{reg::kBlockVoxels, "BLOCK_VOXELS", Access::kReadOnly, 0, "block edge n in voxels; from the configuration"},

@@ -41,6 +41,24 @@ TEST(CommandLine, SaysHowLongASessionMayBeResumed) {
               Contains(HasSubstr("--resume-seconds")));
 }
 
+TEST(CommandLine, LimitsMemoryAndResultsInMebibytes) {
+  const Options none = parse({"--listen", "unix:/tmp/b"}).options;
+  EXPECT_EQ(none.max_memory_bytes, kUnlimitedMemory);
+  EXPECT_EQ(none.max_results_bytes, std::uint64_t{1} << 30);
+  const Options some = parse({"--listen", "unix:/tmp/b", "--max-memory", "4096", "--max-results", "2"}).options;
+  EXPECT_EQ(some.max_memory_bytes, std::uint64_t{4} << 30);
+  EXPECT_EQ(some.max_results_bytes, std::uint64_t{2} << 20);
+  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--max-results", "0"}).errors, Contains(HasSubstr("--max-results")));
+  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--max-memory", "-1"}).errors, Contains(HasSubstr("--max-memory")));
+}
+
+TEST(CommandLine, AFileThatNeverEndsIsReadNoFurtherThanATextMayBe) {
+  for (const char* flag : {"--config", "--faults"}) {
+    EXPECT_THAT(parse({"--listen", "fd:3", flag, "/dev/zero"}).errors,
+                ElementsAre(HasSubstr("expected at most 1048576 bytes of text, got 1048577")));
+  }
+}
+
 TEST(CommandLine, ThePaceIsNoPartOfTheConfigurationsHash) {
   const auto paced = parse({"--listen", "unix:/tmp/b", "--set", "pace=realtime"}).options.config;
   EXPECT_EQ(paced.pace(), v1::realtime);

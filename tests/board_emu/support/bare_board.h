@@ -25,13 +25,17 @@ class BareBoard {
  public:
   // `observer` and `routines` may be null.
   explicit BareBoard(const v1::BoardConfig& config = {}, BoardObserver* observer = nullptr,
-                     const Routines* routines = nullptr)
-      : board_(config, 0x1234, observer, routines), n_(static_cast<int>(config.asic().block_voxels())) {}
+                     const Routines* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory)
+      : board_(config, 0x1234, observer, routines, max_memory_bytes),
+        n_(static_cast<int>(config.asic().block_voxels())) {}
 
   TransactionResult send(wire::FrameType type, std::vector<std::uint8_t> payload) {
+    return send(type, next_id_++, std::move(payload));
+  }
+  TransactionResult send(wire::FrameType type, std::uint32_t id, const std::vector<std::uint8_t>& payload) {
     wire::FrameHeader header;
     header.type = type;
-    header.id = next_id_++;
+    header.id = id;
     header.time_ps = now_ps;
     return board_.transact(header, payload, work);
   }
@@ -151,6 +155,8 @@ class BareBoard {
     }
     return rays;
   }
+
+  std::uint64_t held_bytes() const { return board_.held_bytes(); }
 
   void add_memory_error(const MemoryError& error) { board_.add_memory_error(error); }
 

@@ -1,5 +1,6 @@
 #include "fickle_bsdf.h"
 
+#include <signal.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -39,6 +40,12 @@ void scatter(const gicube_bsdf_event* event, gicube_bsdf_answer* answer) {
       }
       break;
     case Whim::kSleep:
+      for (volatile bool waiting = true; waiting;) ::pause();
+      break;
+    case Whim::kStuck:
+      sigset_t all;
+      sigfillset(&all);
+      ::pthread_sigmask(SIG_BLOCK, &all, nullptr);
       for (volatile bool waiting = true; waiting;) ::pause();
       break;
     case Whim::kThrow: throw std::runtime_error("no mood");

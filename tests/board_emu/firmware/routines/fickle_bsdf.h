@@ -14,6 +14,7 @@ enum class Whim {
   kCostly,  // parameters[1] cycles
   kEndless,
   kSleep,
+  kStuck,  // and takes no signals: it never ends
   kThrow,
   kRefuse,  // by its check of parameters
 };

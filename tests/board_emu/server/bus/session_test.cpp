@@ -205,7 +205,7 @@ TEST(Session, MoreFramesThanTheWindowHoldsEndIt) {
 
 TEST(Session, ResultsThatNobodyFetchesEndItBeforeTheyFillTheMemory) {
   BusOptions options = patient();
-  options.max_unclaimed_bytes = 4096;
+  options.max_held_bytes = 4096;
   const ServedBoards boards(1, options);
   RawClient client = boards.open();
   std::uint32_t id = 100;
@@ -216,7 +216,61 @@ TEST(Session, ResultsThatNobodyFetchesEndItBeforeTheyFillTheMemory) {
     EXPECT_EQ(client.receive_answer()->header.id, 1u);
   }
   for (int i = 0; i < 4; ++i) client.send(FrameType::kCommand, ++id, wire::kPosted, word(99));
-  expect_ended(client, ErrorCode::kTooLarge, id, "at most 4096 bytes of commands");
+  // The third, since this client returns no credit: its ten answers count too.
+  expect_ended(client, ErrorCode::kTooLarge, id - 1, "at most 4096 bytes of results");
+}
+
+TEST(Session, OneTicketForAllCommandsEndsItAtTheSecond) {
+  const ServedBoards boards;
+  RawClient client = boards.open();
+  for (int i = 0; i < 3; ++i) client.send(FrameType::kCommand, 7, wire::kPosted, word(99));
+  expect_ended(client, ErrorCode::kProtocol, 7, "ticket: expected one that no command under way has, got 7");
+}
+
+TEST(Session, ATicketMayComeAgainOnceItsCompletionHasCome) {
+  const ServedBoards boards;
+  RawClient client = boards.open();
+  for (int i = 0; i < 3; ++i) {
+    client.send(FrameType::kCommand, 7, wire::kPosted, word(99));
+    client.send(FrameType::kWait, 8, 0, word(7));
+    EXPECT_EQ(client.receive_answer()->header.type, FrameType::kCompletion);
+    EXPECT_EQ(client.receive_answer()->header.id, 8u);
+  }
+}
+
+// 512 blocks: 2 KiB of checksums for a command of 16 bytes.
+TEST(Session, ResultsCountByWhatTheyTakeAndNotByWhatWasSentForThem) {
+  BusOptions options = patient();
+  options.max_held_bytes = 32 << 10;
+  const ServedBoards boards(1, options);
+  RawClient client = boards.open();
+  for (const std::uint32_t axis : {wire::reg::kVolumeX, wire::reg::kVolumeY, wire::reg::kVolumeZ}) {
+    client.write_register(axis, 256);
+  }
+  std::vector<std::uint8_t> verify(wire::kVerifyCommandBytes);
+  wire::store(std::span(verify), 0, static_cast<std::uint32_t>(wire::Opcode::kVerify));
+  wire::store(std::span(verify), 8, std::uint32_t{512});
+  for (std::uint32_t id = 1; id <= 20; ++id) client.send(FrameType::kCommand, id, wire::kPosted, verify);
+  const auto last = last_frame(client);
+  ASSERT_TRUE(last.has_value());
+  EXPECT_EQ(last->header.error, ErrorCode::kTooLarge);
+  EXPECT_GE(last->header.id, 10u);  // of 3 KiB each, bookkeeping included
+  EXPECT_LE(last->header.id, 16u);
+}
+
+TEST(Session, AnswersThatTheClientNeverTakesEndItHoweverLargeItsWindowIs) {
+  BusOptions options = patient();
+  options.max_held_bytes = 1 << 20;
+  const ServedBoards boards(1, options);
+  wire::VersionInfo greedy;
+  greedy.window_slots = ~0u;
+  greedy.window_bytes = ~std::uint64_t{0};
+  RawClient client = boards.open(greedy);
+  constexpr std::uint64_t kTable = wire::kSegmentationLut.bytes;  // 192 KiB
+  for (std::uint32_t id = 1; id <= 8; ++id) {
+    client.send(FrameType::kMemoryRead, id, 0, memory_request(wire::kSegmentationLut.base, kTable));
+  }
+  expect_ended(client, ErrorCode::kTooLarge, 7, "at most 1048576 bytes of results");
 }
 
 TEST(Session, CreditThatWasNeverTakenEndsIt) {

@@ -99,6 +99,29 @@ TEST(Management, ConfigureNamesEveryFaultAndChangesNothing) {
   EXPECT_EQ(managed.info().SerializeAsString(), before);
 }
 
+TEST(Management, TextThatIsNestedTooDeepIsRefusedByName) {
+  ManagedBoards managed;
+  std::string text;
+  while (text.size() < 240'000) text += "a{";
+  v1::BoardInfo info;
+  v1::FaultPlanInfo plan;
+  for (const grpc::Status& status : {managed.configure(text, info), managed.set_fault_plan(text, plan)}) {
+    EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
+    EXPECT_THAT(status.error_message(), HasSubstr("line 1: expected at most 16 brackets in one another, got more"));
+  }
+}
+
+TEST(Management, ManyFaultsAreToldInAsManyWordsAsAnAnswerHolds) {
+  ManagedBoards managed;
+  std::string text;
+  for (int i = 0; i < 100; ++i) text += std::string(5000, 'x') + ": 1\n";
+  v1::BoardInfo info;
+  const grpc::Status status = managed.configure(text, info);
+  EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_THAT(status.error_message(), AllOf(HasSubstr("line 1: xxx"), HasSubstr("x...: expected one of fidelity"),
+                                            testing::EndsWith("\nand more")));
+}
+
 TEST(Management, ConfigureIsRefusedWhileASessionOwnsTheBoard) {
   ManagedBoards managed;
   RawClient client = managed.boards.open();

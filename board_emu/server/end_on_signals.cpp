@@ -1,0 +1,52 @@
+#include "end_on_signals.h"
+
+#include <pthread.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <utility>
+
+namespace gicube::emu {
+
+EndOnSignals::EndOnSignals(std::initializer_list<int> signals) {
+  sigemptyset(&signals_);
+  for (const int signal : signals) sigaddset(&signals_, signal);
+  ::pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+  thread_ = std::thread([this] { watch(); });
+}
+
+EndOnSignals::~EndOnSignals() {
+  {
+    const std::lock_guard lock(mutex_);
+    gone_ = true;
+  }
+  changed_.notify_all();
+  ::pthread_kill(thread_.native_handle(), SIGTERM);  // wakes it, if it still waits for the first one
+  thread_.join();
+}
+
+void EndOnSignals::set_stop(std::function<void()> stop) {
+  const std::lock_guard lock(mutex_);
+  stop_ = std::move(stop);
+}
+
+void EndOnSignals::add_file(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  files_.push_back(path);
+}
+
+void EndOnSignals::watch() {
+  int signal = 0;
+  while (::sigwait(&signals_, &signal) != 0) continue;
+  std::unique_lock lock(mutex_);
+  if (gone_) return;
+  if (stop_) {
+    stop_();
+    if (changed_.wait_for(lock, kMaxEnding, [this] { return gone_; })) return;
+    spdlog::warn("what was still in work after {} ms is broken off", kMaxEnding.count());
+  }
+  for (const std::string& file : files_) ::unlink(file.c_str());
+  ::_exit(0);
+}
+
+}  // namespace gicube::emu
