@@ -47,6 +47,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   // Queues a frame; `size` and `checksum` are set. With `flipped_bit` it is damaged on its way.
   void send(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
   bool idle() const { return queued_.empty() && !writing_; }
+  std::size_t waiting_frames() const { return queued_.size() + in_flight_.size(); }
 
   // Says why, and closes once the client has closed or its time is up: closing on unread bytes could lose the last word.
   void refuse(const LastWord& word);

@@ -18,6 +18,8 @@ using Arrival = wire::ReliableWindow::Arrival;
 
 namespace {
 
+constexpr std::uint64_t kBytesOfFrame = 256;  // chosen: above what the queues take of one beside its payload
+
 enum class Manner { kNotFromHost, kPosted, kNonPosted };
 
 Manner manner_of(FrameType type) {
@@ -186,9 +188,11 @@ awaitable<void> Session::work() {
   }
 }
 
-// Throws LastWord if the client piles up results that it never fetches, or answers that it never takes.
+// Throws LastWord if the client piles up results that it never fetches, answers that it never takes, or credit that it never
+// reads. Its own window does not bound that: it may be as large as the client likes.
 void Session::check_held(const FrameHeader& header) const {
-  const std::uint64_t bytes = held_bytes_ + window_.kept_bytes();
+  const std::size_t frames = window_.kept_frames() + (connection_ ? connection_->waiting_frames() : 0);
+  const std::uint64_t bytes = held_bytes_ + window_.kept_bytes() + frames * kBytesOfFrame;
   if (bytes <= options_.max_held_bytes) return;
   throw LastWord{
       ErrorCode::kTooLarge, header.id,

@@ -212,12 +212,18 @@ TEST(Session, ResultsThatNobodyFetchesEndItBeforeTheyFillTheMemory) {
   for (int i = 0; i < 10; ++i) {  // fetched as they come: no end to them
     client.send(FrameType::kCommand, ++id, wire::kPosted, word(99));
     client.send(FrameType::kWait, 1, 0, word(id));
-    EXPECT_EQ(client.receive_answer()->header.id, id);
+    const auto completion = client.receive_answer();
+    EXPECT_EQ(completion->header.id, id);
     EXPECT_EQ(client.receive_answer()->header.id, 1u);
+    FrameHeader taken;
+    taken.type = FrameType::kCredit;
+    taken.flags = wire::kPosted;
+    taken.credit_slots = 2;
+    taken.credit_bytes = completion->payload.size();
+    client.send(taken);
   }
   for (int i = 0; i < 4; ++i) client.send(FrameType::kCommand, ++id, wire::kPosted, word(99));
-  // The third, since this client returns no credit: its ten answers count too.
-  expect_ended(client, ErrorCode::kTooLarge, id - 1, "at most 4096 bytes of results");
+  expect_ended(client, ErrorCode::kTooLarge, id, "at most 4096 bytes of results");
 }
 
 TEST(Session, OneTicketForAllCommandsEndsItAtTheSecond) {
@@ -271,6 +277,24 @@ TEST(Session, AnswersThatTheClientNeverTakesEndItHoweverLargeItsWindowIs) {
     client.send(FrameType::kMemoryRead, id, 0, memory_request(wire::kSegmentationLut.base, kTable));
   }
   expect_ended(client, ErrorCode::kTooLarge, 7, "at most 1048576 bytes of results");
+}
+
+TEST(Session, SmallAnswersThatTheClientNeverTakesCountWithTheirFrames) {
+  BusOptions options = patient();
+  options.max_held_bytes = 64 << 10;
+  const ServedBoards boards(1, options);
+  wire::VersionInfo greedy;
+  greedy.window_slots = ~0u;
+  RawClient client = boards.open(greedy);
+  std::uint32_t answers = 0;
+  std::optional<reference::RawFrame> last;
+  while (answers < 1000 && (!last || last->header.error == ErrorCode::kNone)) {
+    last = client.call(FrameType::kRegisterRead, ++answers, word(wire::reg::kId));
+    ASSERT_TRUE(last.has_value());
+  }
+  EXPECT_EQ(last->header.error, ErrorCode::kTooLarge);
+  EXPECT_GT(answers, 128u);
+  EXPECT_LT(answers, 260u);
 }
 
 TEST(Session, CreditThatWasNeverTakenEndsIt) {
