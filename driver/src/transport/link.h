@@ -60,7 +60,7 @@ Loss cause_of(wire::ErrorCode last_word);
 // Throws what `code` stands for, `text` being the board's own words. Only for codes other than kNone.
 [[noreturn]] void throw_error(wire::ErrorCode code, const std::string& text);
 
-class Link : private FrameSink {
+class Link final : private FrameSink {
  public:
   using OnProgress = std::function<void(std::uint32_t done, std::uint32_t all)>;
 

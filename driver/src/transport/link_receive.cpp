@@ -21,8 +21,8 @@ std::string error_text(std::span<const std::uint8_t> payload) {
 
 bool ends_session(wire::ErrorCode code) {
   using enum wire::ErrorCode;
-  constexpr std::array kLastWords{kProtocol, kVersion, kTooLarge, kBusy, kCancelled, kTaken};
-  return std::ranges::find(kLastWords, code) != kLastWords.end();
+  constexpr std::array kEndings{kProtocol, kVersion, kTooLarge, kBusy, kCancelled, kTaken};
+  return std::ranges::find(kEndings, code) != kEndings.end();
 }
 
 Loss cause_of(wire::ErrorCode last_word) {
