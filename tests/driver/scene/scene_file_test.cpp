@@ -4,20 +4,12 @@
 #include <gtest/gtest.h>
 
 #include "gicube/scene/error.h"
+#include "scene_faults.h"
 
 namespace gicube::scene {
 namespace {
 
 using testing::HasSubstr;
-
-std::string faults_of(const std::string& text) {
-  try {
-    parse_scene(text, "a.scene", "/data");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
-}
 
 TEST(SceneFile, FillsEveryPartOfTheScene) {
   const Scene scene = parse_scene(R"(

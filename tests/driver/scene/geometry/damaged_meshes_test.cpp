@@ -3,7 +3,10 @@
 
 #include <cmath>
 #include <random>
+#include <string>
+#include <string_view>
 
+#include "../damage.h"
 #include "gicube/scene/error.h"
 #include "scene/geometry/mesh_distance.h"
 #include "scene/geometry/mesh_file.h"
@@ -13,6 +16,7 @@ namespace gicube::scene {
 namespace {
 
 constexpr int kRounds = 2000;  // chosen: a second with sanitizers
+constexpr std::string_view kLikely = "0123456789-. \nef";
 
 std::string as_obj(const Mesh& mesh) {
   std::string text;
@@ -45,21 +49,6 @@ std::string as_ply(const Mesh& mesh, bool ascii) {
   return text;
 }
 
-// One to four bytes changed, removed or doubled.
-std::string damaged(std::string bytes, std::mt19937& random) {
-  constexpr std::string_view kLikely = "0123456789-. \nef";
-  for (std::uint32_t changes = 1 + random() % 4; changes > 0 && !bytes.empty(); --changes) {
-    const std::size_t at = random() % bytes.size();
-    switch (random() % 4) {
-      case 0: bytes[at] = static_cast<char>(random()); break;
-      case 1: bytes[at] = kLikely[random() % kLikely.size()]; break;
-      case 2: bytes.erase(at, 1 + random() % 8); break;
-      default: bytes.insert(at, bytes.substr(at, 1 + random() % 8)); break;
-    }
-  }
-  return bytes;
-}
-
 template <typename Parse>
 void damage(const std::string& whole, const Parse& parse) {
   EXPECT_NEAR(MeshDistance(parse(whole), "whole").at({0, 0, 0.2}).distance, -0.8, 1e-6);
@@ -67,7 +56,7 @@ void damage(const std::string& whole, const Parse& parse) {
   int refused = 0;
   for (int round = 0; round < kRounds; ++round) {
     try {
-      const Distance d = MeshDistance(parse(damaged(whole, random)), "damaged").at({0.1, 0.2, 0.3});
+      const Distance d = MeshDistance(parse(damaged(whole, kLikely, random)), "damaged").at({0.1, 0.2, 0.3});
       EXPECT_TRUE(std::isfinite(d.distance));
     } catch (const FileError&) {
       ++refused;

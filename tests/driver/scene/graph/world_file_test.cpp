@@ -6,6 +6,8 @@
 #include <fstream>
 #include <random>
 
+#include "../damage.h"
+#include "../scene_faults.h"
 #include "gicube/scene/error.h"
 #include "gicube/scene/scene.h"
 
@@ -13,15 +15,6 @@ namespace gicube::scene {
 namespace {
 
 using testing::HasSubstr;
-
-std::string faults_of(const std::string& text) {
-  try {
-    parse_scene(text, "a.scene", "/data");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "none";
-}
 
 TEST(WorldFile, FillsTheStructsOfTheScenegraph) {
   const Scene scene = parse_scene(R"(
@@ -255,13 +248,8 @@ TEST(WorldFile, OfTheSourceTreeIsReadOrRefusedHoweverItIsDamaged) {
     const std::string whole{std::istreambuf_iterator<char>(stream), {}};
     EXPECT_NO_THROW(parse_scene(whole, "whole", entry.path().parent_path())) << entry.path();
     for (int round = 0; round < 200; ++round, ++rounds) {
-      std::string text = whole;
-      for (auto changes = 1 + random() % 3; changes > 0; --changes) {
-        const std::size_t at = random() % text.size();
-        if (random() % 3 == 0) text.erase(at, 1 + random() % 12);
-        if (random() % 2 == 0) text.insert(at, 1, kLikely[random() % kLikely.size()]);
-      }
       try {
+        const std::string text = damaged(whole, kLikely, random);
         at_time(parse_scene(text, "damaged", entry.path().parent_path()), 1.5);
       } catch (const InputError&) {
         ++refused;
