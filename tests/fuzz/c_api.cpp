@@ -2,6 +2,8 @@
 // fault of its own; bad arguments are named; the board is never lost.
 #include "gicube/c_api.h"
 
+#include <unistd.h>
+
 #include <cstring>
 #include <memory>
 #include <thread>
@@ -248,6 +250,18 @@ void picture_call(gicube_board* board, Input& input) {
   check(gicube_render(board, view.get(), pixels.data(), count, stop_sometimes, &input));
 }
 
+// The descriptor of batch `last`, or of any.
+void descriptor_call(gicube_board* board, Input& input, std::uint32_t last) {
+  constexpr int kUntouched = -2;
+  int descriptor = kUntouched;
+  const std::uint32_t ticket = input.u8() == 255 ? input.u32() : last;
+  const bool is_null = input.u8() == 255;
+  const gicube_status status = gicube_batch_descriptor(board, ticket, is_null ? nullptr : &descriptor);
+  check(status);
+  if (status == GICUBE_OK) return expect(::close(descriptor) == 0, "a batch's descriptor is the caller's");
+  expect(descriptor == (is_null ? kUntouched : -1), "a failure leaves no descriptor");
+}
+
 void ray_call(gicube_board* board, Input& input) {
   static std::uint32_t last = 0;
   static std::size_t last_count = 0;
@@ -263,7 +277,7 @@ void ray_call(gicube_board* board, Input& input) {
   }
   std::uint32_t ticket = 0;
   std::int32_t cancelled = 0;
-  switch (input.u8() % 6) {
+  switch (input.u8() % 8) {
     case 0:
     case 1: check(gicube_submit(board, rays.data(), rays.size(), request.get(), &ticket)); break;
     case 2: {
@@ -281,11 +295,13 @@ void ray_call(gicube_board* board, Input& input) {
       return;
     }
     case 4: return check(gicube_cancel(board, input.u8() == 255 ? input.u32() : last, &cancelled));
-    default: {
+    case 5: {
       std::vector<gicube_traced_ray> traced(input.u8() == 255 ? input.u8() : last_count);
       return check(gicube_receive(board, last, input.u8() == 255 ? input.u64() : GICUBE_NO_DEADLINE, traced.data(),
                                   traced.size(), report.get()));
     }
+    case 6: return descriptor_call(board, input, last);
+    default: return check(gicube_poll(board, report.get()));
   }
   if (ticket != 0) last = ticket, last_count = rays.size();
 }
