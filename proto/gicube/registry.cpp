@@ -1,13 +1,45 @@
 #include "gicube/registry.h"
 
+#include <signal.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstdlib>
+#include <filesystem>
+#include <string_view>
 #include <system_error>
 
 namespace gicube {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of a socket's name, "PID" or ".PID"; 0: it is called otherwise.
+pid_t process_of(std::string_view name) {
+  if (name.starts_with('.')) name.remove_prefix(1);
+  pid_t process = 0;
+  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), process);
+  return error == std::errc{} && end == name.data() + name.size() && process > 0 ? process : 0;
+}
+
+bool listens(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.size() >= sizeof address.sun_path) return true;  // as nobody can know
+  path.copy(address.sun_path, path.size());
+  const int caller = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (caller < 0) return true;
+  const bool refused =
+      ::connect(caller, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 && errno == ECONNREFUSED;
+  ::close(caller);
+  return !refused;
+}
+
+}  // namespace
 
 std::string registry_folder() {
   const char* runtime = std::getenv("XDG_RUNTIME_DIR");
@@ -29,6 +61,16 @@ std::string registry_fault(const std::string& folder) {
   std::string digits;
   for (const int shift : {6, 3, 0}) digits += static_cast<char>('0' + (status.st_mode >> shift & 7));
   return expected + "mode " + digits;
+}
+
+void remove_dead_sockets(const std::string& folder) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+    const pid_t process = process_of(entry.path().filename().string());
+    // A process that lives may be about to listen. One that can't be seen from here, in another container, listens.
+    const bool is_gone = process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
+    if (is_gone && entry.is_socket(ignored) && !listens(entry.path())) fs::remove(entry.path(), ignored);
+  }
 }
 
 }  // namespace gicube

@@ -71,7 +71,7 @@ const std::vector<Rule>& rules() {
   static const std::vector<Rule> table{
       {"proto",              {"proto"}, {}},
       {"proto/gicube/wire/checksum.cpp", {"proto"}, {"isa-l"}},
-      {"proto/gicube/registry.cpp", {"proto"}, {"sys/stat.h", "unistd.h"}},
+      {"proto/gicube/registry.cpp", {"proto"}, {"signal.h", "sys/socket.h", "sys/stat.h", "sys/un.h", "unistd.h"}},
       {"proto/gicube/bsdf.h", {}, {"stddef.h", "stdint.h"}},  // C
 
       // Public headers name nothing but themselves and the standard library, so that applications need nothing else.

@@ -7,6 +7,7 @@ source=$2
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+export XDG_RUNTIME_DIR=$scratch  # boards started here are not registered with the user's
 cpack --config "$build/CPackConfig.cmake" -B "$scratch/packages" >"$scratch/cpack.log" || { cat "$scratch/cpack.log"; exit 1; }
 runtime=$(echo "$scratch"/packages/gicube_*.deb)
 dev=$(echo "$scratch"/packages/gicube-dev_*.deb)

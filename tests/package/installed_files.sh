@@ -8,6 +8,7 @@ source=$2
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+export XDG_RUNTIME_DIR=$scratch  # boards started here are not registered with the user's
 prefix=$scratch/moved/prefix
 unset GICUBE_BOARD
 export PATH=/usr/local/bin:/usr/bin:/bin

@@ -3,8 +3,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include <boost/asio/write.hpp>
@@ -25,9 +27,14 @@ Registration::Registration(std::string management, std::vector<BoardSlot*> board
   ::mkdir(folder.c_str(), S_IRWXU);  // if it fails, the next line says so
   const std::string fault = registry_fault(folder);
   if (!fault.empty()) throw std::runtime_error(fault);
+  remove_dead_sockets(folder);
   path_ = folder + '/' + std::to_string(::getpid());
   // Gets its name once it answers: a reader takes a socket that refuses him for a dead process's.
   const std::string unnamed = folder + "/." + std::to_string(::getpid());
+  const auto fail = [&unnamed](const std::string& path, const std::error_code& error) {
+    ::unlink(unnamed.c_str());
+    throw std::runtime_error(path + ": " + error.message());
+  };
   try {
     const asio::local::stream_protocol::endpoint endpoint(unnamed);
     ::unlink(unnamed.c_str());
@@ -35,11 +42,9 @@ Registration::Registration(std::string management, std::vector<BoardSlot*> board
     acceptor_.bind(endpoint);
     acceptor_.listen();
   } catch (const boost::system::system_error& error) {
-    throw std::runtime_error(unnamed + ": " + error.code().message());
+    fail(unnamed, error.code());
   }
-  if (std::rename(unnamed.c_str(), path_.c_str()) != 0) {
-    throw std::runtime_error(path_ + ": " + std::generic_category().message(errno));
-  }
+  if (std::rename(unnamed.c_str(), path_.c_str()) != 0) fail(path_, {errno, std::generic_category()});
   asio::co_spawn(io_, accept(), asio::detached);
   thread_ = std::thread([this] { io_.run(); });
 }

@@ -39,10 +39,6 @@ asio::awaitable<void> ask(asio::io_context& io, Asked& asked) {
   asio::local::stream_protocol::socket socket(io);
   boost::system::error_code error;
   co_await socket.async_connect(asio::local::stream_protocol::endpoint(asked.path), into(error));
-  if (error == asio::error::connection_refused) {
-    std::error_code ignored;
-    fs::remove(asked.path, ignored);
-  }
   asked.gone = error == asio::error::connection_refused || error == boost::system::errc::no_such_file_or_directory;
   if (error) co_return;
   std::string bytes;
@@ -71,6 +67,7 @@ std::vector<LocalProcess> local_processes() {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(folder, error))) return {};  // no board has run yet
   if (const std::string fault = registry_fault(folder); !fault.empty()) throw CallFailed(fault);
+  remove_dead_sockets(folder);
   std::vector<Asked> asked = sockets_of(folder);
   {
     asio::io_context io;

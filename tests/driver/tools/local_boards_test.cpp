@@ -95,6 +95,18 @@ TEST(LocalBoards, AKilledProcessIsNotListedAndItsSocketRemoved) {
   EXPECT_EQ(sockets(), 1);
 }
 
+TEST(LocalBoards, ANewBoardRemovesTheSocketOfAKilledOne) {
+  const OwnRegistry registry;
+  {
+    const Listening killed;  // by its destructor
+  }
+  EXPECT_FALSE(fs::is_empty(registry.folder()));
+  Listening ended;
+  ended.process.send_signal(SIGTERM);
+  EXPECT_EQ(ended.process.exit_code(), 0);
+  EXPECT_TRUE(fs::is_empty(registry.folder()));
+}
+
 TEST(LocalBoards, AProcessThatEndsTakesItsSocketWithIt) {
   const OwnRegistry registry;
   Listening ended;

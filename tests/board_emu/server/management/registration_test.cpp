@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -37,6 +39,33 @@ std::string refusal_of(const std::vector<BoardSlot*>& boards) {
     return error.what();
   }
   return {};
+}
+
+// The registry's folder, as a board would make it.
+std::string private_folder(const reference::OwnRegistry& registry) {
+  fs::create_directory(registry.folder());
+  fs::permissions(registry.folder(), fs::perms::owner_all);
+  return registry.folder();
+}
+
+std::set<std::string> names_in(const std::string& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+// The number of a process that is no more.
+pid_t ended_process() {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(0);
+  ::waitpid(child, nullptr, 0);
+  return child;
+}
+
+// A socket on which nobody listens.
+void leave_socket(const std::string& path) {
+  boost::asio::io_context io;
+  boost::asio::local::stream_protocol::socket(io, boost::asio::local::stream_protocol::endpoint(path));
 }
 
 TEST(Registration, TellsEveryCallerWhatTheBoardsAre) {
@@ -81,11 +110,36 @@ TEST(Registration, LeavesAnEmptyAndPrivateFolderBehind) {
 TEST(Registration, ReplacesTheSocketOfADeadProcessWithItsNumber) {
   const reference::OwnRegistry registry;
   ServedBoards boards(1);
-  fs::create_directory(registry.folder());
-  fs::permissions(registry.folder(), fs::perms::owner_all);
+  private_folder(registry);
   for (const std::string name : {"/", "/."}) std::ofstream(registry.folder() + name + std::to_string(::getpid()));
   const Registration registration("", boards.all());
   EXPECT_EQ(told_by(registration.path()).boards_size(), 1);
+}
+
+TEST(Registration, LeavesNoSocketBehindIfItsNameIsTaken) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(1);
+  const fs::path name = fs::path(private_folder(registry)) / std::to_string(::getpid());
+  fs::create_directory(name);
+  EXPECT_EQ(refusal_of(boards.all()), name.string() + ": Is a directory");
+  EXPECT_EQ(names_in(registry.folder()), std::set{name.filename().string()});
+}
+
+TEST(Registration, RemovesWhatKilledProcessesHaveLeftAndNothingElse) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(1);
+  const std::string folder = private_folder(registry) + '/';
+  const std::string killed = std::to_string(ended_process()), living = std::to_string(::getppid()),
+                    elsewhere = std::to_string(ended_process()), file = std::to_string(ended_process());
+  for (const std::string& name : {killed, "." + killed, living, "." + living, std::string("notes")})
+    leave_socket(folder + name);
+  boost::asio::io_context io;
+  const boost::asio::local::stream_protocol::acceptor listening(
+      io, boost::asio::local::stream_protocol::endpoint(folder + elsewhere));
+  std::ofstream(folder + file);
+  const Registration registration("", boards.all());
+  EXPECT_EQ(names_in(registry.folder()),
+            (std::set{living, "." + living, std::string("notes"), elsewhere, file, std::to_string(::getpid())}));
 }
 
 TEST(Registration, UsesNoFolderThatOthersMayEnter) {
@@ -99,6 +153,10 @@ TEST(Registration, UsesNoFolderThatOthersMayEnter) {
   fs::create_directory(registry.folder() + "_of_another");
   fs::create_directory_symlink(registry.folder() + "_of_another", registry.folder());
   EXPECT_NE(refusal_of(boards.all()).find("got a file"), std::string::npos);
+}
+
+TEST(Registry, OfATestIsNotItsUsers) {
+  EXPECT_EQ(fs::path(registry_folder()).parent_path().parent_path(), fs::temp_directory_path());
 }
 
 TEST(Registry, IsInTheRuntimeFolderIfThatIsTheUsersOwn) {
