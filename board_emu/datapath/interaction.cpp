@@ -97,29 +97,29 @@ Point place_in(const RayPart& part, double share, const RayState& ray, const Sam
   return out;
 }
 
-Deposit split_at(const Point& place, std::uint32_t units, std::uint16_t u, std::uint16_t v, std::uint16_t lifetime,
-                 std::uint32_t seed) {
+// Makes the voxel of least coordinates round `place` the deposit's, and returns how far behind it the place is on each axis.
+std::array<std::uint32_t, 3> put_at(const Point& place, Deposit& out) {
   constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
-  Deposit out;
   std::array<std::uint32_t, 3> fraction{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
     fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
   }
+  return fraction;
+}
+
+Deposit split_at(const Point& place, std::uint32_t units, std::uint16_t u, std::uint16_t v, std::uint16_t lifetime,
+                 std::uint32_t seed) {
+  Deposit out;
+  const auto fraction = put_at(place, out);
   out.shares = split(units, fraction, draw_at(RandomStream::kSplat, place, u, v, lifetime, seed));
   return out;
 }
 
 // The same of a signed amount, in the sums' way.
 Deposit spread_at(const Point& place, std::int32_t amount) {
-  constexpr std::uint32_t kFractionMask = static_cast<std::uint32_t>(wire::kVoxel) - 1;
   Deposit out;
-  std::array<std::uint32_t, 3> fraction{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    out.voxel[axis] = place[axis] >> wire::kPositionFractionBits;
-    fraction[axis] = static_cast<std::uint32_t>(place[axis]) & kFractionMask;
-  }
-  const SignedShares shares = spread(amount, fraction);
+  const SignedShares shares = spread(amount, put_at(place, out));
   for (std::size_t i = 0; i < shares.size(); ++i) out.shares[i] = static_cast<std::uint32_t>(shares[i]);
   return out;
 }
