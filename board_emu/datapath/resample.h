@@ -103,6 +103,18 @@ inline Channels resample_all(const Neighbourhood& at) {
 struct DensityRange {
   std::int16_t least, greatest;
 };
+// Voxel by voxel.
+constexpr DensityRange density_range_each(const Neighbourhood& at) {
+  DensityRange out{at.cell->channel[0], at.cell->channel[0]};
+  for (const std::size_t corner : {std::size_t{0}, at.row, at.slice, at.slice + at.row}) {
+    for (const std::size_t voxel : {corner, corner + 1}) {
+      out.least = std::min(out.least, at.cell[voxel].channel[0]);
+      out.greatest = std::max(out.greatest, at.cell[voxel].channel[0]);
+    }
+  }
+  return out;
+}
+// All at once.
 inline DensityRange density_range(const Neighbourhood& at) {
 #if defined(__SSE2__)
   const auto row = [&at](std::size_t voxel) {
@@ -114,14 +126,7 @@ inline DensityRange density_range(const Neighbourhood& at) {
   const auto first = [](__m128i words) { return static_cast<std::int16_t>(_mm_cvtsi128_si32(words)); };
   return {first(_mm_min_epi16(low, _mm_srli_si128(low, 8))), first(_mm_max_epi16(high, _mm_srli_si128(high, 8)))};
 #else
-  DensityRange out{at.cell->channel[0], at.cell->channel[0]};
-  for (const std::size_t corner : {std::size_t{0}, at.row, at.slice, at.slice + at.row}) {
-    for (const std::size_t voxel : {corner, corner + 1}) {
-      out.least = std::min(out.least, at.cell[voxel].channel[0]);
-      out.greatest = std::max(out.greatest, at.cell[voxel].channel[0]);
-    }
-  }
-  return out;
+  return density_range_each(at);
 #endif
 }
 

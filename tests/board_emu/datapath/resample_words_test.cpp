@@ -76,9 +76,11 @@ TEST(PipelineWords, TheLeastAndTheGreatestDensityAreThoseOfTheEightVoxels) {
       least = std::min(least, voxels[v].channel[0]);
       greatest = std::max(greatest, voxels[v].channel[0]);
     }
-    const DensityRange range = density_range({voxels.data(), 3, 9, {}});
-    ASSERT_EQ(range.least, least);
-    ASSERT_EQ(range.greatest, greatest);
+    const Neighbourhood cell{voxels.data(), 3, 9, {}};
+    for (const DensityRange range : {density_range(cell), density_range_each(cell)}) {
+      ASSERT_EQ(range.least, least);
+      ASSERT_EQ(range.greatest, greatest);
+    }
   }
 }
 
