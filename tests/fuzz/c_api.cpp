@@ -306,9 +306,42 @@ void ray_call(gicube_board* board, Input& input) {
   if (ticket != 0) last = ticket, last_count = rays.size();
 }
 
+void pair_call(gicube_board* board, Input& input) {
+  std::vector<gicube_element> elements(input.below(4));
+  for (gicube_element& element : elements) {
+    element.kind = whole_number(input, 5);
+    put(input, element.origin);
+    put(input, element.u);
+    put(input, element.v);
+    put(input, element.w);
+  }
+  std::vector<gicube_element_pair> pairs(input.below(4));
+  for (gicube_element_pair& pair : pairs) {
+    pair.a = input.below(4);
+    pair.b = input.u8() == 255 ? input.u32() : input.below(4);
+    pair.id = input.u8();
+  }
+  Argument<gicube_pair_request> request(input, gicube_pair_request_init);
+  if (gicube_pair_request* r = request.whole()) {
+    r->rays = input.below(17);
+    r->opacity = input.below(2) == 0 ? 1 : input.number();
+    r->made = whole_number(input, 3);
+    r->step = input.below(2) == 0 ? 1 : input.number();
+  }
+  std::vector<gicube_pair_factor> factors(input.u8() == 255 ? input.u8() : pairs.size());
+  const gicube_status status =
+      gicube_pair_factors(board, elements.data(), elements.size(), pairs.data(), pairs.size(), request.get(),
+                          stop_sometimes, &input, factors.data(), factors.size());
+  check(status);
+  if (status != GICUBE_OK) return;
+  for (const gicube_pair_factor& factor : factors) {
+    expect(factor.transported >= 0 && factor.geometric >= 0 && factor.standard_error >= 0, "factors are not negative");
+  }
+}
+
 void other_call(gicube_board* board, Input& input) {
   std::uint64_t now = 0;
-  switch (input.u8() % 8) {
+  switch (input.u8() % 10) {
     case 0: return check(gicube_now(board, input.u8() == 255 ? nullptr : &now));
     case 1: return check(gicube_host_compute(board, input.u8() == 255 ? input.u64() : input.u32()));
     case 2: return check(gicube_set_time_limit(board, input.u32()));
@@ -334,6 +367,21 @@ void other_call(gicube_board* board, Input& input) {
     case 6: {
       Argument<gicube_board_info> info(input, gicube_board_info_init);
       return check(gicube_get_info(board, info.get()));
+    }
+    case 8: {
+      std::int32_t size[2] = {};
+      check(gicube_get_framebuffer_size(board, &size[0], &size[1]));
+      std::vector<gicube_pixel> pixels(input.u8() == 255 ? input.u8() : static_cast<std::size_t>(size[0] * size[1]));
+      return check(gicube_read_framebuffer(board, pixels.data(), pixels.size()));
+    }
+    case 9: {
+      std::int32_t blocks[3];
+      check(gicube_get_blocks(board, blocks));
+      const gicube_box where = box(input);
+      std::vector<float> values(input.below(65));
+      for (float& value : values) value = static_cast<float>(input.number());
+      return check(
+          gicube_write_irradiance(board, input.below(8) == 0 ? nullptr : &where, values.data(), values.size()));
     }
     default: {
       std::vector<std::uint8_t> flags(input.below(30), 1);
@@ -370,12 +418,13 @@ void c_api(Bytes bytes) {
   gicube_board* board = board_for(input);
   for (int calls = 0; board != nullptr && !input.empty() && calls < 60; ++calls) {
     gicube_board* target = input.u8() == 255 ? nullptr : board;
-    switch (input.u8() % 5) {
+    switch (input.u8() % 6) {
       case 0: volume_call(target, input); break;
       case 1: look_call(target, input); break;
       case 2: picture_call(target, input); break;
       case 3: ray_call(target, input); break;
-      default: other_call(target, input); break;
+      case 4: other_call(target, input); break;
+      default: pair_call(target, input); break;
     }
   }
   if (board == nullptr) return;
