@@ -4,11 +4,12 @@
 //   gicube::Image image = board.render(plan.view(camera));       // the board holds the plan's volume
 //
 // A pilot is the picture with few pixels, which are a systematic sample of it: each of its rays is one that the picture has too.
-// Pilots are compared with that of the most accurate setting (a quarter of a voxel, the whole volume, rays to their end).
+// Pilots are compared with that of the most accurate setting: the whole volume, rays to their end, steps of a quarter of a voxel, or of
+// a sixteenth with the wide datapath (BoardInfo::wide).
 // "Error" is the root of the mean square difference of red, green, blue and alpha over all pixels, divided by the root mean
 // square of the best picture, so that background does not count. It is what settings do to a picture; how far the board's best
-// one is from an exact one is in docs/studies/accuracy.md. "Cost" is compared with the finest setting, a sixteenth of a voxel.
-// Its picture is the worse one on the paper's datapath, where positions drift with the number of steps.
+// one is from an exact one is in docs/studies/accuracy.md. "Cost" is compared with the finest setting, a sixteenth of a voxel. On
+// the paper's datapath its picture is worse than the best one, since positions drift with the number of steps.
 #pragma once
 
 #include <cstdint>
@@ -54,7 +55,7 @@ struct GICUBE_API Plan {
   // its standard errors, and three times what the worst pixel adds to it (what none of n pixels shows is in fewer than 3/n of
   // all, at 95% confidence). chosen: checked with scenes that it was not made with (docs/guide/plan.md).
   PlanPoint chosen;
-  PlanPoint best;                 // what errors are compared with: level 0, a quarter of a voxel, rays to their end
+  PlanPoint best;                 // what errors are compared with: level 0, the best step, rays to their end
   PlanPoint finest;               // what costs are compared with: level 0, a sixteenth of a voxel, rays to their end
   bool kept = true;               // false: nothing reaches the target, and `chosen` is what comes nearest
   std::vector<PlanPoint> points;  // every setting tried, in that order

@@ -50,8 +50,10 @@ void cost_lines(const Plan& plan, std::vector<std::string>& lines) {
   constexpr const char* kFinest = "the finest setting";
   lines.push_back(plan_cost_line("samples", plan.chosen.samples, kFinest, plan.finest.samples));
   if (plan.chosen.time > 0) lines.push_back(plan_time_line(plan.chosen.time, kFinest, plan.finest.time));
-  lines.push_back(fmt::format("the finest setting, level 0, step {:g}, is {:.2g}% from the best", plan.finest.step,
-                              100 * plan.finest.error));
+  if (plan.finest.step != plan.best.step) {
+    lines.push_back(fmt::format("the finest setting, level 0, step {:g}, is {:.2g}% from the best", plan.finest.step,
+                                100 * plan.finest.error));
+  }
   lines.push_back(fmt::format("the plan itself: {} pilot pictures, {} samples, {:.2f} s of the host", plan.pilots,
                               count_text(plan.pilot_samples), plan.pilot_host_seconds));
 }

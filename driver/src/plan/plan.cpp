@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "encode/argument.h"
 #include "encode/camera.h"
@@ -14,11 +15,12 @@
 namespace gicube {
 namespace {
 
-constexpr double kFinestStep = 1.0 / 16;  // voxels; what is saved is told against it
-// chosen: with shorter steps the paper's drift of 14-bit positions, which grows with their number, costs more than they gain
-// (docs/guide/plan.md has the measurement).
-constexpr double kBestStep = 1.0 / 4;
-constexpr double kSteps[] = {kBestStep, 1.0 / 2, 1, 2};           // chosen: each costs half of the one before
+// Voxels, chosen: each costs half of the one before. What is saved is told against the finest.
+constexpr double kSteps[] = {1.0 / 16, 1.0 / 8, 1.0 / 4, 1.0 / 2, 1, 2};
+constexpr double kFinestStep = kSteps[0];
+// chosen: on the paper's datapath shorter steps lose more by the drift of 14-bit positions, which grows with their number, than they
+// gain; the wide one does not drift (docs/guide/plan.md has the measurements).
+constexpr std::size_t kBestOnPaper = 2;
 constexpr double kThresholds[] = {0.9, 0.95, 0.98, 0.99, 0.998};  // chosen; and 1
 // chosen: of predicted times for a budget; 12.8 ms were measured where 10.3 had been predicted (docs/guide/plan.md).
 constexpr double kTimeMargin = 1.25;
@@ -52,6 +54,7 @@ class Planner {
         request_(request),
         progress_(progress),
         keeps_time_(board.info().fidelity != Fidelity::kFunctional),
+        steps_(std::span(kSteps).subspan(board.info().wide ? 0 : kBestOnPaper)),
         levels_(board, request.volume, request.looks, request.view.shade) {}
 
   Plan make() {
@@ -92,7 +95,7 @@ class Planner {
       const bool deeper = request_.time_budget > 0 || request_.max_error >= kCoarse;
       deepest_ = std::min(plan_.level_for_pixels + (deeper ? 1 : 0), levels_.max_level());
     }
-    max_pilots_ = static_cast<std::uint32_t>(static_cast<std::size_t>(deepest_ + 1) * std::size(kSteps) *
+    max_pilots_ = static_cast<std::uint32_t>(static_cast<std::size_t>(deepest_ + 1) * steps_.size() *
                                              (std::size(kThresholds) + 1));
   }
 
@@ -147,11 +150,14 @@ class Planner {
       if (edge == first_edge()) extrapolate(pilot, point);
       return std::move(pilot.image);
     };
-    plan_.best = settings(0, kBestStep, 1);
-    plan_.finest = settings(0, kFinestStep, 1);
+    plan_.best = settings(0, steps_.front(), 1);
     best_ = picture(plan_.best, first_edge());
     if (has_room()) larger_best_ = picture(plan_.best, second_edge());
-    compare(plan_.finest, picture(plan_.finest, first_edge()), best_);
+    plan_.finest = plan_.best;
+    if (plan_.best.step != kFinestStep) {
+      plan_.finest = settings(0, kFinestStep, 1);
+      compare(plan_.finest, picture(plan_.finest, first_edge()), best_);
+    }
     if (keeps_time_) plan_.finest.time = rough_time(plan_.finest, Levels::kWhole);
   }
 
@@ -166,7 +172,7 @@ class Planner {
 
   void try_level(int level) {
     go_to(level);
-    for (const double step : kSteps) {
+    for (const double step : steps_) {
       const PlanPoint whole = tried(settings(level, step, 1), first_edge());
       // Ending rays earlier, or taking still longer steps, makes no picture better.
       if (request_.max_error > 0 && whole.error > request_.max_error) break;
@@ -251,6 +257,7 @@ class Planner {
   const PlanRequest& request_;
   const Progress& progress_;
   const bool keeps_time_;
+  const std::span<const double> steps_;  // the best one first
   Levels levels_;
   int deepest_ = 0;
   int where_ = Levels::kWhole;  // the volume of what is chosen

@@ -115,6 +115,49 @@ TEST(Plan, ChoosesTheCheapestOfAllThatItFoundToKeepTheTarget) {
   EXPECT_GT(cheaper_than_best, 8);
 }
 
+// Relative root mean square of the difference of all four channels, as gicube/plan.h has it.
+double difference(const Image& image, const Image& best) { return pilot_error(image, best).estimate; }
+
+TEST(Plan, ReachesBelowAQuarterOfAVoxelOnTheWideDatapathAlone) {
+  const Shells shells;
+  Board paper = open_board(), wide = open_board("emu:?set=asic.datapath=wide");
+  PlanRequest request = shells.request(128);
+  request.max_error = 0.003;
+  EXPECT_EQ(make_plan(paper, request).best.step, 1.0 / 4);
+  const Plan plan = make_plan(wide, request);
+  EXPECT_EQ(plan.best.step, 1.0 / 16);
+  EXPECT_EQ(plan.finest.samples, plan.best.samples);
+  EXPECT_THAT(plan.points, testing::Contains(testing::Field(&PlanPoint::step, 1.0 / 8)));
+  EXPECT_LT(plan.chosen.step, 1.0 / 4);
+  EXPECT_LE(plan.chosen.error_bound, request.max_error);
+  EXPECT_THAT(plan.explain(), testing::Not(testing::Contains(testing::HasSubstr("from the best"))));
+  const Image chosen = wide.render(plan.view(request.view));
+  View view = plan.view(request.view);
+  view.step = plan.best.step;
+  view.opacity_threshold = 1;
+  EXPECT_LE(difference(chosen, wide.render(view)), plan.chosen.error_bound);
+}
+
+TEST(Plan, ShorterStepsComeNearerToTheFinestOfTheWideDatapath) {
+  const Shells shells;
+  Board board = open_board("emu:?set=asic.datapath=wide");
+  board.load_volume(shells.volume());
+  board.set_transfer_function(shells.looks[0]);
+  View view = Shells::view(96);
+  view.opacity_threshold = 1;
+  const auto picture = [&](double step) {
+    view.step = step;
+    return board.render(view);
+  };
+  const Image finest = picture(1.0 / 64);
+  double last = 1;
+  for (const double step : {1.0 / 2, 1.0 / 4, 1.0 / 8, 1.0 / 16}) {
+    const double error = difference(picture(step), finest);
+    EXPECT_LT(error, 0.8 * last) << step;
+    last = error;
+  }
+}
+
 TEST(Plan, TakesACoarserVolumeWherePixelsAreLargerThanVoxelsAndNothingIsThin) {
   Shells shells;
   Board board = open_board();

@@ -14,7 +14,8 @@ namespace gicube::plan_study {
 namespace {
 
 // Voxels; written here anew, not taken from the plan that is checked.
-constexpr double kBestStep = 1.0 / 4, kFinestStep = 1.0 / 16;
+constexpr double kFinestStep = 1.0 / 16;
+double best_step(const Board& board) { return board.info().wide ? kFinestStep : 1.0 / 4; }
 
 std::array<double, 4> channels(const Pixel& pixel) {
   return {pixel.red / 255.0, pixel.green / 255.0, pixel.blue / 255.0, pixel.alpha / 4095.0};
@@ -143,7 +144,7 @@ PlanOutcome carry_out(const StudyScene& study, int size, const Target& target, c
   const Image image = render(board, outcome.plan.view(view), outcome.chosen);
   if (!scene.lighting.on) samples::load(board, setup, false);
   view.opacity_threshold = 1;
-  view.step = kBestStep;
+  view.step = best_step(board);
   const Image best = render(board, view, outcome.best);
   view.step = kFinestStep;
   const Image finest = render(board, view, outcome.finest);
