@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <variant>
 
 #include "scene/common/checks.h"
 #include "scene/geometry/signed_distance.h"
@@ -59,6 +60,11 @@ Vec3 choose_up(const CameraSettings& camera, Vec3 towards_eye) {
   return along && !camera.up ? Vec3{0, 1, 0} : up;
 }
 
+void allow_outside_in(Node& node) {
+  if (auto* scan = std::get_if<ScanContent>(&node.content)) scan->source.allow_outside = true;
+  for (Node& child : node.children) allow_outside_in(child);
+}
+
 }  // namespace
 
 void fit_camera(const CameraSettings& camera, const SceneBox& box, const Vec3& spacing, View& view) {
@@ -86,6 +92,11 @@ void fit_camera(const CameraSettings& camera, const SceneBox& box, const Vec3& s
 Vec3 shoulder_light(const View& view, const Vec3& spacing) {
   const Frame frame = make_frame(view.up, unit_or_zero(times(view.eye - view.look_at, relative(spacing))));
   return frame.towards_eye + 0.55 * frame.up - 0.45 * frame.right;  // chosen: relief, and few shadows
+}
+
+void allow_outside(Scene& scene) {
+  scene.volume.allow_outside = true;
+  if (scene.world) allow_outside_in(scene.world->root);
 }
 
 void choose_camera(Scene& scene, const std::string& name) {

@@ -138,7 +138,7 @@ SceneSetup set_up(const Scene& scene, int threads) {
   if (scene.world) {
     take_world(scene, threads, setup);
   } else if (scene.volume.builtin.empty()) {
-    setup.volume = read_volume(scene.volume.file, scene.volume.raw);
+    setup.volume = read_volume(scene.volume);
     setup.built_in.materials = {find_preset("ramp")};
   } else if (scene.volume.builtin == "buckyball") {
     take_buckyball(scene, threads, setup);

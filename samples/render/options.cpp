@@ -44,6 +44,7 @@ void add_volume_options(CLI::App& app, RenderOptions& options) {
                    throw CLI::ValidationError(name, "expected numbers above 0, got " + in_quotes(text));
                  }
                });
+  group.flag("--allow-outside", options.allow_outside, "let headers name data files outside of their folders");
 }
 
 void add_camera_options(CLI::App& app, RenderOptions& options) {
@@ -225,6 +226,7 @@ Scene input_scene(const RenderOptions& options) {
     scene.volume.file = options.input;
   }
   set_volume(options, scene);
+  if (options.allow_outside) allow_outside(scene);
   if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
   return scene;
 }

@@ -57,6 +57,7 @@ struct RenderOptions {
   bool big_endian = false;
   std::uint64_t skip_bytes = 0;
   std::optional<Vec3> spacing;
+  bool allow_outside = false;
   std::string transfer_function;
   std::string camera_name;  // of the scene's; empty: its first
   CameraSettings camera;

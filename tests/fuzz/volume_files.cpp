@@ -19,7 +19,7 @@ std::size_t sample_bytes(SampleType type) {
 void read(Bytes input, samples::Volume (*reader)(const std::filesystem::path&)) {
   const MemoryFile file(input);
   try {
-    const samples::Volume volume = reader(file.path());
+    const samples::Volume volume = samples::with_spacing(reader(file.path()));
     std::size_t samples = 1;
     for (const int edge : volume.dims) {
       expect(edge >= 1 && edge <= samples::kMaxFileDim, "each edge has 1 to kMaxFileDim voxels");
@@ -35,8 +35,12 @@ void read(Bytes input, samples::Volume (*reader)(const std::filesystem::path&)) 
 
 }  // namespace
 
-void nrrd(Bytes input) { read(input, samples::read_nrrd); }
+void nrrd(Bytes input) {
+  read(input, [](const std::filesystem::path& file) { return samples::read_nrrd(file); });
+}
 void nifti(Bytes input) { read(input, samples::read_nifti); }
-void meta_image(Bytes input) { read(input, samples::read_meta_image); }
+void meta_image(Bytes input) {
+  read(input, [](const std::filesystem::path& file) { return samples::read_meta_image(file); });
+}
 
 }  // namespace gicube::fuzz

@@ -20,7 +20,9 @@ struct HeaderLines {
 // mebibyte has no such line.
 HeaderLines read_header_lines(const std::filesystem::path& file, const std::function<bool(std::string_view)>& is_last);
 
-// The data file that a header names: relative names are relative to the header's folder.
-std::filesystem::path beside(const std::filesystem::path& header, std::string_view name);
+// The data file that a header's field names: relative names are relative to the header's folder. Throws FileError if it lies neither
+// there nor below, links followed, unless `allow_outside`: the text does not tell whether it is there.
+std::filesystem::path beside(const std::filesystem::path& header, const std::string& field, std::string_view name,
+                             bool allow_outside);
 
 }  // namespace gicube::scene

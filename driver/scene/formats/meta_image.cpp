@@ -1,5 +1,6 @@
 #include "scene/formats/readers.h"
 
+#include <algorithm>
 #include <bit>
 #include <map>
 #include <string>
@@ -113,28 +114,29 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header) 
   return layout;
 }
 
-DataPlace place_of(const std::filesystem::path& file, const Header& header, std::size_t bytes) {
+// HeaderSize: 0, bytes of the data file before the data, or -1 for data at its end. In the header's own file they can't begin before its
+// last line ends.
+DataPlace place_of(const std::filesystem::path& file, const Header& header, std::size_t bytes, bool allow_outside) {
   DataPlace place;
   place.compressed = header.flag("CompressedData", false);
   const std::string& name = header.text("ElementDataFile");
-  if (name == "LOCAL") {
-    place.file = file;
-    place.offset = header.end();
-    return place;
-  }
+  const bool local = name == "LOCAL";
   if (name.empty() || name.starts_with("LIST") || name.find('%') != std::string::npos) {
     throw FileError(file, "ElementDataFile", "LOCAL or the name of one file", in_quotes(name));
   }
-  place.file = beside(file, name);
+  place.file = local ? file : beside(file, "ElementDataFile", name, allow_outside);
+  const std::uint64_t begin = local ? header.end() : 0;
   const std::int64_t skip = header.number("HeaderSize", 0);
-  if (skip >= 0) {
-    place.offset = static_cast<std::uint64_t>(skip);
-    return place;
+  if (skip == -1 && !place.compressed) {
+    const std::uint64_t all = file_bytes(place.file);
+    place.offset = all >= begin + bytes ? all - bytes : begin;
+  } else if (skip == 0 || (skip > 0 && static_cast<std::uint64_t>(skip) >= begin)) {
+    place.offset = skip == 0 ? begin : static_cast<std::uint64_t>(skip);
+  } else {
+    throw FileError(file, "HeaderSize",
+                    fmt::format("0, {} or more, or -1 for plain data", std::max<std::uint64_t>(begin, 1)),
+                    fmt::format("{}", skip));
   }
-  const bool at_end = skip == -1 && !place.compressed;
-  if (!at_end) throw FileError(file, "HeaderSize", "0 or more, or -1 for plain data", fmt::format("{}", skip));
-  const std::uint64_t all = file_bytes(place.file);
-  if (all >= bytes) place.offset = all - bytes;
   return place;
 }
 
@@ -147,7 +149,7 @@ bool is_meta_image(const std::filesystem::path& file) {
   return line.find('=') != std::string_view::npos && (key == "ObjectType" || key == "NDims");
 }
 
-Volume read_meta_image(const std::filesystem::path& file) {
+Volume read_meta_image(const std::filesystem::path& file, bool allow_outside) {
   if (!is_meta_image(file))
     throw FileError(file, "header", "\"ObjectType = Image\" or \"NDims = 3\" first", "another beginning");
   const Header header(file);
@@ -156,7 +158,7 @@ Volume read_meta_image(const std::filesystem::path& file) {
   }
   StoredLayout layout = layout_of(file, header);
   const std::size_t bytes = checked_bytes(layout);
-  const DataPlace place = place_of(file, header, bytes);
+  const DataPlace place = place_of(file, header, bytes, allow_outside);
   if (header.flag("BinaryData", true)) return to_volume(read_data(place, bytes), layout);
   layout.big_endian = std::endian::native == std::endian::big;
   return to_volume(read_numbers(place.file, place.offset, layout.type, bytes / bytes_of(layout.type)), layout);

@@ -84,9 +84,17 @@ std::string teem_error() {
   return text.empty() ? "a header that teem refuses" : text;
 }
 
+// "key:=value", as teem tells it from a field. Nothing here needs one, and teem looks at all before it takes another.
+bool is_key_value(std::string_view line) {
+  const std::size_t colon = line.find(": ");
+  const bool field = colon != std::string_view::npos &&
+                     airEnumVal(nrrdField, std::string(line.substr(0, colon)).c_str()) != nrrdField_unknown;
+  return !field && line.find(":=") != std::string_view::npos;
+}
+
 // Where the data begin and, in `text`, the header for teem. The data file's name is kept from teem, which would open it
 // and, for a numbered series, take the name as a printf format.
-void split_header(const std::filesystem::path& file, Header& header, std::string& text) {
+void split_header(const std::filesystem::path& file, bool allow_outside, Header& header, std::string& text) {
   const HeaderLines lines = read_header_lines(file, [](std::string_view line) { return line.empty(); });
   check_begin_and_fields(file, lines.lines);
   header.data_file = file;
@@ -94,22 +102,22 @@ void split_header(const std::filesystem::path& file, Header& header, std::string
   for (const std::string& line : lines.lines) {
     const auto name = data_file_of(line);
     if (!name) {
-      if (!line.starts_with('#')) text += line + '\n';
+      if (!line.starts_with('#') && !is_key_value(line)) text += line + '\n';
       continue;
     }
     if (name->empty() || name->find('%') != std::string::npos || *name == "LIST" || name->starts_with("LIST ") ||
         name->starts_with("SKIPLIST")) {
       throw FileError(file, "data file", "the name of one file", '"' + *name + '"');
     }
-    header.data_file = beside(file, *name);
+    header.data_file = beside(file, "data file", *name, allow_outside);
     header.data_offset = 0;
   }
 }
 
-Header read_header(const std::filesystem::path& file) {
+Header read_header(const std::filesystem::path& file, bool allow_outside) {
   Header header;
   std::string text;
-  split_header(file, header, text);
+  split_header(file, allow_outside, header, text);
   header.io->skipData = AIR_TRUE;
   if (nrrdStringRead(header.nrrd.get(), text.c_str(), header.io.get()) != 0) {
     throw FileError(file, "header", "a valid NRRD header", teem_error());
@@ -143,10 +151,13 @@ std::vector<unsigned> spatial_axes(const Nrrd& nrrd) {
   return axes;
 }
 
-double spacing_of(const Nrrd& nrrd, unsigned axis) {
-  double spacing = 1;
+// Not a number where the header says that of others only.
+double spacing_of(const Header& header, unsigned axis) {
+  const int* seen = header.io->seen;
+  if (seen[nrrdField_spacings] == 0 && seen[nrrdField_space_directions] == 0) return 1;
+  double spacing = AIR_NAN;
   double direction[NRRD_SPACE_DIM_MAX];
-  nrrdSpacingCalculate(&nrrd, axis, &spacing, direction);
+  nrrdSpacingCalculate(header.nrrd.get(), axis, &spacing, direction);
   return spacing;
 }
 
@@ -164,7 +175,7 @@ StoredLayout layout_of(const std::filesystem::path& file, const Header& header, 
   layout.file = file;
   layout.dims = checked_dims(file, "sizes", sizes);
   layout.type = type_of(file, nrrd.type);
-  layout.spacing = {spacing_of(nrrd, axes[0]), spacing_of(nrrd, axes[1]), spacing_of(nrrd, axes[2])};
+  layout.spacing = {spacing_of(header, axes[0]), spacing_of(header, axes[1]), spacing_of(header, axes[2])};
   layout.big_endian = header.io->endian == airEndianBig;
   return layout;
 }
@@ -219,13 +230,13 @@ Volume read_data_of(const std::filesystem::path& file, const Header& header, Sto
 
 bool is_nrrd(const std::filesystem::path& file) { return file_start(file, 7) == "NRRD000"; }
 
-Volume read_nrrd(const std::filesystem::path& file) {
-  const Header header = read_header(file);
+Volume read_nrrd(const std::filesystem::path& file, bool allow_outside) {
+  const Header header = read_header(file, allow_outside);
   return read_data_of(file, header, layout_of(file, header));
 }
 
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels) {
-  const Header header = read_header(file);
+  const Header header = read_header(file, false);
   const bool vectors = header.nrrd->dim == 4 && header.nrrd->axis[0].size == 3;
   channels = vectors ? 3 : 1;
   return read_data_of(file, header, layout_of(file, header, vectors ? 3 : 1));

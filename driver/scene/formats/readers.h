@@ -1,8 +1,10 @@
-// The readers of each volume format. Each finds out by a file's beginning whether it is one, and reads it; all throw FileError.
+// The readers of each volume format. Each finds out by a file's beginning whether it is one, and reads it; all throw FileError. Spacing
+// is what the file says, 1 where it says nothing. `allow_outside` is that of a VolumeSource.
 #pragma once
 
 #include <filesystem>
 #include <initializer_list>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -13,8 +15,9 @@ namespace gicube::scene {
 // .mhd .mha, MetaImage; plain, zlib-compressed or text. Lines "Key = Value" up to ElementDataFile, which says where the data are: in this file (LOCAL) or in one other. A LIST or
 // numbered series of slice files is refused: give the folder or one file. Keys that say nothing of the samples' layout are ignored.
 // MET_LONG has 4 bytes, as in MetaIO.
+// HeaderSize counts from the data file's first byte, also where that is this file.
 bool is_meta_image(const std::filesystem::path& file);
-Volume read_meta_image(const std::filesystem::path& file);
+Volume read_meta_image(const std::filesystem::path& file, bool allow_outside = false);
 
 // .nii .nii.gz, NIfTI-1 and NIfTI-2: header and data in one, gzipped or not, of either byte order; libnifti gives the header's layout and byte
 // swapping. A scl_slope of 0 or NaN means "not scaled". Refused: a header whose data lie in another file (.hdr and .img), colour and
@@ -26,10 +29,13 @@ Volume read_nifti(const std::filesystem::path& file);
 // there. Refused, though NRRD knows them: several data files, bzip2 and zrl encodings, block samples, byte skips below -1 (-1 = data
 // at the file's end). Axes of one sample may stand beside the three that count, wherever they are.
 bool is_nrrd(const std::filesystem::path& file);
-Volume read_nrrd(const std::filesystem::path& file);
+Volume read_nrrd(const std::filesystem::path& file, bool allow_outside = false);
 // Voxels of one sample or, with a first axis of three and three more, of three: those of a row then follow each other, as a
 // volume of three times as many voxels along x. `channels`: 1 or 3.
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels);
+
+// With the spacing that is given or, made positive, the file's own. Throws FileError: that has a zero or no number.
+Volume with_spacing(Volume volume, const std::optional<Vec3>& given = {});
 
 // Runs of digits count as numbers: "slice-2" before "slice-10". A strict order on names.
 bool natural_less(std::string_view a, std::string_view b);

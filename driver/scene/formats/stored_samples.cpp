@@ -51,11 +51,6 @@ void check_12_bits(std::span<const std::byte> samples, const StoredLayout& layou
   }
 }
 
-double usable_spacing(double spacing) {
-  const double edge = std::abs(spacing);
-  return std::isfinite(edge) && edge > 0 ? edge : 1;
-}
-
 }  // namespace
 
 std::size_t bytes_of(StoredType type) {
@@ -94,8 +89,7 @@ Volume to_volume(std::vector<std::byte> stored, const StoredLayout& layout) {
   Volume volume;
   volume.dims = layout.dims;
   volume.source = layout.file.string();
-  volume.spacing = {usable_spacing(layout.spacing.x), usable_spacing(layout.spacing.y),
-                    usable_spacing(layout.spacing.z)};
+  volume.spacing = layout.spacing;
   to_machine_order(stored, layout);
   if (layout.type == StoredType::kUint12) check_12_bits(stored, layout);
   if (const auto kept = kept_type(layout)) {

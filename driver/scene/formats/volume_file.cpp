@@ -8,23 +8,26 @@
 
 #include "scene/common/checks.h"
 #include "scene/formats/data_stream.h"
-#include "scene/formats/header_lines.h"
 #include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
 
 namespace gicube::scene {
 namespace {
 
-using Reader = Volume (*)(const std::filesystem::path&);
+using Reader = Volume (*)(const VolumeSource&);
+constexpr Reader kNrrd = [](const VolumeSource&source) { return read_nrrd(source.file, source.allow_outside); },
+                 kMetaImage =
+                     [](const VolumeSource&source) { return read_meta_image(source.file, source.allow_outside); },
+                 kNifti = [](const VolumeSource&source) { return read_nifti(source.file); },
+                 kSlices = [](const VolumeSource&source) { return read_slices(source.file); };
 
 struct Format {
   const char* extension;  // lower case, at the end of the name
   Reader read;
 };
 
-constexpr std::array kFormats = {Format{".nrrd", read_nrrd},      Format{".nhdr", read_nrrd},
-                                 Format{".mhd", read_meta_image}, Format{".mha", read_meta_image},
-                                 Format{".nii", read_nifti},      Format{".nii.gz", read_nifti}};
+constexpr std::array kFormats = {Format{".nrrd", kNrrd},     Format{".nhdr", kNrrd}, Format{".mhd", kMetaImage},
+                                 Format{".mha", kMetaImage}, Format{".nii", kNifti}, Format{".nii.gz", kNifti}};
 
 // Null: the name says nothing.
 Reader reader_by_name(const std::filesystem::path& path) {
@@ -36,9 +39,9 @@ Reader reader_by_name(const std::filesystem::path& path) {
 }
 
 Reader reader_by_contents(const std::filesystem::path& path) {
-  if (is_nrrd(path)) return read_nrrd;
-  if (is_meta_image(path)) return read_meta_image;
-  if (is_nifti(path)) return read_nifti;
+  if (is_nrrd(path)) return kNrrd;
+  if (is_meta_image(path)) return kMetaImage;
+  if (is_nifti(path)) return kNifti;
   throw FileError(path, "format", "NRRD, MetaImage, NIfTI, a folder of slices, or the layout of raw samples",
                   "an unknown format and no layout");
 }
@@ -94,16 +97,36 @@ SampleType sample_type_named(const std::string& name, const std::string& field) 
                             {"float32", SampleType::kFloat32}});
 }
 
-Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {
-  std::error_code fault;
-  const bool folder = std::filesystem::is_directory(path, fault);
-  Reader read = folder ? read_slices : reader_by_name(path);
-  if (read != nullptr && layout) {
-    throw FileError(path, "layout", "none: the file says its own", "the layout of raw samples");
+Volume with_spacing(Volume volume, const std::optional<Vec3>& given) {
+  if (given) {
+    volume.spacing = *given;
+    return volume;
   }
-  if (layout) return read_raw(path, *layout);
-  if (read == nullptr) read = reader_by_contents(path);
-  return read(path);
+  const Vec3 own = volume.spacing;
+  if (!is_finite(own) || own.x == 0 || own.y == 0 || own.z == 0) {
+    throw FileError(volume.source, "spacing", "three finite numbers, none of them 0", shown_point(own));
+  }
+  volume.spacing = {std::abs(own.x), std::abs(own.y), std::abs(own.z)};
+  return volume;
+}
+
+Volume read_volume(const VolumeSource& source) {
+  std::error_code fault;
+  const bool folder = std::filesystem::is_directory(source.file, fault);
+  Reader read = folder ? kSlices : reader_by_name(source.file);
+  if (read != nullptr && source.raw) {
+    throw FileError(source.file, "layout", "none: the file says its own", "the layout of raw samples");
+  }
+  if (source.raw) return with_spacing(read_raw(source.file, *source.raw), source.spacing);
+  if (read == nullptr) read = reader_by_contents(source.file);
+  return with_spacing(read(source), source.spacing);
+}
+
+Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {
+  VolumeSource source;
+  source.file = path;
+  source.raw = layout;
+  return read_volume(source);
 }
 
 }  // namespace gicube::scene

@@ -95,8 +95,7 @@ class Walk {
     if (function == nullptr || used_by_solid_[material]) {
       throw InputError("material", "one with a transfer function, that no solid is made of", in_quotes(made_of.name));
     }
-    Volume scan = read_volume(content.source.file, content.source.raw);
-    if (content.source.spacing) scan.spacing = *content.source.spacing;
+    const Volume scan = read_volume(content.source);
     const ValueRange range = value_range_of(scan);
     if (!(range.low < range.high)) throw InputError(scan.source, "more than one value", "one");
     if (ranges_[material] && !(*ranges_[material] == range)) {

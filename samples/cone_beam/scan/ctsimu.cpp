@@ -7,7 +7,6 @@
 
 #include "cone_beam/scan/formats.h"
 #include "scene/formats/data_stream.h"
-#include "scene/formats/header_lines.h"
 
 namespace gicube::samples {
 namespace {
@@ -222,7 +221,7 @@ StackFiles files_of(const JsonPart& name, int count, const RawLayout& layout) {
   const std::string text = name.text();
   const std::size_t percent = text.find('%');
   if (percent == std::string::npos) {
-    out.files = {beside(name.file, text)};
+    out.files = {name.file.parent_path() / text};
     return out;
   }
   const std::size_t end = text.find('d', percent);
@@ -231,8 +230,8 @@ StackFiles files_of(const JsonPart& name, int count, const RawLayout& layout) {
   if (!plain || text.find('%', percent + 1) != std::string::npos) name.fault("one %d or %04d");
   const int width = digits.empty() ? 0 : std::stoi(digits);
   for (int i = 0; i < count; ++i) {
-    out.files.push_back(
-        beside(name.file, text.substr(0, percent) + fmt::format("{:0{}}", i, width) + text.substr(end + 1)));
+    out.files.push_back(name.file.parent_path() /
+                        (text.substr(0, percent) + fmt::format("{:0{}}", i, width) + text.substr(end + 1)));
   }
   return out;
 }
@@ -250,7 +249,7 @@ StackFiles correction_of(const JsonPart& projections, const char* key, const Raw
 ScanDescription read_metadata(const JsonPart& json) {
   const JsonPart output = json.at("output"), projections = output.at("projections");
   const JsonPart scenario = json.at("acquisition_geometry").at("path_to_CTSimU_JSON");
-  ScanDescription out = read_scenario(read_json(beside(json.file, scenario.text())));
+  ScanDescription out = read_scenario(read_json(json.file.parent_path() / scenario.text()));
   out.file = json.file;
   const JsonPart size = projections.at("dimensions");
   const Detector& detector = out.geometry.detector;

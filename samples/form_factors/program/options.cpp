@@ -30,6 +30,7 @@ void add_input(CLI::App& app, InputOptions& options) {
       .value("--transfer-function", options.transfer_function,
              "of all materials: a file, or a preset: " + preset_names())
       ->type_name("FILE|NAME");
+  group.flag("--allow-outside", options.allow_outside, "let headers name data files outside of their folders");
 }
 
 // "2=5" or "2=5,4,3".
@@ -225,6 +226,7 @@ Scene scene_of(const InputOptions& options) {
     (scene.world ? scene.world->size : scene.volume.size) = *options.volume_size;
   }
   if (!options.transfer_function.empty()) scene.transfer_function = find_transfer_function(options.transfer_function);
+  if (options.allow_outside) allow_outside(scene);
   return scene;
 }
 

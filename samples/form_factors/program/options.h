@@ -26,6 +26,7 @@ struct InputOptions {
   std::string input;
   std::optional<int> volume_size;
   std::string transfer_function;
+  bool allow_outside = false;
 };
 
 struct SolveOptions {

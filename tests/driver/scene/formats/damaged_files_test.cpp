@@ -42,11 +42,12 @@ TEST(DamagedFiles, MetaImageIsReadOrRefused) {
 }
 
 TEST(DamagedFiles, NiftiIsReadOrRefused) {
-  // A header as numbers: sizes at byte 40, type at 70, data offset at 108, "n+1" at 344.
+  // A header as numbers: sizes at byte 40, type at 70, spacing at 80, data offset at 108, "n+1" at 344.
   std::string header(352, '\0');
   const auto put = [&](std::size_t at, const std::string& bytes) { header.replace(at, bytes.size(), bytes); };
   put(0, stored<std::int32_t>({348}));
   put(40, stored<std::int16_t>({3, 2, 3, 4, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 4}));
+  put(80, stored<float>({1, 1, 1}));
   put(108, stored<float>({352}));
   put(344, "n+1");
   const std::string samples = stored(ramp<std::int16_t>());

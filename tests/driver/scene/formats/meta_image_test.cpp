@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
+
 #include "written_files.h"
 
 namespace gicube::scene {
@@ -84,7 +87,7 @@ TEST(MetaImageFile, TakesSpacingBeforeSizeAndOneForNone) {
   const auto spacing = [&](const std::string& lines) {
     return read_volume(folder.write("v.mha", header("MET_UCHAR", lines + data))).spacing;
   };
-  EXPECT_EQ(spacing("ElementSize = 9 9 9\nElementSpacing = 0.5 -2e0 0\n"), (Vec3{0.5, 2, 1}));
+  EXPECT_EQ(spacing("ElementSize = 9 9 9\nElementSpacing = 0.5 -2e0 3\n"), (Vec3{0.5, 2, 3}));
   EXPECT_EQ(spacing("ElementSize = 1 2 3\n"), (Vec3{1, 2, 3}));
   EXPECT_EQ(spacing(""), (Vec3{1, 1, 1}));
 }
@@ -126,6 +129,76 @@ TEST(MetaImageFile, RefusesWhatItCannotRead) {
   EXPECT_THAT(error("ObjectType = Image\nnonsense\n"), HasSubstr("nonsense"));
   EXPECT_THAT(error("something else"), HasSubstr("header"));
   EXPECT_THAT(error(""), HasSubstr("header"));
+}
+
+TEST(MetaImageFile, SkipsTheBytesOfHeaderSizeInItsOwnFileToo) {
+  const TemporaryFolder folder;
+  const std::string bytes = stored(ramp<std::uint16_t>());
+  const auto samples = [&](const std::string& size, const std::string& rest) {
+    std::string text = header("MET_USHORT", "HeaderSize = " + size + "\n" + kLocal);
+    text.resize(std::max<std::size_t>(text.size(), 256), '\n');
+    return samples_of<std::uint16_t>(read_volume(folder.write("v.mha", text + rest)));
+  };
+  EXPECT_EQ(samples("256", bytes), ramp<std::uint16_t>());
+  EXPECT_EQ(samples("256", bytes + "more"), ramp<std::uint16_t>());
+  EXPECT_EQ(samples("261", "12345" + bytes), ramp<std::uint16_t>());
+  EXPECT_EQ(samples("-1", "12345" + bytes), ramp<std::uint16_t>());
+  const auto error = [&](const std::string& size) {
+    return read_error(folder.write("v.mha", header("MET_USHORT", "HeaderSize = " + size + "\n" + kLocal) + bytes));
+  };
+  EXPECT_THAT(error("20"), HasSubstr("HeaderSize: expected 0, "));  // within the header's own lines
+  EXPECT_THAT(error("5000"), HasSubstr("begin at byte 5000"));
+  EXPECT_THAT(error("-7"), HasSubstr("HeaderSize"));
+}
+
+TEST(MetaImageFile, RefusesSpacingThatIsNone) {
+  const TemporaryFolder folder;
+  const std::string data = kLocal + stored(ramp<std::uint8_t>());
+  const auto error = [&](const std::string& spacing) {
+    return read_error(folder.write("v.mha", header("MET_UCHAR", "ElementSpacing = " + spacing + "\n" + data)));
+  };
+  EXPECT_THAT(error("0.5 2 0"),
+              HasSubstr("v.mha: spacing: expected three finite numbers, none of them 0, got 0.5 2 0"));
+  EXPECT_THAT(error("nan 1 1"), HasSubstr("got nan 1 1"));
+  EXPECT_THAT(error("1 inf 1"), HasSubstr("got 1 inf 1"));
+  VolumeSource given;
+  given.file = folder.path() / "v.mha";
+  given.spacing = Vec3{1, 2, 3};
+  EXPECT_EQ(read_volume(given).spacing, (Vec3{1, 2, 3}));
+}
+
+TEST(MetaImageFile, NamesNoDataOutsideOfItsFolderUnlessItMay) {
+  const TemporaryFolder folder;
+  const std::string bytes = stored(ramp<std::uint8_t>());
+  const auto outside = folder.write("v.raw", bytes), below = folder.path() / "below";
+  std::filesystem::create_directories(below / "further");
+  std::filesystem::copy(outside, below / "further/v.raw");
+  std::filesystem::create_symlink(outside, below / "link.raw");
+  VolumeSource source;
+  source.file = below / "v.mhd";
+  const auto naming = [&](const std::string& name) {
+    folder.write("below/v.mhd", header("MET_UCHAR", "ElementDataFile = " + name + "\n"));
+  };
+  for (const std::string& name :
+       {std::string("further/v.raw"), std::string("further/../further/v.raw"), (below / "further/v.raw").string()}) {
+    naming(name);
+    EXPECT_EQ(samples_of<std::uint8_t>(read_volume(source)), ramp<std::uint8_t>()) << name;
+  }
+  for (const std::string& name : {std::string("../v.raw"), outside.string(), std::string("link.raw")}) {
+    naming(name);
+    EXPECT_THAT(read_error(source.file), HasSubstr("ElementDataFile: expected a file in the header's folder or below"));
+    source.allow_outside = true;
+    EXPECT_EQ(samples_of<std::uint8_t>(read_volume(source)), ramp<std::uint8_t>()) << name;
+    source.allow_outside = false;
+  }
+  // Nobody learns from the text which files there are.
+  const auto told = [&](const std::string& name) {
+    naming(name);
+    std::string text = read_error(source.file);
+    return text.erase(text.find(name));
+  };
+  EXPECT_EQ(told("../v.raw"), told("../gone.raw"));
+  EXPECT_EQ(told("/etc/passwd"), told("/etc/none"));
 }
 
 }  // namespace

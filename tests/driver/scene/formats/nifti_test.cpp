@@ -21,6 +21,7 @@ nifti_1_header header_1(int datatype) {
   header.datatype = static_cast<short>(datatype);
   header.pixdim[1] = 0.5f;
   header.pixdim[2] = -2;
+  header.pixdim[3] = 1.5f;
   header.vox_offset = 352;
   std::memcpy(header.magic, "n+1", 4);
   return header;
@@ -32,6 +33,8 @@ nifti_2_header header_2(int datatype) {
   const std::int64_t sizes[] = {3, 2, 3, 4, 1, 1, 1, 1};
   std::copy(std::begin(sizes), std::end(sizes), header.dim);
   header.datatype = static_cast<short>(datatype);
+  header.pixdim[1] = 1;
+  header.pixdim[2] = 2;
   header.pixdim[3] = 3;
   header.vox_offset = 544;
   std::memcpy(header.magic, "n+2\0\r\n\032\n", 8);
@@ -81,11 +84,11 @@ TEST(NiftiFile, ReadsEveryTypeInBothVersionsAndByteOrdersPlainAndGzipped) {
   expect_samples<double>(folder, NIFTI_TYPE_FLOAT64, SampleType::kFloat32);
 }
 
-TEST(NiftiFile, TakesAbsoluteSpacingAndOneForZero) {
+TEST(NiftiFile, TakesAbsoluteSpacing) {
   const TemporaryFolder folder;
   const std::string samples = stored(ramp<std::uint8_t>());
-  EXPECT_EQ(read_volume(folder.write("1.nii", file_of(header_1(2), samples))).spacing, (Vec3{0.5, 2, 1}));
-  EXPECT_EQ(read_volume(folder.write("2.nii", file_of(header_2(2), samples))).spacing, (Vec3{1, 1, 3}));
+  EXPECT_EQ(read_volume(folder.write("1.nii", file_of(header_1(2), samples))).spacing, (Vec3{0.5, 2, 1.5}));
+  EXPECT_EQ(read_volume(folder.write("2.nii", file_of(header_2(2), samples))).spacing, (Vec3{1, 2, 3}));
 }
 
 TEST(NiftiFile, SkipsExtensionsBeforeTheData) {
@@ -134,6 +137,13 @@ std::string error_after(const TemporaryFolder& folder, Change change) {
   auto header = header_1(NIFTI_TYPE_UINT8);
   change(header);
   return read_error(folder.write("v.nii", file_of(header, stored(ramp<std::uint8_t>()))));
+}
+
+TEST(NiftiFile, RefusesSpacingThatIsNone) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(error_after(folder, [](auto& header) { header.pixdim[3] = 0; }),
+              HasSubstr("v.nii: spacing: expected three finite numbers, none of them 0, got 0.5 -2 0"));
+  EXPECT_THAT(error_after(folder, [](auto& header) { header.pixdim[1] = std::nanf(""); }), HasSubstr("got nan -2 1.5"));
 }
 
 TEST(NiftiFile, RefusesABadDataOffset) {

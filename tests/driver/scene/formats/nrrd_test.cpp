@@ -1,7 +1,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
+
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 
 #include "written_files.h"
 
@@ -118,11 +122,53 @@ TEST(NrrdFile, ReadsNumbersAndHexadecimalDigits) {
 TEST(NrrdFile, TakesSpacingFromSpacingsOrSpaceDirections) {
   const TemporaryFolder folder;
   const std::string data = "encoding: raw\n\n" + stored(ramp<std::uint8_t>());
-  const Volume plain = read_volume(folder.write("p.nrrd", header("uchar", "spacings: 0.5 nan -2\n" + data)));
-  EXPECT_EQ(plain.spacing, (Vec3{0.5, 1, 2}));
+  const Volume plain = read_volume(folder.write("p.nrrd", header("uchar", "spacings: 0.5 3 -2\n" + data)));
+  EXPECT_EQ(plain.spacing, (Vec3{0.5, 3, 2}));
   const std::string space = "space: left-posterior-superior\nspace directions: (-3,0,0) (0,3,4) (0,0,0.25)\n";
   EXPECT_EQ(read_volume(folder.write("s.nrrd", header("uchar", space + data))).spacing, (Vec3{3, 5, 0.25}));
   EXPECT_EQ(read_volume(folder.write("n.nrrd", header("uchar", data))).spacing, (Vec3{1, 1, 1}));
+}
+
+TEST(NrrdFile, RefusesSpacingThatIsNone) {
+  const TemporaryFolder folder;
+  const std::string data = "encoding: raw\n\n" + stored(ramp<std::uint8_t>());
+  const auto error = [&](const std::string& line) {
+    return read_error(folder.write("v.nrrd", header("uchar", line + "\n" + data)));
+  };
+  EXPECT_THAT(error("spacings: 0.5 nan 2"),
+              HasSubstr("spacing: expected three finite numbers, none of them 0, got 0.5 nan 2"));
+  EXPECT_THAT(error("spacings: nan nan nan"), HasSubstr("got nan nan nan"));
+  const std::string space = "space: left-posterior-superior\nspace directions: ";
+  EXPECT_THAT(error(space + "none (0,3,4) (0,0,1)"), HasSubstr("got nan 5 1"));
+}
+
+// teem compares each note with all before it, which takes it several times as long for so many.
+TEST(NrrdFile, ReadsAHeaderOfAHundredAndFiftyThousandNotesWithinTenSecondsOfProcessorTime) {
+  const TemporaryFolder folder;
+  std::string notes;
+  for (int i = 0; i < 150'000; ++i) {
+    for (int rest = i + 64 * 64 * 64; rest > 1; rest /= 64) notes += static_cast<char>('0' + rest % 64);
+    notes += i % 2 == 0 ? ":=\n" : "::=\n";
+  }
+  const auto file =
+      folder.write("v.nrrd", header("uchar", notes + "encoding: raw\n\n") + stored(ramp<std::uint8_t>()));
+  const auto read_within_limit = [&file] {
+    const rlimit limit{10, 10};
+    ::setrlimit(RLIMIT_CPU, &limit);
+    std::_Exit(read_volume(file).dims == kRampDims ? 0 : 1);
+  };
+  EXPECT_EXIT(read_within_limit(), testing::ExitedWithCode(0), "");
+}
+
+TEST(NrrdFile, NamesNoDataOutsideOfItsFolderUnlessItMay) {
+  const TemporaryFolder folder;
+  folder.write("v.raw", stored(ramp<std::uint8_t>()));
+  std::filesystem::create_directory(folder.path() / "below");
+  VolumeSource source;
+  source.file = folder.write("below/v.nhdr", header("uchar", "encoding: raw\ndata file: ../v.raw\n"));
+  EXPECT_THAT(read_error(source.file), HasSubstr("data file: expected a file in the header's folder or below"));
+  source.allow_outside = true;
+  EXPECT_EQ(samples_of<std::uint8_t>(read_volume(source)), ramp<std::uint8_t>());
 }
 
 TEST(NrrdFile, DropsFurtherAxesOfOneSample) {

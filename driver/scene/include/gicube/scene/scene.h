@@ -71,6 +71,9 @@ struct Scene {
 // Makes the camera of this name the scene's own. Throws InputError with the names of those that are there.
 GICUBE_API void choose_camera(Scene& scene, const std::string& name);
 
+// For a scene whose files are trusted: VolumeSource::allow_outside of all its volumes.
+GICUBE_API void allow_outside(Scene& scene);
+
 // Voxels, both ends included.
 struct SceneBox {
   Vec3 low, high;

@@ -2,8 +2,8 @@
 // lie. The end of a file's name says its format, or else its contents do.
 //
 // Axes stay as the file stores them: voxel (x, y, z) is the x-th sample of the y-th row of the z-th slice. Orientation
-// and origin (NIfTI's qform, NRRD's space) are ignored. Spacing is the voxel's edge on each axis; a zero, missing or
-// non-finite one counts as 1, a negative one as its absolute value.
+// and origin (NIfTI's qform, NRRD's space) are ignored. Spacing is the voxel's edge on each axis; without any it is 1, a negative one
+// counts as its absolute value.
 #pragma once
 
 #include <cstddef>
@@ -58,7 +58,8 @@ struct VolumeSource {
   std::filesystem::path file;    // a file or a folder of slices
   int size = 256;                // voxels an edge, builtin only
   std::optional<RawLayout> raw;  // headerless files only
-  std::optional<Vec3> spacing;   // overrides the file's
+  std::optional<Vec3> spacing;   // in place of the file's
+  bool allow_outside = false;    // a header may name a data file outside of its folder and those below
 
   friend bool operator==(const VolumeSource&, const VolumeSource&) = default;
 };
@@ -69,10 +70,13 @@ struct VolumeSource {
 // Memory is taken only as far as the file's real size can back it. A file may be longer than its header says (the rest
 // is ignored); a raw file may not, since a wrong layout shows just there.
 //
-// Throws FileError: the file can't be read, is truncated or damaged, has a field of no or impossible meaning, or
-// exceeds kMaxFileDim or kMaxVolumeBytes. A layout for a file that has a header of its own is refused too.
+// Throws FileError: the file can't be read, is truncated or damaged, has a field of no or impossible meaning (as a spacing of 0, where
+// none is given in its place), names a data file outside, or exceeds kMaxFileDim or kMaxVolumeBytes. A layout for a file that has a
+// header of its own is refused too.
 // Not to be called from two threads at once: teem keeps its error texts in one place.
 GICUBE_API Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout = std::nullopt);
+// The same for a source's file.
+GICUBE_API Volume read_volume(const VolumeSource& source);
 
 // The samples as numbers.
 GICUBE_API std::vector<float> values_of(const Volume& volume);
