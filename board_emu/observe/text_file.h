@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace gicube::emu {
@@ -35,18 +37,26 @@ class TextFile {
   void flush() { flush_with(""); }
   // Writes everything, and `ending` behind it; the next record will overwrite the ending.
   void flush_with(std::string_view ending) {
+    if (!file_) return text_.clear();
     file_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
     text_.clear();
     const std::streampos end = file_.tellp();
     file_ << ending << std::flush;
     if (!ending.empty()) file_.seekp(end);
+    if (!file_) remove();
   }
 
   const std::string& path() const { return path_; }
-  // False once a write has failed, on a full disk for instance; nothing is written after that.
+  // False once a write has failed, on a full disk for instance; the file is gone then, and nothing is written after that.
   bool good() const { return static_cast<bool>(file_); }
 
  private:
+  void remove() {
+    file_.close();
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(path_, ignored)) std::filesystem::remove(path_, ignored);
+  }
+
   static constexpr std::size_t kPiece = std::size_t{64} << 10;  // chosen: some thousand records
 
   std::string path_;

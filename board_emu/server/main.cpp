@@ -18,6 +18,7 @@
 #include "config/hardware_cost.h"
 #include "end_on_signals.h"
 #include "firmware/routines/routine_table.h"
+#include "gicube/whole_file.h"
 #include "gicube/wire/register_markdown.h"
 #include "options.h"
 #include "server/bus/board_slot.h"
@@ -101,6 +102,7 @@ int run(int argc, const char* const* argv) {
   if (!line.errors.empty()) return 2;
   if (line.text) {
     fmt::print("{}", *line.text);
+    check_standard_output();
     return 0;
   }
   if (line.options.print_config) {
@@ -108,7 +110,10 @@ int run(int argc, const char* const* argv) {
   }
   if (line.options.print_registers) fmt::print("{}\n{}", wire::register_markdown(), wire::memory_markdown());
   if (line.options.print_hardware_cost) fmt::print("{}", to_string(hardware_cost(line.options.config)));
-  if (line.options.print_config || line.options.print_registers || line.options.print_hardware_cost) return 0;
+  if (line.options.print_config || line.options.print_registers || line.options.print_hardware_cost) {
+    check_standard_output();
+    return 0;
+  }
   spdlog::set_default_logger(spdlog::stderr_logger_mt("gicube-board"));
   spdlog::set_level(line.options.quiet ? spdlog::level::warn : spdlog::level::info);
   RoutineTable routines;  // never unloaded while a board is there

@@ -56,8 +56,12 @@ void explain_once(const RenderOptions& options, const FrameStatistics& statistic
 int run(int argc, char** argv) {
   const auto options = parse_options(argc, argv, std::cout);
   if (!options) return 0;
-  check_folder(options->output);
-  check_folder(options->board.stats);
+  std::vector<Output> outputs;
+  for (int i = 0; i < options->animation.frames; ++i) {
+    outputs.push_back({"--output", frame_file(options->output, options->animation, i)});
+  }
+  outputs.push_back({"--stats", options->board.stats});
+  check_outputs(outputs);
   std::vector<FrameStatistics> statistics;
   std::vector<std::string> plan;
   {

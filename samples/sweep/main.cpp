@@ -11,6 +11,7 @@
 #include <set>
 #include <vector>
 
+#include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/names.h"
 #include "scene/program/board_options.h"
@@ -28,6 +29,7 @@ using namespace gicube::samples;
 using namespace gicube::samples::sweep;
 
 constexpr const char* kPicture = "picture";
+constexpr std::uintmax_t kMaxPictureMib = 64;  // chosen: of a chart
 
 struct Pair {
   Point point;
@@ -100,13 +102,32 @@ Table run_sweep(const SweepOptions& options, ProgressLine& progress) {
   return table;
 }
 
+// Runs the gnuplot script. gnuplot does not say that a disk is full: a picture that does not end is none.
+void draw(const SweepOptions& options, const std::string& base) {
+  const std::filesystem::path part = base + ".svg.part";
+  const std::string into = fmt::format("picture = '{}'", part.filename().string());
+  std::string svg;
+  try {
+    run_to_end("gnuplot", {"-e", into, options.name + ".gp"}, base + ".log", options.folder);
+    svg = read_text(part, "a picture by gnuplot", kMaxPictureMib);
+  } catch (...) {
+    std::filesystem::remove(part);
+    throw;
+  }
+  std::filesystem::remove(part);
+  if (!gicube::scene::trimmed(svg).ends_with("</svg>")) {
+    throw gicube::scene::FileError(base + ".svg", "file", "a place to write to", "a part of the picture");
+  }
+  write_whole(base + ".svg", svg);
+}
+
 // CSV, JSON, the gnuplot script, and with `chart` its picture. Throws FileError; RunFailed if gnuplot fails.
 void write_files(const SweepOptions& options, const Table& table) {
   const std::string base = (options.folder / options.name).string();
   write_whole(base + ".csv", csv(table));
   write_json(nlohmann::ordered_json::parse(json(table)), this_run(), base + ".json");
   write_whole(base + ".gp", chart(table, options.name, options.title.empty() ? options.name : options.title));
-  if (options.chart) run_to_end("gnuplot", {options.name + ".gp"}, base + ".log", options.folder);
+  if (options.chart) draw(options, base);
 }
 
 void print_front(const Table& table) {

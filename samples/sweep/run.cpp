@@ -109,6 +109,7 @@ void RunFolder::carry_out(const Run& run, const std::filesystem::path& program) 
   try {
     run_to_end(program, arguments, log(run));
   } catch (const RunFailed& failure) {
+    for (const auto& part : {picture_part, statistics_part}) std::filesystem::remove(part);
     throw RunFailed(run.command() + "\n  " + failure.what());
   }
   std::filesystem::rename(picture_part, picture(run));

@@ -115,7 +115,8 @@ set logscale xy
 set grid
 set key top right
 set terminal svg size 800,520 background 'white'
-set output '{3}.svg'
+if (!exists("picture")) picture = '{3}.svg'
+set output picture
 plot '{3}.csv' skip 1 using 1:($2 > 0 ? $2 : NaN) with points pt 7 ps 0.6 lc rgb "gray50" title "runs", \
   "< awk -F, 'NR > 1 && $3 == 1 && $2 > 0' {3}.csv | sort -t, -g -k1,1" using 1:2 with linespoints pt 7 lw 2 \
   lc rgb "#c04000" title "Pareto front"

@@ -72,13 +72,14 @@ const std::vector<Rule>& rules() {
       {"proto",              {"proto"}, {}},
       {"proto/gicube/wire/checksum.cpp", {"proto"}, {"isa-l"}},
       {"proto/gicube/registry.cpp", {"proto"}, {"signal.h", "sys/socket.h", "sys/stat.h", "sys/un.h", "unistd.h"}},
+      {"proto/gicube/whole_file.cpp", {"proto"}, {"fcntl.h", "sys/stat.h", "unistd.h"}},
       {"proto/gicube/bsdf.h", {}, {"stddef.h", "stdint.h"}},  // C
 
       // Public headers name nothing but themselves and the standard library, so that applications need nothing else.
       {"driver/include",     {"driver/include"}, {}},
       {"driver/include/gicube/c_api.h", {"driver/include/gicube/c_types.h", "driver/include/gicube/export.h"}, {}},
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
-      {"driver/src",         {"driver", "proto/gicube/wire"}, {kAnything}},
+      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/whole_file.h"}, {kAnything}},
       {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/src/transport/event.h",
                               "driver/include"}, {"fmt"}},
       {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/wire"}, {"fmt"}},
@@ -131,7 +132,8 @@ const std::vector<Rule>& rules() {
       // gicube-scene: an application of the driver's public headers; its own name those and the standard library alone.
       {"driver/scene/include", {"driver/scene/include", "driver/include"}, {}},
       {"driver/scene",       {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {"fmt", "OpenImageIO"}},
-      {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include"}, {"fmt", "google/protobuf"}},
+      {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include", "proto/gicube/whole_file.h"},
+                             {"fmt", "google/protobuf"}},
       {"driver/scene/formats", {"driver/scene/formats", "driver/scene/common", "driver/scene/include", "driver/include"},
                              {"fmt", "nifti2_io.h", "OpenImageIO", "teem", "zlib.h"}},
       // Solids, meshes and their voxels know neither the scene that they stand in nor its file.
@@ -151,10 +153,11 @@ const std::vector<Rule>& rules() {
       {"samples/small/bsdf_plugin", {"samples/small/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
       // Like applications; besides in the management plane's messages, and looks for boards as the driver does.
       {"driver/tools/smi",          {"driver/tools/smi", "driver/include", "driver/src/transport", "proto/gicube/v1/management.pb.h",
-                              "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h", "proto/gicube/registry.h"},
+                              "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h", "proto/gicube/registry.h",
+                              "proto/gicube/whole_file.h"},
                              {kAnything}},
       // Speaks the bus below the driver's public headers.
-      {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire"}, {kAnything}},
+      {"driver/tools/replay",       {"driver/tools/replay", "driver/include", "driver/src", "proto/gicube/wire", "proto/gicube/whole_file.h"}, {kAnything}},
       program("samples/studies", {}, {kAnything}),
       // Outside applications, which know the installed headers only; C too.
       {"samples/installed",  {"samples/installed", "driver/include", "driver/scene/include"},

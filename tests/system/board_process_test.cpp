@@ -6,8 +6,10 @@
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -145,6 +147,19 @@ TEST(BoardProcess, PrintsAConfigurationThatItTakesBack) {
   std::ofstream(folder.file("board.textproto")) << text;
   BoardProcess again({"--print-config", "--config", folder.file("board.textproto")});
   EXPECT_EQ(again.read_output(), text);
+}
+
+TEST(BoardProcess, FailsIfWhatItPrintsGetsNowhere) {
+  const TemporaryDirectory folder;
+  for (const std::string flag : {"--print-config", "--registers", "--hardware-cost", "--help", "--version"}) {
+    const std::string command = GICUBE_BIN_DIR "/gicube-board " + flag + " >/dev/full 2>" + folder.file("errors");
+    const int status = std::system(command.c_str());
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << flag;
+    std::string text;
+    std::getline(std::ifstream(folder.file("errors")), text);
+    EXPECT_THAT(text, testing::AllOf(testing::StartsWith("gicube-board: "), HasSubstr("No space left on device")))
+        << flag;
+  }
 }
 
 TEST(BoardProcess, PrintsTheSharedRegisterTableAndMemoryMap) {

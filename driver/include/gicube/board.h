@@ -78,6 +78,7 @@ struct OpenOptions {
   std::chrono::milliseconds wait_for_board{0};
   // Writes every frame of the session to this file, for gicube-replay (docs/guide/capture.md). New sessions of reopen() go
   // to FILE.1, FILE.2. Empty: the option capture of emu: names the file, or else the environment variable GICUBE_CAPTURE.
+  // Only its user can read it. If it can't be written, the session ends: calls throw DeviceLost.
   std::string capture{};
 };
 

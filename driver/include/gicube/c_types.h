@@ -66,7 +66,7 @@ enum {
   GICUBE_LOSS_CORRUPTED = 1, /* a frame was damaged, or one is missing */
   GICUBE_LOSS_TIMED_OUT = 2,
   GICUBE_LOSS_TAKEN_OVER = 3, /* another client took the board by force */
-  GICUBE_LOSS_ENDED = 4       /* the board ended the session */
+  GICUBE_LOSS_ENDED = 4       /* the board ended the session, or the driver did, whose capture could not be written */
 };
 
 /* gicube/board.h: BoardInfo */

@@ -67,7 +67,8 @@ enum class Loss {
   kCorrupted,  // a frame was damaged, or one is missing
   kTimedOut,   // the watchdog expired; the call that it ended has thrown TimedOut
   kTakenOver,  // another client took the board by force
-  kEnded,      // the board ended the session: it shuts down, was reset by management, or found a fault in what was sent
+  kEnded,  // the board ended the session: it shuts down, was reset by management, or found a fault in what was sent; or the
+           // driver did, whose capture could not be written
 };
 
 // The connection to the board broke. Every waiting call throws this, and so do all later calls on the same Board until

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <random>
+#include <system_error>
 
 #include "gicube/scene/error.h"
 
@@ -31,33 +31,38 @@ std::string read_text(const std::filesystem::path& file, const std::string& kind
   return text;
 }
 
-WholeFile::WholeFile(const std::filesystem::path& final_path) : final_(final_path), path_(final_path) {
-  std::random_device random;
-  path_.replace_filename(fmt::format(".{}.{:08x}.part", final_path.filename().string(), random()));
+void WholeFiles::write(const std::filesystem::path& path, const std::function<void(WholeFile&)>& fill) {
+  try {
+    WholeFile& file = files_.emplace_back(path, path).second;
+    fill(file);
+    file.close();
+  } catch (const std::system_error& error) {
+    throw FileError(path, "file", "a place to write to", error.code().message());
+  }
 }
 
-WholeFile::~WholeFile() {
-  std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
+void WholeFiles::write(const std::filesystem::path& path, std::string_view text) {
+  write(path, [text](WholeFile& file) { file.write(text); });
 }
 
-void WholeFile::rename() const {
-  std::error_code fault;
-  std::filesystem::rename(path_, final_, fault);
-  if (fault) throw FileError(final_, "file", "a place to write to", fault.message());
+void WholeFiles::commit() {
+  for (auto& [path, file] : files_) {
+    try {
+      file.commit();
+    } catch (const std::system_error& error) {
+      throw FileError(path, "file", "a place to write to", error.code().message());
+    }
+  }
 }
 
-void write_whole(const std::filesystem::path& path, const std::function<void(std::ostream&)>& fill) {
-  const WholeFile whole(path);
-  std::ofstream stream(whole.path(), std::ios::binary);
-  fill(stream);
-  stream.close();
-  if (!stream) throw FileError(path, "file", "a place to write to", "an error");
-  whole.rename();
+void write_whole(const std::filesystem::path& path, const std::function<void(WholeFile&)>& fill) {
+  WholeFiles files;
+  files.write(path, fill);
+  files.commit();
 }
 
 void write_whole(const std::filesystem::path& path, std::string_view text) {
-  write_whole(path, [text](std::ostream& stream) { stream << text; });
+  write_whole(path, [text](WholeFile& file) { file.write(text); });
 }
 
 }  // namespace gicube::scene

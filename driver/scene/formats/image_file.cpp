@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +13,7 @@
 
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
+#include "scene/formats/encoded_picture.h"
 
 namespace gicube::scene {
 namespace {
@@ -45,17 +46,12 @@ void check(const Image& image, const std::filesystem::path& path) {
                   fmt::format("{} x {} and {}", image.width, image.height, image.pixels.size()));
 }
 
-void write(const std::filesystem::path& path, const std::string& format, OIIO::ImageSpec spec,
-           const Provenance& provenance, OIIO::TypeDesc type, const void* samples) {
+void write(const std::filesystem::path& path, const char* format, OIIO::ImageSpec spec, const Provenance& provenance,
+           OIIO::TypeDesc type, const void* samples) {
   spec["Software"] = "GI-Cube";
   for (const auto& [key, value] : entries(provenance)) spec[key] = value;
-  const WholeFile file(path);
-  const auto output = OIIO::ImageOutput::create(format);
-  if (!output) throw FileError(path, "format", "one that OpenImageIO can write", OIIO::geterror());
-  const bool written =
-      output->open(file.path().string(), spec) && output->write_image(type, samples) && output->close();
-  if (!written) throw FileError(path, "file", "a place to write to", output->geterror());
-  file.rename();
+  const std::vector<std::uint8_t> bytes = encoded_picture(path, format, spec, type, samples);
+  write_whole(path, [&bytes](WholeFile& file) { file.write(std::span(bytes)); });
 }
 
 }  // namespace

@@ -3,15 +3,19 @@
 #include <fmt/format.h>
 #include <nifti2_io.h>
 #include <teem/nrrd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <memory>
+#include <new>
+#include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
@@ -32,8 +36,37 @@ std::string ending_of(const std::filesystem::path& path) {
   return {};
 }
 
-FileError unwritable(const std::filesystem::path& path, const std::string& why) {
-  return {path, "file", "a place to write to", why};
+std::string_view bytes_of(std::span<const float> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+
+// One gzip stream of both parts.
+void write_gzip(WholeFile& file, std::string_view start, std::string_view rest) {
+  constexpr int kGzip = MAX_WBITS + 16, kMemory = 8;    // zlib.h: with gzip's header; its default
+  constexpr std::size_t kMaxIn = std::size_t{1} << 30;  // zlib counts in 32 bits
+  std::vector<char> packed(std::size_t{64} << 10);      // chosen
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) != Z_OK) {
+    throw std::bad_alloc();
+  }
+  const std::unique_ptr<z_stream, decltype(&deflateEnd)> ended(&stream, &deflateEnd);
+  const auto step = [&](int flush) {
+    stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+    stream.avail_out = static_cast<uInt>(packed.size());
+    const int status = deflate(&stream, flush);
+    file.write(std::string_view(packed.data(), packed.size() - stream.avail_out));
+    return status;
+  };
+  for (std::string_view part : {start, rest}) {
+    for (; !part.empty(); part.remove_prefix(std::min(part.size(), kMaxIn))) {
+      stream.next_in =
+          reinterpret_cast<Bytef*>(const_cast<char*>(part.data()));  // NOLINT(*-const-cast): it is only read
+      stream.avail_in = static_cast<uInt>(std::min(part.size(), kMaxIn));
+      while (stream.avail_in > 0) step(Z_NO_FLUSH);
+    }
+  }
+  while (step(Z_FINISH) != Z_STREAM_END) {
+  }
 }
 
 // Where the samples lie; of channels, which come first, nothing is said. Whether teem took it.
@@ -49,8 +82,9 @@ bool describe(Nrrd* nrrd, const FloatVolume& volume, unsigned first) {
   return good;
 }
 
-void save_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const NrrdEncoding* encoding,
-               const Provenance& provenance) {
+// The text in front of the samples.
+std::string nrrd_header(const FloatVolume& volume, const std::filesystem::path& path, const NrrdEncoding* encoding,
+                        const Provenance& provenance) {
   const std::unique_ptr<Nrrd, decltype(&nrrdNix)> nrrd(nrrdNew(), &nrrdNix);  // nix: the values stay ours
   const std::unique_ptr<NrrdIoState, decltype(&nrrdIoStateNix)> io(nrrdIoStateNew(), &nrrdIoStateNix);
   auto* values = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast): teem only reads it
@@ -64,23 +98,22 @@ void save_nrrd(const FloatVolume& volume, const std::filesystem::path& path, con
   for (const auto& [key, value] : entries(provenance)) {
     good = good && nrrdKeyValueAdd(nrrd.get(), key.c_str(), value.c_str()) == 0;
   }
-  const WholeFile file(path);
-  if (!good || nrrdSave(file.path().string().c_str(), nrrd.get(), io.get()) != 0) {
-    const std::unique_ptr<char, decltype(&std::free)> text(biffGetDone(NRRD), &std::free);
-    throw unwritable(path, text ? text.get() : "an error of teem");
-  }
-  file.rename();
+  char* text = nullptr;
+  good = good && nrrdStringWrite(&text, nrrd.get(), io.get()) == 0;
+  const std::unique_ptr<char, decltype(&std::free)> header(text, &std::free);
+  if (good) return std::string(header.get()) + '\n';
+  const std::unique_ptr<char, decltype(&std::free)> fault(biffGetDone(NRRD), &std::free);
+  throw FileError(path, "header", "one that teem can write", fault ? fault.get() : "an error");
 }
 
-void write_bytes(const FloatVolume& volume, const std::string& header, const std::filesystem::path& path) {
-  const WholeFile file(path);
-  std::ofstream stream(file.path(), std::ios::binary);
-  stream << header;
-  stream.write(reinterpret_cast<const char*>(volume.values.data()),
-               static_cast<std::streamsize>(volume.values.size_bytes()));
-  stream.close();
-  if (!stream) throw unwritable(path, "an error");
-  file.rename();
+void write_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const NrrdEncoding* encoding,
+                const Provenance& provenance) {
+  const std::string header = nrrd_header(volume, path, encoding, provenance);
+  write_whole(path, [&](WholeFile& file) {
+    file.write(header);
+    if (encoding == nrrdEncodingGzip) return write_gzip(file, {}, bytes_of(volume.values));
+    file.write(volume.values);
+  });
 }
 
 // MetaImage; its samples in the same file, or in another.
@@ -93,11 +126,13 @@ void write_meta_image(const FloatVolume& volume, const std::filesystem::path& pa
       "ElementType = MET_FLOAT\nElementDataFile = {}\n",
       fmt::join(in_order(volume.origin), " "), fmt::join(in_order(volume.spacing), " "), x, y, z,
       apart ? data.filename().string() : "LOCAL");
-  if (!apart) return write_bytes(volume, header, path);
-  write_bytes(volume, {}, data);
-  FloatVolume nothing = volume;
-  nothing.values = {};
-  write_bytes(nothing, header, path);
+  WholeFiles files;
+  if (apart) files.write(data, bytes_of(volume.values));
+  files.write(path, [&](WholeFile& file) {
+    file.write(header);
+    if (!apart) file.write(volume.values);
+  });
+  files.commit();
 }
 
 // One extension of lines "key=value".
@@ -109,13 +144,13 @@ void add_comment(nifti_image* image, const Provenance& provenance) {
   }
 }
 
-// NIfTI-1 in one file. Its axes are the scanner's: sform and qform say the same, since some programs read one and some the other.
-void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, const std::string& ending,
+// NIfTI-1 in one file, of which libnifti makes the header; it does not check its writes. Its axes are the scanner's: sform and qform say the same, since some programs read one and some the other.
+void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, bool packed,
                  const Provenance& provenance) {
   const std::int64_t dims[8] = {3, volume.dims[0], volume.dims[1], volume.dims[2], 1, 1, 1, 1};
   const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> image(nifti_make_new_nim(dims, NIFTI_TYPE_FLOAT32, 0),
                                                                         &nifti_image_free);
-  if (!image) throw unwritable(path, "an error of libnifti");
+  if (!image) throw std::bad_alloc();
   const auto edges = in_order(volume.spacing), origin = in_order(volume.origin);
   image->dx = image->pixdim[1] = edges[0];
   image->dy = image->pixdim[2] = edges[1];
@@ -132,27 +167,30 @@ void write_nifti(const FloatVolume& volume, const std::filesystem::path& path, c
   }
   image->sto_xyz.m[3][3] = 1;
   add_comment(image.get(), provenance);
-  // libnifti decides on compression by the name.
-  const WholeFile file(path);
-  const std::string name = file.path().string() + ending;
-  if (!std::ofstream(name)) throw unwritable(path, "an error");  // libnifti would say so on stderr, and go on
   image->nifti_type = NIFTI_FTYPE_NIFTI1_1;
-  image->fname = nifti_strdup(name.c_str());
-  image->iname = nifti_strdup(name.c_str());
-  image->data = const_cast<float*>(volume.values.data());  // NOLINT(*-const-cast): it is only read
-  nifti_set_debug_level(0);                                // it says on stderr what is thrown below
-  nifti_image_write(image.get());
-  image->data = nullptr;
-  std::error_code error;
-  std::filesystem::rename(name, file.path(), error);
-  if (error) throw unwritable(path, error.message());
-  file.rename();
+  nifti_set_iname_offset(image.get(), 1);
+  nifti_1_header header{};
+  if (nifti_convert_nim2n1hdr(image.get(), &header) != 0) {
+    throw FileError(path, "header", "one that libnifti can make", "an error");
+  }
+  std::string start(reinterpret_cast<const char*>(&header), sizeof header);
+  start += std::string{static_cast<char>(image->num_ext > 0 ? 1 : 0), 0, 0, 0};
+  for (const nifti1_extension& each : std::span(image->ext_list, static_cast<std::size_t>(image->num_ext))) {
+    start.append(reinterpret_cast<const char*>(&each.esize), sizeof each.esize);
+    start.append(reinterpret_cast<const char*>(&each.ecode), sizeof each.ecode);
+    start.append(each.edata, static_cast<std::size_t>(each.esize) - sizeof each.esize - sizeof each.ecode);
+  }
+  write_whole(path, [&](WholeFile& file) {
+    if (packed) return write_gzip(file, start, bytes_of(volume.values));
+    file.write(start);
+    file.write(volume.values);
+  });
 }
 
 }  // namespace
 
 void write_compressed_nrrd(const FloatVolume& volume, const std::filesystem::path& path, const Provenance& provenance) {
-  save_nrrd(volume, path, nrrdEncodingGzip->available() != 0 ? nrrdEncodingGzip : nrrdEncodingRaw, provenance);
+  write_nrrd(volume, path, nrrdEncodingGzip, provenance);
 }
 
 bool is_volume_output(const std::filesystem::path& path) { return !ending_of(path).empty(); }
@@ -166,9 +204,9 @@ void write_volume(const FloatVolume& volume, const std::filesystem::path& path, 
   if (ending.empty()) {
     throw FileError(path, "extension", ".nrrd, .mhd, .mha, .nii or .nii.gz", '"' + path.extension().string() + '"');
   }
-  if (ending == ".nrrd") return save_nrrd(volume, path, nrrdEncodingRaw, provenance);
+  if (ending == ".nrrd") return write_nrrd(volume, path, nrrdEncodingRaw, provenance);
   if (ending.starts_with(".mh")) return write_meta_image(volume, path, ending == ".mhd");
-  write_nifti(volume, path, ending, provenance);
+  write_nifti(volume, path, ending == ".nii.gz", provenance);
 }
 
 }  // namespace gicube::scene

@@ -1,51 +1,73 @@
 // Captures of sessions.
 #include <atomic>
-#include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <system_error>
 
 #include "frame_stream.h"
+#include "gicube/whole_file.h"
 #include "gicube/wire/capture.h"
 
 namespace gicube {
 namespace {
 
+constexpr unsigned kOwnersOnly = 0600;  // a capture holds all that the application sent
+
 // All calls from any thread.
 class Capture {
  public:
-  explicit Capture(const std::string& file) : file_(file, std::ios::binary | std::ios::trunc) {
-    if (!file_) throw OpenFailed("capture: " + file + ": " + std::strerror(errno));
-    put(wire::encoded(wire::CaptureHeader{}));
-    file_.flush();
+  explicit Capture(const std::string& name) {
+    try {
+      file_.emplace(name, kOwnersOnly);
+      put(wire::encoded(wire::CaptureHeader{}));
+      file_->flush();
+    } catch (const std::system_error& error) {
+      throw OpenFailed(std::string("capture: ") + error.what());
+    }
   }
-  ~Capture() { begin_record(wire::CaptureKind::kEnd); }
+  // Nobody is left to throw to.
+  ~Capture() {
+    if (!file_) return;
+    try {
+      begin_record(wire::CaptureKind::kEnd);
+      file_->commit();
+    } catch (const std::system_error& error) {
+      std::fprintf(stderr, "gicube: capture: %s\n", error.what());
+    }
+  }
 
   Capture(const Capture&) = delete;
   Capture& operator=(const Capture&) = delete;
 
   void write(wire::CaptureKind kind, std::span<const std::uint8_t> header, std::span<const std::uint8_t> payload) {
     const std::lock_guard lock(mutex_);
-    begin_record(kind);
-    put(header);
-    put(payload);
+    if (!file_) throw std::runtime_error("capture: it has failed before");
+    try {
+      begin_record(kind);
+      put(header);
+      put(payload);
+      file_->flush();
+    } catch (const std::system_error& error) {
+      file_.reset();  // gives the full disk back what it took
+      throw std::runtime_error(std::string("capture: ") + error.what());
+    }
   }
 
  private:
-  void put(std::span<const std::uint8_t> bytes) {
-    file_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  }
+  void put(std::span<const std::uint8_t> bytes) { file_->write(bytes); }
   void begin_record(wire::CaptureKind kind) {
     const std::chrono::nanoseconds age = std::chrono::steady_clock::now() - begin_;
     put(wire::encoded(wire::CaptureRecord{kind, static_cast<std::uint64_t>(age.count())}));
   }
 
   std::mutex mutex_;
-  std::ofstream file_;
+  std::optional<WholeFile> file_;  // empty: a write has failed
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 

@@ -48,7 +48,7 @@ void FrameStream::send(wire::FrameHeader header, wire::Payload payload) {
   header.size = static_cast<std::uint32_t>(payload->size());
   Outgoing frame;
   wire::encode_sealed(header, *payload, frame.header);
-  if (tap_) tap_(true, frame.header, *payload);
+  if (!tapped(true, frame.header, *payload)) return;
   frame.payload = std::move(payload);
   {
     const std::lock_guard lock(mutex_);
@@ -57,6 +57,17 @@ void FrameStream::send(wire::FrameHeader header, wire::Payload payload) {
     writing_ = true;
   }
   boost::asio::post(io_, [this] { write_queued(); });
+}
+
+bool FrameStream::tapped(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
+                         std::span<const std::uint8_t> payload) {
+  try {
+    if (tap_) tap_(sent, header, payload);
+    return true;
+  } catch (const std::exception& error) {
+    close({error.what(), Loss::kEnded});
+    return false;
+  }
 }
 
 void FrameStream::read_header() {
@@ -89,7 +100,7 @@ void FrameStream::take_payload(const wire::FrameHeader& header) {
   if (wire::frame_checksum(header_bytes_, payload_) != header.checksum) {
     return end({"a frame of the board has a wrong checksum", Loss::kCorrupted});
   }
-  if (tap_) tap_(false, header_bytes_, payload_);
+  if (!tapped(false, header_bytes_, payload_)) return;
   const StreamFault fault = sink_.take_frame(header, std::exchange(payload_, {}));
   if (!fault.text.empty()) return end(fault);
   read_header();

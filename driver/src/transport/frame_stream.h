@@ -42,14 +42,15 @@ class FrameSink {
   ~FrameSink() = default;
 };
 
-// Sees every frame as it is on the wire: `sent` by us, or received undamaged. On any thread; must not block.
+// Sees every frame as it is on the wire: `sent` by us, or received undamaged. On any thread; must not block. What it throws ends the
+// stream.
 using FrameTap = std::function<void(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
                                     std::span<const std::uint8_t> payload)>;
 
 // A tap that writes every frame to a file (docs/guide/capture.md). For session `number` of a board, from 0: to `file`, session
 // i > 0 to FILE.i. If `file` is empty, to what the environment variable GICUBE_CAPTURE names: the first session of this process to
-// that file, the next ones to FILE.1, FILE.2; without it, to none: an empty tap. The file ends with the last copy of the tap,
-// or where the disk is full: the session goes on. Throws OpenFailed that names the file.
+// that file, the next ones to FILE.1, FILE.2; without it, to none: an empty tap. The file is whole, and has its name, when the last copy
+// of the tap is gone (proto/gicube/whole_file.h). On a full disk the tap throws, and no file is left. Throws OpenFailed that names the file.
 FrameTap capture_session(const std::string& file, unsigned number);
 
 class FrameStream {
@@ -82,6 +83,9 @@ class FrameStream {
   };
 
   void run();
+  // False: the tap has failed, and the stream ends.
+  bool tapped(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
+              std::span<const std::uint8_t> payload);
   void read_header();
   void read_payload(const wire::FrameHeader& header);
   void take_payload(const wire::FrameHeader& header);

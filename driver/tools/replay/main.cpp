@@ -11,6 +11,7 @@
 
 #include "capture_reader.h"
 #include "gicube/error.h"
+#include "gicube/whole_file.h"
 #include "player.h"
 #include "transport/connect.h"
 #include "transport/launch.h"
@@ -27,7 +28,7 @@ void print(const Report& report) {
   fmt::print("{}\n", report.same_machine
                          ? "the board has the captured one's configuration: times and counters are compared too"
                          : "the board has another configuration: times and counters are not compared");
-  if (!report.complete) fmt::print("note: the capture has no end: its process died, or the disk was full\n");
+  if (!report.complete) fmt::print("note: the capture has no end: its process died\n");
   if (report.missing > 0) fmt::print("{} answers of the capture did not come\n", report.missing);
   if (report.differences == 0) {
     if (report.missing == 0) fmt::print("no difference\n");
@@ -75,7 +76,9 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    return run(file, board, watchdog_ms);
+    const int code = run(file, board, watchdog_ms);
+    check_standard_output();
+    return code;
   } catch (const BadArgument& error) {
     fmt::print(stderr, "gicube-replay: --board: {}\n", error.what());
     return 2;

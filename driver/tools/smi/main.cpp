@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "gicube/whole_file.h"
 #include "options.h"
 
 namespace gicube::smi {
@@ -166,7 +167,9 @@ int run(int argc, const char* const* argv) {
 int main(int argc, char** argv) {
   using namespace gicube::smi;
   try {
-    return run(argc, argv);
+    const int code = run(argc, argv);
+    gicube::check_standard_output();
+    return code;
   } catch (const UsageError& error) {
     fmt::print(stderr, "gicube-smi: {}\n", error.what());
     return 2;

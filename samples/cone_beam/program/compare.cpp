@@ -25,7 +25,7 @@ struct CompareOptions {
 
 std::vector<float> truth_of(const ObjectOptions& truth, const Grid& grid) {
   if (is_phantom(truth)) return voxels(phantom_of(truth), grid);
-  GridValues other = read_values(truth.name);
+  GridValues other = read_values(truth.name, truth.allow_outside);
   if (other.grid.dims != grid.dims) {
     const auto text = [](const Dims& dims) { return fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]); };
     throw InputError(truth.name, text(grid.dims) + " voxels, as the volume has", text(other.grid.dims));
@@ -51,10 +51,11 @@ std::string profiles_text(const GridValues& volume, const std::vector<float>& tr
 
 void run_compare(const CompareOptions& options) {
   check_volume_name("--difference", options.difference);
-  for (const auto& file : {options.difference, options.profiles, options.stats, {options.slices.name}}) {
-    check_folder(file);
-  }
-  const GridValues volume = read_values(options.volume);
+  check_outputs({{"--difference", options.difference},
+                 {"--profiles", options.profiles},
+                 {"--stats", options.stats},
+                 options.slices.output()});
+  const GridValues volume = read_values(options.volume, options.truth.allow_outside);
   const std::vector<float> truth = truth_of(options.truth, volume.grid);
   const Comparison found = compare(volume.grid, volume.values, truth, options.field);
   const std::vector<float> difference = differences(volume.values, truth);
@@ -77,7 +78,7 @@ void run_compare(const CompareOptions& options) {
 }
 
 void run_import(const ScanOptions& scan, const std::filesystem::path& output) {
-  check_folder(output);
+  check_outputs({{"--output", output}});
   const ScanDescription description = description_of(scan);
   if (!output.empty()) return write_scan_file(description, output);
   std::cout << scan_text(description, std::filesystem::current_path());

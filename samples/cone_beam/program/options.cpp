@@ -22,6 +22,10 @@ CLI::ValidationError expected(const std::string& option, const char* what, const
   return CLI::ValidationError(option, fmt::format("expected {}, got {}", what, in_quotes(text)));
 }
 
+void add_allow_outside(CLI::App& app, const char* group, bool& target) {
+  OptionGroup(app, group).flag("--allow-outside", target, "let headers name data files outside of their folders");
+}
+
 void add_volume(CLI::App& app, ScanOptions& scan) {
   OptionGroup group(app, "Volume");
   group.parsed("--size", "X,Y,Z", "voxels (the scan's; else what the detector sees)",
@@ -53,6 +57,7 @@ void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, c
       .number("--radius", object.radius, CLI::PositiveNumber, "of a phantom, in the scan's unit");
   app.add_option("--value", object.value, "of the sphere; times a head's values: 0.02 a mm is about water's")
       ->capture_default_str();
+  add_allow_outside(app, "Options", object.allow_outside);
 }
 
 void add_input(CLI::App& app, ScanOptions& scan) {
@@ -69,6 +74,7 @@ void add_input(CLI::App& app, ScanOptions& scan) {
                  scan.type = raw_type(text);
                  if (!scan.type) throw expected(name, "uint8, uint16, int16 or float32", text);
                });
+  add_allow_outside(app, "Scan", scan.allow_outside);
   add_volume(app, scan);
 }
 
@@ -143,6 +149,7 @@ ScanDescription description_of(const ScanOptions& options) {
     const double radians = std::numbers::pi / 180;
     geometry.angles = even_angles(options.views, 0, options.arc * radians);
   }
+  for (StackFiles* files : {&out.projections, &out.flats, &out.darks}) files->allow_outside = options.allow_outside;
   if (options.size) out.geometry.volume.dims = *options.size;
   if (options.spacing) out.geometry.volume.spacing = *options.spacing;
   complete_volume(out);
@@ -163,8 +170,11 @@ Phantom phantom_of(const ObjectOptions& object) {
                    in_quotes(object.name));
 }
 
-GridValues read_values(const std::filesystem::path& file) {
-  const Volume volume = read_volume(file);
+GridValues read_values(const std::filesystem::path& file, bool allow_outside) {
+  VolumeSource source;
+  source.file = file;
+  source.allow_outside = allow_outside;
+  const Volume volume = read_volume(source);
   GridValues out{{volume.dims, volume.spacing}, values_of(volume)};
   const auto bad = std::ranges::find_if(out.values, [](float value) { return !std::isfinite(value); });
   if (bad != out.values.end()) {

@@ -13,6 +13,7 @@
 #include "gicube/image.h"
 #include "gicube/scene/provenance.h"
 #include "scene/program/board_options.h"
+#include "scene/program/program.h"
 
 namespace gicube::samples {
 
@@ -28,6 +29,7 @@ struct ObjectOptions {
   std::string name;
   double radius = 90;  // of a phantom, in the scan's unit
   double value = 1;    // of the sphere, and times a head's values
+  bool allow_outside = false;
 };
 void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, const std::string& what);
 
@@ -46,6 +48,7 @@ struct ScanOptions {
   double arc = 360;  // degrees
   std::optional<Dims> size;
   std::optional<Vec3> spacing;
+  bool allow_outside = false;
 };
 void add_input(CLI::App& app, ScanOptions& scan);     // SCAN, and the volume
 void add_own_scan(CLI::App& app, ScanOptions& scan);  // --scan or its numbers, and the volume
@@ -58,7 +61,7 @@ struct GridValues {
   std::vector<float> values;
 };
 // Throws FileError: what read_volume() throws, a value that is not finite.
-GridValues read_values(const std::filesystem::path& file);
+GridValues read_values(const std::filesystem::path& file, bool allow_outside);
 // Centred on `centre`; nothing for an empty name. Throws FileError.
 void write_values(const Grid& grid, Vec3 centre, std::span<const float> values, const Provenance& provenance,
                   const std::filesystem::path& file);
@@ -72,6 +75,8 @@ struct SliceOptions {
   std::string name;  // NAME_x.png, NAME_y.png, NAME_z.png; empty: none
   std::optional<std::array<double, 2>> grey;
   std::vector<std::pair<int, int>> planes;  // axis and index; empty: the three in the middle
+
+  Output output() const { return {"--slices", name.empty() ? name : name + "_z.png"}; }  // one of them
 };
 void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what);
 

@@ -30,6 +30,9 @@ struct ProjectOptions {
   std::string extension() const { return lower_case(output.extension().string()); }
 };
 
+// The scan file beside the views.
+std::filesystem::path scan_of(std::filesystem::path views) { return views.replace_extension(".textproto"); }
+
 void check(const ProjectOptions& options) {
   constexpr std::array kKnown{".nrrd", ".mhd", ".mha", ".raw", ".pfm", ".tif", ".tiff"};
   if (std::ranges::find(kKnown, options.extension()) == kKnown.end()) {
@@ -37,7 +40,10 @@ void check(const ProjectOptions& options) {
                      in_quotes(options.output.string()));
   }
   check_volume_name("--voxels", options.voxels);
-  for (const auto* file : {&options.output, &options.voxels, &options.board.stats}) check_folder(*file);
+  check_outputs({{"--output", options.output},
+                 {"--output", scan_of(options.output)},
+                 {"--voxels", options.voxels},
+                 {"--stats", options.board.stats}});
 }
 
 void write_files(const ProjectOptions& options, ScanDescription description, const Projections& projections,
@@ -57,7 +63,7 @@ void write_files(const ProjectOptions& options, ScanDescription description, con
     write_projection_matrix(description.geometry, description.geometry.angles[view],
                             std::filesystem::path(files[view]).replace_extension(".txt"));
   }
-  write_scan_file(description, std::filesystem::path(options.output).replace_extension(".textproto"));
+  write_scan_file(description, scan_of(options.output));
 }
 
 void run_project(const ProjectOptions& options) {
@@ -75,7 +81,7 @@ void run_project(const ProjectOptions& options) {
     write_values(geometry.volume, description.centre, values, this_run(), options.voxels);
   } else {
     progress.show("reading");
-    GridValues object = read_values(options.object.name);
+    GridValues object = read_values(options.object.name, options.object.allow_outside);
     geometry.volume = object.grid;
     values = std::move(object.values);
     check(geometry);

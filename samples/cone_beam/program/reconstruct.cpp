@@ -189,7 +189,7 @@ void check(const CLI::App& app, ReconstructOptions& options) {
     }
     for (const char* chosen : {"--rays", "--step", "--normalise"}) refuse_with_plan(app, chosen);
   }
-  for (const auto& file : {options.output, options.board.stats, {options.slices.name}}) check_folder(file);
+  check_outputs({{"--output", options.output}, {"--stats", options.board.stats}, options.slices.output()});
 }
 
 void run_reconstruct(ReconstructOptions& options) {

@@ -25,6 +25,7 @@ inline void expect(bool good, const std::filesystem::path& file, const std::stri
 struct StackFiles {
   std::vector<std::filesystem::path> files;
   std::optional<RawLayout> raw;  // of files without a header; dims: columns, rows, and 0 for the views
+  bool allow_outside = false;    // as that of VolumeSource
 
   bool empty() const { return files.empty(); }
 };
@@ -43,7 +44,8 @@ struct Stack {
 Stack read_stack(const StackFiles& files);
 
 // By the extension: .nrrd, .mhd (with a .raw beside it), .mha or .raw (float32, little-endian) one file for all; .pfm, .tif or .tiff
-// a file a view, NAME_0000.EXT beside `path`. Returns the files that a StackFiles names to read them again. Throws FileError.
+// a file a view, NAME_0000.EXT beside `path`; pfm is little-endian, of scale 1. Returns the files that a StackFiles names to read them
+// again. Throws FileError; no file is there then that was not before.
 std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::filesystem::path& path,
                                                const Provenance& provenance = {});
 
@@ -51,9 +53,6 @@ std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::fi
 // whose size is ignored. Rows stay in the file's order, which the format's own description lets run upwards and writers of
 // projections downwards. Throws FileError: no such file, no header of one channel, too few or too many bytes.
 Stack read_pfm(const std::filesystem::path& file);
-// Little-endian, scale 1. Throws FileError; a file that was there stays until the new one is whole.
-void write_pfm(std::span<const float> values, int width, int height, const std::filesystem::path& file);
-
 struct ScanDescription {
   ScanDescription() { geometry.volume.spacing = {0, 0, 0}; }
 

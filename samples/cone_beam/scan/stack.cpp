@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <ostream>
+#include <span>
 #include <sstream>
 
 #include "cone_beam/scan/description.h"
@@ -12,6 +12,7 @@
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/formats/data_stream.h"
+#include "scene/formats/encoded_picture.h"
 #include "scene/formats/readers.h"
 #include "scene/formats/stored_samples.h"
 
@@ -39,7 +40,7 @@ Stack read_raw(const std::filesystem::path& file, RawLayout layout) {
   return stack_of(read_volume(file, layout));
 }
 
-Stack read_one(const std::filesystem::path& file, const std::optional<RawLayout>& raw) {
+Stack read_one(const std::filesystem::path& file, const StackFiles& files) {
   const std::string extension = lower_case(file.extension().string());
   const auto is_one_of = [&](std::initializer_list<const char*> known) {
     return std::ranges::find(known, extension) != known.end();
@@ -50,8 +51,12 @@ Stack read_one(const std::filesystem::path& file, const std::optional<RawLayout>
   const bool headed = std::filesystem::is_directory(file, error) ||
                       is_one_of({".nrrd", ".nhdr", ".mhd", ".mha", ".nii"}) ||
                       file.filename().string().ends_with(".nii.gz");
-  if (raw && !headed) return read_raw(file, *raw);
-  return stack_of(read_volume(file));
+  if (files.raw && !headed) return read_raw(file, *files.raw);
+  VolumeSource source;
+  source.file = file;
+  source.spacing = Vec3{1, 1, 1};  // the scan has its own
+  source.allow_outside = files.allow_outside;
+  return stack_of(read_volume(source));
 }
 
 void check_finite(const std::filesystem::path& file, const Stack& stack) {
@@ -68,16 +73,22 @@ std::filesystem::path numbered(const std::filesystem::path& path, std::size_t nu
       fmt::format("{}_{:04}{}", path.stem().string(), number, path.extension().string()));
 }
 
-void write_tiff(std::span<const float> values, int width, int height, const std::filesystem::path& path) {
-  const WholeFile file(path);
-  const auto output = OIIO::ImageOutput::create("tiff");
-  if (!output) throw FileError(path, "format", "one that OpenImageIO can write", OIIO::geterror());
-  OIIO::ImageSpec spec(width, height, 1, OIIO::TypeDesc::FLOAT);
+void write_tiff(std::span<const float> values, const Stack& stack, const std::filesystem::path& path,
+                WholeFiles& files) {
+  OIIO::ImageSpec spec(stack.columns, stack.rows, 1, OIIO::TypeDesc::FLOAT);
   spec["compression"] = "none";  // which every reader of stacks knows
-  const bool written = output->open(file.path().string(), spec) &&
-                       output->write_image(OIIO::TypeDesc::FLOAT, values.data()) && output->close();
-  if (!written) throw FileError(path, "file", "a place to write to", output->geterror());
-  file.rename();
+  const auto bytes = encoded_picture(path, "tiff", spec, OIIO::TypeDesc::FLOAT, values.data());
+  files.write(path, [&bytes](WholeFile& file) { file.write(std::span(bytes)); });
+}
+
+// Little-endian, scale 1.
+void write_pfm(std::span<const float> values, const Stack& stack, const std::filesystem::path& path,
+               WholeFiles& files) {
+  static_assert(std::endian::native == std::endian::little, "floats are written as they lie in memory");
+  files.write(path, [&](WholeFile& file) {
+    file.write(fmt::format("Pf\n{} {}\n-1\n", stack.columns, stack.rows));
+    file.write(values);
+  });
 }
 
 }  // namespace
@@ -100,18 +111,10 @@ Stack read_pfm(const std::filesystem::path& file) {
   return stack_of(to_volume(read_data(place, checked_bytes(layout)), layout));
 }
 
-void write_pfm(std::span<const float> values, int width, int height, const std::filesystem::path& file) {
-  static_assert(std::endian::native == std::endian::little, "floats are written as they lie in memory");
-  write_whole(file, [&](std::ostream& stream) {
-    stream << "Pf\n" << width << ' ' << height << "\n-1\n";
-    stream.write(reinterpret_cast<const char*>(values.data()), static_cast<std::streamsize>(values.size_bytes()));
-  });
-}
-
 Stack read_stack(const StackFiles& files) {
   Stack out;
   for (const std::filesystem::path& file : files.files) {
-    Stack stack = read_one(file, files.raw);
+    Stack stack = read_one(file, files);
     check_finite(file, stack);
     if (out.values.empty()) {
       out = std::move(stack);
@@ -131,7 +134,7 @@ std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::fi
   const std::string extension = lower_case(path.extension().string());
   const bool tiff = extension == ".tif" || extension == ".tiff";
   if (extension == ".raw") {
-    write_whole(path, {reinterpret_cast<const char*>(stack.values.data()), stack.values.size() * sizeof(float)});
+    write_whole(path, [&stack](WholeFile& file) { file.write(std::span(stack.values)); });
     return {path};
   }
   if (!tiff && extension != ".pfm") {
@@ -139,13 +142,15 @@ std::vector<std::filesystem::path> write_stack(const Stack& stack, const std::fi
                  provenance);
     return {path};
   }
-  std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> names;
+  WholeFiles files;
   for (std::size_t view = 0; view < stack.views(); ++view) {
-    files.push_back(numbered(path, view));
+    names.push_back(numbered(path, view));
     const auto values = std::span(stack.values).subspan(view * stack.view_size(), stack.view_size());
-    (tiff ? write_tiff : write_pfm)(values, stack.columns, stack.rows, files.back());
+    (tiff ? write_tiff : write_pfm)(values, stack, names.back(), files);
   }
-  return files;
+  files.commit();
+  return names;
 }
 
 }  // namespace gicube::samples

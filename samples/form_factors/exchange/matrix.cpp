@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -72,22 +71,25 @@ void write_factors(const RadiosityResult& measured, const std::filesystem::path&
   RadiosityResult result = measured;
   balance(result);
   const double off = furthest_off(closures(result));
-  write_whole(file, [&](std::ostream& stream) {
-    stream << "%%MatrixMarket matrix coordinate real symmetric\n"
-              "% Exchange areas X of the links between clusters, smallest voxel edges squared; form factor F_ij = X_ij "
-              "/ w_i.\n"
-           << fmt::format("% Balanced: the sums of all elements are w_i within {:.2g} of it.\n", off)
-           << "% Rows: " << clusters_file(file.filename()).string() << '\n'
-           << fmt::format("{} {} {}\n", result.clusters.size(), result.clusters.size(), result.links.size());
+  WholeFiles files;
+  files.write(file, [&](WholeFile& out) {
+    out.write(
+        "%%MatrixMarket matrix coordinate real symmetric\n"
+        "% Exchange areas X of the links between clusters, smallest voxel edges squared; form factor F_ij = X_ij "
+        "/ w_i.\n");
+    out.write(fmt::format("% Balanced: the sums of all elements are w_i within {:.2g} of it.\n", off));
+    out.write(fmt::format("% Rows: {}\n", clusters_file(file.filename()).string()));
+    out.write(fmt::format("{} {} {}\n", result.clusters.size(), result.clusters.size(), result.links.size()));
     for (const Link& link : result.links) {
-      stream << fmt::format("{} {} {:.9g}\n", std::max(link.a, link.b) + 1, std::min(link.a, link.b) + 1,
-                            link.exchange);
+      out.write(
+          fmt::format("{} {} {:.9g}\n", std::max(link.a, link.b) + 1, std::min(link.a, link.b) + 1, link.exchange));
     }
   });
-  write_whole(clusters_file(file), [&](std::ostream& stream) {
-    stream << "row,facing,tag,low_x,low_y,low_z,high_x,high_y,high_z,measure,weight,first_leaf,last_leaf,parent\n";
-    for (std::size_t i = 0; i < result.clusters.size(); ++i) stream << row_of(result, i);
+  files.write(clusters_file(file), [&](WholeFile& out) {
+    out.write("row,facing,tag,low_x,low_y,low_z,high_x,high_y,high_z,measure,weight,first_leaf,last_leaf,parent\n");
+    for (std::size_t i = 0; i < result.clusters.size(); ++i) out.write(row_of(result, i));
   });
+  files.commit();
 }
 
 }  // namespace gicube::samples

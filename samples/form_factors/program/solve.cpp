@@ -66,9 +66,10 @@ Emissions emissions_of(const Scene& scene, const SceneSetup& setup) {
 }
 
 void run(const SolveOptions& options, ProgressLine& progress) {
-  for (const auto* file : {&options.factors, &options.solution, &options.picture, &options.board.stats}) {
-    check_folder(*file);
-  }
+  check_outputs({{"--factors", options.factors},
+                 {"--solution", options.solution},
+                 {"--output", options.picture},
+                 {"--stats", options.board.stats}});
   progress.show("reading the scene");
   Scene scene = scene_of(options.input);
   set_materials(options, scene);

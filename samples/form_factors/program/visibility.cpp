@@ -104,7 +104,7 @@ Visibility look(Board& board, const RandomPairs& pairs, const PairRequest& reque
 }
 
 void run(const VisibilityOptions& options, ProgressLine& progress) {
-  check_folder(options.board.stats);
+  check_outputs({{"--stats", options.board.stats}});
   progress.show("reading the scene");
   const SceneSetup setup = set_up(scene_of(options.input), options.board.threads);
   Board board = open_board(options.board);

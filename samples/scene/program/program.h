@@ -3,15 +3,23 @@
 
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace gicube::samples {
 
 // Calls `body`, which returns the exit code, and makes one line of what it throws: "NAME: ...". Exit codes: 2 for a
-// UsageError, 1 for anything else.
+// UsageError, 1 for anything else, also where what was printed did not get to standard output.
 int run_program(const char* name, const std::function<int()>& body);
 
-// Throws InputError if the folder that is to hold `file` isn't there: found before the work, not behind it. Nothing for an
-// empty name.
-void check_folder(const std::filesystem::path& file);
+// A file that an option names; empty: none.
+struct Output {
+  std::string option;
+  std::filesystem::path file;
+};
+
+// What would be found behind the work: throws InputError if the folder that is to hold a file isn't there, UsageError if two options
+// name one file. A pipe or a device may have several.
+void check_outputs(const std::vector<Output>& outputs);
 
 }  // namespace gicube::samples

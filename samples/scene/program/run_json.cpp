@@ -3,9 +3,8 @@
 #include <fmt/format.h>
 
 #include <cctype>
-#include <fstream>
 
-#include "gicube/scene/error.h"
+#include "scene/common/whole_file.h"
 #include "scene/program/board_options.h"
 #include "scene/program/board_run.h"
 
@@ -67,10 +66,7 @@ Provenance provenance_of(const BoardInfo& board, std::uint64_t scene_hash) {
 void write_json(nlohmann::ordered_json json, const Provenance& provenance, const std::filesystem::path& path) {
   constexpr std::string_view kPrefix = "gicube.";
   for (const auto& [key, value] : entries(provenance)) json["provenance"][key.substr(kPrefix.size())] = value;
-  std::ofstream stream(path);
-  stream << json.dump(2) << '\n';
-  stream.close();
-  if (!stream) throw InputError(path.string(), "a file that can be written", "an error");
+  write_whole(path, json.dump(2) + '\n');
 }
 
 }  // namespace gicube::samples

@@ -34,7 +34,7 @@ nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);
 // this_run() with the board, and the hash of what was computed with.
 Provenance provenance_of(const BoardInfo& board, std::uint64_t scene_hash);
 
-// With `provenance` as a last key. Throws InputError if the file can't be written.
+// With `provenance` as a last key. Throws FileError.
 void write_json(nlohmann::ordered_json json, const Provenance& provenance, const std::filesystem::path& path);
 
 }  // namespace gicube::samples

@@ -2,10 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 
 #include "config/config.h"
+#include "full_disk.h"
 #include "observe/observation.h"
 #include "observed_scene.h"
 #include "read_trace.h"
@@ -162,6 +164,23 @@ TEST(BoardObservation, TellsThatTheDiskIsFull) {
   Observation observation({"/dev/full", "", {}});
   BareBoard board(functional_config(), &observation);
   EXPECT_THAT(observation.fault(), testing::HasSubstr("/dev/full"));
+}
+
+// What was written of it would end in the middle of a record.
+TEST(BoardObservation, LeavesNoFileOnAFullDisk) {
+  reference::on_full_disks("b", reference::kDiskBlock, [](const std::string& folder, const std::string&) {
+    for (const char* name : {"t", "v"}) {
+      const std::string file = folder + "/" + name;
+      const bool trace = *name == 't';
+      Observation observation({trace ? file : "", trace ? "" : file, {0, 2000}});
+      BareBoard board(observed_config(), &observation);
+      session(board);
+      observation.power_up(observed_config());  // as when a client leaves
+      EXPECT_EQ(observation.fault(), "could not write all of " + file);
+      EXPECT_EQ(reference::files_in(folder).size(), 1u);
+    }
+  });
+  EXPECT_TRUE(std::filesystem::exists("/dev/full"));
 }
 
 TEST(BoardObservation, FurtherBoardsWriteFilesWithTheirNumber) {

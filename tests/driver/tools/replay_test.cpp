@@ -12,6 +12,7 @@
 #include <map>
 
 #include "board_process.h"
+#include "full_disk.h"
 #include "gicube/board.h"
 #include "gicube/wire/capture.h"
 #include "gicube/wire/checksum.h"
@@ -136,6 +137,17 @@ TEST(Replay, AFileThatCantBeWrittenIsAnErrorOfOpen) {
   OpenOptions options;
   options.capture = "/no/such/folder/session.cap";
   EXPECT_THROW(open("emu:", options), OpenFailed);
+}
+
+TEST(Replay, ASessionWhoseCaptureCannotBeWrittenEndsWithTheReason) {
+  reference::on_full_disks("b", reference::kDiskBlock, [](const std::string& folder, const std::string& reason) {
+    OpenOptions options;
+    options.capture = folder + "/session.cap";
+    options.reopen_attempts = 3;
+    EXPECT_THAT([&] { use("emu:", options); },
+                testing::ThrowsMessage<DeviceLost>(HasSubstr("capture: " + options.capture + ": " + reason)));
+    EXPECT_EQ(reference::files_in(folder).size(), 1u);
+  });
 }
 
 TEST(Replay, NamesTheFirstByteThatDiffers) {

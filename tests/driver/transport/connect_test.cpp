@@ -12,6 +12,7 @@
 #include <fstream>
 #include <string>
 
+#include "full_disk.h"
 #include "gicube/error.h"
 #include "gicube/wire/capture.h"
 #include "transport/frame_stream.h"
@@ -121,6 +122,33 @@ TEST_F(CaptureFile, HoldsAHeaderTheFramesAndTheEnd) {
   capture_session(file.string(), 2);
   EXPECT_TRUE(fs::exists(folder / "session.2"));
   EXPECT_THROW(capture_session("/nowhere/session", 0), OpenFailed);
+}
+
+TEST_F(CaptureFile, CanBeReadByItsOwnerAlone) {
+  std::ofstream(folder / "session") << "before";
+  fs::permissions(folder / "session", fs::perms(0644));
+  capture_session((folder / "session").string(), 0);
+  EXPECT_EQ(fs::status(folder / "session").permissions(), fs::perms(0600));
+}
+
+TEST_F(CaptureFile, AFullDiskIsToldAndLeavesWhatWasThere) {
+  const std::array<std::uint8_t, wire::kFrameHeaderBytes> header{};
+  const std::vector<std::uint8_t> payload(3000);
+  reference::expect_full_disk_leaves_nothing("session", 0, [](const std::string& file) { capture_session(file, 0); });
+  reference::expect_full_disk_leaves_nothing("session", reference::kDiskBlock, [&](const std::string& file) {
+    const FrameTap tap = capture_session(file, 0);
+    tap(true, header, payload);
+    tap(true, header, payload);
+  });
+  // The end of the last record lies on the end of the disk: there is nobody left to throw to.
+  const std::vector<std::uint8_t> rest(reference::kDiskBlock - 16 - 16 - header.size());
+  reference::on_full_disks("session", reference::kDiskBlock, [&](const std::string& at, const std::string& reason) {
+    testing::internal::CaptureStderr();
+    capture_session(at + "/session", 0)(true, header, rest);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "gicube: capture: " + at + "/session: " + reason + "\n");
+    EXPECT_EQ(reference::files_in(at).at("session"), "before");
+    EXPECT_EQ(reference::files_in(at).size(), 1u);
+  });
 }
 
 TEST_F(CaptureFile, IsNamedByTheEnvironmentIfNotByTheUri) {

@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "full_disk.h"
 #include "gicube/scene/image_file.h"
 #include "gicube/scene/light_field.h"
 #include "render_program.h"
@@ -221,6 +224,47 @@ TEST_F(RenderProgram, SaysHowAVolumeThatIsTooLargeForTheBoardCanBeLoaded) {
   const ProgramResult result = run(path("long.raw") + " --dims 600,2,2 -o " + path("a.png"));
   EXPECT_EQ(result.code, 1);
   EXPECT_THAT(result.err, HasSubstr("--set asic.max_volume_voxels=1024"));
+}
+
+TEST_F(RenderProgram, FailsAndLeavesNothingOnAFullDisk) {
+  const std::string small = "builtin:buckyball --volume-size 24 --size 32x32 --quiet -o ";
+  const auto expect_nothing = [&](const std::string& arguments, const std::string& told) {
+    const ProgramResult result = [&] {
+      const reference::FileSizeLimit limit(300);
+      return run(arguments);
+    }();
+    EXPECT_EQ(result.code, 1) << arguments;
+    EXPECT_THAT(result.err, HasSubstr(told));
+    for (const auto& entry : std::filesystem::directory_iterator(path(""))) {
+      EXPECT_THAT(entry.path().filename().string(), testing::AnyOf("stdout", "stderr"));
+    }
+  };
+  expect_nothing(small + path("a.png"), "a.png: file: expected a place to write to, got File too large");
+  expect_nothing(small + path("a.exr"), "a.exr: file: expected a place to write to, got File too large");
+  ::setenv("GICUBE_CAPTURE", path("session.cap").c_str(), 1);
+  expect_nothing(small + path("a.png"), "capture: " + path("session.cap") + ": File too large");
+  ::unsetenv("GICUBE_CAPTURE");
+}
+
+TEST_F(RenderProgram, RefusesItsPicturesNameForItsStatistics) {
+  const std::string scene = "builtin:buckyball --volume-size 24 --size 8x8 -o ";
+  for (const std::string& arguments :
+       {path("a.png") + " --stats " + path("a.png"), path("a.png") + " --frames 3 --stats " + path("a_0001.png")}) {
+    const ProgramResult result = run(scene + arguments);
+    EXPECT_EQ(result.code, 2) << arguments;
+    EXPECT_THAT(result.err, HasSubstr("--stats: expected another file than --output"));
+    EXPECT_FALSE(std::filesystem::exists(path("a.png")));
+  }
+}
+
+TEST_F(RenderProgram, WritesStatisticsToStandardOutput) {
+  const std::string command =
+      "builtin:buckyball --volume-size 24 --size 8x8 --quiet -o " + path("a.png") + " --stats /dev/stdout";
+  const ProgramResult result = run(command);
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_TRUE(nlohmann::json::parse(result.out).contains("frame_ms"));
+  run(command + " | cat >" + path("piped") + "; true");
+  EXPECT_TRUE(nlohmann::json::parse(text_of(path("piped"))).contains("frame_ms"));
 }
 
 }  // namespace

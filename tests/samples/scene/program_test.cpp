@@ -3,15 +3,22 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <new>
 
+#include "full_disk.h"
 #include "gicube/scene/error.h"
 #include "scene/names.h"
 #include "scene/program/board_options.h"
 #include "scene/program/progress.h"
+#include "scene/program/run_json.h"
 
 namespace gicube::samples {
 namespace {
+
+std::string here() { return std::filesystem::current_path().filename().string(); }
 
 TEST(Program, GivesTheBodysExitCodeAndSaysNothing) {
   testing::internal::CaptureStderr();
@@ -31,10 +38,35 @@ TEST(Program, MakesALineAndACodeOfWhatIsThrown) {
 }
 
 TEST(Program, LooksForTheFolderBeforeTheWork) {
-  EXPECT_NO_THROW(check_folder(""));
-  EXPECT_NO_THROW(check_folder("a.png"));
-  EXPECT_NO_THROW(check_folder("/tmp/a.png"));
-  EXPECT_THROW(check_folder("/nowhere/a.png"), InputError);
+  EXPECT_NO_THROW(check_outputs({{"-o", ""}, {"--stats", ""}}));
+  EXPECT_NO_THROW(check_outputs({{"-o", "a.png"}}));
+  EXPECT_NO_THROW(check_outputs({{"-o", "/tmp/a.png"}}));
+  EXPECT_THROW(check_outputs({{"-o", "/nowhere/a.png"}}), InputError);
+}
+
+TEST(Program, RefusesOneFileForTwoOptionsBeforeTheWork) {
+  EXPECT_THAT(
+      [] {
+        check_outputs({{"-o", "a.png"}, {"--stats", "./../" + here() + "/a.png"}});
+      },
+      testing::ThrowsMessage<UsageError>(testing::StartsWith("--stats: expected another file than -o, got ")));
+  EXPECT_NO_THROW(check_outputs({{"-o", "a.png"}, {"-o", "a.png"}, {"--stats", "b.png"}}));
+  EXPECT_NO_THROW(check_outputs({{"-o", "/dev/null"}, {"--stats", "/dev/null"}}));
+}
+
+TEST(Program, FailsIfWhatItPrintedGotNowhere) {
+  EXPECT_EXIT(
+      {
+        if (std::freopen("/dev/full", "w", stdout) == nullptr) std::_Exit(3);
+        std::_Exit(run_program("gicube-x", [] { return std::printf("a figure\n") > 0 ? 0 : 4; }));
+      },
+      testing::ExitedWithCode(1), "gicube-x: standard output: No space left on device");
+}
+
+TEST(Program, LeavesNoStatisticsOnAFullDisk) {
+  reference::expect_full_disk_leaves_nothing("a.json", 0, [](const std::string& file) {
+    write_json({{"rays", 3}}, {}, file);
+  });
 }
 
 TEST(TimeLeft, IsWhatThePartDonePromises) {

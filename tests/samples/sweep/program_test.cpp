@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "full_disk.h"
+
 namespace gicube::samples {
 namespace {
 
@@ -96,6 +98,23 @@ TEST_F(SweepProgram, GoesOnWhereAKilledSweepWas) {
   for (const auto& [name, written] : before) {
     if (name == lost) continue;
     EXPECT_EQ(after[name], written) << name;
+  }
+}
+
+// The runs are there; what there is room for is the tables, but not the chart.
+TEST_F(SweepProgram, LeavesNoPartOfAChartOnAFullDisk) {
+  ASSERT_EQ(run(std::string(kSmall) + " --chart"), 0) << text("stderr");
+  const std::string chart = text("out/sweep.svg");
+  EXPECT_THAT(chart, testing::AllOf(HasSubstr("Pareto front"), HasSubstr("</svg>")));
+  ASSERT_GT(chart.size(), 2 * text("out/sweep.json").size());
+  std::filesystem::remove(folder_ / "out/sweep.svg");
+  {
+    const reference::FileSizeLimit limit(chart.size() / 2);
+    EXPECT_EQ(run(std::string(kSmall) + " --chart"), 1);
+  }
+  EXPECT_THAT(text("stderr"), HasSubstr("sweep.svg: file: expected a place to write to"));
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "out")) {
+    EXPECT_THAT(entry.path().string(), Not(HasSubstr("svg")));
   }
 }
 

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <random>
+
+#include "full_disk.h"
 #include "written_files.h"
 
 namespace gicube::scene {
@@ -151,6 +154,22 @@ TEST(ImageFile, AFailureLeavesWhatWasThereAndNothingElse) {
   write_png(three_pixels(), folder.path() / "b.png");
   EXPECT_EQ(load(folder.path() / "b.png").spec.width, 3);
   EXPECT_EQ(files_in(folder.path()), 2u);
+}
+
+// Noise, which no compression makes fit.
+TEST(ImageFile, AFullDiskIsToldAndLeavesWhatWasThere) {
+  Image noise{64, 64, {}};
+  std::mt19937 random;
+  for (int i = 0; i < 64 * 64; ++i) {
+    const auto byte = [&random] { return static_cast<std::uint8_t>(random()); };
+    noise.pixels.push_back({byte(), byte(), byte(), 4095});
+  }
+  for (const char* name : {"a.png", "a.exr"}) {
+    for (const std::size_t room : {std::size_t{0}, reference::kDiskBlock}) {
+      reference::expect_full_disk_leaves_nothing(name, room,
+                                                 [&](const std::string& file) { write_image(noise, file); });
+    }
+  }
 }
 
 }  // namespace

@@ -8,8 +8,11 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <random>
 #include <sstream>
 
+#include "full_disk.h"
+#include "gicube/scene/light_field.h"
 #include "written_files.h"
 
 namespace gicube::scene {
@@ -106,6 +109,36 @@ TEST(VolumeOutput, RefusesWhatItCannotWrite) {
         ThrowsMessage<FileError>(HasSubstr("expected a place to write to")))
         << name;
   }
+}
+
+TEST(VolumeOutput, AFullDiskIsToldAndLeavesWhatWasThere) {
+  std::vector<float> noise;
+  std::mt19937 random;
+  for (int i = 0; i < 16 * 16 * 16; ++i) noise.push_back(static_cast<float>(random()));
+  const FloatVolume volume{{16, 16, 16}, {1, 1, 1}, {}, noise};
+  for (const char* name : {"a.nrrd", "a.mhd", "a.mha", "a.nii", "a.nii.gz"}) {
+    for (const std::size_t room : {std::size_t{0}, reference::kDiskBlock}) {
+      reference::expect_full_disk_leaves_nothing(name, room,
+                                                 [&](const std::string& file) { write_volume(volume, file); });
+    }
+  }
+  reference::expect_full_disk_leaves_nothing("a.nrrd", reference::kDiskBlock, [&](const std::string& file) {
+    write_light_field({{16, 16, 16}, 1, noise}, {1, 1, 1}, {}, file);
+  });
+}
+
+// Room for the samples, but not for the header behind them.
+TEST(VolumeOutput, LeavesNoSamplesWithoutTheirHeader) {
+  const std::vector<float> values = ramp(reference::kDiskBlock / sizeof(float));
+  reference::on_full_disks("b", reference::kDiskBlock, [&](const std::string& folder, const std::string& reason) {
+    if (reason == "File too large") return;  // the header is shorter than the samples
+    EXPECT_THROW(write_volume({{8, 8, 16}, {1, 1, 1}, {}, values}, folder + "/a.mhd"), FileError);
+    EXPECT_EQ(reference::files_in(folder).size(), 1u);
+  });
+  const reference::TemporaryDirectory folder;
+  std::filesystem::create_directory(folder.file("a.mhd"));
+  EXPECT_THROW(write_volume({{8, 8, 16}, {1, 1, 1}, {}, values}, folder.file("a.mhd")), FileError);
+  EXPECT_FALSE(std::filesystem::exists(folder.file("a.raw")));
 }
 
 }  // namespace

@@ -35,8 +35,7 @@ class Pfm : public testing::Test {
 
 TEST_F(Pfm, ComesBackAsItWasWritten) {
   const std::vector<float> values{0, -1.5F, 3e30F, 4, 5, 6};
-  write_pfm(values, 3, 2, folder_.file("b.pfm"));
-  const Stack map = read_pfm(folder_.file("b.pfm"));
+  const Stack map = read_pfm(write_stack({3, 2, values, false}, folder_.file("b.pfm")).at(0));
   EXPECT_EQ(map.columns, 3);
   EXPECT_EQ(map.rows, 2);
   EXPECT_EQ(map.values, values);

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 
+#include "full_disk.h"
 #include "gicube/scene/error.h"
 #include "temporary_directory.h"
 
@@ -43,6 +44,23 @@ TEST_P(StackFormat, ComesBackAsItWasWritten) {
 
 INSTANTIATE_TEST_SUITE_P(All, StackFormat, testing::Values(".raw", ".nrrd", ".mhd", ".mha", ".pfm", ".tif"),
                          [](const auto& format) { return std::string(format.param).substr(1); });
+
+TEST_P(StackFormat, LeavesNothingOnAFullDisk) {
+  const Stack stack = ramp(40, 40, 4);  // 6400 bytes a view
+  const bool views_apart = std::string(GetParam()) == ".pfm" || std::string(GetParam()) == ".tif";
+  const auto write = [&](const std::string& folder) { write_stack(stack, folder + "/a" + GetParam()); };
+  for (const std::size_t room : {std::size_t{0}, reference::kDiskBlock}) {
+    reference::expect_full_disk_leaves_nothing(
+        (views_apart ? "a_0000" : "a") + std::string(GetParam()), room,
+        [&](const std::string& file) { write(std::filesystem::path(file).parent_path().string()); });
+  }
+  // Room for the first views, but not for all.
+  reference::on_full_disks("b", 4 * reference::kDiskBlock, [&](const std::string& folder, const std::string& reason) {
+    if (reason == "File too large" && views_apart) return;  // each of them is small enough
+    EXPECT_THROW(write(folder), FileError);
+    EXPECT_EQ(reference::files_in(folder).size(), 1u);
+  });
+}
 
 class StackFile : public testing::Test {
  protected:

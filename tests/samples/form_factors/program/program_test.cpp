@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "full_disk.h"
 #include "gicube/scene/light_field.h"
 #include "program_test.h"
 #include "scene/names.h"
@@ -137,6 +138,26 @@ TEST_F(FormFactorProgram, FailsWithOneLineThatNamesWhatIsWrong) {
   expect("solve builtin:ball --emission 0=1", 1, "built-in volume");
   expect("solve " + room() + " --emission 1=0", 1, "emission");
   expect("visibility " + room() + " --board unix:/nowhere/socket", 1, "/nowhere/socket");
+}
+
+// Neither what could not be written, nor a part of it.
+TEST_F(FormFactorProgram, FailsAndLeavesNothingOnAFullDisk) {
+  const std::string solve = "solve " + room() + " --volume-size 8 --quiet ";
+  for (const auto& [option, name] :
+       {std::pair{"--factors", "a.mtx"}, {"--solution", "a.nrrd"}, {"--stats", "a.json"}}) {
+    const ProgramResult result = [&] {
+      const reference::FileSizeLimit limit(300);
+      return run(solve + option + " " + path(name));
+    }();
+    EXPECT_EQ(result.code, 1) << name;
+    EXPECT_THAT(result.err, HasSubstr(std::string(name) + ": file: expected a place to write to, got File too large"));
+    for (const auto& entry : std::filesystem::directory_iterator(path(""))) {
+      EXPECT_FALSE(entry.path().filename().string().starts_with("a.")) << entry.path();
+    }
+  }
+  const ProgramResult twice = run(solve + "--solution " + path("a.nrrd") + " --factors " + path("a.nrrd"));
+  EXPECT_EQ(twice.code, 2);
+  EXPECT_THAT(twice.err, HasSubstr("--solution: expected another file than --factors, got "));
 }
 
 }  // namespace

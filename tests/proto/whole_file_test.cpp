@@ -1,0 +1,147 @@
+#include "gicube/whole_file.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <string>
+#include <system_error>
+
+#include "full_disk.h"
+
+namespace gicube {
+namespace {
+
+namespace fs = std::filesystem;
+using reference::files_in;
+using testing::EndsWith;
+using testing::StartsWith;
+using testing::ThrowsMessage;
+using Files = std::map<std::string, std::string>;
+
+class WholeFileTest : public testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return folder_.file(name); }
+  Files files() const { return files_in(folder_.path()); }
+  static void write(const std::string& file, const std::string& text) {
+    WholeFile whole(file);
+    whole.write(text);
+    whole.commit();
+  }
+
+ private:
+  const reference::TemporaryDirectory folder_;
+};
+
+TEST_F(WholeFileTest, HasItsNameOnlyWhenItIsWhole) {
+  std::ofstream(path("a")) << "before";
+  WholeFile whole(path("a"));
+  whole.write("what comes");
+  whole.close();
+  const Files open = files();
+  ASSERT_EQ(open.size(), 2u);
+  EXPECT_EQ(open.at("a"), "before");
+  EXPECT_THAT(open.rbegin()->first, testing::AllOf(StartsWith("a."), EndsWith(".part")));
+  EXPECT_EQ(open.rbegin()->second, "what comes");
+  whole.commit();
+  EXPECT_EQ(files(), (Files{{"a", "what comes"}}));
+}
+
+TEST_F(WholeFileTest, LeavesNothingWithoutACommit) {
+  std::ofstream(path("a")) << "before";
+  {
+    WholeFile whole(path("a")), fresh(path("b"));
+    whole.write("what comes");
+    fresh.write(std::string(1 << 20, 'x'));
+  }
+  EXPECT_EQ(files(), (Files{{"a", "before"}}));
+}
+
+TEST_F(WholeFileTest, LeavesNothingOnAFullDisk) {
+  for (const std::size_t room : {std::size_t{0}, reference::kDiskBlock}) {
+    reference::expect_full_disk_leaves_nothing("a", room, [](const std::string& file) {
+      WholeFile whole(file);
+      for (int i = 0; i < 1000; ++i) whole.write("some words and more");
+      whole.commit();
+    });
+  }
+}
+
+TEST_F(WholeFileTest, HoldsAllThatWasWrittenInPiecesOfAnySize) {
+  std::string all;
+  WholeFile whole(path("a"));
+  for (const std::size_t size : {1u, 65535u, 3u, 65536u, 200'000u, 0u, 7u}) {
+    const std::string piece(size, static_cast<char>('a' + all.size() % 26));
+    whole.write(piece);
+    all += piece;
+  }
+  const std::array<float, 2> numbers{1.5F, -2};
+  whole.write(std::span(numbers));
+  all.append(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
+  whole.commit();
+  EXPECT_EQ(files().at("a"), all);
+}
+
+TEST_F(WholeFileTest, ReplacesALinkAndLeavesWhatItNames) {
+  std::ofstream(path("far")) << "before";
+  fs::create_symlink(path("far"), path("link"));
+  write(path("link"), "what comes");
+  EXPECT_FALSE(fs::is_symlink(path("link")));
+  EXPECT_EQ(files(), (Files{{"far", "before"}, {"link", "what comes"}}));
+}
+
+TEST_F(WholeFileTest, CanBeItsOwnersAlone) {
+  std::ofstream(path("a")) << "before";
+  fs::permissions(path("a"), fs::perms(0644));
+  WholeFile whole(path("a"), 0600);
+  whole.close();
+  ASSERT_EQ(files().size(), 2u);
+  EXPECT_EQ(fs::status(path(files().rbegin()->first)).permissions(), fs::perms(0600));
+  whole.commit();
+  EXPECT_EQ(fs::status(path("a")).permissions(), fs::perms(0600));
+}
+
+TEST_F(WholeFileTest, GoesIntoAPipeDirectly) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  write(path("pipe"), "what comes");
+  std::array<char, 64> text{};
+  EXPECT_EQ(::read(reader, text.data(), text.size()), 10);
+  EXPECT_STREQ(text.data(), "what comes");
+  ::close(reader);
+  EXPECT_TRUE(fs::is_fifo(path("pipe")));
+}
+
+// As `--stats /dev/stdout >> FILE`.
+TEST_F(WholeFileTest, GoesOnWhereThisProcessIsInAFile) {
+  const int own = ::open(path("a").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  ASSERT_GE(own, 0);
+  EXPECT_EQ(::write(own, "one ", 4), 4);
+  write("/dev/fd/" + std::to_string(own), "two ");
+  fs::create_symlink("/proc/self/fd/" + std::to_string(own), path("stdout"));
+  write(path("stdout"), "three");
+  EXPECT_TRUE(fs::is_symlink(path("stdout")));
+  fs::remove(path("stdout"));
+  ::close(own);
+  EXPECT_EQ(files().at("a"), "one two three");
+}
+
+TEST_F(WholeFileTest, SaysWhatIsFullOrCannotBeWritten) {
+  EXPECT_THAT([] { write("/dev/full", "a"); }, ThrowsMessage<std::system_error>("/dev/full: No space left on device"));
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+  EXPECT_THAT([] { write("/nowhere/a", "a"); },
+              ThrowsMessage<std::system_error>("/nowhere/a: No such file or directory"));
+  fs::create_directory(path("folder"));
+  EXPECT_THAT([&] { write(path("folder"), "a"); },
+              ThrowsMessage<std::system_error>(path("folder") + ": Is a directory"));
+}
+
+}  // namespace
+}  // namespace gicube
