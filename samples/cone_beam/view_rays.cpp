@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -13,25 +14,10 @@
 namespace gicube::samples {
 
 HostRay clipped_ray(const Grid& grid, Vec3 source, Vec3 pixel) {
-  const Vec3 from = to_voxels(grid, source), way = to_voxels(grid, pixel) - from;
-  const std::array<double, 3> start{from.x, from.y, from.z}, along{way.x, way.y, way.z};
-  double first = 0, last = 1e30;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double end = grid.dims[axis] - 1;
-    if (along[axis] == 0) {
-      if (start[axis] < 0 || start[axis] > end) return {};
-      continue;
-    }
-    const double one = -start[axis] / along[axis], other = (end - start[axis]) / along[axis];
-    first = std::max(first, std::min(one, other));
-    last = std::min(last, std::max(one, other));
-  }
-  if (last <= first) return {};
-  const auto within = [&](double value, std::size_t axis) { return std::clamp(value, 0.0, grid.dims[axis] - 1.0); };
-  const Vec3 entry = from + first * way;
-  return {.position = {within(entry.x, 0), within(entry.y, 1), within(entry.z, 2)},
-          .direction = way,
-          .length = (last - first) * length(way)};
+  const Vec3 from = to_voxels(grid, source);
+  const HostRay line{
+      .position = from, .direction = to_voxels(grid, pixel) - from, .length = std::numeric_limits<double>::infinity()};
+  return clip_to_volume(line, grid.dims).value_or(HostRay{});
 }
 
 std::vector<HostRay> view_rays(const ConeGeometry& geometry, double angle, int fine) {

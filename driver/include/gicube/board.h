@@ -5,7 +5,8 @@
 //   board.set_transfer_function(transfer_function);    // segmentation LUT and empty flags
 //   gicube::Image image = board.render(camera);        // simulated time: board.now()
 //
-// Sources: the coprocessor API of [P §3.5, §5.6]. Times are simulated; only the watchdog uses the wall clock.
+// Sources: the coprocessor API of [P §3.5, §5.6]. Times are simulated; only the watchdog uses the wall clock. gicube/testing.h
+// measures what happens between two points of simulated time (gicube::test::Window).
 #pragma once
 
 #include <chrono>
@@ -36,6 +37,11 @@
 namespace gicube {
 
 enum class Fidelity { kFunctional, kApproximate, kCycle };
+
+// As in "emu:?fidelity=cycle".
+constexpr const char* name_of(Fidelity level) {
+  return level == Fidelity::kFunctional ? "functional" : level == Fidelity::kApproximate ? "approximate" : "cycle";
+}
 
 // What the board said of itself when it was opened.
 struct BoardInfo {
@@ -104,7 +110,8 @@ class GICUBE_API Board {
   // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), capture=FILE
   // (docs/guide/capture.md). The program is searched for in this order: by the environment variable GICUBE_BOARD, beside
   // the running program, where the SDK was installed, on the PATH.
-  // Throws BadArgument (URI), OpenFailed, BoardBusy, VersionMismatch, TimedOut.
+  // Throws BadArgument (URI; a value that the emulated board refuses, in its own words), OpenFailed, BoardBusy, VersionMismatch,
+  // TimedOut.
   static Board open(std::string_view uri, const OpenOptions& options = {});
 
   // After DeviceLost or TimedOut: connects again by the same URI and options. If the board still has the session, the session

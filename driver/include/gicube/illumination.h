@@ -51,9 +51,11 @@ enum class EnergyRules { kAsPrinted, kConserving };
 struct Illumination {
   Albedo albedo = Albedo::kLow;
   EnergyRules rules = EnergyRules::kConserving;
-  int rays_per_face_voxel = 1;  // k, 1..4096; each light sends up to 6 k N^2 rays
-  double step = 0.5;            // voxels along the ray, 1/64..16; refused as View::step
-  bool jitter = false;          // of rays with the printed rules; the conserving ones don't depend on where samples lie
+  // k, 1..4096: rays through each cell between four voxels of a face of the volume, (N - 1)^2 of them a face. A light inside sends
+  // rays through all six faces, one outside through those that it sees.
+  int rays_per_face_voxel = 1;
+  double step = 0.5;    // voxels along the ray, 1/64..16; refused as View::step
+  bool jitter = false;  // of rays with the printed rules; the conserving ones don't depend on where samples lie
   bool leap = true;
   int lifetime = 32;       // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;  // of all random choices: another seed is an independent experiment
@@ -64,7 +66,10 @@ struct Illumination {
 // emitted = deposited + escaped + scattered_away + clipped.
 struct LightingReport {
   std::uint64_t rays = 0;
-  double emitted = 0;    // given to rays
+  // Given to rays: the light that meets the volume, and not the lights' whole power unless they are inside. Of point and distant
+  // lights that is the exact share, but for the rounding of each ray to whole units. Rays of a rectangle or a sphere begin at random
+  // points of it, so there it is an estimate, which another seed changes and more rays improve.
+  double emitted = 0;
   double deposited = 0;  // into irradiance words
   double escaped = 0;    // out of the volume
   // Of that, by the faces x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to `escaped`. Of a slab that is

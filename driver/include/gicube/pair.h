@@ -1,7 +1,7 @@
 // How much light goes between pairs of elements of the volume: the heaviest part of radiosity [P §5.6].
 //
 //   auto factors = board.pair_factors(elements, pairs, {.rays = 64});
-//   // exchange area of two patches: factors[i].transported * area_a * area_b
+//   // form factor of two flat elements, from a to b: factors[i].transported * area_b
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ enum class ElementKind {
 // In voxels; wholly inside the volume. Kept as floats.
 struct Element {
   ElementKind kind = ElementKind::kPatch;
-  Vec3 origin, u, v;
-  Vec3 w;  // of boxes and discs
+  Vec3 origin{}, u{}, v{};
+  Vec3 w{};  // of boxes and discs
 };
 
 struct ElementPair {
@@ -53,6 +53,12 @@ struct PairRequest {
 
 // Means over both elements. r is the physical distance of two points (in smallest voxel edges), T the transmittance between them,
 // and f the cosine at a flat element (0 behind it), or 1 in a box.
+//
+// The form factor F_ab, the share of a's diffuse light that arrives at b, follows with area A, volume V and extinction k of the
+// elements, also in smallest voxel edges (where voxels are no cubes: not those of u and v):
+//   F_ab = transported * A_b      a and b flat; the exchange area is A_a F_ab = A_b F_ba
+//   F_ab = transported * k_b V_b  a flat, b a box: what b's medium takes up
+//   F_ab = transported * A_b / 4, transported * k_b V_b / 4  a a box, which emits alike in all directions
 //
 // A far pair's means are those over its rays. A pair is near if the gap between its elements' bounds along the axes is below half of
 // their longest side, edge or diameter. There f f / (pi r^2) has no bound that rays could know, so the driver divides such a pair into parts of

@@ -41,8 +41,8 @@ enum class RayType {
   // RayRequest::albedo and rules. No ray comes back; BatchReport::lighting says where the energy went.
   kDeposit,
   // The line integral of the volume's values less ValueRange::low between two points, lengths in the unit of
-  // VolumeView::spacing. Sampled as kSegment; opacities, empty blocks, jitter and cut planes don't matter, and outside of
-  // the volume there is nothing.
+  // VolumeView::spacing. Sampled as kSegment; opacities, empty blocks, jitter and cut planes don't matter. It may end outside of
+  // the volume, where there is nothing, but must begin inside as every ray: clip_to_volume() for those from a source outside.
   kIntegral,
   // Adds `energy` for each unit of length to the voxels along its way from one point to another. The ray loses nothing by
   // that. RayRequest::words says to which words; no ray comes back.
@@ -67,6 +67,10 @@ struct HostRay {
 
 // The ray from one point to another, both in voxels, for ray types with a length. Equal points: length 0, along z.
 GICUBE_API HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to);
+// The part of a ray with a length (voxels; infinite: a half line) that is inside a volume of `dims` voxels, 0..size - 1 on each
+// axis; the ray may begin outside. Nothing if it misses the volume, or meets it in one point only. What kIntegral finds on the part
+// is what it would find on the whole.
+GICUBE_API std::optional<HostRay> clip_to_volume(const HostRay& ray, const Dims& dims);
 
 struct RayRequest {
   RayType type = RayType::kIntegrate;

@@ -16,10 +16,10 @@ struct Phong {
 };
 
 struct Shading {
-  Phong phong;
+  Phong phong{};
   // From the scene towards the light, physical axes (parallel to the voxel axes); any length but 0.
   // The zero vector stands for a head light: at the eye.
-  Vec3 light;
+  Vec3 light{};
 };
 
 }  // namespace gicube

@@ -23,8 +23,8 @@ struct OpacityPoint {
 // Piecewise linear between its points, constant beyond the first and the last. Values must rise strictly, except that
 // two points may share one value: a step, which takes the second's side.
 struct GICUBE_API TransferFunction {
-  std::vector<ColourPoint> colours;     // at least one
-  std::vector<OpacityPoint> opacities;  // at least one
+  std::vector<ColourPoint> colours{};     // at least one, unless all opacities are 0
+  std::vector<OpacityPoint> opacities{};  // at least one
 
   Colour colour_at(double value) const;
   double opacity_at(double value) const;

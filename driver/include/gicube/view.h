@@ -23,8 +23,8 @@ enum class PixelFilter { kBox, kTent };
 // (opacity (1 - Ks)). A field that an application wrote, such as a solution of radiosity, is shown as colour x irradiance x
 // exposure with `incident`; nothing chooses its exposure.
 struct View {
-  Vec3 eye;
-  Vec3 look_at;                    // not at the eye
+  Vec3 eye{};
+  Vec3 look_at{};                  // not at the eye
   Vec3 up{0, 1, 0};                // not along the line of sight
   double fov_degrees = 30;         // vertical, 0..180 exclusive; perspective only
   double orthographic_height = 0;  // > 0: orthographic, the image's height in (smallest) voxel edges
@@ -47,7 +47,7 @@ struct View {
   bool high_albedo = false;  // colour is taken once, where the ray is absorbed: needs many rays per pixel
   int lifetime = 8;          // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;    // of the scatterings' random choices
-  std::vector<CutPlane> cut_planes;  // at most 6
+  std::vector<CutPlane> cut_planes{};  // at most 6
 };
 
 }  // namespace gicube

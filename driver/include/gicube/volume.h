@@ -40,7 +40,7 @@ struct VoxelBox {
 
 // Does not own its memory: everything pointed to must live until load_volume() returns.
 struct VolumeView {
-  // dims[0] * dims[1] * dims[2] samples of `type`, x fastest.
+  // dims[0] * dims[1] * dims[2] samples of `type`, x fastest: of a std::vector<float>, std::as_bytes(std::span(values)).
   std::span<const std::byte> samples;
   SampleType type = SampleType::kUint8;
   Dims dims{};            // voxels, 2..the board's max_volume_voxels each

@@ -97,6 +97,29 @@ HostRay ray_between(std::uint32_t id, Vec3 from, Vec3 to) {
   return {.id = id, .position = from, .direction = way == Vec3{} ? Vec3{0, 0, 1} : way, .length = length(way)};
 }
 
+std::optional<HostRay> clip_to_volume(const HostRay& ray, const Dims& dims) {
+  const std::array<double, 3> start = components(ray.position), along = components(ray.direction);
+  const double size = length(ray.direction);
+  double first = 0, last = ray.length / size;  // in directions
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double end = dims[axis] - 1;
+    if (along[axis] == 0) {
+      if (start[axis] < 0 || start[axis] > end) return std::nullopt;
+      continue;
+    }
+    const double one = -start[axis] / along[axis], other = (end - start[axis]) / along[axis];
+    first = std::max(first, std::min(one, other));
+    last = std::min(last, std::max(one, other));
+  }
+  if (!(last > first)) return std::nullopt;
+  const Vec3 entry = ray.position + first * ray.direction;
+  HostRay part = ray;
+  part.position = {std::clamp(entry.x, 0.0, dims[0] - 1.0), std::clamp(entry.y, 0.0, dims[1] - 1.0),
+                   std::clamp(entry.z, 0.0, dims[2] - 1.0)};
+  part.length = (last - first) * size;
+  return part;
+}
+
 std::uint32_t step_word(const View& view) {
   return static_cast<std::uint32_t>(std::lround(view.step * wire::kStepOne));
 }

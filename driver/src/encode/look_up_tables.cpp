@@ -48,6 +48,11 @@ void check_values(const std::vector<Point>& points, const char* list) {
   expect(std::isfinite(span), list, "values whose span is finite", span);
 }
 
+bool is_invisible(const TransferFunction& function) {
+  return !function.opacities.empty() &&
+         std::ranges::all_of(function.opacities, [](const OpacityPoint& point) { return point.opacity == 0; });
+}
+
 std::uint8_t to_shade(double coefficient) {
   return static_cast<std::uint8_t>(std::clamp<long>(std::lround(wire::kShadeOne * coefficient), 0, 255));
 }
@@ -91,6 +96,7 @@ Vec3 unit_light(Vec3 light, Vec3 towards_eye) { return light == Vec3{} ? towards
 }  // namespace
 
 Colour TransferFunction::colour_at(double value) const {
+  if (colours.empty() && is_invisible(*this)) return {};
   const auto [from, to, weight] = segment_at(colours, value, "colours");
   Colour colour;
   for (std::size_t c = 0; c < colour.size(); ++c) colour[c] = std::lerp(from->colour[c], to->colour[c], weight);
@@ -104,8 +110,8 @@ double TransferFunction::opacity_at(double value) const {
 
 void check(const TransferFunction& function, int tag) {
   expect_within("tag", tag, 0, wire::kTags - 1);
-  check_values(function.colours, "colours");
   check_values(function.opacities, "opacities");
+  if (!function.colours.empty() || !is_invisible(function)) check_values(function.colours, "colours");
   for (std::size_t i = 0; i < function.colours.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       expect_within(fmt::format("colours[{}].colour[{}]", i, c), function.colours[i].colour[c], 0, 1);

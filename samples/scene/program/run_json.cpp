@@ -10,15 +10,6 @@
 
 namespace gicube::samples {
 
-const char* name_of(Fidelity fidelity) {
-  switch (fidelity) {
-    case Fidelity::kFunctional: return "functional";
-    case Fidelity::kApproximate: return "approximate";
-    case Fidelity::kCycle: return "cycle";
-  }
-  return "unknown";
-}
-
 nlohmann::ordered_json to_json(const Counters& counters) {
   auto json = nlohmann::ordered_json::object();
   for (const Counter& counter : counters.list())

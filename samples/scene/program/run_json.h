@@ -13,8 +13,6 @@ namespace gicube::samples {
 
 class RunWindow;
 
-const char* name_of(Fidelity fidelity);
-
 // An object: name to { value, unit }.
 nlohmann::ordered_json to_json(const Counters& counters);
 

@@ -4,7 +4,9 @@
 #include <rapidcheck.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
+#include <utility>
 
 #include "refusal.h"
 
@@ -26,6 +28,54 @@ TEST(HostRay, IsRoundedNotTruncated) {
   const wire::Ray ray = to_wire({0, {0.6 / 16384, 0.4 / 16384, 0}, {1, -1, 0}}, RaySetup{});
   EXPECT_EQ(ray.position, (std::array<std::uint32_t, 3>{1, 0, 0}));
   EXPECT_EQ(ray.direction, (std::array<std::int16_t, 3>{11585, -11585, 0}));  // 11585.24
+}
+
+TEST(HostRay, FromASourceOutsideIsClippedToTheVolume) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr Dims kDims{10, 8, 6};
+  const auto through =
+      clip_to_volume({.id = 7, .position = {-10, 4, 3}, .direction = {2, 0, 0}, .length = kInfinity}, kDims);
+  ASSERT_TRUE(through);
+  EXPECT_EQ(through->id, 7u);
+  EXPECT_EQ(through->position, (Vec3{0, 4, 3}));
+  EXPECT_EQ(through->length, 9);
+  const auto ends_inside = clip_to_volume(ray_between(0, {-3, 2, 1}, {5, 2, 1}), kDims);
+  ASSERT_TRUE(ends_inside);
+  EXPECT_EQ(ends_inside->position, (Vec3{0, 2, 1}));
+  EXPECT_EQ(ends_inside->length, 5);
+  const HostRay within = ray_between(0, {1, 2, 3}, {4, 6, 3});
+  ASSERT_TRUE(clip_to_volume(within, kDims));
+  EXPECT_EQ(clip_to_volume(within, kDims)->position, within.position);
+  EXPECT_NEAR(clip_to_volume(within, kDims)->length, 5, 1e-12);
+
+  EXPECT_FALSE(clip_to_volume(ray_between(0, {-3, 2, 1}, {-1, 2, 1}), kDims)) << "it ends before the volume";
+  EXPECT_FALSE(clip_to_volume({.position = {-3, 9, 1}, .direction = {1, 0, 0}, .length = kInfinity}, kDims));
+  EXPECT_FALSE(clip_to_volume({.position = {12, 2, 1}, .direction = {1, 0, 0}, .length = kInfinity}, kDims));
+  EXPECT_FALSE(clip_to_volume({.position = {-1, 1, 0}, .direction = {1, -1, 0}, .length = kInfinity}, kDims))
+      << "an edge";
+}
+
+// What is left of rays through the volume begins and ends inside of it, on the same line.
+TEST(HostRay, ThatIsClippedPassesItsCheck) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> anywhere(-40, 40);
+  const RaySetup setup{.request = {.type = RayType::kIntegral}, .dims = {12, 9, 7}};
+  int left = 0;
+  for (int n = 0; n < 5000; ++n) {
+    const HostRay whole = ray_between(0, {anywhere(random), anywhere(random), anywhere(random)},
+                                      {anywhere(random), anywhere(random), anywhere(random)});
+    const auto part = clip_to_volume(whole, setup.dims);
+    if (!part) continue;
+    ++left;
+    EXPECT_EQ(refusal([&] { check(*part, 0, setup); }), "accepted");
+    const Vec3 along = normalise(whole.direction), end = part->position + part->length * along;
+    EXPECT_LT(length(cross(part->position - whole.position, along)), 1e-9);
+    for (const auto& [value, size] : {std::pair{end.x, 12}, {end.y, 9}, {end.z, 7}}) {
+      EXPECT_GE(value, -1e-9);
+      EXPECT_LE(value, size - 1 + 1e-9);
+    }
+  }
+  EXPECT_GT(left, 100);
 }
 
 TEST(HostRay, ReturnsInUnits) {

@@ -75,6 +75,10 @@ TEST(TransferFunctionCheck, NamesThePointThatIsWrong) {
   EXPECT_EQ(refusal_after([](auto& f) { f.opacities[3].value = 20; }),
             "opacities[3].value: expected at most two points at one value, got a third at 20");
   EXPECT_EQ(refusal_after([](auto& f) { f.colours.clear(); }), "colours: expected at least one point, got none");
+  EXPECT_EQ(refusal_after([](auto& f) {
+              f = {.colours = {}, .opacities = {{0, 0}, {1, 0.1}}};
+            }),
+            "colours: expected at least one point, got none");
   EXPECT_EQ(refusal_after([](auto& f) { f.opacities.clear(); }), "opacities: expected at least one point, got none");
 }
 
