@@ -34,8 +34,10 @@ struct Parser {
 
   TransferFunctionFile finish() {
     line_number = 0;
-    if (faults.empty() && file.function.colours.empty()) fault("colour", "at least one point", "none");
-    if (faults.empty() && file.function.opacities.empty()) fault("opacity", "at least one point", "none");
+    const auto& [colours, opacities] = file.function;
+    const bool is_seen = std::ranges::any_of(opacities, [](const OpacityPoint& point) { return point.opacity != 0; });
+    if (faults.empty() && opacities.empty()) fault("opacity", "at least one point", "none");
+    if (faults.empty() && colours.empty() && is_seen) fault("colour", "at least one point", "none");
     if (!faults.empty()) throw InputError(faults);
     return std::move(file);
   }

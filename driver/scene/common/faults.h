@@ -55,6 +55,15 @@ class Faults : public google::protobuf::io::ErrorCollector {
       for (Fault& fault : within(field, error, between)) add(std::move(fault));
     }
   }
+  // The same where the message has the whole field.
+  template <typename Call>
+  void gather(const Call& call) {
+    try {
+      call();
+    } catch (const InputError& error) {
+      for (const Fault& fault : error.faults()) add(fault);
+    }
+  }
   // The same where the message names a field of `field` itself: "FIELD.RADIUS: expected ...".
   template <typename Call>
   void gather_part(const std::string& field, const Call& call) {
@@ -76,7 +85,7 @@ class Faults : public google::protobuf::io::ErrorCollector {
 };
 
 // The message of a text, whose braces are nested at most so deep: that bounds the parser's stack. Throws InputError with all that is
-// wrong with the text if no message came of it.
+// wrong with the text: what it means is not looked at then, since a field that was not understood is missing.
 template <typename Message>
 Message parsed_message(const std::string& text, int max_nesting, Faults& faults) {
   google::protobuf::TextFormat::Parser parser;
@@ -84,7 +93,8 @@ Message parsed_message(const std::string& text, int max_nesting, Faults& faults)
   parser.SetRecursionLimit(max_nesting);
   parser.AllowUnknownField(true);  // reported by AddWarning, and the parser goes on to the next fault
   Message message;
-  if (!parser.ParseFromString(text, &message)) faults.throw_if_any();
+  parser.ParseFromString(text, &message);
+  faults.throw_if_any();
   return message;
 }
 

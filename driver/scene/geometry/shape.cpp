@@ -43,6 +43,10 @@ void check_shape(const MeshShape& s) {
   if (!s.mesh && s.file.empty()) throw InputError("file", "a mesh", "none");
 }
 
+void check_shape(const FieldShape& s) {
+  if (!s.field || !*s.field) throw InputError("field", "a function", "none");
+}
+
 void check_shape(const BuiltinShape& s) {
   for (const char* name : {"buckyball", "buckyball_atoms", "buckyball_bonds", "head"}) {
     if (s.name == name) return;
@@ -71,6 +75,8 @@ std::vector<Field> fields(const MeshShape& s) {
   const auto distance = std::make_shared<const MeshDistance>(s.mesh ? *s.mesh : read_mesh(s.file), name);
   return {[distance](Vec3 p) { return distance->at(p); }};
 }
+
+std::vector<Field> fields(const FieldShape& s) { return {*s.field}; }
 
 std::vector<Field> fields(const BuiltinShape& s) {
   if (s.name == "head") return {head_bound};

@@ -1,10 +1,12 @@
 #include "gicube/scene/voxeliser.h"
-#include "scene/common/cells.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+
+#include "scene/common/cells.h"
+#include "scene/geometry/placed_field.h"
 
 namespace gicube::scene {
 namespace {
@@ -12,33 +14,13 @@ namespace {
 constexpr double kFar = std::numeric_limits<double>::infinity();
 // Inside fog a solid's tag ends here: visible samples of the solid, within half a ramp of the surface, have no nearer voxel.
 constexpr double kTagInFogVoxels = 1.3;
+constexpr int kParts = 4;  // chosen: of a voxel's edge, for its share; errors of volumes fall with the square
 
-double ramp(double distance) { return std::clamp(0.5 - distance / kRampVoxels, 0.0, 1.0); }
-
-// A solid as seen from the voxels.
-struct Seen {
-  const PlacedSolid* solid;
-  Affine to_local;
-  double stretch;  // voxels a local unit, at least
-
-  explicit Seen(const PlacedSolid& placed)
-      : solid(&placed), to_local(inverse(placed.to_voxels)), stretch(min_stretch(placed.to_voxels)) {}
-
-  // Never further from 0 than the distance in voxels.
-  double bound(Vec3 p) const { return stretch * solid->field(to_local.point(p)).distance; }
-  // The distance to first order: exact for similar maps of exact fields, and always at the surface.
-  Distance distance(Vec3 p) const {
-    const Distance local = solid->field(to_local.point(p));
-    const Vec3 gradient = to_local.transposed(local.away);
-    const double slope = length(gradient);
-    if (!(slope > 0)) return {stretch * local.distance, {}};
-    return {local.distance / slope, (1 / slope) * gradient};
-  }
-};
+double ramp(double distance, double width = kRampVoxels) { return std::clamp(0.5 - distance / width, 0.0, 1.0); }
 
 // A solid in a cell: evaluated voxel by voxel, or known to fill it.
 struct Candidate {
-  const Seen* seen;
+  const PlacedField* seen;
   bool fills;
 };
 
@@ -57,14 +39,15 @@ struct Found {
 
 struct Voxeliser {
   const Dims& dims;
-  std::vector<Seen> seen;
+  std::vector<PlacedField> seen;
   const std::vector<PlacedScan>& scans;
   VoxelWorld& target;
+  Densities densities;
 
   void fill_cell(const Dims& first) {
     const double reach = kNearVoxels + (kCell - 1) * std::numbers::sqrt3 / 2;
     std::vector<Candidate> near;
-    for (const Seen& solid : seen) {
+    for (const PlacedField& solid : seen) {
       const double bound = solid.bound(middle_of_cell(first));
       if (bound < reach) near.push_back({&solid, bound < -reach});
     }
@@ -76,9 +59,10 @@ struct Voxeliser {
     Found solid, fog;
     for (const Candidate& candidate : near) {
       const Distance distance = candidate.fills ? Distance{-kFar, {}} : candidate.seen->distance(p);
-      (candidate.seen->solid->fog ? fog : solid).add(distance, candidate.seen->solid->tag);
+      (candidate.seen->solid().fog ? fog : solid).add(distance, candidate.seen->solid().tag);
     }
-    const double of_solid = ramp(solid.distance), of_fog = kFogDensity * ramp(fog.distance);
+    const double of_solid = densities == Densities::kRamp ? ramp(solid.distance) : share_of(p, solid.distance, near);
+    const double of_fog = kFogDensity * ramp(fog.distance);
     double density = std::max(of_solid, of_fog);
     const bool free = solid.distance >= (of_fog > 0 ? kTagInFogVoxels : kNearVoxels);
     if (!free) {
@@ -89,6 +73,25 @@ struct Voxeliser {
     if (std::abs(solid.distance) < kNearVoxels) set_gradient(index, -1 * solid.away);
     if (solid.distance >= kTagInFogVoxels) take_scans(p, index, density);
     target.set_density(index, density);
+  }
+
+  // The part of a voxel that is within solids; `distance`: of their union from its centre.
+  static double share_of(Vec3 p, double distance, const std::vector<Candidate>& near) {
+    constexpr double kHalfDiagonal = std::numbers::sqrt3 / 2;
+    if (std::abs(distance) >= kHalfDiagonal) return distance < 0 ? 1 : 0;
+    constexpr double kPart = 1.0 / kParts;
+    double sum = 0;
+    for (int i = 0; i < kParts * kParts * kParts; ++i) {
+      const Vec3 at = p + Vec3{(i % kParts + 0.5) * kPart - 0.5, (i / kParts % kParts + 0.5) * kPart - 0.5,
+                               (i / (kParts * kParts) + 0.5) * kPart - 0.5};
+      double least = kFar;
+      for (const Candidate& candidate : near) {
+        if (candidate.seen->solid().fog) continue;
+        least = std::min(least, candidate.fills ? -kFar : candidate.seen->distance(at, kPart / 2).distance);
+      }
+      sum += ramp(least, kPart);
+    }
+    return sum / (kParts * kParts * kParts);
   }
 
   void take_scans(Vec3 p, std::size_t index, double& density) {
@@ -132,10 +135,10 @@ struct Voxeliser {
 }  // namespace
 
 VoxelWorld voxelise(const WorldGrid& grid, const std::vector<PlacedSolid>& solids, const std::vector<PlacedScan>& scans,
-                    int threads) {
+                    int threads, Densities densities) {
   VoxelWorld world(grid.dims, "world", true);
   world.volume.range = ValueRange{0, kMaxDensity};
-  Voxeliser voxeliser{grid.dims, {solids.begin(), solids.end()}, scans, world};
+  Voxeliser voxeliser{grid.dims, {solids.begin(), solids.end()}, scans, world, densities};
   each_cell(grid.dims, threads, [&](const Dims& first) { voxeliser.fill_cell(first); });
   return world;
 }

@@ -98,12 +98,13 @@ World read_world(const v1::World& source, const std::filesystem::path& folder, F
   if (source.has_low()) world.low = finite_vector(faults, "world.low", source.low());
   if (source.has_high()) world.high = finite_vector(faults, "world.high", source.high());
   world.size = static_cast<int>(std::min(source.size(), 1'000'000u));
+  world.densities = source.partial_volumes() ? Densities::kPartialVolumes : Densities::kRamp;
   faults.check(source.node_size() > 0, "world.node", "at least one", "none");
   const Reader reader{folder, faults};
   for (int i = 0; i < source.node_size(); ++i) {
     world.root.children.push_back(reader.node(source.node(i), fmt::format("world.node[{}]", i), 1));
   }
-  faults.gather("world", [&] { grid_of(world); });
+  faults.gather([&] { grid_of(world); });
   return world;
 }
 

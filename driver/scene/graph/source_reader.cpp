@@ -88,7 +88,8 @@ std::optional<TransferFunctionFile> read_transfer_function_of(Faults& faults, co
                                                               const std::filesystem::path& folder) {
   std::optional<TransferFunctionFile> result;
   const bool points = source.colour_size() != 0 || source.opacity_size() != 0;
-  if (!faults.check_one(field, "one of file, preset or points", {source.has_file(), source.has_preset(), points})) {
+  if (!faults.check_one(field, "one of file, preset, and points of colour and opacity",
+                        {source.has_file(), source.has_preset(), points})) {
     return result;
   }
   if (source.has_file()) {

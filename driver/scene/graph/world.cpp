@@ -187,7 +187,7 @@ BuiltWorld build(const World& world, const std::vector<SceneMaterial>& materials
       look = {in_values_of({0, kMaxDensity}, look), false};
     }
   }
-  built.voxels = voxelise(built.grid, walk.solids, walk.scans, threads);
+  built.voxels = voxelise(built.grid, walk.solids, walk.scans, threads, world.densities);
   return built;
 }
 

@@ -10,6 +10,7 @@ namespace gicube::scene {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(SceneFile, FillsEveryPartOfTheScene) {
   const Scene scene = parse_scene(R"(
@@ -75,7 +76,7 @@ TEST(SceneFile, ReportsUnknownFieldsWithTheirLinesAndGoesOn) {
   EXPECT_THAT(faults, HasSubstr("\"colour\""));
   EXPECT_THAT(faults, HasSubstr("a.scene:3:"));
   EXPECT_THAT(faults, HasSubstr("\"fog\""));
-  EXPECT_THAT(faults, HasSubstr("a.scene: step: expected 0.015625 to 16, got 100"));
+  EXPECT_THAT(faults, Not(HasSubstr("step"))) << "a text that is not understood has no meaning to be judged";
 }
 
 TEST(SceneFile, ReportsASyntaxErrorWithItsLine) {
@@ -94,27 +95,28 @@ TEST(SceneFile, ReportsAllFaultsOfMeaningTogether) {
     cut_plane { }
     image { width: 0 height: 5000 samples_per_axis: 3 }
     opacity_threshold: 1.5)");
-  for (const char* fault : {"volume: expected either builtin or file, got both",
-                            "volume.builtin: expected \"buckyball\", got \"teapot\"",
-                            "volume.size: expected 16 to 1024, got 4",
-                            "volume.spacing: expected 3 numbers, x y z, got 2",
-                            "volume.spacing: expected numbers above 0, got 0",
-                            "volume.raw.dims: expected 3 numbers, x y z, got 2",
-                            "volume.raw: type: expected uint8, uint12, uint16, int16 or float32, got \"int12\"",
-                            "transfer_function: expected one of file, preset or points, got several",
-                            "phong.ambient: expected 0 to 1.99, got -1",
-                            "phong.shininess: expected 1 to 1000, got 0.5",
-                            "light[0].towards: expected a direction, got 0 0 0",
-                            "camera.up: expected a direction, got 0 0 0",
-                            "camera.fov_degrees: expected more than 0 and less than 180, got 200",
-                            "camera: expected fov_degrees or orthographic_height, got both",
-                            "camera.look_at: expected another point than camera.eye, got the same",
-                            "cut_plane[0].normal: expected finite numbers, got nan 0 0",
-                            "cut_plane[1].normal: expected a direction, got 0 0 0",
-                            "image.width: expected 1 to 4095, got 0",
-                            "image.height: expected 1 to 4095, got 5000",
-                            "image.samples_per_axis: expected 1, 2 or 4, got 3",
-                            "opacity_threshold: expected 0 to 1, got 1.5"}) {
+  for (const char* fault :
+       {"volume: expected either builtin or file, got both",
+        "volume.builtin: expected \"buckyball\", got \"teapot\"",
+        "volume.size: expected 16 to 1024, got 4",
+        "volume.spacing: expected 3 numbers, x y z, got 2",
+        "volume.spacing: expected numbers above 0, got 0",
+        "volume.raw.dims: expected 3 numbers, x y z, got 2",
+        "volume.raw: type: expected uint8, uint12, uint16, int16 or float32, got \"int12\"",
+        "transfer_function: expected one of file, preset, and points of colour and opacity, got several",
+        "phong.ambient: expected 0 to 1.99, got -1",
+        "phong.shininess: expected 1 to 1000, got 0.5",
+        "light[0].towards: expected a direction, got 0 0 0",
+        "camera.up: expected a direction, got 0 0 0",
+        "camera.fov_degrees: expected more than 0 and less than 180, got 200",
+        "camera: expected fov_degrees or orthographic_height, got both",
+        "camera.look_at: expected another point than camera.eye, got the same",
+        "cut_plane[0].normal: expected finite numbers, got nan 0 0",
+        "cut_plane[1].normal: expected a direction, got 0 0 0",
+        "image.width: expected 1 to 4095, got 0",
+        "image.height: expected 1 to 4095, got 5000",
+        "image.samples_per_axis: expected 1, 2 or 4, got 3",
+        "opacity_threshold: expected 0 to 1, got 1.5"}) {
     EXPECT_THAT(faults, HasSubstr("a.scene: " + std::string(fault)));
   }
 }

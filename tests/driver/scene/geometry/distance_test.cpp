@@ -108,6 +108,7 @@ TEST(ShapeDistance, RefusesImpossibleShapesByField) {
                                                  {CylinderShape{1, 2, 1}, "inner_radius"},
                                                  {CylinderShape{1, 2, 0.9, 0.2}, "rounding"},
                                                  {MeshShape{}, "file"},
+                                                 {FieldShape{}, "field"},
                                                  {BuiltinShape{"teapot"}, "builtin"}};
   for (const auto& [shape, field] : cases) {
     try {

@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <numbers>
 #include <random>
 
 #include "../damage.h"
@@ -143,6 +146,34 @@ TEST(WorldFile, IsTheSameByProgram) {
   EXPECT_EQ(by_program.optics.at(0).bsdf, by_text.optics.at(0).bsdf);
 }
 
+// The void of docs/guide/scenes.md: solids of the scenegraph only unite.
+TEST(WorldFile, HasVoidsByAFieldOfTheProgramsOwn) {
+  const Field block = fields_of(BoxShape{}).front(), pore = fields_of(SphereShape{.radius = 0.3}).front();
+  const Field cast = [block, pore](gicube::Vec3 p) {  // in the block and not in the pore
+    const Distance solid = block(p), hollow = pore(p);
+    return solid.distance > -hollow.distance ? solid : Distance{-hollow.distance, -1 * hollow.away};
+  };
+  Node part{.name = "part", .content = Shape(FieldShape{std::make_shared<const Field>(cast)}), .material = "steel"};
+  World world{.low = {-1.5, -1.5, -1.5},
+              .high = {1.5, 1.5, 1.5},
+              .size = 61,
+              .densities = Densities::kPartialVolumes,
+              .root = {}};
+  world.root.children = {part};
+  const BuiltWorld built = build(world, {{.name = "steel"}});
+  double volume = 0;
+  for (const float density : values_of(built.voxels.volume))
+    volume += density / kMaxDensity * std::pow(built.grid.voxel, 3);
+  EXPECT_NEAR(volume, 8 - 4 * std::numbers::pi / 3 * 0.027, 0.005);
+}
+
+TEST(WorldFile, HasPartialVolumesIfItAsksForThem) {
+  const std::string rest = " node { material: \"m\" sphere { } } } material { name: \"m\" }";
+  EXPECT_EQ(parse_scene("world {" + rest, "a.scene", "").world->densities, Densities::kRamp);
+  EXPECT_EQ(parse_scene("world { partial_volumes: true" + rest, "a.scene", "").world->densities,
+            Densities::kPartialVolumes);
+}
+
 TEST(WorldFile, HasTheDefaultsOfTheStructs) {
   const Scene scene = parse_scene(
       "world { node { material: \"m\" torus { } } } material { name: \"m\" } illumination { }", "a.scene", "");
@@ -184,7 +215,7 @@ TEST(WorldFile, ReportsAllFaultsByTheirFields) {
     background { red: 2 } lifetime: 2000)");
   for (const char* fault :
        {"volume: expected a volume or a world, got both",
-        "world: world.size: expected 8 to 1024 voxels, got 4",
+        "world.size: expected 8 to 1024 voxels, got 4",
         "node[a].sphere.radius: expected a number above 0, got -1",
         "node[a].material: expected a material of the scene, got \"steel\"",
         "node[b]: expected children, one shape or one volume, got several",

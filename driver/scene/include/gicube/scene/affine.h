@@ -29,7 +29,13 @@ GICUBE_API Affine scaling(Vec3 factors);
 GICUBE_API double determinant(const Affine& map);
 // Its determinant must not be 0.
 GICUBE_API Affine inverse(const Affine& map);
-// The factor by which the shortest-grown vector grows: the linear part's least singular value.
+// A map takes the unit sphere to an ellipsoid: the half-axes of that, directions of unit length, shortest first.
+struct Stretch {
+  Vec3 direction;
+  double factor = 0;  // the linear part's singular value
+};
+GICUBE_API std::array<Stretch, 3> principal_stretches(const Affine& map);
+// The factor by which the shortest-grown vector grows.
 GICUBE_API double min_stretch(const Affine& map);
 
 }  // namespace gicube::scene

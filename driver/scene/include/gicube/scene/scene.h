@@ -1,5 +1,6 @@
 // Scenes: as a user asked for one, from a file or by these structs, and the same one as voxels, ready for a board.
 //
+//   #include <gicube/scene/image_file.h>                 // for write_png()
 //   Scene scene = read_scene("room.scene");
 //   SceneSetup setup = set_up(scene);                    // or of at_time(scene, seconds)
 //   load(board, setup, true);

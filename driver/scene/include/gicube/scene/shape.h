@@ -18,8 +18,12 @@ struct Distance {
   Vec3 away;  // zero where no direction is nearest
 };
 
-// At a point of a solid's own space: zero on the surface, negative inside, its gradient `away` at most 1 long (so that
-// it is never further from zero than the distance is).
+// At a point of a solid's own space: zero on the surface, negative inside, `away` its gradient.
+//   everywhere            never further from zero than the distance is (a gradient at most 1 long): cells of voxels are skipped by it
+//   to 1 voxel from the   the distance, or a value that divided by its gradient's length is close to it: densities follow it
+//   surface
+//   to 3 voxels           the same for the tag between solids, and `away` as direction of the normals
+// Where a solid is hollow or cut: max(a, -b) of two fields has all of that.
 using Field = std::function<Distance(Vec3)>;
 
 // Lengths in the units of the node that holds the shape.
@@ -54,6 +58,11 @@ struct MeshShape {             // closed surface
   friend bool operator==(const MeshShape&, const MeshShape&) = default;
 };
 
+struct FieldShape {  // a solid of your own
+  std::shared_ptr<const Field> field;
+  friend bool operator==(const FieldShape&, const FieldShape&) = default;  // the same function, not an equal one
+};
+
 // "buckyball": atoms and bonds, the atoms' centres on the unit sphere. "buckyball_atoms", "buckyball_bonds": one of both.
 // "head": a stylised head that looks along -y, about 2 high.
 struct BuiltinShape {
@@ -61,7 +70,7 @@ struct BuiltinShape {
   friend bool operator==(const BuiltinShape&, const BuiltinShape&) = default;
 };
 
-using Shape = std::variant<SphereShape, BoxShape, TorusShape, CylinderShape, MeshShape, BuiltinShape>;
+using Shape = std::variant<SphereShape, BoxShape, TorusShape, CylinderShape, MeshShape, FieldShape, BuiltinShape>;
 
 // Throws InputError with the name of the shape's field ("radius: expected ..."). Does not open a mesh's file.
 GICUBE_API void check(const Shape& shape);

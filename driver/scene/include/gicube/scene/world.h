@@ -68,7 +68,8 @@ constexpr int kMinWorldSize = 8, kMaxWorldSize = 1024;  // voxels an edge
 struct World {
   Vec3 low{-1, -1, -1}, high{1, 1, 1};  // world units; the first and the last voxels' centres
   int size = 96;                        // voxels along the longest edge
-  Node root;
+  Densities densities = Densities::kRamp;
+  Node root{};
 
   friend bool operator==(const World&, const World&) = default;
 };
