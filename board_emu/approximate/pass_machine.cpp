@@ -6,6 +6,7 @@
 
 #include "asic/latencies.h"
 #include "asic/raybus/ray_bus.h"
+#include "levels/counters.h"
 
 namespace gicube::emu {
 
@@ -221,45 +222,45 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
 }
 
 void PassMachine::count(std::vector<wire::Counter>& list) const {
-  const auto sum = [&](const std::string& name, const char* unit, const auto& of, const auto& parts) {
-    std::uint64_t value = 0;
-    for (const auto& part : parts) value += of(*part);
-    list.push_back({name, unit, value});
-  };
-  const auto processors = [&](const std::string& name, const char* unit, const auto& of) {
-    sum("processor." + name, unit, of, processors_);
-  };
-  const auto memories = [&](const std::string& name, const char* unit, std::uint64_t dram::ChannelCounters::*field) {
-    sum(
-        standard_.name + ("." + name), unit, [field](const PassMemory& m) { return m.channel->counters().*field; },
-        memories_);
-  };
-  using P = PassProcessor;
   list.push_back({"asic.cycles", "cycle", now_});
-  processors("cycles.busy", "cycle", [](const P& p) { return p.samples(); });
-  processors("cycles.leap", "cycle", [](const P& p) { return p.counters().leaps; });
-  processors("samples", "sample", [](const P& p) { return p.samples(); });
-  processors("rays_held", "cycle", [](const P& p) { return p.counters().held; });
-  processors("cache.checks", "sample", [](const P& p) { return p.samples(); });
-  processors("cache.packets", "packet", [](const P& p) { return p.cache().packets; });
-  processors("cache.missed_voxels", "voxel", [](const P& p) { return p.cache().missed_voxels; });
-  processors("cache.filled_voxels", "voxel", [](const P& p) { return p.cache().filled_voxels; });
-  processors("sorter.written", "ray", [](const P& p) { return p.passes(); });
-  processors("sorter.overflows", "ray", [](const P& p) { return p.counters().overflows; });
-  processors("sorter.issued", "ray", [](const P& p) { return p.passes(); });
-  processors("sorter.activations", "activation", [](const P& p) { return p.counters().activations; });
-  sum(
-      "link.rays_sent", "ray", [](const P& p) { return p.counters().rays_sent; }, processors_);
-  sum(
-      "link.hops", "ray", [](const P& p) { return p.counters().hops; }, processors_);
-  list.push_back({standard_.name + std::string(".cycles"), standard_.clock,
-                  now_ * standard_.clocks_per_core_cycle * static_cast<std::uint64_t>(memories_.size())});
-  memories("reads", "packet", &dram::ChannelCounters::packets_read);
-  memories("writes", "packet", &dram::ChannelCounters::packets_written);
-  memories("row_hits", "packet", &dram::ChannelCounters::row_hits);
-  memories("row_misses", "packet", &dram::ChannelCounters::row_misses);
-  memories("row_conflicts", "packet", &dram::ChannelCounters::conflicts);
-  memories("data_busy", standard_.clock, &dram::ChannelCounters::dq_busy);
+  {
+    PartCounters part(list);
+    for (std::size_t i = 0; i < processors_.size(); ++i) {
+      const PassProcessor& processor = *processors_[i];
+      const std::uint64_t samples = processor.samples(), leaps = processor.counters().leaps;
+      part.begin("processor", i);
+      part.put("cycles.busy", "cycle", samples);
+      part.put("cycles.leap", "cycle", leaps);
+      // So that the causes add up to all cycles here too. min: a cancelled run has counted passes, but not their cycles.
+      part.put("cycles.unattributed", "cycle", now_ - std::min(now_, samples + leaps));
+      part.put("samples", "sample", samples);
+      part.put("rays_held", "cycle", processor.counters().held);
+      part.put("cache.checks", "sample", samples);
+      part.put("cache.packets", "packet", processor.cache().packets);
+      part.put("cache.missed_voxels", "voxel", processor.cache().missed_voxels);
+      part.put("cache.filled_voxels", "voxel", processor.cache().filled_voxels);
+      part.put("sorter.written", "ray", processor.passes());
+      part.put("sorter.overflows", "ray", processor.counters().overflows);
+      part.put("sorter.issued", "ray", processor.passes());
+      part.put("sorter.activations", "activation", processor.counters().activations);
+    }
+    for (std::size_t i = 0; i < processors_.size(); ++i) {
+      part.begin("link", i);
+      part.put("rays_sent", "ray", processors_[i]->counters().rays_sent);
+      part.put("hops", "ray", processors_[i]->counters().hops);
+    }
+    for (std::size_t i = 0; i < memories_.size(); ++i) {
+      const dram::ChannelCounters channel = memories_[i]->channel->counters();
+      part.begin(standard_.name, i);
+      part.put("cycles", standard_.clock, now_ * standard_.clocks_per_core_cycle);
+      part.put("reads", "packet", channel.packets_read);
+      part.put("writes", "packet", channel.packets_written);
+      part.put("row_hits", "packet", channel.row_hits);
+      part.put("row_misses", "packet", channel.row_misses);
+      part.put("row_conflicts", "packet", channel.conflicts);
+      part.put("data_busy", standard_.clock, channel.dq_busy);
+    }
+  }
   list.push_back({"dsp.rays_sent", "ray", dsp_.sent});
   list.push_back({"dsp.rays_taken", "ray", dsp_.taken});
   list.push_back({"dsp.overflows", "ray", dsp_.overflows});

@@ -5,6 +5,24 @@
 
 namespace gicube::emu {
 
+void PartCounters::begin(const std::string& kind, std::size_t number) {
+  if (kind != kind_) end_kind();
+  kind_ = kind;
+  prefix_ = kind + std::to_string(number) + '.';
+  at_ = 0;
+}
+
+void PartCounters::put(const std::string& name, const char* unit, std::uint64_t value) {
+  list_.push_back({prefix_ + name, unit, value});
+  if (at_ == sums_.size()) sums_.push_back({kind_ + '.' + name, unit, 0});
+  sums_[at_++].value += value;
+}
+
+void PartCounters::end_kind() {
+  list_.insert(list_.end(), sums_.begin(), sums_.end());
+  sums_.clear();
+}
+
 void add_counters(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to) {
   std::unordered_map<std::string, std::size_t> place;
   for (std::size_t i = 0; i < to.size(); ++i) place.emplace(to[i].name, i);

@@ -1,11 +1,33 @@
-// Sums over the runs of a level.
+// Sums over the parts of a level's machine, and over its runs.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "levels/level.h"
 
 namespace gicube::emu {
+
+// Writes each counter of one part, as "processor0.samples", and behind all parts of a kind their sum, "processor.samples". All parts
+// of a kind put the same counters in the same order.
+class PartCounters {
+ public:
+  explicit PartCounters(std::vector<wire::Counter>& list) : list_(list) {}
+  PartCounters(const PartCounters&) = delete;
+  PartCounters& operator=(const PartCounters&) = delete;
+  ~PartCounters() { end_kind(); }
+
+  void begin(const std::string& kind, std::size_t number);
+  void put(const std::string& name, const char* unit, std::uint64_t value);
+
+ private:
+  void end_kind();
+
+  std::vector<wire::Counter>& list_;
+  std::string kind_, prefix_;
+  std::vector<wire::Counter> sums_;
+  std::size_t at_ = 0;  // of sums_
+};
 
 // Adds counters to those of the same names.
 void add_counters(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to);

@@ -1,0 +1,98 @@
+// docs/reference/counters.md names what boards of all levels count, with unit and level.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "test_board.h"
+
+namespace gicube {
+namespace {
+
+struct CounterRow {
+  std::string name, unit, level;
+  std::regex pattern;
+};
+
+std::string replaced(std::string text, const std::string& what, const std::string& in_its_place) {
+  for (std::size_t at = text.find(what); at != text.npos; at = text.find(what, at + in_its_place.size())) {
+    text.replace(at, what.size(), in_its_place);
+  }
+  return text;
+}
+
+// Parts of one kind may have a number.
+std::regex pattern_of(const std::string& name) {
+  std::string text = replaced(name, ".", "\\.");
+  text = replaced(text, "<n>", "[0-9]+");
+  text = replaced(text, "<level>", "(functional|approximate|cycle)");
+  text = replaced(text, "<cargo>", "(register|table|volume|command|rays|image|completion)");
+  return std::regex(std::regex_replace(text, std::regex("^(processor|link|rdram)"), "$1[0-9]*"));
+}
+
+// A row for each name in the first cell of the page's tables.
+std::vector<CounterRow> rows_of_the_page() {
+  std::ifstream page(GICUBE_SOURCE_DIR "/docs/reference/counters.md");
+  const std::regex row(R"(\| (`[^|]*`) \| ([^|]*) \| ([^|]*) \| .* \|)"), name("`([^`]*)`");
+  std::vector<CounterRow> rows;
+  for (std::string line; std::getline(page, line);) {
+    std::smatch cells;
+    if (!std::regex_match(line, cells, row)) continue;
+    const std::string names = cells[1];
+    for (std::sregex_iterator each(names.begin(), names.end(), name), end; each != end; ++each) {
+      rows.push_back({(*each)[1], cells[2], cells[3], pattern_of((*each)[1])});
+    }
+  }
+  return rows;
+}
+
+// Whether a board on which this level has answered keeps it; `lit`: light has been scattered or deposited.
+bool keeps(const CounterRow& row, Fidelity level, bool lit) {
+  if (row.level == "all, lit") return lit;
+  if (row.level == "timed") return level != Fidelity::kFunctional;
+  return row.level == "all" || row.level == name_of(level);
+}
+
+TEST(CounterPage, NamesEveryCounterOfABoardAndNoOther) {
+  const std::vector<CounterRow> rows = rows_of_the_page();
+  ASSERT_GT(rows.size(), 80u);
+  const auto compare = [&rows](const Counters& counters, const auto& is_kept, const std::string& when) {
+    for (const Counter& counter : counters.list()) {
+      const auto fits = [&](const CounterRow& row) {
+        return is_kept(row) && row.unit == counter.unit && std::regex_match(counter.name, row.pattern);
+      };
+      EXPECT_EQ(std::ranges::count_if(rows, fits), 1) << counter.name << " (" << counter.unit << ") " << when;
+    }
+    for (const CounterRow& row : rows) {
+      const auto is_it = [&row](const Counter& counter) { return std::regex_match(counter.name, row.pattern); };
+      EXPECT_EQ(std::ranges::any_of(counters.list(), is_it), is_kept(row)) << row.name << ' ' << when;
+    }
+  };
+  const reference::BoxVolume volume(16, 4, 11);
+  for (const Fidelity level : {Fidelity::kFunctional, Fidelity::kApproximate, Fidelity::kCycle}) {
+    const std::string name = name_of(level);
+    Board board = reference::open_board(reference::kSmallBlocks + ("&fidelity=" + name));
+    board.load_volume(volume.view());
+    board.set_transfer_function(reference::step_function(0.5));
+    board.set_material({.scattering = 0.5, .bsdf = Bsdf::kIsotropic});
+    board.render(reference::front_view(16));
+    const std::vector<Element> patches{{.origin = {1, 1, 1}, .u = {9, 0, 0}, .v = {0, 9, 0}},
+                                       {.origin = {1, 1, 14}, .u = {0, 9, 0}, .v = {9, 0, 0}}};
+    board.pair_factors(patches, std::vector<ElementPair>{{0, 1, 0}}, {.rays = 16});
+    compare(
+        board.counters(), [level](const CounterRow& row) { return keeps(row, level, false); }, name);
+    board.illuminate(std::vector<Light>{PointLight{{8, 8, -9}, 1}}, {});
+    const auto is_kept = [level](const CounterRow& row) {
+      const bool of_the_cycle_level = level == Fidelity::kApproximate && keeps(row, Fidelity::kCycle, true);
+      return keeps(row, level, true) || of_the_cycle_level;
+    };
+    compare(board.counters(), is_kept, name + ", lit");
+  }
+}
+
+}  // namespace
+}  // namespace gicube
