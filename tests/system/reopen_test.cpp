@@ -144,6 +144,7 @@ TEST_F(Reopen, AfterALinkLossTheSessionGoesOnAndEachBatchComesOnce) {
     ADD_FAILURE() << "the link was not lost";
   } catch (const DeviceLost& error) {
     EXPECT_EQ(error.cause(), Loss::kClosed);
+    EXPECT_THAT(error.what(), HasSubstr("Board::reopen() connects again, gicube-smi doctor unix:/"));
   }
   EXPECT_THROW(board.receive(ticket), DeviceLost) << "until it is opened again";
   const Reopened reopened = board.reopen();

@@ -15,6 +15,13 @@ constexpr std::chrono::seconds kObituary{1};  // chosen: what a child that has c
 // A multiple of a dword, a segmentation entry (12 bytes) and two voxels (9): no piece ends within one.
 constexpr std::size_t kPiece = 36;
 
+// What to do about a board that is lost, with its place.
+std::string advice(const Uri& uri, Loss cause) {
+  const std::string place = text_of(uri);
+  if (cause == Loss::kTakenOver || cause == Loss::kEnded) return place;
+  return fmt::format("{0}; Board::reopen() connects again, gicube-smi doctor {0} says why it can't", place);
+}
+
 std::vector<std::uint8_t> words(std::initializer_list<std::uint32_t> values) {
   std::vector<std::uint8_t> bytes(4 * values.size());
   std::size_t at = 0;
@@ -47,6 +54,9 @@ std::shared_ptr<Link> Device::open_link() {
     return std::make_shared<Link>(child_->take_socket(), link_options_);
   } catch (const OpenFailed&) {
     if (!child_->ended(kObituary)) throw;
+    if (const auto fault = child_->usage_fault()) {
+      throw BadArgument("URI options", "values that gicube-board takes", "some that it refuses:\n" + *fault);
+    }
     throw OpenFailed(child_->last_words());
   }
 }
@@ -69,7 +79,8 @@ auto Device::with_last_words(const auto& call) const {
   try {
     return call();
   } catch (const DeviceLost& error) {
-    if (!child_ || !child_->ended(kObituary)) throw;
+    if (!child_) throw DeviceLost(fmt::format("{} ({})", error.what(), advice(uri_, error.cause())), error.cause());
+    if (!child_->ended(kObituary)) throw;
     throw DeviceLost(fmt::format("{}; {}", error.what(), child_->last_words()), error.cause());
   }
 }

@@ -61,8 +61,7 @@ Fd connect(const Uri& uri, std::chrono::milliseconds watchdog) {
   error_code result;
   Fd socket = try_to_connect(uri, watchdog, result);
   if (!result) return socket;
-  const bool is_tcp = uri.scheme == UriScheme::kTcp;
-  const std::string where = is_tcp ? fmt::format("tcp:{}:{}", uri.host, uri.port) : "unix:" + uri.path;
+  const std::string where = text_of(uri);
   if (result != asio::error::would_block) throw OpenFailed("cannot connect to " + where + ": " + result.message());
   throw TimedOut(fmt::format("no connection to {} within {} ms", where, watchdog.count()));
 }

@@ -177,15 +177,26 @@ std::string ChildProcess::last_words() {
   } else {
     text += " with exit code " + std::to_string(WEXITSTATUS(status_));
   }
+  const std::string lines = last_lines();
+  return lines.empty() ? text : text + ":\n" + lines;
+}
+
+std::optional<std::string> ChildProcess::usage_fault() {
+  constexpr int kUsage = 2;  // gicube-board's exit code
+  const bool is_usage = ended(std::chrono::milliseconds(0)) && WIFEXITED(status_) && WEXITSTATUS(status_) == kUsage;
+  return is_usage ? std::optional(last_lines()) : std::nullopt;
+}
+
+std::string ChildProcess::last_lines() const {
   struct stat info {};
-  if (::fstat(stderr_.get(), &info) != 0 || info.st_size <= 0) return text;
+  if (::fstat(stderr_.get(), &info) != 0 || info.st_size <= 0) return {};
   const auto size = static_cast<std::size_t>(info.st_size);
   std::string tail(std::min(size, kStderrTail), '\0');
   const ssize_t got = ::pread(stderr_.get(), tail.data(), tail.size(), static_cast<off_t>(size - tail.size()));
   tail.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
   if (size > kStderrTail) tail.erase(0, tail.find('\n') + 1);
   while (tail.ends_with('\n')) tail.pop_back();
-  return text + ":\n" + tail;
+  return tail;
 }
 
 }  // namespace gicube

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,10 +37,15 @@ class ChildProcess {
   // True if the child has ended, after waiting for it at most so long.
   bool ended(std::chrono::milliseconds wait);
 
+  // What it wrote if it ended because it does not take its arguments: exit code 2.
+  std::optional<std::string> usage_fault();
+
   // How it ended and the last lines that it wrote to its standard error, or an empty text while it runs.
   std::string last_words();
 
  private:
+  std::string last_lines() const;
+
   Fd socket_;
   Fd stderr_;  // a file in memory: nobody has to read it for the child to go on
   pid_t pid_ = -1;

@@ -153,6 +153,13 @@ Uri parse_tcp(std::string_view rest) {
 
 }  // namespace
 
+std::string text_of(const Uri& uri) {
+  if (uri.scheme == UriScheme::kEmu) return "emu:";
+  if (uri.scheme == UriScheme::kUnix) return "unix:" + uri.path;
+  const bool is_ipv6 = uri.host.find(':') != std::string::npos;
+  return fmt::format("tcp:{}:{}", is_ipv6 ? "[" + uri.host + "]" : uri.host, uri.port);
+}
+
 Uri parse_uri(std::string_view text) {
   const std::size_t colon = text.find(':');
   const std::string_view scheme = text.substr(0, colon);

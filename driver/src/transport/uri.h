@@ -27,6 +27,9 @@ struct Uri {
   unsigned threads = 0;                      // emu: 0 = one a core
 };
 
+// unix:PATH or tcp:HOST:PORT; emu: without its options.
+std::string text_of(const Uri& uri);
+
 // Throws BadArgument that names the scheme, the option or the value that is wrong.
 Uri parse_uri(std::string_view text);
 

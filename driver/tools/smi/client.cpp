@@ -7,6 +7,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "local_boards.h"
+
 namespace gicube::smi {
 namespace {
 
@@ -27,7 +29,8 @@ std::string read_file(const char* option, const std::string& path) {
   return text;
 }
 
-Client::Client(const Options& options) : endpoint_(options.management), board_(options.board) {
+Client::Client(const Options& options)
+    : endpoint_(options.management.empty() ? only_management_endpoint() : options.management), board_(options.board) {
   if (options.ca_file.empty() != options.token_file.empty()) {
     throw UsageError("--ca, --token-file: expected both or none: a board that asks for one has the other");
   }

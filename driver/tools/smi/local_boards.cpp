@@ -7,6 +7,9 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -79,6 +82,20 @@ std::vector<LocalProcess> local_processes() {
     if (!each.gone) processes.push_back(std::move(each.process));
   }
   return processes;
+}
+
+std::string only_management_endpoint() {
+  std::vector<std::string> endpoints;
+  for (const LocalProcess& process : local_processes()) {
+    if (process.told && !process.told->management_endpoint().empty())
+      endpoints.push_back(process.told->management_endpoint());
+  }
+  if (endpoints.size() == 1) return endpoints.front();
+  throw UsageError(
+      endpoints.empty()
+          ? "--management: expected a management plane, got none, and no board of this user on this machine "
+            "has one (gicube-board --management unix:PATH)"
+          : fmt::format("--management: expected one of {}, got none", fmt::join(endpoints, ", ")));
 }
 
 }  // namespace gicube::smi

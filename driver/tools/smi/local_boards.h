@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gicube/v1/management.pb.h"
@@ -16,5 +17,8 @@ struct LocalProcess {
 
 // By process id. Removes what killed processes have left. Throws CallFailed if the registry can't be trusted.
 std::vector<LocalProcess> local_processes();
+
+// The management plane of the only one that has one. Throws UsageError that names those that there are, and as local_processes().
+std::string only_management_endpoint();
 
 }  // namespace gicube::smi

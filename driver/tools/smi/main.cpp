@@ -23,15 +23,14 @@ using Command = int (*)(const Options&);
 constexpr std::chrono::milliseconds kMinInterval{10},
     kMaxInterval{60'000};  // those of WatchCounters (management.proto)
 
-void add_management(CLI::App& app, Options& options, bool needed) {
-  app.add_option("-m,--management", options.management,
-                 "the board process's management plane: unix:PATH or tcp:HOST:PORT")
-      ->type_name("ENDPOINT")
-      ->envname("GICUBE_MANAGEMENT")
-      ->required(needed);
+void add_management(CLI::App& app, Options& options, const char* what) {
+  app.add_option("-m,--management", options.management, what)->type_name("ENDPOINT")->envname("GICUBE_MANAGEMENT");
   app.add_option("--ca", options.ca_file, "TLS: the certificate that signed the board's, PEM")->type_name("FILE");
   app.add_option("--token-file", options.token_file, "TLS: the token that the board asks for")->type_name("FILE");
 }
+
+constexpr const char* kManagement =
+    "the board process's management plane: unix:PATH or tcp:HOST:PORT; unset: that of the only local one";
 
 void add_json(CLI::App& app, Options& options) {
   app.add_flag("--json", options.json, "for programs: JSON instead of text");
@@ -47,7 +46,7 @@ CLI::App* add_command(CLI::App& app, Options& options, Command run, const char* 
 // A command about one board of a process.
 CLI::App* add_board_command(CLI::App& app, Options& options, Command run, const char* name, const char* what) {
   CLI::App* sub = add_command(app, options, run, name, what);
-  add_management(*sub, options, true);
+  add_management(*sub, options, kManagement);
   sub->add_option("-b,--board", options.board, "the board's number in its process")->type_name("N");
   return sub;
 }
@@ -122,13 +121,15 @@ int run(int argc, const char* const* argv) {
   CLI::App app(
       "GI-Cube boards from outside: what there is, what it does, whether it works, and why it can't be opened.\n"
       "Without a command: a summary of all boards of this user on this machine. Commands that look at a running board\n"
-      "need --management or the environment variable GICUBE_MANAGEMENT. Options may stand before or after the command.",
+      "ask the management plane that --management or the environment variable GICUBE_MANAGEMENT names, or else that "
+      "of\n"
+      "the only board process of this user on this machine. Options may stand before or after the command.",
       "gicube-smi");
   app.set_version_flag("--version", "gicube-smi " GICUBE_VERSION);
   app.require_subcommand(0, 1);
   add_json(app, options);
 
-  add_management(*add_command(app, options, list, "list", "the boards of a process"), options, true);
+  add_management(*add_command(app, options, list, "list", "the boards of a process"), options, kManagement);
   add_board_command(app, options, info, "info", "a board's configuration and routines");
   add_top(app, options);
   add_uri(*add_command(app, options, validate, "validate",
@@ -147,7 +148,7 @@ int run(int argc, const char* const* argv) {
   CLI::App* doctor =
       add_command(app, options, smi::doctor, "doctor", "says why a board can't be opened. Exit code 1 if it can't");
   add_uri(*doctor, options, "the board that an application would open");
-  add_management(*doctor, options, false);
+  add_management(*doctor, options, "also looks at this management plane: unix:PATH or tcp:HOST:PORT");
 
   try {
     std::vector<std::string> words = command_first(app, {argv + 1, argv + argc});

@@ -16,7 +16,7 @@ struct Options {
   bool json = false;
 
   // The management plane: list, info, top, reset, faults, trace; doctor looks at it too if it is named.
-  std::string management;  // unix:PATH or tcp:HOST:PORT; empty: none
+  std::string management;  // unix:PATH or tcp:HOST:PORT; empty: that of the only local process
   std::string ca_file;     // TLS: who signed the board's certificate; empty: no TLS
   std::string token_file;
   std::uint32_t board = 0;

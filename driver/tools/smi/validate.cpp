@@ -186,8 +186,6 @@ struct Result {
   static constexpr const char *kPass = "pass", *kFail = "FAIL", *kSkipped = "skipped";
 };
 
-constexpr const char* kFidelityNames[] = {"functional", "approximate", "cycle"};
-
 std::string one_line(std::string text) {
   std::ranges::replace(text, '\n', ' ');
   return text;
@@ -202,9 +200,8 @@ std::vector<Result> run_all(const std::string& uri) {
     board.emplace(Board::open(uri, options));
     const BoardInfo& info = board->info();
     results.push_back({"open", Result::kPass,
-                       fmt::format("{} level, {} processors, volumes to {}^3, protocol {}.{}",
-                                   kFidelityNames[static_cast<std::size_t>(info.fidelity)], info.processors,
-                                   info.max_volume_voxels, info.protocol_major, info.protocol_minor)});
+                       fmt::format("{} level, {} processors, volumes to {}^3, protocol {}.{}", name_of(info.fidelity),
+                                   info.processors, info.max_volume_voxels, info.protocol_major, info.protocol_minor)});
   } catch (const Error& error) {
     results.push_back({"open", Result::kFail, one_line(error.what())});
   }

@@ -33,10 +33,11 @@ TEST(Open, TheAgpCapabilityIsFoundInConfigurationSpace) {
   EXPECT_TRUE(open_board("emu:?bus=agp2x").info().agp);
 }
 
-TEST(Open, AConfigurationFaultComesInTheBoardsWords) {
+TEST(Open, AConfigurationFaultIsABadArgumentInTheBoardsWords) {
   EXPECT_THAT([] { open_board("emu:?set=asic.processors=99&set=dsp.clock_khz=1"); },
-              ThrowsMessage<OpenFailed>(::testing::AllOf(HasSubstr("asic.processors"), HasSubstr("dsp.clock_khz"))));
-  EXPECT_THAT([] { open_board("emu:?set=asic.wings=2"); }, ThrowsMessage<OpenFailed>(HasSubstr("wings")));
+              ThrowsMessage<BadArgument>(::testing::AllOf(HasSubstr("asic.processors"), HasSubstr("dsp.clock_khz"))));
+  EXPECT_THAT([] { open_board("emu:?set=asic.wings=2"); }, ThrowsMessage<BadArgument>(HasSubstr("wings")));
+  EXPECT_THAT([] { open_board("emu:?config=/nowhere"); }, ThrowsMessage<BadArgument>(HasSubstr("/nowhere")));
 }
 
 TEST(Open, AMissingSocketIsNamed) {

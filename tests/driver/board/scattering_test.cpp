@@ -301,7 +301,7 @@ TEST(UserRoutine, IsGivenToTheBoardThatTheApplicationStarts) {
   EXPECT_GT(board.counters().value("dsp.trap_cycles"), 320u);
   board.set_material(trap(kFirstUserRoutine, {1}, true));
   EXPECT_THAT([&] { board.illuminate(lights, {}); }, ThrowsMessage<Rejected>(HasSubstr("brushed metal")));
-  EXPECT_THROW(open_board("emu:?bsdf=/no/such.so"), OpenFailed);
+  EXPECT_THROW(open_board("emu:?bsdf=/no/such.so"), BadArgument);
 }
 
 // A glass ball of index n focuses a parallel beam at nR / (2 (n - 1)) behind its centre: for n = 1.5 and R = 10, 15

@@ -68,7 +68,7 @@ TEST(Doctor, SaysThatAConfigurationIsRefused) {
   const Finished run = doctor("emu:?set=asic.processors=99");
   EXPECT_EQ(run.code, 1);
   EXPECT_THAT(run.out, HasSubstr("asic.processors: expected 1 to 16 processors, got 99"));
-  EXPECT_THAT(run.out, HasSubstr("-> mend what it says"));
+  EXPECT_THAT(run.out, HasSubstr("-> mend the URI"));
 }
 
 TEST(Doctor, TellsAMissingSocketFromADeadOne) {

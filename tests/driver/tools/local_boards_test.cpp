@@ -73,6 +73,27 @@ TEST(LocalBoards, AreListedWithoutACommandWithAndWithoutAManagementPlane) {
   EXPECT_EQ(boards, 4u);
 }
 
+TEST(LocalBoards, TheOnlyManagementPlaneNeedNotBeNamed) {
+  const OwnRegistry registry;
+  const TemporaryDirectory folder;
+  const auto list = [] { return run_program("gicube-smi", {"list"}, {"GICUBE_MANAGEMENT="}); };
+  const Listening plain;
+  const Finished none = list();
+  EXPECT_EQ(none.code, 2);
+  EXPECT_THAT(none.err, HasSubstr("--management: expected a management plane, got none"));
+
+  const std::string first = "unix:" + folder.file("first"), second = "unix:" + folder.file("second");
+  const Listening managed({"--management", first});
+  const Finished one = list();
+  EXPECT_EQ(one.code, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr(managed.bus));
+
+  const Listening other({"--management", second});
+  const Finished two = list();
+  EXPECT_EQ(two.code, 2);
+  EXPECT_THAT(two.err, AllOf(HasSubstr("--management: expected one of "), HasSubstr(first), HasSubstr(second)));
+}
+
 TEST(LocalBoards, AreNoneBeforeOneRuns) {
   const OwnRegistry registry;
   const Finished run = run_program("gicube-smi", {});

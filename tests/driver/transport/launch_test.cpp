@@ -120,6 +120,10 @@ TEST_F(Launch, AChildThatFailsLeavesItsExitCodeAndLastLines) {
   ChildProcess child(script("echo 'asic.processors: expected 1..16, got 99' >&2; exit 2"), {});
   ASSERT_TRUE(child.ended(std::chrono::seconds(20)));
   EXPECT_EQ(child.last_words(), "gicube-board ended with exit code 2:\nasic.processors: expected 1..16, got 99");
+  EXPECT_EQ(child.usage_fault(), "asic.processors: expected 1..16, got 99");
+  ChildProcess other(script("echo 'out of memory' >&2; exit 1"), {});
+  ASSERT_TRUE(other.ended(std::chrono::seconds(20)));
+  EXPECT_EQ(other.usage_fault(), std::nullopt);
 }
 
 TEST_F(Launch, LongLastWordsAreCutToTheirLastLines) {
