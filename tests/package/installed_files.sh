@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs the build into a scratch prefix and uses it as an outside project does: samples/installed by find_package, their tests,
-# a program by pkg-config, the board found beside the library.
+# Installs the build into a scratch prefix and uses it as an outside project does: samples/installed and the installed samples/small
+# by find_package, their tests, a program by pkg-config, the board found beside the library.
 # Usage: installed_files.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
 build=$1
@@ -25,6 +25,14 @@ cmake -S "$source/samples/installed" -B "$scratch/build" -G Ninja -DCMAKE_BUILD_
 grep -q "^gicube_DIR:PATH=$prefix/" "$scratch/build/CMakeCache.txt"
 cmake --build "$scratch/build"
 ctest --test-dir "$scratch/build" --output-on-failure
+
+# The small examples as they are installed.
+cmake -S "$prefix/share/doc/gicube/samples/small" -B "$scratch/small" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" -DCMAKE_C_FLAGS="-Wall -Wextra -Werror"
+cmake --build "$scratch/small"
+"$scratch/small/hello" | grep -E '^centre [0-9]+ [0-9]+ [0-9]+, alpha 0\.9'
+"$scratch/small/host_bsdf" >"$scratch/host_bsdf.txt"
+"$prefix/bin/gicube-smi" doctor "emu:?bsdf=$scratch/small/brushed_metal.so"
 
 # What gicube_add_test() does not understand it says, instead of making a test of something else.
 refuses() {

@@ -55,6 +55,7 @@ check_cited() {  # TEXT FILE: what it names
 for header in "$prefix"/include/gicube/{,scene/}*.h; do check_cited "$(basename "$header")" "$header"; done
 for page in "$prefix"/share/man/man1/*; do check_cited "$(basename "$page")" <(sed 's/\\-/-/g' "$page"); done
 grep -rhoqE 'docs/[a-z_/]+\.md' "$prefix/include/gicube" || fault "no header cites a document"
+[[ -e $doc/LICENSE ]] || fault "README.md links to LICENSE"
 
 # A link leads to a page of the prefix, or into the sources outside of docs.
 links=0
