@@ -127,7 +127,7 @@ def written(found, chosen, name):
     return mutants.write(finder.source, mine, finder.constexpr, mark(finder.source)) if mine else finder.source
 
 
-def build(found, chosen, programs):
+def build(found, chosen, programs, jobs):
     """Builds the programs with the chosen mutants {number: Mutant}; takes out those that do not compile."""
     if not (TREE / "mutant.h").exists() or (TREE / "mutant.h").read_text() != mutants.HEADER:
         (TREE / "mutant.h").write_text(mutants.HEADER)
@@ -139,7 +139,8 @@ def build(found, chosen, programs):
             text = written(found, chosen, name)
             if (TREE / name).read_bytes() != text:
                 (TREE / name).write_bytes(text)
-        made = subprocess.run(["cmake", "--build", BUILD, "-j2", *targets, "--", "-k", "0"], capture_output=True, text=True)
+        made = subprocess.run(["cmake", "--build", BUILD, f"-j{jobs}", *targets, "--", "-k", "0"], capture_output=True,
+                              text=True)
         if made.returncode == 0:
             return
         # The first line is the header's; a mutant takes the lines of what it replaces.
@@ -283,7 +284,7 @@ def main():
     parser.add_argument("room", choices=sorted(ROOMS))
     parser.add_argument("--count", type=int, default=110, help="mutants, as many of each kind (%(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of the draw (%(default)s)")
-    parser.add_argument("--jobs", type=int, default=2, help="mutants tried at a time (%(default)s)")
+    parser.add_argument("--jobs", type=int, default=2, help="sources compiled, and mutants tried, at a time (%(default)s)")
     parser.add_argument("--longest", type=float, default=5, help="leave out tests that take more seconds (%(default)s)")
     parser.add_argument("--again", action="store_true", help="only those that the table has as unseen: after adding a test")
     parser.add_argument("--list", action="store_true", help="print the draw, build nothing more")
@@ -304,7 +305,7 @@ def main():
         for number, m in chosen.items():
             say(f"{m.file}:{m.line}: {m.kind}: {code[number]}  ->  {m.text if m.kind != 'statement' else 'nothing'}")
         return
-    build(found, chosen, room.programs)
+    build(found, chosen, room.programs, arguments.jobs)
     say(f"mutate: built after {time.monotonic() - begin:.0f} s")
 
     rows = [{"file": m.file, "line": m.line, "kind": m.kind, "code": code[number],

@@ -167,7 +167,7 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
   socklen_t address_size = sizeof address;
   const bool is_connected = ::getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_STREAM &&
                             ::getsockopt(fd, SOL_SOCKET, SO_ACCEPTCONN, &accepts, &size) == 0 && accepts == 0 &&
-                            ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &address_size) == 0;
+                            ::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &address_size) == 0;
   if (!is_connected) throw std::runtime_error(fmt::format("fd:{}: expected a connected stream socket", fd));
   ::fcntl(fd, F_SETFD, FD_CLOEXEC);
   Connection::Socket socket(io_);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bare_board.h"
@@ -76,6 +77,26 @@ TEST(Registers, TakeTheLimitsOfEachFieldAndKeepTheirValueBeyond) {
   EXPECT_EQ(board.read_register(reg::kStatus), 0u);
 }
 
+// Words of 4 bytes: nothing between them, and nothing of a part of one.
+TEST(Irradiance, IsWrittenAndReadByWholeWords) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 0);
+  const auto status_of = [&board](std::uint64_t offset, std::vector<std::uint8_t> bytes) {
+    board.write_memory(wire::kIrradiance.base + offset, bytes);
+    const std::uint32_t status = board.read_register(reg::kStatus);
+    board.write_register(reg::kStatusClear, ~0u);
+    return status;
+  };
+  EXPECT_EQ(status_of(4, {100, 0, 0, 0}), 0u);
+  EXPECT_EQ(status_of(8, {1, 2, 0, 0, 7, 0, 0, 0}), 0u);
+  EXPECT_EQ(status_of(3, {9, 9, 9, 9}), wire::kStatusBadAddress);
+  EXPECT_EQ(status_of(12, {9, 9, 9}), wire::kStatusBadAddress);
+  EXPECT_EQ(status_of(6, {9, 9, 9, 9, 9, 9}), wire::kStatusBadAddress);
+  EXPECT_EQ(board.read_memory(wire::kIrradiance.base, 16).payload,
+            (std::vector<std::uint8_t>{0, 0, 0, 0, 100, 0, 0, 0, 1, 2, 0, 0, 7, 0, 0, 0}));
+  EXPECT_NE(board.read_memory(wire::kIrradiance.base + 2, 4).error, wire::ErrorCode::kNone);
+}
+
 TEST(TraceCommand, HasOnlyWhatItsTypeNeeds) {
   BareBoard board(blocks_of_eight());
   load_fog(board, 1000);
@@ -122,6 +143,23 @@ TEST(TraceCommand, HasOnlyWhatItsTypeNeeds) {
             "ray 0: opacity: expected an amount of at least -(2^23 - 1), got 8388608");
 }
 
+// 24 bits of whole units and 12 of fractions, instead of 8.
+TEST(TraceCommand, TakesMoreEnergyOnTheWideDatapath) {
+  v1::BoardConfig config = blocks_of_eight();
+  config.mutable_asic()->set_datapath(v1::wide);
+  BareBoard board(config);
+  load_fog(board, 1000);
+  const auto energy = [&board](std::uint64_t word) {
+    wire::Ray light = host_ray(0, {1, 1, 1}, {0, 0, 1});
+    light.flags |= wire::kLightingRay;
+    light.set_colour_word(word);
+    return refusal(board, BareBoard::trace_payload({light}, {.type = wire::RayType::kDeposit}));
+  };
+  EXPECT_EQ(energy(1044481), "accepted");
+  EXPECT_EQ(energy(68'719'472'640), "accepted");
+  EXPECT_EQ(energy(68'719'472'641), "ray 0: energy: expected 1..68719472640 (24.12), got 68719472641");
+}
+
 // Ten samples of 100 units each.
 TEST(TraceCommand, OfABackprojectionSaysWhatItLeft) {
   for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
@@ -164,6 +202,81 @@ TEST(RenderCommand, ShowsTheTableThatWasWrittenLast) {
     const auto dense = board.render(corner_view({17, 17, 17}, 8));
     EXPECT_GT(dense[36].alpha, 4000);
     EXPECT_LT(thin[36].alpha, 400);
+  }
+}
+
+TEST(RenderCommand, RefusesWhatIsBeyondItsFields) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 100);
+  const auto refused = [&board](const auto& spoil) {
+    wire::RenderCommand view = corner_view({17, 17, 17}, 8);
+    spoil(view);
+    return refusal(board, wire::encoded(view));
+  };
+  using View = wire::RenderCommand;
+  EXPECT_EQ(refused([](View&) {}), "accepted");
+  EXPECT_EQ(refused([](View& view) { view.width = 0; }), "width: expected 1..4095, got 0");
+  EXPECT_EQ(refused([](View& view) { view.height = 0; }), "height: expected 1..4095, got 0");
+  EXPECT_EQ(refused([](View& view) { view.width = 1, view.height = 1; }), "accepted");
+  EXPECT_EQ(refused([](View& view) { view.width = 4096; }), "width: expected 1..4095, got 4096");
+  EXPECT_EQ(refused([](View& view) { view.height = 4096; }), "height: expected 1..4095, got 4096");
+  EXPECT_EQ(refused([](View& view) { view.projection = static_cast<wire::Projection>(2); }),
+            "projection: expected 0 or 1, got 2");
+  EXPECT_EQ(refused([](View& view) { view.samples_per_axis = 3; }), "samples_per_axis: expected 1, 2 or 4, got 3");
+  EXPECT_EQ(refused([](View& view) { view.filter = static_cast<wire::Filter>(2); }), "filter: expected 0 or 1, got 2");
+  EXPECT_EQ(refused([](View& view) { view.dv[2] = HUGE_VAL; }), "origin, forward, du, dv: expected finite numbers");
+  std::vector<std::uint8_t> cut = wire::encoded(corner_view({17, 17, 17}, 8));
+  cut.pop_back();
+  EXPECT_EQ(refusal(board, cut), "payload: expected 112 bytes, got 111");
+}
+
+TEST(Materials, AreCheckedByEveryCommandWhoseRaysMeetThem) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 100);
+  const auto refused = [&board](const wire::Material& material) {
+    board.write_memory(wire::kMaterials.base + 2 * wire::kMaterialBytes, wire::encoded(material));
+    return refusal(board, wire::encoded(corner_view({17, 17, 17}, 8)));
+  };
+  EXPECT_EQ(refused({.bsdf = static_cast<wire::Bsdf>(7)}), "material 2: bsdf: expected 0..6, got 7");
+  EXPECT_EQ(refused({.parameter_count = 33}), "material 2: parameters: expected at most 32, got 33");
+  EXPECT_EQ(refused({.parameter_count = 32}), "accepted");
+  EXPECT_EQ(refused({.bsdf = wire::Bsdf::kTrap, .routine = 77}),
+            "material 2: routine: expected the number of a routine that the board has, got 77");
+}
+
+wire::IlluminateCommand sunlight(double energy) {
+  wire::IlluminateCommand command;
+  command.kind = wire::LightKind::kDirectional;
+  command.energy = energy;
+  command.u = {0, 0, 1};
+  return command;
+}
+
+TEST(IlluminateCommand, HasItsLengthAndAValidLight) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 100);
+  std::vector<std::uint8_t> payload = wire::encoded(sunlight(100));
+  EXPECT_EQ(refusal(board, payload), "accepted");
+  payload.push_back(0);
+  EXPECT_EQ(refusal(board, payload), "payload: expected 104 bytes, got 105");
+  wire::IlluminateCommand dark = sunlight(100);
+  dark.count = 0;
+  EXPECT_EQ(refusal(board, wire::encoded(dark)), "count must be at least 1");
+}
+
+// 16 x 16 face cells under a light along z, none of whose rays meets anything.
+TEST(IlluminateCommand, CountsItsRaysInClearAirToo) {
+  for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
+    BareBoard board(blocks_of_eight(level));
+    load_fog(board, 0);
+    const Completion done = carry_out(board, wire::encoded(sunlight(100)));
+    const auto ledger = wire::decode<wire::LightingLedger>(std::span(done.payload));
+    EXPECT_EQ(ledger.rays, 256u);
+    EXPECT_EQ(ledger.escaped, ledger.emitted);
+    EXPECT_EQ(ledger.emitted, 25'600u);
+    EXPECT_EQ(board.counter("dsp.lighting_rays"), 256u);
+    EXPECT_EQ(board.counter("pipeline.deposits"), 0u);
+    EXPECT_EQ(board.counter("pipeline.scatterings"), 0u);
   }
 }
 
@@ -241,6 +354,65 @@ TEST(PairsCommand, CountsPhysicalLengths) {
   EXPECT_NEAR(pair.transported, pair.geometric, 1e-6);
 }
 
+// The board's samples are those of the wire's definition, from `first` on; in clear air nothing is lost.
+TEST(PairsCommand, TakesItsSamplesFromTheFirstOnBySeedAndId) {
+  for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
+    BareBoard board(blocks_of_eight(level));
+    load_fog(board, 0);
+    const wire::PairsHeader header{.elements = 2, .pairs = 1, .rays = 16, .first = 5, .seed = 1003};
+    const Completion done = carry_out(board, pairs_payload(header, {kFloor, kCeiling}, {{0, 1, 7}}));
+    const auto pair = wire::decode<wire::PairResult>(std::span(done.payload));
+    wire::PairSum expected(16);
+    for (std::uint32_t i = 0; i < 16; ++i) {
+      const auto sample = wire::pair_sample(kFloor, kCeiling, {{{0, 0, 1}, {0, 0, -1}}}, {1, 1, 1}, 7, 1003, 5 + i);
+      expected.add(i, sample.weight, 1);
+    }
+    EXPECT_EQ(pair, expected.result());
+  }
+}
+
+// However many there are, threads take whole batches of them (2,048 rays) and what is left.
+TEST(PairsCommand, GivesEachOfManyPairsItsOwnResult) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 0);
+  for (const std::uint32_t count : {1u, 63u, 64u, 65u, 129u}) {
+    std::vector<wire::Pair> pairs;
+    for (std::uint32_t id = 0; id < count; ++id) pairs.push_back({0, 1, id});
+    const wire::PairsHeader header{.elements = 2, .pairs = count, .rays = 32};
+    const Completion done = carry_out(board, pairs_payload(header, {kFloor, kCeiling}, pairs));
+    ASSERT_EQ(done.error, wire::ErrorCode::kNone) << count;
+    ASSERT_EQ(done.payload.size(), count * wire::kPairResultBytes);
+    for (const std::uint32_t id : {0u, count - 1}) {
+      wire::PairSum expected(32);
+      for (std::uint32_t i = 0; i < 32; ++i) {
+        const auto sample = wire::pair_sample(kFloor, kCeiling, {{{0, 0, 1}, {0, 0, -1}}}, {1, 1, 1}, id, 0, i);
+        expected.add(i, sample.weight, 1);
+      }
+      const auto got = std::span(done.payload).subspan(id * wire::kPairResultBytes);
+      EXPECT_EQ(wire::decode<wire::PairResult>(got), expected.result()) << id << " of " << count;
+    }
+  }
+}
+
+// The DSP holds 65,536 rays, 2,048 pairs of 32. All but the last of 2,050 pairs look away from each other and send none.
+TEST(PairsCommand, OfMoreRaysThanTheDspHoldsGiveEachPairItsOwnResult) {
+  BareBoard board(blocks_of_eight(v1::cycle));
+  load_fog(board, 0);
+  std::vector<wire::Pair> pairs(2049, {0, 2, 1});
+  pairs.push_back({0, 1, 7});
+  wire::Element away = kCeiling;
+  std::swap(away.u, away.v);
+  const wire::PairsHeader header{.elements = 3, .pairs = 2050, .rays = 32};
+  const Completion done = carry_out(board, pairs_payload(header, {kFloor, kCeiling, away}, pairs));
+  ASSERT_EQ(done.payload.size(), 2050 * wire::kPairResultBytes);
+  for (std::size_t pair = 0; pair < 2049; ++pair) {
+    const auto result = wire::decode<wire::PairResult>(std::span(done.payload).subspan(pair * wire::kPairResultBytes));
+    ASSERT_EQ(result.transported, 0) << pair;
+  }
+  const auto last = wire::decode<wire::PairResult>(std::span(done.payload).subspan(2049 * wire::kPairResultBytes));
+  EXPECT_NEAR(last.transported, 1 / (100 * 3.14159265), 0.03e-3);
+}
+
 TEST(PairsCommand, RefusesWhatIsBeyondItsFields) {
   BareBoard board(blocks_of_eight());
   load_fog(board, 0);
@@ -267,20 +439,20 @@ TEST(PairsCommand, RefusesWhatIsBeyondItsFields) {
   EXPECT_EQ(refusal(board, {6, 0, 0, 0}), "payload: expected at least 32 bytes, got 4");
 }
 
-// Centres of pixels, or of their quarters.
-TEST(ImageRays, LieInTheMiddleOfTheirPlaceInThePixel) {
-  wire::RenderCommand view = corner_view({17, 17, 17}, 4);
+// Centres of pixels, or of their quarters, in an image of one tile of 16 pixels and in one of four.
+void expect_rays_in_the_middle(int pixels) {
+  wire::RenderCommand view = corner_view({17, 17, 17}, pixels);
   Frame frame;
   frame.extent = {16 << 14, 16 << 14, 16 << 14};
   const v1::DspConfig dsp;
   for (const auto& [samples, first, step] : {std::array{1, 8, 16}, {2, 4, 8}, {4, 2, 4}}) {
     view.samples_per_axis = static_cast<std::uint8_t>(samples);
     Framebuffer framebuffer;
-    framebuffer.clear(4, 4, wire::Filter::kBox);
+    framebuffer.clear(pixels, pixels, wire::Filter::kBox);
     ImageRays rays(view, frame, framebuffer, dsp);
-    ASSERT_EQ(rays.count(), static_cast<std::uint64_t>(16 * samples * samples));
+    ASSERT_EQ(rays.count(), static_cast<std::uint64_t>(pixels * pixels * samples * samples));
     RayCounters counters;
-    const int across = 4 * samples;
+    const int across = pixels * samples;
     int seen = 0;
     for (int i = 0; i < across * across; ++i) {
       const auto ray = rays.make(static_cast<std::uint64_t>(i), counters);
@@ -301,6 +473,11 @@ TEST(ImageRays, LieInTheMiddleOfTheirPlaceInThePixel) {
     }
     EXPECT_EQ(in_batches, static_cast<std::size_t>(seen));
   }
+}
+
+TEST(ImageRays, LieInTheMiddleOfTheirPlaceInThePixel) {
+  expect_rays_in_the_middle(4);
+  expect_rays_in_the_middle(20);
 }
 
 TEST(LightingRays, StartAtTheNearestWordsAndRunAlongTheNearestDirection) {

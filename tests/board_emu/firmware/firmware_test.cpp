@@ -160,6 +160,15 @@ TEST(Framebuffer, SpreadsARayOverThePixelsLessThanAPixelAwayByTheTentFilter) {
   EXPECT_EQ(framebuffer.pixel(1, 0).red, 85);                      // weights 256 and 128
 }
 
+TEST(Framebuffer, ARayBetweenFourCentresCountsForAllFourPixelsByTheTentFilter) {
+  Framebuffer framebuffer;
+  framebuffer.clear(2, 2, wire::Filter::kTent);
+  framebuffer.add(returned(16, 16, 4095, wire::kOpacityOne));
+  for (const int y : {0, 1}) {
+    for (const int x : {0, 1}) EXPECT_EQ(framebuffer.pixel(x, y), (wire::Pixel{255, 0, 0, 4095})) << x << ' ' << y;
+  }
+}
+
 TEST(Framebuffer, PacksTwoPixelsInNineBytes) {
   Framebuffer framebuffer;
   framebuffer.clear(3, 1, wire::Filter::kBox);

@@ -91,6 +91,22 @@ TEST(PointLight, CarriesFourTimesTooMuchAsPrinted) {
   EXPECT_NEAR(sum(outside), face_angle(5, 8, 10) / pi, 0.005);
 }
 
+// Equation 1, E cos / (k pi r^2), a voxel over a face: r = 1 / cos.
+TEST(PointLight, AsPrintedHasEquationOneMoreThanHalfAVoxelAway) {
+  IlluminateCommand command = light(LightKind::kPoint, 1000, {6, 4, 1}, 16);
+  command.rules = EnergyRules::kAsPrinted;
+  const LightingRays rays(command, kBox, kEven, 24, 1);
+  int down = 0;
+  for (std::uint64_t i = 0; i < rays.count(); ++i) {
+    const auto ray = rays.make(i);
+    const double cosine = ray ? -ray->direction[2] / 16384.0 : 0;
+    if (cosine < 0.8) continue;  // these go through the lower face
+    ++down;
+    EXPECT_NEAR(rays.energy(i), 1000 * cosine * cosine * cosine / (16 * pi), 0.02);
+  }
+  EXPECT_GT(down, 20);
+}
+
 TEST(PointLight, StaysBoundedAsPrintedOnAndNearAFace) {
   for (const double depth : {-1e-3, -1e-9, 0.0, 1e-12, 1e-6, 0.01}) {
     IlluminateCommand command = light(LightKind::kPoint, 1, {depth, 4.25, 5.75}, 16);
@@ -284,6 +300,8 @@ TEST(LightingFaults, NameTheField) {
   EXPECT_EQ(fault_of([](C& c) { c.energy = -1; }), "energy must be finite and not negative, not -1.000000");
   EXPECT_NE(fault_of([](C& c) { c.energy = kNan; }), "");
   EXPECT_EQ(fault_of([](C& c) { c.position[1] = kNan; }), "position must be finite and within 1e9");
+  EXPECT_EQ(fault_of([](C& c) { c.position[1] = -1e9; }), "");
+  EXPECT_EQ(fault_of([](C& c) { c.position[1] = -1.0000001e9; }), "position must be finite and within 1e9");
   EXPECT_EQ(fault_of([](C& c) { c.u[2] = kNan; }), "u, an edge of the rectangle, must be finite and within 1e9");
   EXPECT_EQ(fault_of([](C& c) { c.v = {}; }), "u and v, the rectangle's edges, must be at least 1e-6 long");
   EXPECT_EQ(fault_of([](C& c) { c.v = {10, 2, 0}; }), "u and v, the rectangle's edges, are parallel: it has no area");

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <set>
 #include <utility>
+#include <vector>
 
 namespace gicube::emu {
 namespace {
@@ -76,6 +78,34 @@ TEST(ScrambledSobol, IsUncorrelatedBetweenSeedsAndDimensions) {
     EXPECT_LT(std::abs(covariance_error(at(i, 0, 0), at(i, 0, 1))), 4) << "neighbouring seeds, point " << i;
     EXPECT_LT(std::abs(covariance_error(at(i, 0, 0), at(i, 1, 0))), 4) << "dimensions 0 and 1, point " << i;
     EXPECT_LT(std::abs(covariance_error(at(i, 2, 0), at(i, 3, 0))), 4) << "dimensions 2 and 3, point " << i;
+  }
+}
+
+// Nested uniform scrambling: whether a bit is flipped is a coin of its own for each value of the bits before it. Tried for the high six
+// bits, and for the low six between 1/64 and 2/64.
+TEST(ScrambledSobol, FlipsEachBitByACoinOfItsOwn) {
+  constexpr std::size_t kSeeds = 256, kNodes = 63;
+  std::vector<std::bitset<kSeeds>> coins(2 * kNodes);
+  for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+    const auto toss = [&](std::uint32_t index, int shift, std::size_t first_node) {
+      const auto scrambled = static_cast<std::uint32_t>(scrambled_sobol(index, 0, seed) * kSobolPoints);
+      const std::uint32_t plain = sobol(index, 0), flipped = scrambled ^ plain, bits = plain >> shift & 63u;
+      for (std::uint32_t depth = 0; depth < 6; ++depth) {
+        const std::size_t node = first_node + (1u << depth) - 1 + (bits >> (6 - depth));
+        coins[node][seed] = (flipped >> shift >> (5 - depth) & 1u) != 0;
+      }
+    };
+    // Dimension 0 mirrors the index's twelve bits: the low six are the coarse ones.
+    for (std::uint32_t i = 0; i < 64; ++i) {
+      toss(i, 6, 0);
+      toss(32 | i << 6, 0, kNodes);
+    }
+  }
+  for (std::size_t a = 0; a < coins.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const auto differ = static_cast<double>((coins[a] ^ coins[b]).count());
+      ASSERT_NEAR(differ, kSeeds / 2.0, 5.5 * std::sqrt(kSeeds / 4.0)) << a << ' ' << b;
+    }
   }
 }
 

@@ -101,6 +101,30 @@ TEST(Credit, AWriterThatWaitsForCreditRunsIntoTheWatchdog) {
   EXPECT_THROW(link.post(FrameType::kRegisterWrite, 0, {}), TimedOut);
 }
 
+// A question is a credit frame that is not posted. The board's end leaves questions out, and nothing else.
+TEST(Credit, ACallThatWaitsLongAsksWhatTheBoardHasSent) {
+  bool asked = false;
+  FrameType type{};
+  {
+    FakeBoard board([&](FakeBoard& self) {
+      self.shake_hands();
+      const Frame first = *self.receive();
+      asked = self.readable_within(60'000);
+      self.respond(first, 0);
+      if (const auto second = self.receive()) {
+        type = second->header.type;
+        self.respond(*second, 0);
+      }
+      self.drain();
+    });
+    Link link(board.take_socket(), {.watchdog = std::chrono::seconds(60), .probe = std::chrono::milliseconds(1)});
+    link.request(FrameType::kPoll, 0, {});
+    link.request(FrameType::kCounters, 0, {});
+  }
+  EXPECT_TRUE(asked);
+  EXPECT_EQ(type, FrameType::kCounters);
+}
+
 TEST(Credit, CreditMayComeOnAnyFrameOfTheBoard) {
   FakeBoard board([](FakeBoard& self) {
     self.shake_hands(window(1, 1 << 20));

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <deque>
 #include <memory>
+#include <thread>
 
 #include "fake_board.h"
 #include "gicube/error.h"
@@ -151,6 +153,44 @@ TEST(Resume, ByItselfEndsAfterSoManyAttemptsWithoutProgress) {
   Link link(boards.connect(), boards.options(2));
   EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
   EXPECT_NO_THROW(boards.connect()) << "the fourth was not asked for";
+}
+
+// What a board answers to a question is no progress.
+TEST(Resume, ByItselfEndsThoughTheBoardAnswersQuestions) {
+  const FakeBoard::Script hangs_up = [](FakeBoard& self) {
+    self.shake_hands(board_with_session());
+    self.receive();
+    self.return_credit(0, 0);
+  };
+  Boards boards({hangs_up, hangs_up, hangs_up, hangs_up});
+  Link link(boards.connect(), boards.options(2));
+  EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
+  EXPECT_NO_THROW(boards.connect()) << "the fourth was not asked for";
+}
+
+TEST(Resume, IsTheAffairOfOneOfSeveralCallers) {
+  std::atomic<int> connections{0};
+  Boards boards({[](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   self.receive();
+                   self.receive();
+                 },
+                 [](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   while (const auto request = self.receive()) self.respond(*request, 7);
+                 }});
+  LinkOptions options = boards.options(3);
+  options.reconnect = [&] {
+    ++connections;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the other caller has time to try it too
+    return boards.connect();
+  };
+  Link link(boards.connect(), options);
+  const auto call = [&link] { EXPECT_EQ(link.request(FrameType::kPoll, 0, {}).time_ps, 7u); };
+  std::thread other(call);
+  call();
+  other.join();
+  EXPECT_EQ(connections, 1);
 }
 
 TEST(Resume, FramesThatComeAgainAreTakenOnce) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <utility>
+
 #include "asic/cache/miss_queue.h"
 
 namespace gicube::emu {
@@ -56,6 +59,69 @@ TEST(VolumeCache, OnlyTheLatestUsedOfTheirSetsNeedNoCheck) {
   }
 }
 
+// An even x has no second column, so block 2 takes only the right one of block 1's two.
+TEST(VolumeCache, OfANeighbourhoodBothColumnsMustBeTheLatestUsed) {
+  for (const auto& [changed, x] : {std::pair{Voxel{4, 5, 2}, "right"}, {Voxel{2, 5, 2}, "left"}}) {
+    VolumeCache cache({.block_voxels = 8, .ways = 2});
+    cache.check(1, Voxel{3, 5, 2});
+    cache.check(2, changed);
+    EXPECT_FALSE(cache.latest(1, Voxel{3, 5, 2})) << x;
+  }
+}
+
+// 5 x 5 tiles a slice and 9 slices at n = 8; two ways have 113 sets.
+TEST(VolumeCache, HasAPlaceForEachTileOfABlockWithItsFaces) {
+  VolumeCache cache({.block_voxels = 8, .ways = 2});
+  EXPECT_EQ(cache.tiles_of_block(), 225u);
+  EXPECT_EQ(VolumeCache({.block_voxels = 32}).tiles_of_block(), 17u * 17 * 33);
+  cache.check(0, Voxel{0, 0, 0});  // tiles 0 and 25, in sets 0 and 25
+  cache.check(0, Voxel{6, 4, 4});  // tiles 113 and 138, in the same sets
+  EXPECT_TRUE(cache.holds(0, 0));
+  cache.check(1, Voxel{0, 0, 0});
+  EXPECT_FALSE(cache.holds(0, 0));
+  EXPECT_FALSE(cache.holds(0, 25));
+  EXPECT_TRUE(cache.holds(0, 113));
+  EXPECT_TRUE(cache.holds(0, 138));
+}
+
+TEST(VolumeCache, HoldsTheTilesThatWereAskedForAndNoOthers) {
+  for (const CacheShape& shape : {CacheShape{.block_voxels = 8}, CacheShape{.block_voxels = 8, .ways = 4},
+                                  CacheShape{.block_voxels = 8, .linear = true, .blocks = {2, 2, 2}}}) {
+    VolumeCache cache(shape);
+    const Misses misses = cache.check(3, Voxel{3, 5, 2});
+    ASSERT_EQ(misses.count, 8u);
+    for (std::uint32_t tile = 0; tile < cache.tiles_of_block(); ++tile) {
+      const bool asked = std::find(misses.tiles.begin(), misses.tiles.begin() + 8, tile) != misses.tiles.begin() + 8;
+      EXPECT_EQ(cache.holds(3, tile), asked) << tile;
+      EXPECT_FALSE(cache.holds(2, tile)) << tile;
+    }
+  }
+}
+
+// Of 1377 places the tile (1, 3, 5) of a volume of 32 x 8 tiles a slice has 5 * 256 + 3 * 32 + 1, the first one.
+TEST(VolumeCache, ALinearCacheTakesPlacesByTheAddressInTheVolume) {
+  VolumeCache cache({.block_voxels = 16, .linear = true, .blocks = {4, 1, 1}});
+  cache.check(0, Voxel{0, 0, 0});
+  EXPECT_TRUE(cache.holds(0, 0));
+  EXPECT_EQ(cache.check(0, Voxel{2, 6, 5}).count, 2u);
+  EXPECT_FALSE(cache.holds(0, 0));
+  EXPECT_TRUE(cache.holds(0, (5 * 9 + 3) * 9 + 1));
+  EXPECT_EQ(cache.check(0, Voxel{0, 0, 0}).count, 2u);
+}
+
+TEST(VolumeCache, AsksForWhatACheckWouldAskFor) {
+  for (const unsigned ways : {1u, 2u}) {
+    VolumeCache checked({.block_voxels = 8, .ways = ways}), asked(checked);
+    for (const Voxel& at : {Voxel{3, 5, 2}, {4, 2, 7}, {7, 7, 7}, {0, 3, 1}, {5, 0, 0}}) {
+      const Misses expected = checked.check(1, at), got = asked.ask(1, at);
+      ASSERT_EQ(got.count, expected.count);
+      for (std::uint32_t i = 0; i < got.count; ++i) EXPECT_EQ(got.tiles[i], expected.tiles[i]);
+    }
+    EXPECT_EQ(asked.counters().filled_voxels, checked.counters().filled_voxels);
+    EXPECT_EQ(asked.counters().misses, checked.counters().misses);
+  }
+}
+
 // The paper's §2.1: one sample a voxel over a whole block misses (n+1)^3 voxels, each once.
 TEST(VolumeCache, ABlockAtOneSampleAVoxelIsFetchedOnceWithItsOverlap) {
   for (const std::uint32_t n : {8u, 16u, 32u}) {
@@ -97,10 +163,13 @@ TEST(VolumeCache, ALinearCacheHoldsNeighbouringBlocksAtOnce) {
 }
 
 TEST(VolumeCache, InvalidationForgetsAll) {
-  VolumeCache cache({.block_voxels = 16});
-  cache.check(0, Voxel{4, 4, 4});
-  cache.invalidate();
-  EXPECT_EQ(cache.check(0, Voxel{4, 4, 4}).count, 2u);
+  for (const CacheShape& shape : {CacheShape{.block_voxels = 16}, CacheShape{.block_voxels = 16, .ways = 2},
+                                  CacheShape{.block_voxels = 16, .linear = true, .blocks = {1, 1, 1}}}) {
+    VolumeCache cache(shape);
+    for (const std::uint32_t at : {4u, 14u}) cache.check(0, Voxel{at, at, at});
+    cache.invalidate();
+    for (const std::uint32_t at : {4u, 14u}) EXPECT_EQ(cache.check(0, Voxel{at, at, at}).count, 2u);
+  }
 }
 
 TEST(MissQueue, WhatIsAskedInACycleIsSentFromTheNextOn) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cctype>
 #include <stdexcept>
 
@@ -43,6 +44,24 @@ TEST(DdrTiming, RefusesARowThatTheModelWouldIgnore) {
   EXPECT_THROW(Timing({{"tX", kRead, kActivate, kBank, 3}}), std::invalid_argument);
   EXPECT_THROW(Timing({{"tX", kPrecharge, kActivate, kNeighbour, 3}}), std::invalid_argument);
   EXPECT_THROW(Timing({{"tX", kActivate, kActivate, kChannel, 3}}), std::invalid_argument);
+}
+
+// Its table has no row for the writes that follow another rank's data: the controller drives both.
+TEST(DdrTiming, HonoursThePairsOfItsTableAndWritesAfterAnotherRanksData) {
+  for (std::size_t scope = 0; scope < dram::kScopes; ++scope) {
+    for (std::size_t from = 0; from < dram::kCommands; ++from) {
+      for (std::size_t to = 0; to < dram::kCommands; ++to) {
+        const Constraint row{"tX", static_cast<Command>(from), static_cast<Command>(to), static_cast<Scope>(scope), 3};
+        const bool after_data =
+            row.scope == kOtherDevice && row.to == kWrite && (row.from == kRead || row.from == kWrite);
+        const bool known = after_data || std::ranges::any_of(kExpected, [&row](const Constraint& each) {
+                             return each.from == row.from && each.to == row.to && each.scope == row.scope;
+                           });
+        EXPECT_EQ(Rules::honoured(row.scope, row.from, row.to), known)
+            << to_string(row.from) << ' ' << to_string(row.to) << ' ' << to_string(row.scope);
+      }
+    }
+  }
 }
 
 TEST(DdrTiming, DataNeverOverlapWithALongerReadLatency) {

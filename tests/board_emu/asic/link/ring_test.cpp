@@ -141,6 +141,24 @@ TEST(Ring, CountsRaysOverTheBisection) {
   EXPECT_EQ(rig.ring->bisection_rays(), 3u);
 }
 
+TEST(Ring, OfTwoProcessorsIsHalvedByEachOfItsLinks) {
+  RingRig rig(2, 256);
+  travel(rig, 0, 1, true);
+  travel(rig, 1, 0, true);
+  travel(rig, 1, 0, true);
+  EXPECT_EQ(rig.ring->bisection_rays(), 3u);
+}
+
+// Pushed in cycle 0, seen in 1; two cycles on the link.
+TEST(Ring, MovesInTheCyclesInWhichARayEntersOrIsOnALink) {
+  RingRig rig(4, 128);
+  rig.send(0, 1);
+  EXPECT_FALSE(rig.ring->tick(0));
+  for (Cycle now = 1; now <= 3; ++now) EXPECT_TRUE(rig.ring->tick(now)) << now;
+  EXPECT_FALSE(rig.ring->tick(4));
+  EXPECT_EQ(rig.left[1].size(), 1u);
+}
+
 // Everybody sends to everybody as fast as it can; consumers stall at random.
 void saturate(std::size_t processors, std::uint32_t bits, std::uint32_t places) {
   constexpr std::uint32_t kRays = 2000;

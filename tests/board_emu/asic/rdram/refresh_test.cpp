@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "asic/rdram/channel.h"
 #include "rdram_traffic.h"
 
@@ -73,6 +75,25 @@ TEST(RdramRefresh, DelaysAnActivationElsewhereByTheDevicesGap) {
   const Access access = channel.read(at(9, 7), 781);
   EXPECT_EQ(access.data_begin, 781u + 8 + 7 + 12);
   EXPECT_EQ(access.cause, Delay::kRefresh);
+}
+
+// REFA at 781 holds up activations for 8; then a bank's own precharge does.
+TEST(RdramRefresh, IsTheCauseOfADelayForTheDevicesGapOnly) {
+  for (const auto& [arrival, cause] : {std::pair{788u, Delay::kRefresh}, {789u, Delay::kBank}}) {
+    Channel channel(v1::RdramConfig(), 1);
+    channel.read(at(9, 7), 0);
+    const Access access = channel.read(at(9, 8), arrival);
+    EXPECT_EQ(access.data_begin, arrival + 8 + 7 + 12);
+    EXPECT_EQ(access.cause, cause) << arrival;
+  }
+}
+
+// PRE of the refreshed bank at 801; its wires are free from 805 on.
+TEST(RdramRefresh, AnActivationWithoutAPrechargeNeedsNoGap) {
+  Channel channel(v1::RdramConfig(), 1);
+  const Access access = channel.read(at(9, 7), 806);
+  EXPECT_EQ(access.data_begin, 806u + 7 + 12);
+  EXPECT_EQ(access.cause, Delay::kTransfer);
 }
 
 TEST(RdramRefresh, LeavesAnOpenRowElsewhereAlone) {

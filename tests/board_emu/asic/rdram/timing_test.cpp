@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "asic/dram/wires.h"
@@ -40,6 +41,44 @@ TEST(RdramTiming, DefaultTableIsTheDataBooks) { EXPECT_EQ(Timing(v1::RdramConfig
 TEST(RdramTiming, RefusesARowThatTheModelWouldIgnore) {
   EXPECT_THROW(Timing({{"tX", kRead, kActivate, kBank, 3}}), std::invalid_argument);
   EXPECT_THROW(Timing({{"tX", kPrecharge, kActivate, kDevice, 3}}), std::invalid_argument);
+}
+
+TEST(RdramTiming, HonoursThePairsOfItsTableAndNoOthers) {
+  for (std::size_t scope = 0; scope < dram::kScopes; ++scope) {
+    for (std::size_t from = 0; from < dram::kCommands; ++from) {
+      for (std::size_t to = 0; to < dram::kCommands; ++to) {
+        const Constraint row{"tX", static_cast<Command>(from), static_cast<Command>(to), static_cast<Scope>(scope), 3};
+        const bool known = std::ranges::any_of(kExpected, [&row](const Constraint& each) {
+          return each.from == row.from && each.to == row.to && each.scope == row.scope;
+        });
+        EXPECT_EQ(Rules::honoured(row.scope, row.from, row.to), known)
+            << to_string(row.from) << ' ' << to_string(row.to) << ' ' << to_string(row.scope);
+      }
+    }
+  }
+}
+
+// A packet at 200 takes its four clocks; of those before, a machine word of places up to 206 is known.
+TEST(GapWires, GiveTheFirstGapFromTheirHorizonOn) {
+  dram::GapWires<4> wires;
+  EXPECT_EQ(wires.probe(17), 17u);
+  wires.reserve(200);
+  EXPECT_EQ(wires.horizon(), 143u);
+  EXPECT_EQ(wires.probe(10), 143u);
+  EXPECT_EQ(wires.probe(196), 196u);
+  for (Tcycle t = 197; t <= 203; ++t) EXPECT_EQ(wires.probe(t), 204u) << t;
+  EXPECT_EQ(wires.probe(204), 204u);
+  wires.reserve(192);
+  EXPECT_EQ(wires.horizon(), 143u);
+  EXPECT_EQ(wires.probe(189), 196u);
+  EXPECT_EQ(wires.probe(188), 188u);
+  dram::GapWires<1> commands;
+  commands.reserve(200);
+  EXPECT_EQ(commands.horizon(), 137u);
+  EXPECT_EQ(commands.probe(136), 137u);
+  EXPECT_EQ(commands.probe(200), 201u);
+  commands.reserve(199);
+  EXPECT_EQ(commands.probe(199), 201u);
 }
 
 TEST(RdramTiming, DataNeverOverlapWhereWritesAreSlowerThanReads) {

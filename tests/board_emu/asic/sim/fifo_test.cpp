@@ -16,7 +16,10 @@ TEST(Fifo, ShowsAPushedItemOneCycleLater) {
   EXPECT_FALSE(fifo.empty());
   ASSERT_TRUE(fifo.can_pop(1));
   EXPECT_EQ(fifo.front(), 7);
+  fifo.push(1, 8);
+  EXPECT_EQ(fifo.back(), 8);
   EXPECT_EQ(fifo.pop(1), 7);
+  EXPECT_EQ(fifo.pop(2), 8);
   EXPECT_TRUE(fifo.empty());
 }
 

@@ -92,6 +92,15 @@ TEST(Queues, HaveAnImportanceBelowTheActiveOnesWhateverThePolicy) {
   EXPECT_THROW(importance_of(v1::POLICY_UNSPECIFIED), std::invalid_argument);
 }
 
+TEST(Queues, CountUpToTheGreatestImportance) {
+  const ImportanceOf contribution = importance_of(v1::most_contribution), wait = importance_of(v1::longest_wait);
+  EXPECT_EQ(contribution({.waiting = 1, .contribution = 0xFFFF'FFFD}), 0xFFFF'FFFDu);
+  EXPECT_EQ(contribution({.waiting = 1, .contribution = 0x1'0000'0000}), 0xFFFF'FFFEu);
+  EXPECT_EQ(wait({.waiting = 1, .opened = 5}), 0xFFFF'FFF9u);
+  EXPECT_EQ(wait({.waiting = 1, .opened = 0xFFFF'FFFC}), 2u);
+  EXPECT_EQ(wait({.waiting = 1, .opened = 0xFFFF'FFFF}), 1u);
+}
+
 TEST(Queues, HoldWhatPlainListsHoldUnderRandomUse) {
   constexpr std::uint32_t kQueues = 7, kCapacity = 9;
   Queues queues(kQueues, kCapacity, v1::most_contribution);

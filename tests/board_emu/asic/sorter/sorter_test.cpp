@@ -174,6 +174,8 @@ TEST(Sorter, StaysWithTheActiveQueueUntilItIsEmpty) {
   EXPECT_EQ(rig.sorter.counters().activations, 2u);
   EXPECT_EQ(rig.sorter.counters().activation_rays[1], 1u);  // three rays
   EXPECT_EQ(rig.sorter.counters().activation_rays[2], 1u);  // six
+  EXPECT_EQ(rig.sorter.counters().activation_issued[1], 3u);
+  EXPECT_EQ(rig.sorter.counters().activation_issued[2], 6u);
 }
 
 TEST(Sorter, GoesFromOneQueueToTheNextWithoutALostCycle) {
@@ -304,6 +306,24 @@ TEST(Sorter, DoesNothingWhileNothingComes) {
   EXPECT_TRUE(rig.sorter.tick(2));
   EXPECT_TRUE(rig.sorter.tick(3));
   EXPECT_FALSE(rig.sorter.tick(4));
+}
+
+// With a pipeline that takes no ray: two rays are written in cycle 1, the second's queue is inserted in cycle 2. Queue 1 is active.
+TEST(Sorter, MovesInTheCyclesInWhichARayIsWrittenOrAQueueInserted) {
+  SorterRig rig(small(), 1);
+  rig.issue.push(0, {});
+  rig.bus.push(0, rig.ray(1, 1));
+  rig.left.push(0, rig.ray(2, 2));
+  EXPECT_TRUE(rig.sorter.tick(1));
+  EXPECT_EQ(rig.sorter.counters().written, 2u);
+  EXPECT_TRUE(rig.sorter.tick(2));
+  EXPECT_EQ(rig.sorter.counters().inserts, 2u);
+  EXPECT_EQ(rig.sorter.active(), 1u);
+  EXPECT_FALSE(rig.sorter.tick(3));
+  rig.bus.push(3, rig.ray(3, 1));
+  EXPECT_TRUE(rig.sorter.tick(4)) << "a ray for the active queue";
+  EXPECT_EQ(rig.sorter.counters().inserts, 2u);
+  EXPECT_FALSE(rig.sorter.tick(5));
 }
 
 TEST(Sorter, DescribesWhereRaysStand) {

@@ -71,6 +71,34 @@ TEST(HostBus, RoundsBytesUpToDwordsAndEndsWithAShortBurst) {
   EXPECT_EQ(alone(v1::pci33, BusDirection::kDown, 4 * 256 + 1), (259 + 4) * 30'000u);
 }
 
+TEST(HostBus, SendsWholeBurstsAndTheRestWhateverTheLength) {
+  for (std::uint64_t dwords = 1; dwords <= 1100; ++dwords) {
+    const std::uint64_t bursts = (dwords + 255) / 256;
+    ASSERT_EQ(alone(v1::pci33, BusDirection::kDown, 4 * dwords), (dwords + 3 * bursts) * 30'000) << dwords;
+  }
+}
+
+// Three bursts of 259 clocks; the fourth ends at clock 1000, after 220 dwords.
+TEST(HostBus, ALongTransferMakesWayWhenTheOtherDirectionBeginsToAsk) {
+  HostBus bus(timing(v1::pci33));
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * (3 * 256 + 220 + 256)});
+  bus.enqueue(BusDirection::kUp, {.id = 2, .bytes = 4 * 8, .ready_ps = 1000 * 30'000});
+  const auto up = bus.next_delivery(kNever), down = bus.next_delivery(kNever);
+  EXPECT_EQ(up->id, 2u);
+  EXPECT_EQ(up->time_ps, 1011 * 30'000u);
+  EXPECT_EQ(down->time_ps, (1011 + 259) * 30'000u);
+  EXPECT_EQ(bus.counters(BusDirection::kDown).bursts, 5u);
+}
+
+TEST(HostBus, DeliversWhatEndsAtTheHorizonAndNothingLater) {
+  HostBus bus(timing(v1::pci33));
+  bus.enqueue(BusDirection::kDown, {.id = 1, .bytes = 4 * 8, .ready_ps = 60'000});
+  bus.enqueue(BusDirection::kDown, {.id = 2, .bytes = 0});
+  EXPECT_FALSE(bus.next_delivery(60'000 + 11 * 30'000 - 1));
+  EXPECT_EQ(bus.next_delivery(60'000 + 11 * 30'000)->id, 1u);
+  EXPECT_EQ(bus.next_delivery(60'000 + 11 * 30'000)->id, 2u) << "of no bytes: it begins and ends there";
+}
+
 TEST(HostBus, GivesATransferOfNoBytesNoTime) { EXPECT_EQ(alone(v1::pci33, BusDirection::kDown, 0), 0u); }
 
 TEST(HostBus, KeepsTheOrderOfADirectionWhateverTheReadyTimes) {
@@ -281,6 +309,18 @@ TEST(PciConfigFile, SizesItsBarsByWritingOnes) {
   EXPECT_EQ(config.read(0x100), wire::kUnmappedRead);
   config.write(wire::pci::kIds, 0);
   EXPECT_EQ(config.read(wire::pci::kIds) & 0xFFFF, wire::kVendorId);
+}
+
+TEST(PciConfigFile, KeepsTheInterruptLineAndTheThreeEnablesOfItsCommand) {
+  PciConfigFile config(0);
+  config.write(wire::pci::kInterrupt, 0xFFFF'FF0B);
+  EXPECT_EQ(config.read(wire::pci::kInterrupt), 0x010Bu) << "pin INTA#, line 11";
+  config.write(wire::pci::kInterrupt, 0);
+  EXPECT_EQ(config.read(wire::pci::kInterrupt), 0x0100u);
+  config.write(wire::pci::kCommandStatus, 0xFFFF'FFFF);
+  EXPECT_EQ(config.read(wire::pci::kCommandStatus), 0x0010'0007u);
+  config.write(wire::pci::kCommandStatus, 0);
+  EXPECT_EQ(config.read(wire::pci::kCommandStatus), 0x0010'0000u);
 }
 
 }  // namespace

@@ -202,12 +202,25 @@ TEST(PlugIn, IsRefusedWithADescriptionThatHoldsNonsense) {
     return "none";
   };
   EXPECT_EQ(refusal([](gicube_bsdf&) {}), "none");
+  EXPECT_EQ(refusal([](gicube_bsdf& d) { d.cycles = 1; }), "none");
+  EXPECT_EQ(refusal([](gicube_bsdf& d) { d.cycles = d.cycle_budget = 1; }), "none");
   EXPECT_THAT(refusal([](gicube_bsdf& d) { d.size = 8; }), HasSubstr("f: size: expected at least"));
   EXPECT_THAT(refusal([](gicube_bsdf& d) { d.name = nullptr; }), HasSubstr("f: name"));
   EXPECT_THAT(refusal([](gicube_bsdf& d) { d.scatter = nullptr; }), HasSubstr("f: scatter"));
   EXPECT_THAT(refusal([](gicube_bsdf& d) { d.cycles = 0; }), HasSubstr("f: cycles: expected 1..20, got 0"));
   EXPECT_THAT(refusal([](gicube_bsdf& d) { d.cycles = 21; }), HasSubstr("f: cycles: expected 1..20, got 21"));
   EXPECT_THAT(refusal([](gicube_bsdf& d) { d.cycle_budget = 0; }), HasSubstr("f: cycle_budget"));
+}
+
+TEST(PlugIn, HasAPrintableName) {
+  const gicube_bsdf description{GICUBE_BSDF_ABI,
+                                sizeof(gicube_bsdf),
+                                "a b~\n\x7f\xe9",
+                                10,
+                                20,
+                                [](const gicube_bsdf_event*, gicube_bsdf_answer*) {},
+                                nullptr};
+  EXPECT_EQ(PlugIn(description, "f").name(), "a b~???");
 }
 
 TEST(BrushedMetal, ReflectsMostAcrossItsGrooves) {

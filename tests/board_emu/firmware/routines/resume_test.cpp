@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bare_board.h"
@@ -36,7 +37,10 @@ struct Answered {
 class HostFog {
  public:
   explicit HostFog(unsigned threads = 2, v1::FidelityLevel fidelity = v1::functional)
-      : board(config_of(threads, fidelity)) {
+      : HostFog(config_of(threads, fidelity)) {}
+  explicit HostFog(const v1::BoardConfig& config) : board(config) { load(); }
+
+  void load() {
     board.load_volume({20, 20, 20}, [](int, int, int) { return wire::Voxel{1000, 0, 2, 0}; });
     board.write_segmentation([](unsigned, unsigned) {
       wire::SegmentationEntry entry;
@@ -52,9 +56,10 @@ class HostFog {
     board.write_memory(wire::kMaterials.base + 2 * wire::kMaterialBytes, bytes);
   }
 
-  Answered light() {
+  Answered light(wire::EnergyRules rules = wire::EnergyRules::kConserving) {
     wire::IlluminateCommand command;
     command.kind = wire::LightKind::kDirectional;
+    command.rules = rules;
     command.energy = 100;
     command.u = {0, 0, -1};
     std::vector<std::uint8_t> payload(wire::kIlluminateCommandBytes);
@@ -188,6 +193,62 @@ TEST(HostTraps, AreForgottenByTheNextCommandThatMakesRays) {
   const Answered second = fog.light();
   EXPECT_EQ(second.waiting, first.waiting);
   EXPECT_THAT(fog.refusal({wire::Ray{}}), HasSubstr("answered, 0"));
+}
+
+TEST(HostTraps, AreForgottenByAReset) {
+  HostFog fog;
+  ASSERT_GT(fog.light().waiting, 100u);
+  ASSERT_EQ(fog.resume({}, 3).rays.size(), 3u);
+  fog.board.write_register(wire::reg::kControl, wire::kControlReset);
+  fog.load();
+  EXPECT_THAT(fog.refusal({wire::Ray{}}), HasSubstr("answered, 0, got 1"));
+  std::vector<std::uint8_t> payload(wire::kResumeHeaderBytes);
+  wire::encode(wire::ResumeHeader{0, 100}, payload);
+  EXPECT_TRUE(fog.board.wait(fog.board.command(payload)).completions.at(0).payload.empty())
+      << "no rays, and no ledger of a light";
+}
+
+// Of 101 cycles the DSP takes 51 to hand a ray out, the larger half.
+TEST(HostTraps, CostTheDspHalfOfAHostRaysCyclesEachWay) {
+  for (const auto& [both, out] : {std::pair{101u, 51u}, {12u, 6u}, {1u, 1u}, {0u, 0u}}) {
+    v1::BoardConfig config = config_of(1);
+    config.mutable_dsp()->set_host_ray_cycles(both);
+    HostFog fog(config);
+    fog.light();
+    const std::uint64_t before = fog.board.counter("dsp.busy_ps");
+    ASSERT_EQ(fog.resume({}, 30).rays.size(), 30u);
+    const double busy_ps = static_cast<double>(fog.board.counter("dsp.busy_ps") - before);
+    EXPECT_NEAR(busy_ps * config.dsp().clock_khz() * 1e-9, 30 * out, 0.01) << both;
+    EXPECT_EQ(fog.board.counter("dsp.host_traps"), 30u);
+  }
+}
+
+// Of 101 cycles an answer takes 50, beside what else its ray costs.
+TEST(HostTraps, AnswersCostTheOtherHalf) {
+  const auto busy_ps_of_answers = [](unsigned both) {
+    v1::BoardConfig config = config_of(1);
+    config.mutable_dsp()->set_host_ray_cycles(both);
+    HostFog fog(config);
+    fog.light();
+    const std::vector<wire::Ray> answers = straight_on(fog.resume({}, 30).rays);
+    const std::uint64_t before = fog.board.counter("dsp.busy_ps");
+    EXPECT_EQ(fog.resume(answers, 0).error, wire::ErrorCode::kNone);
+    return static_cast<double>(fog.board.counter("dsp.busy_ps") - before);
+  };
+  const double more_ps = busy_ps_of_answers(101) - busy_ps_of_answers(1);
+  EXPECT_NEAR(more_ps * config_of(1).dsp().clock_khz() * 1e-9, 30 * 50, 0.01);
+}
+
+// All that does not absorb scatters: by the printed rules a ray loses its opacity all the same, by the others nothing.
+TEST(HostTraps, GoOnByTheRulesOfTheirLight) {
+  for (const wire::EnergyRules rules : {wire::EnergyRules::kConserving, wire::EnergyRules::kAsPrinted}) {
+    HostFog fog;
+    ASSERT_GT(fog.light(rules).waiting, 100u);
+    const Answered round = fog.resume(straight_on(fog.resume({}, 100).rays), 0);
+    ASSERT_EQ(round.error, wire::ErrorCode::kNone) << round.text;
+    EXPECT_EQ(round.ledger.scattered_away > 0, rules == wire::EnergyRules::kAsPrinted);
+    EXPECT_EQ(round.ledger.deposited, 0u);
+  }
 }
 
 TEST(HostTraps, HaveALimit) {

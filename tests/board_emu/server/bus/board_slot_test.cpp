@@ -6,8 +6,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <new>
 #include <thread>
+#include <vector>
 
 #include "served_boards.h"
 
@@ -120,6 +122,104 @@ TEST(BoardSlot, ACallThatNobodyWaitsForChangesNothing) {
   EXPECT_EQ(asked, 5);  // and once more for the answer
   slot.release();
   EXPECT_EQ(slot.configure("asic { processors: 8 }", reason), BoardSlot::Configured::kDone);
+}
+
+// At a free board too: who came first is waited for.
+TEST(BoardSlot, GivesTheBoardToThoseInLineInItsOrder) {
+  BoardSlot slot(0, {});
+  const auto claims = [&slot](std::uint64_t place) {
+    Claimant who = nobody();
+    who.place = place;
+    return slot.claim(who);
+  };
+  const std::uint64_t first = slot.stand_in_line(false), second = slot.stand_in_line(false);
+  EXPECT_EQ(claims(0), Claim::kBusy);
+  EXPECT_EQ(claims(second), Claim::kBusy);
+  const std::uint64_t forced = slot.stand_in_line(true);
+  EXPECT_EQ(claims(first), Claim::kBusy);
+  for (const std::uint64_t place : {forced, first, second}) {
+    EXPECT_EQ(claims(place), Claim::kGranted);
+    slot.leave_line(place);
+    slot.release();
+  }
+  EXPECT_EQ(claims(0), Claim::kGranted);
+}
+
+TEST(BoardSlot, IsConfiguredWhileItHasNoOwner) {
+  BoardSlot slot(0, {});
+  std::string reason;
+  EXPECT_EQ(slot.configure("asic { processors: 8 }", reason), BoardSlot::Configured::kDone);
+  ASSERT_EQ(slot.claim(nobody()), Claim::kGranted) << "it is free again";
+  EXPECT_EQ(slot.configure("asic { processors: 2 }", reason), BoardSlot::Configured::kInUse);
+  EXPECT_EQ(slot.info().config.asic().processors(), 8u);
+  EXPECT_EQ(slot.configure("asic { processors: 99 }", reason), BoardSlot::Configured::kFaulty);
+  EXPECT_FALSE(reason.empty());
+}
+
+// Some time of a claim meets some configuration or reset under way.
+TEST(BoardSlot, IsTheManagementsWhileThatBuildsOrResetsTheBoard) {
+  BoardSlot slot(0, {});
+  const auto configure = [&slot] {
+    std::string reason;
+    slot.configure("asic { processors: 8 }", reason);
+  };
+  const auto reset = [&slot] {
+    std::string reason;
+    slot.power_reset(reason);
+  };
+  for (const std::function<void()>& work : {std::function<void()>(configure), std::function<void()>(reset)}) {
+    std::atomic<bool> met{false}, done{false};
+    std::thread management([&] {
+      for (int i = 0; i < 500 && !met; ++i) work();
+      done = true;
+    });
+    while (!done && !met) {
+      const Claim claim = slot.claim(nobody());
+      if (claim == Claim::kGranted) slot.release();
+      if (claim == Claim::kSoonFree) met = true;
+    }
+    management.join();
+    EXPECT_TRUE(met);
+  }
+}
+
+TEST(BoardSlot, APowerResetClearsABoardWithoutAnOwner) {
+  BoardSlot slot(0, {});
+  Progress progress;
+  const auto access = [&](wire::FrameType type, std::vector<std::uint32_t> words) {
+    wire::FrameHeader header;
+    header.type = type;
+    header.time_ps = 1'000'000;
+    std::vector<std::uint8_t> payload(4 * words.size());
+    for (std::size_t i = 0; i < words.size(); ++i) wire::store(std::span(payload), 4 * i, words[i]);
+    return slot.board().transact(header, payload, progress);
+  };
+  access(wire::FrameType::kRegisterWrite, {wire::reg::kVolumeX, 64});
+  access(wire::FrameType::kRegisterRead, {wire::reg::kVolumeX});
+  ASSERT_GT(slot.counters().simulated_ps, 0u);
+  std::string reason;
+  EXPECT_EQ(slot.power_reset(reason), BoardSlot::Configured::kDone);
+  EXPECT_EQ(slot.counters().simulated_ps, 0u);
+  const auto read = access(wire::FrameType::kRegisterRead, {wire::reg::kVolumeX});
+  EXPECT_EQ(wire::load<std::uint32_t>(read.reply->payload, 0), 0u);
+}
+
+TEST(BoardSlot, APowerResetIsDoneThoughTheNextSessionHasComeMeanwhile) {
+  BoardSlot slot(0, {});
+  for (int i = 0; i < 20; ++i) {
+    std::thread owner;
+    const auto make_way = [&](wire::ErrorCode, const std::string&) {
+      owner = std::thread([&slot] {
+        slot.release();
+        while (slot.claim(nobody()) != Claim::kGranted) std::this_thread::yield();
+      });
+    };
+    ASSERT_EQ(slot.claim({.end_session = make_way}), Claim::kGranted);
+    std::string reason;
+    EXPECT_EQ(slot.power_reset(reason), BoardSlot::Configured::kDone);
+    owner.join();
+    slot.release();
+  }
 }
 
 TEST(BoardSlot, SessionsAndManagementMeetInAnyOrder) {

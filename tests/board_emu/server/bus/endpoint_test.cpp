@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "temporary_directory.h"
 
@@ -30,6 +32,32 @@ TEST(Endpoint, RefusesWhatItCannotRead) {
     EXPECT_THROW(parse_endpoint(text), std::invalid_argument) << text;
   }
   EXPECT_THROW(parse_endpoint(long_path), std::invalid_argument);
+}
+
+TEST(Endpoint, HasWhatItsKindHasAndNothingElse) {
+  EXPECT_EQ(parse_endpoint("unix:b"), (Endpoint{EndpointKind::kUnix, "b", "", 0, -1}));
+  EXPECT_EQ(parse_endpoint("tcp:10.1.2.3:4"), (Endpoint{EndpointKind::kTcp, "", "10.1.2.3", 4, -1}));
+  EXPECT_EQ(parse_endpoint("fd:7"), (Endpoint{EndpointKind::kFd, "", "", 0, 7}));
+}
+
+TEST(Endpoint, SaysWhatWasExpectedAndWhatCame) {
+  const auto said = [](const std::string& text) -> std::string {
+    try {
+      parse_endpoint(text);
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "nothing";
+  };
+  EXPECT_EQ(said("tcp:1"), "expected tcp:HOST:PORT, got \"tcp:1\"");
+  EXPECT_EQ(said("tcp:127.0.0.1:65536"),
+            "expected a port from 0 to 65535 in tcp:HOST:PORT, got \"tcp:127.0.0.1:65536\"");
+  EXPECT_EQ(said("tcp:example.org:80"),
+            "expected a numeric address or \"localhost\" in tcp:HOST:PORT, got \"tcp:example.org:80\"");
+  EXPECT_EQ(said("fd:-1"), "expected fd:N with the number of an open socket, got \"fd:-1\"");
+  EXPECT_EQ(said("http:8080"), "expected unix:PATH, tcp:HOST:PORT or fd:N, got \"http:8080\"");
+  EXPECT_EQ(said("unix:"), "expected unix:PATH with a path of 1 to 107 bytes, got \"unix:\"");
+  EXPECT_EQ(said("unix:" + std::string(107, 'x')), "nothing");
 }
 
 TEST(Endpoint, OnlyLoopbackUnixAndDescriptorsAreLocal) {
@@ -79,6 +107,26 @@ TEST(Endpoint, ASocketFileIsRemovedOnlyIfNobodyAnswers) {
   }
   remove_stale_socket(path);
   EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+// Its owner may be too busy to accept; one does not wait for it.
+TEST(Endpoint, ASocketWhoseBacklogIsFullIsInUse) {
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  const Socket busy(path);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  std::vector<int> waiting;
+  int connected = 0;
+  while (connected == 0 && waiting.size() < 100) {
+    waiting.push_back(::socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0));
+    connected = ::connect(waiting.back(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
+  EXPECT_NE(connected, 0);
+  EXPECT_THROW(remove_stale_socket(path), std::runtime_error);
+  EXPECT_TRUE(std::filesystem::exists(path));
+  for (const int fd : waiting) ::close(fd);
 }
 
 TEST(Endpoint, AFileThatIsNoSocketIsLeftAlone) {

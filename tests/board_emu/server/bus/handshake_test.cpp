@@ -78,7 +78,13 @@ TEST(Handshake, LimitsThatNoFrameFitsAreRefused) {
   narrow.window_bytes = narrow.max_payload_bytes - 1;
   for (const wire::VersionInfo& mine : {no_window, tiny, narrow}) {
     RawClient client = boards.connect();
-    expect_last_word(client, client.handshake(mine), ErrorCode::kProtocol, "expected max_payload_bytes");
+    expect_last_word(client, client.handshake(mine), ErrorCode::kProtocol,
+                     ("expected max_payload_bytes of at least 4096, window_slots of at least 1 and window_bytes of at "
+                      "least twice the "
+                      "payload limit, got " +
+                      std::to_string(mine.max_payload_bytes) + ", " + std::to_string(mine.window_slots) + " and " +
+                      std::to_string(mine.window_bytes))
+                         .c_str());
   }
   EXPECT_TRUE(serves_afresh(boards));
 }
@@ -110,7 +116,8 @@ TEST(Handshake, AShortVersionPayloadIsRefused) {
   const ServedBoards boards;
   RawClient client = boards.connect();
   const std::array<std::uint8_t, 8> payload{};
-  expect_last_word(client, client.call(FrameType::kVersion, 3, payload), ErrorCode::kProtocol, "56 bytes");
+  expect_last_word(client, client.call(FrameType::kVersion, 3, payload), ErrorCode::kProtocol,
+                   "expected 56 bytes of version payload, got 8");
 }
 
 TEST(Handshake, WorksByteByByte) {

@@ -106,6 +106,45 @@ TEST(Resume, IsRefusedWithoutASessionAndWithNumbersThatCannotBe) {
   EXPECT_EQ(first.client.read_register(reg::kId), wire::kIdValue) << "the session goes on";
 }
 
+TEST(Resume, SaysWhichNumbersFit) {
+  const ServedBoards boards;
+  Opened first = open(boards);
+  const auto read_id = [&first](std::uint32_t id) {
+    return first.client.call(FrameType::kRegisterRead, id, word(reg::kId));
+  };
+  for (std::uint32_t id = 1; id <= 3; ++id) ASSERT_TRUE(read_id(id).has_value());
+  wire::FrameHeader credit;
+  credit.type = FrameType::kCredit;
+  credit.flags = wire::kPosted;
+  credit.credit_slots = 1;
+  credit.credit_bytes = 4;
+  first.client.send(credit);
+  ASSERT_TRUE(read_id(4).has_value());
+  wire::VersionInfo mine;
+  mine.session = first.board.session;
+  mine.consumed = 9;
+  mine.taken = 6;
+  EXPECT_THAT(boards.connect().handshake(mine)->text(), HasSubstr("expected 1 <= consumed <= taken <= 4, got 9 and 6"));
+}
+
+TEST(Resume, IsAtItsOwnBoardOnly) {
+  const ServedBoards boards(2);
+  Opened first = open(boards);
+  wire::VersionInfo mine;
+  mine.session = first.board.session;
+  EXPECT_EQ(boards.connect(1).handshake(mine)->header.error, ErrorCode::kNoSession);
+  EXPECT_EQ(first.client.read_register(reg::kId), wire::kIdValue);
+}
+
+// So that no client can guess another one's: of eight tokens some use the high half, and some the low one.
+TEST(Resume, TokensHave64Bits) {
+  const ServedBoards boards;
+  std::uint64_t bits = 0;
+  for (int i = 0; i < 8; ++i) bits |= open(boards).board.session;
+  EXPECT_NE(bits >> 32, 0u);
+  EXPECT_NE(bits & 0xFFFF'FFFF, 0u);
+}
+
 TEST(Resume, ANewConnectionReplacesOneThatSeemsAlive) {
   const ServedBoards boards;
   Opened first = open(boards);

@@ -4,6 +4,8 @@
 
 #include <sys/socket.h>
 
+#include <tuple>
+
 #include "gicube/wire/checksum.h"
 #include "served_boards.h"
 
@@ -307,6 +309,24 @@ TEST(Session, CreditThatWasNeverTakenEndsIt) {
   header.credit_slots = 1;
   client.send(header);
   expect_ended(client, ErrorCode::kProtocol, 6, "expected credit for at most 0 frames");
+}
+
+// Two answers of four bytes are under way to the client.
+TEST(Session, CreditIsForWholeFramesThatWereSent) {
+  const ServedBoards boards;
+  for (const auto& [slots, bytes, words] : {std::tuple{1u, 100u, "at most 2 frames and 4 bytes, got 1 and 100"},
+                                            {3u, 0u, "2 frames and 8 bytes, got 3 and 0"}}) {
+    RawClient client = boards.open();
+    for (std::uint32_t id = 1; id <= 2; ++id) client.call(FrameType::kRegisterRead, id, word(wire::reg::kId));
+    FrameHeader header;
+    header.type = FrameType::kCredit;
+    header.flags = wire::kPosted;
+    header.id = 6;
+    header.credit_slots = static_cast<decltype(header.credit_slots)>(slots);
+    header.credit_bytes = bytes;
+    client.send(header);
+    expect_ended(client, ErrorCode::kProtocol, 6, words);
+  }
 }
 
 TEST(Session, TheBoardKeepsToTheClientsWindowUntilCreditReturns) {
