@@ -77,6 +77,10 @@ TEST_F(SessionFault, ADamagedMessageIsKnownByItsChecksum) {
   }
   RawClient client = open("direction: up message: 1 kind: corrupt bit: 390");
   EXPECT_THROW(read_id(client, 9), std::runtime_error);
+  RawClient magic = open("direction: up message: 1 kind: corrupt bit: 0");
+  EXPECT_THAT([&] { read_id(magic, 9); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("something that is no frame")))
+      << "bits are counted from the header on";
 }
 
 TEST_F(SessionFault, ADoubledMessageIsTakenOnceAndSentTwice) {
