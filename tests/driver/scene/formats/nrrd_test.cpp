@@ -150,8 +150,7 @@ TEST(NrrdFile, ReadsAHeaderOfAHundredAndFiftyThousandNotesWithinTenSecondsOfProc
     for (int rest = i + 64 * 64 * 64; rest > 1; rest /= 64) notes += static_cast<char>('0' + rest % 64);
     notes += i % 2 == 0 ? ":=\n" : "::=\n";
   }
-  const auto file =
-      folder.write("v.nrrd", header("uchar", notes + "encoding: raw\n\n") + stored(ramp<std::uint8_t>()));
+  const auto file = folder.write("v.nrrd", header("uchar", notes + "encoding: raw\n\n") + stored(ramp<std::uint8_t>()));
   const auto read_within_limit = [&file] {
     const rlimit limit{10, 10};
     ::setrlimit(RLIMIT_CPU, &limit);
