@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdlib>
 
-#include "words/parallel_for.h"
+#include "gicube/parallel_for.h"
 
 namespace gicube::emu {
 

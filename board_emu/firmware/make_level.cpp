@@ -3,7 +3,7 @@
 #include "approximate/approximate_level.h"
 #include "cycle/cycle_level.h"
 #include "functional/functional_level.h"
-#include "words/parallel_for.h"
+#include "gicube/parallel_for.h"
 
 namespace gicube::emu {
 

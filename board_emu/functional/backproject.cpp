@@ -9,8 +9,8 @@
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
 #include "functional/simd/splat_pieces.h"
+#include "gicube/parallel_for.h"
 #include "memory/sum_memory.h"
-#include "words/parallel_for.h"
 
 namespace gicube::emu {
 

@@ -4,7 +4,7 @@
 
 #include "functional/backproject.h"
 #include "functional/functional.h"
-#include "words/parallel_for.h"
+#include "gicube/parallel_for.h"
 
 namespace gicube::emu {
 

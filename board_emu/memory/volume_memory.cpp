@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <atomic>
 
+#include "gicube/parallel_for.h"
 #include "gicube/wire/voxel.h"
 #include "memory/block_decoder.h"
-#include "words/parallel_for.h"
 
 namespace gicube::emu {
 

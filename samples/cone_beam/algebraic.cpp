@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::samples {
@@ -166,7 +166,7 @@ struct Loop {
     const float least = kLeast * std::ranges::max(weights);
     const auto relaxation = static_cast<float>(settings.relaxation);
     constexpr std::size_t kPart = 1 << 16;
-    in_parallel((weights.size() + kPart - 1) / kPart, 0, [&](std::size_t part) {
+    parallel_for((weights.size() + kPart - 1) / kPart, 0, [&](std::size_t part) {
       for (std::size_t i = part * kPart; i < std::min(weights.size(), (part + 1) * kPart); ++i) {
         if (weights[i] <= least) continue;
         float& value = out.values[i];

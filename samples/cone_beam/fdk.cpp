@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::samples {
@@ -76,7 +76,7 @@ Reconstruction backproject_into_sums(Board& board, const ConeGeometry& geometry,
   const std::size_t views = geometry.angles.size();
   // Filtered twice, since all views together would take more memory than the volume.
   std::vector<double> max_of(views);
-  in_parallel(views, 0, [&](std::size_t view) {
+  parallel_for(views, 0, [&](std::size_t view) {
     for (const double value : filtered(view)) max_of[view] = std::max(max_of[view], std::abs(value));
   });
   Reconstruction out;
@@ -118,7 +118,7 @@ void sharpen(std::vector<float>& values, const Dims& dims, const std::array<doub
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<float>(parts[axis]);
     const auto length = static_cast<std::size_t>(dims[axis]), run = stride * length;
-    in_parallel(values.size() / run, 0, [&, stride](std::size_t piece) {
+    parallel_for(values.size() / run, 0, [&, stride](std::size_t piece) {
       float* const first = values.data() + piece * run;
       for (std::size_t lane = 0; lane < stride; ++lane) {
         float before = first[lane];

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "cone_beam/fdk.h"
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::samples {
@@ -56,7 +56,7 @@ Reconstruction backproject_into_irradiance(Board& board, const ConeGeometry& geo
   for (std::size_t first = 0; first < views; first += every) {
     if (progress) progress(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(views));
     std::vector<std::vector<double>> some(std::min(views - first, every));
-    in_parallel(some.size(), 0, [&](std::size_t i) { some[i] = filtered(first + i); });
+    parallel_for(some.size(), 0, [&](std::size_t i) { some[i] = filtered(first + i); });
     for (const double sign : {1.0, -1.0}) pass(first, some, sign);
   }
   make_up_for_faces(out.values, geometry.volume.dims);

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "cone_beam/fdk.h"
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::samples {
@@ -38,7 +38,7 @@ std::vector<double> wanted_sums(const ConeGeometry& geometry, const std::vector<
   const Grid& grid = geometry.volume;
   const auto columns = static_cast<std::size_t>(grid.dims[0]), rows = static_cast<std::size_t>(grid.dims[1]);
   std::vector<double> out(columns * rows);
-  in_parallel(rows, 0, [&](std::size_t y) {
+  parallel_for(rows, 0, [&](std::size_t y) {
     for (std::size_t view = 0; view < arcs.size(); ++view) {
       const double c = std::cos(geometry.angles[view]), s = std::sin(geometry.angles[view]);
       for (std::size_t x = 0; x < columns; ++x) {
@@ -66,7 +66,7 @@ void normalise(Reconstruction& made, Board& board, const ConeGeometry& geometry,
   const std::vector<float> left =
       backproject(board, geometry, geometry.angles, {settings.rays, settings.step, most}, densities, made);
   const std::vector<double> wanted = wanted_sums(geometry, arcs);
-  in_parallel(static_cast<std::size_t>(geometry.volume.dims[2]), 0, [&](std::size_t z) {
+  parallel_for(static_cast<std::size_t>(geometry.volume.dims[2]), 0, [&](std::size_t z) {
     std::size_t i = z * wanted.size();
     for_each_in_slice(geometry.volume, z, [&](Vec3 place) {
       const bool whole = left[i] > 0 && seen_by_all(geometry, place);

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::samples {
@@ -26,7 +26,7 @@ std::vector<HostRay> view_rays(const ConeGeometry& geometry, double angle, int f
   const auto columns = static_cast<std::size_t>(detector.columns * fine);
   const auto rows = static_cast<std::size_t>(detector.rows * fine);
   std::vector<HostRay> rays(rows * columns);
-  in_parallel(rows, 0, [&](std::size_t row) {
+  parallel_for(rows, 0, [&](std::size_t row) {
     const double v = v_of(detector, (static_cast<double>(row) + 0.5) / fine - 0.5);
     for (std::size_t column = 0; column < columns; ++column) {
       const double u = u_of(detector, (static_cast<double>(column) + 0.5) / fine - 0.5);

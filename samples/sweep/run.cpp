@@ -15,8 +15,8 @@
 #include <limits>
 #include <mutex>
 
+#include "gicube/parallel_for.h"
 #include "gicube/scene/error.h"
-#include "scene/common/parallel.h"
 #include "scene/names.h"
 
 extern char** environ;  // POSIX has it in no header
@@ -130,7 +130,7 @@ void carry_out_all(const RunFolder& folder, const std::vector<Run>& runs, const 
   std::size_t done = runs.size() - left.size();
   std::mutex mutex;
   progress(done);
-  in_parallel(left.size(), jobs, [&](std::size_t i) {
+  parallel_for(left.size(), static_cast<unsigned>(jobs), [&](std::size_t i) {
     folder.carry_out(left[i], program);
     const std::lock_guard lock(mutex);
     progress(++done);

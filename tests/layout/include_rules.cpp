@@ -26,12 +26,16 @@ Rule room(std::string_view folder, const std::vector<std::string_view>& below,
   return {folder, ours, outside};
 }
 
-// An application: knows itself, what the programs share, and the SDK's public headers; besides it takes from gicube-scene what no
-// application needs of an SDK: threads, whole files, checks of numbers.
+// An application: knows itself, what the programs share, and the SDK's public headers; besides it takes what no application
+// needs of an SDK: threads, and of gicube-scene whole files and checks of numbers.
 Rule program(std::string_view folder, const std::vector<std::string_view>& besides,
              const std::vector<std::string_view>& outside) {
-  std::vector<std::string_view> ours{folder, "samples/scene", "driver/scene/common", "driver/scene/include",
-                                     "driver/include"};
+  std::vector<std::string_view> ours{folder,
+                                     "samples/scene",
+                                     "driver/scene/common",
+                                     "driver/scene/include",
+                                     "driver/include",
+                                     "proto/gicube/parallel_for.h"};
   ours.insert(ours.end(), besides.begin(), besides.end());
   return {folder, ours, outside};
 }
@@ -79,10 +83,10 @@ const std::vector<Rule>& rules() {
       {"driver/include",     {"driver/include"}, {}},
       {"driver/include/gicube/c_api.h", {"driver/include/gicube/c_types.h", "driver/include/gicube/export.h"}, {}},
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
-      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/whole_file.h"}, {kAnything}},
+      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"}, {kAnything}},
       {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/src/transport/event.h",
                               "driver/include"}, {"fmt"}},
-      {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/wire"}, {"fmt"}},
+      {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/wire"}, {"fmt"}},
 
       // The board's rooms, from the ground up.
       room("board_emu/words", {}),
@@ -132,7 +136,7 @@ const std::vector<Rule>& rules() {
       // gicube-scene: an application of the driver's public headers; its own name those and the standard library alone.
       {"driver/scene/include", {"driver/scene/include", "driver/include"}, {}},
       {"driver/scene",       {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"}, {"fmt", "OpenImageIO"}},
-      {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include", "proto/gicube/whole_file.h"},
+      {"driver/scene/common", {"driver/scene/common", "driver/scene/include", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"},
                              {"fmt", "google/protobuf"}},
       {"driver/scene/formats", {"driver/scene/formats", "driver/scene/common", "driver/scene/include", "driver/include"},
                              {"fmt", "nifti2_io.h", "OpenImageIO", "teem", "zlib.h"}},

@@ -9,8 +9,8 @@
 #include "firmware/lighting_rays.h"
 #include "firmware/ray_sources/image_rays.h"
 #include "firmware/ray_sources/light_rays.h"
+#include "gicube/parallel_for.h"
 #include "gicube/wire/command.h"
-#include "words/parallel_for.h"
 
 namespace gicube::emu {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "words/parallel_for.h"
+#include "gicube/parallel_for.h"
 
 namespace gicube::emu {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "gicube/parallel_for.h"
 #include "gicube/vector.h"
-#include "scene/common/parallel.h"
 
 namespace gicube::scene {
 
@@ -15,14 +15,15 @@ inline Vec3 middle_of_cell(const Dims& first) {
   return Vec3{double(first[0]), double(first[1]), double(first[2])} + 0.5 * (kCell - 1) * Vec3{1, 1, 1};
 }
 
-// Calls fill(first) for each cell's first voxel, on so many threads (0 = one a core).
+// Calls fill(first) for each cell's first voxel, on so many threads (0: all).
 template <typename Fill>
 void each_cell(const Dims& dims, int threads, const Fill& fill) {
-  in_parallel(static_cast<std::size_t>((dims[2] + kCell - 1) / kCell), threads, [&](std::size_t layer) {
-    for (int y = 0; y < dims[1]; y += kCell) {
-      for (int x = 0; x < dims[0]; x += kCell) fill(Dims{x, y, static_cast<int>(layer) * kCell});
-    }
-  });
+  parallel_for(static_cast<std::size_t>((dims[2] + kCell - 1) / kCell), static_cast<unsigned>(threads),
+               [&](std::size_t layer) {
+                 for (int y = 0; y < dims[1]; y += kCell) {
+                   for (int x = 0; x < dims[0]; x += kCell) fill(Dims{x, y, static_cast<int>(layer) * kCell});
+                 }
+               });
 }
 
 // Calls visit(p, index) for each of a cell's voxels.

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "gicube/error.h"
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::samples {
@@ -64,7 +64,7 @@ void smooth(Field& field, const Dims& dims) {
     const std::size_t run = stride * static_cast<std::size_t>(dims[axis]);
     constexpr std::size_t kLanes = 64;  // chosen: a line's piece stays in the cache
     const std::size_t chunks = (stride + kLanes - 1) / kLanes;
-    in_parallel(field.size() / run * chunks, 0, [&, stride, axis](std::size_t part) {
+    parallel_for(field.size() / run * chunks, 0, [&, stride, axis](std::size_t part) {
       thread_local std::vector<double> copy;
       const std::size_t lane = part % chunks * kLanes;
       smooth_lines(field.data() + part / chunks * run + lane, dims[axis], stride, std::min(kLanes, stride - lane),

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::samples {
@@ -106,7 +106,7 @@ Projections project(const Phantom& phantom, const ConeGeometry& geometry) {
   const Detector& detector = geometry.detector;
   Projections out{detector.columns, detector.rows, {}};
   out.values.resize(out.view_size() * geometry.angles.size());
-  in_parallel(geometry.angles.size(), 0, [&](std::size_t view) {
+  parallel_for(geometry.angles.size(), 0, [&](std::size_t view) {
     const Pose at = pose(geometry, geometry.angles[view]);
     float* value = out.view(view);
     for (int row = 0; row < detector.rows; ++row) {
@@ -122,7 +122,7 @@ Projections project(const Phantom& phantom, const ConeGeometry& geometry) {
 std::vector<float> voxels(const Phantom& phantom, const Grid& grid) {
   const auto slices = static_cast<std::size_t>(grid.dims[2]);
   std::vector<float> out(voxel_count(grid.dims));
-  in_parallel(slices, 0, [&](std::size_t z) {
+  parallel_for(slices, 0, [&](std::size_t z) {
     float* value = out.data() + z * (out.size() / slices);
     for_each_in_slice(grid, z, [&](Vec3 place) { *value++ = static_cast<float>(value_at(phantom, place)); });
   });
@@ -133,7 +133,7 @@ std::size_t add_poisson_noise(Projections& projections, double photons, std::uin
   expect(std::isfinite(photons) && photons > 0, "photons", "a finite number above 0", photons);
   const std::size_t size = projections.view_size();
   std::atomic<std::size_t> dark{0};
-  in_parallel(projections.values.size() / size, 0, [&](std::size_t view) {
+  parallel_for(projections.values.size() / size, 0, [&](std::size_t view) {
     std::seed_seq sequence{seed & 0xFFFFFFFF, seed >> 32, std::uint64_t{view}};
     Engine engine(sequence);
     std::size_t here = 0;

@@ -2,7 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/program/board_options.h"
 #include "scene/program/program.h"
 #include "studies/results/measure.h"
@@ -17,14 +17,14 @@ int run(int argc, char** argv) {
       "of "
       "JSON as soon as it is measured.",
       "gicube-measure");
-  int jobs = cores();
+  unsigned jobs = gicube::thread_count(0);
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.add_option("--jobs", jobs, "boards at a time")->check(CLI::Range(1, 64))->capture_default_str();
   if (!parsed(app, argc, argv, std::cout)) return 0;
   const auto boards = results::Json::parse(std::cin).get<std::vector<std::vector<results::Run>>>();
   results::SceneStore scenes;
   std::mutex mutex;
-  in_parallel(boards.size(), jobs, [&](std::size_t board) {
+  gicube::parallel_for(boards.size(), jobs, [&](std::size_t board) {
     results::measure(boards[board], scenes, [&](std::size_t run, results::Json result) {
       result["board"] = board;
       result["run"] = run;

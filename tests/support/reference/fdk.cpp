@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::reference {
@@ -88,14 +88,14 @@ std::vector<double> filter_rows(const ConeGeometry& geometry, const Projections&
 std::vector<double> reconstruct(const ConeGeometry& geometry, const Projections& projections, Kernel kernel) {
   const std::size_t views = geometry.angles.size();
   std::vector<std::vector<double>> filtered(views);
-  samples::in_parallel(views, 0, [&](std::size_t i) { filtered[i] = filter_rows(geometry, projections, i, kernel); });
+  parallel_for(views, 0, [&](std::size_t i) { filtered[i] = filter_rows(geometry, projections, i, kernel); });
 
   const auto& grid = geometry.volume;
   const auto& detector = geometry.detector;
   const auto slice = static_cast<std::size_t>(grid.dims[0]) * static_cast<std::size_t>(grid.dims[1]);
   std::vector<double> out(slice * static_cast<std::size_t>(grid.dims[2]));
   const double step = geometry.angles[1] - geometry.angles[0];  // even
-  samples::in_parallel(static_cast<std::size_t>(grid.dims[2]), 0, [&](std::size_t z) {
+  parallel_for(static_cast<std::size_t>(grid.dims[2]), 0, [&](std::size_t z) {
     for (std::size_t i = 0; i < views; ++i) {
       const double c = std::cos(geometry.angles[i]), s = std::sin(geometry.angles[i]);
       for (std::size_t voxel = 0; voxel < slice; ++voxel) {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "scene/common/parallel.h"
+#include "gicube/parallel_for.h"
 #include "scene/names.h"
 
 namespace gicube::reference {
@@ -137,7 +137,7 @@ samples::Projections project(const FdkScan& scan) {
   const auto& detector = geometry.detector;
   samples::Projections out{detector.columns, detector.rows, {}};
   out.values.resize(out.view_size() * geometry.angles.size());
-  samples::in_parallel(geometry.angles.size(), 0, [&](std::size_t view) {
+  parallel_for(geometry.angles.size(), 0, [&](std::size_t view) {
     const samples::Pose at = samples::pose(geometry, geometry.angles[view]);
     float* value = out.view(view);
     samples::for_each_ray(detector, 1, [&](double u, double v) {
@@ -155,7 +155,7 @@ std::vector<double> mean_in_voxels(const FdkScan& scan) {
   const auto dims = grid.dims;
   const auto slice = static_cast<std::size_t>(dims[0]) * static_cast<std::size_t>(dims[1]);
   std::vector<double> out(samples::voxel_count(dims));
-  samples::in_parallel(static_cast<std::size_t>(dims[2]), 0, [&](std::size_t z) {
+  parallel_for(static_cast<std::size_t>(dims[2]), 0, [&](std::size_t z) {
     double* mean = out.data() + z * slice;
     samples::for_each_in_slice(grid, z, [&](Vec3 middle) {
       double sum = 0;

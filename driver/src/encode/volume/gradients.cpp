@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <numbers>
 #include <set>
-#include <thread>
 #include <type_traits>
 
 #include "encode/argument.h"
 #include "encode/volume/samples.h"
+#include "gicube/parallel_for.h"
 
 namespace gicube {
 namespace {
@@ -188,14 +187,11 @@ void supplied_slab(const VolumeView& view, const GradientCodebook& codebook, int
 
 // Calls work(begin, end) for slabs that make up 0..planes, each on a thread of its own.
 void for_each_slab(int planes, unsigned threads, const auto& work) {
-  const unsigned wanted = threads == 0 ? std::max(1u, std::thread::hardware_concurrency()) : threads;
-  const int slabs = static_cast<int>(std::min(wanted, static_cast<unsigned>(planes)));
-  std::vector<std::future<void>> others;
-  for (int i = 1; i < slabs; ++i) {
-    others.push_back(std::async(std::launch::async, work, planes * i / slabs, planes * (i + 1) / slabs));
-  }
-  work(0, planes / slabs);
-  for (auto& other : others) other.get();
+  const int slabs = std::min(static_cast<int>(thread_count(threads)), planes);
+  parallel_for(static_cast<std::size_t>(slabs), threads, [&](std::size_t part) {
+    const int i = static_cast<int>(part);
+    work(planes * i / slabs, planes * (i + 1) / slabs);
+  });
 }
 
 }  // namespace

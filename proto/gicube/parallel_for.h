@@ -9,19 +9,20 @@
 #include <thread>
 #include <vector>
 
-namespace gicube::emu {
+namespace gicube {
 
 // The host's threads to use where `wanted` are asked for; 0: all.
 inline unsigned thread_count(unsigned wanted) {
   return wanted != 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-// Runs `job(i)` for i in [0, count) on `threads` threads. What one of them throws ends all, and is thrown again.
+// Runs `job(i)` for i in [0, count) on `threads` threads (0: all). What one of them throws ends all, and is thrown again.
 template <typename Job>
 void parallel_for(std::size_t count, unsigned threads, const Job& job) {
   std::atomic<std::size_t> next{0};
   std::mutex fault_mutex;
   std::exception_ptr fault;
+  threads = thread_count(threads);
   const auto work = [&] {
     try {
       for (std::size_t i = next++; i < count; i = next++) job(i);
@@ -59,4 +60,4 @@ Counters parallel_sum(std::size_t count, unsigned threads, const Job& job) {
   return sum;
 }
 
-}  // namespace gicube::emu
+}  // namespace gicube
