@@ -61,19 +61,6 @@ class Channel {
   void set_trace(std::vector<IssuedCommand>* sink) { trace_ = sink; }
 
  protected:
-  // `devices` from 1 on; each is refreshed once every `refresh_interval`, spread evenly over it; 0: never.
-  Channel(const ConstraintTable& timing, std::uint32_t devices, std::uint64_t refresh_interval)
-      : column_wires_(timing),
-        refresh_interval_(refresh_interval),
-        precharge_gap_(timing.delay(Scope::kDevice, Command::kPrecharge, Command::kPrecharge)) {
-    if (devices == 0) {
-      throw std::invalid_argument(std::string(Rules::kName) + " " + Rules::kDevices +
-                                  " of a channel: expected at least 1, got 0");
-    }
-    devices_.assign(devices, Device<Rules>(timing));
-    if (refresh_interval_ != 0) refresh_due_ = next_event_ = refresh_interval_ / devices;
-  }
-
   // True if it had to wait for the wires or the device, not for its bank.
   bool precharge(std::uint16_t device, int bank, Tcycle asked) {
     constexpr Command kThis = Command::kPrecharge;
@@ -130,6 +117,21 @@ class Channel {
   Tcycle next_event_ = kNever;  // of refresh_until()
 
  private:
+  friend Derived;  // the only one that makes it
+
+  // `devices` from 1 on; each is refreshed once every `refresh_interval`, spread evenly over it; 0: never.
+  Channel(const ConstraintTable& timing, std::uint32_t devices, std::uint64_t refresh_interval)
+      : column_wires_(timing),
+        refresh_interval_(refresh_interval),
+        precharge_gap_(timing.delay(Scope::kDevice, Command::kPrecharge, Command::kPrecharge)) {
+    if (devices == 0) {
+      throw std::invalid_argument(std::string(Rules::kName) + " " + Rules::kDevices +
+                                  " of a channel: expected at least 1, got 0");
+    }
+    devices_.assign(devices, Device<Rules>(timing));
+    if (refresh_interval_ != 0) refresh_due_ = next_event_ = refresh_interval_ / devices;
+  }
+
   // Not inline: most packets find their row open.
   [[gnu::noinline]] Delay open(const Location& at, Tcycle arrival) {
     std::uint32_t in_the_way = devices_[at.device].in_the_way(Command::kActivate, at.bank);
