@@ -111,14 +111,15 @@ inline void divide_finely(RayState& ray, std::uint32_t length, std::uint32_t ste
 }
 
 // Divides a segment's `length`, 16.16 voxels, into even steps of at most the frame's, and goes to the middle of the first.
-inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
+[[gnu::always_inline]] inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
   const std::uint32_t steps = wire::steps_of(length, frame.step);
   ray.set_steps_left(static_cast<std::int32_t>(steps));
   ray.colour = {};
-  if (steps == 0) return;
-  space(ray, (length + steps / 2) / steps, frame);
+  if (steps == 0) return space(ray, frame.step, frame);
+  const std::uint32_t below = length / steps, rest = length % steps;
+  space(ray, below + (rest >= steps - steps / 2 ? 1 : 0), frame);  // length / steps, rounded to nearest
   if (frame.wide) return divide_finely(ray, length, steps, frame);
-  const Point half = step_vector(ray.direction, (length + steps) / (2 * steps));
+  const Point half = step_vector(ray.direction, (below + 1) / 2);  // length / 2 / steps, rounded to nearest
   // Direction and step are rounded (half a unit a voxel and a step, an eighth for the step's length), so a segment along a face
   // could leave the volume before its last sample. If it does by no more than that, its step is a unit or two shorter.
   const auto others = static_cast<std::int32_t>(steps) - 1;
@@ -133,7 +134,8 @@ inline void divide(RayState& ray, std::uint32_t length, const Frame& frame) {
   }
 }
 
-inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
+// Inline, since the host's compilers else write the ray narrowly and read it widely, and wait in between.
+[[gnu::always_inline]] inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
   RayState out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.position[axis] = static_cast<std::int32_t>(ray.position[axis]);
@@ -148,8 +150,11 @@ inline RayState unpack(const wire::Ray& ray, const Frame& frame) {
   out.v = ray.v;
   out.direction = ray.direction;
   if (frame.wide) out.rest = kHalfUnits;
-  space(out, frame.step, frame);
-  if (frame.segments()) divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
+  if (frame.segments()) {
+    divide(out, static_cast<std::uint32_t>(ray.colour_word()), frame);
+  } else {
+    space(out, frame.step, frame);
+  }
   if (frame.backprojects()) {
     out.set_amount(ray.opacity);
     out.opacity = 0;

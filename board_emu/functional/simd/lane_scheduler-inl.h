@@ -24,15 +24,28 @@ namespace gicube::emu::HWY_NAMESPACE {
 
 constexpr std::int32_t kNoLimit = std::int32_t{1} << 29;
 
-// How many even steps take the ray out of the volume, or beyond a cut plane.
-inline std::int32_t steps_inside(const RayState& ray, const Frame& frame) {
-  if (!inside(ray.position, frame.extent)) return 0;
-  const FinePoint at = ray.fine_position(), step = ray.fine_step();
-  std::int32_t least = frame.wide ? emu::steps_inside(at, step, fine_extent(frame.extent), kNoLimit)
-                                  : emu::steps_inside(ray.position, ray.step, frame.extent, kNoLimit);
+// Whether the ray's position is still in the volume after so many steps.
+inline bool inside_after(const RayState& ray, std::int32_t steps, const Frame& frame) {
+  const FinePoint at = moved(ray.fine_position(), ray.fine_step(), steps), most = fine_extent(frame.extent);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (at[axis] < 0 || at[axis] > most[axis]) return false;
+  }
+  return true;
+}
+
+// How many even steps, at most `most`, take the ray out of the volume, or beyond a cut plane.
+inline std::int32_t steps_inside(const RayState& ray, const Frame& frame, std::int32_t most) {
+  if (most <= 0 || !inside(ray.position, frame.extent)) return 0;
+  std::int32_t least = most;
+  // A segment as a rule ends inside, which takes no division.
+  if (most == kNoLimit || !inside_after(ray, most - 1, frame)) {
+    least = frame.wide ? emu::steps_inside(ray.fine_position(), ray.fine_step(), fine_extent(frame.extent), most)
+                       : emu::steps_inside(ray.position, ray.step, frame.extent, most);
+  }
   for (const Plane& plane : frame.cut_planes) {
-    const std::int64_t a_step = frame.wide ? fine_slope(plane, step) : dot(plane.normal, ray.step);
-    const std::int64_t above = frame.wide ? fine_height(plane, at) : dot(plane.normal, ray.position) - plane.offset;
+    const std::int64_t a_step = frame.wide ? fine_slope(plane, ray.fine_step()) : dot(plane.normal, ray.step);
+    const std::int64_t above =
+        frame.wide ? fine_height(plane, ray.fine_position()) : dot(plane.normal, ray.position) - plane.offset;
     if (a_step >= 0) continue;
     if (above < 0) return 0;
     least = static_cast<std::int32_t>(std::min<std::int64_t>(least, above / -a_step + 1));
@@ -124,12 +137,13 @@ class LaneScheduler {
       lanes.position[axis].lane[lane] = ray.position[axis];
       lanes.step[axis].lane[lane] = ray.step[axis];
       lanes.direction[axis].lane[lane] = ray.direction[axis];
+      if (!wide_) continue;
       lanes.rest[axis].lane[lane] = ray.rest[axis];
       lanes.step_rest[axis].lane[lane] = ray.step_rest[axis];
     }
     for (Word& word : lanes.sum) word.lane[lane] = 0;
     const std::int32_t segment = frame_.segments() ? ray.steps_left() : kNoLimit;
-    slot.steps = frame_.jitter ? 1 : std::min(steps_inside(ray, frame_), segment);
+    slot.steps = frame_.jitter ? 1 : steps_inside(ray, frame_, segment);
     lanes.left.lane[lane] = slot.steps;
     lanes.more.lane[lane] = segment - slot.steps;
     lanes.taken.lane[lane] = 0;
@@ -137,7 +151,7 @@ class LaneScheduler {
     lanes.destination.lane[lane] = static_cast<std::int32_t>(ray.u | std::uint32_t{ray.v} << 16);
     lanes.exponent.lane[lane] = static_cast<std::int32_t>(ray.exponent);
     lanes.opacity.lane[lane] = static_cast<std::int32_t>(ray.opacity);
-    lanes.wide_opacity.lane[lane] = std::bit_cast<std::int32_t>(ray.wide.opacity);
+    if (wide_) lanes.wide_opacity.lane[lane] = std::bit_cast<std::int32_t>(ray.wide.opacity);
     ++busy_;
   }
 
@@ -147,6 +161,7 @@ class LaneScheduler {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       ray.position[axis] = lanes.position[axis].lane[lane];
       ray.step[axis] = lanes.step[axis].lane[lane];
+      if (!wide_) continue;
       ray.rest[axis] = static_cast<std::uint16_t>(lanes.rest[axis].lane[lane]);
       ray.step_rest[axis] = static_cast<std::uint16_t>(lanes.step_rest[axis].lane[lane]);
     }

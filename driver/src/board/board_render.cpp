@@ -26,6 +26,21 @@ LitBox lit_box(const LoadedVolume& volume) {
   return {{(volume.dims[0] - 1) * edge.x, (volume.dims[1] - 1) * edge.y, (volume.dims[2] - 1) * edge.z}, edge};
 }
 
+Pixel pixel_of(std::uint64_t word) {
+  const wire::Pixel pixel = wire::to_pixel(word);
+  return {pixel.red, pixel.green, pixel.blue, pixel.alpha};
+}
+
+// Unpacks the words of a framebuffer's part, two in nine bytes.
+void take_pixels(std::span<const std::uint8_t> words, std::span<Pixel> pixels) {
+  std::size_t i = 0;
+  for (; i + 1 < pixels.size(); i += 2) {
+    pixels[i] = pixel_of(wire::load36(words, i));
+    pixels[i + 1] = pixel_of(wire::load36(words, i + 1));
+  }
+  if (i < pixels.size()) pixels[i] = pixel_of(wire::load36(words, i));
+}
+
 }  // namespace
 
 // Brightness of a unit of irradiance, 16.16. On the wide datapath the pipeline drops the words' low 16 bits first.
@@ -99,15 +114,12 @@ Image Board::read_framebuffer() {
   const std::size_t bytes = wire::packed36_bytes(count);
   const std::size_t max_bytes = state_->device.agreed().max_payload_bytes / 9 * 9;  // pairs of pixels
   Image image{width, height, std::vector<Pixel>(count)};
-  auto next = image.pixels.begin();
+  std::span<Pixel> left = image.pixels;
   for (std::size_t at = 0; at < bytes; at += max_bytes) {
     const auto part = state_->device.read_memory(wire::kFramebuffer.base + at, std::min(max_bytes, bytes - at));
-    const std::span<const std::uint8_t> words = part;
-    const auto pixels = std::min<std::size_t>(image.pixels.end() - next, max_bytes / 9 * 2);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      const wire::Pixel pixel = wire::to_pixel(wire::load36(words, i));
-      *next++ = {pixel.red, pixel.green, pixel.blue, pixel.alpha};
-    }
+    const std::size_t pixels = std::min(left.size(), max_bytes / 9 * 2);
+    take_pixels(part, left.first(pixels));
+    left = left.subspan(pixels);
   }
   return image;
 }
