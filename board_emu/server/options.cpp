@@ -171,7 +171,7 @@ void read_management(const Flags& flags, Options& options, std::vector<std::stri
   for (const Diagnostic& each : check(*options.management)) errors.push_back(to_string(each));
 }
 
-std::optional<CycleWindow> parse_window(std::string_view text) {
+std::optional<CycleWindow> parse_window(const std::string& text) {
   CycleWindow window;
   const char* const end = text.data() + text.size();
   const auto begin_end = std::from_chars(text.data(), end, window.begin);

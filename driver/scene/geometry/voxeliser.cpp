@@ -82,8 +82,8 @@ struct Voxeliser {
     constexpr double kPart = 1.0 / kParts;
     double sum = 0;
     for (int i = 0; i < kParts * kParts * kParts; ++i) {
-      const Vec3 at = p + Vec3{(i % kParts + 0.5) * kPart - 0.5, (i / kParts % kParts + 0.5) * kPart - 0.5,
-                               (i / (kParts * kParts) + 0.5) * kPart - 0.5};
+      const int x = i % kParts, y = i / kParts % kParts, z = i / (kParts * kParts);
+      const Vec3 at = p + Vec3{(x + 0.5) * kPart - 0.5, (y + 0.5) * kPart - 0.5, (z + 0.5) * kPart - 0.5};
       double least = kFar;
       for (const Candidate& candidate : near) {
         if (candidate.seen->solid().fog) continue;

@@ -13,7 +13,7 @@
 #include "gicube/wire/capture.h"
 #include "gicube/wire/frame.h"
 
-struct gzFile_s;  // zlib's
+struct gzFile_s;  // zlib's; NOLINT(readability-identifier-naming)
 
 namespace gicube::replay {
 

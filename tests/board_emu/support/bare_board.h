@@ -29,8 +29,8 @@ class BareBoard {
       : board_(config, 0x1234, observer, routines, max_memory_bytes),
         n_(static_cast<int>(config.asic().block_voxels())) {}
 
-  TransactionResult send(wire::FrameType type, std::vector<std::uint8_t> payload) {
-    return send(type, next_id_++, std::move(payload));
+  TransactionResult send(wire::FrameType type, const std::vector<std::uint8_t>& payload) {
+    return send(type, next_id_++, payload);
   }
   TransactionResult send(wire::FrameType type, std::uint32_t id, const std::vector<std::uint8_t>& payload) {
     wire::FrameHeader header;

@@ -136,7 +136,7 @@ TEST(Registration, RemovesWhatKilledProcessesHaveLeftAndNothingElse) {
   boost::asio::io_context io;
   const boost::asio::local::stream_protocol::acceptor listening(
       io, boost::asio::local::stream_protocol::endpoint(folder + elsewhere));
-  std::ofstream(folder + file);
+  std::ofstream(folder + file) << "";
   const Registration registration("", boards.all());
   EXPECT_EQ(names_in(registry.folder()),
             (std::set{living, "." + living, std::string("notes"), elsewhere, file, std::to_string(::getpid())}));

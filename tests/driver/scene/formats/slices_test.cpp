@@ -7,12 +7,14 @@
 #include "written_files.h"
 
 // libpng jumps out of OpenImageIO's read callback over a string when a PNG is truncated.
+// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): the sanitizers' names
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:ImageInput::geterror"; }
 
 // OpenImageIO unpacks TIFF strips in threads of its own; ThreadSanitizer does not see the locks within that library.
 extern "C" const char* __tsan_default_suppressions();
 extern "C" const char* __tsan_default_suppressions() { return "race:libOpenImageIO_Util"; }
+// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 namespace gicube::scene {
 namespace {
