@@ -167,10 +167,10 @@ const std::vector<Rule>& rules() {
       {"samples/installed",  {"samples/installed", "driver/include", "driver/scene/include"},
                              {"stdint.h", "stdio.h", "stdlib.h", "string.h"}},
       // The methods know neither files nor the program.
-      {"samples/cone_beam",  {"samples/cone_beam/*", "samples/scene/names.h", "driver/scene/common/parallel.h", "driver/include"},
+      {"samples/cone_beam",  {"samples/cone_beam/*", "samples/scene/names.h", "proto/gicube/parallel_for.h", "driver/include"},
                              {"fmt", "fftw3.h"}},
       {"samples/cone_beam/phantom", {"samples/cone_beam/phantom", "samples/cone_beam/*", "samples/scene/names.h",
-                              "driver/scene/common/parallel.h", "driver/include"}, {"fmt"}},
+                              "proto/gicube/parallel_for.h", "driver/include"}, {"fmt"}},
       {"samples/cone_beam/plan", {"samples/cone_beam/plan", "samples/cone_beam/phantom", "samples/cone_beam/*",
                               "driver/include"}, {"fmt"}},
       program("samples/cone_beam/charts", {"samples/cone_beam/phantom", "samples/cone_beam/*"}, {"fmt"}),
