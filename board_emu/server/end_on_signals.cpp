@@ -21,7 +21,8 @@ EndOnSignals::~EndOnSignals() {
     gone_ = true;
   }
   changed_.notify_all();
-  ::pthread_kill(thread_.native_handle(), SIGTERM);  // wakes it, if it still waits for the first one
+  // Wakes it, if it still waits for the first one, which is blocked and ends nothing.
+  ::pthread_kill(thread_.native_handle(), SIGTERM);  // NOLINT(bugprone-bad-signal-to-kill-thread)
   thread_.join();
 }
 
