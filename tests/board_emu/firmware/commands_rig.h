@@ -1,6 +1,7 @@
 // What tests of the DSP's commands share: a small board, and what a command's completion says.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,15 @@ inline void load_fog(BareBoard& board, std::uint16_t opacity) {
   board.write_segmentation([opacity](unsigned, unsigned) {
     return wire::SegmentationEntry{{2048, 2048, 2048}, opacity};
   });
+}
+
+// A ray of so many units for each cell of the face that looks along `towards`: by default they run along -z.
+inline wire::IlluminateCommand sunlight(double energy, const std::array<double, 3>& towards = {0, 0, 1}) {
+  wire::IlluminateCommand command;
+  command.kind = wire::LightKind::kDirectional;
+  command.energy = energy;
+  command.u = towards;
+  return command;
 }
 
 inline Completion carry_out(BareBoard& board, const std::vector<std::uint8_t>& payload) {

@@ -216,14 +216,6 @@ TEST(Materials, AreCheckedByEveryCommandWhoseRaysMeetThem) {
             "material 2: routine: expected the number of a routine that the board has, got 77");
 }
 
-wire::IlluminateCommand sunlight(double energy) {
-  wire::IlluminateCommand command;
-  command.kind = wire::LightKind::kDirectional;
-  command.energy = energy;
-  command.u = {0, 0, 1};
-  return command;
-}
-
 TEST(IlluminateCommand, HasItsLengthAndAValidLight) {
   BareBoard board(blocks_of_eight());
   load_fog(board, 100);

@@ -1,0 +1,111 @@
+// What a command takes from registers, tables and memory, whether it is what stands there now, and what it counts of its rays.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "commands_rig.h"
+
+namespace gicube::emu {
+namespace {
+
+namespace reg = wire::reg;
+
+TEST(Commands, OfAnUnknownOpcodeAreToldTheKnownOnes) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 100);
+  EXPECT_EQ(refusal(board, {7, 0, 0, 0}),
+            "opcode: expected 1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs), got 7");
+}
+
+TEST(VerifyCommand, HasItsLength) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 100);
+  std::vector<std::uint8_t> payload(15);
+  payload[0] = 5;
+  EXPECT_EQ(refusal(board, payload), "payload: expected 16 bytes, got 15");
+}
+
+wire::LightingLedger lit(BareBoard& board, const wire::IlluminateCommand& command) {
+  const Completion done = carry_out(board, wire::encoded(command));
+  EXPECT_EQ(done.error, wire::ErrorCode::kNone);
+  return wire::decode<wire::LightingLedger>(std::span(done.payload));
+}
+
+// 256 rays of 100 units run away from the sun, through clear air.
+TEST(IlluminateCommand, SaysThroughWhichFaceItsRaysEscape) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 0);
+  using Faces = std::array<std::uint64_t, wire::kFaces>;
+  EXPECT_EQ(lit(board, sunlight(100)).escaped_by_face, (Faces{0, 0, 0, 0, 25'600, 0}));
+  EXPECT_EQ(lit(board, sunlight(100, {-1, 0, 0})).escaped_by_face, (Faces{0, 25'600, 0, 0, 0, 0}));
+}
+
+// All goes through clear air, and nothing through opaque fog.
+TEST(IlluminateCommand, GoesByTheTableThatWasWrittenLast) {
+  for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
+    BareBoard board(blocks_of_eight(level));
+    load_fog(board, 0);
+    EXPECT_EQ(lit(board, sunlight(100)).escaped, 25'600u);
+    board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{1, 1, 1}, 65535}; });
+    const wire::LightingLedger opaque = lit(board, sunlight(100));
+    EXPECT_EQ(opaque.deposited, 25'600u);
+    EXPECT_EQ(opaque.escaped, 0u);
+  }
+}
+
+// Rays along z have samples at 16, 15 ... 0. The conserving rules know no jitter, the printed ones do.
+TEST(IlluminateCommand, TakesItsSamplesAStepApart) {
+  for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
+    BareBoard board(blocks_of_eight(level));
+    load_fog(board, 0);
+    board.write_register(reg::kPipeline, wire::kPipelineJitter);
+    lit(board, sunlight(100));
+    EXPECT_EQ(board.counter("pipeline.samples"), 256u * 17);
+    wire::IlluminateCommand printed = sunlight(100);
+    printed.rules = wire::EnergyRules::kAsPrinted;
+    lit(board, printed);
+    EXPECT_NE(board.counter("pipeline.samples"), 2 * 256u * 17);
+  }
+}
+
+// Opaque at their first sample. No light has been left in the volume: what it lights is black.
+TEST(TraceCommand, LightsItsSegmentsByTheIrradiance) {
+  for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
+    BareBoard board(blocks_of_eight(level));
+    load_fog(board, 65535);
+    wire::Ray way = host_ray(0, {1, 8, 8}, {1, 0, 0});
+    way.set_colour_word(4 << 16);
+    const auto seen = [&](std::uint32_t pipeline) {
+      board.write_register(reg::kPipeline, pipeline);
+      return board.trace({way}, {.type = wire::RayType::kSegment, .opacity = wire::kOpacityOne}).at(0);
+    };
+    const wire::Ray plain = seen(0), dark = seen(wire::kPipelineIrradiance);
+    EXPECT_EQ(plain.colour, (std::array<std::uint16_t, 3>{2048, 2048, 2048}));
+    EXPECT_EQ(dark.colour, (std::array<std::uint16_t, 3>{0, 0, 0}));
+    EXPECT_EQ(dark.opacity, plain.opacity);
+  }
+}
+
+// One block, which the cache holds whole.
+TEST(VolumeCaches, KeepTheVolumeFromCommandToCommandUntilItIsWritten) {
+  BareBoard board(blocks_of_eight(v1::cycle));
+  board.load_volume({8, 8, 8}, [](int, int, int) { return wire::Voxel{1000, 0, 0, 0}; });
+  std::uint64_t before = 0;
+  const auto missed = [&board, &before] {
+    board.trace({host_ray(0, {0, 3, 3}, {1, 0, 0})});
+    const std::uint64_t now = board.counter("processor.cache.missed_voxels"), more = now - before;
+    before = now;
+    return more;
+  };
+  const std::uint64_t all = missed();
+  EXPECT_GT(all, 0u);
+  EXPECT_EQ(missed(), 0u);
+  board.write_memory(wire::kVolume.base, std::vector<std::uint8_t>{0xE8});
+  EXPECT_EQ(missed(), all);
+  EXPECT_EQ(missed(), 0u);
+}
+
+}  // namespace
+}  // namespace gicube::emu
