@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bare_board.h"
+#include "firmware/aperture.h"
 
 namespace gicube::emu {
 namespace {
@@ -113,6 +114,26 @@ TEST(MemoryLimit, AnImageCountsToo) {
   const Completion refused = board.wait(board.command(render_of({32, 32, 32}, 400))).completions.at(0);
   EXPECT_EQ(refused.error, ErrorCode::kBadValue);
   EXPECT_EQ(board.render(corner_view({32, 32, 32}, 200)).size(), 200u * 200);
+}
+
+// 7 MiB hold 13 blocks beside 389 KiB for all 64, one block of 33^3 voxels decoded (10 bytes each), which those without words
+// share, and for each of 160,000 pixels 24 bytes of sums and 36 bits.
+TEST(MemoryLimit, AnImageCountsBesideWhatIsWrittenAfterIt) {
+  BareBoard board = limited(7);
+  set_size(board, 128, 128, 128);
+  board.render(corner_view({128, 128, 128}, 400));
+  std::uint64_t block = 0;
+  while (board.read_register(reg::kStatus) == 0 && block < 64) {
+    board.write_memory(address_of(block++), std::vector<std::uint8_t>{0xAB});
+  }
+  EXPECT_EQ(block - 1, 13u);
+}
+
+// Of 3 x 1 x 2 blocks of eight: what irradiance (two pointers) and sums (two pointers, two bounds) have for each, and 12 bytes
+// for each of 2^3 cells.
+TEST(MemoryLimit, BlocksCountBeforeAnythingIsStored) {
+  EXPECT_EQ(Aperture::bytes_of_blocks({17, 8, 9}, 8),
+            6 * (VolumeMemory::kBytesOfBlock + 2 * sizeof(void*) + 2 * sizeof(void*) + 16 + 8 * 12));
 }
 
 // 65,536 blocks: a result of 256 KiB for a command of 16 bytes.
