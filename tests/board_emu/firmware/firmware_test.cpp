@@ -202,5 +202,13 @@ TEST(Framebuffer, SumsTheSameForAThreadThatIsAlone) {
   }
 }
 
+// The first 16 places of a row are its first pixel.
+TEST(Framebuffer, PutsWhatAThreadAddsAloneIntoItsOwnPixel) {
+  Framebuffer framebuffer;
+  framebuffer.clear(300, 1, wire::Filter::kBox);
+  for (const int u : {1, 15, 16}) framebuffer.add_alone(returned(u, 3, 4095, wire::kOpacityOne));
+  for (int x = 0; x < 300; ++x) EXPECT_EQ(framebuffer.pixel(x, 0).red, x < 2 ? 255 : 0) << x;
+}
+
 }  // namespace
 }  // namespace gicube::emu

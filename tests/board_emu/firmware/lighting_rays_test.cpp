@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "firmware/low_discrepancy.h"
 #include "gicube/wire/registers.h"
 
 namespace gicube::emu {
@@ -69,6 +71,12 @@ TEST(PointLight, OnTheBoundaryGivesWhatGoesIntoTheVolume) {
   EXPECT_NEAR(sum(light(LightKind::kPoint, 8, {0, 8, 5.25})), 2, 1e-9);   // in an edge
   EXPECT_NEAR(sum(light(LightKind::kPoint, 8, {12, 8, 10})), 1, 1e-9);    // in a corner
   EXPECT_NEAR(sum(light(LightKind::kPoint, 8, {-1e-7, 4, 5})), 4, 1e-6);  // just outside
+}
+
+// Closer to a face than 1e-9 it lies in it, and the face gets nothing.
+TEST(PointLight, LiesInAFaceThatItIsABillionthFrom) {
+  EXPECT_NEAR(sum(light(LightKind::kPoint, 8, {1.05e-9, 4.5, 5.5})), 8, 1e-6);
+  EXPECT_NEAR(sum(light(LightKind::kPoint, 8, {0.95e-9, 4.5, 5.5})), 4, 1e-6);
 }
 
 TEST(PointLight, OutsideGivesTheSolidAngleOfTheVolume) {
@@ -226,6 +234,20 @@ TEST(LightingRays, RoundEnergyWithoutBias) {
   }
   EXPECT_LT(std::abs(words - 10'000), 4 * std::sqrt(variance));
   EXPECT_GT(variance, 1000);
+}
+
+// The numbers that round are hashes of the seed and the light's geometry, of a stream of their own (1), and of the ray's number:
+// images stay the same from release to release.
+TEST(LightingRays, RoundEnergyByTheHashOfTheirNumber) {
+  const IlluminateCommand command = light(LightKind::kPoint, 10'000, {6, 4, 5}, 4);
+  const LightingRays rays(command, kBox, kEven, 8, 3);
+  std::uint64_t seed = 3;
+  for (const double x : {6., 4., 5., 0., 0., 0., 0., 0., 0.}) seed = hash(seed, std::bit_cast<std::uint64_t>(x));
+  for (std::uint64_t i = 0; i < rays.count(); ++i) {
+    const double rounded = std::floor(rays.energy(i) + to_unit(hash(hash(seed, 1), i)));
+    const auto ray = rays.make(i);
+    ASSERT_EQ(ray ? ray->colour[1] : 0, rounded) << i;
+  }
 }
 
 TEST(LightingRays, CutEnergyOffAtFullScale) {

@@ -56,6 +56,22 @@ TEST(ImageRays, LieInTheMiddleOfTheirPlaceInThePixel) {
   expect_rays_in_the_middle(20);
 }
 
+// Tiles of 16 x 16 pixels, the last of a row or column with what is left.
+TEST(ImageRays, AreMadeInTilesThatCoverTheImage) {
+  Frame frame;
+  frame.extent = {16 << 14, 16 << 14, 16 << 14};
+  const v1::DspConfig dsp;
+  for (const auto& [width, height, tiles] :
+       {std::array{1, 1, 1}, {16, 16, 1}, {17, 16, 2}, {16, 17, 2}, {18, 33, 6}, {33, 18, 6}, {100, 1, 7}}) {
+    wire::RenderCommand view = corner_view({17, 17, 17}, 16);
+    view.width = static_cast<std::uint16_t>(width);
+    view.height = static_cast<std::uint16_t>(height);
+    Framebuffer framebuffer;
+    ImageRays rays(view, frame, framebuffer, dsp);
+    EXPECT_EQ(rays.divide(1000), static_cast<std::size_t>(tiles)) << width << " x " << height;
+  }
+}
+
 TEST(LightingRays, StartAtTheNearestWordsAndRunAlongTheNearestDirection) {
   const Point extent{16 << 14, 16 << 14, 16 << 14};
   wire::IlluminateCommand command;
