@@ -42,16 +42,24 @@ TEST(IlluminateCommand, SaysThroughWhichFaceItsRaysEscape) {
   EXPECT_EQ(lit(board, sunlight(100, {-1, 0, 0})).escaped_by_face, (Faces{0, 25'600, 0, 0, 0, 0}));
 }
 
-// All goes through clear air, and nothing through opaque fog.
+// The upper half is dense: opaque at first, and then as clear as the lower one. Where the two meet, a sample's part of its ray
+// takes its opacity from the table's depths.
 TEST(IlluminateCommand, GoesByTheTableThatWasWrittenLast) {
   for (const v1::FidelityLevel level : {v1::functional, v1::cycle}) {
     BareBoard board(blocks_of_eight(level));
-    load_fog(board, 0);
-    EXPECT_EQ(lit(board, sunlight(100)).escaped, 25'600u);
-    board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{1, 1, 1}, 65535}; });
+    board.load_volume({17, 17, 17}, [](int, int, int z) {
+      return wire::Voxel{static_cast<std::uint16_t>(z < 8 ? 0 : 4000), 0, 0, 0};
+    });
+    board.write_segmentation([](unsigned, unsigned density) {
+      return wire::SegmentationEntry{{1, 1, 1}, static_cast<std::uint16_t>(density < 1000 ? 0 : 65535)};
+    });
     const wire::LightingLedger opaque = lit(board, sunlight(100));
     EXPECT_EQ(opaque.deposited, 25'600u);
     EXPECT_EQ(opaque.escaped, 0u);
+    board.write_segmentation([](unsigned, unsigned) { return wire::SegmentationEntry{{1, 1, 1}, 0}; });
+    const wire::LightingLedger clear = lit(board, sunlight(100));
+    EXPECT_EQ(clear.deposited, 0u);
+    EXPECT_EQ(clear.escaped, 25'600u);
   }
 }
 
