@@ -23,6 +23,9 @@ class RdramLayout : public testing::TestWithParam<Shape> {
   static std::uint32_t columns() { return GetParam().mbit == 288 ? 128 : 64; }
 };
 
+// Seven pages of 4 x 6 x 5 voxels: 24 + 30 + 20 faces each.
+TEST(Bricks, CostTheirPagesTimesTheSurfaceOfOne) { EXPECT_EQ((Bricks{.size = {2, 3, 5}, .pages = 7}).cost(), 518u); }
+
 TEST_P(RdramLayout, GivesEveryTileAPlaceOfItsOwnWithinTheDevices) {
   const std::uint32_t blocks = GetParam().n == 64 ? 61 : 401;
   const Layout layout(blocks, GetParam().n, GetParam().mbit);
