@@ -25,6 +25,7 @@ class Client {
 
   // A call of the service, as call(&Stub::GetInfo), about the board that the options name. Throws CallFailed.
   template <typename Request, typename Response>
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): it gets the board's number, if it has a field for one
   Response call(grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*), Request request = {}) {
     if constexpr (requires { request.set_board(0); }) request.set_board(board_);
     grpc::ClientContext context;
