@@ -65,6 +65,9 @@ void serve(const Options& options, const RoutineTable& routines) {
   BusOptions bus;
   bus.resume_limit = options.resume_limit;
   bus.max_held_bytes = options.max_results_bytes;
+  bus.max_unowned = options.max_connections;
+  bus.max_unowned_of_peer = options.max_connections_of_peer;
+  bus.max_wait = options.max_wait;
   BusServer server(bus);
   ending.set_stop([&server] { server.stop(); });
   const Finally server_goes{[&ending] { ending.set_stop([] {}); }};

@@ -14,7 +14,8 @@ namespace gicube::emu {
 namespace {
 
 constexpr std::uint64_t kBytesOfMib = std::uint64_t{1} << 20;
-constexpr std::uint32_t kMaxMib = 1u << 24;  // chosen: 16 TiB
+constexpr std::uint32_t kMaxConnections = 400;  // chosen: with as many that leave, and 64 boards, below 1,024 files
+constexpr std::uint32_t kMaxMib = 1u << 24;     // chosen: 16 TiB
 
 // Those flags that are options only once they have been read.
 struct Flags {
@@ -25,6 +26,7 @@ struct Flags {
   std::string fault_file;
   std::uint32_t resume_seconds = 10;
   std::uint32_t max_memory_mib = 0;
+  std::uint32_t max_wait_seconds = static_cast<std::uint32_t>(BusOptions().max_wait.count() / 1000);
   std::uint32_t max_results_mib = static_cast<std::uint32_t>(BusOptions().max_held_bytes / kBytesOfMib);
   bool allow_remote_bus = false;
 };
@@ -58,6 +60,18 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--max-results", flags.max_results_mib, "MIB",
       "what a board may hold for a client: results that it has not waited or polled for, answers it has not taken")
       ->check(CLI::Range(1u, kMaxMib))
+      ->capture_default_str();
+  add("--max-connections", options.max_connections, "N",
+      "connections that own no board: one more takes the place of the oldest that has not said its version")
+      ->check(CLI::Range(2u, kMaxConnections))
+      ->capture_default_str();
+  add("--max-connections-of-peer", options.max_connections_of_peer, "N",
+      "the same for one address, or one process of this machine")
+      ->check(CLI::Range(2u, kMaxConnections))
+      ->capture_default_str();
+  add("--max-wait", flags.max_wait_seconds, "SECONDS",
+      "how long a client may wait for a board, however long it wants to")
+      ->check(CLI::Range(1u, 86'400u))
       ->capture_default_str();
 
   app.option_defaults()->group("Configuration");
@@ -228,6 +242,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   }
   result.options.resume_limit = std::chrono::seconds(flags.resume_seconds);
   if (flags.max_memory_mib > 0) result.options.max_memory_bytes = flags.max_memory_mib * kBytesOfMib;
+  result.options.max_wait = std::chrono::seconds(flags.max_wait_seconds);
   result.options.max_results_bytes = flags.max_results_mib * kBytesOfMib;
   read_listen(flags, result.options, result.errors);
   read_management(flags, result.options, result.errors);

@@ -29,6 +29,9 @@ struct Options {
   std::chrono::milliseconds resume_limit = BusOptions().resume_limit;
   std::uint64_t max_memory_bytes = kUnlimitedMemory;  // of each board
   std::uint64_t max_results_bytes = BusOptions().max_held_bytes;
+  std::uint32_t max_connections = static_cast<std::uint32_t>(BusOptions().max_unowned);
+  std::uint32_t max_connections_of_peer = static_cast<std::uint32_t>(BusOptions().max_unowned_of_peer);
+  std::chrono::milliseconds max_wait = BusOptions().max_wait;
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;

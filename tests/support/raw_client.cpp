@@ -21,9 +21,10 @@ using wire::FrameType;
 
 namespace {
 
-int connect_to(const sockaddr* address, socklen_t size, const std::string& name) {
+int connect_to(const sockaddr* address, socklen_t size, const std::string& name, const sockaddr* source = nullptr) {
   const int fd = ::socket(address->sa_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  if (fd < 0 || ::connect(fd, address, size) != 0) {
+  const bool is_bound = source == nullptr || ::bind(fd, source, size) == 0;
+  if (fd < 0 || !is_bound || ::connect(fd, address, size) != 0) {
     if (fd >= 0) ::close(fd);
     throw std::runtime_error("nobody answers on " + name);
   }
@@ -39,12 +40,16 @@ RawClient RawClient::connect_unix(const std::string& path) {
   return RawClient(connect_to(reinterpret_cast<const sockaddr*>(&address), sizeof address, path));
 }
 
-RawClient RawClient::connect_tcp(std::uint16_t port) {
+RawClient RawClient::connect_tcp(std::uint16_t port, const char* source) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  const int fd = connect_to(reinterpret_cast<const sockaddr*>(&address), sizeof address, std::to_string(port));
+  sockaddr_in from{};
+  from.sin_family = AF_INET;
+  ::inet_pton(AF_INET, source, &from.sin_addr);
+  const int fd = connect_to(reinterpret_cast<const sockaddr*>(&address), sizeof address, std::to_string(port),
+                            reinterpret_cast<const sockaddr*>(&from));
   const int on = 1;
   ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   return RawClient(fd);

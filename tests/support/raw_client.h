@@ -22,7 +22,7 @@ class RawClient {
  public:
   // Throw std::runtime_error if nobody answers.
   static RawClient connect_unix(const std::string& path);
-  static RawClient connect_tcp(std::uint16_t port);  // on 127.0.0.1
+  static RawClient connect_tcp(std::uint16_t port, const char* source = "127.0.0.1");  // to 127.0.0.1, from `source`
   // Takes over a connected stream socket.
   explicit RawClient(int fd);
   ~RawClient() { close(); }

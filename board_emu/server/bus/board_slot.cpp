@@ -75,8 +75,9 @@ Claim BoardSlot::claim(const Claimant& who) {
   if (owner_ == Owner::kManagement || releasing_) return Claim::kSoonFree;
   if (owner_ == Owner::kSession) {
     if (!who.force && !away_) return Claim::kBusy;
-    ask_to_end(wire::ErrorCode::kTaken, who.name + (who.force ? " took the board by force" : " came for the board"));
-    return Claim::kSoonFree;
+    const bool forces = !away_;
+    ask_to_end(wire::ErrorCode::kTaken, who.name + (forces ? " took the board by force" : " came for the board"));
+    return forces ? Claim::kForced : Claim::kSoonFree;
   }
   owner_ = Owner::kSession;
   owner_name_ = who.name;

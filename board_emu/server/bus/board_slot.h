@@ -29,7 +29,8 @@
 
 namespace gicube::emu {
 
-enum class Claim { kGranted, kBusy, kSoonFree };  // kSoonFree: the owner is about to let go
+// kSoonFree: the owner is about to let go. kForced: the same, and it was made to just now.
+enum class Claim { kGranted, kBusy, kSoonFree, kForced };
 
 // Asked now and then by calls that may take a while. True: nobody waits for their answer any more.
 using Cancelled = std::function<bool()>;

@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -76,6 +78,18 @@ wire::VersionInfo board_version() {
   return info;
 }
 
+// Small frames go at once, and a client that has gone without a word, as with its machine, is noticed.
+void prepare(Connection::Socket& socket) {
+  constexpr int kIdleSeconds = 30, kIntervalSeconds = 10, kProbes = 3;  // chosen: gone for a minute is gone
+  error_code ignored;
+  socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+  socket.set_option(asio::socket_base::keep_alive(true), ignored);
+  for (const auto& [name, value] : {std::pair(TCP_KEEPIDLE, kIdleSeconds), std::pair(TCP_KEEPINTVL, kIntervalSeconds),
+                                    std::pair(TCP_KEEPCNT, kProbes)}) {
+    ::setsockopt(socket.native_handle(), IPPROTO_TCP, name, &value, sizeof value);
+  }
+}
+
 // Unix and tcp sockets as those of a generic protocol: once they are bound they do not differ.
 class BusServer::Listener {
  public:
@@ -128,8 +142,7 @@ class BusServer::Listener {
         co_await sleep(pause_, kAcceptPause);
         continue;
       }
-      error_code ignored;
-      if (endpoint_.kind == EndpointKind::kTcp) socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+      if (endpoint_.kind == EndpointKind::kTcp) prepare(socket);
       asio::co_spawn(server_.io_, server_.serve(std::move(socket), slot_, false), asio::detached);
     }
   }
@@ -180,13 +193,23 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
 awaitable<void> BusServer::serve(Connection::Socket socket, BoardSlot& slot, bool is_private) {
   try {
     const auto connection = std::make_shared<Connection>(std::move(socket));
-    std::erase_if(connections_, [](const auto& each) { return each.expired(); });
-    connections_.push_back(connection);
+    add(connection);
     co_await receive(connection, slot, !is_private);
   } catch (const std::exception& error) {
     spdlog::error("a session ended by a fault of the server: {}", error.what());
   }
   if (is_private) stop_now();
+}
+
+// Those that have heard their last word and do not close are waited for only while there are few of them.
+void BusServer::add(const std::shared_ptr<Connection>& connection) {
+  std::erase_if(connections_, [](const auto& each) { return each.expired(); });
+  std::vector<std::shared_ptr<Connection>> leaving;
+  for (const auto& each : connections_) {
+    if (auto alive = each.lock(); alive && !alive->is_open()) leaving.push_back(std::move(alive));
+  }
+  for (std::size_t i = 0; i + options_.max_unowned < leaving.size(); ++i) leaving[i]->close();
+  connections_.push_back(connection);
 }
 
 void BusServer::run() {
@@ -211,8 +234,7 @@ void BusServer::stop_now() {
   stopped_ = true;
   for (const auto& listener : listeners_) listener->close();
   const LastWord word{ErrorCode::kCancelled, 0, "the board shuts down"};
-  const auto guests = guests_;
-  for (const auto& guest : guests) guest->refuse(word);
+  for (const auto& guest : guests_.all()) guest->refuse(word);
   const auto sessions = sessions_;
   for (const auto& [token, session] : sessions) session->end(word.error, word.text);
 }
@@ -220,25 +242,28 @@ void BusServer::stop_now() {
 // ---- clients: their version frame, their place in line for a board, their session
 
 awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume) {
-  guests_.push_back(connection);
-  const Finally left{[&] { std::erase(guests_, connection); }};
   if (stopped_) co_return connection->close();
-  if (guests_.size() > options_.max_unowned) {
-    connection->refuse({ErrorCode::kBusy, 0, fmt::format("{} connections own no board yet", options_.max_unowned)});
-    co_return;
+  if (const auto out = guests_.enter(connection)) {
+    out->refuse(
+        {ErrorCode::kBusy, 0, "another connection takes the place of this one, which had not said its version"});
   }
+  const Finally left{[&] { guests_.leave(connection); }};
   std::uint32_t id = 0;
   wire::VersionInfo theirs;
   const bool welcome = co_await read_version(*connection, id, theirs);
   if (!welcome) co_return;
   if (theirs.session != 0) co_return resume(connection, slot, id, theirs);
+  if (const std::string full = guests_.stand_in_line(connection); !full.empty()) {
+    connection->refuse({ErrorCode::kBusy, id, full});
+    co_return;
+  }
 
   const std::uint64_t token = new_token();
   const wire::VersionInfo agreed = *wire::agree(options_.version, theirs);
   const auto session = std::make_shared<Session>(connection->executor(), slot, options_, token, agreed, theirs);
   const bool claimed = co_await claim(connection, session, slot, id, theirs);
   if (!claimed) co_return;
-  std::erase(guests_, connection);
+  guests_.leave(connection);
   sessions_.emplace(token, session);
   const std::string fault = co_await session->prepare();
   if (!fault.empty()) {
@@ -290,12 +315,15 @@ void BusServer::resume(std::shared_ptr<Connection> connection, BoardSlot& slot, 
   found->second->attach(std::move(connection), id, theirs);
 }
 
-// Stands in line. An owner that is about to leave is waited for; one that stays, as long as the client wants.
+// Stands in line. An owner that is about to leave is waited for; one that stays, as long as the client wants. Who may not use force
+// yet is a client like others.
 awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::shared_ptr<Session> session,
                                  BoardSlot& slot, std::uint32_t id, const wire::VersionInfo& theirs) {
   Claimant who;
   who.name = connection->peer();
-  who.force = (theirs.flags & wire::kForce) != 0;
+  const bool wants_force = (theirs.flags & wire::kForce) != 0;
+  BackOff& forces = forces_.try_emplace(&slot, options_.force_pause, options_.longest_force_pause).first->second;
+  who.force = wants_force && forces.allows(steady_clock::now());
   who.end_session = [weak = std::weak_ptr(session), executor = connection->executor()](ErrorCode error,
                                                                                        std::string text) {
     asio::post(executor, [weak, error, text = std::move(text)] {
@@ -305,16 +333,23 @@ awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::sh
   };
   who.place = slot.stand_in_line(who.force);
   const Finally left{[&] { slot.leave_line(who.place); }};
-  const auto patience = steady_clock::now() + std::max(kBusyPatience, milliseconds(theirs.wait_ms));
+  const auto patience =
+      steady_clock::now() + std::max(kBusyPatience, std::min(options_.max_wait, milliseconds(theirs.wait_ms)));
   asio::steady_timer timer(connection->executor());
   while (connection->is_open()) {
+    const auto now = steady_clock::now();
+    who.force = who.force && forces.allows(now);
     const Claim claim = slot.claim(who);
     if (claim == Claim::kGranted) co_return true;
-    if (claim == Claim::kBusy && steady_clock::now() > patience) {
+    if (claim == Claim::kForced) forces.happened(now);
+    if (claim == Claim::kBusy && now > patience) {
       const std::string owner = slot.owner();
-      connection->refuse(
-          {ErrorCode::kBusy, id,
-           fmt::format("board {} has an owner: {}", slot.index(), owner.empty() ? "others wait" : owner)});
+      std::string text = fmt::format("board {} has an owner: {}", slot.index(), owner.empty() ? "others wait" : owner);
+      if (const auto left_ms = forces.left(now).count(); wants_force && left_ms > 0) {
+        text += fmt::format("; it was taken by force not long ago, and can be again in {:.1f} s",
+                            static_cast<double>(left_ms) / 1000);
+      }
+      connection->refuse({ErrorCode::kBusy, id, std::move(text)});
       break;
     }
     co_await sleep(timer, kClaimInterval);

@@ -7,9 +7,11 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "back_off.h"
 #include "board_slot.h"
 #include "connection.h"
 #include "endpoint.h"
+#include "guests.h"
 #include "session.h"
 
 namespace gicube::emu {
@@ -39,6 +41,7 @@ class BusServer {
   class Listener;
 
   void stop_now();
+  void add(const std::shared_ptr<Connection>& connection);
   awaitable<void> serve(Connection::Socket socket, BoardSlot& slot, bool is_private);
 
   // Serves one connection. If it opens a session, returns when that has ended and the board is free again; `can_resume`:
@@ -53,8 +56,9 @@ class BusServer {
 
   const BusOptions options_;
   bool stopped_ = false;
-  std::vector<std::weak_ptr<Connection>> connections_;                    // all of them
-  std::vector<std::shared_ptr<Connection>> guests_;                       // that own no board yet
+  std::vector<std::weak_ptr<Connection>> connections_;  // all of them
+  Guests guests_{options_.max_unowned, options_.max_unowned_of_peer};
+  std::unordered_map<const BoardSlot*, BackOff> forces_;                  // of boards that were taken by force
   std::unordered_map<std::uint64_t, std::shared_ptr<Session>> sessions_;  // by token
   asio::io_context io_{1};
   std::vector<BoardSlot*> slots_;  // those that were served

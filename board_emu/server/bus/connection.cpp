@@ -20,23 +20,6 @@ namespace {
 
 constexpr std::chrono::seconds kLinger{1};  // chosen: what a client gets to read the last word
 
-std::string name_of_peer(Connection::Socket& socket) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof address;
-  if (::getpeername(socket.native_handle(), reinterpret_cast<sockaddr*>(&address), &size) != 0) return "a client";
-  if (address.ss_family == AF_UNIX) {
-    ucred who{};
-    socklen_t who_size = sizeof who;
-    const bool known = ::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &who_size) == 0;
-    return known && who.pid > 0 ? fmt::format("process {}", who.pid) : "a client";
-  }
-  asio::ip::tcp::endpoint endpoint;
-  if (size > endpoint.capacity()) return "a client";
-  std::copy_n(reinterpret_cast<const char*>(&address), size, reinterpret_cast<char*>(endpoint.data()));
-  endpoint.resize(size);
-  return fmt::format("{}:{}", endpoint.address().to_string(), endpoint.port());
-}
-
 Connection::Incoming damaged_frame(std::uint32_t id, std::string text) {
   Connection::Incoming incoming;
   incoming.fault = LastWord{ErrorCode::kCorrupted, id, std::move(text)};
@@ -46,7 +29,28 @@ Connection::Incoming damaged_frame(std::uint32_t id, std::string text) {
 }  // namespace
 
 Connection::Connection(Socket socket)
-    : socket_(std::move(socket)), linger_(socket_.get_executor()), peer_(name_of_peer(socket_)) {}
+    : socket_(std::move(socket)), linger_(socket_.get_executor()), peer_(peer_of(socket_)) {}
+
+Connection::Peer Connection::peer_of(Socket& socket) {
+  const Peer nobody{"a client", "a client"};
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  if (::getpeername(socket.native_handle(), reinterpret_cast<sockaddr*>(&address), &size) != 0) return nobody;
+  if (address.ss_family == AF_UNIX) {
+    ucred who{};
+    socklen_t who_size = sizeof who;
+    const bool known = ::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &who_size) == 0;
+    if (!known || who.pid <= 0) return nobody;
+    const std::string process = fmt::format("process {}", who.pid);
+    return {process, process};
+  }
+  asio::ip::tcp::endpoint endpoint;
+  if (size > endpoint.capacity()) return nobody;
+  std::copy_n(reinterpret_cast<const char*>(&address), size, reinterpret_cast<char*>(endpoint.data()));
+  endpoint.resize(size);
+  const std::string host = endpoint.address().to_string();
+  return {fmt::format("{}:{}", host, endpoint.port()), host};
+}
 
 awaitable<error_code> Connection::read_exactly(std::span<std::uint8_t> bytes) {
   error_code error;

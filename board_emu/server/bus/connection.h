@@ -67,22 +67,27 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool client_has_left();
 
   Executor executor() { return socket_.get_executor(); }
-  // Who is at the other end, as "process 1234" or "127.0.0.1:5678".
-  const std::string& peer() const { return peer_; }
+  // Who is at the other end, as "process 1234" or "127.0.0.1:5678"; and on which machine or in which process, as "127.0.0.1".
+  const std::string& peer() const { return peer_.name; }
+  const std::string& host() const { return peer_.host; }
 
  private:
+  struct Peer {
+    std::string name, host;
+  };
   struct Outgoing {
     std::array<std::uint8_t, wire::kFrameHeaderBytes> header{};
     wire::Payload payload;
   };
 
+  static Peer peer_of(Socket& socket);
   awaitable<error_code> read_exactly(std::span<std::uint8_t> bytes);
   awaitable<Incoming> read_one(std::uint32_t max_payload);
   static awaitable<void> write_queued(std::shared_ptr<Connection> self);
 
   Socket socket_;
   asio::steady_timer linger_;
-  std::string peer_;
+  const Peer peer_;
   std::deque<Outgoing> queued_;
   std::deque<Outgoing> in_flight_;
   bool writing_ = false;

@@ -34,6 +34,12 @@ struct BusOptions {
   std::chrono::milliseconds handshake_deadline{5000};  // chosen: a person's patience
   std::chrono::milliseconds progress_interval{100};    // chosen: as often as a progress bar is read
   std::size_t max_unowned = 32;                        // chosen: connections that own no board (yet)
+  std::size_t max_unowned_of_peer = 16;                // chosen: of one address, or of one process on this machine
+  std::chrono::milliseconds max_wait{3'600'000};       // chosen: for the board; longer than a batch of frames takes
+  // Between two times that a board is taken by force: the first pause, and the longest, to which it doubles.
+  std::chrono::milliseconds force_pause{2'000};  // chosen: more than an owner needs to open and write a volume
+  std::chrono::milliseconds longest_force_pause{
+      60'000};  // chosen: an application in a loop gets the board once a minute
   // How long a session without a connection waits to be resumed while nobody else wants the board; 0 = it ends.
   std::chrono::milliseconds resume_limit{10'000};  // chosen: a network that comes back, not one that is gone
   // What a session may hold for its client: results that were not waited or polled for, frames whose credit has not returned.

@@ -52,6 +52,22 @@ TEST(CommandLine, LimitsMemoryAndResultsInMebibytes) {
   EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--max-memory", "-1"}).errors, Contains(HasSubstr("--max-memory")));
 }
 
+TEST(CommandLine, LimitsConnectionsAndHowLongTheyWait) {
+  const Options usual = parse({"--listen", "unix:/tmp/b"}).options;
+  EXPECT_EQ(usual.max_connections, 32u);
+  EXPECT_EQ(usual.max_connections_of_peer, 16u);
+  EXPECT_EQ(usual.max_wait, std::chrono::hours(1));
+  const Options own =
+      parse({"--listen", "unix:/tmp/b", "--max-connections", "9", "--max-connections-of-peer", "3", "--max-wait", "2"})
+          .options;
+  EXPECT_EQ(own.max_connections, 9u);
+  EXPECT_EQ(own.max_connections_of_peer, 3u);
+  EXPECT_EQ(own.max_wait, std::chrono::seconds(2));
+  for (const char* flag : {"--max-connections", "--max-connections-of-peer", "--max-wait"}) {
+    EXPECT_THAT(parse({"--listen", "unix:/tmp/b", flag, "0"}).errors, Contains(HasSubstr(flag)));
+  }
+}
+
 TEST(CommandLine, AFileThatNeverEndsIsReadNoFurtherThanATextMayBe) {
   for (const char* flag : {"--config", "--faults"}) {
     EXPECT_THAT(parse({"--listen", "fd:3", flag, "/dev/zero"}).errors,

@@ -150,17 +150,6 @@ TEST(Handshake, ASecondClientIsToldThatTheBoardHasAnOwner) {
   EXPECT_EQ(owner.read_register(wire::reg::kId), wire::kIdValue);
 }
 
-TEST(Handshake, TooManyConnectionsWithoutABoardAreTurnedAway) {
-  BusOptions options = patient();
-  options.max_unowned = 2;
-  const ServedBoards boards(1, options);
-  RawClient owner = boards.open();  // does not count
-  RawClient first = boards.connect(), second = boards.connect();
-  RawClient third = boards.connect();
-  expect_last_word(third, third.receive(), ErrorCode::kBusy, "2 connections own no board");
-  EXPECT_EQ(owner.read_register(wire::reg::kId), wire::kIdValue);
-}
-
 TEST(Handshake, EveryBoardHasItsOwnOwnerAndState) {
   const ServedBoards boards(3);
   RawClient first = boards.open({}, 0), last = boards.open({}, 2);
