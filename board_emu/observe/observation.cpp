@@ -33,7 +33,7 @@ ObservationOptions for_board(const ObservationOptions& options, std::uint32_t bo
 
 Observation::Observation(const ObservationOptions& options) : options_(options) {
   if (!options.trace_file.empty()) {
-    trace_.emplace(options.trace_file);
+    trace_.emplace(options.trace_file, options.trace_creation);
     name_tracks(*trace_);
     cycles_.emplace(*trace_);
   }

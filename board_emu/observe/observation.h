@@ -15,9 +15,10 @@
 namespace gicube::emu {
 
 struct ObservationOptions {
-  std::string trace_file;  // empty = none
-  std::string vcd_file;    // empty = none
-  CycleWindow vcd_window;
+  std::string trace_file{};  // empty = none
+  std::string vcd_file{};    // empty = none
+  CycleWindow vcd_window{};
+  Creation trace_creation = Creation::kReplaces;
 
   bool any() const { return !trace_file.empty() || !vcd_file.empty(); }
 };

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstddef>
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,11 +17,20 @@
 
 namespace gicube::emu {
 
+// kNew: only where nothing has that name, not even a symbolic link.
+enum class Creation { kReplaces, kNew };
+
 class TextFile {
  public:
   // Creates the file anew. Throws std::runtime_error that names it.
-  explicit TextFile(const std::string& path) : path_(path), file_(path, std::ios::binary | std::ios::trunc) {
-    if (!file_) throw std::runtime_error("expected a file that can be written, got " + path);
+  explicit TextFile(const std::string& path, Creation creation = Creation::kReplaces)
+      : path_(path), file_(std::fopen(path.c_str(), creation == Creation::kNew ? "wbxe" : "wbe"), &std::fclose) {
+    if (!file_) {
+      const bool is_there = creation == Creation::kNew && errno == EEXIST;
+      throw std::runtime_error(
+          (is_there ? "expected the name of a new file, got " : "expected a file that can be written, got ") + path);
+    }
+    std::setvbuf(file_.get(), nullptr, _IONBF, 0);  // the pieces are large
     text_.reserve(2 * kPiece);
   }
   ~TextFile() { flush(); }
@@ -38,21 +49,21 @@ class TextFile {
   // Writes everything, and `ending` behind it; the next record will overwrite the ending.
   void flush_with(std::string_view ending) {
     if (!file_) return text_.clear();
-    file_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
+    const bool written = write(text_);
     text_.clear();
-    const std::streampos end = file_.tellp();
-    file_ << ending << std::flush;
-    if (!ending.empty()) file_.seekp(end);
-    if (!file_) remove();
+    const long end = std::ftell(file_.get());
+    const bool ended = ending.empty() || (write(ending) && std::fseek(file_.get(), end, SEEK_SET) == 0);
+    if (!written || !ended) remove();
   }
 
   const std::string& path() const { return path_; }
   // False once a write has failed, on a full disk for instance; the file is gone then, and nothing is written after that.
-  bool good() const { return static_cast<bool>(file_); }
+  bool good() const { return file_ != nullptr; }
 
  private:
+  bool write(std::string_view bytes) { return std::fwrite(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size(); }
   void remove() {
-    file_.close();
+    file_.reset();
     std::error_code ignored;
     if (std::filesystem::is_regular_file(path_, ignored)) std::filesystem::remove(path_, ignored);
   }
@@ -60,7 +71,7 @@ class TextFile {
   static constexpr std::size_t kPiece = std::size_t{64} << 10;  // chosen: some thousand records
 
   std::string path_;
-  std::ofstream file_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   std::string text_;  // not written yet
 };
 

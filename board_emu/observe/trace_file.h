@@ -25,7 +25,9 @@ struct Track {
 class TraceFile {
  public:
   // Throws std::runtime_error that names the file.
-  explicit TraceFile(const std::string& path) : file_(path) { file_.add("["); }
+  explicit TraceFile(const std::string& path, Creation creation = Creation::kReplaces) : file_(path, creation) {
+    file_.add("[");
+  }
   ~TraceFile() { complete(); }
 
   TraceFile(const TraceFile&) = delete;

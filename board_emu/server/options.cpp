@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <string_view>
 #include <system_error>
@@ -22,7 +23,7 @@ struct Flags {
   std::string listen, management, config_file;
   std::vector<std::string> overrides;
   std::string certificate_file, key_file, token_file;
-  std::string trace_file, vcd_file, vcd_window;
+  std::string trace_file, trace_dir, vcd_file, vcd_window;
   std::string fault_file;
   std::uint32_t resume_seconds = 10;
   std::uint32_t max_memory_mib = 0;
@@ -85,6 +86,9 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
 
   app.option_defaults()->group("Observation");
   add("--trace", flags.trace_file, "FILE", "write a trace for ui.perfetto.dev; board i > 0 writes FILE.i");
+  add("--trace-dir", flags.trace_dir, "FOLDER",
+      "where the management plane may have new traces written; unset: the working folder if that plane is at a\n"
+      "unix socket, or else nowhere");
   add("--vcd", flags.vcd_file, "FILE",
       "write a waveform for GTKWave of the window; needs fidelity=cycle; board i > 0 writes FILE.i");
   add("--vcd-window", flags.vcd_window, "BEGIN:END", "core cycles of the machine's clock, END left out");
@@ -173,15 +177,28 @@ void read_listen(const Flags& flags, Options& options, std::vector<std::string>&
   }
 }
 
+// Whoever may use the socket of a user is that user, and writes no file here that he could not write himself.
+std::string read_trace_folder(const Flags& flags, const Endpoint& management, std::vector<std::string>& errors) {
+  const bool is_given = !flags.trace_dir.empty();
+  if (!is_given && management.kind != EndpointKind::kUnix) return {};
+  std::error_code error;
+  const auto folder = std::filesystem::canonical(is_given ? flags.trace_dir : ".", error);
+  if (!error && std::filesystem::is_directory(folder, error)) return folder.string();
+  if (is_given) errors.push_back(fmt::format("--trace-dir: expected a folder, got {}", flags.trace_dir));
+  return {};
+}
+
 void read_management(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   const bool has_files = !(flags.certificate_file + flags.key_file + flags.token_file).empty();
   if (flags.management.empty()) {
     if (has_files) errors.push_back("--management: expected an endpoint for the certificate, key or token, got none");
+    if (!flags.trace_dir.empty()) errors.push_back("--management: expected an endpoint beside --trace-dir, got none");
     return;
   }
   const std::optional<Endpoint> endpoint = read_endpoint("--management", flags.management, errors);
   if (!endpoint) return;
-  options.management = ManagementOptions{*endpoint, flags.certificate_file, flags.key_file, flags.token_file};
+  options.management = ManagementOptions{*endpoint, flags.certificate_file, flags.key_file, flags.token_file,
+                                         read_trace_folder(flags, *endpoint, errors)};
   for (const Diagnostic& each : check(*options.management)) errors.push_back(to_string(each));
 }
 
@@ -197,7 +214,7 @@ std::optional<CycleWindow> parse_window(const std::string& text) {
 
 // After read_config().
 void read_observation(const Flags& flags, Options& options, std::vector<std::string>& errors) {
-  options.observation = {flags.trace_file, flags.vcd_file, {}};
+  options.observation = {.trace_file = flags.trace_file, .vcd_file = flags.vcd_file};
   if (flags.vcd_file.empty()) {
     if (!flags.vcd_window.empty()) errors.push_back("--vcd-window: expected --vcd FILE beside it, got none");
     return;

@@ -1,7 +1,6 @@
 #include "board_slot.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <future>
 #include <utility>
 
@@ -166,11 +165,6 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
     reason = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
     return Configured::kFaulty;
   }
-  std::error_code ignored;
-  if (std::filesystem::exists(file, ignored)) {
-    reason = "file: expected the name of a new file, got " + file;
-    return Configured::kFaulty;
-  }
   if (is_true(cancelled)) return Configured::kCancelled;
   if (!take_for_management(lock, cancelled)) return Configured::kInUse;
   const v1::BoardConfig config = config_;
@@ -180,7 +174,10 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   std::unique_ptr<Observation> observation;
   std::unique_ptr<Board> board;
   try {
-    if (!file.empty()) observation = std::make_unique<Observation>(ObservationOptions{file, {}, {}});
+    if (!file.empty()) {
+      observation =
+          std::make_unique<Observation>(ObservationOptions{.trace_file = file, .trace_creation = Creation::kNew});
+    }
     board = build(config, observation.get());
     const std::lock_guard swapping(mutex_);
     board_.swap(board);

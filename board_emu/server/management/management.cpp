@@ -11,6 +11,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <mutex>
@@ -36,7 +37,8 @@ constexpr int kMaxMessageBytes = 2 << 20;                 // chosen: twice what 
 
 class Service final : public v1::BoardManagement::Service {
  public:
-  explicit Service(std::vector<BoardSlot*> boards) : boards_(std::move(boards)) {}
+  Service(std::vector<BoardSlot*> boards, std::string trace_folder)
+      : boards_(std::move(boards)), trace_folder_(std::move(trace_folder)) {}
 
   Status ListBoards(ServerContext*, const v1::ListBoardsRequest*, v1::ListBoardsResponse* response) override {
     for (const BoardSlot* slot : boards_) describe(*slot, *response->add_boards());
@@ -68,9 +70,14 @@ class Service final : public v1::BoardManagement::Service {
   }
 
   Status SetTrace(ServerContext* context, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
-    return on_board(*request, [&](BoardSlot& slot) {
-      std::string reason;
-      const auto result = slot.set_trace_file(request->file(), reason, given_up(*context));
+    return on_board(*request, [&](BoardSlot& slot) -> Status {
+      std::string reason, path;
+      try {
+        if (!request->file().empty()) path = trace_path(trace_folder_, request->file());
+      } catch (const std::invalid_argument& error) {
+        return {StatusCode::INVALID_ARGUMENT, error.what()};
+      }
+      const auto result = slot.set_trace_file(path, reason, given_up(*context));
       return result == BoardSlot::Configured::kDone ? shown(slot, *info) : refusal(result, slot, reason);
     });
   }
@@ -189,6 +196,7 @@ class Service final : public v1::BoardManagement::Service {
   }
 
   const std::vector<BoardSlot*> boards_;
+  const std::string trace_folder_;
   std::atomic<int> watchers_{0};
   std::mutex mutex_;
   std::condition_variable stopped_;
@@ -294,16 +302,29 @@ std::vector<Diagnostic> check(const ManagementOptions& options) {
   return found;
 }
 
+std::string trace_path(const std::string& folder, const std::string& file) {
+  if (folder.empty()) {
+    throw std::invalid_argument("file: expected none, the board process has no --trace-dir; got " + file);
+  }
+  const std::filesystem::path path(file);
+  const std::string name = path.filename().string();
+  const bool is_there = !path.has_parent_path() || path.parent_path() == folder;
+  if (!is_there || name.empty() || name.starts_with('.')) {
+    throw std::invalid_argument(fmt::format("file: expected the name of a new file in {}, got {}", folder, file));
+  }
+  return (std::filesystem::path(folder) / name).string();
+}
+
 struct Management::Parts {
   Endpoint endpoint;
   Service service;
   std::unique_ptr<grpc::Server> server;
 
-  explicit Parts(std::vector<BoardSlot*> boards) : service(std::move(boards)) {}
+  Parts(std::vector<BoardSlot*> boards, const std::string& trace_folder) : service(std::move(boards), trace_folder) {}
 };
 
 Management::Management(const ManagementOptions& options, std::vector<BoardSlot*> boards)
-    : parts_(std::make_unique<Parts>(std::move(boards))) {
+    : parts_(std::make_unique<Parts>(std::move(boards), options.trace_folder)) {
   const std::vector<Diagnostic> found = check(options);
   if (!found.empty()) throw std::runtime_error(to_string(found));
   const bool is_unix = options.endpoint.kind == EndpointKind::kUnix;

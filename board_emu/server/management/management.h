@@ -15,6 +15,7 @@ struct ManagementOptions {
   Endpoint endpoint;
   // PEM files, and the token's, which only its owner may read. Needed where other machines can reach the endpoint.
   std::string certificate_file, key_file, token_file;
+  std::string trace_folder{};  // where SetTrace may create files; empty: nowhere
 };
 
 // Why these options are refused, by flag; empty if they are good. Reads no file.
@@ -25,6 +26,9 @@ inline constexpr std::size_t kMinTokenBytes = 16;  // chosen: 64 bits and more, 
 std::string read_token(const std::string& path);
 // True if the header is "Bearer " and the token; takes the same time wherever they differ.
 bool is_authorized(std::string_view authorization, std::string_view token);
+
+// The file that SetTrace is asked to write: one in `folder`, by its name or its whole path. Throws std::invalid_argument.
+std::string trace_path(const std::string& folder, const std::string& file);
 
 class Management {
  public:

@@ -96,7 +96,8 @@ void add_trace(CLI::App& app, Options& options) {
   trace->require_subcommand(1);
   add_board_command(*trace, options, show_trace, "show", "where the board writes its trace");
   add_board_command(*trace, options, start_trace, "start", "traces all sessions from now on; nobody may own the board")
-      ->add_option("file", options.trace_file, "written by the board's process, as its user")
+      ->add_option("file", options.trace_file,
+                   "a new file in the folder that gicube-board has for traces (--trace-dir)")
       ->type_name("FILE")
       ->required();
   add_board_command(*trace, options, stop_trace, "stop", "completes the file; nobody may own the board");

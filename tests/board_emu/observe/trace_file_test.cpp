@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
+#include <string>
 
 #include "read_trace.h"
 #include "temporary_directory.h"
@@ -70,6 +73,26 @@ TEST(TraceFile, TouchingSlicesTouchInWholeNanosecondsToo) {
   }
   const auto slices = read_trace(read_text(folder.file("t"))).slices.at("p/t");  // throws if any overlap
   for (std::size_t i = 1; i < slices.size(); ++i) EXPECT_EQ(slices[i].begin_ns, slices[i - 1].end_ns);
+}
+
+TEST(TraceFile, ANewOneTakesNoNameThatIsThereAndFollowsNoLink) {
+  namespace fs = std::filesystem;
+  const reference::TemporaryDirectory folder;
+  const std::string target = folder.file("target"), link = folder.file("link"), there = folder.file("there");
+  fs::create_symlink(target, link);
+  std::ofstream(there) << "mine";
+  for (const std::string& name : {link, there}) {
+    try {
+      const TraceFile trace(name, Creation::kNew);
+      FAIL() << name;
+    } catch (const std::runtime_error& error) {
+      EXPECT_EQ(error.what(), "expected the name of a new file, got " + name);
+    }
+  }
+  EXPECT_FALSE(fs::exists(target));
+  EXPECT_EQ(fs::file_size(there), 4u);
+  { const TraceFile trace(folder.file("new"), Creation::kNew); }
+  EXPECT_GT(fs::file_size(folder.file("new")), 0u);
 }
 
 TEST(TraceFile, NamesTheFileThatCannotBeOpened) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 #include "temporary_directory.h"
@@ -148,6 +149,19 @@ TEST(CommandLine, TakesFilesToObserveTheBoardWith) {
   EXPECT_EQ(line.options.observation.vcd_window.begin, 1000u);
   EXPECT_EQ(line.options.observation.vcd_window.end, 2500u);
   EXPECT_THAT(parse({"--listen", "fd:3", "--trace", "t.json"}).errors, IsEmpty());  // bus and DSP at any level
+}
+
+TEST(CommandLine, TracesForManagementHaveAFolder) {
+  const auto folder_of = [](std::vector<const char*> more) {
+    more.insert(more.begin(), {"--listen", "fd:3"});
+    return parse(more).options.management.value().trace_folder;
+  };
+  EXPECT_EQ(folder_of({"--management", "unix:/tmp/m"}), std::filesystem::current_path());
+  EXPECT_EQ(folder_of({"--management", "unix:/tmp/m", "--trace-dir", "/tmp/../tmp"}), "/tmp");
+  EXPECT_EQ(folder_of({"--management", "tcp:127.0.0.1:1"}), "");
+  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "unix:/tmp/m", "--trace-dir", "/nowhere"}).errors,
+              ElementsAre("--trace-dir: expected a folder, got /nowhere"));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--trace-dir", "/tmp"}).errors, ElementsAre(HasSubstr("beside --trace-dir")));
 }
 
 TEST(CommandLine, AWaveformNeedsAWindowTheCycleLevelAndAFileOfItsOwn) {

@@ -157,10 +157,11 @@ TEST(Smi, NamesWhatIsWrongInAFaultPlan) {
 }
 
 TEST(Smi, TracesTheSessionsBetweenStartAndStop) {
-  const Boards boards;
-  const std::string file = boards.folder.file("trace.json");
+  const TemporaryDirectory traces;
+  const Boards boards({"--trace-dir", traces.path()});
+  const std::string file = traces.file("trace.json");
   EXPECT_THAT(boards.smi({"trace", "show"}).out, HasSubstr("writes no trace"));
-  const Finished start = boards.smi({"trace", "start", file});
+  const Finished start = boards.smi({"trace", "start", "trace.json"});
   EXPECT_EQ(start.code, 0) << start.err;
   Board::open(boards.bus).counters();
   EXPECT_THAT(boards.smi({"trace", "show"}).out, HasSubstr(file));
@@ -172,14 +173,16 @@ TEST(Smi, TracesTheSessionsBetweenStartAndStop) {
 }
 
 TEST(Smi, ATraceOverwritesNothingAndNeedsAFreeBoard) {
-  const Boards boards;
-  const std::string file = boards.folder.file("there");
+  const TemporaryDirectory traces;
+  const Boards boards({"--trace-dir", traces.path()});
+  const std::string file = traces.file("there");
   std::ofstream(file) << "mine";
   EXPECT_THAT(boards.smi({"trace", "start", file}).err, HasSubstr("expected the name of a new file"));
   EXPECT_EQ(contents(file), "mine");
-  EXPECT_EQ(boards.smi({"trace", "start", "/no/such/folder/trace"}).code, 1);
+  EXPECT_THAT(boards.smi({"trace", "start", boards.folder.file("elsewhere")}).err,
+              HasSubstr("expected the name of a new file in " + traces.path() + ", got"));
   const Board board = Board::open(boards.bus);
-  EXPECT_THAT(boards.smi({"trace", "start", boards.folder.file("new")}).err, HasSubstr("has an owner"));
+  EXPECT_THAT(boards.smi({"trace", "start", "new"}).err, HasSubstr("has an owner"));
 }
 
 TEST(Smi, ValidatesAGoodBoard) {

@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -24,10 +25,14 @@ class ManagedBoards {
   explicit ManagedBoards(std::uint32_t count = 1) : boards(count) {
     ManagementOptions options;
     options.endpoint = parse_endpoint("unix:" + boards.folder.file("management"));
+    std::filesystem::create_directory(traces());
+    options.trace_folder = traces();
     management = std::make_unique<Management>(options, boards.all());
     channel = grpc::CreateChannel(to_string(options.endpoint), grpc::InsecureChannelCredentials());
     stub = v1::BoardManagement::NewStub(channel);
   }
+
+  std::string traces() const { return boards.folder.file("traces"); }
 
   grpc::Status configure(const std::string& text, v1::BoardInfo& info) {
     Call call;

@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <stdexcept>
+
 #include "managed_boards.h"
 
 namespace gicube::emu {
@@ -239,6 +242,35 @@ TEST(Management, ASeventeenthWatchIsTurnedAway) {
   EXPECT_EQ(reader->Finish().error_code(), StatusCode::RESOURCE_EXHAUSTED);
   managed.management.reset();
   for (const auto& each : readers) each->Finish();
+}
+
+grpc::Status set_trace(ManagedBoards& managed, const std::string& file) {
+  Call call;
+  v1::SetTraceRequest request;
+  request.set_file(file);
+  v1::TraceInfo info;
+  return managed.stub->SetTrace(&call, request, &info);
+}
+
+TEST(Management, WritesTracesInItsFolderForThemAndNowhereElse) {
+  ManagedBoards managed;
+  const std::string outside = managed.boards.folder.file("outside");
+  for (const std::string& file : {outside, managed.traces() + "/../outside", std::string("sub/trace"),
+                                  std::string(".."), std::string(".hidden"), managed.traces() + "/"}) {
+    const grpc::Status status = set_trace(managed, file);
+    EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT) << file;
+    EXPECT_THAT(status.error_message(), HasSubstr("expected the name of a new file in " + managed.traces() + ", got"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(outside));
+  EXPECT_TRUE(set_trace(managed, "by_name").ok());
+  EXPECT_TRUE(set_trace(managed, managed.traces() + "/by_path").ok());
+  EXPECT_TRUE(set_trace(managed, "").ok());
+  for (const char* name : {"/by_name", "/by_path"}) EXPECT_TRUE(std::filesystem::exists(managed.traces() + name));
+  EXPECT_THAT(set_trace(managed, "by_name").error_message(), HasSubstr("expected the name of a new file, got"));
+}
+
+TEST(Management, WithoutAFolderForThemItWritesNoTraces) {
+  EXPECT_THROW(trace_path("", "trace"), std::invalid_argument);
 }
 
 TEST(Management, AFaultPlanIsSetShownAndTakenBack) {
