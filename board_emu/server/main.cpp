@@ -19,6 +19,7 @@
 #include "config/hardware_cost.h"
 #include "end_on_signals.h"
 #include "firmware/routines/routine_table.h"
+#include "gicube/access.h"
 #include "gicube/whole_file.h"
 #include "gicube/wire/register_markdown.h"
 #include "options.h"
@@ -26,6 +27,7 @@
 #include "server/bus/bus_server.h"
 #include "server/management/management.h"
 #include "server/management/registration.h"
+#include "token_files.h"
 #include "words/finally.h"
 
 namespace gicube::emu {
@@ -68,6 +70,9 @@ void serve(const Options& options, const RoutineTable& routines) {
   bus.max_unowned = options.max_connections;
   bus.max_unowned_of_peer = options.max_connections_of_peer;
   bus.max_wait = options.max_wait;
+  const AccessToken own{Right::kControl, new_token()};
+  if (!options.token_file.empty()) bus.tokens = read_tokens(options.token_file);
+  bus.tokens.push_back(own);
   BusServer server(bus);
   ending.set_stop([&server] { server.stop(); });
   const Finally server_goes{[&ending] { ending.set_stop([] {}); }};
@@ -83,8 +88,20 @@ void serve(const Options& options, const RoutineTable& routines) {
   // After the server in this scope: so it is gone before the sockets and the boards are.
   std::unique_ptr<Management> management;
   if (options.management) {
-    management = std::make_unique<Management>(*options.management, boards);
+    ManagementOptions at = *options.management;
+    at.tokens = {own};
+    management = std::make_unique<Management>(at, boards);
     if (options.management->endpoint.kind == EndpointKind::kUnix) ending.add_file(options.management->endpoint.path);
+  }
+  std::optional<TokenFiles> token_files;
+  try {
+    std::vector<Endpoint> all = endpoints;
+    if (management) all.push_back(management->endpoint());
+    token_files.emplace(all, own.token);
+    for (const std::string& path : token_files->paths()) ending.add_file(path);
+  } catch (const std::runtime_error& error) {  // who has a token of --token-file gets in all the same
+    if (options.token_file.empty()) throw;
+    spdlog::warn("programs of this user will need a token: {}", error.what());
   }
   std::optional<Registration> registration;
   try {

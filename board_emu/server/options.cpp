@@ -22,7 +22,7 @@ constexpr std::uint32_t kMaxMib = 1u << 24;     // chosen: 16 TiB
 struct Flags {
   std::string listen, management, config_file;
   std::vector<std::string> overrides;
-  std::string certificate_file, key_file, token_file;
+  std::string certificate_file, key_file;
   std::string trace_file, trace_dir, vcd_file, vcd_window;
   std::string fault_file;
   std::uint32_t resume_seconds = 10;
@@ -42,7 +42,7 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--boards", options.boards, "N", fmt::format("how many boards, 1 to {}", kMaxBoards));
   app.add_flag("--private", options.is_private, "with fd:N: end with that session");
   app.add_flag("--allow-remote-bus", flags.allow_remote_bus,
-               "let --listen be an address that other machines can reach; the bus has no password");
+               "let --listen be an address that other machines can reach; the bus is not encrypted");
   app.add_flag("--quiet", options.quiet, "log warnings only");
   add("--bsdf", options.bsdf_files, "FILE",
       "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
@@ -52,6 +52,12 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "how long a session whose connection broke waits for its client, unless another one comes; 0 = not")
       ->check(CLI::Range(0u, 86'400u))
       ->capture_default_str();
+
+  app.option_defaults()->group("Access");
+  add("--token-file", options.token_file, "FILE",
+      "tokens for clients and callers over TCP, one a line: TOKEN, read TOKEN, use TOKEN or control TOKEN\n"
+      "(docs/reference/security.md); only its owner may read the file. Programs of this user on this machine need "
+      "none");
 
   app.option_defaults()->group("Limits");
   add("--max-memory", flags.max_memory_mib, "MIB",
@@ -103,8 +109,6 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--management", flags.management, "ENDPOINT", "serve the management plane (gRPC) at unix:PATH or tcp:HOST:PORT");
   add("--management-cert", flags.certificate_file, "FILE", "TLS certificate, PEM; needed beyond this machine");
   add("--management-key", flags.key_file, "FILE", "its private key, PEM");
-  add("--management-token-file", flags.token_file, "FILE",
-      "the token that callers must send as \"authorization: Bearer TOKEN\"; only its owner may read the file");
 }
 
 // Empty without a file. No more is read than tells that the text is too long, as of /dev/zero.
@@ -189,15 +193,19 @@ std::string read_trace_folder(const Flags& flags, const Endpoint& management, st
 }
 
 void read_management(const Flags& flags, Options& options, std::vector<std::string>& errors) {
-  const bool has_files = !(flags.certificate_file + flags.key_file + flags.token_file).empty();
+  const bool has_files = !(flags.certificate_file + flags.key_file).empty();
   if (flags.management.empty()) {
-    if (has_files) errors.push_back("--management: expected an endpoint for the certificate, key or token, got none");
+    if (has_files) errors.push_back("--management: expected an endpoint for the certificate and key, got none");
     if (!flags.trace_dir.empty()) errors.push_back("--management: expected an endpoint beside --trace-dir, got none");
     return;
   }
   const std::optional<Endpoint> endpoint = read_endpoint("--management", flags.management, errors);
   if (!endpoint) return;
-  options.management = ManagementOptions{*endpoint, flags.certificate_file, flags.key_file, flags.token_file,
+  options.management = ManagementOptions{*endpoint,
+                                         flags.certificate_file,
+                                         flags.key_file,
+                                         options.token_file,
+                                         {},
                                          read_trace_folder(flags, *endpoint, errors)};
   for (const Diagnostic& each : check(*options.management)) errors.push_back(to_string(each));
 }

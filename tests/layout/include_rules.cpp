@@ -76,6 +76,7 @@ const std::vector<Rule>& rules() {
       {"proto",              {"proto"}, {}},
       {"proto/gicube/wire/checksum.cpp", {"proto"}, {"isa-l"}},
       {"proto/gicube/registry.cpp", {"proto"}, {"signal.h", "sys/socket.h", "sys/stat.h", "sys/un.h", "unistd.h"}},
+      {"proto/gicube/access.cpp", {"proto"}, {"fcntl.h", "sys/stat.h", "unistd.h"}},
       {"proto/gicube/whole_file.cpp", {"proto"}, {"fcntl.h", "sys/stat.h", "unistd.h"}},
       {"proto/gicube/bsdf.h", {}, {"stddef.h", "stdint.h"}},  // C
 
@@ -83,7 +84,7 @@ const std::vector<Rule>& rules() {
       {"driver/include",     {"driver/include"}, {}},
       {"driver/include/gicube/c_api.h", {"driver/include/gicube/c_types.h", "driver/include/gicube/export.h"}, {}},
       {"driver/include/gicube/c_types.h", {}, {"stddef.h", "stdint.h"}},
-      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"}, {kAnything}},
+      {"driver/src",         {"driver", "proto/gicube/wire", "proto/gicube/access.h", "proto/gicube/parallel_for.h", "proto/gicube/whole_file.h"}, {kAnything}},
       {"driver/src/c_api",   {"driver/src/c_api", "driver/src/encode/argument.h", "driver/src/transport/event.h",
                               "driver/include"}, {"fmt"}},
       {"driver/src/encode",  {"driver/src/encode", "driver/include", "proto/gicube/parallel_for.h", "proto/gicube/wire"}, {"fmt"}},
@@ -157,7 +158,7 @@ const std::vector<Rule>& rules() {
       {"samples/small/bsdf_plugin", {"samples/small/bsdf_plugin", "proto/gicube/bsdf.h"}, {"math.h", "stdio.h"}},
       // Like applications; besides in the management plane's messages, and looks for boards as the driver does.
       {"driver/tools/smi",          {"driver/tools/smi", "driver/include", "driver/src/transport", "proto/gicube/v1/management.pb.h",
-                              "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h", "proto/gicube/registry.h",
+                              "proto/gicube/v1/management.grpc.pb.h", "proto/gicube/v1/board_config.pb.h", "proto/gicube/access.h", "proto/gicube/registry.h",
                               "proto/gicube/whole_file.h"},
                              {kAnything}},
       // Speaks the bus below the driver's public headers.

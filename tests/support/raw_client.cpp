@@ -123,9 +123,10 @@ std::optional<RawFrame> RawClient::receive_answer() {
   }
 }
 
-std::optional<RawFrame> RawClient::handshake(const wire::VersionInfo& mine) {
-  std::array<std::uint8_t, wire::kVersionBytes> payload{};
+std::optional<RawFrame> RawClient::handshake(const wire::VersionInfo& mine, const std::string& token) {
+  std::vector<std::uint8_t> payload(wire::kVersionBytes);
   wire::encode(mine, payload);
+  payload.insert(payload.end(), token.begin(), token.end());
   send(FrameType::kVersion, 0, 0, payload);
   return receive();
 }

@@ -44,8 +44,8 @@ class RawClient {
   // The next frame that is neither kCredit nor kProgress.
   std::optional<RawFrame> receive_answer();
 
-  // Sends a version frame and returns the answer.
-  std::optional<RawFrame> handshake(const wire::VersionInfo& mine = {});
+  // Sends a version frame, with an access token if there is one, and returns the answer.
+  std::optional<RawFrame> handshake(const wire::VersionInfo& mine = {}, const std::string& token = "");
   // A request and its answer.
   std::optional<RawFrame> call(wire::FrameType type, std::uint32_t id, std::span<const std::uint8_t> payload);
 

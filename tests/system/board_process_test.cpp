@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "gicube/access.h"
 #include "gicube/wire/register_markdown.h"
 #include "gicube/wire/registers.h"
 #include "raw_client.h"
@@ -89,8 +90,12 @@ TEST(BoardProcess, ATcpPortOfItsChoiceIsPrinted) {
   const int port = std::stoi(line.substr(line.rfind(':') + 1));
   ASSERT_GT(port, 0);
   RawClient client = RawClient::connect_tcp(static_cast<std::uint16_t>(port));
-  ASSERT_TRUE(client.handshake().has_value());
+  const std::string token = local_token("127.0.0.1", static_cast<std::uint16_t>(port));
+  ASSERT_TRUE(client.handshake({}, token).has_value());
   EXPECT_EQ(client.read_register(wire::reg::kId), wire::kIdValue);
+  board.send_signal(SIGTERM);
+  EXPECT_EQ(board.exit_code(), 0);
+  EXPECT_EQ(local_token("127.0.0.1", static_cast<std::uint16_t>(port)), "") << "it has taken its token away";
 }
 
 TEST(BoardProcess, APrivateOneEndsWithItsSession) {

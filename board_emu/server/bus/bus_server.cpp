@@ -32,10 +32,11 @@ using wire::FrameType;
 
 namespace {
 
-constexpr milliseconds kAcceptPause{100};   // chosen: until descriptors may be free again
-constexpr milliseconds kBusyPatience{200};  // chosen: an owner may just be closing its socket
-constexpr milliseconds kClaimInterval{10};  // chosen
-constexpr milliseconds kLastWords{300};     // chosen: what clients get to read them before the process ends
+constexpr milliseconds kAcceptPause{100};    // chosen: until descriptors may be free again
+constexpr milliseconds kBusyPatience{200};   // chosen: an owner may just be closing its socket
+constexpr milliseconds kClaimInterval{10};   // chosen
+constexpr milliseconds kTokenPauseLook{50};  // chosen: how late the end of the server is noticed
+constexpr milliseconds kLastWords{300};      // chosen: what clients get to read them before the process ends
 
 // Which file is at `path`, so that one that has taken our place is left alone.
 std::pair<dev_t, ino_t> identity(const std::string& path) {
@@ -142,8 +143,9 @@ class BusServer::Listener {
         co_await sleep(pause_, kAcceptPause);
         continue;
       }
-      if (endpoint_.kind == EndpointKind::kTcp) prepare(socket);
-      asio::co_spawn(server_.io_, server_.serve(std::move(socket), slot_, false), asio::detached);
+      const bool is_tcp = endpoint_.kind == EndpointKind::kTcp;
+      if (is_tcp) prepare(socket);
+      asio::co_spawn(server_.io_, server_.serve(std::move(socket), slot_, false, is_tcp), asio::detached);
     }
   }
 
@@ -187,14 +189,14 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
   socket.assign(asio::generic::stream_protocol(address.ss_family, 0), fd);
   slot.set_endpoint(fmt::format("fd:{}", fd));
   slots_.push_back(&slot);
-  asio::co_spawn(io_, serve(std::move(socket), slot, is_private), asio::detached);
+  asio::co_spawn(io_, serve(std::move(socket), slot, is_private, false), asio::detached);
 }
 
-awaitable<void> BusServer::serve(Connection::Socket socket, BoardSlot& slot, bool is_private) {
+awaitable<void> BusServer::serve(Connection::Socket socket, BoardSlot& slot, bool is_private, bool wants_token) {
   try {
     const auto connection = std::make_shared<Connection>(std::move(socket));
     add(connection);
-    co_await receive(connection, slot, !is_private);
+    co_await receive(connection, slot, !is_private, wants_token);
   } catch (const std::exception& error) {
     spdlog::error("a session ended by a fault of the server: {}", error.what());
   }
@@ -241,7 +243,8 @@ void BusServer::stop_now() {
 
 // ---- clients: their version frame, their place in line for a board, their session
 
-awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume) {
+awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume,
+                                   bool wants_token) {
   if (stopped_) co_return connection->close();
   if (const auto out = guests_.enter(connection)) {
     out->refuse(
@@ -250,8 +253,13 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
   const Finally left{[&] { guests_.leave(connection); }};
   std::uint32_t id = 0;
   wire::VersionInfo theirs;
-  const bool welcome = co_await read_version(*connection, id, theirs);
-  if (!welcome) co_return;
+  std::string access_token;
+  const bool understood = co_await read_version(*connection, id, theirs, access_token);
+  if (!understood) co_return;
+  if (wants_token) {
+    const bool welcome = co_await may_use(*connection, id, theirs, access_token);
+    if (!welcome) co_return;
+  }
   if (theirs.session != 0) co_return resume(connection, slot, id, theirs);
   if (const std::string full = guests_.stand_in_line(connection); !full.empty()) {
     connection->refuse({ErrorCode::kBusy, id, full});
@@ -278,7 +286,8 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
   sessions_.erase(token);
 }
 
-awaitable<bool> BusServer::read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs) {
+awaitable<bool> BusServer::read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs,
+                                        std::string& token) {
   asio::steady_timer deadline(connection.executor(), options_.handshake_deadline);
   const auto come = std::make_shared<bool>(false);
   deadline.async_wait([self = connection.shared_from_this(), come, this](const error_code& cancelled) {
@@ -299,8 +308,39 @@ awaitable<bool> BusServer::read_version(Connection& connection, std::uint32_t& i
     co_return false;
   }
   id = incoming.frame->header.id;
-  theirs = wire::decode<wire::VersionInfo>(incoming.frame->payload);
+  const std::vector<std::uint8_t>& payload = incoming.frame->payload;
+  theirs = wire::decode<wire::VersionInfo>(payload);
+  token.assign(payload.begin() + wire::kVersionBytes, payload.end());
   co_return true;
+}
+
+// Refuses a client without the right. One whose token is wrong has to wait for that, so that tokens are guessed slowly; its place can be
+// taken meanwhile.
+awaitable<bool> BusServer::may_use(Connection& connection, std::uint32_t id, const wire::VersionInfo& theirs,
+                                   const std::string& token) {
+  const std::optional<Right> right = right_of(options_.tokens, token);
+  const Right needed = (theirs.flags & wire::kForce) != 0 && theirs.session == 0 ? Right::kControl : Right::kUse;
+  if (right && *right >= needed) co_return true;
+  const auto self = connection.shared_from_this();
+  if (right) {
+    connection.refuse({ErrorCode::kForbidden, id,
+                       fmt::format("expected a token with the right to {}, got one with the right to {}",
+                                   name_of(needed), name_of(*right))});
+    co_return false;
+  }
+  spdlog::warn("{}: {}", connection.peer(), token.empty() ? "it has no token" : "its token is wrong");
+  wrong_tokens_.happened(steady_clock::now());
+  const auto end = steady_clock::now() + wrong_tokens_.left(steady_clock::now());
+  asio::steady_timer timer(connection.executor());
+  while (connection.is_open() && steady_clock::now() < end) {
+    co_await sleep(timer, std::min<steady_clock::duration>(end - steady_clock::now(), kTokenPauseLook));
+  }
+  connection.refuse(
+      {ErrorCode::kForbidden, id,
+       fmt::format("expected a token of this board, got {}: a program of another user needs one in the file "
+                   "that GICUBE_TOKEN_FILE names",
+                   token.empty() ? "none" : "another one")});
+  co_return false;
 }
 
 void BusServer::resume(std::shared_ptr<Connection> connection, BoardSlot& slot, std::uint32_t id,

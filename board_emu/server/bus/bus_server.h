@@ -42,12 +42,15 @@ class BusServer {
 
   void stop_now();
   void add(const std::shared_ptr<Connection>& connection);
-  awaitable<void> serve(Connection::Socket socket, BoardSlot& slot, bool is_private);
+  awaitable<void> serve(Connection::Socket socket, BoardSlot& slot, bool is_private, bool wants_token);
 
   // Serves one connection. If it opens a session, returns when that has ended and the board is free again; `can_resume`:
   // the session may go on over other connections. If it resumes one, or is refused, returns at once.
-  awaitable<void> receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume);
-  awaitable<bool> read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs);
+  awaitable<void> receive(std::shared_ptr<Connection> connection, BoardSlot& slot, bool can_resume, bool wants_token);
+  awaitable<bool> read_version(Connection& connection, std::uint32_t& id, wire::VersionInfo& theirs,
+                               std::string& token);
+  awaitable<bool> may_use(Connection& connection, std::uint32_t id, const wire::VersionInfo& theirs,
+                          const std::string& token);
   void resume(std::shared_ptr<Connection> connection, BoardSlot& slot, std::uint32_t id,
               const wire::VersionInfo& theirs);
   awaitable<bool> claim(std::shared_ptr<Connection> connection, std::shared_ptr<Session> session, BoardSlot& slot,
@@ -58,6 +61,7 @@ class BusServer {
   bool stopped_ = false;
   std::vector<std::weak_ptr<Connection>> connections_;  // all of them
   Guests guests_{options_.max_unowned, options_.max_unowned_of_peer};
+  BackOff wrong_tokens_{options_.token_pause, options_.longest_token_pause};
   std::unordered_map<const BoardSlot*, BackOff> forces_;                  // of boards that were taken by force
   std::unordered_map<std::uint64_t, std::shared_ptr<Session>> sessions_;  // by token
   asio::io_context io_{1};

@@ -22,6 +22,7 @@
 
 #include "board_slot.h"
 #include "connection.h"
+#include "gicube/access.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/reliable_window.h"
 
@@ -33,9 +34,13 @@ struct BusOptions {
   wire::VersionInfo version = board_version();
   std::chrono::milliseconds handshake_deadline{5000};  // chosen: a person's patience
   std::chrono::milliseconds progress_interval{100};    // chosen: as often as a progress bar is read
-  std::size_t max_unowned = 32;                        // chosen: connections that own no board (yet)
-  std::size_t max_unowned_of_peer = 16;                // chosen: of one address, or of one process on this machine
-  std::chrono::milliseconds max_wait{3'600'000};       // chosen: for the board; longer than a batch of frames takes
+  std::vector<AccessToken> tokens{};                   // one of which a client over TCP must have
+  // A client with a wrong token waits for its refusal, each time longer.
+  std::chrono::milliseconds token_pause{100};            // chosen: ten guesses a second at first
+  std::chrono::milliseconds longest_token_pause{2'000};  // chosen: within the patience of whoever has mistaken a file
+  std::size_t max_unowned = 32;                          // chosen: connections that own no board (yet)
+  std::size_t max_unowned_of_peer = 16;                  // chosen: of one address, or of one process on this machine
+  std::chrono::milliseconds max_wait{3'600'000};         // chosen: for the board; longer than a batch of frames takes
   // Between two times that a board is taken by force: the first pause, and the longest, to which it doubles.
   std::chrono::milliseconds force_pause{2'000};  // chosen: more than an owner needs to open and write a volume
   std::chrono::milliseconds longest_force_pause{

@@ -1,12 +1,9 @@
 #include "management.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -14,12 +11,18 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include <spdlog/spdlog.h>
+
 #include "describe.h"
 #include "gicube/v1/management.grpc.pb.h"
+#include "server/bus/back_off.h"
+#include "server/bus/session.h"
 #include "words/finally.h"
 
 namespace gicube::emu {
@@ -35,10 +38,65 @@ constexpr std::chrono::milliseconds kCancelCheck{50};     // chosen: how late a 
 constexpr std::chrono::milliseconds kShutdownGrace{200};  // chosen: with the last words to clients less than kMaxEnding
 constexpr int kMaxMessageBytes = 2 << 20;                 // chosen: twice what a configuration text may have
 
+// Asks every call for a token, those of health and reflection too. Who has a wrong one waits for the refusal, each time longer, so that tokens are guessed slowly; only a few do, since each of them holds a thread.
+class TokenCheck final : public grpc::AuthMetadataProcessor {
+ public:
+  explicit TokenCheck(std::vector<AccessToken> tokens) : tokens_(std::move(tokens)) {}
+
+  bool IsBlocking() const override { return true; }
+
+  // The token stays in the call's metadata: what it lets its holder do is asked for each call by right_in().
+  Status Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata*, OutputMetadata*) override {
+    if (right_in(metadata)) return Status::OK;
+    hold_back(metadata.find(kHeader) != metadata.end());
+    return {StatusCode::UNAUTHENTICATED, "expected the metadata \"authorization: Bearer TOKEN\""};
+  }
+
+  std::optional<Right> right_in(const std::multimap<grpc::string_ref, grpc::string_ref>& metadata) const {
+    const auto found = metadata.find(kHeader);
+    if (found == metadata.end()) return std::nullopt;
+    return right_of(tokens_, bearer_token({found->second.data(), found->second.size()}));
+  }
+
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    stopped_.notify_all();
+  }
+
+ private:
+  using Clock = BackOff::Clock;
+  static constexpr const char* kHeader = "authorization";
+
+  void hold_back(bool has_one) {
+    constexpr int kMaxHeld = 4;  // chosen
+    std::unique_lock lock(mutex_);
+    if (held_ >= kMaxHeld) {
+      ++unheld_;
+      return;
+    }
+    ++held_;
+    const std::string more = unheld_ > 0 ? fmt::format("; so had {} more", std::exchange(unheld_, 0)) : "";
+    spdlog::warn("management plane: a caller had {}{}", has_one ? "a wrong token" : "no token", more);
+    wrong_.happened(Clock::now());
+    stopped_.wait_for(lock, wrong_.left(Clock::now()), [this] { return stopping_; });
+    --held_;
+  }
+
+  const std::vector<AccessToken> tokens_;
+  std::mutex mutex_;
+  std::condition_variable stopped_;
+  BackOff wrong_{BusOptions().token_pause, BusOptions().longest_token_pause};
+  int held_ = 0;
+  std::uint64_t unheld_ = 0;  // that were refused at once, since the last line of the log
+  bool stopping_ = false;
+};
+
 class Service final : public v1::BoardManagement::Service {
  public:
-  Service(std::vector<BoardSlot*> boards, std::string trace_folder)
-      : boards_(std::move(boards)), trace_folder_(std::move(trace_folder)) {}
+  // `tokens`: null if nobody is asked for one.
+  Service(std::vector<BoardSlot*> boards, std::string trace_folder, std::shared_ptr<const TokenCheck> tokens)
+      : boards_(std::move(boards)), trace_folder_(std::move(trace_folder)), tokens_(std::move(tokens)) {}
 
   Status ListBoards(ServerContext*, const v1::ListBoardsRequest*, v1::ListBoardsResponse* response) override {
     for (const BoardSlot* slot : boards_) describe(*slot, *response->add_boards());
@@ -48,6 +106,7 @@ class Service final : public v1::BoardManagement::Service {
   Status GetInfo(ServerContext*, const v1::GetInfoRequest* in, v1::BoardInfo* out) override { return show(in, out); }
 
   Status Configure(ServerContext* context, const v1::ConfigureRequest* request, v1::BoardInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
     return on_board(*request, [&](BoardSlot& slot) {
       std::string reason;
       const auto result = slot.configure(request->config_text(), reason, given_up(*context));
@@ -56,6 +115,7 @@ class Service final : public v1::BoardManagement::Service {
   }
 
   Status Reset(ServerContext* context, const v1::ResetRequest* request, v1::BoardInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
     return on_board(*request, [&](BoardSlot& slot) -> Status {
       std::string reason;
       const auto result = slot.power_reset(reason, given_up(*context));
@@ -70,6 +130,7 @@ class Service final : public v1::BoardManagement::Service {
   }
 
   Status SetTrace(ServerContext* context, const v1::SetTraceRequest* request, v1::TraceInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
     return on_board(*request, [&](BoardSlot& slot) -> Status {
       std::string reason, path;
       try {
@@ -89,7 +150,9 @@ class Service final : public v1::BoardManagement::Service {
     return on_board(*request, [&](BoardSlot& slot) { return watch(*context, *request, slot, *writer); });
   }
 
-  Status SetFaultPlan(ServerContext*, const v1::SetFaultPlanRequest* request, v1::FaultPlanInfo* info) override {
+  Status SetFaultPlan(ServerContext* context, const v1::SetFaultPlanRequest* request,
+                      v1::FaultPlanInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
     return on_board(*request, [&](BoardSlot& slot) -> Status {
       const std::vector<Diagnostic> found = slot.faults().set_plan(request->plan_text());
       if (!found.empty()) return {StatusCode::INVALID_ARGUMENT, in_short(to_string(found))};
@@ -101,7 +164,9 @@ class Service final : public v1::BoardManagement::Service {
     return show(in, out);
   }
 
-  Status GetFaultLog(ServerContext*, const v1::GetFaultLogRequest* request, v1::FaultLog* log) override {
+  Status GetFaultLog(ServerContext* context, const v1::GetFaultLogRequest* request, v1::FaultLog* log) override {
+    if (Status refused = lacks(*context, request->clear() ? Right::kControl : Right::kRead); !refused.ok())
+      return refused;
     return on_board(*request, [&](BoardSlot& slot) {
       log->set_board(slot.index());
       for (v1::PlannedFault& fault : slot.faults().log(request->clear())) *log->add_faults() = std::move(fault);
@@ -116,6 +181,16 @@ class Service final : public v1::BoardManagement::Service {
   }
 
  private:
+  // Why a caller may not do what needs this right.
+  Status lacks(const ServerContext& context, Right needed) const {
+    if (!tokens_) return Status::OK;
+    const std::optional<Right> right = tokens_->right_in(context.client_metadata());
+    if (right && *right >= needed) return Status::OK;
+    return {StatusCode::PERMISSION_DENIED,
+            fmt::format("expected a token with the right to {}, got one with the right to {}", name_of(needed),
+                        right ? name_of(*right) : "nothing")};
+  }
+
   // Has `work` do what a request asks of the board that it names.
   template <typename Request, typename Work>
   Status on_board(const Request& request, const Work& work) const {
@@ -197,30 +272,11 @@ class Service final : public v1::BoardManagement::Service {
 
   const std::vector<BoardSlot*> boards_;
   const std::string trace_folder_;
+  const std::shared_ptr<const TokenCheck> tokens_;
   std::atomic<int> watchers_{0};
   std::mutex mutex_;
   std::condition_variable stopped_;
   bool stopping_ = false;
-};
-
-// Asks every call for the token, those of health and reflection too.
-class TokenCheck final : public grpc::AuthMetadataProcessor {
- public:
-  explicit TokenCheck(std::string token) : token_(std::move(token)) {}
-
-  bool IsBlocking() const override { return false; }
-
-  Status Process(const InputMetadata& metadata, grpc::AuthContext*, OutputMetadata* consumed,
-                 OutputMetadata*) override {
-    const auto found = metadata.find("authorization");
-    const bool is_good = found != metadata.end() && is_authorized({found->second.data(), found->second.size()}, token_);
-    if (!is_good) return {StatusCode::UNAUTHENTICATED, "expected the metadata \"authorization: Bearer TOKEN\""};
-    consumed->insert({"authorization", std::string(found->second.data(), found->second.size())});
-    return Status::OK;
-  }
-
- private:
-  const std::string token_;
 };
 
 std::string read_pem(const std::string& path) {
@@ -229,77 +285,58 @@ std::string read_pem(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-std::shared_ptr<grpc::ServerCredentials> credentials(const ManagementOptions& options) {
-  if (options.certificate_file.empty()) return grpc::InsecureServerCredentials();
-  grpc::SslServerCredentialsOptions tls;
-  tls.pem_key_cert_pairs.push_back({read_pem(options.key_file), read_pem(options.certificate_file)});
-  auto secured = grpc::SslServerCredentials(tls);
-  secured->SetAuthMetadataProcessor(std::make_shared<TokenCheck>(read_token(options.token_file)));
-  return secured;
+// `check`: of callers over TCP.
+std::shared_ptr<grpc::ServerCredentials> credentials(const ManagementOptions& options,
+                                                     const std::shared_ptr<TokenCheck>& check) {
+  if (options.endpoint.kind == EndpointKind::kUnix) return grpc::InsecureServerCredentials();
+  std::shared_ptr<grpc::ServerCredentials> asking;
+  if (options.certificate_file.empty()) {
+    asking = grpc::experimental::LocalServerCredentials(LOCAL_TCP);
+  } else {
+    grpc::SslServerCredentialsOptions tls;
+    tls.pem_key_cert_pairs.push_back({read_pem(options.key_file), read_pem(options.certificate_file)});
+    asking = grpc::SslServerCredentials(tls);
+  }
+  asking->SetAuthMetadataProcessor(check);
+  return asking;
+}
+
+std::vector<AccessToken> all_tokens(const ManagementOptions& options) {
+  std::vector<AccessToken> tokens = options.tokens;
+  if (!options.token_file.empty()) {
+    for (AccessToken& each : read_tokens(options.token_file)) tokens.push_back(std::move(each));
+  }
+  return tokens;
 }
 
 }  // namespace
 
-std::string read_token(const std::string& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) throw std::runtime_error(fmt::format("{}: {}", path, std::generic_category().message(errno)));
-  struct stat status {};
-  const bool is_file = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
-  const bool is_private = is_file && (status.st_mode & (S_IRWXG | S_IRWXO)) == 0;
-  std::array<char, 4096> bytes{};
-  const ssize_t size = is_private ? ::read(fd, bytes.data(), bytes.size()) : 0;
-  ::close(fd);
-  if (!is_file) throw std::runtime_error(fmt::format("{}: expected a file with a token", path));
-  if (!is_private) {
-    throw std::runtime_error(fmt::format("{}: expected a file that only its owner can read (mode 600), got mode {:o}",
-                                         path, status.st_mode & 0777u));
-  }
-  std::string token(bytes.data(), size > 0 ? static_cast<std::size_t>(size) : 0);
-  while (!token.empty() && (token.back() == '\n' || token.back() == '\r')) token.pop_back();
-  if (token.size() < kMinTokenBytes || token.size() >= bytes.size()) {
-    throw std::runtime_error(fmt::format("{}: expected a token of {} to {} characters, got {}", path, kMinTokenBytes,
-                                         bytes.size() - 1, token.size()));
-  }
-  return token;
-}
-
-bool is_authorized(std::string_view authorization, std::string_view token) {
+std::string_view bearer_token(std::string_view authorization) {
   constexpr std::string_view kScheme = "Bearer ";
-  if (!authorization.starts_with(kScheme)) return false;
-  authorization.remove_prefix(kScheme.size());
-  // Only the length, which is no secret, can end it early.
-  if (authorization.size() != token.size()) return false;
-  std::uint8_t difference = 0;
-  for (std::size_t i = 0; i < token.size(); ++i) {
-    difference = static_cast<std::uint8_t>(difference | (static_cast<std::uint8_t>(authorization[i] ^ token[i])));
-  }
-  return difference == 0;
+  return authorization.starts_with(kScheme) ? authorization.substr(kScheme.size()) : std::string_view();
 }
 
 std::vector<Diagnostic> check(const ManagementOptions& options) {
-  const std::array<std::pair<const char*, const std::string*>, 3> files{
-      {{"--management-cert", &options.certificate_file},
-       {"--management-key", &options.key_file},
-       {"--management-token-file", &options.token_file}}};
   std::string missing;
-  int given = 0;
-  for (const auto& [flag, file] : files) {
-    if (file->empty()) missing += (missing.empty() ? "" : ", ") + std::string(flag);
-    given += file->empty() ? 0 : 1;
-  }
-  std::vector<Diagnostic> found;
+  const auto need = [&missing](const char* flag, const std::string& file) {
+    if (file.empty()) missing += (missing.empty() ? "" : ", ") + std::string(flag);
+  };
+  need("--management-cert", options.certificate_file);
+  need("--management-key", options.key_file);
+  const bool is_local_place = is_local(options.endpoint);
+  const bool has_no_tls = options.certificate_file.empty() && options.key_file.empty();
+  const bool lacks_half = !has_no_tls && !missing.empty();
+  if (!is_local_place) need("--token-file", options.token_file);
   const std::string endpoint = to_string(options.endpoint);
-  if (options.endpoint.kind == EndpointKind::kFd) {
-    found.push_back({"--management", "unix:PATH or tcp:HOST:PORT", endpoint});
-  } else if (!is_local(options.endpoint) && !missing.empty()) {
-    found.push_back({"--management",
-                     fmt::format("a loopback address or a unix socket, or TLS and a token by {}", missing),
-                     endpoint + ", which other machines can reach"});
-  } else if (given != 0 && !missing.empty()) {
-    found.push_back({"--management", "a certificate, a key and a token file together; missing: " + missing,
-                     fmt::format("{} of the three", given)});
+  if (options.endpoint.kind == EndpointKind::kFd) return {{"--management", "unix:PATH or tcp:HOST:PORT", endpoint}};
+  if (!is_local_place && !missing.empty()) {
+    return {{"--management", fmt::format("a loopback address or a unix socket, or TLS and a token by {}", missing),
+             endpoint + ", which other machines can reach"}};
   }
-  return found;
+  if (lacks_half) {
+    return {{"--management", "a certificate and a key together; missing: " + missing, "one of the two"}};
+  }
+  return {};
 }
 
 std::string trace_path(const std::string& folder, const std::string& file) {
@@ -317,14 +354,18 @@ std::string trace_path(const std::string& folder, const std::string& file) {
 
 struct Management::Parts {
   Endpoint endpoint;
+  std::shared_ptr<TokenCheck> tokens;  // null at a Unix socket, whose file is its owner's alone
   Service service;
   std::unique_ptr<grpc::Server> server;
 
-  Parts(std::vector<BoardSlot*> boards, const std::string& trace_folder) : service(std::move(boards), trace_folder) {}
+  Parts(std::vector<BoardSlot*> boards, const ManagementOptions& options)
+      : endpoint(options.endpoint),
+        tokens(endpoint.kind == EndpointKind::kTcp ? std::make_shared<TokenCheck>(all_tokens(options)) : nullptr),
+        service(std::move(boards), options.trace_folder, tokens) {}
 };
 
 Management::Management(const ManagementOptions& options, std::vector<BoardSlot*> boards)
-    : parts_(std::make_unique<Parts>(std::move(boards), options.trace_folder)) {
+    : parts_(std::make_unique<Parts>(std::move(boards), options)) {
   const std::vector<Diagnostic> found = check(options);
   if (!found.empty()) throw std::runtime_error(to_string(found));
   const bool is_unix = options.endpoint.kind == EndpointKind::kUnix;
@@ -337,12 +378,12 @@ Management::Management(const ManagementOptions& options, std::vector<BoardSlot*>
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
   int port = 0;
   const std::string text = to_string(options.endpoint);
-  builder.AddListeningPort(is_unix ? text : text.substr(std::string("tcp:").size()), credentials(options), &port);
+  builder.AddListeningPort(is_unix ? text : text.substr(std::string("tcp:").size()),
+                           credentials(options, parts_->tokens), &port);
   builder.RegisterService(&parts_->service);
   parts_->server = builder.BuildAndStart();
   if (!parts_->server)
     throw std::runtime_error(fmt::format("{}: can't listen there, or the certificate is no good", text));
-  parts_->endpoint = options.endpoint;
   if (!is_unix) parts_->endpoint.port = static_cast<std::uint16_t>(port);
   grpc::HealthCheckServiceInterface* health = parts_->server->GetHealthCheckService();
   health->SetServingStatus(v1::BoardManagement::service_full_name(), true);
@@ -352,6 +393,7 @@ Management::~Management() {
   if (!parts_->server) return;
   parts_->server->GetHealthCheckService()->SetServingStatus(false);
   parts_->service.stop();
+  if (parts_->tokens) parts_->tokens->stop();
   parts_->server->Shutdown(std::chrono::system_clock::now() + kShutdownGrace);
   parts_->server->Wait();
 }

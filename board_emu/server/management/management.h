@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "gicube/access.h"
 #include "server/bus/board_slot.h"
 #include "server/bus/endpoint.h"
 
@@ -13,19 +14,17 @@ namespace gicube::emu {
 
 struct ManagementOptions {
   Endpoint endpoint;
-  // PEM files, and the token's, which only its owner may read. Needed where other machines can reach the endpoint.
+  // PEM files, and that of tokens (proto/gicube/access.h). Needed where other machines can reach the endpoint.
   std::string certificate_file, key_file, token_file;
-  std::string trace_folder{};  // where SetTrace may create files; empty: nowhere
+  std::vector<AccessToken> tokens{};  // beside those of the file: one of all these is asked of each caller over TCP
+  std::string trace_folder{};         // where SetTrace may create files; empty: nowhere
 };
 
 // Why these options are refused, by flag; empty if they are good. Reads no file.
 std::vector<Diagnostic> check(const ManagementOptions& options);
 
-// The file's content without its line end. Throws std::runtime_error: unreadable, others may read it, a token too short.
-inline constexpr std::size_t kMinTokenBytes = 16;  // chosen: 64 bits and more, if its digits are random
-std::string read_token(const std::string& path);
-// True if the header is "Bearer " and the token; takes the same time wherever they differ.
-bool is_authorized(std::string_view authorization, std::string_view token);
+// The token of a header that is "Bearer " and a token; else nothing, which is nobody's token.
+std::string_view bearer_token(std::string_view authorization);
 
 // The file that SetTrace is asked to write: one in `folder`, by its name or its whole path. Throws std::invalid_argument.
 std::string trace_path(const std::string& folder, const std::string& file);

@@ -41,6 +41,14 @@ Device::Device(const Uri& uri, const OpenOptions& options)
   if (options.force) link_options_.mine.flags |= wire::kForce;
   link_options_.mine.wait_ms = static_cast<std::uint32_t>(options.wait_for_board.count());
   if (uri_.scheme != UriScheme::kEmu) {
+    if (uri_.scheme == UriScheme::kTcp) access_token(-1);  // throws if the file for it is no good
+    link_options_.token = [](int socket) {
+      try {
+        return access_token(socket);
+      } catch (const BadArgument&) {  // the board says that it wants one
+        return std::string();
+      }
+    };
     link_options_.reconnect = [this] { return connect(uri_, link_options_.watchdog); };
   }
   link_ = open_link();

@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 #include <sys/un.h>
 
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
 #include <vector>
 
 #include <boost/asio/connect.hpp>
@@ -12,6 +15,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 
+#include "gicube/access.h"
 #include "gicube/error.h"
 
 namespace gicube {
@@ -50,8 +54,11 @@ Fd try_to_connect(const Uri& uri, std::chrono::milliseconds watchdog, error_code
     io.run_for(watchdog);
   }
   error_code ignored;
-  // Requests are small and each waits for its answer: they must not wait for company too.
-  if (uri.scheme == UriScheme::kTcp) socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+  if (uri.scheme == UriScheme::kTcp) {
+    // Requests are small and each waits for its answer: they must not wait for company too.
+    socket.set_option(asio::ip::tcp::no_delay(true), ignored);
+    socket.set_option(asio::socket_base::keep_alive(true), ignored);  // a machine that is gone is noticed, in two hours
+  }
   Fd connected(socket.release(ignored));
   ::fcntl(connected.get(), F_SETFD, FD_CLOEXEC);
   return connected;
@@ -64,6 +71,25 @@ Fd connect(const Uri& uri, std::chrono::milliseconds watchdog) {
   const std::string where = text_of(uri);
   if (result != asio::error::would_block) throw OpenFailed("cannot connect to " + where + ": " + result.message());
   throw TimedOut(fmt::format("no connection to {} within {} ms", where, watchdog.count()));
+}
+
+std::string access_token(int socket) {
+  const char* const file = std::getenv("GICUBE_TOKEN_FILE");
+  if (file != nullptr && *file != '\0') {
+    try {
+      return read_tokens(file).front().token;
+    } catch (const std::runtime_error& error) {
+      throw BadArgument("GICUBE_TOKEN_FILE", "a file with a token", error.what());
+    }
+  }
+  asio::ip::tcp::endpoint peer;
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  const bool known = ::getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+  if (!known || (address.ss_family != AF_INET && address.ss_family != AF_INET6)) return {};
+  std::memcpy(peer.data(), &address, size);
+  peer.resize(size);
+  return local_token(peer.address().to_string(), peer.port());
 }
 
 }  // namespace gicube

@@ -3,6 +3,7 @@
 
 #include <boost/system/error_code.hpp>
 #include <chrono>
+#include <string>
 
 #include "fd.h"
 #include "uri.h"
@@ -12,6 +13,10 @@ namespace gicube {
 // `watchdog`: wall-clock limit for the connection; 0 = none. Only for unix: and tcp: URIs.
 // Throws OpenFailed (nobody listens there), TimedOut, and BadArgument for a Unix path that is too long.
 Fd connect(const Uri& uri, std::chrono::milliseconds watchdog);
+// The access token for the board that this socket is connected to: the first of the file that the environment variable
+// GICUBE_TOKEN_FILE names; without it, over TCP on this machine, the one that a board of this user has left; empty: none.
+// Throws BadArgument if that file has none.
+std::string access_token(int socket);
 // The same, with the system's error in place of OpenFailed and TimedOut; would_block: the watchdog expired.
 Fd try_to_connect(const Uri& uri, std::chrono::milliseconds watchdog, boost::system::error_code& result);
 

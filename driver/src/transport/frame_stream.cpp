@@ -44,11 +44,13 @@ void FrameStream::run() {
   }
 }
 
-void FrameStream::send(wire::FrameHeader header, wire::Payload payload) {
+void FrameStream::send(wire::FrameHeader header, wire::Payload payload, std::size_t secret_bytes) {
   header.size = static_cast<std::uint32_t>(payload->size());
   Outgoing frame;
   wire::encode_sealed(header, *payload, frame.header);
-  if (!tapped(true, frame.header, *payload)) return;
+  const bool goes_on =
+      secret_bytes > 0 ? tapped_without(secret_bytes, header, payload) : tapped(true, frame.header, *payload);
+  if (!goes_on) return;
   frame.payload = std::move(payload);
   {
     const std::lock_guard lock(mutex_);
@@ -57,6 +59,16 @@ void FrameStream::send(wire::FrameHeader header, wire::Payload payload) {
     writing_ = true;
   }
   boost::asio::post(io_, [this] { write_queued(); });
+}
+
+bool FrameStream::tapped_without(std::size_t secret_bytes, const wire::FrameHeader& header,
+                                 const wire::Payload& payload) {
+  const auto shown = std::span(*payload).first(payload->size() - secret_bytes);
+  wire::FrameHeader shorter = header;
+  shorter.size = static_cast<std::uint32_t>(shown.size());
+  std::array<std::uint8_t, wire::kFrameHeaderBytes> bytes{};
+  wire::encode_sealed(shorter, shown, bytes);
+  return tapped(true, bytes, shown);
 }
 
 bool FrameStream::tapped(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,

@@ -68,8 +68,9 @@ class FrameStream {
     thread_ = std::thread([this] { run(); });
   }
 
-  // Queues a frame; `size` and `checksum` are set. Any thread, never blocks: the caller's credits bound what is queued.
-  void send(wire::FrameHeader header, wire::Payload payload);
+  // Queues a frame; `size` and `checksum` are set. Any thread, never blocks: the caller's credits bound what is queued. The tap does not
+  // see the last `secret_bytes` of the payload.
+  void send(wire::FrameHeader header, wire::Payload payload, std::size_t secret_bytes = 0);
 
   // Any thread.
   void close(const StreamFault& reason) {
@@ -84,6 +85,7 @@ class FrameStream {
 
   void run();
   // False: the tap has failed, and the stream ends.
+  bool tapped_without(std::size_t secret_bytes, const wire::FrameHeader& header, const wire::Payload& payload);
   bool tapped(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
               std::span<const std::uint8_t> payload);
   void read_header();

@@ -35,6 +35,7 @@ void Link::close() {
 void Link::refuse_to_open() {
   if (broken_.cause == Loss::kTimedOut) throw TimedOut(broken_.text);
   if (refusal_ == wire::ErrorCode::kBusy || refusal_ == wire::ErrorCode::kVersion) throw_error(refusal_, broken_.text);
+  if (refusal_ == wire::ErrorCode::kForbidden) throw OpenFailed("the board refuses access: " + broken_.text);
   throw OpenFailed("no GI-Cube board answered: " + broken_.text);
 }
 

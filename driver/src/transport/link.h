@@ -34,6 +34,8 @@ struct LinkOptions {
   wire::VersionInfo mine = driver_version();  // with its flags and wait_ms
   // Connects again after a loss; throws OpenFailed or TimedOut. Empty: the connection can't be had again.
   std::function<Fd()> reconnect{};
+  // The access token for the board at this socket. Must not throw. Empty: none is needed.
+  std::function<std::string(int socket)> token{};
   // How often in a row the link resumes its session by itself without that the board has taken or sent anything.
   int reopen_attempts = 0;
   // A call that has waited so long in silence asks whether something was lost on its way.

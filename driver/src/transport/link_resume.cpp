@@ -22,6 +22,7 @@ constexpr milliseconds kLongestPause{1000};
 void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
   phase_ = Phase::kHandshake;
   refusal_ = wire::ErrorCode::kNone;
+  const std::string token = options_.token ? options_.token(socket.get()) : "";
   auto fresh = std::make_unique<FrameStream>(std::move(socket), static_cast<FrameSink&>(*this), options_.tap);
   if (std::unique_ptr<FrameStream> old = std::move(stream_)) {
     deaf_ = true;
@@ -38,7 +39,7 @@ void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
   window_.announce(mine);
   if (session_ != 0) mine.flags = mine.wait_ms = 0;
   stream_->start();
-  stream_->send({wire::FrameType::kVersion}, wire::version_payload(mine));
+  stream_->send({wire::FrameType::kVersion}, wire::version_payload(mine, token), token.size());
 
   const auto deadline = Clock::now() + limit;
   while (phase_ == Phase::kHandshake) {

@@ -42,13 +42,15 @@ int run(const std::string& file, const std::string& board, std::uint32_t watchdo
   const std::chrono::milliseconds watchdog(watchdog_ms);
   std::unique_ptr<ChildProcess> child;
   Fd socket;
+  std::string token;
   if (uri.scheme == UriScheme::kEmu) {
     child = std::make_unique<ChildProcess>(find_board_program(), uri.board_arguments);
     socket = child->take_socket();
   } else {
     socket = connect(uri, watchdog);
+    if (uri.scheme == UriScheme::kTcp) token = access_token(socket.get());
   }
-  const Report report = play(file, std::move(socket), watchdog);
+  const Report report = play(file, std::move(socket), watchdog, token);
   print(report);
   return report.good() ? 0 : 1;
 }

@@ -131,14 +131,15 @@ class BusClient : private FrameSink {
  public:
   // Takes a connected socket, shakes hands. `largest_payload`: that will be sent or received. `comparison` is given everything
   // that the board says but credit and progress, within send() and await_answer().
-  BusClient(Fd socket, std::uint32_t largest_payload, std::chrono::milliseconds watchdog, Comparison& comparison)
+  BusClient(Fd socket, std::uint32_t largest_payload, std::chrono::milliseconds watchdog, const std::string& token,
+            Comparison& comparison)
       : watchdog_(watchdog),
         comparison_(comparison),
         mine_(version_for(largest_payload)),
         window_(mine_),
         stream_(std::move(socket), *this) {
     stream_.start();
-    stream_.send(FrameHeader{FrameType::kVersion}, wire::version_payload(mine_));
+    stream_.send(FrameHeader{FrameType::kVersion}, wire::version_payload(mine_, token), token.size());
     const Frame answer = receive();
     if (answer.header.type != FrameType::kVersion) throw BusError("no GI-Cube board answers there");
     if (answer.header.error != wire::ErrorCode::kNone) throw BusError(text_of(answer));
@@ -223,12 +224,13 @@ class BusClient : private FrameSink {
 
 }  // namespace
 
-Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog) {
+Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog,
+            const std::string& token) {
   Report report;
   Recorded recorded = read_recorded(capture);
   const std::uint32_t largest = recorded.largest_payload;
   Comparison comparison(std::move(recorded), report);
-  BusClient client(std::move(board), largest, watchdog, comparison);
+  BusClient client(std::move(board), largest, watchdog, token, comparison);
   CaptureReader frames(capture);
   CapturedFrame frame;
   while (frames.next(wire::CaptureKind::kDown, frame)) {

@@ -24,7 +24,8 @@ struct Report {
   bool good() const { return differences == 0 && missing == 0; }
 };
 
-// Throws CaptureError, and std::runtime_error: the board refused the session, closed it, or does not answer.
-Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog);
+// `token`: the access token, if the board wants one. Throws CaptureError, and std::runtime_error: the board refused the session, closed it, or does not answer.
+Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog,
+            const std::string& token = {});
 
 }  // namespace gicube::replay

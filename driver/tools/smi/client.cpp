@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <grpcpp/grpcpp.h>
 
+#include <charconv>
 #include <chrono>
 #include <fstream>
 #include <iterator>
 
+#include "gicube/access.h"
 #include "local_boards.h"
 
 namespace gicube::smi {
@@ -16,8 +18,36 @@ constexpr std::chrono::seconds kPatience{20};  // chosen: a reset waits for the 
 
 std::string target_of(const std::string& endpoint) {
   if (endpoint.starts_with("unix:") && endpoint.size() > 5) return endpoint;
-  if (endpoint.starts_with("tcp:") && endpoint.rfind(':') > 4) return endpoint.substr(4);
+  if (endpoint.starts_with("tcp:") && endpoint.rfind(':') > 4) {
+    // As gicube-board takes it: another user's program may listen at the same port of [::1].
+    constexpr std::string_view kLocalhost = "tcp:localhost:";
+    return endpoint.starts_with(kLocalhost) ? "127.0.0.1:" + endpoint.substr(kLocalhost.size()) : endpoint.substr(4);
+  }
   throw UsageError(fmt::format("--management: expected unix:PATH or tcp:HOST:PORT, got \"{}\"", endpoint));
+}
+
+// Of a TCP endpoint of this machine, without brackets; empty: it is another.
+std::string local_address(const std::string& endpoint) {
+  if (!endpoint.starts_with("tcp:")) return {};
+  const std::string target = target_of(endpoint);
+  std::string host = target.substr(0, target.rfind(':'));
+  if (host == "[::1]") return "::1";
+  return host.starts_with("127.") ? host : "";
+}
+
+std::uint16_t port_of(const std::string& endpoint) {
+  std::uint16_t port = 0;
+  const char* const begin = endpoint.data() + endpoint.rfind(':') + 1;
+  std::from_chars(begin, endpoint.data() + endpoint.size(), port);
+  return port;
+}
+
+std::string token_in(const std::string& file) {
+  try {
+    return read_tokens(file).front().token;
+  } catch (const std::runtime_error& error) {
+    throw UsageError(fmt::format("--token-file: {}", error.what()));
+  }
 }
 
 }  // namespace
@@ -31,13 +61,18 @@ std::string read_file(const char* option, const std::string& path) {
 
 Client::Client(const Options& options)
     : endpoint_(options.management.empty() ? only_management_endpoint() : options.management), board_(options.board) {
-  if (options.ca_file.empty() != options.token_file.empty()) {
-    throw UsageError("--ca, --token-file: expected both or none: a board that asks for one has the other");
-  }
   std::shared_ptr<grpc::ChannelCredentials> credentials = grpc::InsecureChannelCredentials();
+  const bool is_local = !local_address(endpoint_).empty();
+  if (!options.token_file.empty()) {
+    if (options.ca_file.empty() && !is_local) {
+      throw UsageError(
+          "--ca: expected the board's certificate beside --token-file: over a network a token is sent by TLS only");
+    }
+    token_ = token_in(options.token_file);
+  } else if (is_local) {
+    token_ = local_token(local_address(endpoint_), port_of(endpoint_));
+  }
   if (!options.ca_file.empty()) {
-    token_ = read_file("--token-file", options.token_file);
-    token_.erase(token_.find_last_not_of(" \r\n\t") + 1);
     grpc::SslCredentialsOptions tls;
     tls.pem_root_certs = read_file("--ca", options.ca_file);
     credentials = grpc::SslCredentials(tls);

@@ -26,7 +26,9 @@ constexpr std::chrono::milliseconds kMinInterval{10},
 void add_management(CLI::App& app, Options& options, const char* what) {
   app.add_option("-m,--management", options.management, what)->type_name("ENDPOINT")->envname("GICUBE_MANAGEMENT");
   app.add_option("--ca", options.ca_file, "TLS: the certificate that signed the board's, PEM")->type_name("FILE");
-  app.add_option("--token-file", options.token_file, "TLS: the token that the board asks for")->type_name("FILE");
+  app.add_option("--token-file", options.token_file,
+                 "the token that the board asks for; a board of this user on this machine needs none")
+      ->type_name("FILE");
 }
 
 constexpr const char* kManagement =

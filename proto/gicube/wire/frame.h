@@ -60,6 +60,7 @@ enum class ErrorCode : std::uint32_t {
   kMemory = 12,      // the RDRAM reported an error that it could not correct
   kTaken = 13,       // another client took the board by force; the session is closed
   kNoSession = 14,   // there is no such session to resume; the connection is closed
+  kForbidden = 15,   // no token, a wrong one, or one without the right; the connection is closed
 };
 
 struct FrameHeader {
@@ -96,7 +97,7 @@ constexpr std::int32_t sequence_step(std::uint32_t taken, std::uint32_t sequence
 }
 
 inline constexpr std::uint16_t kMajorVersion = 2;
-inline constexpr std::uint16_t kMinorVersion = 1;
+inline constexpr std::uint16_t kMinorVersion = 2;
 inline constexpr std::uint32_t kMaxHandshakePayload = 4096;  // limit before a version is agreed
 
 enum Capability : std::uint64_t {
@@ -111,7 +112,7 @@ enum VersionFlag : std::uint32_t {
   kForce = 1 << 0,  // client: end the session of whoever owns the board, and take it
 };
 
-// Payload of kVersion (its bytes: README.md). Each side says what it speaks and how much it can take; the smaller minor version,
+// Payload of kVersion (its bytes: README.md). Behind it a client's access token, if it has one (proto/gicube/access.h). Each side says what it speaks and how much it can take; the smaller minor version,
 // payload limit and the common capabilities hold for the session.
 struct VersionInfo {
   std::uint16_t major = kMajorVersion;

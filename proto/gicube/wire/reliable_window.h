@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,9 +29,10 @@ inline const Payload& no_payload() {
   return kNone;
 }
 
-inline Payload version_payload(const VersionInfo& info) {
+inline Payload version_payload(const VersionInfo& info, std::string_view token = {}) {
   std::vector<std::uint8_t> bytes(kVersionBytes);
   encode(info, std::span(bytes).first<kVersionBytes>());
+  bytes.insert(bytes.end(), token.begin(), token.end());
   return share(std::move(bytes));
 }
 

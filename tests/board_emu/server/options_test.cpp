@@ -96,7 +96,7 @@ TEST(CommandLine, ReportsAllFaultsAtOnce) {
   EXPECT_THAT(line.errors, Contains(AllOf(HasSubstr(file), HasSubstr("line 2: asic.colour: expected one of"))));
   EXPECT_THAT(line.errors, Contains(AllOf(HasSubstr(file), HasSubstr("line 1: asic.processors: expected 1 to 16"))));
   EXPECT_THAT(line.errors, Contains(HasSubstr("--set dsp.clock=3: dsp.clock: expected one of clock_khz")));
-  EXPECT_THAT(line.errors, Contains(HasSubstr("--management-cert, --management-key, --management-token-file")));
+  EXPECT_THAT(line.errors, Contains(HasSubstr("--management-cert, --management-key, --token-file")));
 }
 
 TEST(CommandLine, AnOverrideWinsOverTheFile) {
@@ -111,10 +111,12 @@ TEST(CommandLine, AnOverrideWinsOverTheFile) {
 
 TEST(CommandLine, RemoteManagementNeedsWhatIsMissingByName) {
   const CommandLine line = parse({"--listen", "fd:3", "--management", "tcp:0.0.0.0:2", "--management-key", "k"});
-  EXPECT_THAT(line.errors, ElementsAre(AllOf(HasSubstr("--management-cert, --management-token-file"),
+  EXPECT_THAT(line.errors, ElementsAre(AllOf(HasSubstr("--management-cert, --token-file"),
                                              testing::Not(HasSubstr("--management-key")))));
   EXPECT_THAT(parse({"--listen", "fd:3", "--management", "tcp:127.0.0.1:2", "--management-key", "k"}).errors,
-              ElementsAre(HasSubstr("missing: --management-cert, --management-token-file")));
+              ElementsAre(HasSubstr("missing: --management-cert")));
+  EXPECT_THAT(parse({"--listen", "tcp:127.0.0.1:1", "--management", "tcp:127.0.0.1:2", "--token-file", "t"}).errors,
+              IsEmpty());
   EXPECT_THAT(parse({"--listen", "fd:3", "--management-key", "k"}).errors,
               ElementsAre(HasSubstr("expected an endpoint")));
   EXPECT_THAT(parse({"--listen", "fd:3", "--management", "fd:4"}).errors, ElementsAre(HasSubstr("unix:PATH")));
@@ -182,7 +184,7 @@ TEST(CommandLine, AWaveformNeedsAWindowTheCycleLevelAndAFileOfItsOwn) {
 }
 
 TEST(CommandLine, HelpAndVersionAreTexts) {
-  EXPECT_THAT(parse({"--help"}).text.value_or(""), HasSubstr("--management-token-file"));
+  EXPECT_THAT(parse({"--help"}).text.value_or(""), HasSubstr("--token-file"));
   EXPECT_THAT(parse({"--version"}).text.value_or(""), testing::StartsWith("gicube-board "));
 }
 

@@ -1,6 +1,7 @@
 // gicube-smi as its users run it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <csignal>
 #include <filesystem>
@@ -183,6 +184,45 @@ TEST(Smi, ATraceOverwritesNothingAndNeedsAFreeBoard) {
               HasSubstr("expected the name of a new file in " + traces.path() + ", got"));
   const Board board = Board::open(boards.bus);
   EXPECT_THAT(boards.smi({"trace", "start", "new"}).err, HasSubstr("has an owner"));
+}
+
+// What stands behind "ready on " in the next line.
+std::string next_endpoint(BoardProcess& process) {
+  const std::string line = process.read_line();
+  return line.substr(line.find("ready on ") + 9);
+}
+
+TEST(Smi, OverTcpTheUserOfTheBoardNeedsNothingAndOthersNeedAToken) {
+  const TemporaryDirectory folder;
+  const std::string tokens = folder.file("tokens"), reader = folder.file("reader");
+  std::ofstream(tokens) << "read token_of_who_may_read\nuse token_of_who_may_use\n";
+  std::ofstream(reader) << "token_of_who_may_read\n";
+  for (const std::string& file : {tokens, reader}) ::chmod(file.c_str(), 0600);
+  BoardProcess process({"--listen", "tcp:127.0.0.1:0", "--management", "tcp:127.0.0.1:0", "--token-file", tokens});
+  const std::string bus = next_endpoint(process), management = next_endpoint(process);
+  const std::string stranger = "XDG_RUNTIME_DIR=" + folder.path();
+  EXPECT_EQ(run_program("gicube-smi", {"list", "-m", management}).code, 0);
+  EXPECT_EQ(run_program("gicube-smi", {"reset", "-m", management}).code, 0);
+  EXPECT_EQ(run_program("gicube-smi", {"doctor", bus}).code, 0);
+  const Finished refused = run_program("gicube-smi", {"list", "-m", management}, {stranger});
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("asks for a token: --token-file"));
+  EXPECT_EQ(run_program("gicube-smi", {"list", "-m", management, "--token-file", reader}, {stranger}).code, 0);
+  EXPECT_THAT(run_program("gicube-smi", {"reset", "-m", management, "--token-file", reader}, {stranger}).err,
+              HasSubstr("expected a token with the right to control, got one with the right to read"));
+  EXPECT_THAT(run_program("gicube-smi", {"doctor", bus}, {stranger}).out, HasSubstr("the board refuses access"));
+  EXPECT_THAT(run_program("gicube-smi", {"doctor", bus}, {stranger, "GICUBE_TOKEN_FILE=" + reader}).out,
+              HasSubstr("expected a token with the right to use"));
+  std::ofstream(reader) << "token_of_who_may_use\n";
+  EXPECT_EQ(run_program("gicube-smi", {"doctor", bus}, {stranger, "GICUBE_TOKEN_FILE=" + reader}).code, 0);
+  EXPECT_THAT(run_program("gicube-smi", {"doctor", bus}, {stranger, "GICUBE_TOKEN_FILE=/nowhere"}).out,
+              HasSubstr("GICUBE_TOKEN_FILE: expected a file with a token"));
+}
+
+TEST(Smi, SendsATokenOverANetworkByTlsOnly) {
+  const Finished run = run_program("gicube-smi", {"list", "-m", "tcp:192.0.2.1:4711", "--token-file", "t"});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_THAT(run.err, HasSubstr("--ca: expected the board's certificate beside --token-file"));
 }
 
 TEST(Smi, ValidatesAGoodBoard) {

@@ -55,6 +55,9 @@ TEST(Connect, ToATcpPortWithoutDelayOfSmallFrames) {
     socklen_t size = sizeof no_delay;
     EXPECT_EQ(::getsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &no_delay, &size), 0);
     EXPECT_NE(no_delay, 0);
+    int keep_alive = 0;
+    EXPECT_EQ(::getsockopt(socket.get(), SOL_SOCKET, SO_KEEPALIVE, &keep_alive, &size), 0);
+    EXPECT_NE(keep_alive, 0) << "a board whose machine has gone is noticed";
     EXPECT_EQ(::fcntl(socket.get(), F_GETFD), FD_CLOEXEC);
   }
 }

@@ -73,6 +73,31 @@ TEST(Handshake, SendsTheDriversVersionFirst) {
   EXPECT_EQ(heard, driver_version());
 }
 
+// A capture is given to others.
+TEST(Handshake, TheAccessTokenFollowsTheVersionAndNoTapSeesIt) {
+  std::optional<reference::Frame> heard;
+  std::vector<std::vector<std::uint8_t>> tapped;
+  {
+    FakeBoard board([&heard](FakeBoard& self) {
+      heard = self.receive();
+      self.refuse(*heard, wire::ErrorCode::kForbidden, "nobody gets in");
+    });
+    LinkOptions options;
+    options.token = [](int) { return std::string("0123456789abcdef"); };
+    options.tap = [&tapped](bool sent, auto, std::span<const std::uint8_t> payload) {
+      if (sent) tapped.emplace_back(payload.begin(), payload.end());
+    };
+    EXPECT_THAT([&] { const Link link(board.take_socket(), options); },
+                ::testing::ThrowsMessage<OpenFailed>(HasSubstr("the board refuses access: nobody gets in")));
+  }
+  ASSERT_TRUE(heard.has_value());
+  ASSERT_EQ(heard->payload.size(), wire::kVersionBytes + 16);
+  EXPECT_EQ(std::string(heard->payload.begin() + wire::kVersionBytes, heard->payload.end()), "0123456789abcdef");
+  heard->payload.resize(wire::kVersionBytes);
+  ASSERT_EQ(tapped.size(), 1u);
+  EXPECT_EQ(tapped[0], heard->payload);
+}
+
 TEST(Handshake, TheDriverKnowsAllLevelsProgressAndHostRays) { EXPECT_EQ(driver_version().capabilities, 0x1Fu); }
 
 TEST(Handshake, ALongAnswerIsRefusedByItsHeader) {

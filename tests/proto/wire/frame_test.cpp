@@ -58,6 +58,7 @@ TEST(FrameNumbers, AreTheOnesThatRecordedTrafficHolds) {
   EXPECT_EQ(static_cast<int>(ErrorCode::kMemory), 12);
   EXPECT_EQ(static_cast<int>(ErrorCode::kTaken), 13);
   EXPECT_EQ(static_cast<int>(ErrorCode::kNoSession), 14);
+  EXPECT_EQ(static_cast<int>(ErrorCode::kForbidden), 15);
 }
 
 TEST(Sequence, StepsAcrossItsWrap) {

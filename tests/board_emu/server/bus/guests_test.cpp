@@ -18,6 +18,8 @@ using reference::RawFrame;
 using testing::HasSubstr;
 using wire::ErrorCode;
 
+constexpr const char* kToken = "token_of_these_guests";
+
 wire::VersionInfo version_of(const std::optional<RawFrame>& answer) {
   if (!answer || answer->header.error != ErrorCode::kNone) throw std::runtime_error("the board refused us");
   return wire::decode<wire::VersionInfo>(answer->payload);
@@ -69,6 +71,7 @@ TEST(Guests, FortySilentConnectionsKeepOutNeitherTheOwnerWhoComesBackNorANewClie
 TEST(Guests, TheHostWithMostSilentConnectionsMakesWay) {
   BusOptions options = patient();
   options.max_unowned = 4;
+  options.tokens = {{Right::kUse, kToken}};
   BoardSlot slot(0, {});
   BusServer server(options);
   const Endpoint endpoint = server.listen(slot, parse_endpoint("tcp:127.0.0.1:0"));
@@ -78,7 +81,7 @@ TEST(Guests, TheHostWithMostSilentConnectionsMakesWay) {
     std::vector<RawClient> crowd;
     for (int i = 0; i < 5; ++i) crowd.push_back(RawClient::connect_tcp(endpoint.port, "127.0.0.3"));
     for (std::size_t i = 0; i < 2; ++i) expect_busy(crowd[i].receive(), "takes the place");
-    version_of(shy.handshake());
+    version_of(shy.handshake({}, kToken));
     EXPECT_EQ(shy.read_register(wire::reg::kId), wire::kIdValue);
   }
   server.stop();
@@ -165,12 +168,14 @@ TEST(Guests, ForceThatIsHeldBackDoesNotOvertake) {
 // The timer in the system's list of connections: 2 is that of keepalive.
 TEST(Guests, ATcpClientThatHasGoneWithoutAWordIsNoticed) {
   BoardSlot slot(0, {});
-  BusServer server(patient());
+  BusOptions options = patient();
+  options.tokens = {{Right::kUse, kToken}};
+  BusServer server(options);
   const Endpoint endpoint = server.listen(slot, parse_endpoint("tcp:127.0.0.1:0"));
   std::thread thread([&server] { server.run(); });
   {
     RawClient client = RawClient::connect_tcp(endpoint.port);
-    version_of(client.handshake());
+    version_of(client.handshake({}, kToken));
     std::ostringstream ours;
     ours << "0100007F:" << std::hex << std::uppercase << std::setw(4) << std::setfill('0') << endpoint.port;
     std::ifstream list("/proc/net/tcp");

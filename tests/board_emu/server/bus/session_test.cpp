@@ -226,13 +226,15 @@ TEST(Session, APrivateServerEndsWithItsOnlySession) {
 
 TEST(Session, WorksOverTcp) {
   BoardSlot slot(0, {});
-  BusServer server(patient());
+  BusOptions options = patient();
+  options.tokens = {{Right::kUse, "0123456789abcdef"}};
+  BusServer server(options);
   const Endpoint endpoint = server.listen(slot, parse_endpoint("tcp:127.0.0.1:0"));
   ASSERT_NE(endpoint.port, 0);
   std::thread thread([&server] { server.run(); });
   {
     RawClient client = RawClient::connect_tcp(endpoint.port);
-    client.handshake();
+    client.handshake({}, "0123456789abcdef");
     EXPECT_EQ(client.read_register(wire::reg::kId), wire::kIdValue);
   }
   server.stop();

@@ -100,7 +100,7 @@ std::string refusal(const ManagementOptions& options) {
 TEST(ManagementAccess, AnAddressThatOthersReachNeedsTlsAndAToken) {
   ManagementOptions options;
   options.endpoint = parse_endpoint("tcp:0.0.0.0:0");
-  EXPECT_THAT(refusal(options), HasSubstr("--management-cert, --management-key, --management-token-file"));
+  EXPECT_THAT(refusal(options), HasSubstr("--management-cert, --management-key, --token-file"));
 }
 
 TEST(ManagementAccess, ASocketThatSomeoneServesIsNotTakenAway) {
@@ -119,6 +119,77 @@ TEST(ManagementAccess, APortThatSomeoneServesIsNotShared) {
   ASSERT_NE(first.endpoint().port, 0);
   options.endpoint = first.endpoint();
   EXPECT_THAT(refusal(options), HasSubstr("can't listen there"));
+}
+
+// Loopback without TLS.
+class TokensOfManagement : public testing::Test {
+ protected:
+  static constexpr const char* kReader = "token_of_who_may_read";
+  static constexpr const char* kUser = "token_of_who_may_use";
+
+  TokensOfManagement() {
+    options_.endpoint = parse_endpoint("tcp:127.0.0.1:0");
+    options_.tokens = {{Right::kControl, kToken}, {Right::kUse, kUser}, {Right::kRead, kReader}};
+    management_ = std::make_unique<Management>(options_, boards_.all());
+    channel_ = grpc::CreateChannel(to_string(management_->endpoint()).substr(4), grpc::InsecureChannelCredentials());
+  }
+
+  // What comes of one call after the other with this token.
+  template <typename Request, typename Response>
+  StatusCode call(const std::string& token,
+                  grpc::Status (v1::BoardManagement::Stub::*method)(grpc::ClientContext*, const Request&, Response*),
+                  const Request& request = {}) const {
+    Call context;
+    if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
+    Response response;
+    const auto stub = v1::BoardManagement::NewStub(channel_);
+    return (stub.get()->*method)(&context, request, &response).error_code();
+  }
+
+  ServedBoards boards_;
+  ManagementOptions options_;
+  std::unique_ptr<Management> management_;
+  std::shared_ptr<grpc::Channel> channel_;
+};
+
+using Stub = v1::BoardManagement::Stub;
+
+TEST_F(TokensOfManagement, AreAskedOfEveryoneOnLoopbackToo) {
+  EXPECT_EQ(call(kToken, &Stub::ListBoards), StatusCode::OK);
+  EXPECT_EQ(call("", &Stub::ListBoards), StatusCode::UNAUTHENTICATED);
+  EXPECT_EQ(call("0123456789abcdef0124", &Stub::ListBoards), StatusCode::UNAUTHENTICATED);
+  std::string response;
+  EXPECT_EQ(call_raw(channel_, "/grpc.health.v1.Health/Check", health_request(""), response).error_code(),
+            StatusCode::UNAUTHENTICATED);
+}
+
+TEST_F(TokensOfManagement, ThatMayOnlyReadOrUseChangeNothing) {
+  v1::ConfigureRequest configure;
+  configure.set_config_text("asic { processors: 8 }");
+  v1::GetFaultLogRequest clear;
+  clear.set_clear(true);
+  for (const char* token : {kReader, kUser}) {
+    EXPECT_EQ(call(token, &Stub::GetInfo), StatusCode::OK);
+    EXPECT_EQ(call(token, &Stub::GetCounters), StatusCode::OK);
+    EXPECT_EQ(call(token, &Stub::GetFaultPlan), StatusCode::OK);
+    EXPECT_EQ(call(token, &Stub::GetFaultLog), StatusCode::OK);
+    EXPECT_EQ(call(token, &Stub::GetTrace), StatusCode::OK);
+    EXPECT_EQ(call(token, &Stub::Configure, configure), StatusCode::PERMISSION_DENIED);
+    EXPECT_EQ(call(token, &Stub::Reset), StatusCode::PERMISSION_DENIED);
+    EXPECT_EQ(call(token, &Stub::SetFaultPlan), StatusCode::PERMISSION_DENIED);
+    EXPECT_EQ(call(token, &Stub::SetTrace), StatusCode::PERMISSION_DENIED);
+    EXPECT_EQ(call(token, &Stub::GetFaultLog, clear), StatusCode::PERMISSION_DENIED);
+  }
+  EXPECT_EQ(boards_.all()[0]->info().config.asic().processors(), 4u);
+  EXPECT_EQ(call(kToken, &Stub::Configure, configure), StatusCode::OK);
+  EXPECT_EQ(call(kToken, &Stub::GetFaultLog, clear), StatusCode::OK);
+}
+
+TEST(ManagementAccess, OnlyABearersTokenIsOne) {
+  EXPECT_EQ(bearer_token("Bearer 0123456789abcdef"), "0123456789abcdef");
+  for (const char* wrong : {"", "Bearer ", "bearer 0123456789abcdef", "0123456789abcdef"}) {
+    EXPECT_EQ(bearer_token(wrong), "") << wrong;
+  }
 }
 
 class SecuredManagement : public testing::Test {

@@ -1,0 +1,28 @@
+// The files by which this user's programs find this process's token (proto/gicube/access.h).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/bus/endpoint.h"
+
+namespace gicube::emu {
+
+class TokenFiles {
+ public:
+  // One for each endpoint of TCP; makes the registry's folder if it is not there. Throws std::runtime_error.
+  TokenFiles(const std::vector<Endpoint>& endpoints, std::string token);
+  // Removes those that are still ours.
+  ~TokenFiles();
+
+  TokenFiles(const TokenFiles&) = delete;
+  TokenFiles& operator=(const TokenFiles&) = delete;
+
+  const std::vector<std::string>& paths() const { return paths_; }
+
+ private:
+  const std::string token_;
+  std::vector<std::string> paths_;
+};
+
+}  // namespace gicube::emu
