@@ -164,7 +164,10 @@ class Reader {
   }
 
   void report(std::string field, std::string expected, std::string got, int line) {
-    if (result_.diagnostics.size() >= kMaxDiagnostics) return;
+    if (result_.diagnostics.size() >= kMaxDiagnostics) {
+      ++result_.left_out;
+      return;
+    }
     for (std::string* text : {&field, &got}) {
       if (text->size() > kMaxShown) text->replace(kMaxShown, std::string::npos, "...");
     }

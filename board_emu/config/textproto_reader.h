@@ -46,6 +46,7 @@ struct TextReading {
   FieldLines lines;
   std::vector<Diagnostic> diagnostics;  // of syntax, names and types
   std::vector<std::string> notes;       // of names that should be others: for a log
+  std::size_t left_out = 0;             // faulty values beyond the first hundred
 };
 
 // Reads protobuf text into `message`, which then has what the text sets. A faulty value is reported and skipped, so that

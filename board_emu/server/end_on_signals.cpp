@@ -8,7 +8,7 @@
 
 namespace gicube::emu {
 
-EndOnSignals::EndOnSignals(std::initializer_list<int> signals) {
+EndOnSignals::EndOnSignals(const std::vector<int>& signals) {
   sigemptyset(&signals_);
   for (const int signal : signals) sigaddset(&signals_, signal);
   ::pthread_sigmask(SIG_BLOCK, &signals_, nullptr);

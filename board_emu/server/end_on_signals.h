@@ -9,7 +9,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <functional>
-#include <initializer_list>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -23,7 +22,7 @@ inline constexpr std::chrono::milliseconds kMaxEnding{900};
 class EndOnSignals {
  public:
   // Before any other thread begins: threads inherit who takes a signal. Until set_stop() a signal ends the process at once.
-  explicit EndOnSignals(std::initializer_list<int> signals);
+  explicit EndOnSignals(const std::vector<int>& signals);
   // In good order before kMaxEnding.
   ~EndOnSignals();
 

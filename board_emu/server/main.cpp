@@ -7,11 +7,13 @@
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <optional>
+#include <ranges>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -49,8 +51,16 @@ void load_routines(const Options& options, RoutineTable& routines) {
   }
 }
 
+// A terminal that goes takes the process with it, unless that was started by nohup.
+std::vector<int> signals_to_end_on() {
+  std::vector<int> signals{SIGINT, SIGTERM};
+  struct sigaction hang_up {};
+  if (::sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) signals.push_back(SIGHUP);
+  return signals;
+}
+
 void serve(const Options& options, const RoutineTable& routines) {
-  EndOnSignals ending({SIGINT, SIGTERM});
+  EndOnSignals ending(signals_to_end_on());
   std::vector<std::unique_ptr<BoardSlot>> slots;
   std::vector<BoardSlot*> boards;
   for (std::uint32_t i = 0; i < options.boards; ++i) {
@@ -119,7 +129,12 @@ void serve(const Options& options, const RoutineTable& routines) {
 
 int run(int argc, const char* const* argv) {
   const CommandLine line = parse_command_line(argc, argv);
-  for (const std::string& error : line.errors) fmt::print(stderr, "gicube-board: {}\n", error);
+  constexpr std::size_t kMaxErrors =
+      50;  // chosen: two screens; a file of another kind is at fault in each of its lines
+  for (const std::string& error : line.errors | std::views::take(kMaxErrors))
+    fmt::print(stderr, "gicube-board: {}\n", error);
+  const std::size_t more = line.errors.size() - std::min(line.errors.size(), kMaxErrors) + line.errors_left_out;
+  if (more > 0) fmt::print(stderr, "gicube-board: and {} more\n", more);
   if (!line.errors.empty()) return 2;
   if (line.text) {
     fmt::print("{}", *line.text);

@@ -124,11 +124,12 @@ std::string read_file(const char* flag, const std::string& path, std::vector<std
   return text;
 }
 
-v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& errors) {
+v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& errors, std::size_t& left_out) {
   ParsedConfig parsed = parse_config(read_file("--config", flags.config_file, errors));
   for (const Diagnostic& each : parsed.diagnostics) {
     errors.push_back(fmt::format("{}: {}", flags.config_file, to_string(each)));
   }
+  left_out += parsed.left_out;
   for (const std::string& each : flags.overrides) {
     for (const Diagnostic& wrong : apply_override(parsed.config, each)) {
       errors.push_back("--set " + each + ": " + to_string(wrong));
@@ -140,11 +141,13 @@ v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& errors
   return resolve(parsed.config);
 }
 
-void read_fault_plan(const Flags& flags, Options& options, std::vector<std::string>& errors) {
+void read_fault_plan(const Flags& flags, Options& options, std::vector<std::string>& errors, std::size_t& left_out) {
   options.fault_plan = read_file("--faults", flags.fault_file, errors);
-  for (const Diagnostic& each : parse_fault_plan(options.fault_plan).diagnostics) {
+  const ParsedFaultPlan parsed = parse_fault_plan(options.fault_plan);
+  for (const Diagnostic& each : parsed.diagnostics) {
     errors.push_back(fmt::format("{}: {}", flags.fault_file, to_string(each)));
   }
+  left_out += parsed.left_out;
 }
 
 std::optional<Endpoint> read_endpoint(const char* flag, const std::string& text, std::vector<std::string>& errors) {
@@ -271,9 +274,9 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   result.options.max_results_bytes = flags.max_results_mib * kBytesOfMib;
   read_listen(flags, result.options, result.errors);
   read_management(flags, result.options, result.errors);
-  result.options.config = read_config(flags, result.errors);
+  result.options.config = read_config(flags, result.errors, result.errors_left_out);
   read_observation(flags, result.options, result.errors);
-  read_fault_plan(flags, result.options, result.errors);
+  read_fault_plan(flags, result.options, result.errors, result.errors_left_out);
   return result;
 }
 

@@ -45,6 +45,7 @@ struct CommandLine {
   Options options;
   std::optional<std::string> text;  // help or version, for stdout
   std::vector<std::string> errors;  // for stderr, one a line
+  std::size_t errors_left_out = 0;  // faults of files beyond those
 };
 
 CommandLine parse_command_line(int argc, const char* const* argv);

@@ -9,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -140,6 +142,40 @@ TEST(BoardProcess, EveryConfigurationFaultIsOnStderrAndTheCodeIsTwo) {
   EXPECT_THAT(errors, HasSubstr("line 3: asic.colour: expected one of processors"));
   EXPECT_THAT(errors, HasSubstr("line 5: fidelity: expected one of functional, approximate, cycle"));
   EXPECT_THAT(errors, HasSubstr("bus.speed: expected one of model"));
+}
+
+TEST(BoardProcess, OfThousandsOfConfigurationFaultsItPrintsFiftyAndTheNumberOfTheOthers) {
+  const TemporaryDirectory folder;
+  const std::string file = folder.file("board.textproto");
+  {
+    std::ofstream stream(file);
+    for (int i = 0; i < 3000; ++i) stream << "colour: 3\n";
+  }
+  BoardProcess board({"--listen", "unix:" + folder.file("board"), "--config", file});
+  EXPECT_EQ(board.exit_code(), 2);
+  const std::string errors = board.read_errors();
+  EXPECT_EQ(std::count(errors.begin(), errors.end(), '\n'), 51);
+  EXPECT_THAT(errors, testing::EndsWith("gicube-board: and 2950 more\n"));
+}
+
+TEST(BoardProcess, AHangUpEndsItAsItsTerminalWouldUnlessThatIsIgnored) {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  {
+    BoardProcess board({"--listen", "unix:" + path, "--quiet"});
+    board.read_line();
+    board.send_signal(SIGHUP);
+    EXPECT_EQ(board.exit_code(), 0);
+    EXPECT_FALSE(std::filesystem::exists(path));
+  }
+  const auto before = std::signal(SIGHUP, SIG_IGN);  // as by nohup
+  BoardProcess board({"--listen", "unix:" + path, "--quiet"});
+  std::signal(SIGHUP, before);
+  board.read_line();
+  board.send_signal(SIGHUP);
+  EXPECT_TRUE(RawClient::connect_unix(path).handshake().has_value());
+  board.send_signal(SIGTERM);
+  EXPECT_EQ(board.exit_code(), 0);
 }
 
 TEST(BoardProcess, PrintsAConfigurationThatItTakesBack) {

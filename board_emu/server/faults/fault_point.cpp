@@ -24,19 +24,20 @@ std::vector<Diagnostic> FaultPoint::set_plan(std::string_view text) {
   engine_ = FaultEngine(parsed.plan);
   slow_ = {};
   faults_ = 0;
-  log_.clear();
+  log_ = {};
   has_plan_ = parsed.plan.fault_size() > 0 || parsed.plan.random_size() > 0;
   return {};
 }
 
-std::vector<PlannedFault> FaultPoint::log(bool clear) {
-  std::vector<PlannedFault> sorted;
+FaultPoint::Log FaultPoint::log(bool clear) {
+  Log sorted;
   {
     const std::lock_guard lock(mutex_);
     sorted = log_;
-    if (clear) log_.clear();
+    if (clear) log_ = {};
   }
-  std::ranges::sort(sorted, {}, [](const PlannedFault& each) { return std::tuple(each.direction(), each.message()); });
+  std::ranges::sort(sorted.faults, {},
+                    [](const PlannedFault& each) { return std::tuple(each.direction(), each.message()); });
   return sorted;
 }
 
@@ -57,10 +58,7 @@ FaultAction FaultPoint::next(PlannedFault::Direction direction, std::size_t fram
   FaultAction action;
   if (fault) {
     ++faults_;
-    log_.push_back(*fault);
-    if (file_.is_open() && file_ && !(file_ << to_text(*fault) + "\n")) {
-      spdlog::error("{}: {}: faults from here on are missing", file_name_, std::generic_category().message(errno));
-    }
+    log_one(*fault);
     action = act(*fault);
   }
   Slow& slow = slow_[FaultEngine::lane(direction)];
@@ -69,6 +67,20 @@ FaultAction FaultPoint::next(PlannedFault::Direction direction, std::size_t fram
     action.pause += std::chrono::microseconds(frame_bytes * 1'000'000 / slow.bytes_per_second);
   }
   return action;
+}
+
+void FaultPoint::log_one(const PlannedFault& fault) {
+  if (log_.faults.size() < max_logged_) {
+    log_.faults.push_back(fault);
+  } else {
+    ++log_.left_out;
+  }
+  if (!file_.is_open() || !file_ || lines_ > max_lines_) return;
+  const std::string line = lines_++ < max_lines_
+                               ? to_text(fault)
+                               : fmt::format("# more than {} faults: those from here on are missing", max_lines_);
+  if (file_ << line + "\n") return;
+  spdlog::error("{}: {}: faults from here on are missing", file_name_, std::generic_category().message(errno));
 }
 
 FaultAction FaultPoint::act(const PlannedFault& fault) {

@@ -45,6 +45,13 @@ inline void flip_bit(std::size_t bit, std::span<std::uint8_t> header, std::span<
 
 class FaultPoint {
  public:
+  // The log holds the first faults, since they make the same happen again; a file, the first of all plans of this process.
+  // chosen: what a person can look through, and a message of less than a megabyte; a file of a tenth of a gigabyte.
+  static constexpr std::size_t kMaxLogged = 10'000, kMaxLines = 1'000'000;
+
+  explicit FaultPoint(std::size_t max_logged = kMaxLogged, std::size_t max_lines = kMaxLines)
+      : max_logged_(max_logged), max_lines_(max_lines) {}
+
   // The host's next message has come undamaged and in order; `frame_bytes` with the header.
   FaultAction taken(std::size_t frame_bytes) { return next(v1::PlannedFault::down, frame_bytes); }
   FaultAction sent(std::size_t frame_bytes) { return next(v1::PlannedFault::up, frame_bytes); }
@@ -63,8 +70,12 @@ class FaultPoint {
     return {plan_text_, engine_.message(v1::PlannedFault::down), engine_.message(v1::PlannedFault::up), faults_};
   }
 
-  // The faults that have happened; down before up, then by message.
-  std::vector<v1::PlannedFault> log(bool clear);
+  struct Log {
+    std::vector<v1::PlannedFault> faults;  // down before up, then by message
+    std::uint64_t left_out = 0;            // that came when there were max_logged
+  };
+  // The first faults that have happened since the plan was set or the log was cleared.
+  Log log(bool clear);
 
   // Appends each fault to that file as well, as a line of plan text, before it takes effect. Throws std::runtime_error.
   void append_log_to(const std::string& path);
@@ -78,14 +89,18 @@ class FaultPoint {
   FaultAction next(v1::PlannedFault::Direction direction, std::size_t frame_bytes);
   FaultAction act(const v1::PlannedFault& fault);
 
+  void log_one(const v1::PlannedFault& fault);
+
+  const std::size_t max_logged_, max_lines_;
   std::atomic<bool> has_plan_{false};
   mutable std::mutex mutex_;  // guards all below
   std::string plan_text_;
   FaultEngine engine_;
   std::array<Slow, 2> slow_;  // by FaultEngine::lane()
   std::uint64_t faults_ = 0;
-  std::vector<v1::PlannedFault> log_;
-  std::ofstream file_;  // of the log, if it is open
+  Log log_;                // in the order of their happening
+  std::size_t lines_ = 0;  // of the file, by this process
+  std::ofstream file_;     // of the log, if it is open
   std::string file_name_;
 };
 

@@ -37,6 +37,9 @@ constexpr std::uint32_t kMinIntervalMs = 10, kMaxIntervalMs = 60'000, kDefaultIn
 constexpr std::chrono::milliseconds kCancelCheck{50};     // chosen: how late a cancelled watch is noticed
 constexpr std::chrono::milliseconds kShutdownGrace{200};  // chosen: with the last words to clients less than kMaxEnding
 constexpr int kMaxMessageBytes = 2 << 20;                 // chosen: twice what a configuration text may have
+constexpr int kMaxThreads = 48;                           // chosen: three times the watches; each call has one
+constexpr int kMaxCallsOfConnection = 32;                 // chosen: twice the watches; more wait for these
+constexpr std::size_t kMaxMemoryBytes = std::size_t{64} << 20;  // chosen: a configuration for each of 32 calls
 
 // Asks every call for a token, those of health and reflection too. Who has a wrong one waits for the refusal, each time longer, so that tokens are guessed slowly; only a few do, since each of them holds a thread.
 class TokenCheck final : public grpc::AuthMetadataProcessor {
@@ -169,7 +172,9 @@ class Service final : public v1::BoardManagement::Service {
       return refused;
     return on_board(*request, [&](BoardSlot& slot) {
       log->set_board(slot.index());
-      for (v1::PlannedFault& fault : slot.faults().log(request->clear())) *log->add_faults() = std::move(fault);
+      FaultPoint::Log logged = slot.faults().log(request->clear());
+      log->set_left_out(logged.left_out);
+      for (v1::PlannedFault& fault : logged.faults) *log->add_faults() = std::move(fault);
       return Status::OK;
     });
   }
@@ -376,6 +381,13 @@ Management::Management(const ManagementOptions& options, std::vector<BoardSlot*>
   // Without that a second process would silently share the port.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  // Calls beyond that end with RESOURCE_EXHAUSTED.
+  grpc::ResourceQuota quota("management");
+  quota.SetMaxThreads(kMaxThreads);
+  quota.Resize(kMaxMemoryBytes);
+  builder.SetResourceQuota(quota);
+  builder.SetSyncServerOption(grpc::ServerBuilder::NUM_CQS, 1);  // else one a core, with threads of its own
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxCallsOfConnection);
   int port = 0;
   const std::string text = to_string(options.endpoint);
   builder.AddListeningPort(is_unix ? text : text.substr(std::string("tcp:").size()),

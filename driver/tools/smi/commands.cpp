@@ -75,6 +75,7 @@ void print_log(const v1::FaultLog& log) {
     printer.PrintToString(fault, &text);
     fmt::print("fault {{ {}}}\n", text);
   }
+  if (log.left_out() > 0) fmt::print("# {} more have happened, which the log has no room for\n", log.left_out());
 }
 
 int set_plan(const Options& options, const std::string& text) {

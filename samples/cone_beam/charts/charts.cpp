@@ -12,6 +12,7 @@
 #include "scene/common/checks.h"
 #include "scene/common/whole_file.h"
 #include "scene/names.h"
+#include "scene/program/board_run.h"
 #include "scene/program/run_json.h"
 
 namespace gicube::samples {
@@ -91,7 +92,7 @@ Board Runner::open(const std::string& fidelity, const std::vector<std::string>& 
   BoardOptions options = board_;
   options.fidelity = fidelity;
   options.settings.insert(options.settings.end(), settings.begin(), settings.end());
-  return Board::open(board_uri(options));
+  return open_board(options);
 }
 
 double Runner::rays_over_bus_ms(const Case& what) {

@@ -12,7 +12,8 @@
 namespace gicube::samples {
 namespace {
 
-constexpr int kMaxThreads = 1024;  // as the driver's URI option
+constexpr int kMaxThreads = 1024;                       // as the driver's URI option
+constexpr std::uint32_t kMaxWatchdogSeconds = 604'800;  // chosen: a week
 
 // A process has one command line.
 Provenance& last_run() {
@@ -93,12 +94,29 @@ void add_board_options(CLI::App& app, BoardOptions& options) {
   group
       .value("--seed", options.seed,
              "of the random choices of scattered rays; 0: the scene's own. Recorded in the statistics")
+      ->check(CLI::Validator(
+          // CLI11 takes -1 for 2^64 - 1.
+          [](const std::string& text) {
+            return parse_number<std::uint64_t>(text)
+                       ? ""
+                       : "expected a whole number from 0 to 2^64 - 1, got " + in_quotes(text);
+          },
+          ""))
       ->capture_default_str();
   group
       .value("--threads", options.threads,
              "host threads for scene and emulator, 0 = one per core; never changes a result")
       ->check(CLI::Range(0, kMaxThreads))
       ->capture_default_str();
+  group.parsed("--watchdog", "SECONDS",
+               "give up if the board does not answer for so long, wall clock; 0 = never  [600]",
+               [&options](const std::string& option, const std::string& text) {
+                 const auto seconds = parse_number<std::uint32_t>(text);
+                 if (!seconds || *seconds > kMaxWatchdogSeconds) {
+                   throw bad_value(option, "whole seconds from 0 to " + std::to_string(kMaxWatchdogSeconds), text);
+                 }
+                 options.watchdog = std::chrono::seconds(*seconds);
+               });
   group.flag("--quiet", options.quiet, "print nothing but errors");
 }
 

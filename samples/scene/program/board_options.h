@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <iosfwd>
@@ -42,11 +43,12 @@ struct BoardOptions {
   std::vector<std::string> settings;  // path.to.field=value
   std::filesystem::path stats;        // empty: none
   std::uint64_t seed = 0;
-  int threads = 0;  // 0 = one a core
+  int threads = 0;                     // 0 = one a core
+  std::chrono::seconds watchdog{600};  // for one answer of the board, wall clock; 0 = none
   bool quiet = false;
 };
 
-// Adds --board --fidelity --config --set --stats --seed --threads --quiet, as the group "Board and run".
+// Adds --board --fidelity --config --set --stats --seed --threads --watchdog --quiet, as the group "Board and run".
 void add_board_options(CLI::App& app, BoardOptions& options);
 
 // The URI for Board::open(): emu: with the options as its query. Throws UsageError if a running board (unix:, tcp:) is

@@ -12,7 +12,9 @@ namespace gicube::samples {
 Board open_board(const BoardOptions& options) {
   const std::string uri = board_uri(options);
   try {
-    return Board::open(uri);
+    OpenOptions how;
+    how.watchdog = options.watchdog;
+    return Board::open(uri, how);
   } catch (const BadArgument& error) {
     throw UsageError(error.what());
   }

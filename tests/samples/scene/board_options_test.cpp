@@ -44,6 +44,31 @@ TEST(BoardOptions, DoNotConfigureABoardThatRunsAlready) {
   }
 }
 
+TEST(BoardOptions, TakeSeedsAndTimesThatAreNumbersFromZero) {
+  const auto refusal = [](const std::string& option, const std::string& value) {
+    CLI::App app;
+    BoardOptions options;
+    add_board_options(app, options);
+    try {
+      app.parse(std::vector<std::string>{value, option});  // last first
+    } catch (const CLI::ParseError& error) {
+      return std::string(error.what());
+    }
+    return std::to_string(options.seed) + " " + std::to_string(options.watchdog.count());
+  };
+  EXPECT_EQ(refusal("--seed", "18446744073709551615"), "18446744073709551615 600");
+  EXPECT_EQ(refusal("--watchdog", "0"), "0 0");
+  EXPECT_EQ(refusal("--watchdog", "7"), "0 7");
+  for (const char* seed : {"-1", "18446744073709551616", "1.5", "one"}) {
+    EXPECT_EQ(refusal("--seed", seed),
+              "--seed: expected a whole number from 0 to 2^64 - 1, got \"" + std::string(seed) + "\"");
+  }
+  for (const char* time : {"-1", "604801", "5s"}) {
+    EXPECT_EQ(refusal("--watchdog", time),
+              "--watchdog: expected whole seconds from 0 to 604800, got \"" + std::string(time) + "\"");
+  }
+}
+
 TEST(ParseNumbers, TakesExactlyTheNumbersAskedFor) {
   EXPECT_EQ(parse_vector("--eye", "-1,2.5,3e2"), (Vec3{-1, 2.5, 300}));
   EXPECT_EQ(parse_sizes("--size", "640x480", 2, 'x'), (std::vector<int>{640, 480}));

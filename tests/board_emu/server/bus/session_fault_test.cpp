@@ -28,7 +28,7 @@ class SessionFault : public testing::Test {
   }
   std::vector<std::string> log() {
     std::vector<std::string> lines;
-    for (const v1::PlannedFault& fault : boards.slots[0]->faults().log(false)) lines.push_back(to_text(fault));
+    for (const v1::PlannedFault& fault : boards.slots[0]->faults().log(false).faults) lines.push_back(to_text(fault));
     return lines;
   }
 

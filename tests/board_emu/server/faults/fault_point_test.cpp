@@ -82,9 +82,9 @@ TEST(FaultPoint, TheLogIsSortedAndCanBeCleared) {
   point.sent(100);
   point.taken(100);
   point.taken(100);
-  EXPECT_THAT(texts(point.log(false)), ElementsAre(down, up));
-  EXPECT_THAT(texts(point.log(true)), ElementsAre(down, up));
-  EXPECT_THAT(texts(point.log(false)), ElementsAre());
+  EXPECT_THAT(texts(point.log(false).faults), ElementsAre(down, up));
+  EXPECT_THAT(texts(point.log(true).faults), ElementsAre(down, up));
+  EXPECT_THAT(texts(point.log(false).faults), ElementsAre());
   EXPECT_EQ(point.info().faults, 2u);
   EXPECT_FALSE(point.taken(100).any());
 }
@@ -100,7 +100,7 @@ TEST(FaultPoint, ANewPlanCountsFromOneAndAFaultyOneChangesNothing) {
   EXPECT_TRUE(point.set_plan(plan).empty());
   EXPECT_FALSE(point.taken(100).drop);
   EXPECT_TRUE(point.taken(100).drop);
-  EXPECT_EQ(point.log(false).size(), 1u);
+  EXPECT_EQ(point.log(false).faults.size(), 1u);
   EXPECT_TRUE(point.set_plan("").empty());
   EXPECT_FALSE(point.taken(100).any());
   EXPECT_EQ(point.info().plan_text, "");
@@ -119,6 +119,27 @@ TEST(FaultPoint, TheFileHasTheLogAsPlanTextAndIsAppendedTo) {
   EXPECT_EQ(read_file(path), line + "\n" + line + "\n");
   FaultPoint point;
   EXPECT_THROW(point.append_log_to(folder.file("none/faults.log")), std::runtime_error);
+}
+
+TEST(FaultPoint, TheLogHoldsTheFirstFaultsAndCountsTheOthers) {
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("faults.log");
+  const auto line = [](int message) {
+    return "fault { direction: down message: " + std::to_string(message) + " kind: drop }\n";
+  };
+  std::string plan;
+  for (int message = 1; message <= 6; ++message) plan += line(message);
+  FaultPoint point(2, 3);
+  ASSERT_EQ(to_string(point.set_plan(plan)), "");
+  point.append_log_to(path);
+  for (int i = 0; i < 6; ++i) EXPECT_TRUE(point.taken(100).drop);
+  const FaultPoint::Log log = point.log(true);
+  ASSERT_EQ(log.faults.size(), 2u);
+  EXPECT_EQ(log.faults[1].message(), 2u);
+  EXPECT_EQ(log.left_out, 4u);
+  EXPECT_EQ(point.info().faults, 6u);
+  EXPECT_EQ(point.log(false).left_out, 0u);
+  EXPECT_EQ(read_file(path), line(1) + line(2) + line(3) + "# more than 3 faults: those from here on are missing\n");
 }
 
 TEST(FaultPoint, AKillIsInTheFileBeforeItTakesEffect) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 
 #include "managed_boards.h"
@@ -223,6 +224,52 @@ TEST(Management, AWatchIntervalOutOfRangeIsRefused) {
     EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT);
     EXPECT_THAT(status.error_message(), HasSubstr("interval_ms: expected 0 or 10 to 60000"));
   }
+}
+
+int threads_of_this_process() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return static_cast<int>(std::distance(begin(tasks), end(tasks)));
+}
+
+// Each call that waits has a thread.
+TEST(Management, AFloodOfCallsGetsSoManyThreadsAndNoMore) {
+  constexpr int kCalls = 200, kMaxThreads = 48, kMaxCallsOfConnection = 32;
+  ManagedBoards managed;
+  BoardSlot& slot = *managed.boards.slots[0];
+  ASSERT_EQ(slot.claim({.end_session = [](wire::ErrorCode, const std::string&) {}}), Claim::kGranted);  // does not end
+  grpc::CompletionQueue queue;
+  const int before = threads_of_this_process();
+  struct Waiting {
+    Call call;
+    v1::BoardInfo info;
+    grpc::Status status;
+    std::unique_ptr<grpc::ClientAsyncResponseReader<v1::BoardInfo>> reader;
+  };
+  std::vector<std::unique_ptr<v1::BoardManagement::Stub>> stubs;
+  for (int i = 0; i * kMaxCallsOfConnection < kCalls; ++i) {
+    grpc::ChannelArguments own;
+    own.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    stubs.push_back(v1::BoardManagement::NewStub(grpc::CreateCustomChannel(
+        "unix:" + managed.boards.folder.file("management"), grpc::InsecureChannelCredentials(), own)));
+  }
+  std::vector<std::unique_ptr<Waiting>> waiting;
+  for (int i = 0; i < kCalls; ++i) {
+    waiting.push_back(std::make_unique<Waiting>());
+    Waiting& each = *waiting.back();
+    each.reader = stubs[static_cast<std::size_t>(i / kMaxCallsOfConnection)]->AsyncReset(&each.call, {}, &queue);
+    each.reader->Finish(&each.info, &each.status, nullptr);
+  }
+  void* tag = nullptr;
+  bool ok = false;
+  for (int i = 0; i < kCalls - kMaxThreads; ++i) ASSERT_TRUE(queue.Next(&tag, &ok));  // refused, while the others wait
+  EXPECT_LT(threads_of_this_process() - before, 2 * kMaxThreads) << "the client has threads too";
+  slot.release();
+  for (int i = 0; i < kMaxThreads; ++i) ASSERT_TRUE(queue.Next(&tag, &ok));
+  int refused = 0;
+  for (const auto& each : waiting) {
+    if (each->status.error_code() == StatusCode::RESOURCE_EXHAUSTED) ++refused;
+  }
+  EXPECT_GE(refused, kCalls - kMaxThreads);
 }
 
 TEST(Management, ASeventeenthWatchIsTurnedAway) {
