@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "audit.h"
 #include "config/hardware_cost.h"
 #include "end_on_signals.h"
 #include "firmware/routines/routine_table.h"
@@ -61,6 +62,9 @@ std::vector<int> signals_to_end_on() {
 
 void serve(const Options& options, const RoutineTable& routines) {
   EndOnSignals ending(signals_to_end_on());
+  Audit::Options log;
+  log.file = options.audit_log_file;
+  Audit audit(log);
   std::vector<std::unique_ptr<BoardSlot>> slots;
   std::vector<BoardSlot*> boards;
   for (std::uint32_t i = 0; i < options.boards; ++i) {
@@ -80,6 +84,8 @@ void serve(const Options& options, const RoutineTable& routines) {
   bus.max_unowned = options.max_connections;
   bus.max_unowned_of_peer = options.max_connections_of_peer;
   bus.max_wait = options.max_wait;
+  bus.max_command_time = options.max_command_time;
+  bus.audit = &audit;
   const AccessToken own{Right::kControl, new_token()};
   if (!options.token_file.empty()) bus.tokens = read_tokens(options.token_file);
   bus.tokens.push_back(own);
@@ -100,6 +106,7 @@ void serve(const Options& options, const RoutineTable& routines) {
   if (options.management) {
     ManagementOptions at = *options.management;
     at.tokens = {own};
+    at.audit = &audit;
     management = std::make_unique<Management>(at, boards);
     if (options.management->endpoint.kind == EndpointKind::kUnix) ending.add_file(options.management->endpoint.path);
   }
@@ -115,7 +122,7 @@ void serve(const Options& options, const RoutineTable& routines) {
   }
   std::optional<Registration> registration;
   try {
-    registration.emplace(management ? to_string(management->endpoint()) : "", boards);
+    registration.emplace(management ? to_string(management->endpoint()) : "", boards, &audit);
     ending.add_file(registration->path());
   } catch (const std::runtime_error& error) {  // the boards can be used all the same
     spdlog::warn("gicube-smi will not find this process: {}", error.what());

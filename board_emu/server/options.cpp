@@ -27,6 +27,7 @@ struct Flags {
   std::string fault_file;
   std::uint32_t resume_seconds = 10;
   std::uint32_t max_memory_mib = 0;
+  std::uint32_t max_command_seconds = 0;
   std::uint32_t max_wait_seconds = static_cast<std::uint32_t>(BusOptions().max_wait.count() / 1000);
   std::uint32_t max_results_mib = static_cast<std::uint32_t>(BusOptions().max_held_bytes / kBytesOfMib);
   bool allow_remote_bus = false;
@@ -59,6 +60,10 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "(docs/reference/security.md); only its owner may read the file. Programs of this user on this machine need "
       "none");
 
+  add("--audit-log", options.audit_log_file, "FILE",
+      "who came, was refused, forced and changed what, a line each, appended to FILE; FILE.1 holds the lines before;\n"
+      "unset: these lines are in the log");
+
   app.option_defaults()->group("Limits");
   add("--max-memory", flags.max_memory_mib, "MIB",
       "what a board's volume, irradiance, sums and image may take of this machine's memory; 0 = no limit")
@@ -79,6 +84,11 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--max-wait", flags.max_wait_seconds, "SECONDS",
       "how long a client may wait for a board, however long it wants to")
       ->check(CLI::Range(1u, 86'400u))
+      ->capture_default_str();
+
+  add("--max-command-time", flags.max_command_seconds, "SECONDS",
+      "how long a command may have this machine work; then its session ends; 0 = no limit")
+      ->check(CLI::Range(0u, 604'800u))
       ->capture_default_str();
 
   app.option_defaults()->group("Configuration");
@@ -204,12 +214,12 @@ void read_management(const Flags& flags, Options& options, std::vector<std::stri
   }
   const std::optional<Endpoint> endpoint = read_endpoint("--management", flags.management, errors);
   if (!endpoint) return;
-  options.management = ManagementOptions{*endpoint,
-                                         flags.certificate_file,
-                                         flags.key_file,
-                                         options.token_file,
-                                         {},
-                                         read_trace_folder(flags, *endpoint, errors)};
+  options.management.emplace();
+  options.management->endpoint = *endpoint;
+  options.management->certificate_file = flags.certificate_file;
+  options.management->key_file = flags.key_file;
+  options.management->token_file = options.token_file;
+  options.management->trace_folder = read_trace_folder(flags, *endpoint, errors);
   for (const Diagnostic& each : check(*options.management)) errors.push_back(to_string(each));
 }
 
@@ -270,6 +280,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   }
   result.options.resume_limit = std::chrono::seconds(flags.resume_seconds);
   if (flags.max_memory_mib > 0) result.options.max_memory_bytes = flags.max_memory_mib * kBytesOfMib;
+  result.options.max_command_time = std::chrono::seconds(flags.max_command_seconds);
   result.options.max_wait = std::chrono::seconds(flags.max_wait_seconds);
   result.options.max_results_bytes = flags.max_results_mib * kBytesOfMib;
   read_listen(flags, result.options, result.errors);

@@ -196,6 +196,7 @@ awaitable<void> BusServer::serve(Connection::Socket socket, BoardSlot& slot, boo
   try {
     const auto connection = std::make_shared<Connection>(std::move(socket));
     add(connection);
+    note(AuditEvent::kConnected, *connection, fmt::format("board {}", slot.index()));
     co_await receive(connection, slot, !is_private, wants_token);
   } catch (const std::exception& error) {
     spdlog::error("a session ended by a fault of the server: {}", error.what());
@@ -247,8 +248,8 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
                                    bool wants_token) {
   if (stopped_) co_return connection->close();
   if (const auto out = guests_.enter(connection)) {
-    out->refuse(
-        {ErrorCode::kBusy, 0, "another connection takes the place of this one, which had not said its version"});
+    turn_away(*out,
+              {ErrorCode::kBusy, 0, "another connection takes the place of this one, which had not said its version"});
   }
   const Finally left{[&] { guests_.leave(connection); }};
   std::uint32_t id = 0;
@@ -262,7 +263,7 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
   }
   if (theirs.session != 0) co_return resume(connection, slot, id, theirs);
   if (const std::string full = guests_.stand_in_line(connection); !full.empty()) {
-    connection->refuse({ErrorCode::kBusy, id, full});
+    turn_away(*connection, {ErrorCode::kBusy, id, full});
     co_return;
   }
 
@@ -275,7 +276,7 @@ awaitable<void> BusServer::receive(std::shared_ptr<Connection> connection, Board
   sessions_.emplace(token, session);
   const std::string fault = co_await session->prepare();
   if (!fault.empty()) {
-    connection->refuse({ErrorCode::kInternal, id, fmt::format("board {}: {}", slot.index(), fault)});
+    turn_away(*connection, {ErrorCode::kInternal, id, fmt::format("board {}: {}", slot.index(), fault)});
     sessions_.erase(token);
     slot.release();
     co_return;
@@ -293,7 +294,7 @@ awaitable<bool> BusServer::read_version(Connection& connection, std::uint32_t& i
   deadline.async_wait([self = connection.shared_from_this(), come, this](const error_code& cancelled) {
     if (cancelled || *come) return;
     const auto seconds = std::chrono::duration<double>(options_.handshake_deadline).count();
-    self->refuse({ErrorCode::kProtocol, 0, fmt::format("expected a version frame within {} s, got none", seconds)});
+    turn_away(*self, {ErrorCode::kProtocol, 0, fmt::format("expected a version frame within {} s, got none", seconds)});
   });
   Connection::Incoming incoming = co_await connection.read(wire::kMaxHandshakePayload);
   *come = true;
@@ -304,7 +305,7 @@ awaitable<bool> BusServer::read_version(Connection& connection, std::uint32_t& i
     co_return false;
   }
   if (const auto word = refusal(incoming, options_.version)) {
-    connection.refuse(*word);
+    turn_away(connection, *word);
     co_return false;
   }
   id = incoming.frame->header.id;
@@ -323,12 +324,14 @@ awaitable<bool> BusServer::may_use(Connection& connection, std::uint32_t id, con
   if (right && *right >= needed) co_return true;
   const auto self = connection.shared_from_this();
   if (right) {
-    connection.refuse({ErrorCode::kForbidden, id,
-                       fmt::format("expected a token with the right to {}, got one with the right to {}",
-                                   name_of(needed), name_of(*right))});
+    turn_away(connection,
+              {ErrorCode::kForbidden, id,
+               fmt::format("expected a token with the right to {}, got one with the right to {}", name_of(needed),
+                           name_of(*right))},
+              AuditEvent::kForbidden);
     co_return false;
   }
-  spdlog::warn("{}: {}", connection.peer(), token.empty() ? "it has no token" : "its token is wrong");
+  note(AuditEvent::kUnknown, connection, token.empty() ? "it has no token" : "its token is wrong");
   wrong_tokens_.happened(steady_clock::now());
   const auto end = steady_clock::now() + wrong_tokens_.left(steady_clock::now());
   asio::steady_timer timer(connection.executor());
@@ -347,11 +350,11 @@ void BusServer::resume(std::shared_ptr<Connection> connection, BoardSlot& slot, 
                        const wire::VersionInfo& theirs) {
   const auto found = sessions_.find(theirs.session);
   if (found == sessions_.end() || found->second->ended() || !found->second->serves(slot)) {
-    connection->refuse({ErrorCode::kNoSession, id, "the session to resume has ended, or never was"});
+    turn_away(*connection, {ErrorCode::kNoSession, id, "the session to resume has ended, or never was"});
     return;
   }
   const std::string fault = found->second->resume_fault(theirs);
-  if (!fault.empty()) return connection->refuse({ErrorCode::kProtocol, id, fault});
+  if (!fault.empty()) return turn_away(*connection, {ErrorCode::kProtocol, id, fault});
   found->second->attach(std::move(connection), id, theirs);
 }
 
@@ -381,7 +384,10 @@ awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::sh
     who.force = who.force && forces.allows(now);
     const Claim claim = slot.claim(who);
     if (claim == Claim::kGranted) co_return true;
-    if (claim == Claim::kForced) forces.happened(now);
+    if (claim == Claim::kForced) {
+      forces.happened(now);
+      note(AuditEvent::kForced, *connection, fmt::format("board {}: ends another one's session", slot.index()));
+    }
     if (claim == Claim::kBusy && now > patience) {
       const std::string owner = slot.owner();
       std::string text = fmt::format("board {} has an owner: {}", slot.index(), owner.empty() ? "others wait" : owner);
@@ -389,7 +395,7 @@ awaitable<bool> BusServer::claim(std::shared_ptr<Connection> connection, std::sh
         text += fmt::format("; it was taken by force not long ago, and can be again in {:.1f} s",
                             static_cast<double>(left_ms) / 1000);
       }
-      connection->refuse({ErrorCode::kBusy, id, std::move(text)});
+      turn_away(*connection, {ErrorCode::kBusy, id, std::move(text)});
       break;
     }
     co_await sleep(timer, kClaimInterval);

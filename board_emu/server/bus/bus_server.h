@@ -56,6 +56,14 @@ class BusServer {
   awaitable<bool> claim(std::shared_ptr<Connection> connection, std::shared_ptr<Session> session, BoardSlot& slot,
                         std::uint32_t id, const wire::VersionInfo& theirs);
   std::uint64_t new_token() const;
+  void note(AuditEvent event, const Connection& connection, const std::string& what) const {
+    if (options_.audit != nullptr) options_.audit->note(event, connection.peer(), what);
+  }
+  // Says why, and notes it.
+  void turn_away(Connection& connection, const LastWord& word, AuditEvent event = AuditEvent::kRefused) const {
+    note(event, connection, word.text);
+    connection.refuse(word);
+  }
 
   const BusOptions options_;
   bool stopped_ = false;

@@ -60,7 +60,10 @@ void Session::attach(Connected connection, std::uint32_t id, const wire::Version
   if (connection_) connection_->close();  // it has left that one, whether or not we have noticed
   absence_.cancel();
   slot_.set_away(false);
+  const bool is_new = peer_.empty();
   connection_ = std::move(connection);
+  peer_ = connection_->peer();
+  note(is_new ? AuditEvent::kOpened : AuditEvent::kResumed, is_new ? "a session begins" : "its session goes on");
 
   wire::VersionInfo answer = options_.version;
   answer.session = token_;
@@ -102,6 +105,7 @@ void Session::fail(const std::exception& error) {
 
 awaitable<void> Session::give_board_back() {
   stop();
+  note(AuditEvent::kClosed, "the session has ended");
   if (connection_) std::exchange(connection_, nullptr)->close();
   slot_.announce_release();
   try {
@@ -116,6 +120,13 @@ awaitable<void> Session::give_board_back() {
   slot_.release();
 }
 
+void Session::end_for_its_time(std::chrono::milliseconds limit) {
+  const double seconds = std::chrono::duration<double>(limit).count();
+  note(AuditEvent::kLimitReached, fmt::format("a command of more than {} s", seconds));
+  fail({ErrorCode::kTooLarge, 0,
+        fmt::format("expected commands of at most {} s of this machine's time, got a longer one", seconds)});
+}
+
 awaitable<void> Session::pause(std::chrono::microseconds duration) {
   constexpr std::chrono::milliseconds kLook{50};  // chosen: how late the end of the session is noticed
   using Clock = std::chrono::steady_clock;
@@ -126,7 +137,10 @@ awaitable<void> Session::pause(std::chrono::microseconds duration) {
   }
 }
 
-awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job, bool shows_progress) {
+awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job, bool shows_progress,
+                                                      std::chrono::milliseconds limit) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + (limit.count() > 0 ? limit : kUntilWoken);
   job_done_ = false;
   std::exception_ptr fault;
   // The session goes back to the io thread with the news: only there may it end.
@@ -143,7 +157,10 @@ awaitable<std::exception_ptr> Session::run_on_compute(std::function<void()> job,
   };
   asio::post(slot_.compute(), std::move(run_it));
   while (!job_done_) {
-    co_await sleep(wake_, shows_progress ? options_.progress_interval : kUntilWoken);
+    const Clock::duration interval = shows_progress ? options_.progress_interval : kUntilWoken;
+    const Clock::duration left = stopped_ ? interval : std::max(Clock::duration(0), end - Clock::now());
+    co_await sleep(wake_, std::min(interval, left));
+    if (limit.count() > 0 && !job_done_ && !stopped_ && Clock::now() >= end) end_for_its_time(limit);
     if (shows_progress && !job_done_ && !stopped_) send_progress();
   }
   co_return fault;

@@ -9,6 +9,8 @@
 // has a new board.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -25,6 +27,7 @@
 #include "gicube/access.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/reliable_window.h"
+#include "server/audit.h"
 
 namespace gicube::emu {
 
@@ -34,7 +37,10 @@ struct BusOptions {
   wire::VersionInfo version = board_version();
   std::chrono::milliseconds handshake_deadline{5000};  // chosen: a person's patience
   std::chrono::milliseconds progress_interval{100};    // chosen: as often as a progress bar is read
-  std::vector<AccessToken> tokens{};                   // one of which a client over TCP must have
+  Audit* audit = nullptr;                              // must outlive the server; null: there is none
+  // What one frame may have the board work, of this machine's time; 0 = no limit.
+  std::chrono::milliseconds max_command_time{0};
+  std::vector<AccessToken> tokens{};  // one of which a client over TCP must have
   // A client with a wrong token waits for its refusal, each time longer.
   std::chrono::milliseconds token_pause{100};            // chosen: ten guesses a second at first
   std::chrono::milliseconds longest_token_pause{2'000};  // chosen: within the patience of whoever has mistaken a file
@@ -95,9 +101,14 @@ class Session : public std::enable_shared_from_this<Session> {
   awaitable<void> send(wire::FrameHeader header, std::vector<std::uint8_t> payload);
   awaitable<void> deliver(const wire::ReliableWindow::Sent& frame);
   void put(wire::FrameHeader header, wire::Payload payload, std::optional<std::uint32_t> flipped_bit = std::nullopt);
-  awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress);
+  awaitable<std::exception_ptr> run_on_compute(std::function<void()> job, bool shows_progress,
+                                               std::chrono::milliseconds limit = std::chrono::milliseconds{0});
+  void note(AuditEvent event, const std::string& what) const {
+    if (options_.audit != nullptr) options_.audit->note(event, peer_, fmt::format("board {}: {}", slot_.index(), what));
+  }
 
   awaitable<void> give_board_back();
+  void end_for_its_time(std::chrono::milliseconds limit);
   // Shorter if the session ends.
   awaitable<void> pause(std::chrono::microseconds duration);
   void lose(const Connected& connection, const std::optional<LastWord>& word);
@@ -127,6 +138,7 @@ class Session : public std::enable_shared_from_this<Session> {
   bool can_resume_ = true;
 
   Connected connection_;  // none while the client is away
+  std::string peer_;      // who has, or had, the latest
   wire::ReliableWindow window_;
   std::uint32_t judged_ = 0;  // the last number that the fault plan has had its say about
 

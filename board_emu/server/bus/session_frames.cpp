@@ -194,6 +194,7 @@ void Session::check_held(const FrameHeader& header) const {
   const std::size_t frames = window_.kept_frames() + (connection_ ? connection_->waiting_frames() : 0);
   const std::uint64_t bytes = held_bytes_ + window_.kept_bytes() + frames * kBytesOfFrame;
   if (bytes <= options_.max_held_bytes) return;
+  note(AuditEvent::kLimitReached, fmt::format("results of {} bytes", bytes));
   throw LastWord{
       ErrorCode::kTooLarge, header.id,
       fmt::format("expected at most {} bytes of results before they are waited or polled for and taken, got {}",
@@ -210,7 +211,7 @@ awaitable<TransactionResult> Session::transact(const Frame& frame) {
     held_bytes_ = slot_.board().held_bytes();
   };
   const bool shows_progress = (agreed_.capabilities & wire::kProgressFrames) != 0;
-  const std::exception_ptr fault = co_await run_on_compute(std::move(job), shows_progress);
+  const std::exception_ptr fault = co_await run_on_compute(std::move(job), shows_progress, options_.max_command_time);
   if (fault) std::rethrow_exception(fault);
   co_return result;
 }

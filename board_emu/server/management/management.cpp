@@ -17,8 +17,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
 #include "describe.h"
 #include "gicube/v1/management.grpc.pb.h"
 #include "server/bus/back_off.h"
@@ -44,7 +42,7 @@ constexpr std::size_t kMaxMemoryBytes = std::size_t{64} << 20;  // chosen: a con
 // Asks every call for a token, those of health and reflection too. Who has a wrong one waits for the refusal, each time longer, so that tokens are guessed slowly; only a few do, since each of them holds a thread.
 class TokenCheck final : public grpc::AuthMetadataProcessor {
  public:
-  explicit TokenCheck(std::vector<AccessToken> tokens) : tokens_(std::move(tokens)) {}
+  TokenCheck(std::vector<AccessToken> tokens, Audit* audit) : tokens_(std::move(tokens)), audit_(audit) {}
 
   bool IsBlocking() const override { return true; }
 
@@ -73,33 +71,34 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
 
   void hold_back(bool has_one) {
     constexpr int kMaxHeld = 4;  // chosen
-    std::unique_lock lock(mutex_);
-    if (held_ >= kMaxHeld) {
-      ++unheld_;
-      return;
+    if (audit_ != nullptr) {
+      audit_->note(AuditEvent::kUnknown, "management caller", has_one ? "its token is wrong" : "it has no token");
     }
+    std::unique_lock lock(mutex_);
+    if (held_ >= kMaxHeld) return;
     ++held_;
-    const std::string more = unheld_ > 0 ? fmt::format("; so had {} more", std::exchange(unheld_, 0)) : "";
-    spdlog::warn("management plane: a caller had {}{}", has_one ? "a wrong token" : "no token", more);
     wrong_.happened(Clock::now());
     stopped_.wait_for(lock, wrong_.left(Clock::now()), [this] { return stopping_; });
     --held_;
   }
 
   const std::vector<AccessToken> tokens_;
+  Audit* const audit_;
   std::mutex mutex_;
   std::condition_variable stopped_;
   BackOff wrong_{BusOptions().token_pause, BusOptions().longest_token_pause};
   int held_ = 0;
-  std::uint64_t unheld_ = 0;  // that were refused at once, since the last line of the log
   bool stopping_ = false;
 };
 
 class Service final : public v1::BoardManagement::Service {
  public:
   // `tokens`: null if nobody is asked for one.
-  Service(std::vector<BoardSlot*> boards, std::string trace_folder, std::shared_ptr<const TokenCheck> tokens)
-      : boards_(std::move(boards)), trace_folder_(std::move(trace_folder)), tokens_(std::move(tokens)) {}
+  Service(std::vector<BoardSlot*> boards, const ManagementOptions& options, std::shared_ptr<const TokenCheck> tokens)
+      : boards_(std::move(boards)),
+        trace_folder_(options.trace_folder),
+        audit_(options.audit),
+        tokens_(std::move(tokens)) {}
 
   Status ListBoards(ServerContext*, const v1::ListBoardsRequest*, v1::ListBoardsResponse* response) override {
     for (const BoardSlot* slot : boards_) describe(*slot, *response->add_boards());
@@ -113,7 +112,9 @@ class Service final : public v1::BoardManagement::Service {
     return on_board(*request, [&](BoardSlot& slot) {
       std::string reason;
       const auto result = slot.configure(request->config_text(), reason, given_up(*context));
-      return result == BoardSlot::Configured::kDone ? shown(slot, *info) : refusal(result, slot, reason);
+      const bool is_done = result == BoardSlot::Configured::kDone;
+      return noted(AuditEvent::kConfigured, *context, slot,
+                   is_done ? shown(slot, *info) : refusal(result, slot, reason));
     });
   }
 
@@ -122,9 +123,13 @@ class Service final : public v1::BoardManagement::Service {
     return on_board(*request, [&](BoardSlot& slot) -> Status {
       std::string reason;
       const auto result = slot.power_reset(reason, given_up(*context));
-      if (result == BoardSlot::Configured::kDone) return shown(slot, *info);
-      if (result != BoardSlot::Configured::kInUse) return refusal(result, slot, reason);
-      return {StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
+      Status status{StatusCode::DEADLINE_EXCEEDED, "the session that owns the board does not end"};
+      if (result == BoardSlot::Configured::kDone) {
+        status = shown(slot, *info);
+      } else if (result != BoardSlot::Configured::kInUse) {
+        status = refusal(result, slot, reason);
+      }
+      return noted(AuditEvent::kReset, *context, slot, status);
     });
   }
 
@@ -139,10 +144,12 @@ class Service final : public v1::BoardManagement::Service {
       try {
         if (!request->file().empty()) path = trace_path(trace_folder_, request->file());
       } catch (const std::invalid_argument& error) {
-        return {StatusCode::INVALID_ARGUMENT, error.what()};
+        return noted(AuditEvent::kTraced, *context, slot, {StatusCode::INVALID_ARGUMENT, error.what()});
       }
       const auto result = slot.set_trace_file(path, reason, given_up(*context));
-      return result == BoardSlot::Configured::kDone ? shown(slot, *info) : refusal(result, slot, reason);
+      const bool is_done = result == BoardSlot::Configured::kDone;
+      return noted(AuditEvent::kTraced, *context, slot, is_done ? shown(slot, *info) : refusal(result, slot, reason),
+                   path.empty() ? "no trace" : path);
     });
   }
 
@@ -158,8 +165,8 @@ class Service final : public v1::BoardManagement::Service {
     if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
     return on_board(*request, [&](BoardSlot& slot) -> Status {
       const std::vector<Diagnostic> found = slot.faults().set_plan(request->plan_text());
-      if (!found.empty()) return {StatusCode::INVALID_ARGUMENT, in_short(to_string(found))};
-      return shown(slot, *info);
+      const Status refused{StatusCode::INVALID_ARGUMENT, in_short(to_string(found))};
+      return noted(AuditEvent::kFaultsSet, *context, slot, found.empty() ? shown(slot, *info) : refused);
     });
   }
 
@@ -186,11 +193,23 @@ class Service final : public v1::BoardManagement::Service {
   }
 
  private:
+  void note(AuditEvent event, const ServerContext& context, const std::string& what) const {
+    if (audit_ != nullptr) audit_->note(event, "management caller " + context.peer(), what);
+  }
+  // What a call of this kind has come to.
+  Status noted(AuditEvent event, const ServerContext& context, const BoardSlot& slot, const Status& status,
+               const std::string& what = "") const {
+    const std::string result = status.ok() ? "done" : "refused: " + status.error_message();
+    note(event, context, fmt::format("board {}: {}{}{}", slot.index(), what, what.empty() ? "" : ": ", result));
+    return status;
+  }
+
   // Why a caller may not do what needs this right.
   Status lacks(const ServerContext& context, Right needed) const {
     if (!tokens_) return Status::OK;
     const std::optional<Right> right = tokens_->right_in(context.client_metadata());
     if (right && *right >= needed) return Status::OK;
+    note(AuditEvent::kForbidden, context, fmt::format("asked for what needs the right to {}", name_of(needed)));
     return {StatusCode::PERMISSION_DENIED,
             fmt::format("expected a token with the right to {}, got one with the right to {}", name_of(needed),
                         right ? name_of(*right) : "nothing")};
@@ -277,6 +296,7 @@ class Service final : public v1::BoardManagement::Service {
 
   const std::vector<BoardSlot*> boards_;
   const std::string trace_folder_;
+  Audit* const audit_;
   const std::shared_ptr<const TokenCheck> tokens_;
   std::atomic<int> watchers_{0};
   std::mutex mutex_;
@@ -365,8 +385,9 @@ struct Management::Parts {
 
   Parts(std::vector<BoardSlot*> boards, const ManagementOptions& options)
       : endpoint(options.endpoint),
-        tokens(endpoint.kind == EndpointKind::kTcp ? std::make_shared<TokenCheck>(all_tokens(options)) : nullptr),
-        service(std::move(boards), options.trace_folder, tokens) {}
+        tokens(endpoint.kind == EndpointKind::kTcp ? std::make_shared<TokenCheck>(all_tokens(options), options.audit)
+                                                   : nullptr),
+        service(std::move(boards), options, tokens) {}
 };
 
 Management::Management(const ManagementOptions& options, std::vector<BoardSlot*> boards)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gicube/access.h"
+#include "server/audit.h"
 #include "server/bus/board_slot.h"
 #include "server/bus/endpoint.h"
 
@@ -17,6 +18,7 @@ struct ManagementOptions {
   // PEM files, and that of tokens (proto/gicube/access.h). Needed where other machines can reach the endpoint.
   std::string certificate_file, key_file, token_file;
   std::vector<AccessToken> tokens{};  // beside those of the file: one of all these is asked of each caller over TCP
+  Audit* audit = nullptr;             // must outlive the plane; null: there is none
   std::string trace_folder{};         // where SetTrace may create files; empty: nowhere
 };
 

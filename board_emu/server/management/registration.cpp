@@ -21,8 +21,8 @@ constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until descrip
 
 }  // namespace
 
-Registration::Registration(std::string management, std::vector<BoardSlot*> boards)
-    : management_(std::move(management)), boards_(std::move(boards)) {
+Registration::Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit)
+    : management_(std::move(management)), boards_(std::move(boards)), audit_(audit) {
   const std::string folder = registry_folder();
   ::mkdir(folder.c_str(), S_IRWXU);  // if it fails, the next line says so
   const std::string fault = registry_fault(folder);
@@ -82,6 +82,11 @@ std::string Registration::message() const {
   for (BoardSlot* slot : boards_) {
     describe(std::as_const(*slot), *process.add_boards());
     describe(std::as_const(*slot), *process.add_counters());
+  }
+  for (const Audit::Count& each : audit_ != nullptr ? audit_->counts() : std::vector<Audit::Count>()) {
+    v1::AuditCount* added = process.add_events();
+    added->set_event(each.event);
+    added->set_count(each.count);
   }
   return process.SerializeAsString();
 }

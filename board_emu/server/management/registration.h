@@ -8,6 +8,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 
+#include "server/audit.h"
 #include "server/bus/board_slot.h"
 #include "server/bus/coroutines.h"
 
@@ -17,7 +18,8 @@ class Registration {
  public:
   // Makes the folder if it is not there, and tells callers about the boards, which must outlive this, from a thread of its own.
   // `management`: the endpoint of their management plane, or empty. Throws std::runtime_error that says why nobody will see them.
-  Registration(std::string management, std::vector<BoardSlot*> boards);
+  // `audit`: whose counts are told too; null: none.
+  Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit = nullptr);
   // Removes the socket.
   ~Registration();
 
@@ -35,6 +37,7 @@ class Registration {
 
   const std::string management_;
   const std::vector<BoardSlot*> boards_;
+  const Audit* const audit_;
   std::string path_;
   asio::io_context io_{1};
   asio::local::stream_protocol::acceptor acceptor_{io_};

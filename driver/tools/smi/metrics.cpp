@@ -152,7 +152,15 @@ std::string metrics_text(const std::vector<LocalProcess>& processes) {
   for (const LocalProcess& process : processes) {
     const Labels labels{{"pid", std::to_string(process.pid)}};
     add(families, "gicube_process_up", "gauge", "1 if the board process answers.", labels, process.told ? "1" : "0");
-    if (process.told) add_boards(families, labels, *process.told);
+    if (!process.told) continue;
+    add_boards(families, labels, *process.told);
+    for (const v1::AuditCount& each : process.told->events()) {
+      Labels of_event = labels;
+      of_event.emplace_back("event", each.event());
+      add(families, "gicube_audit_events_total", "counter",
+          "Connections, refusals, takeovers and changes, by the kinds of the audit log.", std::move(of_event),
+          std::to_string(each.count()));
+    }
   }
   std::string text;
   for (const auto& [name, family] : families) {

@@ -69,6 +69,15 @@ TEST(CommandLine, LimitsConnectionsAndHowLongTheyWait) {
   }
 }
 
+TEST(CommandLine, LimitsCommandsAndNamesTheAuditLog) {
+  const Options usual = parse({"--listen", "unix:/tmp/b"}).options;
+  EXPECT_EQ(usual.max_command_time.count(), 0);
+  EXPECT_EQ(usual.audit_log_file, "");
+  const Options own = parse({"--listen", "unix:/tmp/b", "--max-command-time", "5", "--audit-log", "a"}).options;
+  EXPECT_EQ(own.max_command_time, std::chrono::seconds(5));
+  EXPECT_EQ(own.audit_log_file, "a");
+}
+
 TEST(CommandLine, AFileThatNeverEndsIsReadNoFurtherThanATextMayBe) {
   for (const char* flag : {"--config", "--faults"}) {
     EXPECT_THAT(parse({"--listen", "fd:3", flag, "/dev/zero"}).errors,

@@ -186,6 +186,12 @@ TEST(Export, HasTheCountersThatTheApplicationReads) {
             static_cast<double>(counters.value("fidelity_answered.cycle")));
   EXPECT_DOUBLE_EQ(value("gicube_board_simulated_seconds_total"), static_cast<double>(board.now()) * 1e-12);
   EXPECT_EQ(value("gicube_board_in_use"), 1);
+  std::map<std::string, double> events;
+  const auto [begin, end] = metrics.equal_range("gicube_audit_events_total");
+  for (auto each = begin; each != end; ++each) events[each->second.labels.at("event")] = each->second.value;
+  EXPECT_EQ(events.size(), 13u);
+  EXPECT_EQ(events["opened"], 1);
+  EXPECT_EQ(events["closed"], 0);
 }
 
 TEST(Export, LabelsProcessorsAndLeavesTheirSumToTheReader) {

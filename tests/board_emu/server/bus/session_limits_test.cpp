@@ -48,6 +48,27 @@ TEST(Session, ResultsThatNobodyFetchesEndItBeforeTheyFillTheMemory) {
   expect_ended(client, ErrorCode::kTooLarge, id, "at most 4096 bytes of results");
 }
 
+TEST(Session, ACommandThatTakesTooLongEndsIt) {
+  Audit audit;
+  BusOptions options = patient();
+  options.max_command_time = std::chrono::milliseconds(20);
+  options.audit = &audit;
+  const ServedBoards boards(1, options);
+  {
+    RawClient client = boards.open();
+    post_long_command(client, 7);
+    client.send(FrameType::kWait, 1, 0, word(7));
+    std::optional<reference::RawFrame> last;
+    do last = client.receive_answer();
+    while (last && last->header.type != FrameType::kVersion);
+    ASSERT_TRUE(last.has_value());
+    EXPECT_EQ(last->header.error, ErrorCode::kTooLarge);
+    EXPECT_THAT(last->text(), testing::HasSubstr("commands of at most 0.02 s of this machine's time"));
+  }
+  EXPECT_TRUE(serves_afresh(boards));
+  EXPECT_EQ(audit.counts().back().count, 1u);
+}
+
 TEST(Session, OneTicketForAllCommandsEndsItAtTheSecond) {
   const ServedBoards boards;
   RawClient client = boards.open();

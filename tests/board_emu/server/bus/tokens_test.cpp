@@ -113,6 +113,27 @@ TEST(Tokens, AtAUnixSocketNobodyIsAsked) {
   EXPECT_EQ(thief.read_register(wire::reg::kId), wire::kIdValue);
 }
 
+TEST(Tokens, WhoCameWithWhichIsNoted) {
+  Audit audit;
+  BusOptions options = with_tokens();
+  options.audit = &audit;
+  {
+    const TcpBoard board(options);
+    expect_forbidden(board.connect().handshake(), "none");
+    expect_forbidden(board.connect().handshake({}, kReader), "use");
+    RawClient owner = board.connect();
+    ASSERT_EQ(owner.handshake({}, kUser)->header.error, ErrorCode::kNone);
+    EXPECT_EQ(board.connect().handshake({}, kUser)->header.error, ErrorCode::kBusy);
+    RawClient thief = board.connect();
+    ASSERT_EQ(thief.handshake(with_force(), kController)->header.error, ErrorCode::kNone);
+  }
+  std::string counted;
+  for (const auto& [event, count] : audit.counts()) {
+    if (count > 0) counted += fmt::format("{} {} ", event, count);
+  }
+  EXPECT_EQ(counted, "connected 5 refused 1 unknown 1 forbidden 1 opened 2 forced 1 closed 2 ");
+}
+
 TEST(Tokens, WhoWaitsForHisRefusalHoldsUpNoOneAndNotTheEnd) {
   BusOptions options = with_tokens();
   options.token_pause = options.longest_token_pause = std::chrono::hours(1);

@@ -129,6 +129,7 @@ class TokensOfManagement : public testing::Test {
 
   TokensOfManagement() {
     options_.endpoint = parse_endpoint("tcp:127.0.0.1:0");
+    options_.audit = &audit_;
     options_.tokens = {{Right::kControl, kToken}, {Right::kUse, kUser}, {Right::kRead, kReader}};
     management_ = std::make_unique<Management>(options_, boards_.all());
     channel_ = grpc::CreateChannel(to_string(management_->endpoint()).substr(4), grpc::InsecureChannelCredentials());
@@ -146,6 +147,16 @@ class TokensOfManagement : public testing::Test {
     return (stub.get()->*method)(&context, request, &response).error_code();
   }
 
+  // What has been noted, as "reset 1 ".
+  std::string noted() const {
+    std::string text;
+    for (const auto& [event, count] : audit_.counts()) {
+      if (count > 0) text += fmt::format("{} {} ", event, count);
+    }
+    return text;
+  }
+
+  Audit audit_;
   ServedBoards boards_;
   ManagementOptions options_;
   std::unique_ptr<Management> management_;
@@ -183,6 +194,18 @@ TEST_F(TokensOfManagement, ThatMayOnlyReadOrUseChangeNothing) {
   EXPECT_EQ(boards_.all()[0]->info().config.asic().processors(), 4u);
   EXPECT_EQ(call(kToken, &Stub::Configure, configure), StatusCode::OK);
   EXPECT_EQ(call(kToken, &Stub::GetFaultLog, clear), StatusCode::OK);
+  EXPECT_EQ(noted(), "forbidden 10 configured 1 ");
+}
+
+TEST_F(TokensOfManagement, WhatTheirHoldersDoIsNoted) {
+  EXPECT_EQ(call("", &Stub::ListBoards), StatusCode::UNAUTHENTICATED);
+  EXPECT_EQ(call(kToken, &Stub::Reset), StatusCode::OK);
+  EXPECT_EQ(call(kToken, &Stub::SetFaultPlan), StatusCode::OK);
+  v1::SetTraceRequest trace;
+  trace.set_file("/tmp/anywhere");
+  EXPECT_EQ(call(kToken, &Stub::SetTrace, trace), StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(call(kToken, &Stub::GetCounters), StatusCode::OK);
+  EXPECT_EQ(noted(), "unknown 1 reset 1 traced 1 faults_set 1 ");
 }
 
 TEST(ManagementAccess, OnlyABearersTokenIsOne) {

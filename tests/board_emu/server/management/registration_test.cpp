@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -83,6 +84,20 @@ TEST(Registration, TellsEveryCallerWhatTheBoardsAre) {
     EXPECT_EQ(told.counters(1).board(), 1u);
     EXPECT_GT(told.counters(1).counters_size(), 0);
   }
+}
+
+TEST(Registration, TellsWhatTheAuditLogCounts) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(1);
+  Audit audit;
+  audit.note(AuditEvent::kReset, "somebody", "");
+  const Registration registration("", boards.all(), &audit);
+  std::map<std::string, std::uint64_t> counts;
+  const v1::BoardProcess told = told_by(registration.path());
+  for (const v1::AuditCount& each : told.events()) counts[each.event()] = each.count();
+  EXPECT_EQ(counts.size(), 13u);
+  EXPECT_EQ(counts["reset"], 1u);
+  EXPECT_EQ(counts["connected"], 0u);
 }
 
 TEST(Registration, SaysWhoOwnsABoard) {
