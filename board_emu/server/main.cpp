@@ -86,6 +86,7 @@ void serve(const Options& options, const RoutineTable& routines) {
   bus.max_wait = options.max_wait;
   bus.max_command_time = options.max_command_time;
   bus.audit = &audit;
+  if (!options.certificate_file.empty()) bus.tls = make_tls(options.certificate_file, options.key_file);
   const AccessToken own{Right::kControl, new_token()};
   if (!options.token_file.empty()) bus.tokens = read_tokens(options.token_file);
   bus.tokens.push_back(own);

@@ -22,7 +22,6 @@ constexpr std::uint32_t kMaxMib = 1u << 24;     // chosen: 16 TiB
 struct Flags {
   std::string listen, management, config_file;
   std::vector<std::string> overrides;
-  std::string certificate_file, key_file;
   std::string trace_file, trace_dir, vcd_file, vcd_window;
   std::string fault_file;
   std::uint32_t resume_seconds = 10;
@@ -30,7 +29,6 @@ struct Flags {
   std::uint32_t max_command_seconds = 0;
   std::uint32_t max_wait_seconds = static_cast<std::uint32_t>(BusOptions().max_wait.count() / 1000);
   std::uint32_t max_results_mib = static_cast<std::uint32_t>(BusOptions().max_held_bytes / kBytesOfMib);
-  bool allow_remote_bus = false;
 };
 
 void add_flags(CLI::App& app, Flags& flags, Options& options) {
@@ -42,8 +40,6 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       "fd:N for a connected socket; board i > 0 is at PATH.i or PORT+i");
   add("--boards", options.boards, "N", fmt::format("how many boards, 1 to {}", kMaxBoards));
   app.add_flag("--private", options.is_private, "with fd:N: end with that session");
-  app.add_flag("--allow-remote-bus", flags.allow_remote_bus,
-               "let --listen be an address that other machines can reach; the bus is not encrypted");
   app.add_flag("--quiet", options.quiet, "log warnings only");
   add("--bsdf", options.bsdf_files, "FILE",
       "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
@@ -55,6 +51,9 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
       ->capture_default_str();
 
   app.option_defaults()->group("Access");
+  add("--tls-cert", options.certificate_file, "FILE",
+      "TLS certificate, PEM: all TCP of both planes speaks TLS then; needed beyond this machine");
+  add("--tls-key", options.key_file, "FILE", "its private key, PEM");
   add("--token-file", options.token_file, "FILE",
       "tokens for clients and callers over TCP, one a line: TOKEN, read TOKEN, use TOKEN or control TOKEN\n"
       "(docs/reference/security.md); only its owner may read the file. Programs of this user on this machine need "
@@ -117,8 +116,6 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
 
   app.option_defaults()->group("Management");
   add("--management", flags.management, "ENDPOINT", "serve the management plane (gRPC) at unix:PATH or tcp:HOST:PORT");
-  add("--management-cert", flags.certificate_file, "FILE", "TLS certificate, PEM; needed beyond this machine");
-  add("--management-key", flags.key_file, "FILE", "its private key, PEM");
 }
 
 // Empty without a file. No more is read than tells that the text is too long, as of /dev/zero.
@@ -169,6 +166,13 @@ std::optional<Endpoint> read_endpoint(const char* flag, const std::string& text,
   }
 }
 
+void check_tls(const Options& options, std::vector<std::string>& errors) {
+  if (options.certificate_file.empty() == options.key_file.empty()) return;
+  const bool has_key = options.certificate_file.empty();
+  errors.push_back(fmt::format("{}: expected {} beside it, got none", has_key ? "--tls-key" : "--tls-cert",
+                               has_key ? "--tls-cert" : "--tls-key"));
+}
+
 void read_listen(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   if (options.boards < 1 || options.boards > kMaxBoards) {
     errors.push_back(fmt::format("--boards: expected 1 to {}, got {}", kMaxBoards, options.boards));
@@ -181,8 +185,11 @@ void read_listen(const Flags& flags, Options& options, std::vector<std::string>&
   const std::optional<Endpoint> endpoint = read_endpoint("--listen", flags.listen, errors);
   if (!endpoint) return;
   options.listen = *endpoint;
-  if (!is_local(*endpoint) && !flags.allow_remote_bus) {
-    errors.push_back(fmt::format("--listen: expected a loopback address or --allow-remote-bus, got {}", flags.listen));
+  if (!is_local(*endpoint) && (options.certificate_file.empty() || options.token_file.empty())) {
+    errors.push_back(fmt::format(
+        "--listen: expected a loopback address or a unix socket, or TLS and a token by --tls-cert, --tls-key, "
+        "--token-file, got {}",
+        flags.listen));
   }
   if (options.is_private && endpoint->kind != EndpointKind::kFd) {
     errors.push_back(fmt::format("--private: expected --listen fd:N, got {}", flags.listen));
@@ -206,9 +213,7 @@ std::string read_trace_folder(const Flags& flags, const Endpoint& management, st
 }
 
 void read_management(const Flags& flags, Options& options, std::vector<std::string>& errors) {
-  const bool has_files = !(flags.certificate_file + flags.key_file).empty();
   if (flags.management.empty()) {
-    if (has_files) errors.push_back("--management: expected an endpoint for the certificate and key, got none");
     if (!flags.trace_dir.empty()) errors.push_back("--management: expected an endpoint beside --trace-dir, got none");
     return;
   }
@@ -216,8 +221,8 @@ void read_management(const Flags& flags, Options& options, std::vector<std::stri
   if (!endpoint) return;
   options.management.emplace();
   options.management->endpoint = *endpoint;
-  options.management->certificate_file = flags.certificate_file;
-  options.management->key_file = flags.key_file;
+  options.management->certificate_file = options.certificate_file;
+  options.management->key_file = options.key_file;
   options.management->token_file = options.token_file;
   options.management->trace_folder = read_trace_folder(flags, *endpoint, errors);
   for (const Diagnostic& each : check(*options.management)) errors.push_back(to_string(each));
@@ -283,6 +288,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   result.options.max_command_time = std::chrono::seconds(flags.max_command_seconds);
   result.options.max_wait = std::chrono::seconds(flags.max_wait_seconds);
   result.options.max_results_bytes = flags.max_results_mib * kBytesOfMib;
+  check_tls(result.options, result.errors);
   read_listen(flags, result.options, result.errors);
   read_management(flags, result.options, result.errors);
   result.options.config = read_config(flags, result.errors, result.errors_left_out);

@@ -33,8 +33,9 @@ struct Options {
   std::uint32_t max_connections_of_peer = static_cast<std::uint32_t>(BusOptions().max_unowned_of_peer);
   std::chrono::milliseconds max_wait = BusOptions().max_wait;
   std::chrono::milliseconds max_command_time{0};
-  std::string audit_log_file;  // empty: its lines go to the process's log
-  std::string token_file;      // of clients over TCP; empty: this process's own token only
+  std::string audit_log_file;              // empty: its lines go to the process's log
+  std::string certificate_file, key_file;  // of TLS; empty: plain TCP
+  std::string token_file;                  // of clients over TCP; empty: this process's own token only
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;

@@ -107,6 +107,7 @@ class BusServer::Listener {
       const auto generic = acceptor_.local_endpoint();
       std::memcpy(bound.data(), generic.data(), generic.size());
       endpoint_.port = bound.port();
+      endpoint_.is_secure = server.options_.tls != nullptr;
     }
     acceptor_.listen();
   }
@@ -194,7 +195,7 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
 
 awaitable<void> BusServer::serve(Connection::Socket socket, BoardSlot& slot, bool is_private, bool wants_token) {
   try {
-    const auto connection = std::make_shared<Connection>(std::move(socket));
+    const auto connection = std::make_shared<Connection>(std::move(socket), wants_token ? options_.tls.get() : nullptr);
     add(connection);
     note(AuditEvent::kConnected, *connection, fmt::format("board {}", slot.index()));
     co_await receive(connection, slot, !is_private, wants_token);

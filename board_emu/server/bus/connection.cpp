@@ -10,6 +10,7 @@
 
 #include "gicube/wire/checksum.h"
 #include "server/faults/fault_point.h"
+#include "tls_stream.h"
 
 namespace gicube::emu {
 
@@ -28,8 +29,23 @@ Connection::Incoming damaged_frame(std::uint32_t id, std::string text) {
 
 }  // namespace
 
-Connection::Connection(Socket socket)
-    : socket_(std::move(socket)), linger_(socket_.get_executor()), peer_(peer_of(socket_)) {}
+Connection::Connection(Socket socket, Tls* tls)
+    : socket_(std::move(socket)),
+      tls_(tls != nullptr ? std::make_unique<TlsStream>(socket_, *tls) : nullptr),
+      linger_(socket_.get_executor()),
+      peer_(peer_of(socket_)) {}
+
+Connection::~Connection() = default;
+
+// False: the client does not speak TLS, or not ours.
+awaitable<bool> Connection::secure() {
+  if (!tls_ || tls_->is_up) co_return true;
+  error_code error;
+  co_await tls_->stream.async_handshake(asio::ssl::stream_base::server, into(error));
+  tls_->is_up = !error;
+  ended_ = ended_ || error;
+  co_return !error;
+}
 
 Connection::Peer Connection::peer_of(Socket& socket) {
   const Peer nobody{"a client", "a client"};
@@ -54,7 +70,12 @@ Connection::Peer Connection::peer_of(Socket& socket) {
 
 awaitable<error_code> Connection::read_exactly(std::span<std::uint8_t> bytes) {
   error_code error;
-  co_await asio::async_read(socket_, asio::buffer(bytes.data(), bytes.size()), into(error));
+  const auto buffer = asio::buffer(bytes.data(), bytes.size());
+  if (tls_) {
+    co_await asio::async_read(tls_->stream, buffer, into(error));
+  } else {
+    co_await asio::async_read(socket_, buffer, into(error));
+  }
   ended_ = ended_ || error;
   co_return error;
 }
@@ -62,7 +83,9 @@ awaitable<error_code> Connection::read_exactly(std::span<std::uint8_t> bytes) {
 awaitable<Connection::Incoming> Connection::read(std::uint32_t max_payload) {
   if (closing_) co_return Incoming{};
   reading_ = true;
-  Incoming incoming = co_await read_one(max_payload);
+  Incoming incoming;
+  const bool is_up = co_await secure();
+  if (is_up) incoming = co_await read_one(max_payload);
   reading_ = false;
   if (hanging_ || closing_) {
     co_await drop_input();
@@ -130,7 +153,11 @@ awaitable<void> Connection::write_queued(std::shared_ptr<Connection> self) {
       if (!frame.payload->empty()) buffers.push_back(asio::buffer(*frame.payload));
     }
     error_code error;
-    co_await asio::async_write(self->socket_, buffers, into(error));
+    if (self->tls_) {
+      co_await asio::async_write(self->tls_->stream, buffers, into(error));
+    } else {
+      co_await asio::async_write(self->socket_, buffers, into(error));
+    }
     self->in_flight_.clear();
     if (error) self->close();  // the reader sees it end
   }
@@ -141,6 +168,7 @@ awaitable<void> Connection::write_queued(std::shared_ptr<Connection> self) {
 
 void Connection::refuse(const LastWord& word) {
   if (closing_) return;
+  if (tls_ && !tls_->is_up) return close();  // nothing can be said yet
   FrameHeader header{wire::FrameType::kVersion, wire::kResponse, word.id};
   header.error = word.error;
   send(header, wire::share({word.text.begin(), word.text.end()}));

@@ -15,8 +15,11 @@
 #include "coroutines.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/reliable_window.h"
+#include "tls.h"
 
 namespace gicube::emu {
+
+struct TlsStream;
 
 // What a client is told before its connection is closed: a frame kVersion | kResponse with the id of the frame at fault.
 struct LastWord {
@@ -30,7 +33,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
   using Socket = asio::generic::stream_protocol::socket;
   using Executor = Socket::executor_type;
 
-  explicit Connection(Socket socket);
+  // `tls`: null for plain bytes; must outlive this.
+  explicit Connection(Socket socket, Tls* tls = nullptr);
+  ~Connection();
 
   struct Frame {
     wire::FrameHeader header;
@@ -80,12 +85,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
     wire::Payload payload;
   };
 
+  awaitable<bool> secure();
   static Peer peer_of(Socket& socket);
   awaitable<error_code> read_exactly(std::span<std::uint8_t> bytes);
   awaitable<Incoming> read_one(std::uint32_t max_payload);
   static awaitable<void> write_queued(std::shared_ptr<Connection> self);
 
   Socket socket_;
+  std::unique_ptr<TlsStream> tls_;  // null: plain
   asio::steady_timer linger_;
   const Peer peer_;
   std::deque<Outgoing> queued_;

@@ -79,7 +79,7 @@ std::string to_string(const Endpoint& endpoint) {
   if (endpoint.kind == EndpointKind::kFd) return fmt::format("fd:{}", endpoint.fd);
   const bool is_v6 = endpoint.address.find(':') != std::string::npos;
   const std::string host = is_v6 ? "[" + endpoint.address + "]" : endpoint.address;
-  return fmt::format("tcp:{}:{}", host, endpoint.port);
+  return fmt::format("{}:{}:{}", endpoint.is_secure ? "tls" : "tcp", host, endpoint.port);
 }
 
 bool is_local(const Endpoint& endpoint) {

@@ -15,6 +15,7 @@ struct Endpoint {
   std::string address;     // tcp: a numeric IPv4 or IPv6 address without brackets
   std::uint16_t port = 0;  // tcp; 0 = any free one
   int fd = -1;             // fd
+  bool is_secure = false;  // tcp: by TLS
 
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
@@ -23,7 +24,7 @@ struct Endpoint {
 // because who is let in must not depend on a name server.
 Endpoint parse_endpoint(std::string_view text);
 
-// The text that parse_endpoint() reads back.
+// The text that parse_endpoint() reads back; of one with TLS, tls:HOST:PORT, as drivers open it.
 std::string to_string(const Endpoint& endpoint);
 
 // True for everything that other machines can't reach.

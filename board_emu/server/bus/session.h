@@ -28,6 +28,7 @@
 #include "gicube/wire/frame.h"
 #include "gicube/wire/reliable_window.h"
 #include "server/audit.h"
+#include "tls.h"
 
 namespace gicube::emu {
 
@@ -37,6 +38,7 @@ struct BusOptions {
   wire::VersionInfo version = board_version();
   std::chrono::milliseconds handshake_deadline{5000};  // chosen: a person's patience
   std::chrono::milliseconds progress_interval{100};    // chosen: as often as a progress bar is read
+  std::shared_ptr<Tls> tls{};                          // of TCP; null: plain bytes
   Audit* audit = nullptr;                              // must outlive the server; null: there is none
   // What one frame may have the board work, of this machine's time; 0 = no limit.
   std::chrono::milliseconds max_command_time{0};

@@ -342,26 +342,18 @@ std::string_view bearer_token(std::string_view authorization) {
 }
 
 std::vector<Diagnostic> check(const ManagementOptions& options) {
-  std::string missing;
-  const auto need = [&missing](const char* flag, const std::string& file) {
-    if (file.empty()) missing += (missing.empty() ? "" : ", ") + std::string(flag);
-  };
-  need("--management-cert", options.certificate_file);
-  need("--management-key", options.key_file);
-  const bool is_local_place = is_local(options.endpoint);
-  const bool has_no_tls = options.certificate_file.empty() && options.key_file.empty();
-  const bool lacks_half = !has_no_tls && !missing.empty();
-  if (!is_local_place) need("--token-file", options.token_file);
   const std::string endpoint = to_string(options.endpoint);
   if (options.endpoint.kind == EndpointKind::kFd) return {{"--management", "unix:PATH or tcp:HOST:PORT", endpoint}};
-  if (!is_local_place && !missing.empty()) {
-    return {{"--management", fmt::format("a loopback address or a unix socket, or TLS and a token by {}", missing),
-             endpoint + ", which other machines can reach"}};
+  if (is_local(options.endpoint)) return {};
+  std::string missing;
+  for (const auto& [flag, file] :
+       {std::pair("--tls-cert", &options.certificate_file), std::pair("--tls-key", &options.key_file),
+        std::pair("--token-file", &options.token_file)}) {
+    if (file->empty()) missing += (missing.empty() ? "" : ", ") + std::string(flag);
   }
-  if (lacks_half) {
-    return {{"--management", "a certificate and a key together; missing: " + missing, "one of the two"}};
-  }
-  return {};
+  if (missing.empty()) return {};
+  return {{"--management", fmt::format("a loopback address or a unix socket, or TLS and a token by {}", missing),
+           endpoint + ", which other machines can reach"}};
 }
 
 std::string trace_path(const std::string& folder, const std::string& file) {

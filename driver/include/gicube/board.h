@@ -105,6 +105,7 @@ class GICUBE_API Board {
   //   emu:                  starts a private gicube-board child over a socket pair; it ends with this Board
   //   unix:PATH             a gicube-board that listens on a Unix socket
   //   tcp:HOST:PORT         the same on TCP
+  //   tls:HOST:PORT         the same by TLS: gicube-board --tls-cert; GICUBE_CA_FILE names who signed its certificate
   // emu: takes options, as in "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8": fidelity, bus, pace, threads,
   // config=FILE, set=path.to.field=value and bsdf=FILE.so (both repeatable; a bsdf is code that the application trusts:
   // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), capture=FILE

@@ -73,11 +73,12 @@ Fd connect(const Uri& uri, std::chrono::milliseconds watchdog) {
   throw TimedOut(fmt::format("no connection to {} within {} ms", where, watchdog.count()));
 }
 
-std::string access_token(int socket) {
+std::string access_token(int socket, bool is_secure) {
   const char* const file = std::getenv("GICUBE_TOKEN_FILE");
+  std::string named;
   if (file != nullptr && *file != '\0') {
     try {
-      return read_tokens(file).front().token;
+      named = read_tokens(file).front().token;
     } catch (const std::runtime_error& error) {
       throw BadArgument("GICUBE_TOKEN_FILE", "a file with a token", error.what());
     }
@@ -89,7 +90,8 @@ std::string access_token(int socket) {
   if (!known || (address.ss_family != AF_INET && address.ss_family != AF_INET6)) return {};
   std::memcpy(peer.data(), &address, size);
   peer.resize(size);
-  return local_token(peer.address().to_string(), peer.port());
+  if (!is_secure && !peer.address().is_loopback()) return {};
+  return named.empty() ? local_token(peer.address().to_string(), peer.port()) : named;
 }
 
 }  // namespace gicube

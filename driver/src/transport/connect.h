@@ -14,9 +14,9 @@ namespace gicube {
 // Throws OpenFailed (nobody listens there), TimedOut, and BadArgument for a Unix path that is too long.
 Fd connect(const Uri& uri, std::chrono::milliseconds watchdog);
 // The access token for the board that this socket is connected to: the first of the file that the environment variable
-// GICUBE_TOKEN_FILE names; without it, over TCP on this machine, the one that a board of this user has left; empty: none.
-// Throws BadArgument if that file has none.
-std::string access_token(int socket);
+// GICUBE_TOKEN_FILE names; without it, over TCP on this machine, the one that a board of this user has left; empty: none, as for another
+// machine without TLS. Throws BadArgument if that file has none.
+std::string access_token(int socket, bool is_secure);
 // The same, with the system's error in place of OpenFailed and TimedOut; would_block: the watchdog expired.
 Fd try_to_connect(const Uri& uri, std::chrono::milliseconds watchdog, boost::system::error_code& result);
 

@@ -11,6 +11,7 @@
 #include <boost/asio/write.hpp>
 
 #include "gicube/wire/checksum.h"
+#include "tls_stream.h"
 
 namespace gicube {
 namespace {
@@ -18,14 +19,28 @@ namespace {
 // chosen: a peer that refuses us closes after its last words; they are read even when our own write fails first.
 constexpr std::chrono::seconds kLastWords{1};
 
+// A board closes its socket without a word of TLS: each frame says by itself where it ends.
+bool is_end(const boost::system::error_code& error) {
+  return error == boost::asio::error::eof || error == boost::asio::ssl::error::stream_truncated;
+}
+
 constexpr const char* kMiddle = "the connection ended in the middle of a frame";
 
 }  // namespace
 
-FrameStream::FrameStream(Fd socket, FrameSink& sink, FrameTap tap) : sink_(sink), tap_(std::move(tap)) {
+struct FrameStream::Secured {
+  TlsStream stream;
+};
+
+FrameStream::FrameStream(Fd socket, FrameSink& sink, FrameTap tap, std::shared_ptr<Tls> tls)
+    : sink_(sink), tap_(std::move(tap)), tls_(std::move(tls)) {
   // The family is for sockets that are to be opened or bound: this one is connected.
   socket_.assign(boost::asio::generic::stream_protocol(AF_UNIX, 0), socket.get());
   socket.release();
+  if (!tls_) return;
+  secured_.reset(new Secured{TlsStream(socket_, tls_->context)});
+  ::SSL_set_tlsext_host_name(secured_->stream.native_handle(), tls_->host.c_str());
+  writing_ = true;  // the handshake comes first
 }
 
 FrameStream::~FrameStream() {
@@ -82,30 +97,46 @@ bool FrameStream::tapped(bool sent, std::span<const std::uint8_t, wire::kFrameHe
   }
 }
 
+void FrameStream::begin() {
+  if (!secured_) return read_header();
+  secured_->stream.async_handshake(boost::asio::ssl::stream_base::client,
+                                   [this](const boost::system::error_code& error) {
+                                     if (error) return end({"no connection by TLS: " + error.message(), Loss::kClosed});
+                                     write_queued();
+                                     read_header();
+                                   });
+}
+
+void FrameStream::read_bytes(boost::asio::mutable_buffer bytes, const auto& handler) {
+  if (secured_) {
+    boost::asio::async_read(secured_->stream, bytes, handler);
+  } else {
+    boost::asio::async_read(socket_, bytes, handler);
+  }
+}
+
 void FrameStream::read_header() {
-  boost::asio::async_read(socket_, boost::asio::buffer(header_bytes_),
-                          [this](const boost::system::error_code& error, std::size_t bytes) {
-                            if (error == boost::asio::error::eof) {
-                              return end({bytes == 0 ? "the board closed the connection" : kMiddle, Loss::kClosed});
-                            }
-                            if (error) return end({error.message(), Loss::kClosed});
-                            const auto header = wire::decode_frame_header(header_bytes_);
-                            if (!header) return end({"the board sent something that is no frame", Loss::kCorrupted});
-                            const StreamFault fault = sink_.check_header(*header);
-                            if (!fault.text.empty()) return end(fault);
-                            read_payload(*header);
-                          });
+  read_bytes(boost::asio::buffer(header_bytes_), [this](const boost::system::error_code& error, std::size_t bytes) {
+    if (is_end(error)) {
+      return end({bytes == 0 ? "the board closed the connection" : kMiddle, Loss::kClosed});
+    }
+    if (error) return end({error.message(), Loss::kClosed});
+    const auto header = wire::decode_frame_header(header_bytes_);
+    if (!header) return end({"the board sent something that is no frame", Loss::kCorrupted});
+    const StreamFault fault = sink_.check_header(*header);
+    if (!fault.text.empty()) return end(fault);
+    read_payload(*header);
+  });
 }
 
 void FrameStream::read_payload(const wire::FrameHeader& header) {
   payload_.resize(header.size);
   if (header.size == 0) return take_payload(header);
-  boost::asio::async_read(socket_, boost::asio::buffer(payload_),
-                          [this, header](const boost::system::error_code& error, std::size_t) {
-                            if (error == boost::asio::error::eof) return end({kMiddle, Loss::kClosed});
-                            if (error) return end({error.message(), Loss::kClosed});
-                            take_payload(header);
-                          });
+  read_bytes(boost::asio::buffer(payload_), [this, header](const boost::system::error_code& error, std::size_t) {
+    if (is_end(error)) return end({kMiddle, Loss::kClosed});
+    if (error) return end({error.message(), Loss::kClosed});
+    take_payload(header);
+  });
 }
 
 void FrameStream::take_payload(const wire::FrameHeader& header) {
@@ -132,7 +163,7 @@ void FrameStream::write_queued() {
     buffers.push_back(boost::asio::buffer(frame.header));
     if (!frame.payload->empty()) buffers.push_back(boost::asio::buffer(*frame.payload));
   }
-  boost::asio::async_write(socket_, buffers, [this](const boost::system::error_code& error, std::size_t) {
+  const auto written = [this](const boost::system::error_code& error, std::size_t) {
     in_flight_.clear();
     if (!error) return write_queued();
     if (ended_) return;
@@ -140,7 +171,12 @@ void FrameStream::write_queued() {
     last_words_.async_wait([this, text = error.message()](const boost::system::error_code& cancelled) {
       if (!cancelled) end({text, Loss::kClosed});
     });
-  });
+  };
+  if (secured_) {
+    boost::asio::async_write(secured_->stream, buffers, written);
+  } else {
+    boost::asio::async_write(socket_, buffers, written);
+  }
 }
 
 void FrameStream::end(const StreamFault& reason) {

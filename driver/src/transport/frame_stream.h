@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -20,6 +21,7 @@
 #include "gicube/error.h"
 #include "gicube/wire/frame.h"
 #include "gicube/wire/reliable_window.h"
+#include "tls.h"
 
 namespace gicube {
 
@@ -55,7 +57,8 @@ FrameTap capture_session(const std::string& file, unsigned number);
 
 class FrameStream {
  public:
-  FrameStream(Fd socket, FrameSink& sink, FrameTap tap = {});
+  // `tls`: null for plain bytes.
+  FrameStream(Fd socket, FrameSink& sink, FrameTap tap = {}, std::shared_ptr<Tls> tls = {});
   // Closes the socket; reports nothing more once it returns.
   ~FrameStream();
 
@@ -64,7 +67,7 @@ class FrameStream {
 
   // Reports begin. Once.
   void start() {
-    boost::asio::post(io_, [this] { read_header(); });
+    boost::asio::post(io_, [this] { begin(); });
     thread_ = std::thread([this] { run(); });
   }
 
@@ -83,7 +86,11 @@ class FrameStream {
     wire::Payload payload;
   };
 
+  struct Secured;
+
   void run();
+  void begin();
+  void read_bytes(boost::asio::mutable_buffer bytes, const auto& handler);
   // False: the tap has failed, and the stream ends.
   bool tapped_without(std::size_t secret_bytes, const wire::FrameHeader& header, const wire::Payload& payload);
   bool tapped(bool sent, std::span<const std::uint8_t, wire::kFrameHeaderBytes> header,
@@ -98,6 +105,8 @@ class FrameStream {
   const FrameTap tap_;
   boost::asio::io_context io_{1};
   boost::asio::generic::stream_protocol::socket socket_{io_};
+  const std::shared_ptr<Tls> tls_;
+  std::unique_ptr<Secured> secured_;  // null: plain
   boost::asio::steady_timer last_words_{io_};
   bool ended_ = false;
 

@@ -36,6 +36,7 @@ struct LinkOptions {
   std::function<Fd()> reconnect{};
   // The access token for the board at this socket. Must not throw. Empty: none is needed.
   std::function<std::string(int socket)> token{};
+  std::shared_ptr<Tls> tls{};  // null: plain bytes
   // How often in a row the link resumes its session by itself without that the board has taken or sent anything.
   int reopen_attempts = 0;
   // A call that has waited so long in silence asks whether something was lost on its way.

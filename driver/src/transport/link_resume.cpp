@@ -23,7 +23,8 @@ void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
   phase_ = Phase::kHandshake;
   refusal_ = wire::ErrorCode::kNone;
   const std::string token = options_.token ? options_.token(socket.get()) : "";
-  auto fresh = std::make_unique<FrameStream>(std::move(socket), static_cast<FrameSink&>(*this), options_.tap);
+  auto fresh =
+      std::make_unique<FrameStream>(std::move(socket), static_cast<FrameSink&>(*this), options_.tap, options_.tls);
   if (std::unique_ptr<FrameStream> old = std::move(stream_)) {
     deaf_ = true;
     lock.unlock();

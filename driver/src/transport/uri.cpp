@@ -128,26 +128,28 @@ Uri parse_unix(std::string_view rest) {
   return uri;
 }
 
-Uri parse_tcp(std::string_view rest) {
-  const auto fail = [&rest](const char* expected) -> BadArgument {
-    return {"URI", expected, in_quotes("tcp:" + std::string(rest))};
+Uri parse_tcp(std::string_view rest, bool is_secure) {
+  const std::string scheme = is_secure ? "tls:" : "tcp:";
+  const auto fail = [&rest, &scheme](const std::string& expected) -> BadArgument {
+    return {"URI", expected, in_quotes(scheme + std::string(rest))};
   };
   const std::size_t colon = rest.rfind(':');
   const bool bracketed = rest.starts_with('[');
-  if (colon == std::string_view::npos || colon == 0) throw fail("tcp:HOST:PORT");
+  if (colon == std::string_view::npos || colon == 0) throw fail(scheme + "HOST:PORT");
   std::string_view host = rest.substr(0, colon);
   if (bracketed) {
-    if (!host.ends_with(']') || host.size() < 3) throw fail("tcp:[IPV6]:PORT");
+    if (!host.ends_with(']') || host.size() < 3) throw fail(scheme + "[IPV6]:PORT");
     host = host.substr(1, host.size() - 2);
   } else if (host.find(':') != std::string_view::npos) {
-    throw fail("an IPv6 address in brackets, tcp:[IPV6]:PORT");
+    throw fail("an IPv6 address in brackets, " + scheme + "[IPV6]:PORT");
   }
   const auto port = parse_number<std::uint16_t>(rest.substr(colon + 1));
-  if (!port || *port == 0) throw fail("a port from 1 to 65535 in tcp:HOST:PORT, and no options");
+  if (!port || *port == 0) throw fail("a port from 1 to 65535 in " + scheme + "HOST:PORT, and no options");
   Uri uri;
   uri.scheme = UriScheme::kTcp;
   uri.host = percent_decode(host, "URI host");
   uri.port = *port;
+  uri.is_secure = is_secure;
   return uri;
 }
 
@@ -157,7 +159,7 @@ std::string text_of(const Uri& uri) {
   if (uri.scheme == UriScheme::kEmu) return "emu:";
   if (uri.scheme == UriScheme::kUnix) return "unix:" + uri.path;
   const bool is_ipv6 = uri.host.find(':') != std::string::npos;
-  return fmt::format("tcp:{}:{}", is_ipv6 ? "[" + uri.host + "]" : uri.host, uri.port);
+  return fmt::format("{}:{}:{}", uri.is_secure ? "tls" : "tcp", is_ipv6 ? "[" + uri.host + "]" : uri.host, uri.port);
 }
 
 Uri parse_uri(std::string_view text) {
@@ -167,9 +169,9 @@ Uri parse_uri(std::string_view text) {
     const std::string_view rest = text.substr(colon + 1);
     if (scheme == "emu") return parse_emu(rest);
     if (scheme == "unix") return parse_unix(rest);
-    if (scheme == "tcp") return parse_tcp(rest);
+    if (scheme == "tcp" || scheme == "tls") return parse_tcp(rest, scheme == "tls");
   }
-  throw BadArgument("URI", "emu:, unix:PATH or tcp:HOST:PORT", in_quotes(text));
+  throw BadArgument("URI", "emu:, unix:PATH, tcp:HOST:PORT or tls:HOST:PORT", in_quotes(text));
 }
 
 }  // namespace gicube

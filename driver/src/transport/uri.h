@@ -4,6 +4,7 @@
 //                               several times
 //   unix:PATH
 //   tcp:HOST:PORT               an IPv6 address stands in brackets
+//   tls:HOST:PORT               the same, encrypted
 //
 // %XX stands for a byte, in paths and option values.
 #pragma once
@@ -22,12 +23,13 @@ struct Uri {
   std::string path;                          // unix
   std::string host;                          // tcp, without brackets
   std::uint16_t port = 0;                    // tcp
+  bool is_secure = false;                    // tcp: by TLS
   std::vector<std::string> board_arguments;  // emu: what gicube-board is started with, as "--set", "threads=2"
   std::string capture;                       // emu: the file that the session is captured to
   unsigned threads = 0;                      // emu: 0 = one a core
 };
 
-// unix:PATH or tcp:HOST:PORT; emu: without its options.
+// unix:PATH, tcp:HOST:PORT or tls:HOST:PORT; emu: without its options.
 std::string text_of(const Uri& uri);
 
 // Throws BadArgument that names the scheme, the option or the value that is wrong.

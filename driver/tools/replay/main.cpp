@@ -43,14 +43,16 @@ int run(const std::string& file, const std::string& board, std::uint32_t watchdo
   std::unique_ptr<ChildProcess> child;
   Fd socket;
   std::string token;
+  std::shared_ptr<Tls> tls;
   if (uri.scheme == UriScheme::kEmu) {
     child = std::make_unique<ChildProcess>(find_board_program(), uri.board_arguments);
     socket = child->take_socket();
   } else {
     socket = connect(uri, watchdog);
-    if (uri.scheme == UriScheme::kTcp) token = access_token(socket.get());
+    if (uri.scheme == UriScheme::kTcp) token = access_token(socket.get(), uri.is_secure);
+    if (uri.is_secure) tls = make_tls(uri.host);
   }
-  const Report report = play(file, std::move(socket), watchdog, token);
+  const Report report = play(file, std::move(socket), watchdog, {token, tls});
   print(report);
   return report.good() ? 0 : 1;
 }

@@ -131,15 +131,15 @@ class BusClient : private FrameSink {
  public:
   // Takes a connected socket, shakes hands. `largest_payload`: that will be sent or received. `comparison` is given everything
   // that the board says but credit and progress, within send() and await_answer().
-  BusClient(Fd socket, std::uint32_t largest_payload, std::chrono::milliseconds watchdog, const std::string& token,
+  BusClient(Fd socket, std::uint32_t largest_payload, std::chrono::milliseconds watchdog, const Access& access,
             Comparison& comparison)
       : watchdog_(watchdog),
         comparison_(comparison),
         mine_(version_for(largest_payload)),
         window_(mine_),
-        stream_(std::move(socket), *this) {
+        stream_(std::move(socket), *this, {}, access.tls) {
     stream_.start();
-    stream_.send(FrameHeader{FrameType::kVersion}, wire::version_payload(mine_, token), token.size());
+    stream_.send(FrameHeader{FrameType::kVersion}, wire::version_payload(mine_, access.token), access.token.size());
     const Frame answer = receive();
     if (answer.header.type != FrameType::kVersion) throw BusError("no GI-Cube board answers there");
     if (answer.header.error != wire::ErrorCode::kNone) throw BusError(text_of(answer));
@@ -224,13 +224,12 @@ class BusClient : private FrameSink {
 
 }  // namespace
 
-Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog,
-            const std::string& token) {
+Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog, const Access& access) {
   Report report;
   Recorded recorded = read_recorded(capture);
   const std::uint32_t largest = recorded.largest_payload;
   Comparison comparison(std::move(recorded), report);
-  BusClient client(std::move(board), largest, watchdog, token, comparison);
+  BusClient client(std::move(board), largest, watchdog, access, comparison);
   CaptureReader frames(capture);
   CapturedFrame frame;
   while (frames.next(wire::CaptureKind::kDown, frame)) {

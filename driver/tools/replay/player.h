@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "transport/fd.h"
+#include "transport/tls.h"
 
 namespace gicube::replay {
 
@@ -24,8 +26,14 @@ struct Report {
   bool good() const { return differences == 0 && missing == 0; }
 };
 
-// `token`: the access token, if the board wants one. Throws CaptureError, and std::runtime_error: the board refused the session, closed it, or does not answer.
+// How the board is spoken to, if not plainly.
+struct Access {
+  std::string token;         // empty: none
+  std::shared_ptr<Tls> tls;  // null: plain bytes
+};
+
+// Throws CaptureError, and std::runtime_error: the board refused the session, closed it, or does not answer.
 Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog,
-            const std::string& token = {});
+            const Access& access = {});
 
 }  // namespace gicube::replay

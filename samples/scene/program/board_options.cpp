@@ -81,7 +81,7 @@ bool parsed(CLI::App& app, int argc, const char* const* argv, std::ostream& out,
 
 void add_board_options(CLI::App& app, BoardOptions& options) {
   OptionGroup group(app, "Board and run");
-  group.value("--board", options.board, "emu: (a private emulated board), unix:PATH or tcp:HOST:PORT")
+  group.value("--board", options.board, "emu: (a private emulated board), unix:PATH, tcp:HOST:PORT or tls:HOST:PORT")
       ->capture_default_str();
   group.value("--fidelity", options.fidelity, "what the emulated board models: functional, approximate or cycle");
   group.value("--config", options.config, "configuration of the emulated board (protobuf text)")

@@ -100,12 +100,14 @@ TEST(CommandLine, ReportsAllFaultsAtOnce) {
                                   "--set", "dsp.clock=3", "--management", "tcp:0.0.0.0:2"});
   EXPECT_THAT(line.errors, testing::SizeIs(7));
   EXPECT_THAT(line.errors, Contains(HasSubstr("--boards: expected 1 to 64, got 65")));
-  EXPECT_THAT(line.errors, Contains(HasSubstr("--allow-remote-bus")));
+  EXPECT_THAT(line.errors,
+              Contains(AllOf(HasSubstr("--listen: expected a loopback address"), HasSubstr("--tls-cert"))));
   EXPECT_THAT(line.errors, Contains(HasSubstr("--private: expected --listen fd:N")));
   EXPECT_THAT(line.errors, Contains(AllOf(HasSubstr(file), HasSubstr("line 2: asic.colour: expected one of"))));
   EXPECT_THAT(line.errors, Contains(AllOf(HasSubstr(file), HasSubstr("line 1: asic.processors: expected 1 to 16"))));
   EXPECT_THAT(line.errors, Contains(HasSubstr("--set dsp.clock=3: dsp.clock: expected one of clock_khz")));
-  EXPECT_THAT(line.errors, Contains(HasSubstr("--management-cert, --management-key, --token-file")));
+  EXPECT_THAT(line.errors,
+              Contains(HasSubstr("or TLS and a token by --tls-cert, --tls-key, --token-file, got tcp:0.0.0.0:2")));
 }
 
 TEST(CommandLine, AnOverrideWinsOverTheFile) {
@@ -119,21 +121,27 @@ TEST(CommandLine, AnOverrideWinsOverTheFile) {
 }
 
 TEST(CommandLine, RemoteManagementNeedsWhatIsMissingByName) {
-  const CommandLine line = parse({"--listen", "fd:3", "--management", "tcp:0.0.0.0:2", "--management-key", "k"});
-  EXPECT_THAT(line.errors, ElementsAre(AllOf(HasSubstr("--management-cert, --token-file"),
-                                             testing::Not(HasSubstr("--management-key")))));
-  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "tcp:127.0.0.1:2", "--management-key", "k"}).errors,
-              ElementsAre(HasSubstr("missing: --management-cert")));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--management", "tcp:0.0.0.0:2", "--tls-key", "k", "--tls-cert", "c"}).errors,
+              ElementsAre(AllOf(HasSubstr("TLS and a token by --token-file"), testing::Not(HasSubstr("--tls")))));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--tls-key", "k"}).errors,
+              ElementsAre("--tls-key: expected --tls-cert beside it, got none"));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--tls-cert", "c"}).errors,
+              ElementsAre("--tls-cert: expected --tls-key beside it, got none"));
   EXPECT_THAT(parse({"--listen", "tcp:127.0.0.1:1", "--management", "tcp:127.0.0.1:2", "--token-file", "t"}).errors,
               IsEmpty());
-  EXPECT_THAT(parse({"--listen", "fd:3", "--management-key", "k"}).errors,
-              ElementsAre(HasSubstr("expected an endpoint")));
   EXPECT_THAT(parse({"--listen", "fd:3", "--management", "fd:4"}).errors, ElementsAre(HasSubstr("unix:PATH")));
 }
 
-TEST(CommandLine, ARemoteBusMustBeAllowed) {
-  EXPECT_THAT(parse({"--listen", "tcp:0.0.0.0:1", "--allow-remote-bus"}).errors, IsEmpty());
-  EXPECT_THAT(parse({"--listen", "tcp:[::]:1"}).errors, testing::SizeIs(1));
+TEST(CommandLine, ABusThatOtherMachinesReachNeedsTlsAndAToken) {
+  EXPECT_THAT(parse({"--listen", "tcp:0.0.0.0:1", "--tls-cert", "c", "--tls-key", "k", "--token-file", "t"}).errors,
+              IsEmpty());
+  for (const std::vector<const char*>& more :
+       {std::vector<const char*>{}, {"--token-file", "t"}, {"--tls-cert", "c", "--tls-key", "k"}}) {
+    std::vector<const char*> words{"--listen", "tcp:[::]:1"};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_THAT(parse(words).errors,
+                ElementsAre(HasSubstr("--listen: expected a loopback address or a unix socket, or TLS")));
+  }
 }
 
 TEST(CommandLine, TakesScatteringRoutinesInTheirOrder) {

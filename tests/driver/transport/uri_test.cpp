@@ -54,6 +54,12 @@ TEST(Uri, TcpTakesHostAndPort) {
   EXPECT_EQ(name.scheme, UriScheme::kTcp);
   EXPECT_EQ(name.host, "localhost");
   EXPECT_EQ(name.port, 7000);
+  EXPECT_FALSE(name.is_secure);
+  const Uri secure = parse_uri("tls:localhost:7000");
+  EXPECT_TRUE(secure.is_secure);
+  EXPECT_EQ(secure.scheme, UriScheme::kTcp);
+  EXPECT_EQ(text_of(secure), "tls:localhost:7000");
+  EXPECT_EQ(error_of("tls:host"), "URI: expected tls:HOST:PORT, got \"tls:host\"");
   const Uri six = parse_uri("tcp:[fe80::1]:65535");
   EXPECT_EQ(six.host, "fe80::1");
   EXPECT_EQ(six.port, 65535);
@@ -108,7 +114,7 @@ TEST(Uri, ACaptureIsTheDriversOwnAffair) {
 }
 
 TEST(Uri, ARefusalNamesFieldExpectationAndValueInThisOrder) {
-  EXPECT_EQ(error_of("usb:0"), "URI: expected emu:, unix:PATH or tcp:HOST:PORT, got \"usb:0\"");
+  EXPECT_EQ(error_of("usb:0"), "URI: expected emu:, unix:PATH, tcp:HOST:PORT or tls:HOST:PORT, got \"usb:0\"");
   EXPECT_EQ(error_of("emu:0"), "URI: expected emu: or emu:?option=value, got \"emu:0\"");
   EXPECT_EQ(error_of("emu:?fidelity"), "URI option: expected option=value, got \"fidelity\"");
   EXPECT_EQ(error_of("emu:?bus=pci33&bus=agp1x"), "URI option bus: expected to be given once, got it twice");

@@ -100,7 +100,7 @@ std::string refusal(const ManagementOptions& options) {
 TEST(ManagementAccess, AnAddressThatOthersReachNeedsTlsAndAToken) {
   ManagementOptions options;
   options.endpoint = parse_endpoint("tcp:0.0.0.0:0");
-  EXPECT_THAT(refusal(options), HasSubstr("--management-cert, --management-key, --token-file"));
+  EXPECT_THAT(refusal(options), HasSubstr("--tls-cert, --tls-key, --token-file"));
 }
 
 TEST(ManagementAccess, ASocketThatSomeoneServesIsNotTakenAway) {
