@@ -134,7 +134,8 @@ bool look_at_port(const Uri& uri, const std::string& text, Diagnosis& diagnosis)
   const std::string why = error == boost::asio::error::would_block ? std::strerror(ETIMEDOUT) : error.message();
   return diagnosis.bad("does somebody listen?", fmt::format("port {}: {}", uri.port, why),
                        error == boost::asio::error::connection_refused
-                           ? "start a board there: gicube-board --listen " + text
+                           ? "start a board there: gicube-board --listen tcp:" + text.substr(text.find(':') + 1) +
+                                 (uri.is_secure ? " --tls-cert FILE --tls-key FILE" : "")
                            : "is the host up, and does a firewall let the port through?");
 }
 

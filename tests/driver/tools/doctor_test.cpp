@@ -116,6 +116,8 @@ TEST(Doctor, SaysThatAPortOrAHostIsNot) {
   const Finished port = doctor("tcp:127.0.0.1:1");
   EXPECT_EQ(port.code, 1);
   EXPECT_THAT(port.out, HasSubstr("port 1: Connection refused"));
+  EXPECT_THAT(doctor("tls:127.0.0.1:1").out,
+              HasSubstr("gicube-board --listen tcp:127.0.0.1:1 --tls-cert FILE --tls-key FILE"));
   const Finished host = doctor("tcp:no-such-host.invalid:4711");
   EXPECT_EQ(host.code, 1);
   EXPECT_THAT(host.out, HasSubstr("is the host known? no-such-host.invalid:"));
