@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the Debian packages, unpacks them into a scratch root and builds and runs a program there.
+# Makes the Debian packages and their bill of materials, unpacks them into a scratch root and builds and runs a program there.
 # Usage: debian_packages.sh BUILD_DIR SOURCE_DIR
 set -euo pipefail
 build=$1
@@ -26,6 +26,8 @@ test -x "$scratch/root/usr/bin/gicube-board"
 test -e "$scratch/root/usr/share/man/man1/gicube-board.1"
 test -e "$scratch/root/usr/share/bash-completion/completions/gicube-board"
 test -e "$scratch/root/usr/share/gicube/presets/ct-bone.tf"
+python3 -B "$source/driver/cmake/sbom.py" "$build" "$runtime" "$scratch/bill.json"
+python3 -B "$(dirname "$0")/check_bill.py" "$scratch/bill.json" "$scratch/root" "$source"
 dpkg-deb -x "$dev" "$scratch/root"
 test -e "$scratch/root/usr/include/gicube/v1/board_config.proto"
 [[ ! -e $scratch/root/usr/share/doc/gicube/docs ]]
