@@ -96,7 +96,7 @@ void serve(const Options& options, const RoutineTable& routines) {
   std::vector<Endpoint> endpoints;
   for (BoardSlot* slot : boards) {
     const Endpoint endpoint = for_board(options.listen, slot->index());
-    if (endpoint.kind == EndpointKind::kFd) {
+    if (endpoint.kind == EndpointKind::kFd && (options.is_private || !is_listening(endpoint.fd))) {
       server.adopt(*slot, endpoint.fd, options.is_private);
     } else {
       endpoints.push_back(server.listen(*slot, endpoint));

@@ -37,7 +37,8 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   };
   add("--listen", flags.listen, "ENDPOINT",
       "where drivers open the board: unix:PATH, tcp:HOST:PORT (port 0 = any free one), or\n"
-      "fd:N for a connected socket; board i > 0 is at PATH.i or PORT+i");
+      "fd:N for a connected socket or a listening Unix socket, as from systemd;\n"
+      "board i > 0 is at PATH.i or PORT+i");
   add("--boards", options.boards, "N", fmt::format("how many boards, 1 to {}", kMaxBoards));
   app.add_flag("--private", options.is_private, "with fd:N: end with that session");
   app.add_flag("--quiet", options.quiet, "log warnings only");

@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -112,6 +113,34 @@ TEST(BoardProcess, APrivateOneEndsWithItsSession) {
   }
   EXPECT_EQ(board.exit_code(), 0);
   EXPECT_EQ(board.read_output(), "");
+}
+
+// What systemd does for a socket unit: clients can connect before the board runs, and while it is started anew.
+TEST(BoardProcess, ServesClientsOfASocketThatListensBeforeItRuns) {
+  const TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  ASSERT_EQ(::listen(socket, 8), 0);
+  const std::string fd = "fd:" + std::to_string(socket);
+  for (int start = 0; start < 2; ++start) {
+    RawClient client = RawClient::connect_unix(path);
+    BoardProcess board({"--listen", fd, "--quiet"}, socket);
+    EXPECT_EQ(board.read_line(), "gicube-board: board 0 ready on unix:" + path);
+    ASSERT_TRUE(client.handshake().has_value());
+    EXPECT_EQ(client.read_register(wire::reg::kId), wire::kIdValue);
+    client.close();
+    board.send_signal(SIGTERM);
+    EXPECT_EQ(board.exit_code(), 0);
+    EXPECT_TRUE(std::filesystem::exists(path));
+  }
+  BoardProcess refused({"--listen", fd, "--private", "--quiet"}, socket);
+  EXPECT_EQ(refused.exit_code(), 1);
+  EXPECT_THAT(refused.read_errors(), HasSubstr(fd + ": expected a connected stream socket\n"));
+  ::close(socket);
 }
 
 TEST(BoardProcess, TakesOverAStaleSocketButNotALiveOne) {

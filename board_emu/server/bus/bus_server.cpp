@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -101,6 +102,9 @@ class BusServer::Listener {
       bind(asio::local::stream_protocol::endpoint(endpoint_.path));
       file_ = identity(endpoint_.path);
       ::chmod(endpoint_.path.c_str(), S_IRUSR | S_IWUSR);
+    } else if (endpoint.kind == EndpointKind::kFd) {
+      take_over(endpoint.fd);
+      return;
     } else {
       bind(asio::ip::tcp::endpoint(asio::ip::make_address(endpoint_.address), endpoint_.port));
       asio::ip::tcp::endpoint bound;
@@ -122,7 +126,7 @@ class BusServer::Listener {
     if (!acceptor_.is_open()) return;
     error_code ignored;
     pause_.cancel();
-    if (endpoint_.kind == EndpointKind::kUnix && identity(endpoint_.path) == file_) ::unlink(endpoint_.path.c_str());
+    if (file_ && identity(endpoint_.path) == *file_) ::unlink(endpoint_.path.c_str());
     acceptor_.close(ignored);
   }
 
@@ -131,6 +135,17 @@ class BusServer::Listener {
     acceptor_.open(endpoint.protocol());
     acceptor_.set_option(asio::socket_base::reuse_address(true));
     acceptor_.bind(endpoint);
+  }
+
+  void take_over(int fd) {
+    if (!is_listening(fd)) throw std::runtime_error(fmt::format("fd:{}: expected a listening Unix socket", fd));
+    ::fcntl(fd, F_SETFD, FD_CLOEXEC);
+    acceptor_.assign(asio::generic::stream_protocol(AF_UNIX, 0), fd);
+    sockaddr_un address{};
+    socklen_t size = sizeof address;
+    ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+    const std::string path(address.sun_path, ::strnlen(address.sun_path, sizeof address.sun_path));
+    if (!path.empty()) endpoint_ = {EndpointKind::kUnix, path, "", 0, -1};  // else without a name, or an abstract one
   }
 
   awaitable<void> accept() {
@@ -153,7 +168,7 @@ class BusServer::Listener {
   BusServer& server_;
   BoardSlot& slot_;
   Endpoint endpoint_;
-  std::pair<dev_t, ino_t> file_{};
+  std::optional<std::pair<dev_t, ino_t>> file_;  // to be removed
   asio::basic_socket_acceptor<asio::generic::stream_protocol> acceptor_{server_.io_};
   asio::steady_timer pause_;
 };
@@ -184,7 +199,10 @@ void BusServer::adopt(BoardSlot& slot, int fd, bool is_private) {
   const bool is_connected = ::getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &size) == 0 && type == SOCK_STREAM &&
                             ::getsockopt(fd, SOL_SOCKET, SO_ACCEPTCONN, &accepts, &size) == 0 && accepts == 0 &&
                             ::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &address_size) == 0;
-  if (!is_connected) throw std::runtime_error(fmt::format("fd:{}: expected a connected stream socket", fd));
+  if (!is_connected) {
+    throw std::runtime_error(fmt::format("fd:{}: expected a connected stream socket{}", fd,
+                                         is_private ? "" : " or a listening Unix socket"));
+  }
   ::fcntl(fd, F_SETFD, FD_CLOEXEC);
   Connection::Socket socket(io_);
   socket.assign(asio::generic::stream_protocol(address.ss_family, 0), fd);

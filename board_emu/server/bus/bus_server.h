@@ -25,7 +25,8 @@ class BusServer {
   BusServer(const BusServer&) = delete;
   BusServer& operator=(const BusServer&) = delete;
 
-  // Before run(). Serves `slot`, which must outlive this; returns the endpoint with its port. Throws std::runtime_error.
+  // Before run(). Serves `slot`, which must outlive this; returns the endpoint with its port. Throws std::runtime_error. fd:N is
+  // an is_listening() socket: the endpoint is its path, and its file stays when this goes.
   Endpoint listen(BoardSlot& slot, const Endpoint& endpoint);
 
   // Before run(). Serves `slot` over one connected stream socket; with `is_private` its end stops the server.

@@ -1,4 +1,4 @@
-// Where a plane of the board is reached: unix:PATH, tcp:HOST:PORT or, for an already connected socket, fd:N.
+// Where a plane of the board is reached: unix:PATH, tcp:HOST:PORT or, for an open socket, fd:N.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +33,9 @@ bool is_local(const Endpoint& endpoint);
 // Board i of a process listens at PATH.i or PORT + i; board 0 at the endpoint itself. Port 0 stays 0. Throws
 // std::invalid_argument if the port passes 65535 or the endpoint is one socket.
 Endpoint for_board(const Endpoint& endpoint, std::uint32_t board);
+
+// True for a Unix stream socket that clients connect to, as systemd hands it over.
+bool is_listening(int fd);
 
 // Removes a socket file that nobody answers on. Throws std::runtime_error if someone does, or if it is no socket.
 void remove_stale_socket(const std::string& path);

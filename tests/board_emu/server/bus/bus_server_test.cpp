@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <array>
@@ -20,6 +21,16 @@ namespace {
 using reference::RawClient;
 using testing::HasSubstr;
 using wire::ErrorCode;
+
+int listening_socket(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  EXPECT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_EQ(::listen(fd, 8), 0);
+  return fd;
+}
 
 void expect_shutdown(const std::optional<reference::RawFrame>& last) {
   ASSERT_TRUE(last.has_value());
@@ -56,7 +67,8 @@ TEST(BusServer, AdoptsConnectedStreamSocketsOnly) {
       server.adopt(slot, fd, false);
       FAIL() << fd;
     } catch (const std::runtime_error& error) {
-      EXPECT_EQ(std::string(error.what()), "fd:" + std::to_string(fd) + ": expected a connected stream socket");
+      EXPECT_EQ(std::string(error.what()),
+                "fd:" + std::to_string(fd) + ": expected a connected stream socket or a listening Unix socket");
     }
   }
   server.adopt(slot, stream[0], true);
@@ -64,6 +76,44 @@ TEST(BusServer, AdoptsConnectedStreamSocketsOnly) {
   EXPECT_NE(::fcntl(stream[0], F_GETFD) & FD_CLOEXEC, 0) << "programs that the board starts do not get it";
   for (const int fd : {datagram[0], datagram[1], pipe[0], pipe[1], listening, alone, stream[1]}) ::close(fd);
   server.run();  // the private session has ended
+}
+
+TEST(BusServer, ListensAtASocketThatItWasGivenAndLeavesItsFile) {
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  const int fd = listening_socket(path);
+  BoardSlot slot(0, {});
+  BusServer server(patient());
+  const Endpoint endpoint = server.listen(slot, {EndpointKind::kFd, "", "", 0, fd});
+  EXPECT_EQ(to_string(endpoint), "unix:" + path);
+  EXPECT_EQ(slot.info().endpoint, "unix:" + path);
+  EXPECT_NE(::fcntl(fd, F_GETFD) & FD_CLOEXEC, 0) << "programs that the board starts do not get it";
+  std::thread thread([&server] { server.run(); });
+  for (int client = 0; client < 2; ++client) {
+    RawClient one = RawClient::connect_unix(path);
+    EXPECT_TRUE(one.handshake().has_value()) << client;
+    EXPECT_EQ(one.read_register(wire::reg::kId), wire::kIdValue);
+  }
+  server.stop();
+  thread.join();
+  EXPECT_TRUE(std::filesystem::exists(path)) << "it belongs to who made the socket";
+}
+
+TEST(BusServer, ListensAtListeningUnixStreamSocketsOnly) {
+  const int of_network = ::socket(AF_INET, SOCK_STREAM, 0), idle = ::socket(AF_UNIX, SOCK_STREAM, 0);
+  ASSERT_EQ(::listen(of_network, 1), 0);
+  BoardSlot slot(0, {});
+  BusServer server(patient());
+  for (const int fd : {of_network, idle, 9999}) {
+    EXPECT_FALSE(is_listening(fd));
+    EXPECT_THAT(
+        [&] {
+          server.listen(slot, {EndpointKind::kFd, "", "", 0, fd});
+        },
+        testing::ThrowsMessage<std::runtime_error>("fd:" + std::to_string(fd) + ": expected a listening Unix socket"));
+  }
+  ::close(of_network);
+  ::close(idle);
 }
 
 TEST(BusServer, TellsClientsWithoutABoardThatItShutsDown) {
