@@ -23,6 +23,7 @@ set(CPACK_DEBIAN_RUNTIME_DESCRIPTION
 The driver library (C++ and C), gicube-scene (volume files, scenes, their
 voxels), gicube-board (the board's emulator) and
 the programs that use them.")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_SOURCE_DIR}/prerm)
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME gicube-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION})")
