@@ -8,6 +8,7 @@ set(CPACK_PACKAGE_CONTACT "The GI-Cube SDK's authors <gicube@example.org>")  # c
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_SOURCE_DIR}/debian_files.cmake)
 set(CPACK_COMPONENTS_ALL runtime dev doc)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -23,7 +24,9 @@ set(CPACK_DEBIAN_RUNTIME_DESCRIPTION
 The driver library (C++ and C), gicube-scene (volume files, scenes, their
 voxels), gicube-board (the board's emulator) and
 the programs that use them.")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_SOURCE_DIR}/prerm)
+foreach(file postinst prerm postrm triggers)
+  list(APPEND CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_SOURCE_DIR}/${file})
+endforeach()
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME gicube-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION})")
@@ -40,10 +43,9 @@ set(CPACK_DEBIAN_DOC_DESCRIPTION
 Documents of the GI-Cube driver, its emulated board and the programs that
 use them, with scenes and small applications.")
 
-# Debian's place for a package's license; each package has its own.
+# Debian's place for a package's license; each package has its own. LICENSE is a document.
 foreach(component runtime dev doc)
   string(TOUPPER ${component} upper)
-  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME}
-    RENAME copyright COMPONENT ${component})
+  install(FILES copyright DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME} COMPONENT ${component})
 endforeach()
 include(CPack)

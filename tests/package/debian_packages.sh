@@ -19,11 +19,12 @@ for package in libc6 libgrpc++ libprotobuf; do
 done
 [[ $(dpkg-deb -f "$dev" Depends) == "gicube (= $(dpkg-deb -f "$runtime" Version))" ]]
 
+if command -v lintian >/dev/null; then lintian --allow-root --fail-on error "$runtime" "$dev" "$doc"; else echo "no lintian: not asked"; fi
 mkdir "$scratch/root"
 dpkg-deb -x "$runtime" "$scratch/root"
 [[ ! -e $scratch/root/usr/include ]]
 test -x "$scratch/root/usr/bin/gicube-board"
-test -e "$scratch/root/usr/share/man/man1/gicube-board.1"
+gzip -t "$scratch/root/usr/share/man/man1/gicube-board.1.gz" "$scratch/root/usr/share/doc/gicube/changelog.gz"
 test -e "$scratch/root/usr/share/bash-completion/completions/gicube-board"
 test -e "$scratch/root/usr/share/gicube/presets/ct-bone.tf"
 test -e "$scratch/root/usr/lib/systemd/system/gicube-board.socket"
