@@ -23,6 +23,7 @@ set_target_properties(gicube-scene PROPERTIES
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
   LINK_DEPENDS ${scene_script}
   LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib
+  BUILD_WITH_INSTALL_RPATH ON  # or its bytes would depend on the folder of the build
   INSTALL_RPATH "$ORIGIN")  # libgicube.so lies beside it
 
 install(TARGETS gicube-scene EXPORT gicubeSceneTargets
