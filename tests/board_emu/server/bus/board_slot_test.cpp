@@ -34,6 +34,20 @@ class PoorSlot : public BoardSlot {
   }
 };
 
+// Calls `asked` while it builds a board.
+class AskedSlot : public BoardSlot {
+ public:
+  using BoardSlot::BoardSlot;
+
+  std::function<void()> asked;
+
+ private:
+  std::unique_ptr<Board> build(const v1::BoardConfig& config, Observation* observation) const override {
+    asked();
+    return BoardSlot::build(config, observation);
+  }
+};
+
 TEST(BoardSlot, HasOneOwnerAtATime) {
   BoardSlot slot(3, {});
   EXPECT_EQ(slot.claim(nobody()), Claim::kGranted);
@@ -158,29 +172,15 @@ TEST(BoardSlot, IsConfiguredWhileItHasNoOwner) {
 
 // Some time of a claim meets some configuration or reset under way.
 TEST(BoardSlot, IsTheManagementsWhileThatBuildsOrResetsTheBoard) {
-  BoardSlot slot(0, {});
-  const auto configure = [&slot] {
-    std::string reason;
-    slot.configure("asic { processors: 8 }", reason);
-  };
-  const auto reset = [&slot] {
-    std::string reason;
-    slot.power_reset(reason);
-  };
-  for (const std::function<void()>& work : {std::function<void()>(configure), std::function<void()>(reset)}) {
-    std::atomic<bool> met{false}, done{false};
-    std::thread management([&] {
-      for (int i = 0; i < 500 && !met; ++i) work();
-      done = true;
-    });
-    while (!done && !met) {
-      const Claim claim = slot.claim(nobody());
-      if (claim == Claim::kGranted) slot.release();
-      if (claim == Claim::kSoonFree) met = true;
-    }
-    management.join();
-    EXPECT_TRUE(met);
-  }
+  AskedSlot slot(0, {});
+  std::vector<Claim> answers;
+  slot.asked = [&] { answers.push_back(slot.claim(nobody())); };
+  std::string reason;
+  EXPECT_EQ(slot.configure("asic { processors: 8 }", reason), BoardSlot::Configured::kDone);
+  EXPECT_EQ(slot.power_reset(reason), BoardSlot::Configured::kDone);
+  EXPECT_THAT(answers, testing::ElementsAre(Claim::kSoonFree, Claim::kSoonFree));
+  EXPECT_EQ(slot.claim(nobody()), Claim::kGranted);
+  slot.release();
 }
 
 TEST(BoardSlot, APowerResetClearsABoardWithoutAnOwner) {
