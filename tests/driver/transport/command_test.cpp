@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <future>
 #include <stdexcept>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "fake_board.h"
 #include "gicube/error.h"
@@ -129,6 +132,29 @@ TEST(Command, ProgressReachesTheWaitingCallerOnItsOwnThread) {
     heard.emplace_back(done, all);
   });
   EXPECT_THAT(heard, ::testing::ElementsAre(std::pair(3u, 8u)));
+}
+
+TEST(Command, ProgressThatComesAfterACallbackHasReturnedIsHeardToo) {
+  std::promise<void> returned;
+  FakeBoard board([&returned](FakeBoard& self) {
+    self.shake_hands();
+    const Frame command = *self.receive();
+    const Frame wait = *self.receive();
+    self.progress(command.header.id, 1, 2);
+    returned.get_future().wait();
+    self.progress(command.header.id, 2, 2);
+    self.complete(command.header.id, 20);
+    self.respond(wait, 20);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const auto ticket = link.command(0, wire::no_payload());
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> heard;
+  link.wait(ticket, 0, kNoDeadline, [&](std::uint32_t done, std::uint32_t all) {
+    heard.emplace_back(done, all);
+    if (heard.size() == 1) returned.set_value();
+  });
+  EXPECT_THAT(heard, ::testing::ElementsAre(std::pair(1u, 2u), std::pair(2u, 2u)));
 }
 
 TEST(Command, WhatAProgressCallbackThrowsLeavesTheWaitAndTheLinkGoesOn) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <ctime>
 #include <stdexcept>
 #include <thread>
 
@@ -141,7 +142,9 @@ TEST(Link, AnErrorThatEndsTheSessionLosesTheDevice) {
     self.drain();
   });
   Link link(board.take_socket(), kPatient);
+  EXPECT_FALSE(link.is_broken());
   EXPECT_THROW(link.request(FrameType::kRegisterRead, 0, {}), DeviceLost);
+  EXPECT_TRUE(link.is_broken());
   EXPECT_THROW(link.check(), DeviceLost);
 }
 
@@ -350,8 +353,28 @@ TEST(Link, APayloadBeyondTheAgreedLimitIsNeverSent) {
   });
   Link link(board.take_socket(), kPatient);
   EXPECT_NO_THROW(link.post(FrameType::kMemoryWrite, 0, std::vector<std::uint8_t>(5000)));
-  EXPECT_THROW(link.post(FrameType::kMemoryWrite, 0, std::vector<std::uint8_t>(5001)), BadArgument);
+  EXPECT_THAT([&] { link.post(FrameType::kMemoryWrite, 0, std::vector<std::uint8_t>(5001)); },
+              ::testing::ThrowsMessage<BadArgument>("payload: expected at most 5000 bytes, got 5001"));
   EXPECT_NO_THROW(link.check());
+}
+
+TEST(Link, AnErrorsTextIsCutAtFourThousandBytes) {
+  EXPECT_EQ(error_text(std::vector<std::uint8_t>(5000, 'a')), std::string(4000, 'a'));
+  EXPECT_EQ(error_text({}), "no reason given");
+}
+
+TEST(Link, TakesNoProcessorTimeWhileItWaits) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame request = *self.receive();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    self.respond(request, 0);
+    self.drain();
+  });
+  Link link(board.take_socket(), kPatient);
+  const std::clock_t before = std::clock();  // of all threads
+  link.request(FrameType::kCounters, 0, {});
+  EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC / 10);
 }
 
 TEST(Link, WithoutAnAnswerTheWatchdogClosesTheLink) {

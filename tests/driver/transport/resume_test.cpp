@@ -4,8 +4,11 @@
 
 #include <atomic>
 #include <deque>
+#include <future>
 #include <memory>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "fake_board.h"
 #include "gicube/error.h"
@@ -166,6 +169,136 @@ TEST(Resume, ByItselfEndsThoughTheBoardAnswersQuestions) {
   Link link(boards.connect(), boards.options(2));
   EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
   EXPECT_NO_THROW(boards.connect()) << "the fourth was not asked for";
+}
+
+// What it has taken once is progress once.
+TEST(Resume, ByItselfEndsThoughTheBoardSaysEachTimeWhatItTook) {
+  const FakeBoard::Script hangs_up = [](FakeBoard& self) { self.shake_hands(board_with_session(1, 0)); };
+  Boards boards({[](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   self.receive();
+                 },
+                 hangs_up, hangs_up, hangs_up, hangs_up});
+  Link link(boards.connect(), boards.options(2));
+  EXPECT_EQ(cause_of_loss(link), Loss::kClosed);
+  EXPECT_NO_THROW(boards.connect()) << "the fifth was not asked for";
+}
+
+TEST(Resume, ByItselfTriesAfterLongerAndLongerPausesAndTellsEveryCallerWhyInTheEnd) {
+  using Clock = std::chrono::steady_clock;
+  Boards boards({[](FakeBoard& self) {
+    self.shake_hands(board_with_session());
+    self.receive();
+    self.receive();
+  }});
+  std::vector<Clock::time_point> attempts;
+  LinkOptions options = boards.options(5);
+  options.reconnect = [&] {
+    attempts.push_back(Clock::now());
+    return boards.connect();
+  };
+  Link link(boards.connect(), options);
+  std::string other_text;
+  std::thread other([&] { other_text = text_of_loss(link); });
+  EXPECT_EQ(text_of_loss(link), "the board is lost: no board is left");
+  other.join();
+  EXPECT_EQ(other_text, "the board is lost: no board is left");
+  ASSERT_EQ(attempts.size(), 5u);
+  // At least: who sleeps may wake up late.
+  EXPECT_GE(attempts[4] - attempts[0], std::chrono::milliseconds(5 + 10 + 20 + 40));
+}
+
+// Without an answer or a question that would wake it.
+TEST(Resume, ByItselfLetsACallSendAtOnce) {
+  std::promise<void> opened;
+  Boards boards({[&opened](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   opened.get_future().wait();
+                 },
+                 [](FakeBoard& self) {
+                   self.shake_hands(board_with_session());
+                   self.respond(*self.receive(), 9);
+                   self.drain();
+                 }});
+  LinkOptions options = boards.options(1);
+  options.watchdog = std::chrono::seconds(10);
+  options.probe = std::chrono::hours(1);
+  Link link(boards.connect(), options);
+  opened.set_value();
+  while (!link.is_broken()) std::this_thread::yield();
+  EXPECT_EQ(link.request(FrameType::kPoll, 0, {}).time_ps, 9u);
+}
+
+TEST(Resume, IsOverWhenTheApplicationClosesWhileTheDriverConnects) {
+  bool asked = true;
+  {
+    std::promise<void> connecting, closed;
+    Boards boards({[](FakeBoard& self) {
+                     self.shake_hands(board_with_session());
+                     self.receive();
+                   },
+                   [&asked](FakeBoard& self) { asked = self.receive().has_value(); }});
+    LinkOptions options = boards.options(1);
+    options.reconnect = [&] {
+      connecting.set_value();
+      closed.get_future().wait();
+      return boards.connect();
+    };
+    Link link(boards.connect(), options);
+    std::string text;
+    std::thread caller([&] { text = text_of_loss(link); });
+    connecting.get_future().wait();
+    link.close();
+    closed.set_value();
+    caller.join();
+    EXPECT_EQ(text, "the board is lost: the application has closed it");
+  }
+  EXPECT_FALSE(asked) << "the second board has no session";
+}
+
+// Its thread hangs in the tap while the link goes on.
+TEST(Resume, WhatTheBrokenConnectionStillBringsNeitherDisturbsNorBlocksTheNextOne) {
+  for (const bool ends_before : {true, false}) {
+    std::promise<void> third, go_on;
+    Boards boards({[](FakeBoard& self) {
+                     self.shake_hands(board_with_session());
+                     self.refuse(*self.receive(), wire::ErrorCode::kTooLarge, "a damaged size");
+                     self.return_credit(0, 0);
+                     self.drain();
+                   },
+                   [](FakeBoard& self) {
+                     self.shake_hands(board_with_session(1, 0));
+                     self.continue_from(1);
+                     self.respond(*self.receive(), 9);
+                     self.drain();
+                   }});
+    Link* used = nullptr;
+    bool disturbed = false;
+    int received = 0;
+    LinkOptions options = boards.options(1);
+    options.probe = std::chrono::hours(1);
+    options.tap = [&](bool sent, auto, auto) {
+      if (sent || ++received != 3) return;
+      third.set_value();
+      go_on.get_future().wait();
+      if (!ends_before) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    };
+    options.reconnect = [&] {
+      go_on.set_value();
+      for (int i = 0; ends_before && i < 50 && !disturbed; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        disturbed = used->is_broken();
+      }
+      return boards.connect();
+    };
+    Link link(boards.connect(), options);
+    used = &link;
+    const std::uint32_t request = link.begin(FrameType::kCounters, 0, {});
+    third.get_future().wait();
+    EXPECT_THROW(link.finish(request), DeviceLost);
+    EXPECT_EQ(link.request(FrameType::kPoll, 0, {}).time_ps, 9u);
+    EXPECT_FALSE(disturbed) << "another caller would resume it, too";
+  }
 }
 
 TEST(Resume, IsTheAffairOfOneOfSeveralCallers) {
