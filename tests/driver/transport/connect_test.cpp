@@ -10,12 +10,20 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "full_disk.h"
+#include "gicube/access.h"
 #include "gicube/error.h"
 #include "gicube/wire/capture.h"
+#include "temporary_directory.h"
 #include "transport/frame_stream.h"
+#include "transport/link.h"
+#include "transport/tls_stream.h"
 
 namespace gicube {
 namespace {
@@ -97,6 +105,52 @@ TEST(Connect, ThatIsNotTakenRunsIntoTheWatchdog) {
   EXPECT_EQ(text, "no connection to tcp:127.0.0.1:" + std::to_string(listener.port) + " within 100 ms");
 }
 
+TEST(AccessToken, IsTheFirstOfTheNamedFileAndGoesToTcpAlone) {
+  const reference::TemporaryDirectory folder;
+  write_token(folder.file("token"), "0123456789abcdef");
+  const Listener listener;
+  const Fd socket = connect(listener.uri(), kLong);
+  ::setenv("GICUBE_TOKEN_FILE", folder.file("token").c_str(), 1);
+  EXPECT_EQ(access_token(socket.get(), false), "0123456789abcdef");
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
+  const Fd one(ends[0]), other(ends[1]);
+  EXPECT_EQ(access_token(one.get(), true), "");
+  ::setenv("GICUBE_TOKEN_FILE", "/nowhere/token", 1);
+  EXPECT_THAT([&] { access_token(socket.get(), false); },
+              ::testing::ThrowsMessage<BadArgument>(
+                  "GICUBE_TOKEN_FILE: expected a file with a token, got /nowhere/token: No such file or directory"));
+  ::unsetenv("GICUBE_TOKEN_FILE");
+}
+
+TEST(TlsClient, NamesTheHostThatItWantsInItsFirstMessage) {
+  ::unsetenv("GICUBE_CA_FILE");
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
+  Fd driver_end(ends[0]);
+  std::string hello(4096, '\0');
+  std::thread board([&hello, socket = Fd(ends[1])] {
+    const ssize_t got = ::recv(socket.get(), hello.data(), hello.size(), 0);
+    hello.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    ::shutdown(socket.get(), SHUT_RDWR);
+  });
+  LinkOptions options;
+  options.tls = make_tls("board.example");
+  EXPECT_THAT([&] { const Link link(std::move(driver_end), options); },
+              ::testing::ThrowsMessage<OpenFailed>(HasSubstr("no connection by TLS: ")));
+  board.join();
+  EXPECT_THAT(hello, HasSubstr("board.example"));
+}
+
+TEST(TlsClient, SpeaksNoVersionBefore12) {
+  ::setenv("GICUBE_CA_FILE", "", 1);  // as without it
+  const auto tls = make_tls("localhost");
+  ::unsetenv("GICUBE_CA_FILE");
+  const auto refused = ::SSL_CTX_get_options(tls->context.native_handle());
+  EXPECT_NE(refused & SSL_OP_NO_TLSv1, 0u);
+  EXPECT_NE(refused & SSL_OP_NO_TLSv1_1, 0u);
+}
+
 class CaptureFile : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -151,6 +205,18 @@ TEST_F(CaptureFile, AFullDiskIsToldAndLeavesWhatWasThere) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "gicube: capture: " + at + "/session: " + reason + "\n");
     EXPECT_EQ(reference::files_in(at).at("session"), "before");
     EXPECT_EQ(reference::files_in(at).size(), 1u);
+  });
+}
+
+TEST_F(CaptureFile, ThatHasFailedGivesTheDiskBackAtOnceAndIsWrittenNoMore) {
+  const std::array<std::uint8_t, wire::kFrameHeaderBytes> header{};
+  const std::vector<std::uint8_t> payload(2 * reference::kDiskBlock);
+  reference::on_full_disks("session", reference::kDiskBlock, [&](const std::string& at, const std::string& reason) {
+    const FrameTap tap = capture_session(at + "/session", 0);
+    EXPECT_THAT([&] { tap(true, header, payload); }, ::testing::ThrowsMessage<std::runtime_error>(HasSubstr(reason)));
+    EXPECT_EQ(reference::files_in(at).size(), 1u) << "while the tap is still there";
+    EXPECT_THAT([&] { tap(true, header, {}); },
+                ::testing::ThrowsMessage<std::runtime_error>("capture: it has failed before"));
   });
 }
 

@@ -3,13 +3,16 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -18,6 +21,7 @@
 #include <vector>
 
 #include "gicube/error.h"
+#include "transport/event.h"
 
 namespace gicube {
 namespace {
@@ -124,6 +128,9 @@ TEST_F(Launch, AChildThatFailsLeavesItsExitCodeAndLastLines) {
   ChildProcess other(script("echo 'out of memory' >&2; exit 1"), {});
   ASSERT_TRUE(other.ended(std::chrono::seconds(20)));
   EXPECT_EQ(other.usage_fault(), std::nullopt);
+  ChildProcess third(script("exit 42"), {});
+  ASSERT_TRUE(third.ended(std::chrono::seconds(20)));
+  EXPECT_EQ(third.last_words(), "gicube-board ended with exit code 42");
 }
 
 TEST_F(Launch, LongLastWordsAreCutToTheirLastLines) {
@@ -191,6 +198,36 @@ TEST(Fd, HasNothingLeftAfterItsRelease) {
   third.reset();
   EXPECT_EQ(third.get(), -1);
   EXPECT_EQ(::fcntl(number, F_GETFD), -1) << "closed";
+}
+
+TEST(Event, MakesItsDescriptorReadableWhichNoChildInheritsAndWhichOutlivesIt) {
+  std::optional<Event> event(std::in_place);
+  const Fd early = event->descriptor();
+  EXPECT_EQ(::fcntl(early.get(), F_GETFD), FD_CLOEXEC);
+  pollfd item{early.get(), POLLIN, 0};
+  EXPECT_EQ(::poll(&item, 1, 0), 0);
+  event->happen();
+  EXPECT_EQ(::poll(&item, 1, 0), 1);
+  event.emplace();
+  item.fd = event->descriptor().release();
+  const Fd late(item.fd);
+  event.reset();
+  EXPECT_EQ(::poll(&item, 1, 0), 1) << "nobody else can say it any more";
+}
+
+TEST(Event, WithoutADescriptorIsAnErrorWithItsReason) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  std::string text = "nothing was thrown";
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  try {
+    const Event event;
+  } catch (const Error& error) {
+    text = error.what();
+  }
+  EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(text, std::string("no descriptor for an event: ") + std::strerror(EMFILE));
 }
 
 TEST_F(Launch, TheChildIsGoneWhenItsObjectIs) {
