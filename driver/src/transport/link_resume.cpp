@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// chosen: before the second attempt in a row; each later one waits twice as long, up to the longest pause.
+// chosen: doubled before the second attempt in a row, and again before each later one, up to the longest pause.
 constexpr milliseconds kFirstPause{5};
 constexpr milliseconds kLongestPause{1000};
 
