@@ -32,7 +32,8 @@ ROOMS = {
     "asic": Room(["board_emu/asic", "board_emu/asic/*"], ["asic_parts_test", "rdram_test", "ddr_test", "machine_test"]),
     "firmware": Room(["board_emu/firmware", "board_emu/firmware/*"], ["board_test", "lighting_rays_test", "routines_test",
                                                                     "lighting_accuracy_test", "memory_error_test"]),
-    "bus": Room(["board_emu/board/bus", "board_emu/server/bus"], ["board_test", "bus_server_test", "server_flags_test"]),
+    "bus": Room(["board_emu/board/bus", "board_emu/server/bus"], ["board_test", "bus_server_test", "server_flags_test",
+                                                                    "management_test", "tls_test"]),
     "transport": Room(["driver/src/transport"], ["link_test", "tls_test", "reopen_test", "board_api_test"]),
     "upload": Room(["driver/src/encode", "driver/src/encode/volume"], ["upload_test"]),
 }
