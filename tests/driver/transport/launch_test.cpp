@@ -15,6 +15,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -201,14 +202,14 @@ TEST(Fd, HasNothingLeftAfterItsRelease) {
 }
 
 TEST(Event, MakesItsDescriptorReadableWhichNoChildInheritsAndWhichOutlivesIt) {
-  std::optional<Event> event(std::in_place);
+  auto event = std::make_unique<Event>();
   const Fd early = event->descriptor();
   EXPECT_EQ(::fcntl(early.get(), F_GETFD), FD_CLOEXEC);
   pollfd item{early.get(), POLLIN, 0};
   EXPECT_EQ(::poll(&item, 1, 0), 0);
   event->happen();
   EXPECT_EQ(::poll(&item, 1, 0), 1);
-  event.emplace();
+  event = std::make_unique<Event>();
   item.fd = event->descriptor().release();
   const Fd late(item.fd);
   event.reset();
