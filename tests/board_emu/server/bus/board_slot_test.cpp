@@ -170,6 +170,53 @@ TEST(BoardSlot, IsConfiguredWhileItHasNoOwner) {
   EXPECT_FALSE(reason.empty());
 }
 
+TEST(BoardSlot, ASessionWhoseClientIsAwayLetsGoForAConfiguration) {
+  BoardSlot slot(0, {});
+  std::thread owner;
+  std::string told;
+  const auto make_way = [&](wire::ErrorCode error, const std::string& text) {
+    EXPECT_EQ(error, wire::ErrorCode::kCancelled);
+    told = text;
+    owner = std::thread([&slot] { slot.release(); });
+  };
+  ASSERT_EQ(slot.claim({.end_session = make_way}), Claim::kGranted);
+  slot.set_away(true);
+  std::string reason;
+  EXPECT_EQ(slot.configure("asic { processors: 8 }", reason), BoardSlot::Configured::kDone);
+  EXPECT_EQ(told, "the management plane has rebuilt the board");
+  EXPECT_EQ(slot.info().config.asic().processors(), 8u);
+  if (owner.joinable()) owner.join();
+  EXPECT_EQ(slot.claim(nobody()), Claim::kGranted);
+}
+
+TEST(BoardSlot, WritesItsTraceFromANewBoardOnWhileItHasNoOwner) {
+  const reference::TemporaryDirectory folder;
+  AskedSlot slot(0, {});
+  int built = 0;
+  slot.asked = [&built] { ++built; };
+  std::string reason;
+  const Board* const former = &slot.board();
+  EXPECT_EQ(slot.set_trace_file(folder.file("trace"), reason), BoardSlot::Configured::kDone);
+  EXPECT_EQ(slot.trace_file(), folder.file("trace"));
+  EXPECT_EQ(built, 1);
+  EXPECT_NE(&slot.board(), former);
+  ASSERT_EQ(slot.claim(nobody()), Claim::kGranted);
+  EXPECT_EQ(slot.set_trace_file("", reason), BoardSlot::Configured::kInUse);
+  EXPECT_EQ(slot.trace_file(), folder.file("trace"));
+  slot.release();
+  EXPECT_EQ(slot.set_trace_file("", reason), BoardSlot::Configured::kDone);
+  EXPECT_EQ(slot.trace_file(), "");
+}
+
+TEST(BoardSlot, SaysWhichTraceFileItCouldNotWrite) {
+  const reference::TemporaryDirectory folder;
+  BoardSlot slot(0, {});
+  std::string reason;
+  EXPECT_EQ(slot.set_trace_file(folder.file("none/trace"), reason), BoardSlot::Configured::kFaulty);
+  EXPECT_THAT(reason, testing::HasSubstr(folder.file("none/trace")));
+  EXPECT_EQ(slot.trace_file(), "");
+}
+
 // Some time of a claim meets some configuration or reset under way.
 TEST(BoardSlot, IsTheManagementsWhileThatBuildsOrResetsTheBoard) {
   AskedSlot slot(0, {});

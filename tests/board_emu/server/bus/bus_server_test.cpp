@@ -10,8 +10,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <thread>
+
+#include <boost/asio/post.hpp>
 
 #include "served_boards.h"
 
@@ -114,6 +117,48 @@ TEST(BusServer, ListensAtListeningUnixStreamSocketsOnly) {
   }
   ::close(of_network);
   ::close(idle);
+}
+
+TEST(BusServer, SaysWhereItCouldNotListenAndWhy) {
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("none/board");
+  BoardSlot slot(0, {});
+  BusServer server(patient());
+  EXPECT_THAT(
+      [&] {
+        server.listen(slot, {EndpointKind::kUnix, path, "", 0, -1});
+      },
+      testing::ThrowsMessage<std::runtime_error>("unix:" + path + ": No such file or directory"));
+}
+
+TEST(BusServer, ReturnsOnlyWhenTheBoardOfASocketThatItAdoptedHasNoMoreWork) {
+  BoardSlot slot(0, {});
+  BusServer server(patient());
+  std::array<int, 2> stream{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, stream.data()), 0);
+  server.adopt(slot, stream[0], true);
+  ::close(stream[1]);
+  std::atomic<bool> has_ended{false};
+  boost::asio::post(slot.compute(), [&has_ended] {
+    std::this_thread::sleep_for(std::chrono::seconds(1));  // longer than anything else keeps the server
+    has_ended = true;
+  });
+  server.run();
+  EXPECT_TRUE(has_ended);
+  slot.settle();
+}
+
+TEST(BusServer, AConnectionThatWasClosedIsNotOpen) {
+  std::array<int, 2> stream{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, stream.data()), 0);
+  asio::io_context io;
+  Connection::Socket socket(io);
+  socket.assign(asio::generic::stream_protocol(AF_UNIX, 0), stream[0]);
+  const auto connection = std::make_shared<Connection>(std::move(socket));
+  EXPECT_TRUE(connection->is_open());
+  connection->close();
+  EXPECT_FALSE(connection->is_open());
+  ::close(stream[1]);
 }
 
 TEST(BusServer, TellsClientsWithoutABoardThatItShutsDown) {

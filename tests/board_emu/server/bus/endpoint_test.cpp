@@ -75,6 +75,7 @@ TEST(Endpoint, EachBoardHasItsOwn) {
   EXPECT_EQ(to_string(for_board(parse_endpoint("unix:/tmp/b"), 2)), "unix:/tmp/b.2");
   EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:80"), 3)), "tcp:127.0.0.1:83");
   EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:0"), 3)), "tcp:127.0.0.1:0");
+  EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:65534"), 1)), "tcp:127.0.0.1:65535");
   EXPECT_THROW(for_board(parse_endpoint("tcp:127.0.0.1:65535"), 1), std::invalid_argument);
   EXPECT_THROW(for_board(parse_endpoint("fd:3"), 1), std::invalid_argument);
 }

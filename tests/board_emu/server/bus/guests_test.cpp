@@ -1,6 +1,9 @@
 // Connections that own no board: whoever is silent, waits or uses force keeps nobody else out.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -118,6 +121,21 @@ TEST(Guests, OfOneProcessOnlySomeMayWait) {
               "2 connections of process " + std::to_string(::getpid()) + " wait for a board already");
 }
 
+TEST(Guests, AnEighthOfThePlacesIsNotForTheLine) {
+  BusOptions options = patient();
+  options.max_unowned = 16;
+  options.max_unowned_of_peer = 32;
+  const ServedBoards boards(1, options);
+  const RawClient owner = boards.open();
+  std::vector<RawClient> line;
+  for (int i = 0; i < 14; ++i) {
+    line.push_back(boards.connect());
+    stand_in_line(line.back());
+  }
+  wire::VersionInfo briefly = waiting(1000);
+  expect_busy(boards.connect().handshake(briefly), "14 connections wait for a board already");
+}
+
 TEST(Guests, NobodyWaitsLongerThanTheBoardAllows) {
   BusOptions options = patient();
   options.max_wait = std::chrono::milliseconds(1);
@@ -165,6 +183,19 @@ TEST(Guests, ForceThatIsHeldBackDoesNotOvertake) {
   EXPECT_EQ(first.read_register(wire::reg::kId), wire::kIdValue);
 }
 
+// The server's end of a connection to this port, which is a socket of this process too; -1: there is none.
+int accepted_at(std::uint16_t port) {
+  for (int fd = 0; fd < 1024; ++fd) {
+    sockaddr_in ours{}, theirs{};
+    socklen_t size = sizeof ours;
+    if (::getpeername(fd, reinterpret_cast<sockaddr*>(&theirs), &size) != 0) continue;
+    size = sizeof ours;
+    if (::getsockname(fd, reinterpret_cast<sockaddr*>(&ours), &size) != 0) continue;
+    if (ours.sin_family == AF_INET && ntohs(ours.sin_port) == port) return fd;
+  }
+  return -1;
+}
+
 // The timer in the system's list of connections: 2 is that of keepalive.
 TEST(Guests, ATcpClientThatHasGoneWithoutAWordIsNoticed) {
   BoardSlot slot(0, {});
@@ -187,6 +218,17 @@ TEST(Guests, ATcpClientThatHasGoneWithoutAWordIsNoticed) {
       if (local == ours.str() && state == "01") timer = when.substr(0, 2);
     }
     EXPECT_EQ(timer, "02");
+    const int accepted = accepted_at(endpoint.port);
+    const auto option = [accepted](int name) {
+      int value = -1;
+      socklen_t size = sizeof value;
+      EXPECT_EQ(::getsockopt(accepted, IPPROTO_TCP, name, &value, &size), 0);
+      return value;
+    };
+    EXPECT_EQ(option(TCP_KEEPIDLE), 30);   // s
+    EXPECT_EQ(option(TCP_KEEPINTVL), 10);  // s
+    EXPECT_EQ(option(TCP_KEEPCNT), 3);
+    EXPECT_NE(option(TCP_NODELAY), 0);
   }
   server.stop();
   thread.join();
