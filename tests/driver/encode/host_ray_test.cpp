@@ -327,5 +327,17 @@ TEST(HostRayCheck, NamesRayAndField) {
   EXPECT_EQ(refused({0, 0, 0}, {1, std::nan(""), 0}), "rays[7].direction.y: expected a finite number, got nan");
 }
 
+TEST(ClipToVolume, KeepsARayThatRunsWithinAFace) {
+  const Dims dims{32, 16, 8};
+  for (const double x : {0.0, 31.0}) {
+    const auto kept = clip_to_volume(HostRay{0, {x, 4, -5}, {0, 0, 1}, 40}, dims);
+    ASSERT_TRUE(kept.has_value()) << x;
+    EXPECT_EQ(kept->position.x, x);
+    EXPECT_EQ(kept->position.z, 0);
+  }
+  EXPECT_FALSE(clip_to_volume(HostRay{0, {-0.001, 4, -5}, {0, 0, 1}, 40}, dims).has_value());
+  EXPECT_FALSE(clip_to_volume(HostRay{0, {31.001, 4, -5}, {0, 0, 1}, 40}, dims).has_value());
+}
+
 }  // namespace
 }  // namespace gicube

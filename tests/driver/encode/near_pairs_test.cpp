@@ -295,5 +295,15 @@ TEST(ClearPair, HasTheSumOfRaysThatAllArrive) {
   EXPECT_EQ(clear.standard_error, sum.standard_error);
 }
 
+TEST(ElementCheck, ADiscsSharesBeginAtNothing) {
+  const auto refused = [](Vec3 shares) {
+    const Element disc{ElementKind::kDisc, {8, 8, 8}, {2, 0, 0}, {0, 2, 0}, shares};
+    return refusal([&] { check(disc, 3, {32, 32, 32}); });
+  };
+  EXPECT_EQ(refused({0, 0, 0}), "accepted");
+  EXPECT_EQ(refused({-0.001, 0, 0}), "elements[3].w: expected shares of 0 or more and below 1 of a disc, got -0.001");
+  EXPECT_EQ(refused({0, 1, 0}), "elements[3].w: expected shares of 0 or more and below 1 of a disc, got 1");
+}
+
 }  // namespace
 }  // namespace gicube

@@ -77,5 +77,14 @@ TEST(SegmentationLut, GainsTurnWhatWasAbsorbedIntoWhatFellOnASampleAndAreOneIfTh
   EXPECT_EQ(entries[7].opacity, 16384);
 }
 
+TEST(SegmentationLut, GainsOfIrradianceLeaveNoAmbientAndAWholeHighlight) {
+  const TransferFunction f{{{0, {1, 1, 1}}}, {{0, 0.5}}};
+  auto entries = segmentation_entries(f, {0, 4095}, {.ambient = 0.5, .diffuse = 0.25});
+  ASSERT_EQ(entries[7].ambient, 64);
+  set_gains(entries, 0);
+  EXPECT_EQ(entries[7].ambient, 0);
+  EXPECT_EQ(entries[7].specular, 128);
+}
+
 }  // namespace
 }  // namespace gicube
