@@ -17,7 +17,7 @@ struct Rule {
       outside;  // third-party headers, by their beginning; the standard library goes without saying
 };
 
-inline constexpr std::string_view kAnything = "";
+inline constexpr std::string_view kAnything;
 
 const std::vector<Rule>& rules();
 

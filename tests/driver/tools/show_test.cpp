@@ -65,7 +65,7 @@ TEST(Show, SaysWhenAFileDoesNotTell) {
   EXPECT_THAT(unknown.err, HasSubstr("expected a PNG, EXR, NRRD, NIfTI or JSON file"));
   EXPECT_EQ(run_program("gicube-smi", {"show", folder.file("none")}, {}).code, 2);
   // Cut anywhere, it is refused or says nothing, and never read beyond.
-  const std::string png("\x89PNG\r\n\x1a\n\xff\xff\xff\xfftEXtgicube.program", 34);
+  const std::string png = "\x89PNG\r\n\x1a\n\xff\xff\xff\xfftEXtgicube.program";
   for (std::size_t length = 4; length <= png.size(); ++length) {
     std::ofstream(folder.file("cut.png"), std::ios::binary) << png.substr(0, length);
     EXPECT_EQ(run_program("gicube-smi", {"show", folder.file("cut.png")}, {}).code, 1) << length;

@@ -40,7 +40,7 @@ struct Boards {
     throw std::runtime_error("no board: " + process.read_errors());
   }
 
-  Finished smi(std::vector<std::string> words) const {
+  Finished smi(const std::vector<std::string>& words) const {
     return run_program("gicube-smi", words, {"GICUBE_MANAGEMENT=" + management});
   }
 

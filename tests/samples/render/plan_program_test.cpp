@@ -35,7 +35,7 @@ TEST_F(RenderProgram, PlansForAnErrorAndExplainsItself) {
   EXPECT_THAT(result.out, AllOf(HasSubstr("plan for an error of at most 2%"), HasSubstr("level of detail 0"),
                                 HasSubstr("sampling: "), HasSubstr("error: "), HasSubstr("cost: ")));
   const auto json = nlohmann::json::parse(text_of(path("ball.json")));
-  const auto plan = json.at("plan"), chosen = plan.at("chosen"), finest = plan.at("finest");
+  const auto &plan = json.at("plan"), &chosen = plan.at("chosen"), &finest = plan.at("finest");
   EXPECT_LE(chosen.at("error_bound").get<double>(), 0.02);
   EXPECT_NEAR(chosen.at("samples").get<double>(), json.at("samples").get<double>(),
               0.1 * json.at("samples").get<double>());
@@ -73,7 +73,7 @@ TEST_F(RenderProgram, PlansALitSceneWithItsLight) {
                                    path("ring.png") + " --stats " + path("ring.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   const auto json = nlohmann::json::parse(text_of(path("ring.json")));
-  const auto plan = json.at("plan");
+  const auto& plan = json.at("plan");
   EXPECT_GT(plan.at("finest").at("samples").get<double>(), 3 * plan.at("chosen").at("samples").get<double>());
   ASSERT_EQ(plan.at("light").size(), 3u);  // colour passes
   for (std::size_t i = 0; i < 3; ++i) {

@@ -88,7 +88,8 @@ TEST(SweepFigure, IsANameOrAPointerAndNothingElse) {
 }
 
 TEST(SweepRun, IsNamedByItsArguments) {
-  const sweep::Run one{{"builtin:buckyball", "--step", "1"}}, same = one, other{{"builtin:buckyball", "--step", "2"}};
+  const sweep::Run one{{"builtin:buckyball", "--step", "1"}}, same{{"builtin:buckyball", "--step", "1"}},
+      other{{"builtin:buckyball", "--step", "2"}};
   EXPECT_EQ(one.key(), same.key());
   EXPECT_NE(one.key(), other.key());
   EXPECT_EQ((sweep::Run{{"my scan.nrrd", "--cut", "1,0,0,3"}}).command(),

@@ -49,7 +49,7 @@ TEST_F(ConeBeamProgram, PlansForAnErrorAndExplainsItself) {
   EXPECT_THAT(result.out, testing::AllOf(HasSubstr("plan for an error of at most 30%"), HasSubstr("views: "),
                                          HasSubstr("error: "), HasSubstr("cost: "), HasSubstr("the plan itself")));
   const auto json = nlohmann::json::parse(text_of(path("v.json")));
-  const auto plan = json.at("plan"), chosen = plan.at("chosen");
+  const auto &plan = json.at("plan"), &chosen = plan.at("chosen");
   EXPECT_TRUE(plan.at("kept").get<bool>());
   EXPECT_LE(chosen.at("error_bound").get<double>(), 0.3);
   EXPECT_EQ(json.at("settings").at("rays"), chosen.at("rays"));

@@ -48,7 +48,7 @@ TEST_F(FormFactorProgram, PlansForAnErrorAndExplainsItself) {
                                          HasSubstr("links: divided where"), HasSubstr("error: "),
                                          HasSubstr("where a full matrix takes"), HasSubstr("the plan itself")));
   const auto json = nlohmann::json::parse(text_of(path("x.json")));
-  const auto plan = json.at("plan"), chosen = plan.at("chosen");
+  const auto &plan = json.at("plan"), &chosen = plan.at("chosen");
   EXPECT_TRUE(plan.at("kept").get<bool>());
   EXPECT_LE(chosen.at("error_bound").get<double>(), 0.4);
   EXPECT_EQ(json.at("settings").at("error"), chosen.at("threshold"));
