@@ -33,7 +33,7 @@ ROOMS = {
     "firmware": Room(["board_emu/firmware", "board_emu/firmware/*"], ["board_test", "lighting_rays_test", "routines_test",
                                                                     "lighting_accuracy_test", "memory_error_test"]),
     "bus": Room(["board_emu/board/bus", "board_emu/server/bus"], ["board_test", "bus_server_test", "server_flags_test",
-                                                                    "management_test", "tls_test"]),
+                                                                    "management_test", "tls_test", "limits_test"]),
     "transport": Room(["driver/src/transport"], ["link_test", "tls_test", "reopen_test", "board_api_test"]),
     "upload": Room(["driver/src/encode", "driver/src/encode/volume"], ["upload_test"]),
 }

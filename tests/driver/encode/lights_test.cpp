@@ -161,6 +161,7 @@ TEST(MaxEnergy, OfAPointIsTheNearestCellsSolidAngle) {
 TEST(MaxEnergy, OfAreasIsThatOfTheirNearestPlaceByLambertsLaw) {
   EXPECT_DOUBLE_EQ(most(RectangleLight{{4, 4, -7}, {2, 0, 0}, {0, 2, 5}, 100}).voxel, 100 / 4.0 / pi)
       << "its upper edge is 2 below";
+  EXPECT_DOUBLE_EQ(most(RectangleLight{{4, 4, -7}, {2, 0, 5}, {0, 2, 0}, 100}).voxel, 100 / 4.0 / pi);
   EXPECT_DOUBLE_EQ(most(RectangleLight{{4, 4, -2}, {2, 0, -5}, {0, 2, 0}, 100}).voxel, 100 / 4.0 / pi);
   EXPECT_DOUBLE_EQ(most(SphereLight{{5, 5, -7}, 3, 100}).voxel, 100 / 16.0 / pi);
   EXPECT_DOUBLE_EQ(most(SphereLight{{5, 19, 5}, 3, 100}).voxel, 100 / 36.0 / pi);

@@ -53,6 +53,15 @@ TEST(NearPairs, AreThoseWhoseGapIsLessThanHalfOfTheLongestSide) {
   EXPECT_NE(pairs.division_of(cube({0, 0, 0}, 2), back), nullptr);
 }
 
+TEST(NearPairs, OfDiscsAreThoseWhoseGapIsLessThanHalfOfTheDiameter) {
+  NearPairs pairs({1, 1, 1}, 64);
+  const auto disc = [](double z, double radius) {
+    return Element{ElementKind::kDisc, {5, 5, z}, {radius, 0, 0}, {0, radius, 0}, {}};
+  };
+  EXPECT_NE(pairs.division_of(disc(1, 0.25), disc(1.24, 0.25)), nullptr);
+  EXPECT_EQ(pairs.division_of(disc(1, 0.25), disc(1.26, 0.25)), nullptr);
+}
+
 TEST(NearPairs, AreDividedIntoPartsThatCoverAllPairsOfPointsOnce) {
   NearPairs pairs({1, 1, 1}, 128);
   const Element a = cube({3, 4, 5}, 2), b = cube({5, 4, 5});

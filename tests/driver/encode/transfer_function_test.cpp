@@ -82,6 +82,15 @@ TEST(TransferFunctionCheck, NamesThePointThatIsWrong) {
   EXPECT_EQ(refusal_after([](auto& f) { f.opacities.clear(); }), "opacities: expected at least one point, got none");
 }
 
+TEST(TransferFunctionCheck, ReadsNoFurtherThanTheLastPoint) {
+  TransferFunction function = ramp();
+  function.colours.push_back({200, {7, 7, 7}});
+  function.colours.pop_back();  // what was there still is
+  function.opacities.push_back({50, 7});
+  function.opacities.pop_back();
+  EXPECT_NO_THROW(check(function, 1));
+}
+
 TEST(TransferFunctionCheck, RefusesASpanThatIsNotFinite) {
   EXPECT_EQ(refusal_after([](auto& f) {
               f.colours = {{-1.5e308, {}}, {1.5e308, {}}};

@@ -1,5 +1,10 @@
 // What a session may have under way: frames in the window, results that nobody fetches, credit.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
 
 #include "session_frames.h"
 
@@ -67,6 +72,24 @@ TEST(Session, ACommandThatTakesTooLongEndsIt) {
   }
   EXPECT_TRUE(serves_afresh(boards));
   EXPECT_EQ(audit.counts().back().count, 1u);
+}
+
+TEST(Session, IsAuditedByWhoHasItAndOnWhichBoard) {
+  const reference::TemporaryDirectory folder;
+  Audit::Options to_file;
+  to_file.file = folder.file("audit");
+  {
+    Audit audit(to_file);
+    BusOptions options = patient();
+    options.audit = &audit;
+    const ServedBoards boards(2, options);
+    EXPECT_EQ(boards.open({}, 1).read_register(wire::reg::kId), wire::kIdValue);
+  }
+  std::ifstream file(to_file.file);
+  const std::string lines(std::istreambuf_iterator<char>(file), {});
+  const std::string me = fmt::format("process {}: board 1: ", ::getpid());
+  EXPECT_THAT(lines, HasSubstr("opened: " + me + "a session begins"));
+  EXPECT_THAT(lines, HasSubstr("closed: " + me + "the session has ended"));
 }
 
 TEST(Session, OneTicketForAllCommandsEndsItAtTheSecond) {
