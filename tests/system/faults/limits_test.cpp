@@ -13,6 +13,7 @@
 #include "gicube/wire/registers.h"
 #include "good_client.h"
 #include "raw_client.h"
+#include "sanitizers.h"
 #include "temporary_directory.h"
 
 namespace gicube::system_test {
@@ -28,14 +29,6 @@ using wire::FrameType;
 namespace reg = wire::reg;
 
 constexpr std::uint64_t kBlockBytes = 32 * 32 * 32 * 9 / 2;
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kHasShadowMemory = true;
-#elif defined(__has_feature)
-constexpr bool kHasShadowMemory = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool kHasShadowMemory = false;
-#endif
 
 // A client that needs to give no credit back.
 RawClient open(const std::string& path) {
@@ -81,7 +74,8 @@ std::optional<RawFrame> fill(RawClient& client) {
 }
 
 TEST(MemoryLimit, OfTheSystemEndsASessionAndNobodySeesWhatItHadWritten) {
-  if (kHasShadowMemory) GTEST_SKIP() << "a sanitizer takes more address space than any limit";
+  if (reference::kHasAddressSanitizer || reference::kHasThreadSanitizer)
+    GTEST_SKIP() << "a sanitizer takes more address space than any limit";
   const reference::TemporaryDirectory folder;
   const std::string path = folder.file("board");
   BoardProcess process({"--listen", "unix:" + path, "--set", "asic.max_volume_voxels=1024", "--set", "threads=1"});

@@ -11,6 +11,7 @@
 #include "config/config.h"
 #include "fickle_bsdf.h"
 #include "firmware/routines/routine_table.h"
+#include "sanitizers.h"
 
 namespace gicube::emu {
 namespace {
@@ -165,9 +166,7 @@ TEST(TrappedRays, OfABadRoutineFailTheirCommandAndTheBoardGoesOn) {
 }
 
 TEST(TrappedRays, OfARoutineThatNeverReturnsFailTheirCommand) {
-#ifdef __SANITIZE_THREAD__
-  GTEST_SKIP() << "ThreadSanitizer delivers no signal to a loop without calls";
-#endif
+  if (reference::kHasThreadSanitizer) GTEST_SKIP() << "ThreadSanitizer delivers no signal to a loop without calls";
   const RoutineTable table = fickle_table();
   Fog fog(false, &table);
   fog.set(trap(kFirstUserRoutine, mood(Whim::kEndless)));
