@@ -83,6 +83,16 @@ TEST_F(TlsBoard, IsNotOpenedIfItsCertificateIsNotTrustedOrNotForThatHost) {
   EXPECT_THAT([&] { Board::open("tls:127.0.0.1:1"); }, ThrowsMessage<BadArgument>(HasSubstr("GICUBE_CA_FILE")));
 }
 
+TEST_F(TlsBoard, IsOpenedByTheCertificateThatTheOptionsName) {
+  const std::string uri = start();
+  ::setenv("GICUBE_CA_FILE", "/nowhere", 1);
+  OpenOptions options;
+  options.ca_file = folder_.file("board.pem");
+  EXPECT_TRUE(Board::open(uri, options).counters().has("bus.down.bytes"));
+  options.ca_file = "/nowhere/either";
+  EXPECT_THAT([&] { Board::open(uri, options); }, ThrowsMessage<BadArgument>(HasSubstr("ca_file: expected a file")));
+}
+
 TEST_F(TlsBoard, PlainBytesAreAnsweredByNoFrameAndHurtNobody) {
   const std::string uri = start();
   const auto port = static_cast<std::uint16_t>(std::stoi(uri.substr(uri.rfind(':') + 1)));

@@ -13,6 +13,8 @@ OpenOptions to_options(const gicube_open_options* given) {
   gicube_open_options record;
   auto options = read_fields<OpenOptions>("options", given, record);
   if (record.capture != nullptr) options.capture = record.capture;
+  if (record.token_file != nullptr) options.token_file = record.token_file;
+  if (record.ca_file != nullptr) options.ca_file = record.ca_file;
   return options;
 }
 

@@ -73,14 +73,20 @@ Fd connect(const Uri& uri, std::chrono::milliseconds watchdog) {
   throw TimedOut(fmt::format("no connection to {} within {} ms", where, watchdog.count()));
 }
 
-std::string access_token(int socket, bool is_secure) {
-  const char* const file = std::getenv("GICUBE_TOKEN_FILE");
+NamedFile named_file(const std::string& option, const char* field, const char* variable) {
+  if (!option.empty()) return {option, field};
+  const char* const named = std::getenv(variable);
+  return {named != nullptr ? named : "", variable};
+}
+
+std::string access_token(int socket, bool is_secure, const std::string& token_file) {
+  const auto [path, field] = named_file(token_file, "token_file", "GICUBE_TOKEN_FILE");
   std::string named;
-  if (file != nullptr && *file != '\0') {
+  if (!path.empty()) {
     try {
-      named = read_tokens(file).front().token;
+      named = read_tokens(path).front().token;
     } catch (const std::runtime_error& error) {
-      throw BadArgument("GICUBE_TOKEN_FILE", "a file with a token", error.what());
+      throw BadArgument(field, "a file with a token", error.what());
     }
   }
   asio::ip::tcp::endpoint peer;

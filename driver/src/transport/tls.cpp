@@ -1,11 +1,10 @@
-#include <cstdlib>
-
+#include "connect.h"
 #include "gicube/error.h"
 #include "tls_stream.h"
 
 namespace gicube {
 
-std::shared_ptr<Tls> make_tls(const std::string& host) {
+std::shared_ptr<Tls> make_tls(const std::string& host, const std::string& ca_file) {
   namespace ssl = boost::asio::ssl;
   auto tls = std::make_shared<Tls>();
   tls->host = host;
@@ -14,14 +13,13 @@ std::shared_ptr<Tls> make_tls(const std::string& host) {
                            error);
   tls->context.set_verify_mode(ssl::verify_peer, error);
   tls->context.set_verify_callback(ssl::host_name_verification(host), error);
-  const char* const file = std::getenv("GICUBE_CA_FILE");
-  if (file == nullptr || *file == '\0') {
+  const auto [path, field] = named_file(ca_file, "ca_file", "GICUBE_CA_FILE");
+  if (path.empty()) {
     tls->context.set_default_verify_paths(error);
     return tls;
   }
-  tls->context.load_verify_file(file, error);
-  if (error)
-    throw BadArgument("GICUBE_CA_FILE", "a file with a certificate, PEM", std::string(file) + ": " + error.message());
+  tls->context.load_verify_file(path, error);
+  if (error) throw BadArgument(field, "a file with a certificate, PEM", path + ": " + error.message());
   return tls;
 }
 

@@ -49,8 +49,8 @@ int run(const std::string& file, const std::string& board, std::uint32_t watchdo
     socket = child->take_socket();
   } else {
     socket = connect(uri, watchdog);
-    if (uri.scheme == UriScheme::kTcp) token = access_token(socket.get(), uri.is_secure);
-    if (uri.is_secure) tls = make_tls(uri.host);
+    if (uri.scheme == UriScheme::kTcp) token = access_token(socket.get(), uri.is_secure, {});
+    if (uri.is_secure) tls = make_tls(uri.host, {});
   }
   const Report report = play(file, std::move(socket), watchdog, {token, tls});
   print(report);

@@ -98,6 +98,18 @@ TEST(CReopen, GoesOnOnANewBoardWithTheVolumeAndTheRaysThatWereUnderWay) {
   EXPECT_TRUE(std::ifstream(capture).good());
 }
 
+TEST(COpen, TakesTheFilesOfTokenAndCertificatesFromItsOptions) {
+  gicube_open_options options = made(gicube_open_options_init);
+  gicube_board* board = nullptr;
+  options.token_file = "/nowhere/token";
+  EXPECT_EQ(gicube_open("tcp:127.0.0.1:1", &options, &board), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "token_file");
+  options.token_file = nullptr;
+  options.ca_file = "/nowhere/ca";
+  EXPECT_EQ(gicube_open("tls:127.0.0.1:1", &options, &board), GICUBE_BAD_ARGUMENT);
+  EXPECT_STREQ(gicube_last_error_field(), "ca_file");
+}
+
 TEST_F(CApi, VerifiesTheVolume) {
   std::size_t damaged = 7;
   EXPECT_EQ(gicube_verify_volume(board_, nullptr, 0, &damaged), GICUBE_REJECTED);

@@ -111,16 +111,21 @@ TEST(AccessToken, IsTheFirstOfTheNamedFileAndGoesToTcpAlone) {
   const Listener listener;
   const Fd socket = connect(listener.uri(), kLong);
   ::setenv("GICUBE_TOKEN_FILE", folder.file("token").c_str(), 1);
-  EXPECT_EQ(access_token(socket.get(), false), "0123456789abcdef");
+  EXPECT_EQ(access_token(socket.get(), false, {}), "0123456789abcdef");
+  write_token(folder.file("other"), "fedcba9876543210");
+  EXPECT_EQ(access_token(socket.get(), false, folder.file("other")), "fedcba9876543210") << "the option goes before";
   std::array<int, 2> ends{};
   ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()), 0);
   const Fd one(ends[0]), other(ends[1]);
-  EXPECT_EQ(access_token(one.get(), true), "");
+  EXPECT_EQ(access_token(one.get(), true, {}), "");
   ::setenv("GICUBE_TOKEN_FILE", "/nowhere/token", 1);
-  EXPECT_THAT([&] { access_token(socket.get(), false); },
+  EXPECT_THAT([&] { access_token(socket.get(), false, {}); },
               ::testing::ThrowsMessage<BadArgument>(
                   "GICUBE_TOKEN_FILE: expected a file with a token, got /nowhere/token: No such file or directory"));
   ::unsetenv("GICUBE_TOKEN_FILE");
+  EXPECT_THAT([&] { access_token(socket.get(), false, "/nowhere/token"); },
+              ::testing::ThrowsMessage<BadArgument>(
+                  "token_file: expected a file with a token, got /nowhere/token: No such file or directory"));
 }
 
 TEST(TlsClient, NamesTheHostThatItWantsInItsFirstMessage) {
@@ -135,7 +140,7 @@ TEST(TlsClient, NamesTheHostThatItWantsInItsFirstMessage) {
     ::shutdown(socket.get(), SHUT_RDWR);
   });
   LinkOptions options;
-  options.tls = make_tls("board.example");
+  options.tls = make_tls("board.example", {});
   EXPECT_THAT([&] { const Link link(std::move(driver_end), options); },
               ::testing::ThrowsMessage<OpenFailed>(HasSubstr("no connection by TLS: ")));
   board.join();
@@ -144,7 +149,7 @@ TEST(TlsClient, NamesTheHostThatItWantsInItsFirstMessage) {
 
 TEST(TlsClient, SpeaksNoVersionBefore12) {
   ::setenv("GICUBE_CA_FILE", "", 1);  // as without it
-  const auto tls = make_tls("localhost");
+  const auto tls = make_tls("localhost", {});
   ::unsetenv("GICUBE_CA_FILE");
   const auto refused = ::SSL_CTX_get_options(tls->context.native_handle());
   EXPECT_NE(refused & SSL_OP_NO_TLSv1, 0u);
