@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 extern char** environ;
@@ -80,6 +81,15 @@ void BoardProcess::send_signal(int signal) const { ::kill(pid_, signal); }
 void BoardProcess::limit_memory(std::uint64_t bytes) const {
   const rlimit limit{bytes, bytes};
   if (::prlimit(pid_, RLIMIT_AS, &limit, nullptr) != 0) throw std::runtime_error("prlimit");
+}
+
+std::uint64_t BoardProcess::peak_memory() const {
+  std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+  for (std::string word; status >> word;) {
+    std::uint64_t kib = 0;
+    if (word == "VmHWM:" && status >> kib) return kib << 10;
+  }
+  throw std::runtime_error("/proc/PID/status: expected VmHWM");
 }
 
 bool BoardProcess::reap(int options) {

@@ -28,6 +28,8 @@ class BoardProcess {
   void send_signal(int signal) const;
   // From now on it has at most so much address space.
   void limit_memory(std::uint64_t bytes) const;
+  // The most that it has had in main memory so far.
+  std::uint64_t peak_memory() const;
   // Waits for its end; 128 + signal if one ended it.
   int exit_code();
   bool has_ended();
