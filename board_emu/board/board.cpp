@@ -366,6 +366,7 @@ void Board::publish() {
   const std::lock_guard lock(published_mutex_);
   published_ = std::move(counters);
   published_ps_ = parts_->timeline.now();
+  published_memory_ = parts_->commands.limited_memory();
 }
 
 }  // namespace gicube::emu

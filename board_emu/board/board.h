@@ -74,6 +74,11 @@ class Board {
     const std::lock_guard lock(published_mutex_);
     return published_;
   }
+  // Memory of the host's, as `max_memory_bytes` counts it; 0 without that limit.
+  std::uint64_t memory_bytes() const {
+    const std::lock_guard lock(published_mutex_);
+    return published_memory_;
+  }
   std::uint64_t simulated_ps() const {
     const std::lock_guard lock(published_mutex_);
     return published_ps_;
@@ -88,6 +93,7 @@ class Board {
   mutable std::mutex published_mutex_;
   std::vector<wire::Counter> published_;
   std::uint64_t published_ps_ = 0;
+  std::uint64_t published_memory_ = 0;
 };
 
 }  // namespace gicube::emu

@@ -123,7 +123,8 @@ void serve(const Options& options, const RoutineTable& routines) {
   }
   std::optional<Registration> registration;
   try {
-    registration.emplace(management ? to_string(management->endpoint()) : "", boards, &audit);
+    registration.emplace(management ? to_string(management->endpoint()) : "", boards, &audit,
+                         [&server] { return server.quotas(); });
     ending.add_file(registration->path());
   } catch (const std::runtime_error& error) {  // the boards can be used all the same
     spdlog::warn("gicube-smi will not find this process: {}", error.what());

@@ -61,6 +61,10 @@ class DspCommands {
   // What volume, words and image may take of the host's memory. It is asked for before it is taken: register and memory writes
   // are refused, commands end with an error, and nothing else has changed.
   void set_max_memory(std::uint64_t bytes) { max_memory_bytes_ = bytes; }
+  // What counts towards it; 0 without a limit.
+  std::uint64_t limited_memory() const {
+    return is_limited() ? aperture_.volume_bytes() + aperture_.image_bytes() + words_bytes_ : 0;
+  }
   std::uint32_t max_memory_mib() const;
   // What they would have taken together with the last thing that was refused.
   std::uint32_t memory_asked_mib() const;

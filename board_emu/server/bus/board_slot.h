@@ -8,6 +8,7 @@
 // board, and the next owner's first act is to try again.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -87,6 +88,7 @@ class BoardSlot {
     const std::lock_guard lock(mutex_);
     owner_ = Owner::kNone;
     releasing_ = away_ = false;
+    held_bytes_ = 0;
     end_session_ = nullptr;
     released_.notify_all();
   }
@@ -110,6 +112,16 @@ class BoardSlot {
     const std::lock_guard lock(mutex_);
     endpoint_ = std::move(endpoint);
   }
+
+  // What a session's client has not fetched, bytes; any thread.
+  void set_held(std::uint64_t bytes) { held_bytes_ = bytes; }
+  std::uint64_t held_bytes() const { return held_bytes_; }
+  // What counts towards the limit of its memory, and the limit; kUnlimitedMemory: none.
+  std::uint64_t memory_bytes() const {
+    const std::lock_guard lock(mutex_);
+    return board_ ? board_->memory_bytes() : 0;
+  }
+  std::uint64_t max_memory_bytes() const { return max_memory_bytes_; }
 
   // Answers are held back until the wall clock has come to their simulated time.
   bool realtime() const {
@@ -190,6 +202,7 @@ class BoardSlot {
   v1::BoardConfig config_;
   const RoutineTable* const routines_;
   const std::uint64_t max_memory_bytes_;
+  std::atomic<std::uint64_t> held_bytes_ = 0;
   std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
   std::unique_ptr<Board> board_;
   FaultPoint faults_;  // has a lock of its own

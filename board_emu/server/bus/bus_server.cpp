@@ -247,6 +247,16 @@ void BusServer::run() {
   for (BoardSlot* slot : slots_) slot->settle();
 }
 
+std::vector<Quota> BusServer::quotas() const {
+  std::vector<Quota> quotas{{"connections", std::nullopt, guests_.size(), options_.max_unowned}};
+  for (const BoardSlot* slot : slots_) {
+    quotas.push_back({"results_bytes", slot->index(), slot->held_bytes(), options_.max_held_bytes});
+    if (slot->max_memory_bytes() == kUnlimitedMemory) continue;
+    quotas.push_back({"memory_bytes", slot->index(), slot->memory_bytes(), slot->max_memory_bytes()});
+  }
+  return quotas;
+}
+
 void BusServer::stop() {
   asio::post(io_, [this] { stop_now(); });
 }

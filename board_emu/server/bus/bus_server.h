@@ -12,6 +12,7 @@
 #include "connection.h"
 #include "endpoint.h"
 #include "guests.h"
+#include "server/quota.h"
 #include "session.h"
 
 namespace gicube::emu {
@@ -37,6 +38,10 @@ class BusServer {
 
   // Any thread.
   void stop();
+
+  // Memory of boards that have a limit, results that clients have not fetched, connections without a board. After listen() and adopt();
+  // any thread.
+  std::vector<Quota> quotas() const;
 
  private:
   class Listener;

@@ -33,6 +33,7 @@ Guests::Connected Guests::enter(Connected guest) {
     guests_.erase(oldest);
   }
   guests_.push_back({std::move(guest)});
+  size_ = guests_.size();
   return out;
 }
 

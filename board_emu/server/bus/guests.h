@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -26,6 +27,7 @@ class Guests {
   Connected enter(Connected guest);
   void leave(const Connected& guest) {
     std::erase_if(guests_, [&](const Guest& each) { return each.connection == guest; });
+    size_ = guests_.size();
   }
   // It has said its version and wants a board. Returns why there is no room in the line; empty: it stands there.
   std::string stand_in_line(const Connected& guest);
@@ -35,7 +37,7 @@ class Guests {
     for (const Guest& each : guests_) connections.push_back(each.connection);
     return connections;
   }
-  std::size_t size() const { return guests_.size(); }
+  std::size_t size() const { return size_; }  // any thread
 
  private:
   struct Guest {
@@ -52,6 +54,7 @@ class Guests {
 
   const std::size_t places_, places_of_peer_;
   std::vector<Guest> guests_;  // in the order of their coming
+  std::atomic<std::size_t> size_ = 0;
 };
 
 }  // namespace gicube::emu

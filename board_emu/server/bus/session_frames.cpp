@@ -193,6 +193,7 @@ awaitable<void> Session::work() {
 void Session::check_held(const FrameHeader& header) const {
   const std::size_t frames = window_.kept_frames() + (connection_ ? connection_->waiting_frames() : 0);
   const std::uint64_t bytes = held_bytes_ + window_.kept_bytes() + frames * kBytesOfFrame;
+  slot_.set_held(bytes);
   if (bytes <= options_.max_held_bytes) return;
   note(AuditEvent::kLimitReached, fmt::format("results of {} bytes", bytes));
   throw LastWord{

@@ -21,8 +21,8 @@ constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until descrip
 
 }  // namespace
 
-Registration::Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit)
-    : management_(std::move(management)), boards_(std::move(boards)), audit_(audit) {
+Registration::Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit, Quotas quotas)
+    : management_(std::move(management)), boards_(std::move(boards)), audit_(audit), quotas_(std::move(quotas)) {
   const std::string folder = registry_folder();
   ::mkdir(folder.c_str(), S_IRWXU);  // if it fails, the next line says so
   const std::string fault = registry_fault(folder);
@@ -87,6 +87,13 @@ std::string Registration::message() const {
     v1::AuditCount* added = process.add_events();
     added->set_event(each.event);
     added->set_count(each.count);
+  }
+  for (const Quota& each : quotas_ ? quotas_() : std::vector<Quota>()) {
+    v1::Quota* added = process.add_quotas();
+    added->set_name(each.name);
+    if (each.board) added->set_board(*each.board);
+    added->set_used(each.used);
+    added->set_limit(each.limit);
   }
   return process.SerializeAsString();
 }

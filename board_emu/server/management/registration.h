@@ -11,6 +11,7 @@
 #include "server/audit.h"
 #include "server/bus/board_slot.h"
 #include "server/bus/coroutines.h"
+#include "server/quota.h"
 
 namespace gicube::emu {
 
@@ -18,8 +19,9 @@ class Registration {
  public:
   // Makes the folder if it is not there, and tells callers about the boards, which must outlive this, from a thread of its own.
   // `management`: the endpoint of their management plane, or empty. Throws std::runtime_error that says why nobody will see them.
-  // `audit`: whose counts are told too; null: none.
-  Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit = nullptr);
+  // `audit`: whose counts are told too; null: none. `quotas`: what to tell of limits; empty: nothing.
+  Registration(std::string management, std::vector<BoardSlot*> boards, const Audit* audit = nullptr,
+               Quotas quotas = {});
   // Removes the socket.
   ~Registration();
 
@@ -38,6 +40,7 @@ class Registration {
   const std::string management_;
   const std::vector<BoardSlot*> boards_;
   const Audit* const audit_;
+  const Quotas quotas_;
   std::string path_;
   asio::io_context io_{1};
   asio::local::stream_protocol::acceptor acceptor_{io_};

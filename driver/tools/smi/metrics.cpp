@@ -145,6 +145,20 @@ void add_boards(Families& families, const Labels& process, const v1::BoardProces
   }
 }
 
+// What a quota is called and is; of a process of another version, by its own name.
+std::pair<std::string, std::string> quota_metric(const std::string& name) {
+  static const std::map<std::string, std::string> kKnown{
+      {"connections", "connections that own no board."},
+      {"memory_bytes", "memory of the host's for volume, words and image."},
+      {"results_bytes", "memory of the host's for what a client has not fetched."}};
+  const auto known = kKnown.find(name);
+  if (known != kKnown.end()) return *known;
+  std::string plain = name;
+  std::ranges::replace_if(
+      plain, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+  return {plain, plain + "."};
+}
+
 }  // namespace
 
 std::string metrics_text(const std::vector<LocalProcess>& processes) {
@@ -160,6 +174,15 @@ std::string metrics_text(const std::vector<LocalProcess>& processes) {
       add(families, "gicube_audit_events_total", "counter",
           "Connections, refusals, takeovers and changes, by the kinds of the audit log.", std::move(of_event),
           std::to_string(each.count()));
+    }
+    for (const v1::Quota& each : process.told->quotas()) {
+      Labels of_board = labels;
+      if (each.has_board()) of_board.emplace_back("board", std::to_string(each.board()));
+      const auto [name, what] = quota_metric(each.name());
+      add(families, "gicube_quota_" + name, "gauge", "Of the limit, taken now: " + what, of_board,
+          std::to_string(each.used()));
+      add(families, "gicube_quota_limit_" + name, "gauge", "The limit: " + what, of_board,
+          std::to_string(each.limit()));
     }
   }
   std::string text;

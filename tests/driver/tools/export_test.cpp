@@ -16,6 +16,7 @@
 #include "gicube/board.h"
 #include "own_registry.h"
 #include "run_program.h"
+#include "temporary_directory.h"
 
 namespace gicube::tools_test {
 namespace {
@@ -192,6 +193,29 @@ TEST(Export, HasTheCountersThatTheApplicationReads) {
   EXPECT_EQ(events.size(), 13u);
   EXPECT_EQ(events["opened"], 1);
   EXPECT_EQ(events["closed"], 0);
+}
+
+TEST(Export, ShowsHowMuchOfTheLimitsIsTaken) {
+  const OwnRegistry registry;
+  const Exporter exporter;
+  const reference::TemporaryDirectory folder;
+  const std::string path = folder.file("board");
+  BoardProcess process({"--listen", "unix:" + path, "--max-memory", "16", "--quiet"});
+  process.read_line();
+  Board board = Board::open("unix:" + path);
+  const auto value = [&exporter](const std::string& name) {
+    const Metrics metrics = parse(exporter.metrics());
+    EXPECT_EQ(metrics.count(name), 1u) << name;
+    return metrics.count(name) == 1 ? metrics.find(name)->second.value : -1;
+  };
+  EXPECT_EQ(value("gicube_quota_limit_memory_bytes"), 16 << 20);
+  const double before = value("gicube_quota_memory_bytes");
+  work(board);
+  EXPECT_GT(value("gicube_quota_memory_bytes"), before);
+  EXPECT_LT(value("gicube_quota_memory_bytes"), 16 << 20);
+  EXPECT_EQ(value("gicube_quota_limit_connections"), 32);
+  EXPECT_EQ(value("gicube_quota_connections"), 0);
+  EXPECT_GT(value("gicube_quota_limit_results_bytes"), value("gicube_quota_results_bytes"));
 }
 
 TEST(Export, LabelsProcessorsAndLeavesTheirSumToTheReader) {

@@ -100,6 +100,34 @@ TEST(Registration, TellsWhatTheAuditLogCounts) {
   EXPECT_EQ(counts["connected"], 0u);
 }
 
+TEST(Registration, TellsHowMuchOfEachLimitIsTaken) {
+  const reference::OwnRegistry registry;
+  ServedBoards boards(2);
+  const Registration registration("", boards.all(), nullptr, [&boards] { return boards.server.quotas(); });
+  using Key = std::pair<std::string, int>;  // the board; -1: none
+  const auto quotas = [&registration] {
+    std::map<Key, std::pair<std::uint64_t, std::uint64_t>> all;
+    const v1::BoardProcess told = told_by(registration.path());
+    for (const v1::Quota& each : told.quotas()) {
+      all[{each.name(), each.has_board() ? static_cast<int>(each.board()) : -1}] = {each.used(), each.limit()};
+    }
+    return all;
+  };
+  const std::uint64_t results = patient().max_held_bytes;
+  EXPECT_EQ(quotas(), (std::map<Key, std::pair<std::uint64_t, std::uint64_t>>{{{"connections", -1}, {0, 32}},
+                                                                              {{"results_bytes", 0}, {0, results}},
+                                                                              {{"results_bytes", 1}, {0, results}}}))
+      << "no board has a limit of memory";
+  const reference::RawClient silent = boards.connect();
+  while (quotas()[{"connections", -1}].first == 0) std::this_thread::yield();
+  reference::RawClient client = boards.open({}, 1);
+  const std::vector<std::uint8_t> none(1);
+  for (std::uint32_t id = 1; id <= 3; ++id) client.send(wire::FrameType::kCommand, id, wire::kPosted, none);
+  client.read_register(wire::reg::kId);
+  EXPECT_GT((quotas()[{"results_bytes", 1}].first), 0u) << "completions whose credit has not returned";
+  EXPECT_EQ((quotas()[{"results_bytes", 0}].first), 0u);
+}
+
 TEST(Registration, SaysWhoOwnsABoard) {
   const reference::OwnRegistry registry;
   ServedBoards boards(1);
