@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <ranges>
@@ -26,6 +27,7 @@
 #include "gicube/whole_file.h"
 #include "gicube/wire/register_markdown.h"
 #include "options.h"
+#include "server/box/box.h"
 #include "server/bus/board_slot.h"
 #include "server/bus/bus_server.h"
 #include "server/management/management.h"
@@ -58,6 +60,33 @@ std::vector<int> signals_to_end_on() {
   struct sigaction hang_up {};
   if (::sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) signals.push_back(SIGHUP);
   return signals;
+}
+
+std::string folder_of(const std::string& file) {
+  const std::string folder = std::filesystem::path(file).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+// What the process opens, makes and removes from now on; `made`: files that it takes away when it ends. What --trace, --vcd and
+// --fault-log name is open.
+Box box_of(const Options& options, const std::vector<std::string>& tokens, const std::vector<std::string>& made) {
+  using enum Box::Access;
+  Box box;
+  // Before it removes a token it looks whether that is still its own.
+  for (const std::string& file : tokens) box.places.push_back({file, kRead});
+  for (const std::string& file : made) box.places.push_back({folder_of(file), kRemove});
+  if (!options.audit_log_file.empty()) box.places.push_back({folder_of(options.audit_log_file), kWrite});
+  if (options.management && !options.management->trace_folder.empty()) {
+    box.places.push_back({options.management->trace_folder, kWrite});
+  }
+  return box;
+}
+
+// Does not fail: the boards can be used without a box, or with half of it, where the kernel has no more.
+void enter(const Box& box) {
+  const Boxed boxed = enter_box(box);
+  const bool is_fault = boxed.files == Boxed::Part::kFailed || boxed.calls == Boxed::Part::kFailed;
+  spdlog::log(is_fault ? spdlog::level::warn : spdlog::level::info, boxed.text);
 }
 
 void serve(const Options& options, const RoutineTable& routines) {
@@ -94,12 +123,18 @@ void serve(const Options& options, const RoutineTable& routines) {
   ending.set_stop([&server] { server.stop(); });
   const Finally server_goes{[&ending] { ending.set_stop([] {}); }};
   std::vector<Endpoint> endpoints;
+  std::vector<std::string> made;  // files that go with this process
+  const auto add_made = [&](const std::string& path) {
+    made.push_back(path);
+    ending.add_file(path);
+  };
   for (BoardSlot* slot : boards) {
     const Endpoint endpoint = for_board(options.listen, slot->index());
     if (endpoint.kind == EndpointKind::kFd && (options.is_private || !is_listening(endpoint.fd))) {
       server.adopt(*slot, endpoint.fd, options.is_private);
     } else {
       endpoints.push_back(server.listen(*slot, endpoint));
+      if (endpoint.kind == EndpointKind::kUnix) made.push_back(endpoint.path);
     }
   }
   // After the server in this scope: so it is gone before the sockets and the boards are.
@@ -109,14 +144,14 @@ void serve(const Options& options, const RoutineTable& routines) {
     at.tokens = {own};
     at.audit = &audit;
     management = std::make_unique<Management>(at, boards);
-    if (options.management->endpoint.kind == EndpointKind::kUnix) ending.add_file(options.management->endpoint.path);
+    if (options.management->endpoint.kind == EndpointKind::kUnix) add_made(options.management->endpoint.path);
   }
   std::optional<TokenFiles> token_files;
   try {
     std::vector<Endpoint> all = endpoints;
     if (management) all.push_back(management->endpoint());
     token_files.emplace(all, own.token);
-    for (const std::string& path : token_files->paths()) ending.add_file(path);
+    for (const std::string& path : token_files->paths()) add_made(path);
   } catch (const std::runtime_error& error) {  // who has a token of --token-file gets in all the same
     if (options.token_file.empty()) throw;
     spdlog::warn("programs of this user will need a token: {}", error.what());
@@ -125,10 +160,11 @@ void serve(const Options& options, const RoutineTable& routines) {
   try {
     registration.emplace(management ? to_string(management->endpoint()) : "", boards, &audit,
                          [&server] { return server.quotas(); });
-    ending.add_file(registration->path());
+    add_made(registration->path());
   } catch (const std::runtime_error& error) {  // the boards can be used all the same
     spdlog::warn("gicube-smi will not find this process: {}", error.what());
   }
+  if (options.is_boxed) enter(box_of(options, token_files ? token_files->paths() : std::vector<std::string>(), made));
   for (std::size_t i = 0; i < endpoints.size(); ++i) say_ready(fmt::format("board {}", i), endpoints[i]);
   if (management) say_ready("management", management->endpoint());
   spdlog::info("configuration {}", config_hash_text(options.config));

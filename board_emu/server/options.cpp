@@ -24,6 +24,7 @@ struct Flags {
   std::vector<std::string> overrides;
   std::string trace_file, trace_dir, vcd_file, vcd_window;
   std::string fault_file;
+  std::string box = "auto";
   std::uint32_t resume_seconds = 10;
   std::uint32_t max_memory_mib = 0;
   std::uint32_t max_command_seconds = 0;
@@ -44,7 +45,7 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   app.add_flag("--quiet", options.quiet, "log warnings only");
   add("--bsdf", options.bsdf_files, "FILE",
       "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
-      "times: the first is routine 8, the next 9. Its code runs in this process, with all its rights")
+      "times: the first is routine 8, the next 9. Its code runs in this process")
       ->allow_extra_args(false);
   add("--resume-seconds", flags.resume_seconds, "N",
       "how long a session whose connection broke waits for its client, unless another one comes; 0 = not")
@@ -63,6 +64,12 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--audit-log", options.audit_log_file, "FILE",
       "who came, was refused, forced and changed what, a line each, appended to FILE; FILE.1 holds the lines before;\n"
       "unset: these lines are in the log");
+
+  add("--box", flags.box, "MODE",
+      "auto: after its start the process gives up what a running board does not need: other files, programs, outgoing\n"
+      "connections, as far as the kernel can refuse them; off: not")
+      ->check(CLI::IsMember({"auto", "off"}))
+      ->capture_default_str();
 
   app.option_defaults()->group("Limits");
   add("--max-memory", flags.max_memory_mib, "MIB",
@@ -289,6 +296,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   result.options.max_command_time = std::chrono::seconds(flags.max_command_seconds);
   result.options.max_wait = std::chrono::seconds(flags.max_wait_seconds);
   result.options.max_results_bytes = flags.max_results_mib * kBytesOfMib;
+  result.options.is_boxed = flags.box == "auto";
   check_tls(result.options, result.errors);
   read_listen(flags, result.options, result.errors);
   read_management(flags, result.options, result.errors);

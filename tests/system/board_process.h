@@ -25,6 +25,7 @@ class BoardProcess {
   std::string read_output();
   std::string read_errors();
 
+  pid_t id() const { return pid_; }
   void send_signal(int signal) const;
   // From now on it has at most so much address space.
   void limit_memory(std::uint64_t bytes) const;

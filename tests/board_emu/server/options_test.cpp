@@ -42,6 +42,13 @@ TEST(CommandLine, SaysHowLongASessionMayBeResumed) {
               Contains(HasSubstr("--resume-seconds")));
 }
 
+TEST(CommandLine, PutsTheProcessIntoABoxUnlessAskedNotTo) {
+  EXPECT_TRUE(parse({"--listen", "unix:/tmp/b"}).options.is_boxed);
+  EXPECT_FALSE(parse({"--listen", "unix:/tmp/b", "--box", "off"}).options.is_boxed);
+  EXPECT_THAT(parse({"--listen", "unix:/tmp/b", "--box", "on"}).errors,
+              Contains(HasSubstr("--box: on not in {auto,off}")));
+}
+
 TEST(CommandLine, LimitsMemoryAndResultsInMebibytes) {
   const Options none = parse({"--listen", "unix:/tmp/b"}).options;
   EXPECT_EQ(none.max_memory_bytes, kUnlimitedMemory);

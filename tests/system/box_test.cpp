@@ -1,0 +1,118 @@
+// gicube-board in its box: as the kernel sees it, and as code sees it that was loaded into it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "board_process.h"
+#include "gicube/board.h"
+#include "temporary_directory.h"
+#include "test_board.h"
+
+namespace gicube::system_test {
+namespace {
+
+using reference::TemporaryDirectory;
+using testing::Each;
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
+
+// A line of /proc/PID/status of each thread, as "Seccomp:\t2".
+std::vector<std::string> of_threads(pid_t process, const std::string& name) {
+  std::vector<std::string> found;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task")) {
+    std::ifstream file(thread.path() / "status");
+    for (std::string line; std::getline(file, line);) {
+      if (line.starts_with(name + ":")) found.push_back(line);
+    }
+  }
+  return found;
+}
+
+class BoxedBoard : public testing::Test {
+ protected:
+  // By what a board says.
+  void SetUp() override {
+    BoardProcess board({"--listen", "unix:" + folder_.file("first")});
+    board.read_line();
+    board.send_signal(SIGTERM);
+    const std::string log = board.read_errors();
+    if (log.find("no box") != std::string::npos || log.find("no limit") != std::string::npos) GTEST_SKIP() << log;
+    EXPECT_THAT(log, testing::ContainsRegex("box: files by Landlock [0-9]+; system calls by a filter\n"));
+  }
+
+  const TemporaryDirectory folder_;
+};
+
+TEST_F(BoxedBoard, HoldsAllThreadsOfAServingProcess) {
+  const std::string path = folder_.file("board");
+  BoardProcess process({"--listen", "unix:" + path, "--boards", "2", "--management", "tcp:127.0.0.1:0", "--audit-log",
+                        folder_.file("audit"), "--quiet"});
+  for (int line = 0; line < 3; ++line) process.read_line();
+  Board board = Board::open("unix:" + path);
+  const std::vector<std::byte> samples(8 * 8 * 8, std::byte{9});
+  board.load_volume({.samples = samples, .type = SampleType::kUint8, .dims = {8, 8, 8}});
+  EXPECT_GT(of_threads(process.id(), "Seccomp").size(), 3u);
+  EXPECT_THAT(of_threads(process.id(), "Seccomp"), Each("Seccomp:\t2"));
+  EXPECT_THAT(of_threads(process.id(), "NoNewPrivs"), Each("NoNewPrivs:\t1"));
+}
+
+TEST_F(BoxedBoard, HoldsTheBoardThatAnApplicationStarts) {
+  const reference::BoardProcess opened = reference::open_board_process();
+  EXPECT_THAT(of_threads(opened.id, "Seccomp"), Each("Seccomp:\t2"));
+  EXPECT_THAT(of_threads(opened.id, "NoNewPrivs"), Each("NoNewPrivs:\t1"));
+}
+
+TEST_F(BoxedBoard, LeavesItOutIfAskedTo) {
+  BoardProcess process({"--listen", "unix:" + folder_.file("board"), "--box", "off"});
+  process.read_line();
+  EXPECT_THAT(of_threads(process.id(), "Seccomp"), Each("Seccomp:\t0"));
+  process.send_signal(SIGTERM);
+  EXPECT_THAT(process.read_errors(), Not(HasSubstr("box")));
+}
+
+class Trespasser : public BoxedBoard {
+ protected:
+  // Has the routine's parameters checked. What comes of it is the caller's.
+  static void check_parameters(Board& board, std::vector<float> parameters) {
+    const reference::BoxVolume volume(8, 2, 5);
+    board.load_volume(volume.view());
+    board.set_transfer_function(reference::step_function(0.5));
+    board.set_material({.scattering = 1, .bsdf = Bsdf::kTrap, .routine = 8, .parameters = std::move(parameters)});
+    const std::vector<Light> lights{PointLight{{4, 4, 0}}};
+    board.illuminate(lights, {});
+  }
+
+  const std::vector<std::string> arguments_{"--listen", "unix:" + folder_.file("board"), "--bsdf",
+                                            GICUBE_TEST_DIR "/trespassing_bsdf.so", "--quiet"};
+};
+
+TEST_F(Trespasser, ReadsAndMakesNoFileAndReachesNobody) {
+  BoardProcess process(arguments_);
+  process.read_line();
+  Board board = Board::open("unix:" + folder_.file("board"));
+  const std::string refused = "read " + std::to_string(EACCES) + ", make " + std::to_string(EACCES) + ", reach " +
+                              std::to_string(EPERM) + ", signal " + std::to_string(EPERM);
+  EXPECT_THAT([&] { check_parameters(board, {}); }, ThrowsMessage<Rejected>(HasSubstr(refused)));
+  EXPECT_TRUE(board.counters().has("bus.down.bytes")) << "the board goes on";
+}
+
+TEST_F(Trespasser, IsEndedIfItStartsAProgram) {
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+  BoardProcess process(arguments_);
+  process.read_line();
+  Board board = Board::open("unix:" + folder_.file("board"));
+  EXPECT_THROW(check_parameters(board, {1}), DeviceLost);
+  EXPECT_EQ(process.exit_code(), 128 + SIGSYS);
+}
+
+}  // namespace
+}  // namespace gicube::system_test
