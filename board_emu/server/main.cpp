@@ -5,6 +5,7 @@
 #include <malloc.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/prctl.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -46,6 +47,8 @@ void say_ready(const std::string& what, const Endpoint& endpoint) {
 
 // Throws PlugInFault.
 void load_routines(const Options& options, RoutineTable& routines) {
+  // Routines run as this user: so the kernel keeps their processes from this one's memory.
+  if (!options.bsdf_files.empty()) ::prctl(PR_SET_DUMPABLE, 0);
   for (const std::string& file : options.bsdf_files) routines.add(PlugIn::load(file));
   for (const RoutineInfo& routine : routines.list()) {
     if (routine.file.empty()) continue;

@@ -45,7 +45,7 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   app.add_flag("--quiet", options.quiet, "log warnings only");
   add("--bsdf", options.bsdf_files, "FILE",
       "a scattering routine for materials that trap, a shared object (gicube/bsdf.h); may come several\n"
-      "times: the first is routine 8, the next 9. Its code runs in this process")
+      "times: the first is routine 8, the next 9. Its code runs in a process of its own")
       ->allow_extra_args(false);
   add("--resume-seconds", flags.resume_seconds, "N",
       "how long a session whose connection broke waits for its client, unless another one comes; 0 = not")

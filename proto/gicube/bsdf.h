@@ -56,8 +56,8 @@ typedef struct gicube_bsdf {
   uint32_t cycles;       /* DSP cycles of a call, 1 to cycle_budget; 200 is what the built-in routines declare */
   uint32_t cycle_budget; /* the most that a call may report */
 
-  /* A pure function: the same event gets the same answer, whatever was called before and on whatever thread; calls come
-   * from several threads at once. */
+  /* A pure function: the same event gets the same answer, whatever was called before and in whatever process: calls at the
+   * same time are made in copies of the process that loaded the object. */
   void (*scatter)(const gicube_bsdf_event* event, gicube_bsdf_answer* answer);
 
   /* May be null. Returns 0 if the routine can work with these parameters; else writes why not, as text of at most

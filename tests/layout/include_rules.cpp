@@ -124,7 +124,13 @@ const std::vector<Rule>& rules() {
            {"board_emu/firmware", "board_emu/words", "board_emu/levels", "board_emu/functional", "board_emu/cycle",
             "board_emu/approximate"}),
       room("board_emu/firmware/routines", {"board_emu/firmware", "board_emu/words", "board_emu/datapath"},
-           {"dlfcn.h", "setjmp.h", "signal.h", "time.h", "unistd.h"}),
+           {"fcntl.h", "linux/futex.h", "poll.h", "signal.h", "spawn.h", "string.h", "sys/mman.h", "sys/socket.h",
+            "sys/syscall.h", "sys/types.h", "sys/wait.h", "time.h", "unistd.h"}),
+      // The program in which plug-ins run: nothing of the board but the memory of the calls.
+      {"board_emu/firmware/routines/host",
+       {"board_emu/firmware/routines/host", "board_emu/firmware/routines/call_memory.h", "proto/gicube/bsdf.h"},
+       {"dlfcn.h", "linux/capability.h", "poll.h", "signal.h", "sys/mman.h", "sys/prctl.h", "sys/signalfd.h",
+        "sys/socket.h", "sys/stat.h", "sys/syscall.h", "sys/wait.h", "unistd.h"}},
       room("board_emu/board", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/levels",
                                "board_emu/firmware"}, {"fmt"}),
       // Watches the whole machine, and is watched by none of its parts.

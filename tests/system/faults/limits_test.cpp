@@ -4,8 +4,13 @@
 #include <signal.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <optional>
+#include <thread>
+#include <utility>
 
 #include "board_process.h"
 #include "fickle_bsdf.h"
@@ -130,31 +135,88 @@ TEST(MemoryLimit, OfABoardIsRefusedByNameAndWhatFitsIsTheSameToTheBit) {
   EXPECT_EQ(limited, free);
 }
 
+// A board with the fickle routine, by a path that no other one has.
+class FickleBoard {
+ public:
+  FickleBoard() {
+    std::filesystem::create_symlink(GICUBE_TESTS_DIR "/fickle_bsdf.so", routine_);
+    std::vector<std::string> arguments = small_board();
+    arguments.insert(arguments.end(),
+                     {"--listen", "unix:" + path, "--management", "unix:" + management, "--bsdf", routine_});
+    process.emplace(arguments);
+    process->read_line();
+    process->read_line();
+    board.emplace(Board::open("unix:" + path));
+    prepare(*board);
+  }
+
+  void illuminate(emu::Whim whim, const Progress& progress = {}) {
+    board->set_material(
+        {.scattering = 1, .bsdf = Bsdf::kTrap, .routine = kFirstUserRoutine, .parameters = {static_cast<float>(whim)}});
+    const std::vector<Light> lights{PointLight{.position = {11.5, 12.5, 10.5}}};
+    board->illuminate(lights, {}, progress);
+  }
+
+  // How many processes have its routine, once they are as many as wanted or ten seconds are over.
+  std::size_t routines(bool wants_some) const {
+    std::size_t found = 0;
+    for (int look = 0; look < 1000; ++look) {
+      found = 0;
+      for (const auto& process_folder : std::filesystem::directory_iterator("/proc")) {
+        std::ifstream file(process_folder.path() / "cmdline", std::ios::binary);
+        const std::string line(std::istreambuf_iterator<char>(file), {});
+        if (line.starts_with("gicube-bsdf-host") && line.find(routine_) != std::string::npos) ++found;
+      }
+      if ((found > 0) == wants_some) break;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return found;
+  }
+
+ private:
+  const reference::TemporaryDirectory folder_;
+  const std::string routine_ = folder_.file("routine.so");
+
+ public:
+  const std::string path = folder_.file("board"), management = folder_.file("management");
+  std::optional<BoardProcess> process;
+  std::optional<Board> board;
+};
+
 TEST(Ending, ASignalEndsAProcessWhoseRoutineNeverDoes) {
-  const reference::TemporaryDirectory folder;
-  const std::string path = folder.file("board"), management = folder.file("management");
-  std::vector<std::string> arguments = small_board();
-  arguments.insert(arguments.end(), {"--listen", "unix:" + path, "--management", "unix:" + management, "--bsdf",
-                                     GICUBE_TESTS_DIR "/fickle_bsdf.so"});
-  BoardProcess process(arguments);
-  process.read_line();
-  process.read_line();
-  Board board = Board::open("unix:" + path);
-  prepare(board);
-  board.set_material({.scattering = 1,
-                      .bsdf = Bsdf::kTrap,
-                      .routine = kFirstUserRoutine,
-                      .parameters = {static_cast<float>(emu::Whim::kStuck)}});
-  const std::vector<Light> lights{PointLight{.position = {11.5, 12.5, 10.5}}};
+  FickleBoard fickle;
   bool told = false;
   const auto end_it = [&](std::uint32_t, std::uint32_t) {
-    if (!std::exchange(told, true)) process.send_signal(SIGTERM);
+    if (!std::exchange(told, true)) fickle.process->send_signal(SIGTERM);
   };
-  EXPECT_THROW(board.illuminate(lights, {}, end_it), DeviceLost);
-  EXPECT_EQ(process.exit_code(), 0);
-  EXPECT_FALSE(std::filesystem::exists(path));
-  EXPECT_FALSE(std::filesystem::exists(management));
-  EXPECT_THAT(process.read_errors(), HasSubstr("what was still in work after 900 ms is broken off"));
+  EXPECT_THROW(fickle.illuminate(emu::Whim::kStuck, end_it), DeviceLost);
+  EXPECT_EQ(fickle.process->exit_code(), 0);
+  EXPECT_FALSE(std::filesystem::exists(fickle.path));
+  EXPECT_FALSE(std::filesystem::exists(fickle.management));
+  EXPECT_THAT(fickle.process->read_errors(), HasSubstr("what was still in work after 900 ms is broken off"));
+  EXPECT_EQ(fickle.routines(false), 0u) << "no process is left behind";
+}
+
+TEST(Ending, OfABoardThatIsKilledEndsItsRoutines) {
+  FickleBoard fickle;
+  fickle.illuminate(emu::Whim::kRetroreflect);
+  EXPECT_GE(fickle.routines(true), 2u) << "one that has loaded the routine, and one for each call at a time";
+  fickle.process->send_signal(SIGKILL);
+  EXPECT_EQ(fickle.routines(false), 0u);
+}
+
+TEST(ScatteringRoutine, ThatEndsItsProcessFailsItsCommandAndNeitherSessionNorBoard) {
+  FickleBoard fickle;
+  for (const emu::Whim whim : {emu::Whim::kSegfault, emu::Whim::kExit, emu::Whim::kEndless}) {
+    EXPECT_THAT([&] { fickle.illuminate(whim); }, ThrowsMessage<Rejected>(HasSubstr("routine 8 \"fickle\": ")));
+    EXPECT_NO_THROW(fickle.illuminate(emu::Whim::kRetroreflect));
+  }
+  EXPECT_FALSE(fickle.process->has_ended());
+}
+
+TEST(ScatteringRoutine, CannotReadTheBoardsMemory) {
+  FickleBoard fickle;
+  EXPECT_NO_THROW(fickle.illuminate(emu::Whim::kReadBoard));
 }
 
 }  // namespace

@@ -16,7 +16,14 @@ enum class Whim {
   kSleep,
   kStuck,  // and takes no signals: it never ends
   kThrow,
-  kRefuse,  // by its check of parameters
+  kSegfault,
+  kAbort,
+  kExit,  // with the code parameters[1]
+  kKillParent,
+  kReadBoard,   // the memory of the process that began its parent; throws if it can
+  kLookAround,  // throws if it has a variable of the environment or a descriptor that it should not have
+  kTell,        // number parameters[1] of the event, as direction[0]
+  kRefuse,      // by its check of parameters
 };
 
 inline constexpr unsigned kFickleCycles = 150, kFickleBudget = 1000;

@@ -3,27 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "fickle_bsdf.h"
+
 namespace gicube::emu {
 namespace {
 
 using testing::HasSubstr;
 
-const gicube_bsdf kPlain{GICUBE_BSDF_ABI,
-                         sizeof(gicube_bsdf),
-                         "plain",
-                         10,
-                         20,
-                         [](const gicube_bsdf_event* event, gicube_bsdf_answer* answer) {
-                           for (int i = 0; i < 3; ++i) answer->direction[i] = event->direction[i];
-                         },
-                         nullptr};
+std::unique_ptr<PlugIn> plug_in() { return PlugIn::load(GICUBE_TEST_DIR "/fickle_bsdf.so"); }
 
 TEST(RoutineTable, NumbersUserRoutinesFromEightInTheirOrder) {
   RoutineTable table;
   EXPECT_TRUE(table.has(0) && table.has(1) && table.has(2));
   EXPECT_FALSE(table.has(3) || table.has(8) || table.has(wire::kHostRoutine));
-  table.add(std::make_unique<PlugIn>(kPlain, "a.so"));
-  table.add(std::make_unique<PlugIn>(kPlain, "b.so"));
+  table.add(plug_in());
+  table.add(PlugIn::load(GICUBE_BIN_DIR "/brushed_metal.so"));
   EXPECT_TRUE(table.has(8) && table.has(9));
   EXPECT_FALSE(table.has(10));
   const auto list = table.list();
@@ -31,18 +25,19 @@ TEST(RoutineTable, NumbersUserRoutinesFromEightInTheirOrder) {
   EXPECT_EQ(list[0].name, "fresnel");
   EXPECT_EQ(list[1].cycles, 200u);
   EXPECT_EQ(list[4].number, 9);
-  EXPECT_EQ(list[4].file, "b.so");
-  EXPECT_EQ(list[4].cycle_budget, 20u);
+  EXPECT_EQ(list[3].cycle_budget, kFickleBudget);
+  EXPECT_EQ(list[4].name, "brushed metal");
+  EXPECT_EQ(list[4].file, GICUBE_BIN_DIR "/brushed_metal.so");
 }
 
 TEST(RoutineTable, LeavesTheHostsNumberFree) {
   RoutineTable table;
   for (int number = kFirstUserRoutine; number < wire::kHostRoutine; ++number) {
-    table.add(std::make_unique<PlugIn>(kPlain, "x.so"));
+    table.add(plug_in());
   }
   EXPECT_TRUE(table.has(254));
   EXPECT_FALSE(table.has(255));
-  EXPECT_THROW(table.add(std::make_unique<PlugIn>(kPlain, "y.so")), PlugInFault);
+  EXPECT_THROW(table.add(plug_in()), PlugInFault);
 }
 
 TEST(RoutineTable, NamesTheRoutineWhoseParametersAreWrong) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "bare_board.h"
@@ -16,7 +17,6 @@
 namespace gicube::emu {
 namespace {
 
-using testing::AllOf;
 using testing::HasSubstr;
 using wire::LightingLedger;
 
@@ -44,7 +44,9 @@ wire::Material trap(std::uint8_t routine, const std::vector<float>& parameters =
 class Fog {
  public:
   explicit Fog(bool wide = false, const Routines* routines = nullptr, double opacity = 0.2)
-      : board(functional(wide), nullptr, routines) {
+      : Fog(functional(wide), routines, opacity) {}
+  explicit Fog(const v1::BoardConfig& config, const Routines* routines, double opacity = 0.2)
+      : board(config, nullptr, routines) {
     board.load_volume({24, 24, 24}, [](int, int, int) { return wire::Voxel{1000, 0, 0, 0}; });
     board.write_segmentation([opacity](unsigned tag, unsigned) {
       wire::SegmentationEntry entry;
@@ -166,14 +168,51 @@ TEST(TrappedRays, OfABadRoutineFailTheirCommandAndTheBoardGoesOn) {
 }
 
 TEST(TrappedRays, OfARoutineThatNeverReturnsFailTheirCommand) {
-  if (reference::kHasThreadSanitizer) GTEST_SKIP() << "ThreadSanitizer delivers no signal to a loop without calls";
   const RoutineTable table = fickle_table();
-  Fog fog(false, &table);
+  Fog fog(functional(), &table);
   fog.set(trap(kFirstUserRoutine, mood(Whim::kEndless)));
-  EXPECT_THAT(fog.fault(), HasSubstr("did not return"));
-  EXPECT_THAT(fog.fault(), AllOf(HasSubstr("material 0"), HasSubstr("did not return"))) << "refused from then on";
-  fog.set(trap(1));
+  for (int round = 0; round < 2; ++round) EXPECT_THAT(fog.fault(), HasSubstr("\"fickle\": did not return within"));
+  fog.set(trap(kFirstUserRoutine, mood(Whim::kRetroreflect)));
   EXPECT_EQ(fog.fault(), "none");
+}
+
+TEST(TrappedRays, OfARoutineThatEndsItsProcessFailTheirCommandAlikeAtEveryLevel) {
+  for (const auto level : {v1::functional, v1::approximate, v1::cycle}) {
+    SCOPED_TRACE(v1::FidelityLevel_Name(level));
+    const RoutineTable table = fickle_table();
+    v1::BoardConfig config = functional();
+    config.set_fidelity(level);
+    Fog fog(config, &table);
+    const wire::Material good = trap(kFirstUserRoutine, mood(Whim::kRetroreflect, 0.5f));
+    fog.set(good);
+    const LightingLedger before = fog.ledger();
+    fog.set(trap(kFirstUserRoutine, mood(Whim::kSegfault)));
+    EXPECT_EQ(fog.fault(), "routine 8 \"fickle\": its process was ended by signal 11 (Segmentation fault)");
+    fog.set(trap(kFirstUserRoutine, mood(Whim::kExit, 0)));
+    EXPECT_EQ(fog.fault(), "routine 8 \"fickle\": it ended its process, with exit code 0");
+    fog.set(good);
+    fog.board.write_register(wire::reg::kControl, wire::kControlClearIrradiance);
+    EXPECT_EQ(fog.ledger(), before);
+  }
+}
+
+TEST(TrappedRays, OfOneBoardGoOnWhileThoseOfAnotherEndTheirProcesses) {
+  const RoutineTable table = fickle_table();
+  Fog good(functional(), &table), bad(functional(), &table);
+  good.set(trap(kFirstUserRoutine, mood(Whim::kRetroreflect, 0.5f)));
+  const LightingLedger before = good.ledger();
+  std::jthread other([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      for (const Whim whim : {Whim::kSegfault, Whim::kExit}) {
+        bad.set(trap(kFirstUserRoutine, mood(whim)));
+        EXPECT_THAT(bad.fault(), HasSubstr("process"));
+      }
+    }
+  });
+  for (int round = 0; round < 5; ++round) {
+    good.board.write_register(wire::reg::kControl, wire::kControlClearIrradiance);
+    EXPECT_EQ(good.ledger(), before);
+  }
 }
 
 TEST(TrappedRays, NeedARoutineThatTheBoardHasWithParametersThatItTakes) {

@@ -1,0 +1,119 @@
+#include "workers.h"
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+
+#include "library.h"
+#include "rights.h"
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::chrono::hours kLong{1};
+
+[[noreturn]] void make_calls(const gicube_bsdf& routine, CallSlot& slot) {
+  Patience patience;
+  for (;;) {
+    while (!slot.turn.wait_for(Party::kBoard, slot.spins, patience, kLong)) continue;
+    answer(routine, slot);
+    slot.turn.give(Party::kBoard);
+  }
+}
+
+class Workers {
+ public:
+  Workers(CallMemory& memory, const gicube_bsdf& routine) : memory_(memory), routine_(routine) {}
+  ~Workers() {
+    for (std::uint32_t slot = 0; slot < kMaxCalls; ++slot) end(slot, true);
+  }
+  Workers(const Workers&) = delete;
+  Workers& operator=(const Workers&) = delete;
+
+  void begin(std::uint32_t slot) {
+    end(slot, true);
+    const pid_t parent = ::getpid(), process = ::fork();
+    if (process == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
+      if (::getppid() != parent) ::_exit(0);
+      sigset_t none;
+      sigemptyset(&none);
+      ::sigprocmask(SIG_SETMASK, &none, nullptr);
+      memory_.slots[slot].turn.begin();
+      enter_call_box(memory_, memory_.slots[slot]);
+      make_calls(routine_, memory_.slots[slot]);
+    }
+    if (process < 0) return say_ended(slot, CallSlot::kNoProcess);
+    processes_[slot] = process;
+    memory_.slots[slot].process = process;
+  }
+
+  void end(std::uint32_t slot, bool waits) {
+    if (processes_[slot] == 0) return;
+    ::kill(processes_[slot], SIGKILL);
+    if (!waits) return;
+    ::waitpid(processes_[slot], nullptr, 0);
+    processes_[slot] = 0;
+  }
+
+  void take_ended() {
+    for (;;) {
+      int status = 0;
+      const pid_t process = ::waitpid(-1, &status, WNOHANG);
+      if (process <= 0) return;
+      for (std::uint32_t slot = 0; slot < kMaxCalls; ++slot) {
+        if (processes_[slot] != process) continue;
+        processes_[slot] = 0;
+        say_ended(slot, status);
+      }
+    }
+  }
+
+ private:
+  void say_ended(std::uint32_t slot, int status) {
+    memory_.slots[slot].wait_status = status;
+    memory_.slots[slot].turn.give(Party::kNobody);
+  }
+
+  CallMemory& memory_;
+  const gicube_bsdf& routine_;
+  std::array<pid_t, kMaxCalls> processes_{};
+};
+
+}  // namespace
+
+void serve_orders(CallMemory& memory, const gicube_bsdf& routine) {
+  sigset_t ends;
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGCHLD);
+  ::sigprocmask(SIG_BLOCK, &ends, nullptr);
+  const int ended = ::signalfd(-1, &ends, SFD_CLOEXEC | SFD_NONBLOCK);
+  Workers workers(memory, routine);
+  for (;;) {
+    pollfd events[]{{kOrdersDescriptor, POLLIN, 0}, {ended, POLLIN, 0}};
+    ::poll(events, 2, -1);
+    if (events[1].revents != 0) {
+      signalfd_siginfo info;
+      while (::read(ended, &info, sizeof info) > 0) continue;
+      workers.take_ended();
+    }
+    if (events[0].revents == 0) continue;
+    SlotOrder order;
+    if (::recv(kOrdersDescriptor, &order, sizeof order, 0) != static_cast<ssize_t>(sizeof order)) return;
+    if (order.slot >= kMaxCalls) continue;
+    if (order.kind == SlotOrder::Kind::kBegin) {
+      workers.begin(order.slot);
+    } else {
+      workers.end(order.slot, false);
+    }
+  }
+}
+
+}  // namespace gicube::emu
