@@ -108,8 +108,8 @@ struct RoutineDescription {
   char name[kMaxName + 1] = {};
   std::uint32_t cycles = 0;
   std::uint32_t cycle_budget = 0;
-  bool has_scatter = false;
-  bool has_check = false;
+  std::uint32_t has_scatter = 0;
+  std::uint32_t has_check = 0;
 };
 
 // The plug-in's process says here how its start went.

@@ -15,7 +15,7 @@ std::optional<std::string> fault(const RoutineDescription& description) {
     return expected("size", "at least " + std::to_string(sizeof(gicube_bsdf)), description.size);
   }
   if (description.name[0] == '\0') return "name: expected a text, got none";
-  if (!description.has_scatter) return "scatter: expected a function, got null";
+  if (description.has_scatter == 0) return "scatter: expected a function, got null";
   if (description.cycle_budget < 1) return expected("cycle_budget", "at least 1", description.cycle_budget);
   if (description.cycles < 1 || description.cycles > description.cycle_budget) {
     return expected("cycles", "1.." + std::to_string(description.cycle_budget), description.cycles);
@@ -31,7 +31,7 @@ PlugIn::PlugIn(const std::string& file)
 }
 
 std::optional<std::string> PlugIn::fault(std::span<const float> parameters) const {
-  if (!process_.description().has_check) return std::nullopt;
+  if (process_.description().has_check == 0) return std::nullopt;
   int verdict = 0;
   std::string text;
   if (auto what = process_.check(parameters, verdict, text)) return what;

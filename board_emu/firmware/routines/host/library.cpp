@@ -24,8 +24,8 @@ RoutineDescription description_of(const gicube_bsdf& routine) {
   if (routine.name != nullptr) write(out.name, {routine.name, ::strnlen(routine.name, kMaxName)});
   out.cycles = routine.cycles;
   out.cycle_budget = routine.cycle_budget;
-  out.has_scatter = routine.scatter != nullptr;
-  out.has_check = routine.check != nullptr;
+  out.has_scatter = routine.scatter != nullptr ? 1 : 0;
+  out.has_check = routine.check != nullptr ? 1 : 0;
   return out;
 }
 

@@ -244,7 +244,7 @@ TEST(PlugIn, IsRefusedWithADescriptionThatHoldsNonsense) {
                                 .name = "good",
                                 .cycles = 10,
                                 .cycle_budget = 20,
-                                .has_scatter = true};
+                                .has_scatter = 1};
   const auto refusal = [&](auto change) {
     RoutineDescription description = good;
     change(description);
@@ -256,7 +256,7 @@ TEST(PlugIn, IsRefusedWithADescriptionThatHoldsNonsense) {
   EXPECT_EQ(refusal([](RoutineDescription& d) { d.abi = 7; }), "abi: expected 1, got 7");
   EXPECT_THAT(refusal([](RoutineDescription& d) { d.size = 8; }), HasSubstr("size: expected at least"));
   EXPECT_THAT(refusal([](RoutineDescription& d) { d.name[0] = '\0'; }), HasSubstr("name"));
-  EXPECT_THAT(refusal([](RoutineDescription& d) { d.has_scatter = false; }), HasSubstr("scatter"));
+  EXPECT_THAT(refusal([](RoutineDescription& d) { d.has_scatter = 0; }), HasSubstr("scatter"));
   EXPECT_EQ(refusal([](RoutineDescription& d) { d.cycles = 0; }), "cycles: expected 1..20, got 0");
   EXPECT_EQ(refusal([](RoutineDescription& d) { d.cycles = 21; }), "cycles: expected 1..20, got 21");
   EXPECT_THAT(refusal([](RoutineDescription& d) { d.cycle_budget = 0; }), HasSubstr("cycle_budget"));
