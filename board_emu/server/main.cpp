@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "audit.h"
+#include "box/box.h"
 #include "config/hardware_cost.h"
 #include "end_on_signals.h"
 #include "firmware/routines/routine_table.h"
@@ -28,7 +29,6 @@
 #include "gicube/whole_file.h"
 #include "gicube/wire/register_markdown.h"
 #include "options.h"
-#include "server/box/box.h"
 #include "server/bus/board_slot.h"
 #include "server/bus/bus_server.h"
 #include "server/management/management.h"
@@ -49,7 +49,7 @@ void say_ready(const std::string& what, const Endpoint& endpoint) {
 void load_routines(const Options& options, RoutineTable& routines) {
   // Routines run as this user: so the kernel keeps their processes from this one's memory.
   if (!options.bsdf_files.empty()) ::prctl(PR_SET_DUMPABLE, 0);
-  for (const std::string& file : options.bsdf_files) routines.add(PlugIn::load(file));
+  for (const std::string& file : options.bsdf_files) routines.add(PlugIn::load(file, options.is_boxed));
   for (const RoutineInfo& routine : routines.list()) {
     if (routine.file.empty()) continue;
     spdlog::info("scattering routine {}: \"{}\" of {}, {} DSP cycles, at most {}", routine.number, routine.name,

@@ -91,6 +91,7 @@ const std::vector<Rule>& rules() {
 
       // The board's rooms, from the ground up.
       room("board_emu/words", {}),
+      {"board_emu/box", {"board_emu/box", "board_emu/words"}, {kAnything}},
       // What a memory device holds decides how large a volume may be.
       room("board_emu/config", {"board_emu/words", "board_emu/asic/memory_standards.h"}, {"fmt", "google/protobuf"}),
       room("board_emu/memory", {"board_emu/words", "board_emu/config"}, {"hwy", "sys/mman.h"}),
@@ -128,14 +129,14 @@ const std::vector<Rule>& rules() {
             "sys/syscall.h", "sys/types.h", "sys/wait.h", "time.h", "unistd.h"}),
       // The program in which plug-ins run: nothing of the board but the memory of the calls.
       {"board_emu/firmware/routines/host",
-       {"board_emu/firmware/routines/host", "board_emu/firmware/routines/call_memory.h", "proto/gicube/bsdf.h"},
+       {"board_emu/firmware/routines/host", "board_emu/firmware/routines/call_memory.h", "board_emu/box/box.h", "proto/gicube/bsdf.h"},
        {"dlfcn.h", "linux/capability.h", "poll.h", "signal.h", "sys/mman.h", "sys/prctl.h", "sys/signalfd.h",
         "sys/socket.h", "sys/stat.h", "sys/syscall.h", "sys/wait.h", "unistd.h"}},
       room("board_emu/board", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/levels",
                                "board_emu/firmware"}, {"fmt"}),
       // Watches the whole machine, and is watched by none of its parts.
       room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board"}, {"fmt"}),
-      {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
+      {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/box/box.h", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
                               "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},
                              {kAnything}},

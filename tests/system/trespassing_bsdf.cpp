@@ -22,6 +22,7 @@ int check(const float*, std::uint32_t count, char* text, std::size_t text_bytes)
   }
   const int read = error_of(::open("/etc/passwd", O_RDONLY | O_CLOEXEC));
   const int make = error_of(::open("/tmp/trespassing", O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+  ::unlink("/tmp/trespassing");
   const int reach = error_of(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
   const int signal = error_of(::kill(::getppid(), 0));
   std::snprintf(text, text_bytes, "read %d, make %d, reach %d, signal %d", read, make, reach, signal);

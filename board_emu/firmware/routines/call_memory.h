@@ -149,6 +149,9 @@ struct SlotOrder {
   std::uint32_t slot = 0;
 };
 
+// Its second argument, after the library: copies of it go into a box before they make calls, or not.
+inline constexpr const char *kBoxedWord = "boxed", *kUnboxedWord = "unboxed";
+
 // The descriptors that the plug-in's process is started with, beside the first three, which are /dev/null.
 inline constexpr int kOrdersDescriptor = 3, kMemoryDescriptor = 4;
 

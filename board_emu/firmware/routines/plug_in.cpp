@@ -23,10 +23,12 @@ std::optional<std::string> fault(const RoutineDescription& description) {
   return std::nullopt;
 }
 
-std::unique_ptr<PlugIn> PlugIn::load(const std::string& file) { return std::unique_ptr<PlugIn>(new PlugIn(file)); }
+std::unique_ptr<PlugIn> PlugIn::load(const std::string& file, bool is_boxed) {
+  return std::unique_ptr<PlugIn>(new PlugIn(file, is_boxed));
+}
 
-PlugIn::PlugIn(const std::string& file)
-    : process_(file), name_(printable(process_.description().name, kMaxName)), file_(file) {
+PlugIn::PlugIn(const std::string& file, bool is_boxed)
+    : process_(file, is_boxed), name_(printable(process_.description().name, kMaxName)), file_(file) {
   if (const auto what = emu::fault(process_.description())) throw PlugInFault(file + ": " + *what);
 }
 

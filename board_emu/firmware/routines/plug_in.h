@@ -19,8 +19,8 @@ std::optional<std::string> fault(const RoutineDescription& description);
 
 class PlugIn {
  public:
-  // Loads `file` and checks its description. Throws PlugInFault.
-  static std::unique_ptr<PlugIn> load(const std::string& file);
+  // Loads `file` and checks its description; `is_boxed`: as PlugInProcess's. Throws PlugInFault.
+  static std::unique_ptr<PlugIn> load(const std::string& file, bool is_boxed = true);
 
   const std::string& name() const { return name_; }
   const std::string& file() const { return file_; }
@@ -32,7 +32,7 @@ class PlugIn {
   ScatterAnswer scatter(const ScatterEvent& event) const;
 
  private:
-  explicit PlugIn(const std::string& file);
+  PlugIn(const std::string& file, bool is_boxed);
 
   mutable PlugInProcess process_;
   std::string name_;

@@ -62,7 +62,7 @@ std::vector<char*> environment() {
 }
 
 // Without what the thread blocks and ignores, and in a group of its own: a terminal's signals are for the board.
-pid_t start(const std::string& program, const std::string& file, int orders, int memory) {
+pid_t start(const std::string& program, const std::string& file, bool is_boxed, int orders, int memory) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
   ::posix_spawn_file_actions_init(&actions);
@@ -83,8 +83,8 @@ pid_t start(const std::string& program, const std::string& file, int orders, int
   ::posix_spawnattr_setsigmask(&attributes, &none);
   ::posix_spawnattr_setsigdefault(&attributes, &all);
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  std::string name = "gicube-bsdf-host", argument = file;
-  char* const arguments[]{name.data(), argument.data(), nullptr};
+  std::string name = "gicube-bsdf-host", argument = file, box = is_boxed ? kBoxedWord : kUnboxedWord;
+  char* const arguments[]{name.data(), argument.data(), box.data(), nullptr};
   pid_t process = 0;
   const int error = ::posix_spawn(&process, program.c_str(), &actions, &attributes, arguments, environment().data());
   if (error != 0) fail(error, program);
@@ -146,9 +146,9 @@ class PlugInProcess::Claim {
   bool is_lost_ = false;
 };
 
-PlugInProcess::PlugInProcess(const std::string& file) {
+PlugInProcess::PlugInProcess(const std::string& file, bool is_boxed) {
   try {
-    load(file);
+    load(file, is_boxed);
   } catch (const std::system_error& error) {
     stop();
     throw PlugInFault(file + ": no process for it: " + error.what());
@@ -160,7 +160,7 @@ PlugInProcess::PlugInProcess(const std::string& file) {
 
 PlugInProcess::~PlugInProcess() { stop(); }
 
-void PlugInProcess::load(const std::string& file) {
+void PlugInProcess::load(const std::string& file, bool is_boxed) {
   // Its size is sealed, or a process that has it could have this one read beyond its end.
   const int memory = high(::memfd_create("gicube-bsdf", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   const Finally closed{[memory] { ::close(memory); }};
@@ -182,7 +182,7 @@ void PlugInProcess::load(const std::string& file) {
     const Finally its_closed{[its] { ::close(its); }};  // so that this end says when the process has gone
     const std::filesystem::path own = std::filesystem::read_symlink("/proc/self/exe").parent_path();
     // A name without a slash would be looked for in the system's library folders.
-    process_ = start(own / kProgram, std::filesystem::absolute(file), its, memory);
+    process_ = start(own / kProgram, std::filesystem::absolute(file), is_boxed, its, memory);
   }
   Patience patience;
   const Waited waited = wait(turn, process_, 0, patience);

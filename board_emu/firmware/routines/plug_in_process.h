@@ -30,9 +30,9 @@ struct PlugInFault : std::runtime_error {
 
 class PlugInProcess {
  public:
-  // Starts it and has it load `file`. All later processes are copies of it: the board's process starts none any more. Throws
+  // Starts it and has it load `file`; `is_boxed`: calls are made in a box (box/box.h). All later processes are copies of it: the board's process starts none any more. Throws
   // PlugInFault.
-  explicit PlugInProcess(const std::string& file);
+  explicit PlugInProcess(const std::string& file, bool is_boxed = true);
   // The process has ended then.
   ~PlugInProcess();
   PlugInProcess(const PlugInProcess&) = delete;
@@ -52,7 +52,7 @@ class PlugInProcess {
 
   enum class Waited { kAnswered, kEnded, kStuck, kLost };
 
-  void load(const std::string& file);
+  void load(const std::string& file, bool is_boxed);
   void stop();
   bool has_gone() const;
   bool order(SlotOrder::Kind kind, std::size_t slot) const;

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <cstring>
 
 #include "firmware/routines/call_memory.h"
 #include "library.h"
@@ -14,7 +15,7 @@
 
 int main(int argc, char** argv) {
   using namespace gicube::emu;
-  CallMemory* const memory = argc == 2 ? shared_memory() : nullptr;
+  CallMemory* const memory = argc == 3 ? shared_memory() : nullptr;
   if (memory == nullptr) {
     std::fprintf(stderr, "gicube-bsdf-host: gicube-board --bsdf FILE starts this program; by itself it does nothing\n");
     return 2;
@@ -24,6 +25,6 @@ int main(int argc, char** argv) {
   const gicube_bsdf* const routine = load(argv[1], memory->loading);
   end_with_parent(false);  // its thread may go; the socket says when the process does
   memory->loading.turn.give(Party::kBoard);
-  if (routine != nullptr) serve_orders(*memory, *routine);
+  if (routine != nullptr) serve_orders(*memory, *routine, std::strcmp(argv[2], kBoxedWord) == 0);
   ::_exit(0);  // no more code of the library
 }

@@ -9,6 +9,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "box/box.h"
+
 namespace gicube::emu {
 
 CallMemory* shared_memory() {
@@ -34,12 +36,13 @@ void end_with_parent(bool does) {
   if (::poll(&orders, 1, 0) > 0 && (orders.revents & POLLHUP) != 0) ::_exit(0);
 }
 
-void enter_call_box(CallMemory& memory, const CallSlot& own) {
+void enter_call_box(CallMemory& memory, const CallSlot& own, bool is_boxed) {
   const auto begin = reinterpret_cast<char*>(&memory), end = begin + sizeof memory;
   const auto first = reinterpret_cast<const char*>(&own), last = first + sizeof own;
   ::munmap(begin, static_cast<std::size_t>(first - begin));
   if (last != end) ::munmap(begin + (last - begin), static_cast<std::size_t>(end - last));
   ::close_range(STDERR_FILENO + 1, ~0u, 0);
+  if (is_boxed) enter_box({.has_clients = false});
 }
 
 }  // namespace gicube::emu

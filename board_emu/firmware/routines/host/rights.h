@@ -15,8 +15,8 @@ void give_up_rights();
 // Whether the process ends when the thread that started it does.
 void end_with_parent(bool does);
 
-// Of a process that will only make calls, after the library was loaded and before the first call: what it still has that it does not
-// need. This is the place for a box.
-void enter_call_box(CallMemory& memory, const CallSlot& own);
+// Of a process that will only make calls, after the library was loaded and before the first call: it gives up the other calls' memory, all
+// descriptors, and with `is_boxed` all but computing (box/box.h): no file, no network, no other process.
+void enter_call_box(CallMemory& memory, const CallSlot& own, bool is_boxed);
 
 }  // namespace gicube::emu

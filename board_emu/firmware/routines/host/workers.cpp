@@ -30,7 +30,8 @@ constexpr std::chrono::hours kLong{1};
 
 class Workers {
  public:
-  Workers(CallMemory& memory, const gicube_bsdf& routine) : memory_(memory), routine_(routine) {}
+  Workers(CallMemory& memory, const gicube_bsdf& routine, bool is_boxed)
+      : memory_(memory), routine_(routine), is_boxed_(is_boxed) {}
   ~Workers() {
     for (std::uint32_t slot = 0; slot < kMaxCalls; ++slot) end(slot, true);
   }
@@ -47,7 +48,7 @@ class Workers {
       sigemptyset(&none);
       ::sigprocmask(SIG_SETMASK, &none, nullptr);
       memory_.slots[slot].turn.begin();
-      enter_call_box(memory_, memory_.slots[slot]);
+      enter_call_box(memory_, memory_.slots[slot], is_boxed_);
       make_calls(routine_, memory_.slots[slot]);
     }
     if (process < 0) return say_ended(slot, CallSlot::kNoProcess);
@@ -84,18 +85,19 @@ class Workers {
 
   CallMemory& memory_;
   const gicube_bsdf& routine_;
+  const bool is_boxed_;
   std::array<pid_t, kMaxCalls> processes_{};
 };
 
 }  // namespace
 
-void serve_orders(CallMemory& memory, const gicube_bsdf& routine) {
+void serve_orders(CallMemory& memory, const gicube_bsdf& routine, bool is_boxed) {
   sigset_t ends;
   sigemptyset(&ends);
   sigaddset(&ends, SIGCHLD);
   ::sigprocmask(SIG_BLOCK, &ends, nullptr);
   const int ended = ::signalfd(-1, &ends, SFD_CLOEXEC | SFD_NONBLOCK);
-  Workers workers(memory, routine);
+  Workers workers(memory, routine, is_boxed);
   for (;;) {
     pollfd events[]{{kOrdersDescriptor, POLLIN, 0}, {ended, POLLIN, 0}};
     ::poll(events, 2, -1);

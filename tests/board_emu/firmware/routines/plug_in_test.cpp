@@ -31,9 +31,9 @@ ScatterEvent event_with(const std::vector<float>& parameters) {
   return event;
 }
 
-RoutineTable fickle_table() {
+RoutineTable fickle_table(bool is_boxed = true) {
   RoutineTable table;
-  table.add(PlugIn::load(kFickle));
+  table.add(PlugIn::load(kFickle, is_boxed));
   return table;
 }
 
@@ -182,7 +182,7 @@ TEST(PlugIn, AnswersEachOfManyThreads) {
 }
 
 TEST(PlugIn, ThatKillsTheProcessThatItCameFromIsNotCalledAgain) {
-  const RoutineTable table = fickle_table(), other = fickle_table();
+  const RoutineTable table = fickle_table(false), other = fickle_table(false);
   const auto lost = AllOf(HasSubstr("routine 8 \"fickle\": its process was ended"), HasSubstr("not called again"));
   EXPECT_THAT(fault_of(table, Whim::kKillParent), lost);
   EXPECT_THAT(fault_of(table, Whim::kRetroreflect), lost);
@@ -191,10 +191,11 @@ TEST(PlugIn, ThatKillsTheProcessThatItCameFromIsNotCalledAgain) {
 }
 
 TEST(PlugIn, CannotReadTheProcessThatCallsIt) {
-  const RoutineTable table = fickle_table();
+  const RoutineTable free = fickle_table(false), boxed = fickle_table(true);
   const int before = ::prctl(PR_GET_DUMPABLE);
   ::prctl(PR_SET_DUMPABLE, 0);  // as gicube-board
-  EXPECT_EQ(fault_of(table, Whim::kReadBoard), "no fault");
+  EXPECT_EQ(fault_of(free, Whim::kReadBoard), "no fault");
+  EXPECT_EQ(fault_of(boxed, Whim::kReadBoard), "no fault");
   ::prctl(PR_SET_DUMPABLE, before);
 }
 

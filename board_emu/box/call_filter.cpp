@@ -19,6 +19,8 @@
 #include <utility>
 #include <vector>
 
+#include "system_fault.h"
+
 namespace gicube::emu {
 namespace {
 
@@ -69,8 +71,6 @@ constexpr Calls kHostile{
     SCMP_SYS(process_vm_readv), SCMP_SYS(process_vm_writev), SCMP_SYS(ptrace), SCMP_SYS(request_key), SCMP_SYS(setns),
     SCMP_SYS(umount2), SCMP_SYS(unshare), SCMP_SYS(userfaultfd)};
 // clang-format on
-
-[[noreturn]] void fail(int error, const char* what) { throw std::system_error(error, std::generic_category(), what); }
 
 class Filter {
  public:

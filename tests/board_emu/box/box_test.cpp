@@ -1,5 +1,5 @@
 // What a process in the box can't do, and what it still can: tried in children, each of which enters it.
-#include "server/box/box.h"
+#include "box/box.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -28,7 +28,6 @@
 #include <thread>
 #include <vector>
 
-#include "firmware/routines/time_limit.h"
 #include "server/audit.h"
 #include "temporary_directory.h"
 
@@ -207,19 +206,6 @@ TEST_F(BoxOfCalls, StillHasThreadsMemoryTimeAndRandomNumbers) {
                      }
                      for (auto& each : threads) each.get();
                      return std::random_device()() == std::random_device()() ? 1 : 0;
-                   }),
-            0);
-}
-
-TEST_F(BoxOfCalls, StillLeavesRoutinesThatDoNotReturn) {
-  EXPECT_EQ(in_box({},
-                   [] {
-                     if (!run_limited([] {})) return 1;
-                     const bool returned = run_limited([] {
-                       for (volatile bool waiting = true; waiting;) {
-                       }
-                     });
-                     return returned ? 2 : 0;
                    }),
             0);
 }

@@ -15,6 +15,8 @@
 #include <system_error>
 #include <vector>
 
+#include "system_fault.h"
+
 namespace gicube::emu {
 namespace {
 
@@ -36,8 +38,6 @@ void answer(int) {
   ::sem_post(&asked.answered);
   errno = error;
 }
-
-[[noreturn]] void fail(int error, const char* what) { throw std::system_error(error, std::generic_category(), what); }
 
 std::vector<pid_t> threads() {
   std::vector<pid_t> found;
