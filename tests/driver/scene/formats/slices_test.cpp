@@ -13,10 +13,6 @@ extern "C" const char* __lsan_default_suppressions() { return "leak:ImageInput::
 // It has no frame pointers by which that name would be found.
 extern "C" const char* __asan_default_options();
 extern "C" const char* __asan_default_options() { return "fast_unwind_on_malloc=0"; }
-
-// OpenImageIO unpacks TIFF strips in threads of its own; ThreadSanitizer does not see the locks within that library.
-extern "C" const char* __tsan_default_suppressions();
-extern "C" const char* __tsan_default_suppressions() { return "race:libOpenImageIO_Util"; }
 // NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
 
 namespace gicube::scene {
