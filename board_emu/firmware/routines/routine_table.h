@@ -42,7 +42,7 @@ inline std::optional<std::string> fault(const ScatterAnswer& answer) {
 class RoutineTable final : public Routines {
  public:
   // Gives the routine the next number. Throws PlugInFault, also when there is none left.
-  void add(std::unique_ptr<PlugIn> plug_in) {
+  void add(std::shared_ptr<const PlugIn> plug_in) {
     if (user_.size() == kMaxUserRoutines) {
       throw PlugInFault(plug_in->file() + ": expected at most " + std::to_string(kMaxUserRoutines) + " routines");
     }
@@ -93,7 +93,7 @@ class RoutineTable final : public Routines {
     return "routine " + std::to_string(number) + " \"" + name + "\": ";
   }
 
-  std::vector<std::unique_ptr<PlugIn>> user_;
+  std::vector<std::shared_ptr<const PlugIn>> user_;
 };
 
 // A table of built-in routines only.

@@ -31,13 +31,14 @@ TEST(RoutineTable, NumbersUserRoutinesFromEightInTheirOrder) {
 }
 
 TEST(RoutineTable, LeavesTheHostsNumberFree) {
+  const std::shared_ptr<const PlugIn> one = plug_in();
   RoutineTable table;
   for (int number = kFirstUserRoutine; number < wire::kHostRoutine; ++number) {
-    table.add(plug_in());
+    table.add(one);
   }
   EXPECT_TRUE(table.has(254));
   EXPECT_FALSE(table.has(255));
-  EXPECT_THROW(table.add(plug_in()), PlugInFault);
+  EXPECT_THROW(table.add(one), PlugInFault);
 }
 
 TEST(RoutineTable, NamesTheRoutineWhoseParametersAreWrong) {
