@@ -19,8 +19,6 @@
 #include <utility>
 #include <vector>
 
-#include "system_fault.h"
-
 namespace gicube::emu {
 namespace {
 
@@ -72,11 +70,16 @@ constexpr Calls kHostile{
     SCMP_SYS(umount2), SCMP_SYS(unshare), SCMP_SYS(userfaultfd)};
 // clang-format on
 
+// What libseccomp returns: 0 or an error below it.
+void check(int result) {
+  if (result != 0) throw std::system_error(-result, std::generic_category(), "seccomp");
+}
+
 class Filter {
  public:
   // Whatever it does not name ends with EPERM.
   Filter() : context_(::seccomp_init(SCMP_ACT_ERRNO(EPERM)), &::seccomp_release) {
-    if (!context_) fail(ENOMEM, "seccomp_init");
+    if (!context_) check(-ENOMEM);
     set(SCMP_FLTATR_CTL_TSYNC, 1);
     set(SCMP_FLTATR_CTL_OPTIMIZE, 2);  // found in a tree, not one after the other
     set(SCMP_FLTATR_API_SYSRAWRC, 1);  // the kernel's own errors
@@ -94,18 +97,15 @@ class Filter {
   static scmp_arg_cmp equals(unsigned argument, std::uint64_t value) { return {argument, SCMP_CMP_EQ, value, 0}; }
   void allow_if(int call, const std::vector<scmp_arg_cmp>& conditions) { add(SCMP_ACT_ALLOW, call, conditions); }
 
-  void load() {
-    if (const int error = ::seccomp_load(context_.get()); error != 0) fail(-error, "seccomp");
-  }
+  void load() { check(::seccomp_load(context_.get())); }
 
  private:
   void set(scmp_filter_attr attribute, std::uint32_t value) {
-    if (const int error = ::seccomp_attr_set(context_.get(), attribute, value); error != 0) fail(-error, "seccomp");
+    check(::seccomp_attr_set(context_.get(), attribute, value));
   }
   void add(std::uint32_t action, int call, const std::vector<scmp_arg_cmp>& conditions) {
-    const int error = ::seccomp_rule_add_array(context_.get(), action, call, static_cast<unsigned>(conditions.size()),
-                                               conditions.data());
-    if (error != 0) fail(-error, "seccomp");
+    check(::seccomp_rule_add_array(context_.get(), action, call, static_cast<unsigned>(conditions.size()),
+                                   conditions.data()));
   }
 
   std::unique_ptr<void, void (*)(void*)> context_;

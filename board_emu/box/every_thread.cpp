@@ -15,8 +15,6 @@
 #include <system_error>
 #include <vector>
 
-#include "system_fault.h"
-
 namespace gicube::emu {
 namespace {
 
@@ -38,6 +36,8 @@ void answer(int) {
   ::sem_post(&asked.answered);
   errno = error;
 }
+
+[[noreturn]] void fail(int error, const char* what) { throw std::system_error(error, std::generic_category(), what); }
 
 std::vector<pid_t> threads() {
   std::vector<pid_t> found;

@@ -48,17 +48,17 @@ std::uint64_t rights_of(Box::Access access) {
   return 0;
 }
 
-[[noreturn]] void fail(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
+[[noreturn]] void fail_at(const std::string& what) { throw std::system_error(errno, std::generic_category(), what); }
 
 void add(int ruleset, const Box::Place& place, std::uint64_t known) {
   const int fd = ::open(place.path.c_str(), O_PATH | O_CLOEXEC);
   if (fd < 0 && errno == ENOENT) return;
-  if (fd < 0) fail(place.path);
+  if (fd < 0) fail_at(place.path);
   const Finally closed{[fd] { ::close(fd); }};
   landlock_path_beneath_attr rule{};
   rule.allowed_access = rights_of(place.access) & known;
   rule.parent_fd = fd;
-  if (::syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0) fail(place.path);
+  if (::syscall(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0) != 0) fail_at(place.path);
 }
 
 // On the thread that it is called by; inside a signal handler. Returns errno, or 0.
@@ -80,7 +80,7 @@ int restrict_files(const std::vector<Box::Place>& places) {
   const RulesetAttributes attributes{known, kBindTcp | kConnectTcp};
   const std::size_t size = version >= kVersionOfTcp ? sizeof attributes : sizeof attributes.files;
   const auto ruleset = static_cast<int>(::syscall(SYS_landlock_create_ruleset, &attributes, size, 0));
-  if (ruleset < 0) fail("Landlock");
+  if (ruleset < 0) fail_at("Landlock");
   const Finally closed{[ruleset] { ::close(ruleset); }};
   for (const Box::Place& place : places) add(ruleset, place, known);
   on_every_thread(restrict_thread, ruleset);

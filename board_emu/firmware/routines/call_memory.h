@@ -119,12 +119,12 @@ struct Loading {
   RoutineDescription description;
 };
 
-enum class Call : std::uint32_t { kScatter, kCheck };
+enum class CallKind : std::uint32_t { kScatter, kCheck };
 enum class Outcome : std::uint32_t { kReturned, kThrew };
 
 struct alignas(kPage) CallSlot {
   Turn turn;
-  Call call = Call::kScatter;
+  CallKind call = CallKind::kScatter;
   Outcome outcome = Outcome::kReturned;
   std::uint32_t spins = 0;   // how often the plug-in's side looks for the next call before it sleeps
   std::int32_t verdict = 0;  // of a check

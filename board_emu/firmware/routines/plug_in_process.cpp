@@ -277,7 +277,7 @@ std::optional<std::string> PlugInProcess::scatter(const gicube_bsdf_event& event
                                                   gicube_bsdf_answer& answer) {
   Claim claim(*this);
   CallSlot& slot = claim.slot();
-  slot.call = Call::kScatter;
+  slot.call = CallKind::kScatter;
   slot.event = event;
   std::copy(parameters.begin(), parameters.end(), slot.parameters);
   if (auto fault = call(claim)) return fault;
@@ -290,7 +290,7 @@ std::optional<std::string> PlugInProcess::scatter(const gicube_bsdf_event& event
 std::optional<std::string> PlugInProcess::check(std::span<const float> parameters, int& verdict, std::string& text) {
   Claim claim(*this);
   CallSlot& slot = claim.slot();
-  slot.call = Call::kCheck;
+  slot.call = CallKind::kCheck;
   slot.event.parameter_count = static_cast<std::uint32_t>(parameters.size());
   std::copy(parameters.begin(), parameters.end(), slot.parameters);
   if (auto fault = call(claim)) return fault;

@@ -71,7 +71,7 @@ const gicube_bsdf* load(const char* file, Loading& report) {
 void answer(const gicube_bsdf& routine, CallSlot& slot) {
   slot.outcome = Outcome::kReturned;
   try {
-    if (slot.call == Call::kScatter) {
+    if (slot.call == CallKind::kScatter) {
       scatter(routine, slot);
     } else {
       slot.text[0] = '\0';
