@@ -75,7 +75,7 @@ void on_every_thread(int (*call)(int), int argument) {
   asked.argument = argument;
   asked.fault = 0;
   ::sem_init(&asked.answered, 0, 0);
-  const int signal = SIGRTMIN + 5;  // + 4 is that of the limit to a routine's time
+  const int signal = SIGRTMIN + 5;  // chosen: one that no library of the process uses
   struct sigaction action {};
   struct sigaction before {};
   action.sa_handler = answer;

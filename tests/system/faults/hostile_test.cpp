@@ -167,8 +167,9 @@ TEST(HostileClients, AtBothPlanesLeaveAGoodOneItsBitsAndTimesAndTheBoardItsMemor
   const std::uint64_t more = process.peak_memory() - memory;
   std::cout << "a ray there and back: half in " << alone.half << " us, 99% in " << alone.most << " us; besieged "
             << besieged.half << " and " << besieged.most << " us; " << (more >> 20) << " MiB more memory\n";
-  if (!reference::kHasAddressSanitizer && !reference::kHasThreadSanitizer)
+  if (!reference::kHasAddressSanitizer && !reference::kHasThreadSanitizer) {
     EXPECT_LT(more, std::uint64_t{64 + 16} << 20) << "the limits of volume and results";
+  }
   const Round again = work(board);
   EXPECT_EQ(again.pictures, second.pictures);
 }
