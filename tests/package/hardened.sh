@@ -10,6 +10,7 @@ expect() {  # FILE TEXT PATTERN WHAT
 }
 count=0
 for file in "$build"/bin/gicube-* "$build"/lib/*.so; do
+  [[ $(head -c 4 "$file") == $'\x7fELF' ]] || continue  # a program of Python
   head=$(readelf --wide --file-header --program-headers --dynamic "$file")
   expect "$file" "$head" 'Type: +DYN' "code that can be loaded at any address"
   expect "$file" "$head" 'GNU_RELRO' "a part that is read-only once it is linked"

@@ -94,6 +94,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void admit(const wire::FrameHeader& header);
 
   awaitable<void> work();
+  std::uint64_t held() const;
   void check_held(const wire::FrameHeader& header) const;
   awaitable<TransactionResult> transact(const Frame& frame);
   awaitable<void> send_result(const wire::FrameHeader& request, TransactionResult result);

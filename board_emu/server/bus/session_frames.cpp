@@ -157,6 +157,7 @@ void Session::admit(const FrameHeader& header) {
     refuse(ErrorCode::kProtocol, fmt::format("expected credit for at most {} frames and {} bytes, got {} and {}",
                                              window_.kept_frames(), bytes, header.credit_slots, header.credit_bytes));
   }
+  slot_.set_held(held());
   if (header.credit_slots > 0) wake_.cancel();
   if (is_credit || window_.accept(header.size)) return;
   refuse(ErrorCode::kProtocol,
@@ -183,17 +184,22 @@ awaitable<void> Session::work() {
     }
     check_held(frame.header);
     co_await send_result(frame.header, std::move(result));
+    slot_.set_held(held());
     const bool is_due = window_.credit_is_due() || window_.may_keep_out(agreed_.max_payload_bytes);
     if (!stopped_ && is_due) return_credit();
   }
 }
 
+// For the client, at this moment.
+std::uint64_t Session::held() const {
+  const std::size_t frames = window_.kept_frames() + (connection_ ? connection_->waiting_frames() : 0);
+  return held_bytes_ + window_.kept_bytes() + frames * kBytesOfFrame;
+}
+
 // Throws LastWord if the client piles up results that it never fetches, answers that it never takes, or credit that it never
 // reads. Its own window does not bound that: it may be as large as the client likes.
 void Session::check_held(const FrameHeader& header) const {
-  const std::size_t frames = window_.kept_frames() + (connection_ ? connection_->waiting_frames() : 0);
-  const std::uint64_t bytes = held_bytes_ + window_.kept_bytes() + frames * kBytesOfFrame;
-  slot_.set_held(bytes);
+  const std::uint64_t bytes = held();
   if (bytes <= options_.max_held_bytes) return;
   note(AuditEvent::kLimitReached, fmt::format("results of {} bytes", bytes));
   throw LastWord{
