@@ -32,8 +32,8 @@ echo "try: 3 of 4: packages are installed and run"
 in_root sh -c 'apt-get install -y -qq --no-install-recommends $(apt-get install -s ./root/gicube_*.deb | sed -n "s/^Inst \([^ ]*\).*/\1/p" | grep -v "^gicube")' >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }
 files >"$root/root/before"
 in_root sh -c 'apt-get install -y -qq --no-install-recommends ./root/gicube*.deb' >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }
-in_root gicube-render builtin:buckyball --volume-size 64 --size 64x64 -o /root/ball.png
-in_root gicube-smi show /root/ball.png
+in_root gicube-render builtin:buckyball --volume-size 64 --size 64x64 -o /tmp/ball.png
+in_root gicube-smi show /tmp/ball.png
 test -e "$root/usr/lib/systemd/system/gicube-board.socket"
 
 echo "try: 4 of 4: packages are purged"

@@ -25,51 +25,36 @@ struct Target {
 };
 
 // One call over a connection of its own. True if the board carried it out.
-template <typename Method, typename Request>
-bool call(const Target& target, const std::string& token, Method method, const Request& request) {
+template <typename Request, typename Answer>
+bool call(const Target& target, const std::string& token,
+          grpc::Status (v1::BoardManagement::Stub::*method)(grpc::ClientContext*, const Request&, Answer*),
+          const Request& request) {
   grpc::ChannelArguments own;
   own.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   const auto channel =
       grpc::CreateCustomChannel("127.0.0.1:" + std::to_string(target.port), grpc::InsecureChannelCredentials(), own);
-  const auto stub = v1::BoardManagement::NewStub(channel);
+  v1::BoardManagement::Stub stub(channel);
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(10));
   if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
-  return method(*stub, context, request).ok();
+  Answer answer;
+  return (stub.*method)(&context, request, &answer).ok();
 }
 
 bool configure(const Target& target, const std::string& token, const std::string& text) {
   v1::ConfigureRequest request;
   request.set_config_text(text);
-  return call(
-      target, token,
-      [](auto& stub, auto& context, const auto& asked) {
-        v1::BoardInfo info;
-        return stub.Configure(&context, asked, &info);
-      },
-      request);
+  return call(target, token, &v1::BoardManagement::Stub::Configure, request);
 }
 
 bool set_faults(const Target& target, const std::string& token, const std::string& text) {
   v1::SetFaultPlanRequest request;
   request.set_plan_text(text);
-  return call(
-      target, token,
-      [](auto& stub, auto& context, const auto& asked) {
-        v1::FaultPlanInfo info;
-        return stub.SetFaultPlan(&context, asked, &info);
-      },
-      request);
+  return call(target, token, &v1::BoardManagement::Stub::SetFaultPlan, request);
 }
 
 bool reset(const Target& target, const std::string& token) {
-  return call(
-      target, token,
-      [](auto& stub, auto& context, const auto& asked) {
-        v1::BoardInfo info;
-        return stub.Reset(&context, asked, &info);
-      },
-      v1::ResetRequest());
+  return call(target, token, &v1::BoardManagement::Stub::Reset, v1::ResetRequest());
 }
 
 void send_and_leave(const Target& target, std::string_view text) {
