@@ -36,7 +36,7 @@ struct Options {
   std::string audit_log_file;              // empty: its lines go to the process's log
   std::string certificate_file, key_file;  // of TLS; empty: plain TCP
   std::string token_file;                  // of clients over TCP; empty: this process's own token only
-  bool is_boxed = true;  // where the kernel can
+  bool is_boxed = true;                    // where the kernel can
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;

@@ -4,6 +4,10 @@
 
 #include "targets.h"
 
+#ifndef GICUBE_FUZZ_TARGET
+#define GICUBE_FUZZ_TARGET board  // the build names each program's; this is for tools that read the file alone
+#endif
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   gicube::fuzz::GICUBE_FUZZ_TARGET({data, size});
   return 0;

@@ -29,7 +29,7 @@ void cone_scan(Bytes input) {
   try {
     expect_description(samples::parse_scan(std::string(text_of(input)), "input", "no/such/folder"));
   } catch (const samples::InputError& error) {
-    expect(std::string_view(error.what()).find("input") == 0, "a fault names its file first");
+    expect(std::string_view(error.what()).starts_with("input"), "a fault names its file first");
   }
 }
 

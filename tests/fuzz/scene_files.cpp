@@ -23,7 +23,7 @@ void scene(Bytes input) {
   try {
     samples::parse_scene(std::string(text_of(input)), "input", "no/such/folder");
   } catch (const samples::InputError& error) {
-    expect(std::string_view(error.what()).find("input") == 0, "a fault names its file first");
+    expect(std::string_view(error.what()).starts_with("input"), "a fault names its file first");
   }
 }
 

@@ -92,7 +92,7 @@ class Trespasser : public BoxedBoard {
   }
 
   const std::vector<std::string> arguments_{"--listen", "unix:" + folder_.file("board"), "--bsdf",
-                                            GICUBE_TEST_DIR "/trespassing_bsdf.so", "--quiet"};
+                                            (GICUBE_TEST_DIR "/trespassing_bsdf.so"), "--quiet"};
 };
 
 TEST_F(Trespasser, ReadsAndMakesNoFileAndReachesNobody) {

@@ -7,7 +7,8 @@
 namespace gicube::scene {
 
 std::vector<std::uint8_t> encoded_picture(const std::filesystem::path& path, const char* format,
-                                          const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* samples) {
+                                          const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type,
+                                          const void* samples) {
   std::vector<std::uint8_t> bytes;
   OIIO::Filesystem::IOVecOutput memory(bytes);
   const auto output = OIIO::ImageOutput::create(format);

@@ -11,6 +11,6 @@ namespace gicube::scene {
 
 // `format`: OpenImageIO's name of it, as "png". Throws FileError that names the path.
 std::vector<std::uint8_t> encoded_picture(const std::filesystem::path& path, const char* format,
-                                          const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* samples);
+                                          const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type, const void* samples);
 
 }  // namespace gicube::scene

@@ -47,7 +47,7 @@ void check(const Image& image, const std::filesystem::path& path) {
 }
 
 void write(const std::filesystem::path& path, const char* format, OIIO::ImageSpec spec, const Provenance& provenance,
-           OIIO::TypeDesc type, const void* samples) {
+           const OIIO::TypeDesc& type, const void* samples) {
   spec["Software"] = "GI-Cube";
   for (const auto& [key, value] : entries(provenance)) spec[key] = value;
   const std::vector<std::uint8_t> bytes = encoded_picture(path, format, spec, type, samples);

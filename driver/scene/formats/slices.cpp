@@ -45,7 +45,7 @@ struct Slice {
   std::vector<std::byte> samples;
 };
 
-SampleType type_of(const std::filesystem::path& file, OIIO::TypeDesc format) {
+SampleType type_of(const std::filesystem::path& file, const OIIO::TypeDesc& format) {
   if (format == OIIO::TypeDesc::UINT8) return SampleType::kUint8;
   if (format == OIIO::TypeDesc::UINT16) return SampleType::kUint16;
   if (format == OIIO::TypeDesc::INT16) return SampleType::kInt16;

@@ -41,7 +41,8 @@ Device::Device(const Uri& uri, const OpenOptions& options)
   if (options.force) link_options_.mine.flags |= wire::kForce;
   link_options_.mine.wait_ms = static_cast<std::uint32_t>(options.wait_for_board.count());
   if (uri_.scheme != UriScheme::kEmu) {
-    if (uri_.scheme == UriScheme::kTcp) access_token(-1, false, options.token_file);  // throws if the file for it is no good
+    if (uri_.scheme == UriScheme::kTcp)
+      access_token(-1, false, options.token_file);  // throws if the file for it is no good
     if (uri_.is_secure) link_options_.tls = make_tls(uri_.host, options.ca_file);
     link_options_.token = [this, token_file = options.token_file](int socket) {
       try {

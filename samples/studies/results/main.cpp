@@ -29,7 +29,7 @@ int run(int argc, char** argv) {
       result["board"] = board;
       result["run"] = run;
       const std::lock_guard lock(mutex);
-      std::cout << result << std::endl;
+      std::cout << result << '\n' << std::flush;
     });
   });
   return 0;

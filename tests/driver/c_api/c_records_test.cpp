@@ -14,7 +14,8 @@ namespace gicube::c_api {
 namespace {
 
 auto fields(OpenOptions& options) {
-  auto& [a, b, c, d, e, f, g, capture, token, ca] = options;  // the last three: pointers of the record's, see to_options()
+  auto& [a, b, c, d, e, f, g, capture, token, ca] =
+      options;  // the last three: pointers of the record's, see to_options()
   return std::tie(a, b, c, d, e, f, g);
 }
 auto fields(VolumeView& volume) {

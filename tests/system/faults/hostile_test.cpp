@@ -32,7 +32,7 @@ class Siege {
 
   Siege(int clients, int ways, const Misbehave& misbehave) : tries_(static_cast<std::size_t>(ways)) {
     for (int i = 0; i < clients; ++i) {
-      threads_.emplace_back([this, misbehave, clients, ways, i](std::stop_token stop) {
+      threads_.emplace_back([this, misbehave, clients, ways, i](const std::stop_token& stop) {
         ::setpriority(PRIO_PROCESS, 0, 19);
         for (std::uint64_t round = 0; !stop.stop_requested(); ++round) {
           const int way = static_cast<int>((static_cast<std::uint64_t>(i) + round) % static_cast<std::uint64_t>(ways));

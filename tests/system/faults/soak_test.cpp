@@ -29,7 +29,8 @@ void show(const SoakReport& report) {
             << " wrong; " << report.faults << " faults:";
   for (const auto& [kind, count] : report.kinds) std::cout << ' ' << kind << ' ' << count;
   std::cout << "; " << report.processes << " processes, " << report.memory_faults << " memory faults met, "
-            << report.volumes_mended << " volumes mended, " << report.given_up << " resumptions given up" << std::endl;
+            << report.volumes_mended << " volumes mended, " << report.given_up << " resumptions given up\n"
+            << std::flush;
 }
 
 void expect_sound(const SoakReport& report, const SoakPlan& plan) {

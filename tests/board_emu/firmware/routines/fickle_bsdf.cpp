@@ -133,7 +133,7 @@ int check(const float* parameters, std::uint32_t count, char* text, std::size_t 
 }
 
 #ifdef BSDF_AT_START
-[[maybe_unused]] const int at_start = (BSDF_AT_START, 0);
+[[maybe_unused]] const int kAtStart = (BSDF_AT_START, 0);
 #endif
 
 constexpr gicube_bsdf kRoutine{
