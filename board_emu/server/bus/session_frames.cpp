@@ -212,14 +212,16 @@ awaitable<TransactionResult> Session::transact(const Frame& frame) {
   TransactionResult result;
   progress_.all = progress_.done = 0;
   progress_.ticket = frame.header.id;
-  std::function<void()> job = [this, &frame, &result] {
+  std::uint64_t held_bytes = 0;  // the session reads its own meanwhile, on another thread
+  std::function<void()> job = [this, &frame, &result, &held_bytes] {
     if (frame.memory_error) slot_.board().add_memory_error(*frame.memory_error);
     result = slot_.board().transact(frame.header, frame.payload, progress_);
-    held_bytes_ = slot_.board().held_bytes();
+    held_bytes = slot_.board().held_bytes();
   };
   const bool shows_progress = (agreed_.capabilities & wire::kProgressFrames) != 0;
   const std::exception_ptr fault = co_await run_on_compute(std::move(job), shows_progress, options_.max_command_time);
   if (fault) std::rethrow_exception(fault);
+  held_bytes_ = held_bytes;
   co_return result;
 }
 
