@@ -92,6 +92,11 @@ struct OpenOptions {
   // Over TLS, a file with the certificates, PEM, of those who may have signed the board's. Empty: the file that the environment
   // variable GICUBE_CA_FILE names; without it, those that this machine trusts.
   std::string ca_file{};
+  // Called on the thread of a call that waits for the board, some ten times a second of wall-clock time, and by open(). What it
+  // throws leaves that call: an application that is told to stop can. The board works on: a picture is unknown then, the irradiance
+  // incomplete, a loading volume lost; ray batches stay under way, and the Board takes the next call. It may ask its Board for now()
+  // and info() only. It must outlive the Board.
+  std::function<void()> while_waiting{};
 };
 
 // What Board::reopen() found.
@@ -157,6 +162,8 @@ class GICUBE_API Board {
   // blocks. Throws Rejected before load_volume(), MemoryFault.
   std::vector<std::size_t> verify_volume();
 
+  // The loaded volume's size, voxels. Throws Rejected before load_volume().
+  Dims dims() const;
   // The map from the loaded volume's values to densities. Throws Rejected before load_volume().
   ValueRange value_range() const;
 

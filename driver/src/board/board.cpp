@@ -125,6 +125,11 @@ std::vector<std::uint8_t> Board::empty_flags() const {
   return state_->loaded("empty_flags()").flags;
 }
 
+Dims Board::dims() const {
+  const auto lock = state_->begin();
+  return state_->loaded("dims()").dims;
+}
+
 Dims Board::blocks() const {
   const auto lock = state_->begin();
   return state_->loaded("blocks()").blocks;

@@ -38,6 +38,7 @@ Device::Device(const Uri& uri, const OpenOptions& options)
     : uri_(uri), capture_file_(options.capture.empty() ? uri.capture : options.capture) {
   link_options_.watchdog = options.watchdog;
   link_options_.reopen_attempts = options.reopen_attempts;
+  link_options_.while_waiting = options.while_waiting;
   if (options.force) link_options_.mine.flags |= wire::kForce;
   link_options_.mine.wait_ms = static_cast<std::uint32_t>(options.wait_for_board.count());
   if (uri_.scheme != UriScheme::kEmu) {

@@ -80,7 +80,7 @@ Response Link::wait(std::uint32_t ticket, std::uint64_t now_ps, Picoseconds dead
   std::vector<std::uint8_t> payload(bounded ? 12 : 4);
   wire::store(std::span(payload), 0, ticket);
   if (bounded) wire::store(std::span(payload), 4, deadline);
-  return finish(begin(wire::FrameType::kWait, now_ps, std::move(payload)), ticket, on_progress);
+  return finish(begin(wire::FrameType::kWait, now_ps, std::move(payload), ticket), on_progress);
 }
 
 std::optional<CommandResult> Link::take(std::uint32_t ticket) {
@@ -103,18 +103,21 @@ void Link::forget(std::uint32_t ticket) {
   }
 }
 
-std::uint32_t Link::begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
+std::uint32_t Link::begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload,
+                          std::uint32_t watched_ticket) {
   Lock lock(mutex_);
   const wire::FrameHeader header = next_header(lock, type, 0, now_ps, payload.size());
-  pending_[header.id].type = type;
+  Pending& pending = pending_[header.id];
+  pending.type = type;
+  pending.watched_ticket = watched_ticket;
   send_with_credit(header, wire::share(std::move(payload)));
   return header.id;
 }
 
-Response Link::finish(std::uint32_t id, std::uint32_t watched_ticket, const OnProgress& on_progress) {
+Response Link::finish(std::uint32_t id, const OnProgress& on_progress) {
   Lock lock(mutex_);
   Pending& pending = pending_.at(id);
-  pending.watched_ticket = watched_ticket;
+  const std::uint32_t watched_ticket = pending.watched_ticket;
   await_response(lock, id, on_progress);
   Response response = std::move(*pending.response);
   pending_.erase(id);
@@ -136,7 +139,8 @@ void Link::await_response(Lock& lock, std::uint32_t id, const OnProgress& on_pro
   Pending& pending = pending_.at(id);
   try {
     for (;;) {
-      await(lock, [&pending] { return pending.response.has_value() || pending.progress.has_value(); });
+      await(
+          lock, [&pending] { return pending.response.has_value() || pending.progress.has_value(); }, true);
       if (pending.progress && on_progress) {
         const auto [done, all] = *std::exchange(pending.progress, std::nullopt);
         lock.unlock();
@@ -175,8 +179,11 @@ wire::FrameHeader Link::next_header(Lock& lock, wire::FrameType type, std::uint1
   return header;
 }
 
-void Link::await(Lock& lock, const auto& ready) {
+// `may_leave`: what LinkOptions::while_waiting throws is the caller's.
+void Link::await(Lock& lock, const auto& ready, bool may_leave) {
   auto begin = Clock::now();
+  const bool asks = may_leave && options_.while_waiting;
+  auto next_question = begin + options_.probe;
   while (!ready()) {
     if (phase_ == Phase::kBroken) {
       recover_or_throw(lock);
@@ -204,7 +211,16 @@ void Link::await(Lock& lock, const auto& ready) {
       last_frame_ = now;
       continue;
     }
-    changed_.wait_until(lock, options_.watchdog.count() != 0 ? std::min(probe, deadline) : probe);
+    if (asks && now >= next_question) {
+      lock.unlock();
+      options_.while_waiting();
+      lock.lock();
+      next_question = Clock::now() + options_.probe;
+      continue;
+    }
+    auto next = options_.watchdog.count() != 0 ? std::min(probe, deadline) : probe;
+    if (asks) next = std::min(next, next_question);
+    changed_.wait_until(lock, next);
   }
 }
 

@@ -39,7 +39,9 @@ struct LinkOptions {
   std::shared_ptr<Tls> tls{};  // null: plain bytes
   // How often in a row the link resumes its session by itself without that the board has taken or sent anything.
   int reopen_attempts = 0;
-  // A call that has waited so long in silence asks whether something was lost on its way.
+  // What it throws, on the thread that waits, leaves the call as what a progress callback throws.
+  std::function<void()> while_waiting{};
+  // A call that has waited so long in silence asks whether something was lost on its way, and `while_waiting` is called as often.
   std::chrono::milliseconds probe{100};  // chosen: ten frames a second
   FrameTap tap{};
 };
@@ -100,11 +102,13 @@ class Link final : private FrameSink {
 
   // Sends a request and waits for its response. Throws as post(), and what the board's error reply stands for.
   Response request(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
-    return finish(begin(type, now_ps, std::move(payload)), 0, {});
+    return finish(begin(type, now_ps, std::move(payload)));
   }
   // The same in two calls: the request's id, and with it the wait, which may be another thread's.
-  std::uint32_t begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload);
-  Response finish(std::uint32_t id) { return finish(id, 0, {}); }
+  std::uint32_t begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload) {
+    return begin(type, now_ps, std::move(payload), 0);
+  }
+  Response finish(std::uint32_t id) { return finish(id, {}); }
 
   // Posts a DSP command; its result is kept until it is taken or forgotten. Returns the ticket, which is never 0.
   std::uint32_t command(std::uint64_t now_ps, wire::Payload payload);
@@ -143,6 +147,7 @@ class Link final : private FrameSink {
   void stream_ended(const StreamFault& reason) override;
 
   void shake_hands(Lock& lock, Fd socket, std::chrono::milliseconds limit);
+  void ask_whether_to_wait(Lock& lock);
   [[noreturn]] void refuse_to_open();
   StreamFault take_version(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
   StreamFault take_up_session(const wire::VersionInfo& theirs);
@@ -151,11 +156,14 @@ class Link final : private FrameSink {
   void take_completion(const wire::FrameHeader& header, std::vector<std::uint8_t> payload);
   void take_progress(const wire::FrameHeader& header, std::span<const std::uint8_t> payload);
 
-  Response finish(std::uint32_t id, std::uint32_t watched_ticket, const OnProgress& on_progress);
+  // Progress may come as soon as the board has the request: what it watches is known before.
+  std::uint32_t begin(wire::FrameType type, std::uint64_t now_ps, std::vector<std::uint8_t> payload,
+                      std::uint32_t watched_ticket);
+  Response finish(std::uint32_t id, const OnProgress& on_progress);
   void await_response(Lock& lock, std::uint32_t id, const OnProgress& on_progress);
   wire::FrameHeader next_header(Lock& lock, wire::FrameType type, std::uint16_t flags, std::uint64_t now_ps,
                                 std::size_t payload);
-  void await(Lock& lock, const auto& ready);
+  void await(Lock& lock, const auto& ready, bool may_leave = false);
   void send_with_credit(const wire::FrameHeader& header, wire::Payload payload);
   void send_credit(std::uint16_t flags) { stream_->send(window_.credit_frame(flags), wire::no_payload()); }
   bool can_recover() const {

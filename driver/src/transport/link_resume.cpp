@@ -18,6 +18,19 @@ constexpr milliseconds kLongestPause{1000};
 
 }  // namespace
 
+// Of a handshake: what is thrown ends the connection, and leaves the call that wanted it.
+void Link::ask_whether_to_wait(Lock& lock) {
+  lock.unlock();
+  try {
+    options_.while_waiting();
+    lock.lock();
+  } catch (...) {
+    lock.lock();
+    break_off({"the application did not wait for the handshake", Loss::kClosed});
+    throw;
+  }
+}
+
 // Replaces the connection. Afterwards the link is open, or broken with the reason.
 void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
   phase_ = Phase::kHandshake;
@@ -42,12 +55,17 @@ void Link::shake_hands(Lock& lock, Fd socket, milliseconds limit) {
   stream_->start();
   stream_->send({wire::FrameType::kVersion}, wire::version_payload(mine, token), token.size());
 
-  const auto deadline = Clock::now() + limit;
+  const auto deadline = limit.count() == 0 ? Clock::time_point::max() : Clock::now() + limit;
   while (phase_ == Phase::kHandshake) {
-    if (limit.count() == 0) {
+    const auto next = options_.while_waiting ? std::min(deadline, Clock::now() + options_.probe) : deadline;
+    if (next == Clock::time_point::max()) {
       changed_.wait(lock);
-    } else if (changed_.wait_until(lock, deadline) == std::cv_status::timeout && phase_ == Phase::kHandshake) {
-      break_off({fmt::format("no answer of the board within {} ms", limit.count()), Loss::kTimedOut});
+    } else if (changed_.wait_until(lock, next) == std::cv_status::timeout && phase_ == Phase::kHandshake) {
+      if (next == deadline) {
+        break_off({fmt::format("no answer of the board within {} ms", limit.count()), Loss::kTimedOut});
+      } else {
+        ask_whether_to_wait(lock);
+      }
     }
   }
   if (refusal_ == wire::ErrorCode::kNoSession) session_ = 0;

@@ -69,7 +69,10 @@ struct Match {
 const std::map<std::string, Match>& matches() {
   static const std::map<std::string, Match> table{
       {"gicube_open_options",
-       {"board.h", {"OpenOptions"}, {{"watchdog", {"watchdog_ms"}}, {"wait_for_board", {"wait_for_board_ms"}}}, {}}},
+       {"board.h",
+        {"OpenOptions"},
+        {{"watchdog", {"watchdog_ms"}}, {"wait_for_board", {"wait_for_board_ms"}}, {"while_waiting", {}}},
+        {}}},
       {"gicube_reopened", {"board.h", {"Reopened"}, {}, {}}},
       {"gicube_board_info", {"board.h", {"BoardInfo"}, {}, {}}},
       {"gicube_volume",

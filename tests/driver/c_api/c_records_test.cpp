@@ -14,8 +14,8 @@ namespace gicube::c_api {
 namespace {
 
 auto fields(OpenOptions& options) {
-  auto& [a, b, c, d, e, f, g, capture, token, ca] =
-      options;  // the last three: pointers of the record's, see to_options()
+  // The last: pointers of the record's, see to_options(), and what a C host has no use for, since nothing can be thrown through C.
+  auto& [a, b, c, d, e, f, g, capture, token, ca, while_waiting] = options;
   return std::tie(a, b, c, d, e, f, g);
 }
 auto fields(VolumeView& volume) {

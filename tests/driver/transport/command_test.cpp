@@ -157,6 +157,41 @@ TEST(Command, ProgressThatComesAfterACallbackHasReturnedIsHeardToo) {
   EXPECT_THAT(heard, ::testing::ElementsAre(std::pair(1u, 2u), std::pair(2u, 2u)));
 }
 
+TEST(Command, WhatIsThrownWhileItIsWaitedForLeavesTheWaitAndTheLinkGoesOn) {
+  FakeBoard board([](FakeBoard& self) {
+    self.shake_hands();
+    const Frame command = *self.receive();
+    const Frame wait = *self.receive();
+    const Frame next = *self.receive();
+    self.complete(command.header.id, 20);
+    self.respond(wait, 20);
+    self.respond(next, 30);
+    self.drain();
+  });
+  struct Stop {};
+  int asked = 0;
+  LinkOptions options = kPatient;
+  options.probe = std::chrono::milliseconds(5);  // how often it is asked, too
+  options.while_waiting = [&asked] {
+    if (++asked == 3) throw Stop();
+  };
+  Link link(board.take_socket(), options);
+  const auto ticket = link.command(0, wire::no_payload());
+  EXPECT_THROW(link.wait(ticket, 0, kNoDeadline, {}), Stop);
+  EXPECT_EQ(asked, 3);
+  EXPECT_EQ(link.request(wire::FrameType::kRegisterRead, 0, {}).time_ps, 30u);
+  EXPECT_EQ(link.take(ticket)->time_ps, 20u);
+}
+
+TEST(Command, WhatIsThrownDuringTheHandshakeLeavesTheConstructor) {
+  FakeBoard board([](FakeBoard& self) { self.drain(); });
+  struct Stop {};
+  LinkOptions options = kPatient;
+  options.probe = std::chrono::milliseconds(5);
+  options.while_waiting = [] { throw Stop(); };
+  EXPECT_THROW(Link(board.take_socket(), options), Stop);
+}
+
 TEST(Command, WhatAProgressCallbackThrowsLeavesTheWaitAndTheLinkGoesOn) {
   FakeBoard board([](FakeBoard& self) {
     self.shake_hands();
