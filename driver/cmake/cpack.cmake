@@ -1,5 +1,5 @@
 # script/package, for Debian 12: gicube (libraries, programs, their manual pages; gicube-scene too, since the
-# programs need what it needs), gicube-dev (headers, messages, CMake, pkg-config),
+# programs need what it needs), gicube-dev (headers, messages, CMake, pkg-config), python3-gicube (the Python package),
 # gicube-doc (documents, examples).
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME gicube)
@@ -9,7 +9,7 @@ set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_SOURCE_DIR}/debian_files.cmake)
-set(CPACK_COMPONENTS_ALL runtime dev doc)
+set(CPACK_COMPONENTS_ALL runtime dev doc python)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -35,6 +35,17 @@ set(CPACK_DEBIAN_DEV_DESCRIPTION
 What a program needs to build on the GI-Cube driver and to test itself
 against emulated boards.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS gicube-doc)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-gicube)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+# The module is for one version of the interpreter.
+math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION}), python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-pytest, python3-tqdm")
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION
+"emulated GI-Cube board from Python
+The GI-Cube driver, its volume files, scenes and plans, with numpy arrays
+for volumes, rays and pictures.")
 set(CPACK_DEBIAN_DOC_PACKAGE_NAME gicube-doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_SECTION doc)
 set(CPACK_DEBIAN_DOC_PACKAGE_ARCHITECTURE all)
@@ -44,7 +55,7 @@ Documents of the GI-Cube driver, its emulated board and the programs that
 use them, with scenes and small applications.")
 
 # Debian's place for a package's license; each package has its own. LICENSE is a document.
-foreach(component runtime dev doc)
+foreach(component runtime dev doc python)
   string(TOUPPER ${component} upper)
   install(FILES copyright DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME} COMPONENT ${component})
 endforeach()

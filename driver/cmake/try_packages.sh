@@ -29,15 +29,20 @@ files() { (cd "$root" && find etc usr opt run srv var -path var/lib/apt -prune -
 echo "try: 3 of 4: packages are installed and run"
 # First what they depend on, so that all that is new then is theirs.
 # shellcheck disable=SC2016
-in_root sh -c 'apt-get install -y -qq --no-install-recommends $(apt-get install -s ./root/gicube_*.deb | sed -n "s/^Inst \([^ ]*\).*/\1/p" | grep -v "^gicube")' >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }
+in_root sh -c 'apt-get install -y -qq --no-install-recommends $(apt-get install -s ./root/gicube_*.deb ./root/python3-gicube_*.deb | sed -n "s/^Inst \([^ ]*\).*/\1/p" | grep -v "gicube")' >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }
 files >"$root/root/before"
-in_root sh -c 'apt-get install -y -qq --no-install-recommends ./root/gicube*.deb' >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }
+in_root sh -c 'apt-get install -y -qq --no-install-recommends ./root/*gicube*.deb' >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }
 in_root gicube-render builtin:buckyball --volume-size 64 --size 64x64 -o /tmp/ball.png
 in_root gicube-smi show /tmp/ball.png
 test -e "$root/usr/lib/systemd/system/gicube-board.socket"
+in_root python3 -c 'import gicube
+setup = gicube.parse_scene("volume { builtin: \"buckyball\" size: 64 }").set_up()
+with gicube.open() as board:
+    board.render(gicube.load_scene(board, setup)).save("/tmp/python.png")'
+in_root gicube-smi show /tmp/python.png
 
 echo "try: 4 of 4: packages are purged"
-in_root apt-get purge -y -qq gicube gicube-dev gicube-doc >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }
+in_root apt-get purge -y -qq gicube gicube-dev gicube-doc python3-gicube >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }
 files >"$root/root/after"
 diff "$root/root/before" "$root/root/after" || { echo "try: the files above are left, or lost" >&2; exit 1; }
 echo "try: all is well"

@@ -10,6 +10,7 @@ trap 'rm -rf "$scratch"' EXIT
 export XDG_RUNTIME_DIR=$scratch  # boards started here are not registered with the user's
 cpack --config "$build/CPackConfig.cmake" -B "$scratch/packages" >"$scratch/cpack.log" || { cat "$scratch/cpack.log"; exit 1; }
 runtime=$(echo "$scratch"/packages/gicube_*.deb)
+python=$(echo "$scratch"/packages/python3-gicube_*.deb)
 dev=$(echo "$scratch"/packages/gicube-dev_*.deb)
 doc=$(echo "$scratch"/packages/gicube-doc_*_all.deb)
 
@@ -19,7 +20,7 @@ for package in libc6 libgrpc++ libprotobuf; do
 done
 [[ $(dpkg-deb -f "$dev" Depends) == "gicube (= $(dpkg-deb -f "$runtime" Version))" ]]
 
-if command -v lintian >/dev/null; then lintian --allow-root --fail-on error "$runtime" "$dev" "$doc"; else echo "no lintian: not asked"; fi
+if command -v lintian >/dev/null; then lintian --allow-root --fail-on error "$runtime" "$dev" "$python" "$doc"; else echo "no lintian: not asked"; fi
 mkdir "$scratch/root"
 dpkg-deb -x "$runtime" "$scratch/root"
 [[ ! -e $scratch/root/usr/include ]]
@@ -39,7 +40,14 @@ test -e "$scratch/root/usr/share/doc/gicube/docs/README.md"
 for library in gicube gicube-scene; do [[ -L $scratch/root/usr/lib/lib$library.so && -e $scratch/root/usr/lib/lib$library.so ]]; done
 ! grep -rIl --exclude-dir=doc -e "$build" "$scratch/root"  # no text in it names the build's place
 
+dpkg-deb -x "$python" "$scratch/root"
+[[ $(dpkg-deb -f "$python" Depends) == *"gicube (= $(dpkg-deb -f "$runtime" Version))"* ]]
 unset GICUBE_BOARD
+PYTHONPATH=$scratch/root/usr/lib/python3/dist-packages PATH=/usr/bin:/bin python3 -B -c 'import gicube
+assert gicube.__file__.startswith("'"$scratch"'")
+setup = gicube.parse_scene("volume { builtin: \"buckyball\" size: 32 } image { width: 32 height: 32 }").set_up()
+with gicube.open() as board:
+    assert board.render(gicube.load_scene(board, setup)).alpha.max() > 0'
 export PATH=/usr/local/bin:/usr/bin:/bin PKG_CONFIG_PATH=$scratch/root/usr/lib/pkgconfig
 # shellcheck disable=SC2046
 c++ -std=c++20 "$source/samples/small/hello/main.cpp" $(pkg-config --cflags --libs gicube) -o "$scratch/hello"

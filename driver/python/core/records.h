@@ -1,0 +1,89 @@
+// The records and enumerations of the public headers, with their fields: the classes of gicube.records.
+#pragma once
+
+#include "convert.h"
+#include "gicube/board.h"
+#include "gicube/level_of_detail.h"
+#include "gicube/light_plan.h"
+#include "gicube/plan.h"
+
+namespace gicube::python {
+
+#define GICUBE_NAMES(TYPE, ...)                            \
+  template <>                                              \
+  struct Names<TYPE> {                                     \
+    static constexpr const char* kClass = #TYPE;           \
+    static constexpr const char* kNames[] = {__VA_ARGS__}; \
+  }
+GICUBE_NAMES(Fidelity, "functional", "approximate", "cycle");
+GICUBE_NAMES(BackPressure, "wait", "throw");
+GICUBE_NAMES(SampleType, "uint8", "uint12", "uint16", "int16", "float32");
+GICUBE_NAMES(Bsdf, "none", "specular", "dull_reflection", "dull_scattering", "isotropic", "diffuse", "trap");
+GICUBE_NAMES(PixelFilter, "box", "tent");
+GICUBE_NAMES(Albedo, "low", "high");
+GICUBE_NAMES(EnergyRules, "as_printed", "conserving");
+GICUBE_NAMES(RayType, "integrate", "first_hit", "segment", "opacity", "deposit", "integral", "backproject");
+GICUBE_NAMES(SumWords, "irradiance", "sums");
+GICUBE_NAMES(ElementKind, "patch", "box", "triangle", "disc");
+GICUBE_NAMES(PairRays, "by_board", "by_host");
+GICUBE_NAMES(Loss, "closed", "corrupted", "timed_out", "taken_over", "ended");
+#undef GICUBE_NAMES
+
+// A field's name is its member's.
+#define GICUBE_FIELD(NAME) \
+  std::pair { #NAME, &T::NAME }
+#define GICUBE_RECORD(TYPE, ...)                                       \
+  template <>                                                          \
+  struct Record<TYPE> {                                                \
+    using T = TYPE;                                                    \
+    static constexpr const char* kClass = #TYPE;                       \
+    static constexpr auto fields() { return std::tuple{__VA_ARGS__}; } \
+  }
+#define F GICUBE_FIELD
+GICUBE_RECORD(ValueRange, F(low), F(high));
+GICUBE_RECORD(VoxelBox, F(low), F(size));
+GICUBE_RECORD(ColourPoint, F(value), F(colour));
+GICUBE_RECORD(OpacityPoint, F(value), F(opacity));
+GICUBE_RECORD(TransferFunction, F(colours), F(opacities));
+GICUBE_RECORD(Phong, F(ambient), F(diffuse), F(specular), F(shininess));
+GICUBE_RECORD(Shading, F(phong), F(light));
+GICUBE_RECORD(Material, F(scattering), F(bsdf), F(gloss), F(seen_through_scattering), F(routine), F(surface),
+              F(parameters));
+GICUBE_RECORD(CutPlane, F(normal), F(offset));
+GICUBE_RECORD(View, F(eye), F(look_at), F(up), F(fov_degrees), F(orthographic_height), F(width), F(height),
+              F(samples_per_axis), F(filter), F(step), F(opacity_threshold), F(shade), F(jitter), F(leap),
+              F(irradiance), F(incident), F(exposure), F(scatter), F(high_albedo), F(lifetime), F(seed), F(cut_planes));
+GICUBE_RECORD(PointLight, F(position), F(power));
+GICUBE_RECORD(DirectionalLight, F(towards), F(irradiance));
+GICUBE_RECORD(RectangleLight, F(corner), F(edge_u), F(edge_v), F(power));
+GICUBE_RECORD(SphereLight, F(centre), F(radius), F(power));
+GICUBE_RECORD(Illumination, F(albedo), F(rules), F(rays_per_face_voxel), F(step), F(jitter), F(leap), F(lifetime),
+              F(seed));
+GICUBE_RECORD(LightingReport, F(rays), F(emitted), F(deposited), F(escaped), F(escaped_by_face), F(scattered_away),
+              F(given_up), F(clipped), F(unit), F(warnings));
+GICUBE_RECORD(DepositReport, F(rays), F(samples), F(kept), F(clipped), F(overflowed), F(unit));
+GICUBE_RECORD(RayRequest, F(type), F(opacity), F(albedo), F(rules), F(lifetime), F(words), F(step), F(leap));
+GICUBE_RECORD(PairRequest, F(rays), F(first), F(seed), F(opacity), F(step), F(leap), F(made));
+GICUBE_RECORD(BoardInfo, F(protocol_major), F(protocol_minor), F(fidelity), F(processors), F(block_voxels),
+              F(max_volume_voxels), F(queue_rays), F(core_khz), F(config_hash), F(vendor_id), F(device_id), F(wide),
+              F(agp), F(host_rays));
+GICUBE_RECORD(Reopened, F(resumed), F(volume));
+GICUBE_RECORD(Placement, F(low), F(edge));
+GICUBE_RECORD(LevelError, F(largest_density), F(rms_density), F(largest_opacity));
+GICUBE_RECORD(PlanPoint, F(level), F(step), F(opacity_threshold), F(error), F(error_bound), F(samples), F(time),
+              F(pilot_width), F(pilot_height));
+GICUBE_RECORD(Plan, F(chosen), F(best), F(finest), F(kept), F(points), F(placement), F(dims), F(original_dims), F(box),
+              F(gradients), F(voxels_a_pixel), F(level_for_pixels), F(level_errors), F(fidelity), F(pilots),
+              F(pilot_samples), F(pilot_host_seconds));
+GICUBE_RECORD(LightPoint, F(albedo), F(step), F(rays_per_face_voxel), F(error), F(error_bound), F(noise), F(bias),
+              F(rays), F(samples), F(time));
+GICUBE_RECORD(LightPlan, F(chosen), F(asked), F(kept), F(at_limit), F(points), F(passes), F(pass_samples),
+              F(host_seconds), F(channel));
+GICUBE_RECORD(ScatterEvent, F(position), F(direction), F(normal), F(opacity), F(density), F(tag), F(lighting),
+              F(generation), F(random));
+GICUBE_RECORD(ScatterAnswer, F(direction), F(passes));
+#undef F
+#undef GICUBE_RECORD
+#undef GICUBE_FIELD
+
+}  // namespace gicube::python

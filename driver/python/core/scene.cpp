@@ -1,0 +1,161 @@
+// gicube-scene: files of volumes, transfer functions and pictures; scenes.
+#include "gicube/scene/scene.h"
+
+#include "gicube/scene/image_file.h"
+#include "gicube/scene/volume_file.h"
+#include "parts.h"
+#include "records.h"
+
+namespace gicube::python {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* numpy_type(SampleType type) {
+  constexpr const char* kNames[] = {"u1", "u2", "u2", "i2", "f4"};
+  return kNames[static_cast<std::size_t>(type)];
+}
+
+py::object volume_of(scene::Volume&& volume) {
+  const auto [x, y, z] = volume.dims;
+  const auto bytes = static_cast<py::ssize_t>(bytes_per_sample(volume.type));
+  const py::array samples = to_array(std::move(volume.samples), {z, y, x * bytes}, py::dtype("u1"));
+  py::dict fields;
+  fields["sample_type"] = write(volume.type);
+  fields["spacing"] = write(volume.spacing);
+  fields["range"] = write(volume.range);
+  fields["source"] = volume.source;
+  return record_class("Volume")(samples.attr("view")(numpy_type(volume.type)), **fields);
+}
+
+// Of a setup: views of its memory, which the array keeps alive.
+py::object volume_of(const py::object& owner) {
+  const auto& setup = owner.cast<const scene::SceneSetup&>();
+  const auto [x, y, z] = setup.volume.dims;
+  if (setup.volume.samples.empty()) throw Error("the scene's voxels were given back: free_voxels()");
+  const auto view = [&](const char* type, std::vector<py::ssize_t> shape, const void* data) {
+    py::array made(py::dtype(type), std::move(shape), data, owner);
+    made.attr("setflags")(false);
+    return made;
+  };
+  py::dict fields;
+  fields["sample_type"] = write(setup.volume.type);
+  fields["spacing"] = write(setup.volume.spacing);
+  fields["range"] = write(setup.volume.range);
+  fields["source"] = setup.volume.source;
+  if (!setup.tags.empty()) fields["tags"] = view("u1", {z, y, x}, setup.tags.data());
+  if (!setup.gradients.empty()) fields["gradients"] = view("f4", {z, y, x, 3}, setup.gradients.data());
+  return record_class("Volume")(view(numpy_type(setup.volume.type), {z, y, x}, setup.volume.samples.data()), **fields);
+}
+
+py::object looks_of(const scene::SceneSetup& setup) {
+  const ValueRange range = scene::value_range_of(setup.volume);
+  py::list out;
+  for (const scene::TransferFunctionFile& file : setup.materials) out.append(write(scene::in_values_of(range, file)));
+  return out;
+}
+
+void add_files(py::module_& module) {
+  module.def("read_volume", [](const std::string& path, const py::object& raw) {
+    std::optional<scene::RawLayout> layout;
+    if (!raw.is_none()) {
+      layout.emplace();
+      read(raw.attr("dims"), "raw.dims", layout->dims);
+      read(raw.attr("sample_type"), "raw.sample_type", layout->type);
+      read(raw.attr("spacing"), "raw.spacing", layout->spacing);
+      read(raw.attr("big_endian"), "raw.big_endian", layout->big_endian);
+      read(raw.attr("skip_bytes"), "raw.skip_bytes", layout->skip_bytes);
+    }
+    // teem keeps its error texts in one place: one reader at a time, for which the interpreter's lock is held.
+    return volume_of(scene::read_volume(fs::path(path), layout));
+  });
+  module.def("write_volume", [](const std::string& path, const py::array& values, const Dims& dims,
+                                const py::object& spacing, const py::object& origin) {
+    scene::FloatVolume volume;
+    volume.dims = dims;
+    read(spacing, "spacing", volume.spacing);
+    read(origin, "origin", volume.origin);
+    volume.values = items_of<float>(values, "values");
+    without_interpreter([&] { scene::write_volume(volume, path); });
+  });
+  module.def("find_transfer_function", [](const std::string& name, const py::object& range) {
+    return write(scene::in_values_of(read_as<ValueRange>(range, "range"), scene::find_transfer_function(name)));
+  });
+  module.def("presets", [] {
+    py::list out;
+    for (const scene::Preset& preset : scene::presets()) out.append(py::str(preset.name.data(), preset.name.size()));
+    return out;
+  });
+  module.def("write_image", [](const std::string& path, const py::array& pixels, const py::object& background) {
+    const auto from = items_of<Pixel>(pixels, "pixels");
+    Image image{static_cast<int>(pixels.shape(1)), static_cast<int>(pixels.shape(0)), {from.begin(), from.end()}};
+    std::optional<scene::Background> under;
+    if (!background.is_none()) under.emplace(read_as<Colour>(background, "background"));
+    without_interpreter([&] { scene::write_image(image, path, under); });
+  });
+  module.def("fit_view",
+             [](const py::object& low, const py::object& high, const py::object& spacing, const py::object& view,
+                const py::object& eye, const py::object& look_at, const py::object& up) {
+               scene::CameraSettings camera;
+               read(eye, "eye", camera.eye);
+               read(look_at, "look_at", camera.look_at);
+               read(up, "up", camera.up);
+               auto out = read_as<View>(view, "");
+               camera.fov_degrees = out.fov_degrees;
+               if (out.orthographic_height > 0) camera.orthographic_height = out.orthographic_height;
+               scene::fit_camera(camera, {read_as<Vec3>(low, "low"), read_as<Vec3>(high, "high")},
+                                 read_as<Vec3>(spacing, "spacing"), out);
+               return write(out);
+             });
+}
+
+}  // namespace
+
+void add_scenes(py::module_& module) {
+  add_files(module);
+  py::class_<scene::Scene> scene(module, "Scene");
+  scene.def("at_time", [](const scene::Scene& self, double seconds) { return scene::at_time(self, seconds); });
+  scene.def("choose_camera", [](scene::Scene& self, const std::string& name) { scene::choose_camera(self, name); });
+  scene.def("allow_outside", [](scene::Scene& self) { scene::allow_outside(self); });
+  scene.def("get", [](scene::Scene& self, const std::string& target) { return scene::find_parameter(self, target); });
+  scene.def("set", [](scene::Scene& self, const std::string& target, double value) {
+    scene::find_parameter(self, target) = value;
+  });
+  scene.def_property_readonly("cameras", [](const scene::Scene& self) {
+    std::vector<std::string> names{self.camera.name};
+    for (const auto& camera : self.more_cameras) names.push_back(camera.name);
+    return write(names);
+  });
+  scene.def_property(
+      "view", [](const scene::Scene& self) { return write(self.view); },
+      [](scene::Scene& self, const py::object& view) { read(view, "", self.view); });
+  scene.def(
+      "set_up",
+      [](const scene::Scene& self, int threads) {
+        return without_interpreter([&] { return scene::set_up(self, threads); });
+      },
+      py::arg("threads") = 0);
+  module.def("read_scene", [](const std::string& path) { return scene::read_scene(path); });
+  module.def("parse_scene", [](const std::string& text, const std::string& name, const std::string& folder) {
+    return scene::parse_scene(text, name, folder);
+  });
+
+  py::class_<scene::SceneSetup> setup(module, "SceneSetup");
+  setup.def_property_readonly("volume", [](const py::object& self) { return volume_of(self); });
+  setup.def_property_readonly("looks", looks_of);
+  setup.def_property_readonly("materials", [](const scene::SceneSetup& self) { return write(self.optics); });
+  setup.def_property_readonly("shading", [](const scene::SceneSetup& self) { return write(self.shading); });
+  setup.def_property_readonly("lights", [](const scene::SceneSetup& self) { return write(self.lights); });
+  setup.def_property_readonly("is_lit", [](const scene::SceneSetup& self) { return self.lighting.on; });
+  setup.def_property_readonly("illumination",
+                              [](const scene::SceneSetup& self) { return write(self.lighting.settings); });
+  setup.def_property_readonly("view", [](const scene::SceneSetup& self) { return write(self.view); });
+  setup.def_property_readonly("background", [](const scene::SceneSetup& self) { return write(self.background); });
+  setup.def("load", [](const scene::SceneSetup& self, Handle& on, bool own_codebook, const py::object& progress) {
+    const Progress told = progress_of(progress);
+    const auto board = on.board();
+    without_interpreter([&] { scene::load(*board, self, own_codebook, told); });
+  });
+}
+
+}  // namespace gicube::python

@@ -1,0 +1,160 @@
+"""The arrays that go to the board and come from it: their dtypes, how they are made, how they are checked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from gicube import _core
+from gicube.errors import BadArgument
+from gicube.records import ElementKind, SampleType
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array = npt.NDArray[Any]
+    ArrayLike = npt.ArrayLike
+
+
+def _dtype(layout: dict[str, int], **formats: Any) -> np.dtype[Any]:
+    return np.dtype(
+        {
+            "names": list(formats),
+            "formats": list(formats.values()),
+            "offsets": [layout[name] for name in formats],
+            "itemsize": layout["itemsize"],
+        }
+    )
+
+
+_V = ("f8", (3,))
+
+#: A ray of the host: id, position and direction (x, y, z in voxels), length (voxels), energy. gicube/ray.h, HostRay.
+RAY = _dtype(_core.HOST_RAY, id="u4", position=_V, direction=_V, length="f8", energy="f8")
+#: A ray as it returned: id, position, direction, colour (premultiplied, 0..1), opacity, integral.
+TRACED_RAY = _dtype(_core.TRACED_RAY, id="u4", position=_V, direction=_V, colour=_V, opacity="f8", integral="f8")
+#: rgb: 0..255, premultiplied by alpha, display-referred; alpha: 0..4095.
+PIXEL = _dtype(_core.PIXEL, rgb=("u1", (3,)), alpha="u2")
+#: kind (index of ElementKind), origin, u, v, w. gicube/pair.h, Element.
+ELEMENT = _dtype(_core.ELEMENT, kind="i4", origin=_V, u=_V, v=_V, w=_V)
+#: a, b: indices of elements; id picks the points.
+ELEMENT_PAIR = _dtype(_core.ELEMENT_PAIR, a="u4", b="u4", id="u4")
+#: transported, geometric, standard_error, clear. gicube/pair.h, PairFactor.
+PAIR_FACTOR = _dtype(_core.PAIR_FACTOR, transported="f8", geometric="f8", standard_error="f8", clear="?")
+
+
+def _shape_text(shape: Sequence[Optional[int]]) -> str:
+    return "(" + ", ".join("any" if edge is None else str(edge) for edge in shape) + ")"
+
+
+def as_array(value: ArrayLike, field: str, dtype: Any, shape: Optional[Sequence[Optional[int]]] = None) -> Array:
+    """`value` contiguous, in the machine's byte order, without a copy if it is that already.
+
+    `shape`: None is any length. Raises BadArgument: another dtype (integers that fit become floats), another shape.
+    """
+    wanted = np.dtype(dtype)
+    array = np.asarray(value) if isinstance(value, np.ndarray) else np.asarray(value, dtype=wanted)
+    native = array.dtype.newbyteorder("=")
+    if native != wanted and not (wanted.names is None and np.can_cast(native, wanted, "same_kind") and wanted.kind == "f"):
+        raise BadArgument(field, f"an array of {wanted.name if wanted.names is None else wanted.names}", str(array.dtype))
+    if shape is not None:
+        fits = len(shape) == array.ndim and all(want in (None, got) for want, got in zip(shape, array.shape))
+        if not fits:
+            raise BadArgument(field, f"the shape {_shape_text(shape)}", str(array.shape))
+    return np.ascontiguousarray(array, dtype=wanted)
+
+
+def volume_samples(samples: ArrayLike, given: Optional[SampleType]) -> Tuple[Array, SampleType]:
+    """A volume's samples as the driver takes them, and their type."""
+    array = np.asarray(samples)
+    native = array.dtype.newbyteorder("=")
+    if isinstance(given, str):
+        given = SampleType(given)
+    names = {"uint8": "uint8", "uint16": "uint16", "int16": "int16", "float32": "float32"}
+    if native.name not in names:
+        raise BadArgument("samples", "an array of uint8, uint16, int16 or float32", str(array.dtype))
+    found = SampleType(names[native.name])
+    if given is not None and given is not found and not (given is SampleType.UINT12 and found is SampleType.UINT16):
+        raise BadArgument("sample_type", f"{found.value}, as the array's", given.value)
+    if array.ndim != 3:
+        raise BadArgument("samples", "three axes, [z, y, x]", f"the shape {array.shape}")
+    return np.ascontiguousarray(array, dtype=native), given or found
+
+
+def rays(
+    position: ArrayLike,
+    direction: ArrayLike,
+    *,
+    length: ArrayLike = 0.0,
+    energy: ArrayLike = 0.0,
+    id: Optional[ArrayLike] = None,
+) -> Array:
+    """Rays from arrays (n, 3) of positions and directions, in voxels; one of them may be a single vector for all.
+
+    length (voxels), energy, id: one value or n. Ids are 0..n-1 if none are given. Returns an array of RAY.
+    """
+    positions = as_array(position, "position", "float64")
+    directions = as_array(direction, "direction", "float64")
+    for field, array in (("position", positions), ("direction", directions)):
+        if array.shape[-1:] != (3,) or array.ndim > 2:
+            raise BadArgument(field, "the shape (n, 3) or (3,)", str(array.shape))
+    count = max(array.shape[0] if array.ndim == 2 else 1 for array in (positions, directions))
+    out = np.empty(count, RAY)
+    values = {
+        "position": positions,
+        "direction": directions,
+        "length": length,
+        "energy": energy,
+        "id": np.arange(count, dtype="u4") if id is None else id,
+    }
+    for field, value in values.items():
+        try:
+            out[field] = value
+        except (ValueError, OverflowError) as error:
+            raise BadArgument(field, f"one value, or {count} of them", str(np.shape(value))) from error
+    return out
+
+
+def rays_between(start: ArrayLike, end: ArrayLike, *, id: Optional[ArrayLike] = None, energy: ArrayLike = 0.0) -> Array:
+    """Rays from one point to another, arrays (n, 3) or single points in voxels, for ray types with a length."""
+    starts, ends = as_array(start, "start", "float64"), as_array(end, "end", "float64")
+    try:
+        way = ends - starts
+    except ValueError as error:
+        raise BadArgument("end", f"the shape {starts.shape}, as the start's", str(ends.shape)) from error
+    length = np.sqrt((way * way).sum(axis=-1))
+    direction = np.where(length[..., None] > 0, way, (0.0, 0.0, 1.0))
+    return rays(np.broadcast_to(starts, way.shape), direction, length=length, id=id, energy=energy)
+
+
+def clip_to_volume(rays: Array, dims: Sequence[int]) -> Array:
+    """The parts of rays with a length that are inside a volume of `dims` voxels; rays that miss it are left out."""
+    out: Array = _core.clip_to_volume(as_array(rays, "rays", RAY, (None,)), list(dims))
+    return out
+
+
+def elements(
+    kind: Union[ElementKind, Sequence[ElementKind]], origin: ArrayLike, u: ArrayLike, v: ArrayLike, w: ArrayLike = (0.0, 0.0, 0.0)
+) -> Array:
+    """Elements for Board.pair_factors(): arrays (n, 3) in voxels, or single vectors for all. Returns an array of ELEMENT."""
+    vectors = {name: as_array(value, name, "float64") for name, value in (("origin", origin), ("u", u), ("v", v), ("w", w))}
+    kinds = [kind] if isinstance(kind, ElementKind) else list(kind)
+    count = max([len(kinds), *(len(value) for value in vectors.values() if value.ndim == 2)])
+    out = np.empty(count, ELEMENT)
+    order = list(ElementKind)
+    out["kind"] = [order.index(ElementKind(each)) for each in kinds]
+    for name, value in vectors.items():
+        if value.shape not in ((3,), (count, 3)):
+            raise BadArgument(name, f"the shape (3,) or ({count}, 3)", str(value.shape))
+        out[name] = value
+    return out
+
+
+def pairs(a: ArrayLike, b: ArrayLike, id: Optional[ArrayLike] = None) -> Array:
+    """Pairs of elements by their indices, for Board.pair_factors(). Ids are 0..n-1 if none are given."""
+    firsts, seconds = np.broadcast_arrays(np.atleast_1d(a), np.atleast_1d(b))
+    out = np.empty(firsts.size, ELEMENT_PAIR)
+    out["a"], out["b"] = firsts.ravel(), seconds.ravel()
+    out["id"] = np.arange(firsts.size) if id is None else id
+    return out

@@ -1,0 +1,440 @@
+"""The host's handle to one GI-Cube board."""
+
+from __future__ import annotations
+
+import asyncio
+import atexit
+import os
+import weakref
+from contextlib import contextmanager
+from dataclasses import replace
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, Union
+
+import numpy as np
+
+from gicube import _core
+from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array
+from gicube.counters import Counters
+from gicube.errors import BadArgument
+from gicube.image import Image
+from gicube.records import (
+    BackPressure,
+    BoardInfo,
+    Illumination,
+    Light,
+    LightingReport,
+    Material,
+    PairRequest,
+    RayBatch,
+    RayRequest,
+    RayType,
+    Reopened,
+    ScatterAnswer,
+    ScatterEvent,
+    Shading,
+    Ticket,
+    TransferFunction,
+    ValueRange,
+    View,
+    Volume,
+    VoxelBox,
+)
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array = npt.NDArray[Any]
+    ArrayLike = npt.ArrayLike
+
+#: progress=...: a callable(done, all), or True: a bar on standard error, by tqdm if it is there.
+ProgressLike = Union[None, bool, Callable[[int, int], object]]
+
+NO_DEADLINE = 2**64 - 1
+
+
+@contextmanager
+def shown(progress: ProgressLike, what: str) -> Iterator[Optional[Callable[[int, int], object]]]:
+    """The callable that the core takes."""
+    if progress is None or progress is False:
+        yield None
+    elif progress is not True:
+        yield progress
+    else:
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            import sys
+
+            yield lambda done, all: print(f"\r{what}: {done} of {all}", end="\n" if done == all else "", file=sys.stderr)
+            return
+        with tqdm(desc=what) as bar:
+
+            def show(done: int, all: int) -> None:
+                bar.total = all
+                bar.update(done - bar.n)
+
+            yield show
+
+
+_open_boards: "weakref.WeakSet[Board]" = weakref.WeakSet()
+
+
+@atexit.register
+def _close_boards() -> None:
+    for board in list(_open_boards):
+        board.close()
+
+
+class Board:
+    """One session with one board, which ends with close(), the `with` statement or this object.
+
+    Several threads may use it: each call is one transaction, they take turns, and other threads of Python run meanwhile. Ctrl-C ends
+    a call that waits by KeyboardInterrupt. The board works on then and takes the next call: a picture is unknown, irradiance
+    incomplete, a loading volume lost; ray batches stay under way. A process that is forked from this one opens its own board.
+
+    Every call but close() raises DeviceLost and TimedOut (see reopen()), Error in a forked process.
+    """
+
+    def __init__(
+        self,
+        uri: str = "emu:",
+        *,
+        watchdog: float = 600.0,
+        max_rays: int = 1 << 22,
+        back_pressure: BackPressure = BackPressure.WAIT,
+        keep_volume: bool = False,
+        reopen_attempts: int = 0,
+        force: bool = False,
+        wait_for_board: float = 0.0,
+        capture: Union[str, "os.PathLike[str]"] = "",
+        token_file: Union[str, "os.PathLike[str]"] = "",
+        ca_file: Union[str, "os.PathLike[str]"] = "",
+    ) -> None:
+        """Opens a board and resets it.
+
+        uri: "emu:" starts a private emulated one, "unix:PATH", "tcp:HOST:PORT" and "tls:HOST:PORT" name a gicube-board that
+            listens. emu: takes options, as in "emu:?fidelity=cycle&bus=agp2x&set=asic.processors=8" (gicube/board.h).
+        watchdog: seconds of wall-clock time for one answer of the board, 0: no limit.
+        max_rays, back_pressure: how many rays may be under way, 4096 or more, and what submit() does then.
+        keep_volume: the volume stays in the host's memory for reopen(), 4.5 bytes per voxel.
+        reopen_attempts: how often in a row a call resumes a lost session by itself. Not for emu:.
+        force: takes the board from its owner. wait_for_board: seconds to wait in line for it.
+        capture: file for every frame of the session (docs/guide/capture.md).
+        token_file, ca_file: access over TCP and TLS (docs/reference/security.md).
+
+        Raises BadArgument, OpenFailed, BoardBusy, VersionMismatch, TimedOut.
+        """
+        self.uri = uri
+        self._core = _core.Board(
+            uri,
+            {
+                "watchdog": watchdog,
+                "max_rays": max_rays,
+                "back_pressure": back_pressure,
+                "keep_volume": keep_volume,
+                "reopen_attempts": reopen_attempts,
+                "force": force,
+                "wait_for_board": wait_for_board,
+                "capture": os.fspath(capture),
+                "token_file": os.fspath(token_file),
+                "ca_file": os.fspath(ca_file),
+            },
+        )
+        _open_boards.add(self)
+
+    def close(self) -> None:
+        """Ends the session; calls of other threads end first. May be called again."""
+        self._core.close()
+
+    def __enter__(self) -> "Board":
+        return self
+
+    def __exit__(
+        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        try:
+            info = self.info
+        except RuntimeError:
+            return f"<gicube.Board {self.uri}, closed>"
+        return f"<gicube.Board {self.uri}: {info.fidelity.value}, {info.processors} processors, at {self.now * 1e-9:.6g} ms>"
+
+    @property
+    def info(self) -> BoardInfo:
+        """What the board said of itself when it was opened."""
+        info: BoardInfo = self._core.info
+        return info
+
+    @property
+    def now(self) -> int:
+        """The simulated host's clock since open(), picoseconds."""
+        now: int = self._core.now
+        return now
+
+    def reopen(self) -> Reopened:
+        """After DeviceLost or TimedOut: connects again by the same URI.
+
+        If the board still has the session, it goes on, and the failed call may be made again. Else it is a new board: tables and
+        materials are written again, with keep_volume the volume too; irradiance, sums and framebuffer are lost.
+        Raises OpenFailed, BoardBusy, VersionMismatch: the board is still lost.
+        """
+        found: Reopened = self._core.reopen()
+        return found
+
+    # Volume.
+
+    def load_volume(self, volume: Union[Volume, "ArrayLike"], *, progress: ProgressLike = None) -> None:
+        """Replaces the volume: an array [z, y, x] of uint8, uint16, int16 or float32, or a gicube.Volume, which has more to say.
+
+        Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer functions
+        are kept. Raises BadArgument: the board keeps its volume. Raises Rejected if it needs more memory than the board may take:
+        there is no volume then.
+        """
+        made = volume if isinstance(volume, Volume) else Volume(np.asarray(volume))
+        with shown(progress, "loading") as told:
+            self._core.load_volume(made, told)
+
+    def _box(self, box: Optional[VoxelBox]) -> VoxelBox:
+        if box is not None:
+            return box
+        x, y, z = self._dims()
+        return VoxelBox((0, 0, 0), (x, y, z))
+
+    def _dims(self) -> Sequence[int]:
+        dims: Sequence[int] = self._core.dims()
+        return dims
+
+    def read_volume(self, box: Optional[VoxelBox] = None) -> "Array":
+        """The values of a box, or of all, as the board holds them, 12 bits each: float32 [z, y, x]. Raises Rejected, BadArgument."""
+        out: Array = self._core.read_volume(self._box(box))
+        return out
+
+    def _values(self, values: "ArrayLike", box: Optional[VoxelBox]) -> tuple["Array", VoxelBox]:
+        array = as_array(values, "values", "float32", (None, None, None))
+        if box is None:
+            box = VoxelBox((0, 0, 0), array.shape[::-1])
+        elif tuple(box.size) != array.shape[::-1]:
+            raise BadArgument("values", f"the shape {tuple(box.size)[::-1]}, as the box's", str(array.shape))
+        return array, box
+
+    def write_volume(self, values: "ArrayLike", box: Optional[VoxelBox] = None) -> None:
+        """Overwrites a box of the volume, by default the one at (0, 0, 0), with values [z, y, x], clamped to its range.
+
+        Raises Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
+        """
+        array, where = self._values(values, box)
+        self._core.write_volume(where, array)
+
+    def verify_volume(self) -> list[int]:
+        """The blocks that differ from what was written there, numbered as in empty_flags.ravel(). Raises Rejected, MemoryFault."""
+        blocks: list[int] = self._core.verify_volume()
+        return blocks
+
+    @property
+    def value_range(self) -> ValueRange:
+        """The map from the loaded volume's values to densities. Raises Rejected before load_volume()."""
+        out: ValueRange = self._core.value_range()
+        return out
+
+    @property
+    def empty_flags(self) -> "Array":
+        """The flags in force, uint8 [z, y, x], one a block, nonzero = nothing visible. May be assigned, until the next
+        load_volume() or set_transfer_function(): a flag that is set on a visible block hides that block."""
+        out: Array = self._core.empty_flags()
+        return out
+
+    @empty_flags.setter
+    def empty_flags(self, flags: "ArrayLike") -> None:
+        array = np.asarray(flags)
+        self._core.set_empty_flags(as_array(array.astype("u1") if array.dtype == bool else array, "flags", "uint8"))
+
+    def set_gradient_codebook(self, directions: "ArrayLike") -> None:
+        """Replaces the codebook: at most 2048 unit directions (n, 3), the first of them zero. Raises BadArgument, Rejected."""
+        self._core.set_gradient_codebook(as_array(directions, "directions", "float64", (None, 3)))
+
+    # Looks.
+
+    def set_transfer_function(self, function: TransferFunction, tag: int = 0) -> None:
+        """Sets how tag 0..3 looks; a tag never set is invisible. Raises BadArgument: the board is untouched."""
+        self._core.set_transfer_function(function, tag)
+
+    def set_shading(self, shading: Shading) -> None:
+        """Phong coefficients and light of the next renderings. Raises BadArgument: the board is untouched."""
+        self._core.set_shading(shading)
+
+    def set_material(self, material: Material, tag: int = 0) -> None:
+        """How tag 0..3 scatters rays; until then it does not. Raises BadArgument: the board is untouched."""
+        self._core.set_material(material, tag)
+
+    def set_scattering_routine(
+        self, routine: Optional[Callable[[ScatterEvent], ScatterAnswer]], time_per_ray: int = 0
+    ) -> None:
+        """Scatters the rays that meet a material with Bsdf.TRAP and HOST_ROUTINE; the simulated host takes `time_per_ray` for each.
+
+        It may ask this board for `now` and `info` only. What it raises leaves the call that needed it; an answer that no ray can
+        follow raises ScatteringFailed. The rays that had not ended are lost then, and the board is ready for the next call.
+        """
+        self._core.set_scattering_routine(routine, time_per_ray)
+
+    # Light.
+
+    def illuminate(
+        self, lights: Sequence[Light], settings: Illumination = Illumination(), *, progress: ProgressLike = None
+    ) -> LightingReport:
+        """Clears the irradiance and distributes the lights' energy by lighting rays. The simulated host waits.
+
+        Raises BadArgument (a light's index and field, settings), Rejected (no volume, no routine), DeadlinePassed: the irradiance
+        is incomplete.
+        """
+        with shown(progress, "lighting") as told:
+            report: LightingReport = self._core.illuminate(list(lights), settings, told)
+        return report
+
+    def read_irradiance(self, box: Optional[VoxelBox] = None) -> "Array":
+        """float32 [z, y, x], in units of the lights' power, of a box or of all. Raises Rejected, BadArgument."""
+        out: Array = self._core.read_irradiance(self._box(box))
+        return out
+
+    def write_irradiance(self, values: "ArrayLike", box: Optional[VoxelBox] = None) -> None:
+        """Overwrites it in a box, by default the one at (0, 0, 0): words are rounded to the unit in force, and saturate."""
+        array, where = self._values(values, box)
+        self._core.write_irradiance(where, array)
+
+    def clear_irradiance(self, unit: float) -> None:
+        """Zero everywhere; one unit of the words is `unit` of the lights' power: for DEPOSIT rays and write_irradiance()."""
+        self._core.clear_irradiance(unit)
+
+    def clear_sums(self, unit: float) -> None:
+        """Sets the sums of BACKPROJECT rays to zero, and one unit of them to `unit`, an energy times a length."""
+        self._core.clear_sums(unit)
+
+    def read_sums(self, box: Optional[VoxelBox] = None) -> "Array":
+        """float32 [z, y, x]: one sum a voxel. Raises Rejected before clear_sums(), BadArgument."""
+        out: Array = self._core.read_sums(self._box(box))
+        return out
+
+    # Pictures.
+
+    def render(self, view: View, *, progress: ProgressLike = None) -> Image:
+        """Renders and reads the picture. The simulated host waits.
+
+        Raises BadArgument (the view's field), Rejected (no volume, light or routine): the framebuffer is unchanged; DeadlinePassed.
+        """
+        self.render_to_framebuffer(view, progress=progress)
+        return self.read_framebuffer()
+
+    def render_to_framebuffer(self, view: View, *, progress: ProgressLike = None) -> None:
+        """The same without reading it."""
+        with shown(progress, "rendering") as told:
+            self._core.render_to_framebuffer(view, told)
+
+    def read_framebuffer(self) -> Image:
+        """The last picture, at 36 bits per pixel over the bus. Raises Rejected before the first."""
+        image: Image = self._core.read_framebuffer()
+        return image
+
+    # Rays.
+
+    def submit(self, rays: "Array", request: Optional[RayRequest] = None, **fields: Any) -> Ticket:
+        """Sends rays, an array of gicube.RAY (gicube.rays() makes one). Returns at once unless too many are under way.
+
+        What is asked of them is a RayRequest, or its fields: submit(rays, type=RayType.FIRST_HIT, opacity=0.5).
+        Raises BadArgument (a ray's index and field, the request's fields), Rejected, WouldBlock: nothing was sent.
+        """
+        asked = RayRequest(**fields) if request is None else replace(request, **fields)
+        batch = as_array(rays, "rays", RAY, (None,))
+        none_return = RayType(asked.type) in (RayType.DEPOSIT, RayType.BACKPROJECT)
+        return Ticket(self._core.submit(batch, asked), 0 if none_return else len(batch))
+
+    def submit_lines(self, lines: Sequence["ArrayLike"], ids: Optional[Sequence[int]] = None) -> Ticket:
+        """Lines through several points, arrays (n, 3) in voxels: their legs are SEGMENT rays, one of which returns for each leg."""
+        points = [as_array(line, f"lines[{i}]", "float64", (None, 3)) for i, line in enumerate(lines)]
+        numbers = list(range(len(points))) if ids is None else list(ids)
+        if len(numbers) != len(points):
+            raise BadArgument("ids", f"{len(points)} of them", str(len(numbers)))
+        return Ticket(self._core.submit_lines(points, numbers), sum(len(line) - 1 for line in points))
+
+    def receive(self, ticket: Ticket, *, out: Optional["Array"] = None, deadline: int = NO_DEADLINE) -> RayBatch:
+        """Waits until that batch has returned, and moves the simulated clock to its arrival.
+
+        out: an array of gicube.TRACED_RAY for the rays, as many as were submitted; else a new one is made.
+        Raises BadArgument (unknown ticket, wrong size), Rejected, Unsupported (the batch is gone), DeadlinePassed if it has not
+        arrived by the simulated time `deadline`, picoseconds: the batch is still under way.
+        """
+        space = np.empty(ticket.rays, TRACED_RAY) if out is None else out
+        if space.dtype != TRACED_RAY or not space.flags.c_contiguous:
+            raise BadArgument("out", "a contiguous array of gicube.TRACED_RAY", str(space.dtype))
+        report = self._core.receive(ticket.id, space, deadline)
+        return RayBatch(ticket=ticket.id, rays=space[:0] if report["cancelled"] else space, **report)
+
+    async def receive_async(self, ticket: Ticket) -> RayBatch:
+        """receive() for asyncio: other tasks run until the board has worked the batch out."""
+        arrived = asyncio.Event()
+        descriptor = self.descriptor(ticket)
+        loop = asyncio.get_running_loop()
+        try:
+            loop.add_reader(descriptor, arrived.set)
+            await arrived.wait()
+        finally:
+            loop.remove_reader(descriptor)
+            os.close(descriptor)
+        return self.receive(ticket)
+
+    def descriptor(self, ticket: Ticket) -> int:
+        """A file descriptor that becomes readable when receive() would no longer wait for the board's work. The caller closes it."""
+        number: int = self._core.descriptor(ticket.id)
+        return number
+
+    def poll(self) -> list[RayBatch]:
+        """The batches that have arrived by now and were not received yet, in the order of their simulated arrival."""
+        batches: list[RayBatch] = self._core.poll()
+        return batches
+
+    def cancel(self, ticket: Ticket) -> bool:
+        """Takes back the part of a batch that has not begun. False: it is too late, and the batch comes back whole."""
+        done: bool = self._core.cancel(ticket.id)
+        return done
+
+    def pair_factors(
+        self,
+        elements: "Array",
+        pairs: "Array",
+        request: Optional[PairRequest] = None,
+        *,
+        progress: ProgressLike = None,
+        **fields: Any,
+    ) -> "Array":
+        """How much light goes between pairs of elements: an array of gicube.PAIR_FACTOR, one factor a pair (gicube/pair.h).
+
+        elements, pairs: by gicube.elements() and gicube.pairs(). The request is a PairRequest or its fields.
+        Raises BadArgument (an element's, a pair's index, the request's fields), Rejected (no volume): nothing was sent.
+        """
+        asked = PairRequest(**fields) if request is None else replace(request, **fields)
+        with shown(progress, "pairs") as told:
+            out: Array = self._core.pair_factors(
+                as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs", ELEMENT_PAIR, (None,)), asked, told
+            )
+        return out
+
+    # Time.
+
+    def host_compute(self, duration: int) -> None:
+        """The simulated host works for that long, picoseconds; the board goes on meanwhile."""
+        self._core.host_compute(duration)
+
+    def set_time_limit(self, limit: int) -> None:
+        """From now on a picture or a lighting pass that takes longer, in simulated picoseconds, raises DeadlinePassed. 0: none."""
+        self._core.set_time_limit(limit)
+
+    @property
+    def counters(self) -> Counters:
+        """What the board has counted so far."""
+        return Counters(self._core.counters())
+
+
+def open(uri: str = "emu:", **options: Any) -> Board:
+    """Opens a board: Board(uri, **options)."""
+    return Board(uri, **options)

@@ -1,0 +1,51 @@
+"""What a board counted."""
+
+from __future__ import annotations
+
+import html
+from typing import Iterable, Iterator, Mapping, Tuple
+
+
+class Counters(Mapping[str, int]):
+    """Counters by name, as "bus.down.busy_ps"; docs/reference/counters.md lists them all.
+
+    Every counter only grows within a session: `end - begin` is what happened in between. A counter that is not there (another
+    fidelity level, or nothing of its kind has happened) raises KeyError; get(name, 0) is 0.
+    """
+
+    def __init__(self, counters: Iterable[Tuple[str, str, int]]) -> None:
+        self._values: dict[str, int] = {}
+        self._units: dict[str, str] = {}
+        for name, unit, value in counters:
+            self._values[name], self._units[name] = value, unit
+
+    def __getitem__(self, name: str) -> int:
+        return self._values[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def unit(self, name: str) -> str:
+        """As "ps" or "rays". Raises KeyError."""
+        return self._units[name]
+
+    def __sub__(self, begin: "Counters") -> "Counters":
+        return Counters((name, self._units[name], value - begin.get(name, 0)) for name, value in self._values.items())
+
+    def matching(self, part: str) -> "Counters":
+        """Those with `part` in their names."""
+        return Counters((name, self._units[name], value) for name, value in self._values.items() if part in name)
+
+    def __repr__(self) -> str:
+        return f"<gicube.Counters: {len(self)} counters>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td style='text-align:left'>{html.escape(name)}</td><td>{value:,}</td>"
+            f"<td style='text-align:left'>{html.escape(self._units[name])}</td></tr>"
+            for name, value in self._values.items()
+        )
+        return f"<table><tr><th>counter</th><th>value</th><th>unit</th></tr>{rows}</table>"

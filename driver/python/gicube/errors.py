@@ -1,0 +1,97 @@
+"""What the package raises: the classes of gicube/error.h, each also one of Python's own where there is one that fits.
+
+The docstring of each call says which it raises, and what state the board is in then.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from gicube.records import Loss
+
+
+class Error(RuntimeError):
+    """The parent of all that the driver raises."""
+
+
+class BadArgument(Error, ValueError):
+    """A value that the caller gave is wrong. Nothing was sent: the board is untouched."""
+
+    def __init__(self, field: str, expected: str, got: str) -> None:
+        super().__init__(f"{field}: expected {expected}, got {got}")
+        self.field, self.expected, self.got = field, expected, got
+
+    def __reduce__(self) -> tuple[type[BadArgument], tuple[str, str, str]]:
+        return type(self), (self.field, self.expected, self.got)
+
+
+class OpenFailed(Error, ConnectionError):
+    """No board could be opened: the socket or the program that the URI means is not there, or nobody answers."""
+
+
+class BoardBusy(Error):
+    """The board has another owner; the message says who, and since when."""
+
+
+class VersionMismatch(Error):
+    """Driver and board speak different major versions."""
+
+
+class Rejected(Error):
+    """The board refused a request, in its own words; its state is as before."""
+
+
+class ScatteringFailed(Error):
+    """The application's scattering routine gave an answer that no ray can follow."""
+
+
+class MemoryFault(Error):
+    """The board's memory reported an error that it could not correct. Nothing has changed; the call may be made again."""
+
+
+class Unsupported(Error):
+    """This board or fidelity level can't do what was asked; its state is as before."""
+
+
+class DeviceLost(Error, ConnectionError):
+    """The connection to the board broke, for `cause`. All later calls raise this until Board.reopen() succeeds."""
+
+    def __init__(self, text: str, cause: Loss = Loss.CLOSED) -> None:
+        super().__init__(text)
+        self.cause = cause
+
+
+class DeadlinePassed(Error):
+    """The simulated host waited until its deadline, a simulated time. The board works on."""
+
+
+class WouldBlock(Error, BlockingIOError):
+    """As many rays are under way as open(max_rays=...) allows. Nothing was sent: receive or poll before the next try."""
+
+
+class TimedOut(Error, TimeoutError):
+    """No answer came within the wall-clock watchdog. As after DeviceLost, the board takes no calls until Board.reopen()."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that is wrong in a scene, a transfer function or a volume file."""
+
+    file: str
+    line: int
+    field: str
+    expected: str
+    got: str
+    text: str
+
+
+class InputError(Error, ValueError):
+    """Something that a user wrote, in a file or as a value, is wrong: `faults` says what, all of it. No board was touched."""
+
+    def __init__(self, text: str, faults: list[Fault]) -> None:
+        super().__init__(text)
+        self.faults = faults
+
+
+class FileError(InputError):
+    """A file can't be read or written, is damaged, or says what can't be."""

@@ -1,0 +1,525 @@
+"""Records and enumerations of the driver. Fields, defaults and meanings are those of the C++ headers that each class names.
+
+Positions are (x, y, z) in voxels, voxel (0, 0, 0) has its centre at the origin; arrays over voxels are indexed [z, y, x].
+Times are simulated, in picoseconds.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array = npt.NDArray[Any]
+
+Vec3 = Sequence[float]
+Colour = Sequence[float]
+
+
+class Fidelity(Enum):
+    """How a board emulates: values alone, approximate times, or each cycle."""
+
+    FUNCTIONAL = "functional"
+    APPROXIMATE = "approximate"
+    CYCLE = "cycle"
+
+
+class BackPressure(Enum):
+    """What submit() does when open(max_rays=...) are under way: wait for the oldest batch, or raise WouldBlock."""
+
+    WAIT = "wait"
+    THROW = "throw"
+
+
+class SampleType(Enum):
+    """Of a volume's samples. UINT12 holds 0..4095 in 16 bits."""
+
+    UINT8 = "uint8"
+    UINT12 = "uint12"
+    UINT16 = "uint16"
+    INT16 = "int16"
+    FLOAT32 = "float32"
+
+
+class Bsdf(Enum):
+    """How a material scatters rays (gicube/material.h has the formulas)."""
+
+    NONE = "none"
+    SPECULAR = "specular"
+    DULL_REFLECTION = "dull_reflection"
+    DULL_SCATTERING = "dull_scattering"
+    ISOTROPIC = "isotropic"
+    DIFFUSE = "diffuse"
+    TRAP = "trap"
+
+
+class PixelFilter(Enum):
+    """How the rays of a pixel become its colour."""
+
+    BOX = "box"
+    TENT = "tent"
+
+
+class Albedo(Enum):
+    """LOW: rays deposit a part of their energy at each sample. HIGH: photons that deposit all of it once."""
+
+    LOW = "low"
+    HIGH = "high"
+
+
+class EnergyRules(Enum):
+    """AS_PRINTED: the paper's, which lose scattered energy. CONSERVING: what goes in comes out."""
+
+    AS_PRINTED = "as_printed"
+    CONSERVING = "conserving"
+
+
+class RayType(Enum):
+    """What is asked of the rays of a batch (gicube/ray.h)."""
+
+    INTEGRATE = "integrate"
+    FIRST_HIT = "first_hit"
+    SEGMENT = "segment"
+    OPACITY = "opacity"
+    DEPOSIT = "deposit"
+    INTEGRAL = "integral"
+    BACKPROJECT = "backproject"
+
+
+class SumWords(Enum):
+    """Where rays of type BACKPROJECT leave what they carry."""
+
+    IRRADIANCE = "irradiance"
+    SUMS = "sums"
+
+
+class ElementKind(Enum):
+    """Of Board.pair_factors() (gicube/pair.h)."""
+
+    PATCH = "patch"
+    BOX = "box"
+    TRIANGLE = "triangle"
+    DISC = "disc"
+
+
+class PairRays(Enum):
+    """Who makes the rays between pairs. The results are the same to the bit; what crosses the bus is not."""
+
+    BY_BOARD = "by_board"
+    BY_HOST = "by_host"
+
+
+class Loss(Enum):
+    """Why a board was lost."""
+
+    CLOSED = "closed"
+    CORRUPTED = "corrupted"
+    TIMED_OUT = "timed_out"
+    TAKEN_OVER = "taken_over"
+    ENDED = "ended"
+
+
+FRESNEL_ROUTINE, HENYEY_GREENSTEIN_ROUTINE, TABULATED_ROUTINE = 0, 1, 2  # Material.routine, on every board
+FIRST_USER_ROUTINE, HOST_ROUTINE = 8, 255
+
+
+@dataclass
+class ValueRange:
+    """The map from values to the board's 12-bit density: round(4095 (v - low) / (high - low)), clamped."""
+
+    low: float = 0.0
+    high: float = 1.0
+
+
+@dataclass
+class VoxelBox:
+    """The voxels low[axis] .. low[axis] + size[axis] - 1, axes x, y, z."""
+
+    low: Sequence[int] = (0, 0, 0)
+    size: Sequence[int] = (0, 0, 0)
+
+
+@dataclass
+class Placement:
+    """Where a derived volume lies in the original: its voxel p is at low + edge p there."""
+
+    low: Vec3 = (0.0, 0.0, 0.0)
+    edge: float = 1.0
+
+
+@dataclass
+class Volume:
+    """A volume in the host's memory (gicube/volume.h).
+
+    samples: array [z, y, x] of uint8, uint16, int16 or float32. It is used where it lies if it is contiguous and in the machine's
+        byte order, and copied once if not. UINT12 is uint16 with `sample_type`.
+    spacing: physical voxel edges x, y, z; the ratios count, and for line integrals and backprojection the lengths too.
+    range: the values that become density 0 and 4095. None: 0..255 of uint8, 0..4095 of uint12, else the least and greatest sample.
+    gradients: None: found by the driver. Else float32 [z, y, x, 3], the direction x, y, z in which the value grows.
+    tags: None: all 0. Else uint8 [z, y, x], the material's tag 0..3.
+    find_gradients: False, without `gradients`: nothing is shaded, and loading takes a third less time.
+
+    Raises BadArgument with the field.
+    """
+
+    samples: Array
+    spacing: Vec3 = (1.0, 1.0, 1.0)
+    range: Optional[ValueRange] = None
+    sample_type: Optional[SampleType] = None
+    gradients: Optional[Array] = None
+    tags: Optional[Array] = None
+    find_gradients: bool = True
+    source: str = ""  # the file it was read from, for messages
+    placement: Optional[Placement] = None  # of one that coarser() or cropped() made
+
+    def __post_init__(self) -> None:
+        from gicube.arrays import as_array, volume_samples
+
+        self.samples, self.sample_type = volume_samples(self.samples, self.sample_type)
+        shape = self.samples.shape
+        if self.gradients is not None:
+            self.gradients = as_array(self.gradients, "gradients", "float32", (*shape, 3))
+        if self.tags is not None:
+            self.tags = as_array(self.tags, "tags", "uint8", shape)
+
+    @property
+    def dims(self) -> Tuple[int, int, int]:
+        """Voxels along x, y, z."""
+        z, y, x = self.samples.shape
+        return x, y, z
+
+    def __repr__(self) -> str:
+        x, y, z = self.dims
+        assert self.sample_type is not None
+        source = f" from {self.source}" if self.source else ""
+        return f"<gicube.Volume {x} x {y} x {z} {self.sample_type.value}{source}>"
+
+
+@dataclass
+class RawLayout:
+    """How the samples of a file without a header lie."""
+
+    dims: Sequence[int] = (0, 0, 0)
+    sample_type: SampleType = SampleType.UINT8
+    spacing: Vec3 = (1.0, 1.0, 1.0)
+    big_endian: bool = False
+    skip_bytes: int = 0
+
+
+@dataclass
+class ColourPoint:
+    """At a volume's value: red, green, blue, 0..1, display-referred."""
+
+    value: float = 0.0
+    colour: Colour = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class OpacityPoint:
+    """At a volume's value: 0..1, of one voxel length."""
+
+    value: float = 0.0
+    opacity: float = 0.0
+
+
+@dataclass
+class TransferFunction:
+    """Piecewise linear between its points, constant beyond. Points may be given as (value, (r, g, b)) and (value, opacity)."""
+
+    colours: Sequence[Union[ColourPoint, Tuple[float, Colour]]] = field(default_factory=list)
+    opacities: Sequence[Union[OpacityPoint, Tuple[float, float]]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.colours = [p if isinstance(p, ColourPoint) else ColourPoint(*p) for p in self.colours]
+        self.opacities = [p if isinstance(p, OpacityPoint) else OpacityPoint(*p) for p in self.opacities]
+
+
+@dataclass
+class Phong:
+    """Coefficients of the reflectance map (gicube/shading.h)."""
+
+    ambient: float = 0.25
+    diffuse: float = 0.7
+    specular: float = 0.35
+    shininess: float = 24.0
+
+
+@dataclass
+class Shading:
+    """`light`: towards the light; (0, 0, 0) is a head light."""
+
+    phong: Phong = field(default_factory=Phong)
+    light: Vec3 = (0.0, 0.0, 0.0)
+
+
+@dataclass
+class Material:
+    """How a material scatters rays (gicube/material.h). `scattering` is Ks, `gloss` beta of the dull kinds."""
+
+    scattering: float = 0.0
+    bsdf: Bsdf = Bsdf.NONE
+    gloss: float = 0.0
+    seen_through_scattering: bool = False
+    routine: int = 0
+    surface: bool = False
+    parameters: Sequence[float] = field(default_factory=list)
+
+
+@dataclass
+class CutPlane:
+    """Points p with normal . p >= offset are kept; voxels."""
+
+    normal: Vec3 = (0.0, 0.0, 0.0)
+    offset: float = 0.0
+
+
+@dataclass
+class View:
+    """What a picture is taken from: camera, image, sampling (gicube/view.h). Lengths in voxels, angles in degrees."""
+
+    eye: Vec3 = (0.0, 0.0, 0.0)
+    look_at: Vec3 = (0.0, 0.0, 0.0)
+    up: Vec3 = (0.0, 1.0, 0.0)
+    fov_degrees: float = 30.0
+    orthographic_height: float = 0.0
+    width: int = 512
+    height: int = 512
+    samples_per_axis: int = 1
+    filter: PixelFilter = PixelFilter.BOX
+    step: float = 0.5
+    opacity_threshold: float = 0.98
+    shade: bool = True
+    jitter: bool = False
+    leap: bool = True
+    irradiance: bool = False
+    incident: bool = False
+    exposure: float = 0.0
+    scatter: bool = False
+    high_albedo: bool = False
+    lifetime: int = 8
+    seed: int = 0
+    cut_planes: Sequence[CutPlane] = field(default_factory=list)
+
+
+@dataclass
+class PointLight:
+    """Positions in voxels; all lights of a pass in one unit of power."""
+
+    position: Vec3 = (0.0, 0.0, 0.0)
+    power: float = 1.0
+
+
+@dataclass
+class DirectionalLight:
+    """`irradiance`: power on a unit area across the light."""
+
+    towards: Vec3 = (0.0, 0.0, 0.0)
+    irradiance: float = 1.0
+
+
+@dataclass
+class RectangleLight:
+    """Shines to the side of edge_u x edge_v, by Lambert's law."""
+
+    corner: Vec3 = (0.0, 0.0, 0.0)
+    edge_u: Vec3 = (0.0, 0.0, 0.0)
+    edge_v: Vec3 = (0.0, 0.0, 0.0)
+    power: float = 1.0
+
+
+@dataclass
+class SphereLight:
+    """Shines outward from its surface, by Lambert's law."""
+
+    centre: Vec3 = (0.0, 0.0, 0.0)
+    radius: float = 1.0
+    power: float = 1.0
+
+
+Light = Union[PointLight, DirectionalLight, RectangleLight, SphereLight]
+
+
+@dataclass
+class Illumination:
+    """How light is spread (gicube/illumination.h)."""
+
+    albedo: Albedo = Albedo.LOW
+    rules: EnergyRules = EnergyRules.CONSERVING
+    rays_per_face_voxel: int = 1
+    step: float = 0.5
+    jitter: bool = False
+    leap: bool = True
+    lifetime: int = 32
+    seed: int = 0
+
+
+@dataclass
+class LightingReport:
+    """Where the energy went, in units of the lights' power: emitted = deposited + escaped + scattered_away + clipped."""
+
+    rays: int
+    emitted: float
+    deposited: float
+    escaped: float
+    escaped_by_face: Tuple[float, ...]  # x = 0, x = size - 1, y, y, z, z
+    scattered_away: float
+    given_up: float
+    clipped: float
+    unit: float
+    warnings: Sequence[str]
+
+
+@dataclass
+class DepositReport:
+    """What a batch of type BACKPROJECT left: kept + clipped in all."""
+
+    rays: int
+    samples: int
+    kept: float
+    clipped: float
+    overflowed: int
+    unit: float
+
+
+@dataclass
+class RayRequest:
+    """What is asked of the rays of a batch (gicube/ray.h)."""
+
+    type: RayType = RayType.INTEGRATE
+    opacity: float = 1.0
+    albedo: Albedo = Albedo.LOW
+    rules: EnergyRules = EnergyRules.CONSERVING
+    lifetime: int = 32
+    words: SumWords = SumWords.SUMS
+    step: float = 0.5
+    leap: bool = True
+
+
+@dataclass(frozen=True)
+class Ticket:
+    """Names one submitted batch until its rays have been received; `rays`: how many come back."""
+
+    id: int
+    rays: int
+
+
+@dataclass
+class RayBatch:
+    """A ray batch that has come back, at the simulated time `completed`. `rays`: array of gicube.TRACED_RAY."""
+
+    ticket: int
+    completed: int
+    cancelled: bool
+    lighting: Optional[LightingReport]
+    deposits: Optional[DepositReport]
+    rays: Array
+
+
+@dataclass
+class PairRequest:
+    """Rays for each pair, and how they are sampled (gicube/pair.h)."""
+
+    rays: int = 16
+    first: int = 0
+    seed: int = 0
+    opacity: float = 1.0
+    step: float = 0.5
+    leap: bool = True
+    made: PairRays = PairRays.BY_BOARD
+
+
+@dataclass
+class BoardInfo:
+    """What the board said of itself when it was opened (gicube/board.h)."""
+
+    protocol_major: int
+    protocol_minor: int
+    fidelity: Fidelity
+    processors: int
+    block_voxels: int
+    max_volume_voxels: int
+    queue_rays: int
+    core_khz: int
+    config_hash: int
+    vendor_id: int
+    device_id: int
+    wide: bool
+    agp: bool
+    host_rays: bool
+
+
+@dataclass
+class Reopened:
+    """What Board.reopen() found: whether the same session goes on, and whether there is a volume on the board."""
+
+    resumed: bool
+    volume: bool
+
+
+@dataclass
+class LevelError:
+    """How far a coarser volume is from its original (gicube/level_of_detail.h)."""
+
+    largest_density: float
+    rms_density: float
+    largest_opacity: float
+
+
+@dataclass
+class PlanPoint:
+    """One setting of a picture's plan, and what its pilot showed (gicube/plan.h)."""
+
+    level: int
+    step: float
+    opacity_threshold: float
+    error: float
+    error_bound: float
+    samples: float
+    time: int
+    pilot_width: int
+    pilot_height: int
+
+
+@dataclass
+class LightPoint:
+    """One setting of a plan of light, and what passes of it showed (gicube/light_plan.h)."""
+
+    albedo: Albedo
+    step: float
+    rays_per_face_voxel: int
+    error: float
+    error_bound: float
+    noise: float
+    bias: float
+    rays: float
+    samples: float
+    time: int
+
+
+@dataclass
+class ScatterEvent:
+    """What a routine of the application learns of a ray that met its material (gicube/scattering.h)."""
+
+    position: Tuple[float, float, float]
+    direction: Tuple[float, float, float]
+    normal: Tuple[float, float, float]
+    opacity: float
+    density: float
+    tag: int
+    lighting: bool
+    generation: int
+    random: Tuple[float, float, float, float]
+    parameters: Sequence[float] = ()  # Material.parameters, float32
+
+
+@dataclass
+class ScatterAnswer:
+    """In which direction the ray goes on, and with which share of its energy."""
+
+    direction: Vec3 = (0.0, 0.0, 0.0)
+    passes: float = 1.0

@@ -1,0 +1,186 @@
+"""Files of volumes, looks and scenes, by the SDK's own readers; levels of detail; plans."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
+
+from gicube import _core
+from gicube.arrays import as_array
+from gicube.board import Board, ProgressLike, shown
+from gicube.records import (
+    Illumination,
+    Light,
+    Placement,
+    RawLayout,
+    TransferFunction,
+    ValueRange,
+    Vec3,
+    View,
+    Volume,
+    VoxelBox,
+)
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Path = Union[str, "os.PathLike[str]"]
+
+
+def read_volume(path: Path, raw: Optional[RawLayout] = None) -> Volume:
+    """NRRD, MetaImage, NIfTI, a folder of image slices, or raw samples by `raw`; gzipped too (gicube/scene/volume_file.h).
+
+    Raises FileError.
+    """
+    volume: Volume = _core.read_volume(os.fspath(path), raw)
+    return volume
+
+
+def write_volume(path: Path, values: npt.ArrayLike, *, spacing: Vec3 = (1.0, 1.0, 1.0), origin: Vec3 = (0.0, 0.0, 0.0)) -> None:
+    """Values [z, y, x] as float32, by the extension: .nrrd, .mhd, .mha, .nii, .nii.gz. Raises FileError."""
+    array = as_array(values, "values", "float32", (None, None, None))
+    _core.write_volume(os.fspath(path), array, list(array.shape[::-1]), spacing, origin)
+
+
+def value_range(volume: Volume) -> ValueRange:
+    """The volume's own range, or the driver's default for its type."""
+    if volume.range is not None:
+        return volume.range
+    assert volume.sample_type is not None
+    if volume.sample_type.value in ("uint8", "uint12"):
+        return ValueRange(0.0, 255.0 if volume.sample_type.value == "uint8" else 4095.0)
+    return ValueRange(float(volume.samples.min()), float(volume.samples.max()))
+
+
+def transfer_function(name: Path, volume: Union[Volume, ValueRange]) -> TransferFunction:
+    """A preset (see presets()) or a file of a transfer function, in the values of a volume. Raises InputError."""
+    span = value_range(volume) if isinstance(volume, Volume) else volume
+    function: TransferFunction = _core.find_transfer_function(os.fspath(name), span)
+    return function
+
+
+def presets() -> list[str]:
+    """Names of the transfer functions that are built in."""
+    names: list[str] = _core.presets()
+    return names
+
+
+def fit_view(
+    volume: Volume,
+    looks: Sequence[TransferFunction] = (),
+    *,
+    eye: Optional[Vec3] = None,
+    look_at: Optional[Vec3] = None,
+    up: Optional[Vec3] = None,
+    **fields: Any,
+) -> View:
+    """A view that shows all that `looks` make visible, or the whole volume; further fields are View's. What is not given is chosen:
+    eye in front, a little to the left and above; up along z. Raises InputError, BadArgument."""
+    box = visible_box(volume, looks) if looks else VoxelBox((0, 0, 0), volume.dims)
+    high = [low + size - 1 for low, size in zip(box.low, box.size)]
+    view: View = _core.fit_view(list(box.low), high, volume.spacing, View(**fields), eye, look_at, up)
+    return view
+
+
+def visible_box(volume: Volume, looks: Sequence[TransferFunction]) -> VoxelBox:
+    """The smallest box of whole 4^3 blocks in which any sample can be visible, and one voxel more."""
+    box: VoxelBox = _core.visible_box(volume, list(looks))
+    return box
+
+
+def cropped(volume: Volume, box: VoxelBox) -> Volume:
+    """The voxels of a box; Volume.placement says where they were. Raises BadArgument."""
+    out: Volume = _core.cropped(volume, box)
+    return out
+
+
+def coarser(volume: Volume, level: int) -> Volume:
+    """One voxel, the mean, for 2^level of them on each axis. Raises BadArgument."""
+    out: Volume = _core.coarser(volume, level)
+    return out
+
+
+def placed_view(placement: Placement, view: View) -> View:
+    """The same camera and image for a derived volume."""
+    out: View = _core.placed_view(placement, view)
+    return out
+
+
+def placed_look(placement: Placement, look: TransferFunction, span: ValueRange) -> TransferFunction:
+    """The same look for a derived volume, whose values lie in `span`."""
+    out: TransferFunction = _core.placed_look(placement, look, span)
+    return out
+
+
+def read_scene(path: Path) -> _core.Scene:
+    """A scene file (docs/guide/scenes.md). Raises InputError with all its faults."""
+    return _core.read_scene(os.fspath(path))
+
+
+def parse_scene(text: str, name: str = "scene", folder: Path = ".") -> _core.Scene:
+    """The same from a text; relative paths are taken from `folder`."""
+    return _core.parse_scene(text, name, os.fspath(folder))
+
+
+def load_scene(board: Board, setup: _core.SceneSetup, *, progress: ProgressLike = None) -> View:
+    """Brings a board to a scene: voxels, looks, shading, materials and light. Returns the scene's view.
+
+    Raises as Board.load_volume() and Board.illuminate().
+    """
+    with shown(progress, "loading") as told:
+        setup.load(board._core, True, told)
+    board.set_shading(setup.shading)
+    for tag, material in enumerate(setup.materials):
+        board.set_material(material, tag)
+    if setup.is_lit:
+        board.illuminate(setup.lights, setup.illumination, progress=progress)
+        return replace(setup.view, irradiance=True)
+    return setup.view
+
+
+def make_plan(
+    board: Board,
+    volume: Optional[Volume] = None,
+    looks: Sequence[TransferFunction] = (),
+    view: View = View(),
+    *,
+    max_error: float = 0.0,
+    time_budget: int = 0,
+    pilot_pixels: int = 48,
+    progress: ProgressLike = None,
+) -> _core.Plan:
+    """The cheapest settings of a picture for an error or a simulated time, found by pilot pictures (gicube/plan.h).
+
+    The board holds the plan's volume and looks afterwards: board.render(plan.view(view)). Raises BadArgument, Rejected.
+    """
+    with shown(progress, "planning") as told:
+        return _core.make_plan(board._core, volume, list(looks), view, max_error, time_budget, pilot_pixels, told)
+
+
+def load_planned(board: Board, plan: _core.Plan, volume: Volume, looks: Sequence[TransferFunction]) -> None:
+    """Brings another board to where make_plan() left its own."""
+    _core.load_planned(board._core, plan, volume, list(looks))
+
+
+def plan_light(
+    board: Board,
+    lights: Sequence[Light],
+    settings: Illumination = Illumination(),
+    view: View = View(),
+    *,
+    channel: int = -1,
+    max_error: float = 0.0,
+    time_budget: int = 0,
+    max_rays: int = 256,
+    pilot_pixels: int = 64,
+    progress: ProgressLike = None,
+) -> _core.LightPlan:
+    """The cheapest lighting for an error or a simulated time (gicube/light_plan.h): board.illuminate(lights, plan.settings(settings)).
+
+    The board needs volume, looks and materials. Raises BadArgument, Rejected.
+    """
+    with shown(progress, "planning light") as told:
+        return _core.plan_light(
+            board._core, list(lights), settings, view, channel, max_error, time_budget, max_rays, pilot_pixels, told
+        )

@@ -1,0 +1,3 @@
+"""The fixture and the marker of deadline_test.py."""
+
+pytest_plugins = ["gicube.testing"]

@@ -1,0 +1,126 @@
+"""Arrays go in and out without a copy where their layout allows it."""
+
+import numpy as np
+import pytest
+from conftest import LOOK, ball
+
+import gicube
+
+
+def test_a_volumes_array_is_used_where_it_lies():
+    samples = ball()
+    assert np.shares_memory(gicube.Volume(samples).samples, samples)
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        lambda a: np.asfortranarray(a),
+        lambda a: np.repeat(a, 2, axis=2)[:, :, ::2],
+        lambda a: a[::-1][::-1],
+        lambda a: np.ascontiguousarray(a.T).T,
+        lambda a: a.astype(">u2").astype("u1"),
+    ],
+)
+def test_any_stride_gives_the_same_picture(board, layout):
+    board.set_transfer_function(LOOK)
+    view = gicube.fit_view(gicube.Volume(ball()), [LOOK], width=32, height=32)
+    board.load_volume(ball())
+    expected = board.render(view)
+    board.load_volume(layout(ball()))
+    assert board.render(view) == expected
+    assert expected.alpha.max() == 4095
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize("kind", ["u2", "i2", "f4"])
+def test_any_byte_order_gives_the_same_values(board, kind, order):
+    samples = (ball().astype(kind) * 100).astype(order + kind)
+    board.load_volume(gicube.Volume(samples, range=gicube.ValueRange(0, 20000)))
+    np.testing.assert_allclose(board.read_volume(), samples.astype("f4"), atol=20000 / 4095)
+
+
+@pytest.mark.parametrize(
+    "samples, words",
+    [
+        (np.zeros((4, 4, 4)), "samples: expected an array of uint8, uint16, int16 or float32, got float64"),
+        (np.zeros((4, 4, 4), "i8"), "got int64"),
+        (np.zeros((4, 4), "u1"), "samples: expected three axes, [z, y, x], got the shape (4, 4)"),
+        (np.zeros((4, 4, 1), "u1"), "dims[0]: expected 2..256, got 1"),
+        (np.full((4, 4, 4), np.nan, "f4"), "samples at voxel (0, 0, 0): expected a finite number, got nan"),
+    ],
+)
+def test_a_wrong_array_names_its_field(board, samples, words):
+    with pytest.raises(gicube.BadArgument) as fault:
+        board.load_volume(samples)
+    assert words in str(fault.value)
+
+
+def test_axes_are_z_y_x(board):
+    samples = np.zeros((8, 16, 32), "u1")
+    samples[1, 2, 3] = 255
+    board.load_volume(samples)
+    assert board.read_volume().shape == (8, 16, 32)
+    assert board.read_volume(gicube.VoxelBox((3, 2, 1), (1, 1, 1)))[0, 0, 0] == 255
+
+
+def test_boxes_are_written_and_read(loaded):
+    values = np.arange(24, dtype="f4").reshape(2, 3, 4)
+    box = gicube.VoxelBox((5, 6, 7), (4, 3, 2))
+    loaded.write_volume(values, box)
+    np.testing.assert_allclose(loaded.read_volume(box), values, atol=255 / 4095)
+    with pytest.raises(gicube.BadArgument, match=r"values: expected the shape \(2, 3, 4\)"):
+        loaded.write_volume(values.T, box)
+
+
+def test_rays_come_back_in_the_order_in_which_they_were_sent(loaded):
+    start = np.zeros((100, 3)) + [0, 15.5, 15.5]
+    rays = gicube.rays_between(start, start + [31, 0, 0], id=np.arange(100)[::-1])
+    batch = loaded.receive(loaded.submit(rays, type=gicube.RayType.OPACITY))
+    assert batch.rays["id"].tolist() == list(range(100))[::-1]
+    assert (batch.rays["opacity"] == 1).all()
+
+
+def test_rays_are_received_into_the_callers_array(loaded):
+    out = np.zeros(3, gicube.TRACED_RAY)
+    ticket = loaded.submit(gicube.rays(np.full((3, 3), 1.0), (0, 0, 1)))
+    assert loaded.receive(ticket, out=out).rays is out
+    assert (out["direction"] == (0, 0, 1)).all()
+
+
+def test_a_wrong_ray_names_its_index_and_field(loaded):
+    with pytest.raises(gicube.BadArgument, match=r"rays\[1\].position.x: expected 0..31, got nan"):
+        loaded.submit(gicube.rays([[1, 1, 1], [np.nan, 1, 1]], (0, 0, 1)))
+    with pytest.raises(gicube.BadArgument, match="rays: expected an array of"):
+        loaded.submit(np.zeros((3, 3)))
+    with pytest.raises(gicube.BadArgument, match="position: expected the shape"):
+        gicube.rays(np.zeros((3, 2)), (0, 0, 1))
+
+
+def test_a_million_rays_are_not_copied_one_by_one(loaded):
+    rays = gicube.rays(np.full((10**6, 3), 16.0), np.random.default_rng(1).normal(size=(10**6, 3)), length=5)
+    ticket = loaded.submit(rays, type=gicube.RayType.OPACITY)
+    assert len(loaded.receive(ticket).rays) == 10**6
+
+
+def test_a_pictures_views_have_no_memory_of_their_own(loaded):
+    image = loaded.render(gicube.fit_view(gicube.Volume(ball()), [LOOK], width=40, height=30))
+    assert image.rgb.base is not None and np.shares_memory(image.rgb, image.pixels)
+    assert image.rgb.shape == (30, 40, 3) and image.alpha.shape == (30, 40)
+    assert image._repr_png_().startswith(b"\x89PNG")
+    assert (image.over((0, 0, 1))[0, 0] == (0, 0, 255)).all()
+
+
+def test_views_of_a_scene_stay_valid_while_they_live():
+    samples = gicube.parse_scene('volume { builtin: "buckyball" size: 16 }').set_up().volume.samples
+    assert samples.shape == (16, 16, 16) and not samples.flags.writeable
+    assert samples.max() > 0
+
+
+def test_factors_between_patches_are_the_analytic_ones(board):
+    board.load_volume(np.zeros((32, 32, 32), "u1"))
+    board.set_transfer_function(LOOK)
+    squares = gicube.elements(gicube.ElementKind.PATCH, [[8, 8, 8], [8, 8, 18]], (10, 0, 0), [[0, 10, 0], [0, -10, 0]])
+    squares["origin"][1] = (8, 18, 18)
+    factor = board.pair_factors(squares, gicube.pairs(0, 1), rays=4096)[0]
+    assert factor["transported"] * 100 == pytest.approx(0.1998, abs=3 * factor["standard_error"] * 100 + 1e-3)  # unit cubes' faces

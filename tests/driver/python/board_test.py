@@ -1,0 +1,258 @@
+"""The whole API from Python."""
+
+import asyncio
+import threading
+
+import numpy as np
+import pytest
+from conftest import LOOK, ball
+
+import gicube
+from gicube.testing import BoardSetup, Window, assert_counter, assert_share, assert_time
+
+
+def view_of_ball(**fields):
+    return gicube.fit_view(gicube.Volume(ball()), [LOOK], **{"width": 64, "height": 64, **fields})
+
+
+def test_a_closed_board_says_so_and_may_be_closed_again():
+    with gicube.open() as board:
+        assert board.info.processors == 4
+    board.close()
+    assert "closed" in repr(board)
+    with pytest.raises(gicube.DeviceLost) as lost:
+        board.now
+    assert lost.value.cause is gicube.Loss.CLOSED
+
+
+def test_a_uri_that_means_nothing_is_refused():
+    with pytest.raises(gicube.BadArgument):
+        gicube.open("gopher://board")
+    with pytest.raises(gicube.OpenFailed):
+        gicube.open("unix:/no/such/socket")
+    with pytest.raises(gicube.BadArgument, match="watchdog: expected seconds, 0 or more, got -1"):
+        gicube.open(watchdog=-1)
+
+
+@pytest.mark.board(fidelity=["functional", "approximate", "cycle"])
+def test_all_levels_make_the_same_picture(board):
+    board.load_volume(ball())
+    board.set_transfer_function(LOOK)
+    image = board.render(view_of_ball())
+    assert image.alpha.max() == 4095 and image.alpha.min() == 0
+    assert int(image.rgb.astype(int).sum()) == test_all_levels_make_the_same_picture.__dict__.setdefault(
+        "sum", int(image.rgb.astype(int).sum())
+    )
+
+
+def test_light_that_goes_in_comes_out(loaded):
+    report = loaded.illuminate([gicube.PointLight((15.5, 15.5, 1))], gicube.Illumination(rays_per_face_voxel=2))
+    assert report.emitted == pytest.approx(report.deposited + report.escaped + report.scattered_away + report.clipped)
+    irradiance = loaded.read_irradiance()
+    assert irradiance.shape == (32, 32, 32)
+    assert irradiance.sum() == pytest.approx(report.deposited, rel=1e-5)
+    assert loaded.render(view_of_ball(irradiance=True)).rgb.max() > 0
+
+
+def test_sums_of_rays_are_what_they_carried(loaded):
+    loaded.clear_sums(2.0**-16)
+    rays = gicube.rays_between([[2, 16, 16]], [[12, 16, 16]], energy=3)
+    report = loaded.receive(loaded.submit(rays, type=gicube.RayType.BACKPROJECT)).deposits
+    assert report.kept == pytest.approx(30, rel=1e-3)
+    assert loaded.read_sums().sum() == pytest.approx(30, rel=1e-3)
+
+
+def test_a_routine_of_the_application_scatters(loaded):
+    seen = []
+
+    def back(event):
+        seen.append((event.tag, event.lighting, len(event.parameters)))
+        return gicube.ScatterAnswer(tuple(-x for x in event.direction), 0.5)
+
+    loaded.set_material(
+        gicube.Material(scattering=1, bsdf=gicube.Bsdf.TRAP, routine=gicube.HOST_ROUTINE, surface=True, parameters=[1, 2])
+    )
+    loaded.set_scattering_routine(back)
+    report = loaded.illuminate([gicube.PointLight((15.5, 15.5, 1))])
+    assert seen and seen[0] == (0, True, 2)
+    assert report.scattered_away > 0
+
+
+def test_what_a_routine_or_a_progress_raises_leaves_the_call_and_the_board_goes_on(loaded):
+    def fail(*_):
+        raise KeyError("mine")
+
+    loaded.set_material(gicube.Material(scattering=1, bsdf=gicube.Bsdf.TRAP, routine=gicube.HOST_ROUTINE))
+    loaded.set_scattering_routine(fail)
+    with pytest.raises(KeyError, match="mine"):
+        loaded.illuminate([gicube.PointLight((15.5, 15.5, 1))])
+    with pytest.raises(KeyError, match="mine"):
+        loaded.load_volume(ball(), progress=fail)
+    loaded.load_volume(ball())
+    assert loaded.render(view_of_ball()).alpha.max() == 4095
+
+
+def test_a_routine_may_not_call_its_board(loaded):
+    loaded.set_material(gicube.Material(scattering=1, bsdf=gicube.Bsdf.TRAP, routine=gicube.HOST_ROUTINE))
+    loaded.set_scattering_routine(lambda event: loaded.counters)
+    with pytest.raises(gicube.Error, match="now.. and info.. only"):
+        loaded.illuminate([gicube.PointLight((15.5, 15.5, 1))])
+
+
+def test_progress_counts_up_to_all(loaded):
+    told = []
+    loaded.load_volume(np.ones((64, 64, 64), "u1"), progress=lambda done, all: told.append((done, all)))
+    assert told[0][0] == 0 and told[-1][0] == told[-1][1] == 8
+
+
+def test_batches_are_polled_cancelled_and_awaited(loaded):
+    rays = gicube.rays(np.full((5000, 3), 16.0), (0, 0, 1))
+    first, second = loaded.submit(rays), loaded.submit(rays)
+    assert isinstance(loaded.cancel(second), bool)
+    assert len(asyncio.run(loaded.receive_async(first)).rays) == 5000
+    loaded.host_compute(10**12)
+    assert [batch.ticket for batch in loaded.poll()] == [second.id]
+    with pytest.raises(gicube.BadArgument, match="ticket"):
+        loaded.receive(first)
+
+
+def test_deadlines_are_simulated_times(loaded):
+    ticket = loaded.submit(gicube.rays(np.full((5000, 3), 16.0), (0, 0, 1)))
+    with pytest.raises(gicube.DeadlinePassed):
+        loaded.receive(ticket, deadline=loaded.now + 1)
+    assert len(loaded.receive(ticket).rays) == 5000
+    loaded.set_time_limit(1)
+    with pytest.raises(gicube.DeadlinePassed):
+        loaded.render(view_of_ball())
+
+
+def test_lines_have_a_ray_for_each_leg(loaded):
+    batch = loaded.receive(loaded.submit_lines([[[1, 1, 1], [30, 1, 1], [30, 30, 30]], [[2, 2, 2], [3, 3, 3]]]))
+    assert batch.rays["id"].tolist() == [0, 0, 1]
+
+
+def test_empty_flags_hide_blocks(loaded):
+    flags = loaded.empty_flags
+    loaded.empty_flags = np.ones_like(flags)
+    assert loaded.render(view_of_ball()).alpha.max() == 0
+    assert loaded.verify_volume() == []
+
+
+def test_boards_on_several_threads_work_at_once():
+    images = []
+
+    def work():
+        with gicube.open() as board:
+            board.load_volume(ball())
+            board.set_transfer_function(LOOK)
+            images.append(board.render(view_of_ball()))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(images) == 4 and all(image == images[0] for image in images)
+
+
+def test_threads_take_turns_on_one_board(loaded):
+    rays = gicube.rays(np.full((1000, 3), 16.0), (0, 0, 1))
+    sizes = []
+
+    def work():
+        for _ in range(20):
+            sizes.append(len(loaded.receive(loaded.submit(rays)).rays))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sizes == [1000] * 80
+
+
+def test_a_plan_keeps_its_error(loaded):
+    volume = gicube.Volume(ball(64, 20))
+    view = gicube.fit_view(volume, [LOOK], width=128, height=128)
+    plan = gicube.make_plan(loaded, volume, [LOOK], view, max_error=0.2)
+    assert plan.kept and plan.chosen.error_bound <= 0.2
+    assert any("error" in line for line in plan.explain())
+    assert loaded.render(plan.view(view)).width == 128
+    with gicube.open() as other:
+        gicube.load_planned(other, plan, volume, [LOOK])
+        assert other.render(plan.view(view)) == loaded.render(plan.view(view))
+
+
+def test_a_plan_of_light_is_for_illuminate(loaded):
+    lights = [gicube.PointLight((15.5, 15.5, 1))]
+    plan = gicube.plan_light(loaded, lights, view=view_of_ball(), max_error=0.5, max_rays=4, pilot_pixels=16)
+    assert loaded.illuminate(lights, plan.settings(gicube.Illumination())).rays > 0
+
+
+def test_coarser_volumes_say_where_they_lie():
+    volume = gicube.Volume(ball(), spacing=(1, 1, 2))
+    half = gicube.coarser(volume, 1)
+    assert half.dims == (16, 16, 16) and half.placement.edge == 2 and half.samples.dtype == np.float32
+    part = gicube.cropped(volume, gicube.VoxelBox((4, 5, 6), (10, 11, 12)))
+    assert part.dims == (10, 11, 12) and part.placement.low == (4, 5, 6)
+    assert (part.samples == volume.samples[6:18, 5:16, 4:14]).all()
+
+
+def test_volumes_come_back_from_files_as_they_were(tmp_path):
+    values = np.random.default_rng(2).random((5, 6, 7)).astype("f4")
+    gicube.write_volume(tmp_path / "a.nrrd", values, spacing=(1, 2, 3))
+    again = gicube.read_volume(tmp_path / "a.nrrd")
+    assert (again.samples == values).all() and again.spacing == (1, 2, 3)
+    values.astype(">u2").tofile(tmp_path / "a.raw")
+    raw = gicube.RawLayout((7, 6, 5), gicube.SampleType.UINT16, big_endian=True)
+    assert gicube.read_volume(tmp_path / "a.raw", raw).dims == (7, 6, 5)
+    with pytest.raises(gicube.FileError) as fault:
+        gicube.read_volume(tmp_path / "none.nrrd")
+    assert fault.value.faults[0].file.endswith("none.nrrd")
+
+
+def test_a_scene_is_rendered(tmp_path):
+    scene = gicube.parse_scene('volume { builtin: "buckyball" size: 32 } image { width: 40 height: 30 }')
+    with gicube.open() as board:
+        image = board.render(gicube.load_scene(board, scene.set_up()))
+    image.save(tmp_path / "a.png", (1, 1, 1))
+    image.save(tmp_path / "a.exr")
+    assert image.rgb.max() > 100 and (tmp_path / "a.exr").stat().st_size > 100
+    with pytest.raises(gicube.InputError) as fault:
+        gicube.parse_scene("volume { file: 3 }\nnonsense: 1")
+    assert fault.value.faults[0].line == 1
+
+
+def test_counters_only_grow(loaded):
+    begin = loaded.counters
+    loaded.render(view_of_ball())
+    window = loaded.counters - begin
+    assert window["bus.up.bytes"] > 64 * 64 * 4 and window.unit("bus.up.bytes") == "byte"
+    assert "<table>" in window._repr_html_()
+    assert window.get("no.such", 0) == 0
+
+
+@pytest.mark.board(bus=["pci33", "agp2x"])
+def test_a_faster_bus_takes_less_time(board, board_setup):
+    with Window(board) as upload:
+        board.load_volume(np.random.default_rng(3).integers(1, 255, (64, 64, 64)).astype("u1"))
+    assert_counter(upload, "bus.volume.bytes", 64**3 * 36 / 8)
+    rate = {"pci33": 131.8e6, "agp2x": 470.6e6}[board_setup.bus]
+    assert_time(upload, 64**3 * 36 / 8 / rate * 1e12, 0.1)
+    with pytest.raises(AssertionError, match="expected 0.5 within 1%"):
+        assert_share(upload, "bus.down.busy_ps", 0.5, 0.01)
+
+
+def test_a_setup_is_read_from_the_environment():
+    made = BoardSetup.from_environment({"GICUBE_TEST_BUS": "pci33", "GICUBE_TEST_SET": "a=1 b=2", "GICUBE_TEST_SEED": "7"})
+    assert made.uri() == "emu:?bus=pci33&set=a=1&set=b=2" and made.seed == 7
+
+
+@pytest.mark.board(faults="fault { direction: down message: 60 kind: kill }")
+def test_a_card_that_dies_is_reopened(board):
+    with pytest.raises(gicube.DeviceLost) as lost:
+        for _ in range(100):
+            board.counters
+    assert lost.value.cause is gicube.Loss.CLOSED
+    assert not board.reopen().resumed
+    board.load_volume(ball())

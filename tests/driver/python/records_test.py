@@ -1,0 +1,84 @@
+"""The dataclasses are the driver's records."""
+
+import dataclasses
+import enum
+import pickle
+import re
+from pathlib import Path
+
+import pytest
+
+import gicube
+from gicube import _core, records
+
+HEADERS = Path(__file__).parents[3] / "driver/include/gicube"
+
+
+def test_hold_what_the_drivers_records_hold_if_nothing_is_said():
+    assert len(_core.defaults()) == 16
+    for held in _core.defaults():
+        assert type(held)() == held
+
+
+def test_have_a_class_for_each_record_and_each_error_of_the_public_headers():
+    own = {"PlanRequest", "PlanTarget", "LightPlanRequest", "OpenOptions", "VolumeView", "Polyline", "BatchReport", "DerivedVolume"}
+    own |= {"Vec3", "HostRay", "TracedRay", "Element", "ElementPair", "PairFactor", "Pixel", "Counter"}  # arrays, tuples
+    found = set()
+    for header in HEADERS.glob("*.h"):
+        if header.name not in ("c_types.h", "c_api.h", "testing.h"):
+            pattern = r"^(?:struct|class|enum class) (?:GICUBE_API )?(\w+)\b[^;]*$"
+            found |= set(re.findall(pattern, header.read_text(), re.MULTILINE))
+    assert "View" in found and "DeviceLost" in found
+    assert {name for name in found - own if not hasattr(gicube, name)} == set()
+
+
+def test_enumerations_have_the_values_of_the_headers():
+    text = "".join(header.read_text() for header in HEADERS.glob("*.h"))
+    text = re.sub(r"//[^\n]*", "", text)
+    kinds = [each for each in vars(records).values() if isinstance(each, type) and issubclass(each, enum.Enum) and each is not enum.Enum]
+    assert len(kinds) == 12
+    for kind in kinds:
+        body = re.search(rf"enum class {kind.__name__} {{([^}}]*)}}", text).group(1)
+        names = [re.sub(r"(?<!^)([A-Z])", r"_\1", name).lower() for name in re.findall(r"k(\w+)", body)]
+        assert [each.value for each in kind] == names
+
+
+@pytest.mark.parametrize(
+    "made, words",
+    [
+        (lambda board: board.render(gicube.View(eye=(1, 2))), "eye: expected three numbers"),
+        (lambda board: board.render(gicube.View(eye=(1, 2, "z"))), "eye.z: expected a number, got 'z'"),
+        (lambda board: board.render(gicube.View(width=1.5)), "width: expected an integer, got 1.5"),
+        (lambda board: board.render(gicube.View(width=2**40)), "width: expected -2147483648..2147483647"),
+        (lambda board: board.render(gicube.View(shade="no")), "shade: expected True or False, got 'no'"),
+        (lambda board: board.render(gicube.View(filter="sinc")), "filter: expected a PixelFilter: box, tent, got 'sinc'"),
+        (lambda board: board.render("a view"), "expected a View, got 'a view'"),
+        (lambda board: board.illuminate(["lamp"]), "lights[0]: expected one of PointLight, DirectionalLight"),
+        (lambda board: board.set_shading(gicube.Shading(gicube.Phong(ambient=None))), "shading.phong.ambient: expected a number"),
+        (lambda board: board.set_material(gicube.Material(scattering=2)), "scattering: expected"),
+    ],
+)
+def test_a_wrong_value_names_its_field_what_was_expected_and_what_came(loaded, made, words):
+    with pytest.raises(gicube.BadArgument) as fault:
+        made(loaded)
+    assert words in str(fault.value)
+    assert loaded.render(gicube.fit_view(gicube.Volume(loaded.read_volume().astype("f4")), width=8, height=8)).width == 8
+
+
+def test_errors_are_pythons_own_too_and_can_be_pickled():
+    fault = gicube.BadArgument("a", "b", "c")
+    assert isinstance(fault, ValueError) and isinstance(fault, gicube.Error)
+    again = pickle.loads(pickle.dumps(fault))
+    assert (again.field, again.expected, again.got) == ("a", "b", "c")
+    assert issubclass(gicube.TimedOut, TimeoutError) and issubclass(gicube.DeviceLost, ConnectionError)
+
+
+def test_text_stands_for_the_value_of_an_enumeration():
+    assert gicube.RayType("first_hit") is gicube.RayType.FIRST_HIT
+
+
+def test_what_all_offers_is_there_and_documented():
+    for name in gicube.__all__:
+        offered = getattr(gicube, name)
+        if callable(offered) and not isinstance(offered, type(gicube.Light)):
+            assert dataclasses.is_dataclass(offered) or offered.__doc__ or offered.__module__ == "gicube._core", name

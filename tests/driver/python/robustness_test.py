@@ -1,0 +1,214 @@
+"""What must not crash, hang or leak. Each runs in an interpreter of its own."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+START = """
+import gc, os, signal, sys, threading, time
+import numpy as np
+import gicube
+
+def scene(board, size=64):
+    z, y, x = np.mgrid[0:size, 0:size, 0:size]
+    board.load_volume(np.ones((size, size, size), "u1") * 100)
+    board.set_transfer_function(gicube.TransferFunction([(0, (1, 1, 1))], [(0, 0.0001)]))
+    return gicube.fit_view(gicube.Volume(np.ones((size, size, size), "u1")), width=16, height=16)
+
+def said(text):
+    print(text, flush=True)
+"""
+
+
+def start(program):
+    return subprocess.Popen([sys.executable, "-c", START + program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def run(program, code=0):
+    process = start(program)
+    out, error = process.communicate(timeout=120)
+    assert process.returncode == code, out + error
+    return out
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        "board.render(long)",
+        "board.illuminate([gicube.PointLight((3, 3, 3))], gicube.Illumination(rays_per_face_voxel=4096))",
+        "board.receive(board.submit(np.repeat(gicube.rays([[3, 3, 3]], (1, 1, 1)), 4_000_000), step=1/64))",
+    ],
+)
+def test_ctrl_c_ends_a_long_call_and_leaves_a_working_board(call):
+    process = start(
+        f"""
+board = gicube.open("emu:?fidelity=cycle")
+view = scene(board)
+import dataclasses
+long = dataclasses.replace(view, width=2000, height=2000, step=1/16)
+said("begin")
+try:
+    {call}
+except KeyboardInterrupt:
+    said("interrupted")
+board.close()
+said("closed")
+"""
+    )
+    assert process.stdout.readline() == "begin\n"
+    time.sleep(1)
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    out, error = process.communicate(timeout=60)
+    assert process.returncode == 0, error
+    assert out == "interrupted\nclosed\n"
+
+
+def test_after_ctrl_c_the_board_takes_the_next_call():
+    run(
+        """
+board = gicube.open()
+view = scene(board)
+expected = board.render(view)
+import dataclasses
+long = dataclasses.replace(view, width=400, height=400, step=1/64)
+threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    board.render(long)
+    raise SystemExit("was too quick")
+except KeyboardInterrupt:
+    pass
+assert board.render(view) == expected
+"""
+    )
+
+
+def test_a_killed_board_is_a_typed_error_and_reopened():
+    run(
+        """
+board = gicube.open(keep_volume=True)
+view = scene(board)
+expected = board.render(view)
+import subprocess
+subprocess.run(["pkill", "-9", "-P", str(os.getpid()), "gicube-board"], check=True)
+try:
+    board.render(view)
+    raise SystemExit("nothing was lost")
+except gicube.DeviceLost as lost:
+    assert "signal 9" in str(lost)
+assert board.reopen().volume
+assert board.render(view) == expected
+"""
+    )
+
+
+def test_a_board_with_batches_under_way_is_collected():
+    run(
+        """
+for _ in range(10):
+    board = gicube.open()
+    scene(board)
+    for _ in range(5):
+        board.submit(np.repeat(gicube.rays([[3, 3, 3]], (1, 1, 1)), 10_000))
+    del board
+    gc.collect()
+"""
+    )
+
+
+def test_a_board_that_is_still_open_at_the_end_does_not_hang_or_complain():
+    assert run("board = gicube.open()\nscene(board)\nboard.submit(gicube.rays([[3, 3, 3]], (1, 1, 1)))\nsaid('end')") == "end\n"
+
+
+def test_a_forked_process_leaves_its_parents_board_alone_and_opens_its_own():
+    run(
+        """
+board = gicube.open()
+view = scene(board)
+expected = board.render(view)
+child = os.fork()
+if child == 0:
+    try:
+        board.now
+        os._exit(1)
+    except gicube.Error as error:
+        assert "forked" in str(error)
+    board.close()
+    del board
+    gc.collect()
+    with gicube.open() as own:
+        own_view = scene(own)
+        os._exit(0 if own.render(own_view) == expected else 2)
+assert os.waitpid(child, 0)[1] == 0
+assert board.render(view) == expected
+"""
+    )
+
+
+def test_a_board_is_closed_while_another_thread_waits():
+    run(
+        """
+board = gicube.open()
+scene(board)
+ticket = board.submit(np.repeat(gicube.rays([[3, 3, 3]], (1, 1, 1)), 200_000))
+got = []
+thread = threading.Thread(target=lambda: got.append(board.receive(ticket)))
+thread.start()
+time.sleep(0.05)
+board.close()
+thread.join()
+assert len(got[0].rays) == 200_000
+"""
+    )
+
+
+def test_a_thousand_boards_leave_nothing():
+    run(
+        """
+def held():
+    return len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task"))
+
+def memory():
+    return int(open("/proc/self/statm").read().split()[1]) * 4096
+
+for _ in range(100):
+    gicube.open().close()
+first, before = held(), memory()
+for _ in range(900):
+    with gicube.open() as board:
+        board.counters
+assert held() == first, (held(), first)
+assert memory() - before < 8 << 20, memory() - before
+"""
+    )
+
+
+def test_arrays_and_records_leave_no_references():
+    run(
+        """
+board = gicube.open()
+view = scene(board, 32)
+rays = np.repeat(gicube.rays([[3, 3, 3]], (1, 1, 1)), 1000)
+def once():
+    board.render(view)
+    board.receive(board.submit(rays))
+    board.read_volume()
+    board.counters
+    try:
+        board.render(gicube.View(width="x"))
+    except gicube.BadArgument:
+        pass
+for _ in range(20):
+    once()
+gc.collect()
+before = len(gc.get_objects()), sys.getrefcount(rays), sys.getrefcount(gicube.RAY)
+for _ in range(200):
+    once()
+gc.collect()
+after = len(gc.get_objects()), sys.getrefcount(rays), sys.getrefcount(gicube.RAY)
+assert all(abs(a - b) < 20 for a, b in zip(after, before)), (before, after)
+"""
+    )
