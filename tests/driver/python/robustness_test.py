@@ -39,7 +39,7 @@ def run(program, code=0):
     [
         "board.render(long)",
         "board.illuminate([gicube.PointLight((3, 3, 3))], gicube.Illumination(rays_per_face_voxel=4096))",
-        "board.receive(board.submit(np.repeat(gicube.rays([[3, 3, 3]], (1, 1, 1)), 4_000_000), step=1/64))",
+        "board.receive(board.submit(np.repeat(gicube.rays([[3, 3, 3]], (1, 1, 1)), 100_000), step=1/64))",
     ],
 )
 def test_ctrl_c_ends_a_long_call_and_leaves_a_working_board(call):
