@@ -57,7 +57,7 @@ def headers_of_product(build):
     counted, found = False, set()
     for line in said("ninja", "-C", build, "-t", "deps").splitlines():
         if line and not line.startswith(" "):
-            counted = not line.startswith("tests/")
+            counted = not line.startswith(("tests/", "driver/python/"))  # the Python package is another one
         elif counted and line.strip().startswith("/usr/include/"):
             found.add(os.path.realpath(line.strip()))
     return sorted(found)

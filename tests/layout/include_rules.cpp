@@ -158,6 +158,9 @@ const std::vector<Rule>& rules() {
       {"driver/scene/graph", {"driver/scene", "driver/include", "proto/gicube/v1/scene.pb.h"},
                              {"fmt", "google/protobuf"}},
 
+      // The Python package: an application of the public headers.
+      {"driver/python/core",  {"driver/python/core", "driver/include", "driver/scene/include"}, {"pybind11", "unistd.h"}},
+
       program("samples/scene", {}, {kAnything}),
       {"samples/small/hello",      {"samples/small/hello", "driver/include"}, {}},
       {"samples/small/host_bsdf",  {"samples/small/host_bsdf", "driver/include"}, {}},
