@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <map>
 
 #include "parts.h"
@@ -37,7 +38,7 @@ OpenOptions options_of(const py::dict& given) {
     double seconds = static_cast<double>(to.count()) / 1000;
     take(name, seconds);
     if (!(seconds >= 0 && seconds < 1e9)) refuse(name, "seconds, 0 or more", given[name]);
-    to = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000 + 0.5));
+    to = std::chrono::milliseconds(std::llround(seconds * 1000));
   };
   take_ms("watchdog", options.watchdog);
   take_ms("wait_for_board", options.wait_for_board);
@@ -71,10 +72,10 @@ std::span<const float> values_of(const VoxelBox& box, const py::array& values) {
   return out;
 }
 
-py::object report_of(const BatchReport& report, py::object rays) {
+py::object report_of(const BatchReport& report, const py::object& rays) {
   return record_class("RayBatch")("ticket"_a = report.ticket.id, "completed"_a = report.completed,
                                   "cancelled"_a = report.cancelled, "lighting"_a = write(report.lighting),
-                                  "deposits"_a = write(report.deposits), "rays"_a = std::move(rays));
+                                  "deposits"_a = write(report.deposits), "rays"_a = rays);
 }
 
 py::object image_of(Image&& image) {
@@ -132,7 +133,8 @@ Handle::Handle(Board board) : board_(std::make_shared<Board>(std::move(board))),
 
 Handle::~Handle() {
   if (is_forked()) {
-    new std::shared_ptr<Board>(std::move(board_));  // never destroyed: its threads are the parent's
+    // Never destroyed: its threads are the parent's.
+    [[maybe_unused]] const auto* const kept = std::make_unique<std::shared_ptr<Board>>(std::move(board_)).release();
   } else {
     close();
   }

@@ -27,6 +27,8 @@ void raise_input(const char* name, const scene::InputError& error) {
 }  // namespace
 
 void add_errors() {
+  // By value: pybind11's type of a translator.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param)
   py::register_local_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);
