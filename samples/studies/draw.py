@@ -1,0 +1,214 @@
+"""Charts as small SVG files that a stranger reads in one look. The same data make the same bytes.
+
+    from studies import draw
+    draw.chart("growth.svg", "Time grows with the square of the edge", "edge, pixels", "host seconds",
+               [draw.Series("cycle", [64, 128, 256], [0.2, 0.8, 3.1])], log_x=True, log_y=True)
+
+The title is the one sentence that the chart shows; units stand in the labels of the axes. A chart has at most seven series, in
+colours that people with any colour vision can tell (Okabe and Ito, 2008), each with a mark of its own. Labels stand at the ends of
+the lines; what is no line (look "points", "steps" of many points) is named in a box. Charts side by side are panels:
+
+    draw.panels("both.svg", "Title", [draw.Panel("x", "y", series), draw.Panel("x", "z", others)])
+"""
+import itertools
+import pathlib
+import re
+import textwrap
+from dataclasses import dataclass
+from typing import Optional
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as pyplot  # noqa: E402
+import matplotlib.ticker as ticker  # noqa: E402
+import numpy as np  # noqa: E402
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+GRAY = "#8C8C8C"
+MARKS = "osD^vPX"
+MAX_SERIES = 7
+STYLE = {"svg.fonttype": "none", "svg.hashsalt": "gicube", "font.family": "DejaVu Sans", "font.size": 10, "axes.grid": True,
+         "grid.color": "#E4E4E4", "grid.linewidth": 0.6, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
+         "axes.edgecolor": "#606060", "path.simplify": True, "path.simplify_threshold": 0.3, "legend.frameon": True,
+         "legend.framealpha": 0.85, "legend.edgecolor": "none", "legend.fontsize": 9}
+
+
+@dataclass
+class Series:
+    label: str  # empty: no label; the same label as another's is written once
+    x: object  # numbers; bars: texts
+    y: object  # numbers; not-a-number where there is none
+    look: str = "both"  # of a line and points; or line, points
+    colour: Optional[int] = None  # of COLOURS; -1 is gray, for what others are compared with; None: the next
+    dashed: bool = False
+    hollow: bool = False
+    mark: Optional[int] = None  # of MARKS; None: as the colour
+    boxed: bool = False  # named in the box, though it is a line
+    label_at: int = -1  # which point its label stands at
+    label_shift: tuple = (6, 8)  # points: where, if that point is not at the right edge
+
+
+@dataclass
+class Panel:
+    x_label: str
+    y_label: str
+    series: list
+    title: str = ""
+    log_x: bool = False
+    log_y: bool = False
+    x_range: tuple = (None, None)
+    y_range: tuple = (None, None)
+    bars: bool = False  # a group of bars for each x
+    lines_y: tuple = ()  # (value, text): horizontal lines to compare with
+
+
+def chart(path, title, x_label, y_label, series, *, size=(8.4, 5.0), **of_panel):
+    """One panel; `of_panel`: fields of Panel. Raises as panels()."""
+    panels(path, title, [Panel(x_label, y_label, series, **of_panel)], size=size)
+
+
+def panels(path, title, parts, *, size=None, columns=2):
+    """Writes an SVG of panels side by side, `columns` at most, `size` in inches of 72 points. Raises ValueError (more than seven
+    series in a panel, a series of unequal lengths), OSError."""
+    columns = min(columns, len(parts))
+    rows = -(-len(parts) // columns)
+    size = size or (5.8 * columns, 4.6 * rows)
+    with matplotlib.rc_context(STYLE):
+        figure, grid = pyplot.subplots(rows, columns, figsize=size, squeeze=False, constrained_layout=True)
+        lines = textwrap.wrap(title, int(size[0] * 10.5))
+        figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=12, fontweight="bold")
+        for part, axes in itertools.zip_longest(parts, grid.flat):
+            if part is None:
+                axes.remove()
+            else:
+                _fill(axes, part)
+        figure.canvas.draw()  # places what the labels stand at
+        for part, axes in zip(parts, grid.flat):
+            _label(axes, part)
+        try:
+            figure.savefig(path, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
+        finally:
+            pyplot.close(figure)
+    _shorten(pathlib.Path(path))
+
+
+def _fill(axes, part):
+    colours = {each.label or id(each) for each in part.series}
+    if len(colours) > MAX_SERIES:
+        raise ValueError(f"series of {part.y_label}: expected at most {MAX_SERIES}, got {len(colours)}")
+    if part.log_x:
+        axes.set_xscale("log")
+    if part.log_y:
+        axes.set_yscale("log")
+    following = itertools.count()
+    for number, each in enumerate(part.series):
+        if len(each.x) != len(each.y):
+            raise ValueError(f"{each.label}: expected as many x as y, got {len(each.x)} and {len(each.y)}")
+        if each.colour is None:
+            each.colour = next(following) % len(COLOURS)
+        (_bars if part.bars else _plot)(axes, part, number, each)
+    axes.set(xlabel=part.x_label, ylabel=part.y_label, xlim=part.x_range, ylim=part.y_range)
+    if part.title:
+        axes.set_title(part.title, fontsize=10, loc="left")
+    for value, text in part.lines_y:
+        axes.axhline(value, color=GRAY, lw=1, ls=(0, (4, 3)))
+        axes.annotate(text, (1, value), (0, 3), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right",
+                      fontsize=9, color="#606060")
+    if part.bars:
+        axes.set_xticks(range(len(part.series[0].x)), [x if isinstance(x, str) else f"{x:g}" for x in part.series[0].x])
+        axes.grid(axis="x", visible=False)
+    if part.log_x:
+        _plain_numbers(axes.xaxis, sorted({float(x) for each in part.series for x in each.x}))
+    if part.log_y:
+        _plain_numbers(axes.yaxis)
+
+
+def _plain_numbers(axis, measured=()):
+    """Of a logarithmic axis: what was measured, if that is few values apart; or 0.01, 0.1, 1 and, where it spans few decades, 2 and 5."""
+    low, high = sorted(axis.get_view_interval())
+    decades = np.log10(high / low) if low > 0 else 9
+    axis.set_major_formatter(ticker.FuncFormatter(
+        lambda value, _: f"{value:.10g}" if 1e-4 <= value < 1e5 else f"1e{round(np.log10(value))}"))
+    axis.set_minor_formatter(ticker.NullFormatter())
+    if 2 < len(measured) <= 12 and min(b / a for a, b in zip(measured, measured[1:])) > 10 ** (decades / 16):
+        axis.set_major_locator(ticker.FixedLocator(measured))
+        axis.set_minor_locator(ticker.NullLocator())
+        return
+    axis.set_major_locator(ticker.LogLocator(base=10, subs=(1, 2, 5) if decades < 2.2 else (1,), numticks=20))
+    axis.set_minor_locator(ticker.LogLocator(base=10, subs=range(1, 10), numticks=99))
+
+
+def _plot(axes, part, number, each):
+    colour = GRAY if each.colour < 0 else COLOURS[each.colour]
+    y = np.asarray(each.y, dtype=float)
+    there = np.isfinite(y)
+    many = there.sum() > 60
+    mark = "" if each.look == "line" else MARKS[each.colour % len(MARKS) if each.mark is None else each.mark]
+    line = "none" if each.look == "points" else (0, (4, 2)) if each.dashed else "-"
+    axes.plot(np.asarray(each.x, dtype=float)[there], y[there], color=colour, marker=mark, linestyle=line, lw=1.8 if each.colour >= 0 else 1.4,
+              ms=3.5 if many else 5, mfc="white" if each.hollow else colour, mew=1, clip_on=not mark or part.x_range != part.y_range, zorder=3 if each.colour >= 0 else 2,
+              label=each.label if _in_box(each) else "")
+
+
+def _bars(axes, part, number, each):
+    width = 0.8 / len(part.series)
+    at = np.arange(len(each.x)) + (number - (len(part.series) - 1) / 2) * width
+    axes.bar(at, np.nan_to_num(np.asarray(each.y, dtype=float)), width, color=COLOURS[each.colour], label=each.label)
+
+
+def _in_box(each):
+    return bool(each.label) and (each.boxed or each.look == "points")
+
+
+def _label(axes, part):
+    """Labels at the lines' ends, moved up and down until none covers another; the others in a box."""
+    named = dict(zip(*reversed(axes.get_legend_handles_labels())))
+    if named:
+        axes.legend(named.values(), named.keys(), loc="best")
+    if part.bars:
+        return
+    seen, ends = set(), []
+    for each in part.series:
+        there = np.flatnonzero(np.isfinite(np.asarray(each.y, dtype=float)))
+        if _in_box(each) or not each.label or each.label in seen or not len(there):
+            continue
+        seen.add(each.label)
+        point = (float(each.x[there[each.label_at]]), float(each.y[there[each.label_at]]))
+        x, y = axes.transAxes.inverted().transform(axes.transData.transform(point))
+        if x > 0.88:
+            ends.append((each, point, x, y))
+        else:
+            _write(axes, each, point, each.label_shift, "offset points", False)
+    points = axes.bbox.height * 72 / axes.figure.dpi
+    ends.sort(key=lambda end: -end[3])
+    names = [_wrapped(each) for each, *_ in ends]
+    heights = [min(max(y, 0), 1) for *_, y in ends]
+    for _ in range(300):  # pushes neighbours apart
+        for i in range(1, len(ends)):
+            apart = (3 + 5.5 * (names[i - 1].count("\n") + names[i].count("\n") + 2)) / points
+            if (gap := heights[i - 1] - heights[i]) < apart:
+                heights[i - 1] += (apart - gap) / 2
+                heights[i] -= (apart - gap) / 2
+    for (each, point, x, y), height in zip(ends, heights):
+        moved = abs(height - y) * points > 7 or x < 0.97
+        _write(axes, each, point, (1.03, height), "axes fraction", moved)
+
+
+def _wrapped(each):
+    return "\n".join(textwrap.wrap(each.label, 24))
+
+
+def _write(axes, each, point, place, coordinates, moved):
+    colour = matplotlib.colors.to_rgb(GRAY if each.colour < 0 else COLOURS[each.colour])
+    dark = tuple(0.72 * part for part in colour)
+    axes.annotate(_wrapped(each), point, place, textcoords=coordinates, va="center", fontsize=9, color=dark, linespacing=0.95,
+                  annotation_clip=False,
+                  arrowprops={"arrowstyle": "-", "color": dark, "lw": 0.5, "shrinkA": 0, "shrinkB": 3} if moved else None)
+
+
+def _shorten(path):
+    """Takes out what says nothing: comments, the document type, digits beyond a hundredth of a point."""
+    text = re.sub(r"<!DOCTYPE[^>]*>|<!--.*?-->", "", path.read_text(), flags=re.DOTALL)
+    text = re.sub(r"(\d\.\d\d)\d{3,}", r"\1", text).replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
+    path.write_text("".join(line.strip() + "\n" for line in text.splitlines() if line.strip()))
