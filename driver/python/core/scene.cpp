@@ -149,7 +149,11 @@ void add_scenes(py::module_& module) {
   setup.def_property_readonly("is_lit", [](const scene::SceneSetup& self) { return self.lighting.on; });
   setup.def_property_readonly("illumination",
                               [](const scene::SceneSetup& self) { return write(self.lighting.settings); });
-  setup.def_property_readonly("view", [](const scene::SceneSetup& self) { return write(self.view); });
+  setup.def_property_readonly("view", [](const scene::SceneSetup& self) {
+    View view = self.view;
+    view.exposure = self.lighting.exposure;
+    return write(view);
+  });
   setup.def_property_readonly("background", [](const scene::SceneSetup& self) { return write(self.background); });
   setup.def("load", [](const scene::SceneSetup& self, Handle& on, bool own_codebook, const py::object& progress) {
     const Progress told = progress_of(progress);

@@ -70,14 +70,16 @@ def fit_view(
     volume: Volume,
     looks: Sequence[TransferFunction] = (),
     *,
+    box: Optional[VoxelBox] = None,
     eye: Optional[Vec3] = None,
     look_at: Optional[Vec3] = None,
     up: Optional[Vec3] = None,
     **fields: Any,
 ) -> View:
-    """A view that shows all that `looks` make visible, or the whole volume; further fields are View's. What is not given is chosen:
-    eye in front, a little to the left and above; up along z. Raises InputError, BadArgument."""
-    box = visible_box(volume, looks) if looks else VoxelBox((0, 0, 0), volume.dims)
+    """A view that shows a box, or all that `looks` make visible, or the whole volume; further fields are View's. What is not given is
+    chosen: eye in front, a little to the left and above; up along z. Raises InputError, BadArgument."""
+    if box is None:
+        box = visible_box(volume, looks) if looks else VoxelBox((0, 0, 0), volume.dims)
     high = [low + size - 1 for low, size in zip(box.low, box.size)]
     view: View = _core.fit_view(list(box.low), high, volume.spacing, View(**fields), eye, look_at, up)
     return view
@@ -123,8 +125,8 @@ def parse_scene(text: str, name: str = "scene", folder: Path = ".") -> _core.Sce
     return _core.parse_scene(text, name, os.fspath(folder))
 
 
-def load_scene(board: Board, setup: _core.SceneSetup, *, progress: ProgressLike = None) -> View:
-    """Brings a board to a scene: voxels, looks, shading, materials and light. Returns the scene's view.
+def load_scene(board: Board, setup: _core.SceneSetup, *, light: bool = True, progress: ProgressLike = None) -> View:
+    """Brings a board to a scene: voxels, looks, shading, materials and, unless `light` is False, light. Returns the scene's view.
 
     Raises as Board.load_volume() and Board.illuminate().
     """
@@ -133,10 +135,10 @@ def load_scene(board: Board, setup: _core.SceneSetup, *, progress: ProgressLike 
     board.set_shading(setup.shading)
     for tag, material in enumerate(setup.materials):
         board.set_material(material, tag)
-    if setup.is_lit:
+    lit = setup.is_lit and light
+    if lit:
         board.illuminate(setup.lights, setup.illumination, progress=progress)
-        return replace(setup.view, irradiance=True)
-    return setup.view
+    return replace(setup.view, irradiance=lit)
 
 
 def make_plan(

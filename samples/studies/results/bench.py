@@ -2,8 +2,6 @@
 
 The page is written in passes. Bench.get() of a run that is not yet measured notes it down and returns an empty measurement;
 measure() carries out what was noted; the next pass reads it, and may ask for more that depends on it."""
-import json
-import subprocess
 import sys
 import time
 from dataclasses import dataclass, replace
@@ -39,7 +37,7 @@ FAST_FRONT_END = FAST_DSP | RUNS_OF_RAYS | WIDE_LINKS
 
 @dataclass(frozen=True)
 class Run:
-    """What gicube-measure reads, and the board's settings."""
+    """What is measured, and the board's settings."""
     scene: str
     dims: tuple  # voxels of the volume
     edge: int  # voxels: what the scene's lengths refer to
@@ -84,10 +82,9 @@ def scanline(run, queue):
 
 
 class Bench:
-    def __init__(self, edge, image, programs):
+    def __init__(self, edge, image):
         self.edge = edge  # voxels, N
         self.image = image  # pixels
-        self.programs = programs  # the build's folder of them
         self.block = max(8, edge // 8)  # voxels, n: an 8 x 8 x 8 grid
         self._known = {}
         self._wanted = {}  # a dict for its order: that in which they were asked for
@@ -154,26 +151,16 @@ class Bench:
     def complete(self):
         return not self._wanted
 
-    def measure(self, jobs, pictures, quiet):
-        """Carries out what was noted. `pictures`: files of runs whose image is kept. Raises RuntimeError after gicube-measure has
-        printed what the driver said."""
+    def measure(self, store, jobs, pictures, quiet):
+        """Carries out what was noted. `store`: a measure.Store; `pictures`: files of runs whose image is kept. Raises RuntimeError: a
+        run's name and what the driver said."""
         boards = {}  # what a board's caches hold passes from one run to the next, so the order is part of the result
         for run in self._wanted:
             boards.setdefault(run.board(), []).append(run)
         meter = ProgressMeter(len(self._wanted), quiet)
-        runs = [[vars(run) | {"settings": dict(run.settings), "name": run.name(), "picture": str(pictures.get(run, ""))}
-                 for run in group] for group in boards.values()]
-        with subprocess.Popen([self.programs / "gicube-measure", "--jobs", str(jobs)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                              text=True) as process:
-            json.dump(runs, process.stdin)
-            process.stdin.close()
-            for line in process.stdout:
-                result = json.loads(line)
-                run = list(boards.values())[result.pop("board")][result.pop("run")]
-                self._known[run] = Measurement(**result)
-                meter.advance()
-        if process.returncode != 0:
-            raise RuntimeError("gicube-measure failed, see above")
+        for run, result in store.measure(boards.values(), jobs, pictures):
+            self._known[run] = Measurement(**result)
+            meter.advance()
         self._wanted = {}
 
 

@@ -1,14 +1,19 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Measures the paper's results on emulated boards and writes RESULTS.md."""
 import argparse
 import os
 import pathlib
-import subprocess
 import sys
 
 sys.dont_write_bytecode = True
+PROGRAMS = pathlib.Path(__file__).absolute().parent  # the build makes a link to this file beside its programs
+sys.path += [str(PROGRAMS.parent / "python"), str(pathlib.Path(__file__).resolve().parents[2])]
+os.environ.setdefault("GICUBE_BOARD", str(PROGRAMS / "gicube-board"))
+
+import gicube  # noqa: E402
 
 from bench import Bench  # noqa: E402
+from measure import Store  # noqa: E402
 from page import Page  # noqa: E402
 from sections import design_point, light, memory, processors, scanline  # noqa: E402
 
@@ -30,16 +35,14 @@ SECTIONS = {  # by the name that --only takes: heading, and what writes it
     "cost": ("Hardware cost", design_point.cost),
     "parameters": ("Free parameters", design_point.parameters)}
 
-PROGRAMS = pathlib.Path(__file__).absolute().parent  # the build makes a link to this file beside its programs
-
 
 def introduction(bench):
     return (
         "# Results\n\n"
         "What the paper reports, compared with what our board does. Everything here is made by one command and nothing is typed in:\n\n"
         "    script/results\n\n"
-        "It runs `gicube-results` (samples/studies/results), which measures on emulated boards at the cycle level through the public "
-        f"driver. Design point unless noted: volume {bench.edge}^3, blocks {bench.block}^3, 4 processors, queues of 256 rays, 100 MHz, "
+        "It runs `gicube-results` (samples/studies/results), which measures on emulated boards at the cycle level through the "
+        f"driver's Python package. Design point unless noted: volume {bench.edge}^3, blocks {bench.block}^3, 4 processors, queues of 256 rays, 100 MHz, "
         f"four RDRAMs, image {bench.image}^2, half-voxel steps, rays done at an opacity of 0.98.\n\n"
         "## Paper and ours\n\n")
 
@@ -69,8 +72,9 @@ def within(low, high):
 def options():
     parser = argparse.ArgumentParser(prog="gicube-results", description=__doc__)
     parser.add_argument("folder", metavar="FOLDER", type=folder_of,
-                        help="gets RESULTS.md, and its CSV files and gnuplot scripts in results/")
-    parser.add_argument("--version", action="store_true", help="print the version and exit")
+                        help="gets RESULTS.md, and its CSV files and pictures in results/; what a run that was ended had measured "
+                             "is there in measured.jsonl, and the next one goes on from it")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {gicube.__version__}")
     parser.add_argument("--edge", type=int, choices=(32, 64, 128, 256), default=256, help="voxels an edge of the volume (%(default)s)")
     parser.add_argument("--image", type=within(8, 1024), default=256, help="pixels an edge of the image, 8 to 1024 (%(default)s)")
     parser.add_argument("--jobs", type=within(1, 64), default=os.cpu_count(), help="boards at a time, 1 to 64 (%(default)s)")
@@ -81,14 +85,12 @@ def options():
 
 
 def main():
-    if "--version" in sys.argv[1:]:
-        version = subprocess.run([PROGRAMS / "gicube-measure", "--version"], check=True, stdout=subprocess.PIPE, text=True).stdout
-        print(version.replace("measure", "results"), end="")
-        return
     given = options().parse_args()
     folder = given.folder / "results"
     folder.mkdir(exist_ok=True)
-    bench = Bench(given.edge, given.image, PROGRAMS)
+    bench = Bench(given.edge, given.image)
+    measured = given.folder / "measured.jsonl"
+    store = Store(measured)
     pictures = {run: folder / f"scene-{run.scene}.png" for run in bench.oblique() + bench.lit_scenes()}
     while True:
         bench.page = Page()
@@ -98,12 +100,13 @@ def main():
                 section(bench, bench.page)
         if bench.complete():
             break
-        bench.measure(given.jobs, pictures, given.quiet)
+        bench.measure(store, given.jobs, pictures, given.quiet)
     bench.page.write_files(folder)
     (given.folder / "RESULTS.md").write_text(introduction(bench) + bench.page.claims() + bench.page.body)
+    measured.unlink()
 
 
 try:
     main()
-except (OSError, RuntimeError, ValueError, subprocess.CalledProcessError) as error:
+except (OSError, RuntimeError, ValueError) as error:
     sys.exit(f"gicube-results: {error}")

@@ -1,9 +1,11 @@
-"""The page of results: Markdown, and a CSV file of the same cells for each table and chart."""
+"""The page of results: Markdown, a CSV file of the same cells for each table and chart, and the charts."""
 import csv
 import io
 import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
+
+from studies import draw
 
 TOLERANCE = 0.25  # beyond it a difference needs a reason
 FOLDER = "results"
@@ -18,7 +20,7 @@ class Table:
 
 @dataclass
 class Chart:
-    """A picture drawn by gnuplot from NAME.csv: x in the first column, a series in each other."""
+    """NAME.svg, and NAME.csv: x in the first column, a series in each other."""
     name: str
     title: str
     x_label: str
@@ -73,19 +75,11 @@ def to_csv(item):
     return csv_text([[item.x_label, *item.series], *points])
 
 
-def to_gnuplot(chart):
-    """Reads NAME.csv and writes NAME.svg in the working folder."""
-    columns = "{}:xtic(1)" if chart.bars else "1:{} with linespoints"
-    plots = (f"'{chart.name}.csv' using {columns.format(i)} title \"{name}\" lw 2" for i, name in enumerate(chart.series, 2))
-    return "".join([
-        "set datafile separator ','\nset datafile missing ''\n",
-        f'set title "{chart.title}"\nset xlabel "{chart.x_label}"\nset ylabel "{chart.y_label}"\n',
-        "set grid\nset key above\n",
-        "set logscale x 2\n" if chart.log_x else "",
-        "set logscale y\n" if chart.log_y else "",
-        "set style data histograms\nset style fill solid 0.8\nset yrange [0:*]\n" if chart.bars else "",
-        "set terminal svg size 800,480 background 'white'\n",
-        f"set output '{chart.name}.svg'\nplot {', '.join(plots)}\n"])
+def draw_chart(chart, path):
+    """Raises as draw.chart()."""
+    x = [x for x, _ in chart.points]
+    series = [draw.Series(name, x, [values[i] for _, values in chart.points]) for i, name in enumerate(chart.series)]
+    draw.chart(path, chart.title, chart.x_label, chart.y_label, series, log_x=chart.log_x, log_y=chart.log_y, bars=chart.bars)
 
 
 class Page:
@@ -133,8 +127,8 @@ class Page:
                 f"Differences of more than a quarter:\n\n{reasons}\n")
 
     def write_files(self, folder):
-        """The CSV files and gnuplot scripts. Raises OSError."""
+        """The CSV files and charts. Raises OSError."""
         for item in [self.claims_table(), *self._files]:
             (folder / f"{item.name}.csv").write_text(to_csv(item))
             if isinstance(item, Chart):
-                (folder / f"{item.name}.gp").write_text(to_gnuplot(item))
+                draw_chart(item, folder / f"{item.name}.svg")

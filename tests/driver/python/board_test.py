@@ -1,7 +1,9 @@
 """The whole API from Python."""
 
 import asyncio
+import math
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -224,6 +226,25 @@ def test_a_scene_is_rendered(tmp_path):
     with pytest.raises(gicube.InputError) as fault:
         gicube.parse_scene("volume { file: 3 }\nnonsense: 1")
     assert fault.value.faults[0].line == 1
+
+
+def test_a_lit_scene_keeps_its_exposure_and_may_be_loaded_without_light():
+    path = Path(__file__).parents[3] / "samples/scenes/golden_ring.scene"
+    scene = gicube.parse_scene(path.read_text().replace("size: 128", "size: 32").replace("rays_per_face_voxel: 32", "")).set_up()
+    assert scene.is_lit and scene.view.exposure > 0
+    with gicube.open() as board:
+        assert not gicube.load_scene(board, scene, light=False).irradiance
+        assert "dsp.lighting_rays" not in board.counters or board.counters["dsp.lighting_rays"] == 0
+        view = gicube.load_scene(board, scene)
+        assert view.irradiance and view.exposure == scene.view.exposure
+        assert board.counters["dsp.lighting_rays"] > 0
+
+
+def test_a_view_of_a_box_is_nearer_than_that_of_the_whole():
+    volume = gicube.Volume(np.zeros((16, 16, 16), "u1"))
+    whole, part = gicube.fit_view(volume), gicube.fit_view(volume, box=gicube.VoxelBox((4, 4, 4), (4, 4, 4)))
+    assert part.look_at == pytest.approx((5.5, 5.5, 5.5)) and whole.look_at == pytest.approx((7.5, 7.5, 7.5))
+    assert math.dist(part.eye, part.look_at) < 0.5 * math.dist(whole.eye, whole.look_at)
 
 
 def test_counters_only_grow(loaded):

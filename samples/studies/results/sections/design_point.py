@@ -186,8 +186,7 @@ def bus(bench, page):
 
 def cost(bench, page):
     """Row 22."""
-    # As the driver looks for it.
-    program = os.environ.get("GICUBE_BOARD") or bench.programs / "gicube-board"
+    program = os.environ["GICUBE_BOARD"]
     text = subprocess.run([program, "--hardware-cost"], stdout=subprocess.PIPE, text=True).stdout
     # Lines "NAME   FORMULA   BITS bit   3.0 Mb SRAM".
     items = re.findall(r"^(\S.*?)  +(\S.*?)? +(\d+) bit +(.+)$", text, re.MULTILINE)

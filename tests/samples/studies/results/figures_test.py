@@ -118,6 +118,3 @@ class ResultFigures(unittest.TestCase):
         self.assertEqual(spread.min, 1)
         self.equal(spread.mean, 3)
         self.assertEqual(spread.max, 5)
-
-
-unittest.main()

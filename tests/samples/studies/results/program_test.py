@@ -3,6 +3,7 @@ import os
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -12,7 +13,7 @@ PROGRAM = pathlib.Path(os.environ["GICUBE_BIN_DIR"]) / "gicube-results"
 
 
 def run(*arguments, **streams):
-    return subprocess.run([PROGRAM, *arguments], **streams).returncode
+    return subprocess.run([sys.executable, PROGRAM, *arguments], **streams).returncode
 
 
 def tables_of(page):
@@ -42,11 +43,10 @@ class ResultsProgram(unittest.TestCase):
             self.assertTrue(table.rows, name)
             self.assertEqual((folder / f"{name}.csv").read_text(), to_csv(table), name)
 
-    def expect_sources_of_pictures(self, page, folder):
+    def expect_pictures(self, page, folder):
         pictures = re.findall(r"!\[[^\]]*\]\(results/([a-z0-9-]+)\.(svg|png)\)", page)
         for name, extension in pictures:
-            file = folder / (name + (".gp" if extension == "svg" else ".png"))
-            self.assertTrue(file.exists(), file)
+            self.assertTrue((folder / f"{name}.{extension}").exists(), name)
         self.assertGreaterEqual(len(pictures), 12)
 
     def expect_causes_of_all_cycles(self, causes):
@@ -63,7 +63,7 @@ class ResultsProgram(unittest.TestCase):
             tables = tables_of(page)
             self.expect_every_row(page)
             self.expect_the_files_numbers(tables, folder)
-            self.expect_sources_of_pictures(page, folder)
+            self.expect_pictures(page, folder)
             self.expect_causes_of_all_cycles(tables["causes"])
             self.expect_causes_of_all_cycles(tables["lit-causes"])
             # Row 19 is exact at any size: a block of 8^3 voxels has 9^3 words.
@@ -81,6 +81,3 @@ class ResultsProgram(unittest.TestCase):
 
     def test_RefusesASizeThatIsNoPowerOfTwo(self):
         self.assertEqual(run("--edge", "33", ".", stderr=subprocess.DEVNULL), 2)
-
-
-unittest.main()

@@ -1,0 +1,167 @@
+"""Carries out the runs of bench.py on emulated boards: several at a time, and only those that are not on file yet."""
+import functools
+import hashlib
+import json
+import os
+import pathlib
+import threading
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import replace
+
+import gicube
+import numpy as np
+from scenes import faint, make_scene, make_view, normalise
+
+
+def open_board(run):
+    settings = "".join(f"&set={field}={value}" for field, value in run.settings)
+    return gicube.open(f"emu:?fidelity=cycle&threads=1{settings}")
+
+
+def load(board, scene, be_faint):
+    if scene.lit:
+        gicube.load_scene(board, scene.setup, light=False)
+        return
+    if scene.setup is not None:
+        board.set_shading(scene.setup.shading)
+    board.load_volume(scene.volume)
+    for tag, look in enumerate(scene.looks):
+        board.set_transfer_function(faint(look) if be_faint else look, tag)
+
+
+def window(board, work):
+    """What `work` adds to the board's counters and clock: the arguments of figures.py's Measurement."""
+    counters, begin = board.counters, board.now
+    work()
+    return {"time_ps": board.now - begin, "counters": dict(board.counters - counters), "processors": board.info.processors,
+            "core_hz": 1e3 * board.info.core_khz}
+
+
+def rays_of(view, dims):
+    """The view's rays, from where they enter the volume; those that miss it are left out."""
+    eye = np.array(view.eye, dtype=float)
+    forward = normalise(np.array(view.look_at) - eye)
+    right = normalise(np.cross(forward, view.up))
+    up = np.cross(right, forward)
+    tangent = np.tan(view.fov_degrees * np.pi / 360)
+    x = tangent * (2 * (np.arange(view.width) + 0.5) - view.width) / view.height
+    y = tangent * (view.height - 2 * (np.arange(view.height)[:, None] + 0.5)) / view.height
+    along = forward + x[..., None] * right + y[..., None] * up
+    along = along / np.sqrt((along * along).sum(axis=-1))[..., None]
+    rays = gicube.clip_to_volume(gicube.rays(eye, along.reshape(-1, 3), length=1e9), dims)
+    rays["length"] = 0
+    return rays
+
+
+def trace(board, view, rays):
+    """Host rays, sampled as the view is. The rest of the pipeline is set up by a view past the volume: no ray of it goes to the ASIC."""
+    past = tuple(2 * eye - at for eye, at in zip(view.eye, view.look_at))
+    board.render_to_framebuffer(replace(view, width=1, height=1, look_at=past))
+    return window(board, lambda: board.receive(board.submit(rays, step=view.step, leap=view.leap)))
+
+
+def fill_block(board, view):
+    """Rays through one block along z, one in each column of its cells, ended by a cut plane."""
+    n = board.info.block_voxels
+    y, x = (each.ravel() + 0.5 for each in np.mgrid[:n, :n])
+    rays = gicube.rays(np.stack([x, y, np.full(n * n, 0.5 * view.step)], axis=1), (0, 0, 1))
+    return trace(board, replace(view, cut_planes=[gicube.CutPlane((0, 0, -1), -n)], shade=False), rays)
+
+
+def illuminate(board, run, scene):
+    settings = replace(scene.setup.illumination, rays_per_face_voxel=run.light_rays, step=run.step, leap=run.leap,
+                       jitter=run.jitter, albedo=gicube.Albedo.HIGH if run.high_albedo else gicube.Albedo.LOW)
+    return board.illuminate(scene.setup.lights, settings)
+
+
+def measure_run(board, run, scene, is_lit, picture):
+    view = replace(make_view(scene, run.view, run.width, run.height, run.orthographic), step=run.step, opacity_threshold=0.98,
+                   leap=run.leap, jitter=run.jitter, irradiance=run.light_rays > 0, scatter=scene.lit)
+    if run.kind == "light":
+        reports = []
+        result = window(board, lambda: reports.append(illuminate(board, run, scene)))
+        emitted = reports[0].emitted
+        return result | {"clipped": reports[0].clipped / emitted if emitted else 0.0}
+    if run.kind == "host_rays":
+        return trace(board, view, rays_of(view, scene.volume.dims))
+    if run.kind == "fill_block":
+        return fill_block(board, view)
+    if run.light_rays > 0 and not is_lit:
+        illuminate(board, run, scene)
+    images = []
+    result = window(board, lambda: images.append(board.render(view)))
+    if picture:
+        images[0].save(picture, scene.background)
+    return result
+
+
+def measure_board(runs, scene_of, pictures):
+    """The runs must share scene, settings and light. Raises RuntimeError: a run's name and what the driver said."""
+    run = runs[0]
+    try:
+        scene = scene_of(run.scene, run.dims, run.edge)
+        with open_board(run) as board:
+            load(board, scene, run.faint)
+            results, is_lit = [], False
+            for run in runs:
+                results.append(measure_run(board, run, scene, is_lit, pictures.get(run)))
+                is_lit = run.light_rays > 0
+            return results
+    except (gicube.Error, OSError) as error:
+        raise RuntimeError(f"{run.name()}: {error}") from error
+
+
+def cached_by_one(make):
+    """make() once for the same arguments; who asks meanwhile waits."""
+    known, lock = {}, threading.Lock()
+
+    @functools.wraps(make)
+    def get(*arguments):
+        with lock:
+            own, made = known.setdefault(arguments, (threading.Lock(), []))
+        with own:
+            if not made:
+                made.append(make(*arguments))
+        return made[0]
+    return get
+
+
+class Store:
+    """A file of what was measured, a line a board: a list of its runs' names, and of their results. It counts for the same board,
+    driver and scenes alone."""
+
+    def __init__(self, path):
+        self._path = path
+        self._lock = threading.Lock()
+        self._scene_of = cached_by_one(make_scene)
+        programs = [os.environ["GICUBE_BOARD"], gicube._core.__file__, __file__, pathlib.Path(__file__).with_name("scenes.py")]
+        version = hashlib.sha256(b"".join(pathlib.Path(each).read_bytes() for each in programs)).hexdigest()
+        lines = path.read_text().splitlines() if path.exists() else []
+        whole = [line for line in lines if line.endswith("]]")] if lines[:1] == [version] else []  # the last may have been cut off
+        path.write_text("".join(line + "\n" for line in [version, *whole]))
+        self._known = {tuple(names): results for names, results in map(json.loads, whole)}
+
+    def measure(self, boards, jobs, pictures):
+        """Yields (run, result) of lists of runs, a list for each board, as soon as a board has done. Raises as measure_board(); then,
+        and on Ctrl-C, the boards under way end first and are kept."""
+        pool = ThreadPoolExecutor(jobs)
+        try:
+            waiting = {}
+            for runs in boards:
+                known = self._known.get(tuple(run.name() for run in runs))
+                drawn = all(pictures[run].exists() for run in runs if run in pictures)
+                if known and drawn:
+                    yield from zip(runs, known)
+                else:
+                    waiting[pool.submit(self._measure, runs, pictures)] = runs
+            for done in as_completed(waiting):
+                yield from zip(waiting[done], done.result())
+        finally:
+            pool.shutdown(cancel_futures=True)
+
+    def _measure(self, runs, pictures):
+        results = measure_board(runs, self._scene_of, pictures)
+        line = json.dumps([[run.name() for run in runs], results], separators=(",", ":"))
+        with self._lock, self._path.open("a") as file:
+            file.write(line + "\n")
+        return results
