@@ -36,7 +36,7 @@ STYLE = {"svg.fonttype": "none", "svg.hashsalt": "gicube", "font.family": "DejaV
 
 @dataclass
 class Series:
-    label: str  # empty: no label; the same label as another's is written once
+    label: str  # the same as another's is written once; empty: none, it belongs to the series of its colour
     x: object  # numbers; bars: texts
     y: object  # numbers; not-a-number where there is none
     look: str = "both"  # of a line and points; or line, points
@@ -45,8 +45,6 @@ class Series:
     hollow: bool = False
     mark: Optional[int] = None  # of MARKS; None: as the colour
     boxed: bool = False  # named in the box, though it is a line
-    label_at: int = -1  # which point its label stands at
-    label_shift: tuple = (6, 8)  # points: where, if that point is not at the right edge
 
 
 @dataclass
@@ -60,7 +58,8 @@ class Panel:
     x_range: tuple = (None, None)
     y_range: tuple = (None, None)
     bars: bool = False  # a group of bars for each x
-    lines_y: tuple = ()  # (value, text): horizontal lines to compare with
+    box_outside: bool = False  # the box of names: beside the panel, where it covers nothing
+    lines_y: tuple = ()  # (value, label): horizontal lines to compare with
 
 
 def chart(path, title, x_label, y_label, series, *, size=(8.4, 5.0), **of_panel):
@@ -76,7 +75,7 @@ def panels(path, title, parts, *, size=None, columns=2):
     size = size or (5.8 * columns, 4.6 * rows)
     with matplotlib.rc_context(STYLE):
         figure, grid = pyplot.subplots(rows, columns, figsize=size, squeeze=False, constrained_layout=True)
-        lines = textwrap.wrap(title, int(size[0] * 10.5))
+        lines = textwrap.wrap(title, int(size[0] * 9.6))
         figure.suptitle("\n".join(lines), x=0.01, ha="left", fontsize=12, fontweight="bold")
         for part, axes in itertools.zip_longest(parts, grid.flat):
             if part is None:
@@ -94,9 +93,9 @@ def panels(path, title, parts, *, size=None, columns=2):
 
 
 def _fill(axes, part):
-    colours = {each.label or id(each) for each in part.series}
-    if len(colours) > MAX_SERIES:
-        raise ValueError(f"series of {part.y_label}: expected at most {MAX_SERIES}, got {len(colours)}")
+    names = {each.label or each.colour or id(each) for each in part.series}
+    if len(names - set(range(MAX_SERIES))) > MAX_SERIES:
+        raise ValueError(f"series of {part.y_label}: expected at most {MAX_SERIES}, got {len(names)}")
     if part.log_x:
         axes.set_xscale("log")
     if part.log_y:
@@ -111,10 +110,8 @@ def _fill(axes, part):
     axes.set(xlabel=part.x_label, ylabel=part.y_label, xlim=part.x_range, ylim=part.y_range)
     if part.title:
         axes.set_title(part.title, fontsize=10, loc="left")
-    for value, text in part.lines_y:
+    for value, _ in part.lines_y:
         axes.axhline(value, color=GRAY, lw=1, ls=(0, (4, 3)))
-        axes.annotate(text, (1, value), (0, 3), xycoords=("axes fraction", "data"), textcoords="offset points", ha="right",
-                      fontsize=9, color="#606060")
     if part.bars:
         axes.set_xticks(range(len(part.series[0].x)), [x if isinstance(x, str) else f"{x:g}" for x in part.series[0].x])
         axes.grid(axis="x", visible=False)
@@ -129,9 +126,9 @@ def _plain_numbers(axis, measured=()):
     low, high = sorted(axis.get_view_interval())
     decades = np.log10(high / low) if low > 0 else 9
     axis.set_major_formatter(ticker.FuncFormatter(
-        lambda value, _: f"{value:.10g}" if 1e-4 <= value < 1e5 else f"1e{round(np.log10(value))}"))
+        lambda value, _: f"{value:.10g}" if 0.9e-4 < value < 2e5 else f"1e{round(np.log10(value))}"))
     axis.set_minor_formatter(ticker.NullFormatter())
-    if 2 < len(measured) <= 12 and min(b / a for a, b in zip(measured, measured[1:])) > 10 ** (decades / 16):
+    if 2 < len(measured) <= 12 and all(len(f"{value:.9g}") <= 5 for value in measured) and min(b / a for a, b in zip(measured, measured[1:])) > 10 ** (decades / 16):
         axis.set_major_locator(ticker.FixedLocator(measured))
         axis.set_minor_locator(ticker.NullLocator())
         return
@@ -163,9 +160,10 @@ def _in_box(each):
 
 def _label(axes, part):
     """Labels at the lines' ends, moved up and down until none covers another; the others in a box."""
-    named = dict(zip(*reversed(axes.get_legend_handles_labels())))
+    named = dict(reversed(list(zip(*reversed(axes.get_legend_handles_labels())))))
     if named:
-        axes.legend(named.values(), named.keys(), loc="best")
+        place = {"loc": "center left", "bbox_to_anchor": (1, 0.5)} if part.box_outside else {"loc": "best"}
+        axes.legend(reversed(named.values()), reversed(named), **place)
     if part.bars:
         return
     seen, ends = set(), []
@@ -174,12 +172,15 @@ def _label(axes, part):
         if _in_box(each) or not each.label or each.label in seen or not len(there):
             continue
         seen.add(each.label)
-        point = (float(each.x[there[each.label_at]]), float(each.y[there[each.label_at]]))
+        point = (float(each.x[there[-1]]), float(each.y[there[-1]]))
         x, y = axes.transAxes.inverted().transform(axes.transData.transform(point))
         if x > 0.88:
             ends.append((each, point, x, y))
         else:
-            _write(axes, each, point, each.label_shift, "offset points", False)
+            _write(axes, each, point, (6, 8 if _free_above(axes, part, point) else -10), "offset points", False)
+    right = axes.get_xlim()[1]
+    for value, text in part.lines_y:
+        ends.append((Series(text, (), (), colour=-1), (right, value), *axes.transAxes.inverted().transform(axes.transData.transform((right, value)))))
     points = axes.bbox.height * 72 / axes.figure.dpi
     ends.sort(key=lambda end: -end[3])
     names = [_wrapped(each) for each, *_ in ends]
@@ -193,6 +194,16 @@ def _label(axes, part):
     for (each, point, x, y), height in zip(ends, heights):
         moved = abs(height - y) * points > 7 or x < 0.97
         _write(axes, each, point, (1.03, height), "axes fraction", moved)
+
+
+def _free_above(axes, part, point):
+    """Fewer lines run above than below to the right of a point."""
+    lines = [axes.transData.transform(np.column_stack([np.interp(np.linspace(0, len(each.x) - 1, 400), range(len(each.x)), values)
+                                                       for values in (np.asarray(each.x, float), np.asarray(each.y, float))]))
+             for each in part.series]
+    off = (np.concatenate(lines) - axes.transData.transform(point)) * 72 / axes.figure.dpi
+    beside = (off[:, 0] > 5) & (off[:, 0] < 60)
+    return np.sum(beside & (off[:, 1] > 2) & (off[:, 1] < 16)) <= np.sum(beside & (off[:, 1] < -2) & (off[:, 1] > -16))
 
 
 def _wrapped(each):

@@ -78,7 +78,8 @@ def to_csv(item):
 def draw_chart(chart, path):
     """Raises as draw.chart()."""
     x = [x for x, _ in chart.points]
-    series = [draw.Series(name, x, [values[i] for _, values in chart.points]) for i, name in enumerate(chart.series)]
+    look = "line" if len(x) > 60 else "both"
+    series = [draw.Series(name, x, [values[i] for _, values in chart.points], look=look) for i, name in enumerate(chart.series)]
     draw.chart(path, chart.title, chart.x_label, chart.y_label, series, log_x=chart.log_x, log_y=chart.log_y, bars=chart.bars)
 
 

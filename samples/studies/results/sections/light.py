@@ -124,7 +124,7 @@ def light_sweep(bench, page):
 def rays_claim(bench, page):
     paper_pass, paper_rate = 361, 39  # ms, Hz
     counts = (1, 2, 3)  # rays a face voxel, k
-    chart = Chart("light-rays", "Mirrored buckyball: illumination pass", "rays a face voxel, k", "ms",
+    chart = Chart("light-rays", "A lighting pass takes as long as it has rays (mirrored buckyball)", "rays a face voxel, k", "ms",
                   series=["low albedo", "high albedo", "paper"])
     rows = []
     for k in counts:
@@ -206,12 +206,12 @@ def tail_of(times):
 def block_loads(bench, page):
     """Row 18."""
     for scene in (BALL, "fog-box"):
-        chart = Chart(f"block-loads-{scene}", f"Figure 15: block loads in a lighting pass, {scene}", "ms", "in a millisecond",
+        chart = Chart(f"block-loads-{scene}", f"Figure 15: where few rays are under way blocks are loaded often ({scene}, lighting pass)", "ms", "in a millisecond",
                       log_y=True, series=["block loads", "samples"])
         chart.points = [(ms, [max(value, 1.0) for value in each])  # for the logarithm
                         for ms, each in enumerate(milliseconds(bench.get(bench.light(scene))))]
         page.chart(chart, "A block load is a queue that becomes the active one.")
-    chart = Chart("residencies", "Steps by the length of their residency", "steps of a residency, at least", "share of all steps", log_x=True,
+    chart = Chart("residencies", "Most steps are taken in long residencies of a queue", "steps of a residency, at least", "share of all steps", log_x=True,
                   series=list(LIT_SCENES))
     chart.points = [(lengths[0].steps, [each.issued for each in lengths])
                     for lengths in zip(*bench.over(bench.lights(), residencies))]

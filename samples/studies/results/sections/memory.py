@@ -59,8 +59,8 @@ def cache(bench, page):
     page.text(f"Hit ratio is that of voxels. The caches hold at most 64^3 blocks, so n = N is measured on a head of {whole}^3 voxels "
               f"with one processor and a {whole}^2 image.")
     for grid in grids:
-        grid.report(f"Figure 13: hit ratio, {grid.name}", f"Figure 14: time, {grid.name}")
-    small.report("Figure 13 with n = N: hit ratio", "Figure 14 with n = N: time")
+        grid.report(f"Figure 13: large blocks n and long queues hit more often ({grid.name})", f"Figure 14: large blocks n need long queues ({grid.name})")
+    small.report("Figure 13 with n = N: large blocks hit more often", "Figure 14 with n = N: large blocks need long queues")
 
     def of_ways(ways, queue):
         run = with_queue(grids[0].run, queue)
@@ -121,7 +121,7 @@ def at_image(run, image):
 def sampling(bench, page):
     """Rows 17 and 19."""
     for scene in ("buckyball", "cloud"):
-        chart = Chart(f"misses-{scene}", f"Figure 9: misses a sample, {scene}", "misses of a sample", "share of samples", bars=True,
+        chart = Chart(f"misses-{scene}", f"Figure 9: the closer the samples, the more of them miss nothing ({scene})", "misses of a sample", "share of samples", bars=True,
                       series=[f"step {step:g}" for step in STEPS])
         shares = bench.over([bench.run(scene, step=step) for step in STEPS], miss_histogram)
         chart.points = list(enumerate(zip(*shares)))
@@ -162,7 +162,7 @@ def steps_table(bench):
 
 def image_sizes(bench):
     """Figure 17."""
-    chart = Chart("image-size", "Figure 17: efficiency by image size", "pixels an edge", "throughput", log_x=True, series=list(SCENES))
+    chart = Chart("image-size", "Figure 17: larger images keep the pipelines busier", "pixels an edge", "throughput", log_x=True, series=list(SCENES))
     rows = []
     for image in (bench.image // 8, bench.image // 4, bench.image // 2, bench.image, 2 * bench.image):
         measured = [bench.get(at_image(run, image)) for run in bench.oblique()]

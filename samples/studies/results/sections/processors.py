@@ -56,7 +56,7 @@ def swept(bench):
 def width_sweep(bench):
     runs = swept(bench)
     rows = []
-    chart = Chart("link-width-chart", "Skewed blocks by width of a link", "bits of a link", "share; time of the slab's", log_x=True,
+    chart = Chart("link-width-chart", "Skewed blocks need wide links to be quicker than slabs", "bits of a link", "share; time of the slab's", log_x=True,
                   series=["balance: holds rays", "balance: works", "time / slab's time"])
     for bits in LINK_BITS:
         at = on(runs, with_links(SKEWED, bits))
@@ -162,7 +162,7 @@ def speed_up(bench, page):
         return [ratio(a, b) for a, b in zip(one, many)]
 
     rows = []
-    chart = Chart("speed-up-chart", "Figure 16: speed-up of a fixed problem (mean of the scenes)", "processors", "speed-up",
+    chart = Chart("speed-up-chart", "Figure 16: many processors need a fast front end and small blocks (fixed problem, mean of the scenes)", "processors", "speed-up",
                   series=["ideal", *machines], points=[(p, [p]) for p in (1, 2, 4, 8, most)])
     for name, settings in machines.items():
         ends_only = name in ("skewed, runs of 64 rays", "skewed, DSP 8 times as fast")

@@ -29,7 +29,7 @@ def baseline(bench, page):
     def time(scene, queue):
         return asic_ms(bench.get(scanline(bench.run(scene), queue)))
 
-    queue_chart(bench, "baseline-queue", "Scanline order, one queue", "ASIC ms", queues, SCENES, time)
+    queue_chart(bench, "baseline-queue", "In scanline order a queue may be too short and too long", "ASIC ms", queues, SCENES, time)
     best = {scene: min(queues, key=lambda queue: time(scene, queue)) for scene in SCENES}
     slow = [scanline(run, best[run.scene]) for run in bench.oblique()]
     ours, theirs = bench.over(bench.oblique(), lambda m: m), bench.over(slow, lambda m: m)
@@ -87,7 +87,7 @@ def lit_baseline(bench, page):
     def time(scene, queue):
         return frame_ms(Whole(bench, scene, queue).both)
 
-    queue_chart(bench, "lit-baseline-queue", "Scanline order, one queue: illumination pass and frame", "ms", queues, LIT_SCENES, time)
+    queue_chart(bench, "lit-baseline-queue", "In scanline order a queue may be too short and too long (lighting pass and frame)", "simulated ms", queues, LIT_SCENES, time)
     best = {scene: min(queues, key=lambda queue: time(scene, queue)) for scene in LIT_SCENES}
     columns = ["throughput", "memory GB/s", "hit ratio", "frame ms"]
     ours = [Whole(bench, scene, None) for scene in LIT_SCENES]

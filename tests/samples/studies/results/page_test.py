@@ -1,9 +1,11 @@
 import math
 import pathlib
+import re
 import tempfile
 import unittest
 
 from page import Chart, Page, Table, differs, draw_chart, number, percent, to_csv, to_markdown
+from studies import draw
 
 
 class ResultPage(unittest.TestCase):
@@ -23,10 +25,12 @@ class ResultPage(unittest.TestCase):
         chart = Chart("c", "Title", "x", "y", log_x=True, series=["one", "two"], points=[(1, [0.5, 2]), (2, [math.nan, 3])])
         self.assertEqual(to_csv(chart), "x,one,two\n1,0.5,2\n2,,3\n")
         with tempfile.TemporaryDirectory() as folder:
-            drawn = pathlib.Path(folder) / "c.svg"
-            draw_chart(chart, drawn)
-            for words in ("Title", "x", "y", "one", "two"):
-                self.assertIn(f">{words}</text>", drawn.read_text())
+            draw_chart(chart, pathlib.Path(folder) / "c.svg")
+            svg = (pathlib.Path(folder) / "c.svg").read_text()
+        for words in ("Title", "x", "y", "one", "two"):
+            self.assertIn(f">{words}</text>", svg)
+        marks = [len(re.findall(f"<use[^>]*{colour.lower()}", svg)) for colour in draw.COLOURS[:2]]
+        self.assertEqual(marks, [1, 2])
 
     def test_ClaimThatDiffersMustSayWhy(self):
         page = Page()

@@ -1,0 +1,282 @@
+"""The charts of docs/studies/charts, each drawn from its CSV file."""
+import csv
+import math
+
+import numpy as np
+
+from studies.draw import Panel, Series, chart, panels
+
+LEVELS = ("functional", "approximate", "cycle")
+LEAST = 1e-4  # where what has no error stands on a logarithmic axis
+L2 = "relative L2 error in the field of view"
+BOARD_AND_BUS = "simulated ms of the board (filled) and the bus (hollow)"
+MS_A_FRAME = "simulated ms a frame"
+
+
+def rows_of(file):
+    """Rows of a table by the names of its columns; blocks of a table may be parted by empty lines."""
+    with open(file, newline="") as stream:
+        return list(csv.DictReader(line for line in stream if line.strip()))
+
+
+def column(rows, name):
+    """Numbers; not-a-number where there is none, and the width of a size WxH."""
+    return [float(row[name].split("x")[0]) if row[name] else math.nan for row in rows]
+
+
+def where(rows, **fields):
+    """Rows whose columns, with _ for what a Python name has not, have these values."""
+    names = {name.replace(".", "_").replace("-", "_").replace(" ", "_"): name for name in rows[0]}
+    return [row for row in rows if all(row[names[field]] == value for field, value in fields.items())]
+
+
+def grouped(rows, name):
+    """Rows by what they have in a column, in the order in which that comes first."""
+    groups = {}
+    for row in rows:
+        groups.setdefault(row[name], []).append(row)
+    return groups
+
+
+def series(label, rows, x, y, **look):
+    return Series(label, column(rows, x), column(rows, y), **look)
+
+
+def front(rows, x, y, mark="front"):
+    """The Pareto front as a line."""
+    on = sorted(where(rows, **{mark: "1"}), key=lambda row: float(row[x]))
+    return series("Pareto front", on, x, y, look="line", colour=6, boxed=True)
+
+
+def rendering(folder):
+    rows = rows_of(folder / "rendering.csv")
+    full = where(rows, level_of_detail="0")
+    lines = [series("64³ voxels, any step", where(rows, level_of_detail="1"), "frame_ms", "error picture", look="points", colour=-1)]
+    for colour, step in enumerate(("2", "1", "0.5", "0.25")):
+        for jitter in ("off", "on"):
+            lines.append(series(f"steps of {step} voxels", where(full, step=step, jitter=jitter), "frame_ms", "error picture", look="points",
+                                colour=colour, hollow=jitter == "on"))
+    means = [(np.mean(column(where(full, size=size, step="0.25", jitter="off"), "error picture")), f"{size} pixels")
+             for size in ("128x128", "192x192")]
+    chart(folder / "rendering_error.svg", "Smaller steps make better pictures only where there are enough pixels (hollow: jitter)",
+          MS_A_FRAME, "RMS error against a double-precision march", [*lines, front(rows, "frame_ms", "error picture")],
+          log_x=True, log_y=True, lines_y=means)
+
+
+def lighting(folder):
+    rows = rows_of(folder / "lighting.csv")
+    fine = where(rows, step="0.5")
+    lines = [series("any of these by steps of 2 voxels", where(rows, step="2"), "pass_ms", "error", look="points", colour=-1)]
+    for colour, (words, bits) in enumerate((("wide", 24), ("paper", 8))):
+        for rules in ("conserving", "printed"):
+            lines.append(series(f"low albedo, {bits} bits", where(fine, albedo="low", rules=rules, datapath=words), "pass_ms", "error",
+                                colour=colour, dashed=rules == "printed"))
+    for rules in ("conserving", "printed"):
+        for words in ("paper", "wide"):
+            lines.append(series("high albedo, any rules and bits", where(fine, albedo="high", rules=rules, datapath=words), "pass_ms", "error",
+                                colour=2))
+    chart(folder / "lighting_error.svg",
+          "Rays of low albedo light a voxel best, if its word is wide enough (k = 1, 2, 4, 8, 16 from left to right; dashed: by the "
+          "rules as printed)",
+          "simulated ms a pass", "RMS error of irradiance, relative to the closed form", [*lines, front(rows, "pass_ms", "error")],
+          log_x=True, log_y=True)
+
+
+def emulator(folder):
+    rows = rows_of(folder / "emulator.csv")
+    lines = []
+    for colour, level in enumerate(LEVELS):
+        for mark, processors in enumerate(("1", "4", "16")):
+            points = where(rows, fidelity=level, asic_processors=processors)
+            errors = [LEAST if level == "cycle" else max(error, LEAST) for error in column(points, "error frame_ms")]
+            lines.append(Series(level if level != "cycle" else "cycle: the reference, without error", column(points, "host_seconds"), errors,
+                                look="points", colour=colour, mark=mark))
+    chart(folder / "emulator_error.svg",
+          "The approximate level's frame times are nearly those of the cycle level, for less of the host's time (1, 4, 16 processors: "
+          "circle, square, diamond)",
+          "host seconds a frame", "error of the frame time against the cycle level", lines, log_x=True, log_y=True, y_range=(LEAST / 2, 1))
+
+
+def held_out(folder):
+    rows = rows_of(folder / "held_out.csv")
+
+    def of(label, x, y, **look):
+        return Series(label, column(rows, x), [max(abs(error), LEAST) for error in column(rows, y)], look="points", **look)
+    chart(folder / "held_out_error.svg",
+          "Scenes that the approximate level was not written with: its errors are as small as what one place less in each queue changes",
+          "host seconds a frame", "error against the cycle level (none: 0.0001)",
+          [of("functional: time", "functional_s", "functional_time_error"), of("approximate: time", "approximate_s", "time_error"),
+           of("approximate: bandwidth", "approximate_s", "bandwidth_error", hollow=True),
+           of("cycle, a place less: time", "cycle_s", "time_self", colour=6),
+           of("cycle, a place less: bandwidth", "cycle_s", "bandwidth_self", hollow=True, colour=5)],
+          log_x=True, log_y=True, lines_y=[(0.05, "5%")])
+
+
+def scaling(folder):
+    titles = {
+        "volume": ("volume-size", "edge of the volume, voxels", "Seconds and memory grow more slowly than the voxels, which are the third power"),
+        "image": ("size", "edge of the image, pixels", "Seconds grow more slowly than the pixels; memory is the volume's until the image is large"),
+        "processors": ("asic.processors", "processors", "More processors cost the host little: they share the same samples"),
+        "rays": ("light-rays", "lighting rays a voxel of the faces", "Seconds grow more slowly than the lighting rays, memory hardly at all")}
+    for name, (axis, label, title) in titles.items():
+        rows = rows_of(folder / f"scaling_{name}.csv")
+        parts = []
+        for y, y_label in ((next(iter(rows[0])), "host seconds"), ("/host/board_peak_mib", "peak MiB of the board's process")):
+            lines = []
+            for level in LEVELS:
+                points = where(rows, fidelity=level)
+                power = np.polyfit(np.log(column(points, axis)), np.log(column(points, y)), 1)[0]
+                lines.append(series(f"{level}: power {round(power, 2) + 0.0:.2f}", points, axis, y))
+            changes = max(column(rows, y)) > 1.5 * min(column(rows, y))
+            parts.append(Panel(label, y_label, lines, log_x=True, log_y=changes, y_range=(None if changes else 0, None)))
+        panels(folder / f"scaling_{name}.svg", title, parts)
+
+
+def form_factors(folder):
+    slopes = rows_of(folder / "form_factors_slopes.csv")
+    forms = grouped(rows_of(folder / "form_factors_error.csv"), "form")
+    lines = [series(f"{each['form']}, slope {each['slope']}", forms[each["form"]], "rays", "error") for each in slopes]
+    rays = [10.0 ** power for power in range(1, 6)]
+    lines.append(Series("random points, slope -0.5", rays, [0.2 / math.sqrt(n) for n in rays], look="line", colour=-1, dashed=True))
+    chart(folder / "form_factors_error.svg", "Errors of form factors fall faster than those of random points", "rays of an estimate",
+          "RMS of F / exact - 1 over 16 estimates", lines, log_x=True, log_y=True)
+
+    links = rows_of(folder / "form_factors_hierarchy.csv")
+    chart(folder / "form_factors_hierarchy.svg", "A hierarchy needs fewer links than the full matrix for the same error", "links",
+          "error of the incident light (standard error)",
+          [series("hierarchy", where(links, hierarchy="1"), "links", "standard_error"),
+           series("full matrix", where(links, hierarchy="0"), "links", "standard_error")], log_x=True, log_y=True)
+
+    pairs = grouped(rows_of(folder / "form_factors_front.csv"), "series")
+    every = [row for rows in pairs.values() for row in rows]
+    names = {"host": "rays by the host", "board": "rays by the DSP", "pci33": "PCI", "agp2x": "AGP 2x"}
+    for cost, words, title in (
+            ("board", "the board", "Rays that the host makes are quicker where a pair has few of them, the DSP's where it has many"),
+            ("bus", "the bus", "Rays that the DSP makes take the bus the same time, however many")):
+        def us(rows, mark=cost):
+            return [1000 * ms for ms in column(rows, f"{mark}_ms")]
+        lines = []
+        for name, rows in pairs.items():
+            bus, maker = name.split()
+            lines.append(Series(f"{names[bus]}, {names[maker]}", us(rows), column(rows, "error"), colour=(bus == "agp2x") + 2 * (maker == "board"),
+                                boxed=True))
+        best = front(every, f"{cost}_ms", "error", f"front_{cost}_ms")
+        best.x = [1000 * ms for ms in best.x]
+        best.dashed = True
+        chart(folder / f"form_factors_trade_{cost}.svg", title, f"simulated µs of {words} a pair", "RMS error of a pair's transmittance",
+              [*lines, best], log_x=True, log_y=True)
+
+
+def cone_beam(folder):
+    for draw in (cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all):
+        draw(folder)
+
+
+def by_time(groups, **of_panel):
+    """Of a sweep's series: error by the board's time and by the bus's."""
+    lines = [series(name if look else "", rows, cost, "relative_l2", colour=colour, hollow=not look, dashed=not look,
+                    boxed=True)
+             for cost, look in (("board_ms", 1), ("bus_ms", 0)) for colour, (name, rows) in enumerate(groups.items())]
+    return Panel(BOARD_AND_BUS, L2, lines, log_x=True, **of_panel)
+
+
+def cone_beam_sweeps(folder):
+    for name, x, title, log_x in (
+            ("views", "views of a turn", "More views help until the voxels' own error is left", True),
+            ("ray_spacing", "pixel over voxel, at the axis", "Pixels larger than voxels leave gaps, unless each has several rays", False),
+            ("cone_angle", "full cone angle, degrees", "A wide cone smears discs across the axis, and hardly harms a head", False),
+            ("truncation", "part of the head's width that is seen", "SART bears projections that are cut off, FDK does not", False)):
+        groups = grouped(rows_of(folder / f"cone_beam_{name}.csv"), "series")
+        lines = [series(each, rows, "x", "relative_l2") for each, rows in groups.items()]
+        panels(folder / f"cone_beam_{name}.svg", title, [Panel(x, L2, lines, log_x=log_x, y_range=(0, None)), by_time(groups, y_range=(0, None))])
+
+
+def cone_beam_words(folder):
+    groups = grouped(rows_of(folder / "cone_beam_accumulator.csv"), "series")
+    whole = [(column(rows, "relative_l2")[0], "sums of 36 bits") for rows in (groups.pop("sums of 36 bits"),)]
+    axes = ("views between two readings, 11 bits", "bits of a word, read every 8 views", "full at this part of the bound, 11 bits")
+    parts = [Panel(axis, L2, [series("", rows, "x", "relative_l2", colour=colour)], log_x=colour != 1, lines_y=whole, y_range=(0.28, 0.7))
+             for colour, (axis, rows) in enumerate(zip(axes, groups.values()))]
+    panels(folder / "cone_beam_accumulator.svg", "Narrow words cost little if they are read often and do not clip",
+           [*parts, by_time(groups, lines_y=whole, y_range=(0.28, 0.7))])
+
+
+def cone_beam_methods(folder):
+    groups = grouped(rows_of(folder / "cone_beam_sart.csv"), "series")
+    parts = []
+    for title in ("without noise", "of 3000 photons a pixel"):
+        half = {name.removesuffix(" of 3000 photons").replace("FDK by Ram-Lak / Shepp-Logan / Hann", "FDK, three windows"): rows
+                for name, rows in groups.items() if name.endswith("photons") == (title != "without noise")}
+        fdk = half["FDK, three windows"]
+        lines = [series(name, rows, "x", "relative_l2", colour=colour) for colour, (name, rows) in enumerate(half.items()) if rows is not fdk]
+        parts += [Panel("iterations", L2, lines, title=title, log_x=True, lines_y=[(column(fdk, "relative_l2")[0], "FDK, Ram-Lak")],
+                        y_range=(0.2, 1.05)), by_time(half, title=title, y_range=(0.2, 1.05))]
+    panels(folder / "cone_beam_sart.svg", "SART reaches smaller errors than FDK, in many times its time (head from 60 views)", parts)
+
+    groups = grouped(rows_of(folder / "cone_beam_relaxation.csv"), "series")
+    lines = [series(name, rows, "x", "relative_l2", boxed=True) for name, rows in groups.items()]
+    lines.append(series("reported as divergence", [row for rows in groups.values() for row in where(rows, diverged="1")], "x", "relative_l2",
+                        look="points", colour=6))
+    chart(folder / "cone_beam_relaxation.svg", "Iterations diverge where the relaxation is more than two, and are stopped (6 iterations, 60 views)", "relaxation",
+          L2, lines)
+
+
+def cone_beam_profiles(folder):
+    groups = grouped(rows_of(folder / "cone_beam_axial_profile.csv"), "series")
+    first = next(iter(groups.values()))
+    lines = [series("phantom", first, "z", "truth", look="line", colour=-1, boxed=True)]
+    lines += [series(f"cone of {name}", rows, "z", "within_34", look="line", boxed=True) for name, rows in groups.items()]
+    chart(folder / "cone_beam_axial_profile.svg", "The wider the cone, the less is left of discs far from the middle",
+          "z, mm", "mean attenuation within 34 mm of the axis, 1/mm", lines, box_outside=True)
+
+    parts = [Panel("x, mm", "density", [series("phantom", rows, "x", "truth", look="line", colour=-1, boxed=True),
+                                        series("FDK, plain", rows, "x", "value", look="line", colour=4, boxed=True),
+                                        series("FDK, normalised", rows, "x", "normalised", look="line", colour=0, boxed=True)],
+                   title=name, y_range=(0.9, 1.15) if name.startswith("head") else (-0.1, 1.2))
+             for name, rows in grouped(rows_of(folder / "cone_beam_profile.csv"), "series").items()]
+    panels(folder / "cone_beam_profile.svg", "Division by the splatted weights brings back the phantom's level, along x through the middle", parts)
+
+
+def cone_beam_ripple(folder):
+    groups = grouped(rows_of(folder / "cone_beam_moire.csv"), "series")
+    lines = [series(name, rows, "x", "ripple", boxed=True) for name, rows in groups.items()]
+    x = np.linspace(0.4, 3, 400)
+    lines.append(Series("sinc² of the rays' wave", x, np.sinc(1 / x) ** 2, look="line", colour=-1, dashed=True, boxed=True))
+    chart(folder / "cone_beam_moire.svg", "Rays leave a ripple; division by the splatted weights removes it while they are closer than voxels",
+          "distance of rays over voxel, at the axis", "ripple: RMS of what was left / wanted - 1", lines, log_y=True, x_range=(0.35, 3.05),
+          y_range=(5e-5, 2))
+
+
+def cone_beam_host(folder):
+    rows = [row for row in rows_of(folder / "cone_beam_trade.csv") if row["cpu_s"]]
+
+    def of(label, *parts, **look):
+        return series(label, [row for row in rows if all(part in row["name"] for part in parts)], "cpu_s", "relative_l2", **look)
+    lines = [of("board's rays: 90, 180, 360 views", "rays:1/half_steps:2/window:0"),
+             of("Shepp-Logan window", "half_steps:2/window:1", look="points"), of("steps of 2 voxels", "half_steps:4", look="points"),
+             of("steps of ½ voxel", "half_steps:1/", look="points"), of("2 × 2 rays a pixel", "rays:2", look="points"),
+             of("double precision", "trade_reference", look="points", hollow=True)]
+    # Published by nobody: what its user measured.
+    lines.append(Series("plastimatch, as its user measured it", [23], [0.17], look="points", colour=6, hollow=True))
+    chart(folder / "cone_beam_trade.svg", "The board's rays are nearly as good as double precision, in less of the host's time (360 views, 256³)",
+          "CPU seconds of the host, all cores", "relative L2 error", [each for each in lines if len(each.x)], log_x=True, y_range=(0, None))
+
+
+def cone_beam_all(folder):
+    rows = rows_of(folder / "cone_beam_front.csv")
+    kinds = {"FDK by views": ("FDK",), "SART by views": ("SART",), "by words of the sums": ("bits",), "by methods, iterations": ("by",),
+             "by pixels and rays": ("pixel", "normalised")}
+    parts = []
+    for cost in ("board", "bus"):
+        lines, left = [], rows
+        for colour, (label, words) in enumerate(kinds.items()):
+            mine = [row for row in left if row["series"] in words or (label not in ("FDK by views", "SART by views")
+                                                                     and any(word in row["series"].split() for word in words))]
+            left = [row for row in left if row not in mine]
+            lines.append(series(label, mine, f"{cost}_ms", "error", look="points", colour=colour))
+        parts.append(Panel(f"simulated ms of the {cost}", L2, [*lines, front(rows, f"{cost}_ms", "error", f"front_{cost}_ms")], log_x=True))
+    panels(folder / "cone_beam_front.svg", "More views first, then smaller pixels, then SART: what one head costs by all ways to reconstruct it",
+           parts)
+
+
+DRAWN = {each.__name__: each for each in (rendering, lighting, cone_beam, form_factors, emulator, held_out, scaling)}
