@@ -40,6 +40,7 @@ setup = gicube.parse_scene("volume { builtin: \"buckyball\" size: 64 }").set_up(
 with gicube.open() as board:
     board.render(gicube.load_scene(board, setup)).save("/tmp/python.png")'
 in_root gicube-smi show /tmp/python.png
+in_root gicube-sweep builtin:buckyball --fix volume-size=32 --fix size=16x16 --reference step=0.25 -o /tmp/sweep --quiet
 
 echo "try: 4 of 4: packages are purged"
 in_root apt-get purge -y -qq gicube gicube-dev gicube-doc python3-gicube >"$root/root/log" 2>&1 || { tail "$root/root/log"; exit 1; }

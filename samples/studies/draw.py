@@ -10,8 +10,8 @@ the lines; what is no line (look "points", "steps" of many points) is named in a
 
     draw.panels("both.svg", "Title", [draw.Panel("x", "y", series), draw.Panel("x", "z", others)])
 """
+import io
 import itertools
-import pathlib
 import re
 import textwrap
 from dataclasses import dataclass
@@ -23,6 +23,8 @@ matplotlib.use("svg")
 import matplotlib.pyplot as pyplot  # noqa: E402
 import matplotlib.ticker as ticker  # noqa: E402
 import numpy as np  # noqa: E402
+
+from studies.table import write_whole  # noqa: E402
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 GRAY = "#8C8C8C"
@@ -69,7 +71,7 @@ def chart(path, title, x_label, y_label, series, *, size=(8.4, 5.0), **of_panel)
 
 def panels(path, title, parts, *, size=None, columns=2):
     """Writes an SVG of panels side by side, `columns` at most, `size` in inches of 72 points. Raises ValueError (more than seven
-    series in a panel, a series of unequal lengths), OSError."""
+    series in a panel, a series of unequal lengths), FileError."""
     columns = min(columns, len(parts))
     rows = -(-len(parts) // columns)
     size = size or (5.8 * columns, 4.6 * rows)
@@ -85,11 +87,10 @@ def panels(path, title, parts, *, size=None, columns=2):
         figure.canvas.draw()  # places what the labels stand at
         for part, axes in zip(parts, grid.flat):
             _label(axes, part)
-        try:
-            figure.savefig(path, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
-        finally:
-            pyplot.close(figure)
-    _shorten(pathlib.Path(path))
+        drawn = io.StringIO()
+        figure.savefig(drawn, format="svg", metadata=dict.fromkeys(("Date", "Creator", "Format", "Type")))
+        pyplot.close(figure)
+    write_whole(path, _shortened(drawn.getvalue()))
 
 
 def _fill(axes, part):
@@ -128,12 +129,16 @@ def _plain_numbers(axis, measured=()):
     axis.set_major_formatter(ticker.FuncFormatter(
         lambda value, _: f"{value:.10g}" if 0.9e-4 < value < 2e5 else f"1e{round(np.log10(value))}"))
     axis.set_minor_formatter(ticker.NullFormatter())
-    if 2 < len(measured) <= 12 and all(len(f"{value:.9g}") <= 5 for value in measured) and min(b / a for a, b in zip(measured, measured[1:])) > 10 ** (decades / 16):
+    if 2 < len(measured) <= 12 and all(map(_is_round, measured)) and min(b / a for a, b in zip(measured, measured[1:])) > 10 ** (decades / 16):
         axis.set_major_locator(ticker.FixedLocator(measured))
         axis.set_minor_locator(ticker.NullLocator())
         return
     axis.set_major_locator(ticker.LogLocator(base=10, subs=(1, 2, 5) if decades < 2.2 else (1,), numticks=20))
     axis.set_minor_locator(ticker.LogLocator(base=10, subs=range(1, 10), numticks=99))
+
+
+def _is_round(value):
+    return value < 1e5 and (len(f"{value:.9g}".strip("0")) <= 3 or np.log2(value) % 1 == 0)
 
 
 def _plot(axes, part, number, each):
@@ -218,8 +223,8 @@ def _write(axes, each, point, place, coordinates, moved):
                   arrowprops={"arrowstyle": "-", "color": dark, "lw": 0.5, "shrinkA": 0, "shrinkB": 3} if moved else None)
 
 
-def _shorten(path):
-    """Takes out what says nothing: comments, the document type, digits beyond a hundredth of a point."""
-    text = re.sub(r"<!DOCTYPE[^>]*>|<!--.*?-->", "", path.read_text(), flags=re.DOTALL)
+def _shortened(text):
+    """Without what says nothing: comments, the document type, digits beyond a hundredth of a point."""
+    text = re.sub(r"<!DOCTYPE[^>]*>|<!--.*?-->", "", text, flags=re.DOTALL)
     text = re.sub(r"(\d\.\d\d)\d{3,}", r"\1", text).replace("'DejaVu Sans'", "'DejaVu Sans', Verdana, sans-serif")
-    path.write_text("".join(line.strip() + "\n" for line in text.splitlines() if line.strip()))
+    return "".join(line.strip() + "\n" for line in text.splitlines() if line.strip())

@@ -1,22 +1,16 @@
 """The charts of docs/studies/charts, each drawn from its CSV file."""
-import csv
 import math
 
 import numpy as np
 
 from studies.draw import Panel, Series, chart, panels
+from studies.table import rows_of
 
 LEVELS = ("functional", "approximate", "cycle")
 LEAST = 1e-4  # where what has no error stands on a logarithmic axis
 L2 = "relative L2 error in the field of view"
 BOARD_AND_BUS = "simulated ms of the board (filled) and the bus (hollow)"
 MS_A_FRAME = "simulated ms a frame"
-
-
-def rows_of(file):
-    """Rows of a table by the names of its columns; blocks of a table may be parted by empty lines."""
-    with open(file, newline="") as stream:
-        return list(csv.DictReader(line for line in stream if line.strip()))
 
 
 def column(rows, name):

@@ -193,8 +193,6 @@ const std::vector<Rule>& rules() {
       program("samples/form_factors/radiosity", {"samples/form_factors/exchange"}, {"fmt"}),
       program("samples/form_factors/plan", {"samples/form_factors/radiosity"}, {"fmt"}),
       program("samples/form_factors", {}, {kAnything}),
-      // Runs gicube-render as a program of its own.
-      program("samples/sweep", {}, {kAnything}),
       program("samples/render", {}, {kAnything}),
   };
   // clang-format on

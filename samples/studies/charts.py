@@ -1,0 +1,144 @@
+"""Measures and draws the charts of docs/studies/charts on emulated boards: CSV and SVG. All of them take the better part of an hour.
+One that was interrupted goes on where it was: its runs are in build/charts.
+
+Names: """
+import argparse
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import time
+
+from studies import held_out, plots
+from studies.table import pareto
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BIN = ROOT / "build/release/bin"
+TESTS = ROOT / "build/release/tests"
+RUNS = ROOT / "build/charts"
+CHARTS = ROOT / "docs/studies/charts"
+LEVELS = "fidelity=functional,approximate,cycle"
+
+
+def build(*targets):
+    subprocess.run(["cmake", "--build", "--preset", "release", "--target", "gicube-board", *targets], cwd=ROOT, check=True)
+
+
+def run(program, *arguments):
+    subprocess.run([program, *map(str, arguments)], cwd=ROOT, check=True, env=os.environ | {"GICUBE_BOARD": str(BIN / "gicube-board")})
+
+
+def swept(folder, name, *arguments):
+    """One sweep of gicube-render; its table is among the charts then."""
+    run(BIN / "gicube-sweep", *arguments, "--name", name, "-o", RUNS / folder)
+    shutil.copy(RUNS / folder / f"{name}.csv", CHARTS)
+
+
+def each(option, *values):
+    return [word for value in values for word in (option, value)]
+
+
+def rendering():
+    build("gicube-render", "gicube-reference")
+    exact = RUNS / "buckyball.exr"
+    if not exact.exists():
+        RUNS.mkdir(parents=True, exist_ok=True)
+        run(TESTS / "gicube-reference", "builtin:buckyball", "--volume-size", 128, "--size", "256x256", "--step", 0.0625, "--threshold", 1,
+            "-o", exact)
+    swept("rendering", "rendering", "builtin:buckyball", *each("--fix", "volume-size=128", "fidelity=cycle"),
+          *each("--vary", "step=0.25,0.5,1,2", "jitter=off,on", "threshold=0.9,0.98,1", "size=128x128,192x192,256x256",
+                "level-of-detail=0,1", "asic.datapath=paper,wide"),
+          "--reference-picture", exact, *each("--also", "bus_ms", "samples"))
+
+
+def lighting():
+    build("gicube-lighting-study")
+    run(TESTS / "gicube-lighting-study", "--output", CHARTS / "lighting.csv")
+
+
+def cone_beam():
+    build("gicube-cone-beam", "gicube_bench")
+    run(BIN / "gicube-cone-beam", "charts", CHARTS)
+    pareto(CHARTS / "cone_beam_front.csv", [CHARTS / f"cone_beam_{name}.csv" for name in ("views", "ray_spacing", "accumulator", "sart")],
+           error="relative_l2", costs=["board_ms", "bus_ms"], without="photons")  # all of the same head
+    # The double-precision reference is the tests' own, so the trade with it is measured by a bench.
+    run(TESTS / "gicube_bench", "--benchmark_filter=cone_beam_trade", f"--benchmark_out={CHARTS / 'cone_beam_trade.csv'}",
+        "--benchmark_out_format=csv")
+
+
+def form_factors():
+    build("gicube-form-factors")
+    run(BIN / "gicube-form-factors", "charts", "samples/scenes/radiosity/glowing_room.scene", "--volume-size", 16, "--output", CHARTS)
+    pareto(CHARTS / "form_factors_front.csv", [CHARTS / "form_factors_trade.csv"], error="error", costs=["board_ms", "bus_ms"], per="pairs",
+           series=("bus", "made"))
+
+
+# The host's seconds are the cost of what follows: one run at a time, and anew once all are done.
+
+
+def emulator():
+    build("gicube-render")
+    swept("emulator", "emulator", "builtin:buckyball", "--fix", "size=192x192",
+          *each("--vary", "volume-size=64,128", "no-leap=off,on", LEVELS, "asic.processors=1,4,16"), "--reference", "fidelity=cycle",
+          "--cost", "host_seconds", "--error", "frame_ms",
+          *each("--also-error", "/counters/pipeline.samples/value", "/counters/processor.cache.packets/value", "hit_ratio", "memory_gb_s"),
+          "--jobs", "1")
+    shutil.rmtree(RUNS / "emulator")
+
+
+def pairs(name, out):
+    build("gicube-render")
+    held_out.measure(ROOT / f"samples/studies/{name}_pairs.txt", RUNS / name, BIN / "gicube-render", out)
+    shutil.rmtree(RUNS / name)
+
+
+def scaling():
+    """Seconds and memory of the board's process."""
+    build("gicube-render")
+    def grow(name, vary, *arguments, cost="host_seconds"):
+        swept("scaling", f"scaling_{name}", *arguments, *each("--vary", vary, LEVELS), "--cost", cost, "--reference", "fidelity=cycle",
+              "--error", "frame_ms",
+              *each("--also", "/host/board_peak_mib", "/host/program_peak_mib", "/host/board_cpu_s", "samples", "frame_ms"), "--jobs", "1")
+
+    def ball(*fixed):
+        return "builtin:buckyball", *each("--fix", "no-leap=on", *fixed)
+    grow("volume", "volume-size=64,128,256,512", *ball("size=256x256", "asic.max_volume_voxels=512"))
+    grow("image", "size=64x64,128x128,256x256,512x512,1024x1024", *ball("volume-size=128"))
+    grow("processors", "asic.processors=1,2,4,8,16", *ball("volume-size=128", "size=256x256"))
+    grow("rays", "light-rays=1,2,4,8,16", "samples/scenes/subsurface.scene", *each("--fix", "volume-size=96", "size=64x64"),
+         cost="/lighting/0/host_seconds")
+    shutil.rmtree(RUNS / "scaling")
+
+
+MEASURED = {"rendering": rendering, "lighting": lighting, "cone_beam": cone_beam, "form_factors": form_factors, "emulator": emulator,
+            "held_out": lambda: pairs("held_out", CHARTS / "held_out.csv"), "scaling": scaling}
+# On which the approximate level was adjusted; no chart.
+OTHERS = {"development": lambda: pairs("development", RUNS / "development.csv")}
+
+
+def main():
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    parser = argparse.ArgumentParser(prog="script/charts", description=__doc__ + ", ".join(MEASURED) + ".")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="charts to measure (all)")
+    parser.add_argument("--draw", action="store_true", help="draw them from the tables that there are, without measuring")
+    given = parser.parse_args()
+    measured = MEASURED | OTHERS
+    for name in given.names:
+        if name not in measured:
+            parser.error(f'expected {", ".join(measured)}, got "{name}"')
+    os.chdir(ROOT)
+    CHARTS.mkdir(parents=True, exist_ok=True)
+    names = given.names or list(MEASURED)
+    for number, name in enumerate(names, 1):
+        start = time.monotonic()
+        if not given.draw:
+            print(f"charts: {number} of {len(names)}: {name}", flush=True)
+            measured[name]()
+        if name in MEASURED:
+            plots.DRAWN[name](CHARTS)
+        print(f"charts: {CHARTS if name in MEASURED else RUNS}/{name}*, {time.monotonic() - start:.0f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()

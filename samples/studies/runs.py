@@ -1,0 +1,158 @@
+"""Runs of gicube-render: their commands, the files that they leave, and what those say."""
+import concurrent.futures
+import json
+import math
+import os
+import pathlib
+import shlex
+import subprocess
+import sys
+
+from studies.table import FileError
+
+
+class RunFailed(Exception):
+    """A program did not end with exit code 0."""
+
+
+class InputError(Exception):
+    """What a user gave, or what was found, is not what was expected."""
+
+    def __init__(self, what, expected, got):
+        super().__init__(f"{what}: expected {expected}, got {got}")
+
+
+def quoted(argument):
+    """As a POSIX shell takes it."""
+    return shlex.quote(argument).replace("'\"'\"'", "'\\''")
+
+
+def run_to_end(program, arguments, log):
+    """What it writes goes to the file `log`. Raises RunFailed unless it ends with exit code 0: how it ended, and its last line."""
+    try:
+        with open(log, "wb") as stream:
+            code = subprocess.run([program, *arguments], stdin=subprocess.DEVNULL, stdout=stream, stderr=subprocess.STDOUT).returncode
+    except OSError as error:
+        raise RunFailed(f"{program}: {os.strerror(error.errno)}") from error
+    if code < 0:
+        raise RunFailed(f"ended by signal {-code}")
+    if code > 0:
+        lines = [line for line in pathlib.Path(log).read_text(errors="replace").splitlines() if line]
+        raise RunFailed(f"exit code {code}: {lines[-1] if lines else 'it wrote nothing'}")
+
+
+class Run:
+    """Arguments of gicube-render, without its output and statistics."""
+
+    def __init__(self, arguments):
+        self.arguments = list(arguments)
+
+    def key(self):
+        """Names the run in its folder: the same for equal arguments and an input file that has not changed. 64-bit FNV-1a."""
+        text = "".join(argument + "\n" for argument in self.arguments)
+        if self.arguments and os.path.isfile(self.arguments[0]):
+            file = os.stat(self.arguments[0])
+            text += f"{file.st_size} {file.st_mtime_ns - 6437664000 * 10**9}"  # since 2174, as C++ counts
+        hashed = 0xCBF29CE484222325
+        for byte in os.fsencode(text):
+            hashed = (hashed ^ byte) * 0x100000001B3 % 2**64
+        return f"{hashed:016x}"
+
+    def command(self):
+        """For a shell, with a picture and statistics of its own."""
+        return " ".join(["gicube-render", *map(quoted, self.arguments)]) + " -o picture.exr --stats run.json"
+
+
+class RunFolder:
+    """Where runs are kept: KEY.json, which is there once the run is done, KEY.exr and KEY.log. Raises FileError."""
+
+    def __init__(self, folder):
+        self.folder = pathlib.Path(folder)
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(f"{folder}: folder: expected one that can be made, got {os.strerror(error.errno)}") from error
+
+    def picture(self, run):
+        return self.folder / f"{run.key()}.exr"
+
+    def has(self, run):
+        return (self.folder / f"{run.key()}.json").exists()
+
+    def carry_out(self, run, program):
+        """A run that is killed leaves nothing that has() could take for a result. Raises RunFailed with the command."""
+        key = run.key()
+        parts = {self.folder / f"{key}.part.{kind}": self.folder / f"{key}.{kind}" for kind in ("exr", "json")}
+        picture, statistics = map(str, parts)
+        try:
+            run_to_end(program, [*run.arguments, "-o", picture, "--stats", statistics, "--quiet"], self.folder / f"{key}.log")
+        except RunFailed as failure:
+            for part in parts:
+                part.unlink(missing_ok=True)
+            raise RunFailed(f"{run.command()}\n  {failure}") from failure
+        for part, whole in parts.items():  # the statistics last: they say that the run is done
+            part.replace(whole)
+
+    def read(self, run):
+        """Its statistics. Raises FileError."""
+        file = self.folder / f"{run.key()}.json"
+        try:
+            statistics = json.loads(file.read_text())
+        except (OSError, ValueError):
+            statistics = None
+        if not isinstance(statistics, dict):
+            raise FileError(f"{file}: statistics: expected a JSON object, got something else")
+        return statistics
+
+
+def carry_out_all(folder, runs, program, jobs, progress):
+    """Carries out the runs that have no result yet, `jobs` at once (0: one a core). After a failure no run starts; it is raised when those
+    under way have ended. `progress` gets the number of results."""
+    left = [run for run in runs if not folder.has(run)]
+    progress(len(runs) - len(left))
+    with concurrent.futures.ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
+        under_way = [pool.submit(folder.carry_out, run, program) for run in left]
+        for done, each in enumerate(concurrent.futures.as_completed(under_way), len(runs) - len(left) + 1):
+            if each.exception():
+                pool.shutdown(cancel_futures=True)
+                raise each.exception()
+            progress(done)
+
+
+def figure_or_nan(statistics, name):
+    """A number of a run's statistics: a name of their first level, or a JSON pointer ("/counters/bus.up.bytes/value"). Not-a-number if
+    there is none: what a fidelity level does not model."""
+    value = statistics
+    for part in name[1:].split("/") if name.startswith("/") else [name]:
+        part = part.replace("~1", "/").replace("~0", "~") if name.startswith("/") else part
+        if isinstance(value, list) and part.isdigit() and int(part) < len(value):
+            value = value[int(part)]
+        elif isinstance(value, dict) and part in value:
+            value = value[part]
+        else:
+            return math.nan
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else math.nan
+
+
+def figure(statistics, name):
+    """The same. Raises InputError if there is no such number."""
+    value = figure_or_nan(statistics, name)
+    if math.isnan(value):
+        raise InputError(name, "a number in the run's statistics", "none of that name")
+    return value
+
+
+class ProgressLine:
+    """One line on a terminal, which is gone at the end; silent without a terminal."""
+
+    def __init__(self, shown=True):
+        self._shown, self._dirty = shown and sys.stderr.isatty(), False
+
+    def show(self, text):
+        if self._shown:
+            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+            self._dirty = True
+
+    def clear(self):
+        if self._dirty:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)

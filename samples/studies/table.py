@@ -1,0 +1,73 @@
+"""Tables of the studies: CSV files, and which of their rows are on a Pareto front."""
+import csv
+import io
+import math
+import os
+import pathlib
+import tempfile
+
+
+class FileError(Exception):
+    """A file can't be read or written."""
+
+
+def write_whole(path, text):
+    """Who reads the file sees the old contents or all of the new. Raises FileError."""
+    path = pathlib.Path(path)
+    part = None
+    try:
+        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, prefix=path.name + ".", suffix=".part", delete=False) as stream:
+            part = pathlib.Path(stream.name)
+            stream.write(text)
+        part.chmod(0o666 & ~_umask())
+        part.replace(path)
+    except OSError as error:
+        if part:
+            part.unlink(missing_ok=True)
+        raise FileError(f"{path}: file: expected a place to write to, got {os.strerror(error.errno)}") from error
+
+
+def _umask():
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def csv_text(rows):
+    """Cells in quotes where they need it; lines end with a line feed."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue()
+
+
+def cell(value):
+    """Six digits of a number; empty for not-a-number."""
+    return ("" if math.isnan(value) else f"{value:.6g}") if isinstance(value, float) else value
+
+
+def rows_of(file):
+    """Rows of a table by the names of its columns; blocks of a table may be parted by empty lines."""
+    with open(file, newline="") as stream:
+        return list(csv.DictReader(line for line in stream if line.strip()))
+
+
+def on_front(points):
+    """Of (cost, error): whether no other is cheaper and better, one truth value a point."""
+    return [not any(other[0] <= cost and other[1] <= error and (other[0] < cost or other[1] < error) for other in points)
+            for cost, error in points]
+
+
+def pareto(out, tables, *, error, costs, series=("series",), per=None, without=None):
+    """Puts the points of several tables together, with their fronts. Columns of `out`: series (these columns, joined by blanks), error,
+    each cost (divided by the column `per`), front of each cost (1 or 0), command. `without`: leaves out series with this in their
+    names."""
+    points = []
+    for row in (row for table in tables for row in rows_of(table)):
+        name = " ".join(row[column] for column in series)
+        if without is None or without not in name:
+            share = float(row[per]) if per else 1
+            points.append((name, float(row[error]), [float(row[cost]) / share for cost in costs], row["command"]))
+    fronts = [on_front([(each[2][i], each[1]) for each in points]) for i in range(len(costs))]
+    rows = [[name, cell(miss), *map(cell, paid), *(int(front[i]) for front in fronts), command]
+            for i, (name, miss, paid, command) in enumerate(points)]
+    write_whole(out, csv_text([["series", "error", *costs, *(f"front {cost}" for cost in costs), "command"], *rows]))

@@ -1,0 +1,296 @@
+"""gicube-sweep: its parts, and the program as its users run it, on pictures of a few pixels."""
+import json
+import math
+import os
+import pathlib
+import resource
+import shutil
+import subprocess
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from studies import runs, sweep
+from studies.pictures import resized, rmse
+from studies.runs import InputError, Run, figure
+
+BIN = os.environ["GICUBE_BIN_DIR"]
+SMALL = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --vary step=0.5,1,2 --reference step=0.25 -o out"
+
+
+# ---- parameters
+
+
+def test_a_parameter_has_values_between_commas_or_if_they_have_commas_between_semicolons():
+    assert sweep.parse_parameter("step=0.5,1") == ("step", ["0.5", "1"])
+    assert sweep.parse_parameter("eye=0,-3,0;1,2,3") == ("eye", ["0,-3,0", "1,2,3"])
+    assert sweep.parse_parameter("asic.processors=4") == ("asic.processors", ["4"])
+
+
+@pytest.mark.parametrize("text, why", [("step", "NAME=VALUE"), ("=3", "NAME=VALUE"), ("step=", "NAME=VALUE"), ("--step=1", "NAME=VALUE"),
+                                       ("step=1,,2", "step: expected values"), ("step=1,2,1", '"1" twice')])
+def test_a_parameter_is_refused_by_what_is_wrong_with_it(text, why):
+    with pytest.raises(InputError, match=why):
+        sweep.parse_parameter(text)
+
+
+def test_a_grid_has_every_combination_once_and_the_last_parameter_varies_fastest():
+    points = sweep.grid([("a", ["1", "2"]), ("b", ["x", "y", "z"])])
+    assert len(points) == 6 and points[0] == {"a": "1", "b": "x"} and points[4] == {"a": "2", "b": "y"}
+    assert sweep.grid([]) == [{}]
+
+
+def test_a_point_becomes_the_arguments_of_gicube_render():
+    point = {"step": "0.5", "input": "builtin:buckyball", "jitter": "on", "no-leap": "off", "asic.processors": "8"}
+    assert sweep.arguments_of(point) == ["builtin:buckyball", "--step", "0.5", "--jitter", "--set", "asic.processors=8"]
+    # What is changed keeps its place, what is new comes last.
+    changed = {"a": "1", "b": "2"} | {"b": "3", "c": "4"}
+    assert list(changed.items()) == [("a", "1"), ("b", "3"), ("c", "4")]
+
+
+def test_every_option_of_the_help_is_understood():
+    given, inputs, unknown = sweep.words_of(["a", "--vary=x=1", "--vary", "--y=2", "-oout", "--chart", "b", "--jobs", "3", "--none", "-z"])
+    assert given == {"vary": ["x=1", "--y=2"], "output": ["out"], "chart": [""], "jobs": ["3"]}
+    assert inputs == ["a", "b"] and unknown == ["--none", "-z"]
+    assert set(sweep.KINDS) == {"help", "version", "vary", "fix", "reference", "reference-picture", "cost", "error", "also", "also-error",
+                                "output", "name", "title", "jobs", "chart", "quiet"}
+
+
+# ---- rows and tables
+
+
+def row(cost, error, is_reference=False, also=(), **point):
+    return SimpleNamespace(point=point or {"step": f"{cost:f}"}, cost=float(cost), error=float(error), also=list(also), on_front=False,
+                           is_reference=is_reference, run=Run(["a b", "--step", "1"]))
+
+
+def test_the_front_has_the_rows_that_no_other_is_cheaper_and_better_than():
+    rows = [row(1, 9), row(2, 5), row(2, 7), row(3, 5), row(4, 1), row(5, 2), row(0.5, 0, True)]
+    sweep.mark_front(rows)
+    assert [each.on_front for each in rows] == [True, True, False, False, True, False, False]
+    equal = [row(1, 1), row(1, 1)]
+    sweep.mark_front(equal)
+    assert equal[0].on_front and equal[1].on_front
+
+
+def test_a_table_is_one_line_a_row_with_its_command_and_the_same_in_json(monkeypatch):
+    monkeypatch.setattr(sweep, "version", lambda: "9.9")
+    options = SimpleNamespace(cost="frame_ms", error="picture", also=["bus_ms"], also_errors=[])
+    rows = [row(2, 0.25, also=[7.0]), row(9, 0, True, also=[math.nan])]
+    sweep.mark_front(rows)
+    command = "gicube-render 'a b' --step 1 -o picture.exr --stats run.json"
+    assert sweep.table_text(options, rows) == ("frame_ms,error picture,front,reference,bus_ms,step,command\n"
+                                               f"2,0.25,1,0,7,2.000000,{command}\n9,,0,1,,9.000000,{command}\n")
+    read = json.loads(sweep.json_text(options, rows, "gicube-sweep x"))
+    assert len(read["points"]) == 2 and read["front"] == read["points"][:1]
+    assert read["front"][0] == {"settings": {"step": "2.000000"}, "frame_ms": 2, "error picture": 0.25, "bus_ms": 7, "reference": False,
+                                "front": True, "command": command}
+    assert read["points"][1]["error picture"] is None and read["points"][1]["bus_ms"] is None
+    assert read["provenance"] == {"program": "gicube-sweep", "version": "9.9", "command": "gicube-sweep x"}
+    assert ',"1,2,3",' in sweep.table_text(options, [row(1, 1, also=[7.0], eye="1,2,3")])
+
+
+def test_a_setting_changes_the_cost_by_the_largest_difference_between_rows_that_share_the_others():
+    rows = [row(cost, 0, step=step, jitter=jitter) for step, jitter, cost in (("1", "off", 10), ("2", "off", 12), ("1", "on", 30), ("2", "on", 33))]
+    assert sweep.cost_change(rows, "step") == pytest.approx(0.2, abs=1e-12)
+    assert sweep.cost_change(rows, "jitter") == pytest.approx(2, abs=1e-12)
+
+
+# ---- runs
+
+
+def test_a_figure_is_a_name_or_a_pointer_and_nothing_else():
+    statistics = {"frame_ms": 3.5, "counters": {"bus.up": {"value": 7}}, "throughput": None, "lighting": [{"host_seconds": 2}], "on": True}
+    assert figure(statistics, "frame_ms") == 3.5
+    assert figure(statistics, "/counters/bus.up/value") == 7
+    assert figure(statistics, "/lighting/0/host_seconds") == 2
+    for name in ("throughput", "frames", "/counters/x", "/lighting/1/host_seconds", "on"):
+        with pytest.raises(InputError, match=f"^{name}: expected a number in the run's statistics, got none of that name$"):
+            figure(statistics, name)
+
+
+def test_a_run_is_named_by_its_arguments_and_by_the_state_of_its_file(tmp_path):
+    one, same, other = (Run(["builtin:buckyball", "--step", step]) for step in "112")
+    assert one.key() == same.key() != other.key()
+    # What gicube-sweep of version 0.1.0 called this run: it need not be done again.
+    assert Run("builtin:buckyball --step 1 --threads 1 --volume-size 16".split()).key() == "2aee2d2f1adea8d1"
+    file = tmp_path / "a.scene"
+    file.write_text("x")
+    before = Run([str(file)]).key()
+    os.utime(file, ns=(1, 1))
+    assert Run([str(file)]).key() != before
+    assert Run(["my scan.nrrd", "--cut", "1,0,0,3"]).command() == "gicube-render 'my scan.nrrd' --cut 1,0,0,3 -o picture.exr --stats run.json"
+    assert runs.quoted("it's") == "'it'\\''s'"
+
+
+def test_after_a_failure_no_run_starts_and_results_stay(tmp_path):
+    folder = runs.RunFolder(tmp_path / "runs")
+    program = tmp_path / "program"
+    program.write_text('#!/bin/sh\n[ "$1" != bad ] || { echo whole; echo reason; echo; exit 3; }\necho >"$3"; echo {} >"$5"\n')
+    program.chmod(0o755)
+    each = [Run([name]) for name in ("good", "bad", "late")]
+    told = []
+    with pytest.raises(runs.RunFailed, match="^gicube-render bad -o picture.exr --stats run.json\n  exit code 3: reason$"):
+        runs.carry_out_all(folder, each, program, 1, told.append)
+    assert folder.has(each[0]) and not folder.has(each[1]) and told == [0, 1]
+    assert not list((tmp_path / "runs").glob("*.part.*"))
+    with pytest.raises(runs.RunFailed, match="No such file"):
+        runs.carry_out_all(folder, [Run(["other"])], tmp_path / "none", 1, told.append)
+
+
+# ---- pictures
+
+
+def flat(width, height, value):
+    return np.full((height, width, 4), value, dtype=np.float32)
+
+
+def test_errors_of_pictures_are_root_mean_squares_of_all_channels():
+    picture = flat(2, 2, 0.5)
+    assert rmse(picture, flat(2, 2, 0.5)) == 0
+    picture[0, 1, 1] = 0.9
+    assert rmse(picture, flat(2, 2, 0.5)) == pytest.approx(0.4 / 4, abs=1e-7)
+
+
+def test_a_picture_of_another_size_is_resized_to_the_reference():
+    small = flat(2, 1, 0)
+    small[0, 1] = 1
+    large = resized(small, 4, 2)
+    assert large.shape == (2, 4, 4)
+    np.testing.assert_allclose(large[:, :, 0], [[0, 0.25, 0.75, 1]] * 2, atol=1e-6)
+    assert rmse(small, large) == pytest.approx(0, abs=1e-6)
+
+
+# ---- the program
+
+
+class Program:
+    def __init__(self, folder):
+        self.folder = folder
+
+    def run(self, arguments, **more):
+        done = subprocess.run(f"{BIN}/gicube-sweep {arguments}", shell=True, cwd=self.folder, stdin=subprocess.DEVNULL, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False, **more)
+        self.out, self.err = done.stdout, done.stderr
+        return done.returncode
+
+    def text(self, file):
+        return (self.folder / file).read_text()
+
+    def json(self):
+        return json.loads(self.text("out/sweep.json"))
+
+    def runs(self):
+        return {file: file.stat().st_mtime_ns for file in (self.folder / "out/runs").glob("*.json")}
+
+
+@pytest.fixture
+def program(tmp_path):
+    return Program(tmp_path)
+
+
+def test_cost_and_error_of_every_combination_and_the_front_are_written(program):
+    assert program.run(f"{SMALL} --vary jitter=off,on --also bus_ms --jobs 2") == 0, program.err
+    read = program.json()
+    assert len(read["points"]) == 6 and read["front"]
+    assert all(point["frame_ms"] > 0 and point["bus_ms"] > 0 for point in read["points"])
+    errors = {point["settings"]["step"]: point["error picture"] for point in read["points"] if point["settings"]["jitter"] == "off"}
+    assert errors["2"] > 1.5 * errors["0.5"]
+    assert "gicube-render builtin:buckyball --step 2 --jitter --volume-size 32" in program.text("out/sweep.csv")
+    assert "of 6 runs" in program.out
+    assert read["provenance"]["command"].startswith("gicube-sweep builtin:buckyball --fix volume-size=32")
+    assert f"gicube-sweep {read['provenance']['version']}\n" == subprocess.check_output([f"{BIN}/gicube-sweep", "--version"], text=True)
+
+
+def test_a_functional_boards_frame_time_hardly_knows_the_step_and_it_says_so(program):
+    assert program.run(f"{SMALL} --fix fidelity=functional") == 0, program.err
+    assert "note: step changes frame_ms by at most " in program.err and "--fix fidelity=approximate" in program.err
+    assert program.run(f"{SMALL} --fix fidelity=functional --cost samples") == 0, program.err
+    assert "note:" not in program.err
+    assert program.run(f"{SMALL} --fix fidelity=approximate") == 0, program.err
+    assert "note:" not in program.err
+
+
+def test_a_sweep_goes_on_where_a_killed_one_was(program):
+    assert program.run(SMALL) == 0, program.err
+    table, before = program.text("out/sweep.csv"), program.runs()
+    assert len(before) == 4
+    # As if it had been killed within a run: no result, and what the run had begun to write.
+    lost = next(iter(before))
+    lost.unlink()
+    lost.with_suffix(".part.json").write_text("{")
+    assert program.run(SMALL) == 0, program.err
+    assert program.text("out/sweep.csv") == table  # simulated time is the same again
+    after = program.runs()
+    assert {file: after[file] for file in before if file != lost} == {file: time for file, time in before.items() if file != lost}
+
+
+def test_no_part_of_a_chart_is_left_on_a_full_disk(program):
+    """The runs are there; what there is room for is the tables, but not the chart."""
+    assert program.run(f"{SMALL} --chart") == 0, program.err
+    chart = program.text("out/sweep.svg")
+    assert "Pareto front" in chart and "</svg>" in chart
+    assert len(chart) > 2 * len(program.text("out/sweep.json"))
+    (program.folder / "out/sweep.svg").unlink()
+    limit = len(chart) // 2
+    assert program.run(f"{SMALL} --chart", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))) == 1
+    assert "sweep.svg: file: expected a place to write to, got File too large" in program.err
+    assert not [file for file in (program.folder / "out").iterdir() if "svg" in file.name]
+
+
+def test_a_rows_command_makes_its_figures_again(program):
+    assert program.run(SMALL) == 0, program.err
+    point = program.json()["front"][0]
+    subprocess.run(point["command"], shell=True, check=True, cwd=program.folder, stdout=subprocess.DEVNULL,
+                   env=os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"})
+    assert json.loads(program.text("run.json"))["frame_ms"] == point["frame_ms"]
+
+
+def test_one_picture_may_be_the_reference_of_all(program):
+    picture = "builtin:buckyball --volume-size 32 --size 40x40 -o exact.exr --quiet"
+    subprocess.run(f"{BIN}/gicube-render {picture}", shell=True, check=True, cwd=program.folder)
+    grid = "builtin:buckyball --fix volume-size=32 --vary size=20x20,40x40 --reference-picture"
+    assert program.run(f"{grid} exact.exr -o out --quiet") == 0, program.err
+    small, same = (point["error picture"] for point in program.json()["points"])
+    assert same == 0 and 0.01 < small < 0.2
+    assert program.out == ""
+    assert program.run(f"{grid} out/sweep.csv -o out --quiet") == 1
+    assert "out/sweep.csv: picture: expected an image that can be read, got OpenImageIO" in program.err
+
+
+def test_a_failed_run_is_named_with_its_command_and_reason(program):
+    assert program.run("builtin:buckyball --fix volume-size=32 --vary asic.processors=2,99 --reference step=1 -o out") == 1
+    assert "--set asic.processors=99" in program.err and "exit code 2: gicube-board: asic.processors" in program.err
+    assert program.run("builtin:buckyball --fix volume-size=32 --cost nothing --reference step=1 -o out") == 1
+    assert program.err == "gicube-sweep: nothing: expected a number in the run's statistics, got none of that name\n"
+    assert program.run("builtin:buckyball --reference step=1 -o /dev/null/x") == 1
+    assert program.err == "gicube-sweep: /dev/null/x/runs: folder: expected one that can be made, got Not a directory\n"
+
+
+@pytest.mark.parametrize("arguments, why", [
+    ("b -o out --vary step=1", "--reference or --reference-picture: expected one of them, got none"),
+    ("b -o out --vary step=1 --fix step=2 --reference step=1", "step: expected once among INPUT, --vary and --fix, got it twice"),
+    ("b -o out --vary output=a,b --reference step=1", "output: expected another parameter, it is the sweep's own"),
+    ("-o out", "INPUT is required"),
+    ("b", "--output is required"),
+    ("b -o", "--output: 1 required FOLDER missing"),
+    ("b -o out -o in", "--output: At Most 1 required but received 2"),
+    ("b -o out --jobs 1025", "--jobs: Value 1025 not in range 0 to 1024"),
+    ("b -o out --foo", "The following argument was not expected: --foo"),
+    ("b -o out --reference-picture none.exr", "--reference-picture: File does not exist: none.exr"),
+    ("b -o out --reference-picture /", "--reference-picture: File is actually a directory: /"),
+    ("b -o out --reference-picture /etc/passwd --reference step=1", "--reference excludes --reference-picture"),
+    ("b -o out --reference-picture /etc/passwd --error frame_ms", '--error: expected picture with --reference-picture, got "frame_ms"'),
+    ("b -o out --reference-picture /etc/passwd --also-error x", "--also-error: expected with --reference, got --reference-picture")])
+def test_what_is_wrong_with_the_command_line_is_named(program, arguments, why):
+    assert program.run(arguments) == 2
+    assert program.err == f"gicube-sweep: {why}\n"
+
+
+def test_a_link_to_the_program_finds_the_others_and_a_full_disk_of_its_output_is_an_error(program):
+    (program.folder / "link").symlink_to(shutil.which("gicube-sweep", path=BIN))
+    said = subprocess.check_output([program.folder / "link", "--version"], text=True)
+    assert said == subprocess.check_output([pathlib.Path(BIN) / "gicube-render", "--version"], text=True).replace("render", "sweep")
+    assert program.run("--help > /dev/full") == 1
+    assert program.err == "gicube-sweep: standard output: No space left on device\n"
