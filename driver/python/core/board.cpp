@@ -4,11 +4,8 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cmath>
-#include <map>
 
-#include "parts.h"
-#include "records.h"
+#include "call.h"
 
 namespace gicube::python {
 namespace {
@@ -22,54 +19,11 @@ void take_signals() {
 }
 
 // A Python object that the driver may copy and destroy without the interpreter's lock.
-std::shared_ptr<py::object> shared(const py::object& object) {
-  return {new py::object(object), [](py::object* pointer) {
+std::shared_ptr<py::object> shared(py::handle object) {
+  return {new py::object(py::reinterpret_borrow<py::object>(object)), [](py::object* pointer) {
             const py::gil_scoped_acquire held;
             delete pointer;
           }};
-}
-
-OpenOptions options_of(const py::dict& given) {
-  OpenOptions options;
-  const auto take = [&](const char* name, auto& to) {
-    if (given.contains(name)) read(given[name], name, to);
-  };
-  const auto take_ms = [&](const char* name, std::chrono::milliseconds& to) {
-    double seconds = static_cast<double>(to.count()) / 1000;
-    take(name, seconds);
-    if (!(seconds >= 0 && seconds < 1e9)) refuse(name, "seconds, 0 or more", given[name]);
-    to = std::chrono::milliseconds(std::llround(seconds * 1000));
-  };
-  take_ms("watchdog", options.watchdog);
-  take_ms("wait_for_board", options.wait_for_board);
-  take("max_rays", options.max_rays);
-  take("back_pressure", options.back_pressure);
-  take("keep_volume", options.keep_volume);
-  take("reopen_attempts", options.reopen_attempts);
-  take("force", options.force);
-  take("capture", options.capture);
-  take("token_file", options.token_file);
-  take("ca_file", options.ca_file);
-  options.while_waiting = take_signals;
-  return options;
-}
-
-std::vector<py::ssize_t> shape_of(const Dims& size) { return {size[2], size[1], size[0]}; }
-
-std::size_t voxels_of(const Dims& size) {
-  std::size_t out = 1;
-  for (const int edge : size) out *= static_cast<std::size_t>(std::max(edge, 0));
-  return out;
-}
-
-// A box's values, whose array must have its shape.
-std::span<const float> values_of(const VoxelBox& box, const py::array& values) {
-  const auto out = items_of<float>(values, "values");
-  if (out.size() != voxels_of(box.size)) {
-    throw BadArgument("values", std::to_string(voxels_of(box.size)) + ", one a voxel of the box",
-                      std::to_string(out.size()));
-  }
-  return out;
 }
 
 py::object report_of(const BatchReport& report, const py::object& rays) {
@@ -78,53 +32,33 @@ py::object report_of(const BatchReport& report, const py::object& rays) {
                                   "deposits"_a = write(report.deposits), "rays"_a = rays);
 }
 
-py::object image_of(Image&& image) {
-  return py::module_::import("gicube.image")
-      .attr("Image")(to_array(std::move(image.pixels), {image.height, image.width}, dtype_named("PIXEL")));
-}
-
-ScatteringRoutine routine_of(const py::object& callable) {
-  if (callable.is_none()) return {};
-  return [held = shared(callable)](const ScatterEvent& event) {
-    const py::gil_scoped_acquire lock;
-    py::object told = write(event);
-    told.attr("parameters") =
-        py::array_t<float>(static_cast<py::ssize_t>(event.parameters.size()), event.parameters.data());
-    return read_as<ScatterAnswer>((*held)(told), "answer");
-  };
-}
-
-py::dict receive(Handle& self, std::uint32_t ticket, const py::array& rays, Picoseconds deadline) {
-  const auto space = items_of<TracedRay>(rays, "rays");
-  if (!rays.writeable()) throw BadArgument("rays", "an array that can be written to", "one that can't");
+// Into an array of the caller's.
+py::object receive(Handle& self, std::uint32_t ticket, const py::array& out, Picoseconds deadline) {
+  const auto space = items_of<TracedRay>(out, "out");
+  if (!out.writeable()) throw BadArgument("out", "an array that can be written to", "one that can't");
   const std::span<TracedRay> to(const_cast<TracedRay*>(space.data()), space.size());
   const auto board = self.board();
   const BatchReport report = without_interpreter([&] { return board->receive({ticket}, to, deadline); });
-  py::dict out;
-  out["completed"] = report.completed;
-  out["cancelled"] = report.cancelled;
-  out["lighting"] = write(report.lighting);
-  out["deposits"] = write(report.deposits);
-  return out;
+  return report_of(report, report.cancelled ? py::object(out[py::slice(0, 0, 1)]) : py::object(out));
+}
+
+// One batch of rays that lie in several arrays.
+std::uint32_t submit(Handle& self, const py::list& arrays, const py::object& request) {
+  std::vector<std::span<const HostRay>> places;
+  for (const py::handle each : arrays) places.push_back(items_of<HostRay>(each, "rays"));
+  const auto how = read_as<RayRequest>(request, "");
+  const auto board = self.board();
+  return without_interpreter([&] { return board->submit(places, how).id; });
 }
 
 std::uint32_t submit_lines(Handle& self, const py::list& points, const std::vector<std::uint32_t>& ids) {
   std::vector<Polyline> lines;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto line = items_of<double>(py::array(points[i]), "lines[" + std::to_string(i) + "]");
+    const auto line = items_of<double>(points[i], "lines[" + std::to_string(i) + "]");
     lines.push_back({ids.at(i), {reinterpret_cast<const Vec3*>(line.data()), line.size() / 3}});
   }
   const auto board = self.board();
   return without_interpreter([&] { return board->submit(std::span<const Polyline>(lines)).id; });
-}
-
-// A function of Python for a member of Board: `read`s its arguments, works without the interpreter's lock, and `write`s what comes.
-template <typename Result, typename... Arguments>
-auto call(Result (Board::*member)(Arguments...)) {
-  return [member](Handle& self, std::decay_t<Arguments>... arguments) {
-    const auto board = self.board();
-    return without_interpreter([&] { return ((*board).*member)(arguments...); });
-  };
 }
 
 }  // namespace
@@ -158,18 +92,45 @@ void Handle::close() {
   last.reset();
 }
 
-Progress progress_of(const py::object& callable) {
+py::object given_back(Image&& image) {
+  const py::array pixels = to_array(std::move(image.pixels));
+  return py::module_::import("gicube.image").attr("Image")(pixels.attr("reshape")(image.height, image.width));
+}
+
+py::object given_back(std::vector<RayBatch>&& batches) {
+  py::list out;
+  for (RayBatch& batch : batches) out.append(report_of(batch, to_array(std::move(batch.rays))));
+  return out;
+}
+
+py::object given_back(const Counters& counters) {
+  py::list out;
+  for (const Counter& each : counters.list()) out.append(py::make_tuple(each.name, each.unit, each.value));
+  return out;
+}
+
+ScatteringRoutine routine_of(py::handle callable) {
+  if (callable.is_none()) return {};
+  return [held = shared(callable)](const ScatterEvent& event) {
+    const py::gil_scoped_acquire lock;
+    py::object told = write(event);
+    told.attr("parameters") =
+        py::array_t<float>(static_cast<py::ssize_t>(event.parameters.size()), event.parameters.data());
+    return read_as<ScatterAnswer>((*held)(told), "answer");
+  };
+}
+
+Progress progress_of(py::handle callable) {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds kPause{50};  // chosen: as soon as Ctrl-C needs it
-  return [called = callable.is_none() ? nullptr : &callable, next = Clock::now() + kPause](std::uint32_t done,
-                                                                                           std::uint32_t all) mutable {
+  return [callable, next = Clock::now() + kPause](std::uint32_t done, std::uint32_t all) mutable {
     if (Clock::now() >= next) {
       take_signals();
       next = Clock::now() + kPause;
     }
-    if (called == nullptr) return;
+    if (callable.is_none()) return;
     const py::gil_scoped_acquire held;
-    (*called)(done, all);
+    callable(done, all);
   };
 }
 
@@ -188,9 +149,8 @@ VolumeView view_of(py::handle volume) {
   read(volume.attr("spacing"), "spacing", view.spacing);
   read(volume.attr("range"), "range", view.range);
   read(volume.attr("find_gradients"), "find_gradients", view.find_gradients);
-  if (const py::object gradients = volume.attr("gradients"); !gradients.is_none()) {
-    view.gradients = items_of<float>(gradients, "gradients");
-  }
+  const py::object gradients = volume.attr("gradients");
+  if (!gradients.is_none()) view.gradients = items_of<float>(gradients, "gradients");
   if (const py::object tags = volume.attr("tags"); !tags.is_none()) view.tags = items_of<std::uint8_t>(tags, "tags");
   return view;
 }
@@ -198,181 +158,61 @@ VolumeView view_of(py::handle volume) {
 void add_board(py::module_& module) {
   py::class_<Handle> type(module, "Board");
   type.def(py::init([](const std::string& uri, const py::dict& given) {
-    const OpenOptions options = options_of(given);
+    auto options = read_as<OpenOptions>(given, "");
+    options.while_waiting = take_signals;
     return without_interpreter([&] { return std::make_unique<Handle>(Board::open(uri, options)); });
   }));
   type.def("close", &Handle::close);
-  type.def_property_readonly("info", [](Handle& self) { return write(self.board()->info()); });
-  type.def_property_readonly("now", [](Handle& self) { return self.board()->now(); });
-  type.def("reopen", [](Handle& self) {
-    const auto board = self.board();
-    return write(without_interpreter([&] { return board->reopen(); }));
-  });
+  type.def_property_readonly("info", call(&Board::info));
+  type.def_property_readonly("now", call(&Board::now));
+  type.def("reopen", call(&Board::reopen));
 
-  // Volume.
-  type.def("load_volume", [](Handle& self, const py::object& volume, const py::object& progress) {
-    const VolumeView view = view_of(volume);
-    const Progress told = progress_of(progress);
-    const auto board = self.board();
-    without_interpreter([&] { board->load_volume(view, told); });
-  });
-  type.def("read_volume", [](Handle& self, const py::object& where) {
-    const auto box = read_as<VoxelBox>(where, "box");
-    const auto board = self.board();
-    return to_array(without_interpreter([&] { return board->read_volume(box); }), shape_of(box.size));
-  });
-  type.def("write_volume", [](Handle& self, const py::object& where, const py::array& values) {
-    const auto box = read_as<VoxelBox>(where, "box");
-    const auto from = values_of(box, values);
-    const auto board = self.board();
-    without_interpreter([&] { board->write_volume(box, from); });
-  });
-  type.def("dims", [](Handle& self) {  // of the volume
-    const auto board = self.board();
-    return write(without_interpreter([&] { return board->dims(); }));
-  });
-  type.def("verify_volume", [](Handle& self) { return write(call(&Board::verify_volume)(self)); });
-  type.def("value_range", [](Handle& self) { return write(self.board()->value_range()); });
-  type.def("set_empty_flags", [](Handle& self, const py::array& flags) {
-    const auto from = items_of<std::uint8_t>(flags, "flags");
-    const auto board = self.board();
-    without_interpreter([&] { board->set_empty_flags(from); });
-  });
-  type.def("empty_flags", [](Handle& self) {
-    const auto board = self.board();
-    const Dims blocks = without_interpreter([&] { return board->blocks(); });
-    return to_array(without_interpreter([&] { return board->empty_flags(); }), shape_of(blocks));
-  });
-  type.def("set_gradient_codebook", [](Handle& self, const py::array& codebook) {
-    const auto from = items_of<double>(codebook, "codebook");
-    std::vector<Vec3> directions;
-    for (std::size_t i = 0; i + 2 < from.size(); i += 3) directions.push_back({from[i], from[i + 1], from[i + 2]});
-    const auto board = self.board();
-    without_interpreter([&] { board->set_gradient_codebook(directions); });
-  });
+  type.def("load_volume", call(&Board::load_volume, "volume", "progress"));
+  type.def("read_volume", call(&Board::read_volume, "box"));
+  type.def("write_volume", call(&Board::write_volume, "box", "values"));
+  type.def("verify_volume", call(&Board::verify_volume));
+  type.def("dims", call(&Board::dims));
+  type.def("value_range", call(&Board::value_range));
+  type.def("blocks", call(&Board::blocks));
+  type.def("empty_flags", call(&Board::empty_flags));
+  type.def("set_empty_flags", call(&Board::set_empty_flags, "flags"));
+  type.def("set_gradient_codebook", call(&Board::set_gradient_codebook, "directions"));
 
-  // Looks.
-  type.def("set_transfer_function", [](Handle& self, const py::object& function, int tag) {
-    const auto from = read_as<TransferFunction>(function, "function");
-    const auto board = self.board();
-    without_interpreter([&] { board->set_transfer_function(from, tag); });
-  });
-  type.def("set_shading", [](Handle& self, const py::object& shading) {
-    const auto from = read_as<Shading>(shading, "shading");
-    const auto board = self.board();
-    without_interpreter([&] { board->set_shading(from); });
-  });
-  type.def("set_material", [](Handle& self, const py::object& material, int tag) {
-    const auto from = read_as<Material>(material, "material");
-    const auto board = self.board();
-    without_interpreter([&] { board->set_material(from, tag); });
-  });
-  type.def("set_scattering_routine", [](Handle& self, const py::object& routine, Picoseconds time_per_ray) {
-    ScatteringRoutine made = routine_of(routine);
-    const auto board = self.board();
-    without_interpreter([&] { board->set_scattering_routine(std::move(made), time_per_ray); });
-  });
+  type.def("set_transfer_function", call(&Board::set_transfer_function, "function", "tag"));
+  type.def("set_shading", call(&Board::set_shading, "shading"));
+  type.def("set_material", call(&Board::set_material, "material", "tag"));
+  type.def("set_scattering_routine", call(&Board::set_scattering_routine, "routine", "time_per_ray"));
 
-  // Light.
-  type.def("illuminate",
-           [](Handle& self, const py::object& lights, const py::object& settings, const py::object& progress) {
-             const auto from = read_as<std::vector<Light>>(lights, "lights");
-             const auto how = read_as<Illumination>(settings, "");
-             const Progress told = progress_of(progress);
-             const auto board = self.board();
-             return write(without_interpreter([&] { return board->illuminate(from, how, told); }));
-           });
-  type.def("read_irradiance", [](Handle& self, const py::object& where) {
-    const auto box = read_as<VoxelBox>(where, "box");
-    const auto board = self.board();
-    return to_array(without_interpreter([&] { return board->read_irradiance(box); }), shape_of(box.size));
-  });
-  type.def("write_irradiance", [](Handle& self, const py::object& where, const py::array& values) {
-    const auto box = read_as<VoxelBox>(where, "box");
-    const auto from = values_of(box, values);
-    const auto board = self.board();
-    without_interpreter([&] { board->write_irradiance(box, from); });
-  });
-  type.def("clear_irradiance", call(&Board::clear_irradiance));
-  type.def("clear_sums", call(&Board::clear_sums));
-  type.def("read_sums", [](Handle& self, const py::object& where) {
-    const auto box = read_as<VoxelBox>(where, "box");
-    const auto board = self.board();
-    return to_array(without_interpreter([&] { return board->read_sums(box); }), shape_of(box.size));
-  });
+  type.def("illuminate", call(&Board::illuminate, "lights", "", "progress"));
+  type.def("read_irradiance",
+           call(static_cast<std::vector<float> (Board::*)(const VoxelBox&)>(&Board::read_irradiance), "box"));
+  type.def("write_irradiance", call(&Board::write_irradiance, "box", "values"));
+  type.def("clear_irradiance", call(&Board::clear_irradiance, "unit"));
+  type.def("clear_sums", call(&Board::clear_sums, "unit"));
+  type.def("read_sums", call(&Board::read_sums, "box"));
 
-  // Pictures.
-  type.def("render_to_framebuffer", [](Handle& self, const py::object& view, const py::object& progress) {
-    const auto from = read_as<View>(view, "");
-    const Progress told = progress_of(progress);
-    const auto board = self.board();
-    without_interpreter([&] { board->render_to_framebuffer(from, told); });
-  });
-  type.def("read_framebuffer", [](Handle& self) {
-    const auto board = self.board();
-    return image_of(without_interpreter([&] { return board->read_framebuffer(); }));
-  });
+  type.def("render_to_framebuffer", call(&Board::render_to_framebuffer, "", "progress"));
+  type.def("read_framebuffer", call(&Board::read_framebuffer));
 
-  // Rays.
-  type.def("submit", [](Handle& self, const py::array& rays, const py::object& request) {
-    const auto from = items_of<HostRay>(rays, "rays");
-    const auto how = read_as<RayRequest>(request, "");
-    const auto board = self.board();
-    return without_interpreter([&] { return board->submit(from, how).id; });
-  });
+  type.def("submit", submit);
   type.def("submit_lines", submit_lines);
   type.def("receive", receive);
-  type.def("poll", [](Handle& self) {
-    const auto board = self.board();
-    auto batches = without_interpreter([&] { return board->poll(); });
-    py::list out;
-    for (RayBatch& batch : batches) {
-      const auto count = static_cast<py::ssize_t>(batch.rays.size());
-      out.append(report_of(batch, to_array(std::move(batch.rays), {count}, dtype_named("TRACED_RAY"))));
-    }
-    return out;
-  });
-  type.def("cancel", [](Handle& self, std::uint32_t ticket) {
-    const auto board = self.board();
-    return without_interpreter([&] { return board->cancel({ticket}); });
-  });
-  type.def("descriptor", [](Handle& self, std::uint32_t ticket) {
-    const auto board = self.board();
-    return without_interpreter([&] { return board->descriptor({ticket}); });
-  });
-  type.def("pair_factors", [](Handle& self, const py::array& elements, const py::array& pairs,
-                              const py::object& request, const py::object& progress) {
-    const auto from = items_of<Element>(elements, "elements");
-    const auto which = items_of<ElementPair>(pairs, "pairs");
-    const auto how = read_as<PairRequest>(request, "");
-    const Progress told = progress_of(progress);
-    const auto board = self.board();
-    auto factors = without_interpreter([&] { return board->pair_factors(from, which, how, told); });
-    const auto count = static_cast<py::ssize_t>(factors.size());
-    return to_array(std::move(factors), {count}, dtype_named("PAIR_FACTOR"));
-  });
+  type.def("poll", call(&Board::poll));
+  type.def("cancel", call(&Board::cancel, "ticket"));
+  type.def("descriptor", call(&Board::descriptor, "ticket"));
+  type.def("pair_factors", call(&Board::pair_factors, "elements", "pairs", "", "progress"));
 
-  // Time and counters.
-  type.def("host_compute", call(&Board::host_compute));
-  type.def("set_time_limit", call(&Board::set_time_limit));
-  type.def("counters", [](Handle& self) {
-    const auto board = self.board();
-    const Counters counters = without_interpreter([&] { return board->counters(); });
-    py::list out;
-    for (const Counter& each : counters.list()) out.append(py::make_tuple(each.name, each.unit, each.value));
-    return out;
-  });
+  type.def("host_compute", call(&Board::host_compute, "duration"));
+  type.def("set_time_limit", call(&Board::set_time_limit, "limit"));
+  type.def("counters", call(&Board::counters));
 
-  module.def("clip_to_volume", [](const py::array& rays, const Dims& dims) {
+  module.def("clip_to_volume", [](const py::object& rays, const py::object& dims) {
+    const auto within = read_as<Dims>(dims, "dims");
     std::vector<HostRay> kept;
     for (const HostRay& ray : items_of<HostRay>(rays, "rays")) {
-      if (const auto part = clip_to_volume(ray, dims)) kept.push_back(*part);
+      if (const auto part = clip_to_volume(ray, within)) kept.push_back(*part);
     }
-    const auto count = static_cast<py::ssize_t>(kept.size());
-    return to_array(std::move(kept), {count}, dtype_named("RAY"));
-  });
-  module.def("standard_error", [](const py::object& report, double irradiance) {
-    return standard_error(read_as<LightingReport>(report, "report"), irradiance);
+    return to_array(std::move(kept));
   });
 }
 

@@ -9,6 +9,8 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <chrono>
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <limits>
@@ -81,6 +83,13 @@ void read(py::handle from, const std::string& field, T& to) {
     refuse(field, std::to_string(Limits::min()) + ".." + std::to_string(Limits::max()), from);
   }
   to = index.cast<T>();
+}
+
+inline void read(py::handle from, const std::string& field, std::chrono::milliseconds& to) {
+  double seconds = 0;
+  read(from, field, seconds);
+  if (!(seconds >= 0 && seconds < 1e9)) refuse(field, "seconds, 0 or more", from);
+  to = std::chrono::milliseconds(std::llround(seconds * 1000));
 }
 
 inline void read(py::handle from, const std::string& field, std::string& to) {
@@ -165,12 +174,17 @@ void read(py::handle from, const std::string& field, std::variant<T...>& to) {
   if (!(try_one(std::type_identity<T>{}) || ...)) refuse(field, "one of " + all, from);
 }
 
+// From a dataclass, or from a dict of some of its fields.
 template <IsRecord T>
 void read(py::handle from, const std::string& field, T& to) {
-  if (!py::isinstance(from, record_class(Record<T>::kClass)))
+  const bool is_dict = py::isinstance<py::dict>(from);
+  if (!is_dict && !py::isinstance(from, record_class(Record<T>::kClass))) {
     refuse(field, std::string("a ") + Record<T>::kClass, from);
+  }
   const auto read_one = [&](const char* name, auto member) {
-    read(from.attr(name), field.empty() ? name : field + "." + name, to.*member);
+    if (is_dict && !from.contains(name)) return;
+    const py::object value = is_dict ? py::object(from[name]) : py::object(from.attr(name));
+    read(value, field.empty() ? name : field + "." + name, to.*member);
   };
   std::apply([&](const auto&... one) { (read_one(one.first, one.second), ...); }, Record<T>::fields());
 }
@@ -242,27 +256,6 @@ void add_properties(Class& to) {
     to.def_property_readonly(name, [member](const T& self) { return write(self.*member); });
   };
   std::apply([&](const auto&... one) { (add(one.first, one.second), ...); }, Record<T>::fields());
-}
-
-// An array that takes the vector's memory; `shape` of whole items.
-template <typename T>
-py::array to_array(std::vector<T>&& values, std::vector<py::ssize_t> shape,
-                   const py::dtype& type = py::dtype::of<T>()) {
-  auto owner = std::make_unique<std::vector<T>>(std::move(values));
-  const void* const data = owner->data();
-  py::capsule base(owner.release(), [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
-  return {type, std::move(shape), data, base};
-}
-
-// The same for records, whose dtype gicube.arrays has under this name.
-inline py::dtype dtype_named(const char* name) { return py::module_::import("gicube.arrays").attr(name); }
-
-// The items of an array that gicube.arrays has made: contiguous, of `item` bytes each.
-template <typename T>
-std::span<const T> items_of(const py::array& from, const std::string& field) {
-  const bool fits = static_cast<std::size_t>(from.itemsize()) == sizeof(T) && (from.flags() & py::array::c_style) != 0;
-  if (!fits) refuse(field, "a contiguous array of " + std::to_string(sizeof(T)) + " bytes an item", from.dtype());
-  return {static_cast<const T*>(from.data()), static_cast<std::size_t>(from.size())};
 }
 
 // Lets other threads of Python run while `call` works.

@@ -6,22 +6,47 @@
 namespace gicube::python {
 namespace {
 
-py::object error_class(const char* name) { return py::module_::import("gicube.errors").attr(name); }
+struct ErrorClass {
+  const char* name;
+  bool (*is)(const Error*);
+};
 
-void raise(const py::object& type, const py::object& error) { PyErr_SetObject(type.ptr(), error.ptr()); }
-
-void raise_text(const char* name, const std::exception& error) {
-  const py::object type = error_class(name);
-  raise(type, type(py::str(error.what())));
+template <typename T>
+bool is(const Error* error) {
+  return dynamic_cast<const T*>(error) != nullptr;
 }
 
-void raise_input(const char* name, const scene::InputError& error) {
-  const py::object fault_class = error_class("Fault"), type = error_class(name);
+#define GICUBE_ERROR(TYPE) \
+  { #TYPE, is < TYPE> }
+using scene::FileError;
+using scene::InputError;
+// A class before its parent.
+constexpr ErrorClass kErrorClasses[] = {
+    GICUBE_ERROR(BadArgument),      GICUBE_ERROR(DeviceLost),      GICUBE_ERROR(OpenFailed),
+    GICUBE_ERROR(BoardBusy),        GICUBE_ERROR(VersionMismatch), GICUBE_ERROR(Rejected),
+    GICUBE_ERROR(ScatteringFailed), GICUBE_ERROR(MemoryFault),     GICUBE_ERROR(Unsupported),
+    GICUBE_ERROR(DeadlinePassed),   GICUBE_ERROR(WouldBlock),      GICUBE_ERROR(TimedOut),
+    GICUBE_ERROR(FileError),        GICUBE_ERROR(InputError),      GICUBE_ERROR(Error),
+};
+#undef GICUBE_ERROR
+
+py::object error_class(const char* name) { return py::module_::import("gicube.errors").attr(name); }
+
+// What its class is made of.
+py::tuple carried(const Error& error) {
+  if (const auto* wrong = dynamic_cast<const BadArgument*>(&error)) {
+    return py::make_tuple(wrong->field(), wrong->expected(), wrong->got());
+  }
+  const py::str text(error.what());
+  if (const auto* lost = dynamic_cast<const DeviceLost*>(&error)) return py::make_tuple(text, write(lost->cause()));
+  const auto* input = dynamic_cast<const InputError*>(&error);
+  if (input == nullptr) return py::make_tuple(text);
+  const py::object fault_class = error_class("Fault");
   py::list faults;
-  for (const scene::Fault& fault : error.faults()) {
+  for (const scene::Fault& fault : input->faults()) {
     faults.append(fault_class(fault.file, fault.line, fault.field, fault.expected, fault.got, fault.text));
   }
-  raise(type, type(py::str(error.what()), faults));
+  return py::make_tuple(text, faults);
 }
 
 }  // namespace
@@ -32,38 +57,11 @@ void add_errors() {
   py::register_local_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);
-    } catch (const BadArgument& error) {
-      const py::object type = error_class("BadArgument");
-      raise(type, type(error.field(), error.expected(), error.got()));
-    } catch (const scene::FileError& error) {
-      raise_input("FileError", error);
-    } catch (const scene::InputError& error) {
-      raise_input("InputError", error);
-    } catch (const DeviceLost& error) {
-      const py::object type = error_class("DeviceLost");
-      raise(type, type(py::str(error.what()), write(error.cause())));
-    } catch (const OpenFailed& error) {
-      raise_text("OpenFailed", error);
-    } catch (const BoardBusy& error) {
-      raise_text("BoardBusy", error);
-    } catch (const VersionMismatch& error) {
-      raise_text("VersionMismatch", error);
-    } catch (const Rejected& error) {
-      raise_text("Rejected", error);
-    } catch (const ScatteringFailed& error) {
-      raise_text("ScatteringFailed", error);
-    } catch (const MemoryFault& error) {
-      raise_text("MemoryFault", error);
-    } catch (const Unsupported& error) {
-      raise_text("Unsupported", error);
-    } catch (const DeadlinePassed& error) {
-      raise_text("DeadlinePassed", error);
-    } catch (const WouldBlock& error) {
-      raise_text("WouldBlock", error);
-    } catch (const TimedOut& error) {
-      raise_text("TimedOut", error);
     } catch (const Error& error) {
-      raise_text("Error", error);
+      const auto* const found =
+          std::ranges::find_if(kErrorClasses, [&](const ErrorClass& each) { return each.is(&error); });
+      const py::object type = error_class(found->name);
+      PyErr_SetObject(type.ptr(), type(*carried(error)).ptr());
     }
   });
 }

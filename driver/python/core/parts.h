@@ -1,6 +1,7 @@
 // The parts of the module gicube._core, each with its classes and functions.
 #pragma once
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <memory>
@@ -34,10 +35,17 @@ class Handle {
   pid_t process_;
 };
 
-// Python's callable(done, all), or None; signals are looked for in between.
-Progress progress_of(const pybind11::object& callable);
+// Python's callable(done, all), or None; signals are looked for in between. The callable must outlive it.
+Progress progress_of(pybind11::handle callable);
+
+// Python's callable(event), or None.
+ScatteringRoutine routine_of(pybind11::handle callable);
 
 // Of a gicube.Volume: points into its arrays.
 VolumeView view_of(pybind11::handle volume);
+
+// A gicube.Volume of samples as bytes, and of further fields.
+pybind11::object volume_of(const pybind11::array& bytes, SampleType type, const Dims& dims,
+                           const pybind11::dict& fields);
 
 }  // namespace gicube::python

@@ -6,6 +6,7 @@
 #include "gicube/level_of_detail.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
+#include "gicube/scene/volume_file.h"
 
 namespace gicube::python {
 
@@ -29,7 +30,7 @@ GICUBE_NAMES(PairRays, "by_board", "by_host");
 GICUBE_NAMES(Loss, "closed", "corrupted", "timed_out", "taken_over", "ended");
 #undef GICUBE_NAMES
 
-// A field's name is its member's.
+// A field's name is its member's. Of what a request points to its caller takes care.
 #define GICUBE_FIELD(NAME) \
   std::pair { #NAME, &T::NAME }
 #define GICUBE_RECORD(TYPE, ...)                                       \
@@ -67,9 +68,14 @@ GICUBE_RECORD(PairRequest, F(rays), F(first), F(seed), F(opacity), F(step), F(le
 GICUBE_RECORD(BoardInfo, F(protocol_major), F(protocol_minor), F(fidelity), F(processors), F(block_voxels),
               F(max_volume_voxels), F(queue_rays), F(core_khz), F(config_hash), F(vendor_id), F(device_id), F(wide),
               F(agp), F(host_rays));
+GICUBE_RECORD(OpenOptions, F(watchdog), F(max_rays), F(back_pressure), F(keep_volume), F(reopen_attempts), F(force),
+              F(wait_for_board), F(capture), F(token_file), F(ca_file));
 GICUBE_RECORD(Reopened, F(resumed), F(volume));
 GICUBE_RECORD(Placement, F(low), F(edge));
 GICUBE_RECORD(LevelError, F(largest_density), F(rms_density), F(largest_opacity));
+GICUBE_RECORD(PlanRequest, F(view), F(max_error), F(time_budget), F(pilot_pixels));
+GICUBE_RECORD(LightPlanRequest, F(settings), F(view), F(channel), F(max_error), F(time_budget), F(max_rays),
+              F(pilot_pixels));
 GICUBE_RECORD(PlanPoint, F(level), F(step), F(opacity_threshold), F(error), F(error_bound), F(samples), F(time),
               F(pilot_width), F(pilot_height));
 GICUBE_RECORD(Plan, F(chosen), F(best), F(finest), F(kept), F(points), F(placement), F(dims), F(original_dims), F(box),
@@ -82,6 +88,8 @@ GICUBE_RECORD(LightPlan, F(chosen), F(asked), F(kept), F(at_limit), F(points), F
 GICUBE_RECORD(ScatterEvent, F(position), F(direction), F(normal), F(opacity), F(density), F(tag), F(lighting),
               F(generation), F(random));
 GICUBE_RECORD(ScatterAnswer, F(direction), F(passes));
+using scene::RawLayout;
+GICUBE_RECORD(RawLayout, F(dims), F(type), F(spacing), F(big_endian), F(skip_bytes));
 #undef F
 #undef GICUBE_RECORD
 #undef GICUBE_FIELD

@@ -1,54 +1,44 @@
 // gicube-scene: files of volumes, transfer functions and pictures; scenes.
 #include "gicube/scene/scene.h"
 
+#include "call.h"
 #include "gicube/scene/image_file.h"
 #include "gicube/scene/volume_file.h"
-#include "parts.h"
-#include "records.h"
 
 namespace gicube::python {
 namespace {
 
+using namespace pybind11::literals;
 namespace fs = std::filesystem;
 
-const char* numpy_type(SampleType type) {
-  constexpr const char* kNames[] = {"u1", "u2", "u2", "i2", "f4"};
-  return kNames[static_cast<std::size_t>(type)];
-}
-
-py::object volume_of(scene::Volume&& volume) {
-  const auto [x, y, z] = volume.dims;
-  const auto bytes = static_cast<py::ssize_t>(bytes_per_sample(volume.type));
-  const py::array samples = to_array(std::move(volume.samples), {z, y, x * bytes}, py::dtype("u1"));
+// What a volume of a file or of a scene says beside its samples.
+py::dict fields_of(const scene::Volume& volume) {
   py::dict fields;
-  fields["sample_type"] = write(volume.type);
   fields["spacing"] = write(volume.spacing);
   fields["range"] = write(volume.range);
   fields["source"] = volume.source;
-  return record_class("Volume")(samples.attr("view")(numpy_type(volume.type)), **fields);
+  return fields;
 }
 
-// Of a setup: views of its memory, which the array keeps alive.
-py::object volume_of(const py::object& owner) {
+// Read-only, of memory of `owner`, which the array keeps alive.
+template <typename T>
+py::array view_in(const std::vector<T>& values, const py::object& owner) {
+  py::array made(py::dtype(kDtype<T>), {static_cast<py::ssize_t>(values.size())}, values.data(), owner);
+  made.attr("setflags")(false);
+  return made;
+}
+
+py::object volume_in(const py::object& owner) {
   const auto& setup = owner.cast<const scene::SceneSetup&>();
   const auto [x, y, z] = setup.volume.dims;
   if (setup.volume.samples.empty()) throw Error("the scene's voxels were given back: free_voxels()");
-  const auto view = [&](const char* type, std::vector<py::ssize_t> shape, const void* data) {
-    py::array made(py::dtype(type), std::move(shape), data, owner);
-    made.attr("setflags")(false);
-    return made;
-  };
-  py::dict fields;
-  fields["sample_type"] = write(setup.volume.type);
-  fields["spacing"] = write(setup.volume.spacing);
-  fields["range"] = write(setup.volume.range);
-  fields["source"] = setup.volume.source;
-  if (!setup.tags.empty()) fields["tags"] = view("u1", {z, y, x}, setup.tags.data());
-  if (!setup.gradients.empty()) fields["gradients"] = view("f4", {z, y, x, 3}, setup.gradients.data());
-  return record_class("Volume")(view(numpy_type(setup.volume.type), {z, y, x}, setup.volume.samples.data()), **fields);
+  py::dict fields = fields_of(setup.volume);
+  if (!setup.tags.empty()) fields["tags"] = view_in(setup.tags, owner).attr("reshape")(z, y, x);
+  if (!setup.gradients.empty()) fields["gradients"] = view_in(setup.gradients, owner).attr("reshape")(z, y, x, 3);
+  return volume_of(view_in(setup.volume.samples, owner), setup.volume.type, setup.volume.dims, fields);
 }
 
-py::object looks_of(const scene::SceneSetup& setup) {
+py::object functions_of(const scene::SceneSetup& setup) {
   const ValueRange range = scene::value_range_of(setup.volume);
   py::list out;
   for (const scene::TransferFunctionFile& file : setup.materials) out.append(write(scene::in_values_of(range, file)));
@@ -57,19 +47,12 @@ py::object looks_of(const scene::SceneSetup& setup) {
 
 void add_files(py::module_& module) {
   module.def("read_volume", [](const std::string& path, const py::object& raw) {
-    std::optional<scene::RawLayout> layout;
-    if (!raw.is_none()) {
-      layout.emplace();
-      read(raw.attr("dims"), "raw.dims", layout->dims);
-      read(raw.attr("sample_type"), "raw.sample_type", layout->type);
-      read(raw.attr("spacing"), "raw.spacing", layout->spacing);
-      read(raw.attr("big_endian"), "raw.big_endian", layout->big_endian);
-      read(raw.attr("skip_bytes"), "raw.skip_bytes", layout->skip_bytes);
-    }
     // teem keeps its error texts in one place: one reader at a time, for which the interpreter's lock is held.
-    return volume_of(scene::read_volume(fs::path(path), layout));
+    scene::Volume volume = scene::read_volume(fs::path(path), read_as<std::optional<RawLayout>>(raw, "raw"));
+    const py::dict fields = fields_of(volume);
+    return volume_of(to_array(std::move(volume.samples)), volume.type, volume.dims, fields);
   });
-  module.def("write_volume", [](const std::string& path, const py::array& values, const Dims& dims,
+  module.def("write_volume", [](const std::string& path, const py::object& values, const Dims& dims,
                                 const py::object& spacing, const py::object& origin) {
     scene::FloatVolume volume;
     volume.dims = dims;
@@ -111,6 +94,13 @@ void add_files(py::module_& module) {
 
 }  // namespace
 
+py::object volume_of(const py::array& bytes, SampleType type, const Dims& dims, const py::dict& fields) {
+  constexpr const char* kNames[] = {"u1", "u2", "u2", "i2", "f4"};
+  const py::object samples = bytes.attr("view")(kNames[static_cast<std::size_t>(type)]);
+  return record_class("Volume")(samples.attr("reshape")(dims[2], dims[1], dims[0]), "sample_type"_a = write(type),
+                                **fields);
+}
+
 void add_scenes(py::module_& module) {
   add_files(module);
   py::class_<scene::Scene> scene(module, "Scene");
@@ -141,9 +131,13 @@ void add_scenes(py::module_& module) {
   });
 
   py::class_<scene::SceneSetup> setup(module, "SceneSetup");
-  setup.def_property_readonly("volume", [](const py::object& self) { return volume_of(self); });
-  setup.def_property_readonly("looks", looks_of);
+  setup.def_property_readonly("volume", volume_in);
+  setup.def_property_readonly("looks", functions_of);
   setup.def_property_readonly("materials", [](const scene::SceneSetup& self) { return write(self.optics); });
+  setup.def_property_readonly("scattering_colours",
+                              [](const scene::SceneSetup& self) { return write(self.scattering_colours); });
+  setup.def_property_readonly("emissions", [](const scene::SceneSetup& self) { return write(self.emissions); });
+  setup.def_property_readonly("light_colours", [](const scene::SceneSetup& self) { return write(self.light_colours); });
   setup.def_property_readonly("shading", [](const scene::SceneSetup& self) { return write(self.shading); });
   setup.def_property_readonly("lights", [](const scene::SceneSetup& self) { return write(self.lights); });
   setup.def_property_readonly("is_lit", [](const scene::SceneSetup& self) { return self.lighting.on; });

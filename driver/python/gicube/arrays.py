@@ -1,5 +1,8 @@
 """The arrays that go to the board and come from it: their dtypes, how they are made, how they are checked."""
 
+# mypy: no-warn-return-any
+# What the compiled part returns has the types that are written here.
+
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
@@ -130,8 +133,7 @@ def rays_between(start: ArrayLike, end: ArrayLike, *, id: Optional[ArrayLike] = 
 
 def clip_to_volume(rays: Array, dims: Sequence[int]) -> Array:
     """The parts of rays with a length that are inside a volume of `dims` voxels; rays that miss it are left out."""
-    out: Array = _core.clip_to_volume(as_array(rays, "rays", RAY, (None,)), list(dims))
-    return out
+    return _core.clip_to_volume(as_array(rays, "rays", RAY, (None,)), list(dims))
 
 
 def elements(

@@ -1,5 +1,8 @@
 """The host's handle to one GI-Cube board."""
 
+# mypy: no-warn-return-any
+# What the compiled part returns has the types that are written here.
+
 from __future__ import annotations
 
 import asyncio
@@ -9,14 +12,14 @@ import weakref
 from contextlib import contextmanager
 from dataclasses import replace
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Generator, Iterator, Optional, Sequence, Union
 
 import numpy as np
 
 from gicube import _core
 from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array
 from gicube.counters import Counters
-from gicube.errors import BadArgument
+from gicube.errors import BadArgument, DeviceLost
 from gicube.image import Image
 from gicube.records import (
     BackPressure,
@@ -75,6 +78,26 @@ def shown(progress: ProgressLike, what: str) -> Iterator[Optional[Callable[[int,
                 bar.update(done - bar.n)
 
             yield show
+
+
+class Future:
+    """A batch to come, by Board.future(). It does not keep its board open: result() raises DeviceLost once that is closed."""
+
+    def __init__(self, board: "Board", ticket: Ticket) -> None:
+        self._board, self._ticket = weakref.ref(board), ticket
+
+    def _open_board(self) -> "Board":
+        board = self._board()
+        if board is None:
+            raise DeviceLost("the board is lost: the application has closed it")
+        return board
+
+    def result(self) -> RayBatch:
+        """As Board.receive(), on the caller's thread."""
+        return self._open_board().receive(self._ticket)
+
+    def __await__(self) -> Generator[Any, None, RayBatch]:
+        return self._open_board().receive_async(self._ticket).__await__()
 
 
 _open_boards: "weakref.WeakSet[Board]" = weakref.WeakSet()
@@ -165,14 +188,12 @@ class Board:
     @property
     def info(self) -> BoardInfo:
         """What the board said of itself when it was opened."""
-        info: BoardInfo = self._core.info
-        return info
+        return self._core.info
 
     @property
     def now(self) -> int:
         """The simulated host's clock since open(), picoseconds."""
-        now: int = self._core.now
-        return now
+        return self._core.now
 
     def reopen(self) -> Reopened:
         """After DeviceLost or TimedOut: connects again by the same URI.
@@ -181,8 +202,7 @@ class Board:
         materials are written again, with keep_volume the volume too; irradiance, sums and framebuffer are lost.
         Raises OpenFailed, BoardBusy, VersionMismatch: the board is still lost.
         """
-        found: Reopened = self._core.reopen()
-        return found
+        return self._core.reopen()
 
     # Volume.
 
@@ -197,54 +217,53 @@ class Board:
         with shown(progress, "loading") as told:
             self._core.load_volume(made, told)
 
-    def _box(self, box: Optional[VoxelBox]) -> VoxelBox:
-        if box is not None:
-            return box
-        x, y, z = self._dims()
-        return VoxelBox((0, 0, 0), (x, y, z))
+    def _read(self, call: Callable[[VoxelBox], "Array"], box: Optional[VoxelBox]) -> "Array":
+        """The values of a box, or of all."""
+        where = VoxelBox((0, 0, 0), self.dims) if box is None else box
+        return call(where).reshape(tuple(where.size)[::-1])
 
-    def _dims(self) -> Sequence[int]:
-        dims: Sequence[int] = self._core.dims()
-        return dims
+    def _write(self, call: Callable[[VoxelBox, "Array"], object], values: "ArrayLike", box: Optional[VoxelBox]) -> None:
+        array = as_array(values, "values", "float32", (None, None, None))
+        where = VoxelBox((0, 0, 0), array.shape[::-1]) if box is None else box
+        if tuple(where.size) != array.shape[::-1]:
+            raise BadArgument("values", f"the shape {tuple(where.size)[::-1]}, as the box's", str(array.shape))
+        call(where, array)
+
+    @property
+    def dims(self) -> tuple[int, int, int]:
+        """The loaded volume's size x, y, z, voxels. Raises Rejected before load_volume()."""
+        return self._core.dims()
 
     def read_volume(self, box: Optional[VoxelBox] = None) -> "Array":
         """The values of a box, or of all, as the board holds them, 12 bits each: float32 [z, y, x]. Raises Rejected, BadArgument."""
-        out: Array = self._core.read_volume(self._box(box))
-        return out
-
-    def _values(self, values: "ArrayLike", box: Optional[VoxelBox]) -> tuple["Array", VoxelBox]:
-        array = as_array(values, "values", "float32", (None, None, None))
-        if box is None:
-            box = VoxelBox((0, 0, 0), array.shape[::-1])
-        elif tuple(box.size) != array.shape[::-1]:
-            raise BadArgument("values", f"the shape {tuple(box.size)[::-1]}, as the box's", str(array.shape))
-        return array, box
+        return self._read(self._core.read_volume, box)
 
     def write_volume(self, values: "ArrayLike", box: Optional[VoxelBox] = None) -> None:
         """Overwrites a box of the volume, by default the one at (0, 0, 0), with values [z, y, x], clamped to its range.
 
         Raises Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
         """
-        array, where = self._values(values, box)
-        self._core.write_volume(where, array)
+        self._write(self._core.write_volume, values, box)
 
     def verify_volume(self) -> list[int]:
         """The blocks that differ from what was written there, numbered as in empty_flags.ravel(). Raises Rejected, MemoryFault."""
-        blocks: list[int] = self._core.verify_volume()
-        return blocks
+        return self._core.verify_volume()
 
     @property
     def value_range(self) -> ValueRange:
         """The map from the loaded volume's values to densities. Raises Rejected before load_volume()."""
-        out: ValueRange = self._core.value_range()
-        return out
+        return self._core.value_range()
+
+    @property
+    def blocks(self) -> tuple[int, int, int]:
+        """How many blocks the volume has along x, y, z. Raises Rejected before load_volume()."""
+        return self._core.blocks()
 
     @property
     def empty_flags(self) -> "Array":
         """The flags in force, uint8 [z, y, x], one a block, nonzero = nothing visible. May be assigned, until the next
         load_volume() or set_transfer_function(): a flag that is set on a visible block hides that block."""
-        out: Array = self._core.empty_flags()
-        return out
+        return self._core.empty_flags().reshape(self.blocks[::-1])
 
     @empty_flags.setter
     def empty_flags(self, flags: "ArrayLike") -> None:
@@ -290,18 +309,15 @@ class Board:
         is incomplete.
         """
         with shown(progress, "lighting") as told:
-            report: LightingReport = self._core.illuminate(list(lights), settings, told)
-        return report
+            return self._core.illuminate(list(lights), settings, told)
 
     def read_irradiance(self, box: Optional[VoxelBox] = None) -> "Array":
         """float32 [z, y, x], in units of the lights' power, of a box or of all. Raises Rejected, BadArgument."""
-        out: Array = self._core.read_irradiance(self._box(box))
-        return out
+        return self._read(self._core.read_irradiance, box)
 
     def write_irradiance(self, values: "ArrayLike", box: Optional[VoxelBox] = None) -> None:
         """Overwrites it in a box, by default the one at (0, 0, 0): words are rounded to the unit in force, and saturate."""
-        array, where = self._values(values, box)
-        self._core.write_irradiance(where, array)
+        self._write(self._core.write_irradiance, values, box)
 
     def clear_irradiance(self, unit: float) -> None:
         """Zero everywhere; one unit of the words is `unit` of the lights' power: for DEPOSIT rays and write_irradiance()."""
@@ -313,8 +329,7 @@ class Board:
 
     def read_sums(self, box: Optional[VoxelBox] = None) -> "Array":
         """float32 [z, y, x]: one sum a voxel. Raises Rejected before clear_sums(), BadArgument."""
-        out: Array = self._core.read_sums(self._box(box))
-        return out
+        return self._read(self._core.read_sums, box)
 
     # Pictures.
 
@@ -333,21 +348,21 @@ class Board:
 
     def read_framebuffer(self) -> Image:
         """The last picture, at 36 bits per pixel over the bus. Raises Rejected before the first."""
-        image: Image = self._core.read_framebuffer()
-        return image
+        return self._core.read_framebuffer()
 
     # Rays.
 
-    def submit(self, rays: "Array", request: Optional[RayRequest] = None, **fields: Any) -> Ticket:
-        """Sends rays, an array of gicube.RAY (gicube.rays() makes one). Returns at once unless too many are under way.
+    def submit(self, rays: Union["Array", Sequence["Array"]], request: Optional[RayRequest] = None, **fields: Any) -> Ticket:
+        """Sends rays as one batch: an array of gicube.RAY (gicube.rays() makes one), or a list of such arrays that lie in several
+        places. Returns at once unless too many are under way.
 
         What is asked of them is a RayRequest, or its fields: submit(rays, type=RayType.FIRST_HIT, opacity=0.5).
         Raises BadArgument (a ray's index and field, the request's fields), Rejected, WouldBlock: nothing was sent.
         """
         asked = RayRequest(**fields) if request is None else replace(request, **fields)
-        batch = as_array(rays, "rays", RAY, (None,))
+        places = [as_array(each, "rays", RAY, (None,)) for each in (rays if isinstance(rays, (list, tuple)) else [rays])]
         none_return = RayType(asked.type) in (RayType.DEPOSIT, RayType.BACKPROJECT)
-        return Ticket(self._core.submit(batch, asked), 0 if none_return else len(batch))
+        return Ticket(self._core.submit(places, asked), 0 if none_return else sum(map(len, places)))
 
     def submit_lines(self, lines: Sequence["ArrayLike"], ids: Optional[Sequence[int]] = None) -> Ticket:
         """Lines through several points, arrays (n, 3) in voxels: their legs are SEGMENT rays, one of which returns for each leg."""
@@ -367,8 +382,11 @@ class Board:
         space = np.empty(ticket.rays, TRACED_RAY) if out is None else out
         if space.dtype != TRACED_RAY or not space.flags.c_contiguous:
             raise BadArgument("out", "a contiguous array of gicube.TRACED_RAY", str(space.dtype))
-        report = self._core.receive(ticket.id, space, deadline)
-        return RayBatch(ticket=ticket.id, rays=space[:0] if report["cancelled"] else space, **report)
+        return self._core.receive(ticket.id, space, deadline)
+
+    def future(self, ticket: Ticket) -> Future:
+        """receive() as a future: result() calls it, and the simulated clock moves then. It may outlive this board, and never hangs."""
+        return Future(self, ticket)
 
     async def receive_async(self, ticket: Ticket) -> RayBatch:
         """receive() for asyncio: other tasks run until the board has worked the batch out."""
@@ -385,18 +403,15 @@ class Board:
 
     def descriptor(self, ticket: Ticket) -> int:
         """A file descriptor that becomes readable when receive() would no longer wait for the board's work. The caller closes it."""
-        number: int = self._core.descriptor(ticket.id)
-        return number
+        return self._core.descriptor(ticket.id)
 
     def poll(self) -> list[RayBatch]:
         """The batches that have arrived by now and were not received yet, in the order of their simulated arrival."""
-        batches: list[RayBatch] = self._core.poll()
-        return batches
+        return self._core.poll()
 
     def cancel(self, ticket: Ticket) -> bool:
         """Takes back the part of a batch that has not begun. False: it is too late, and the batch comes back whole."""
-        done: bool = self._core.cancel(ticket.id)
-        return done
+        return self._core.cancel(ticket.id)
 
     def pair_factors(
         self,

@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
+# mypy: no-warn-return-any
+from gicube import _core
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -205,7 +208,7 @@ class RawLayout:
     """How the samples of a file without a header lie."""
 
     dims: Sequence[int] = (0, 0, 0)
-    sample_type: SampleType = SampleType.UINT8
+    type: SampleType = SampleType.UINT8
     spacing: Vec3 = (1.0, 1.0, 1.0)
     big_endian: bool = False
     skip_bytes: int = 0
@@ -237,6 +240,13 @@ class TransferFunction:
     def __post_init__(self) -> None:
         self.colours = [p if isinstance(p, ColourPoint) else ColourPoint(*p) for p in self.colours]
         self.opacities = [p if isinstance(p, OpacityPoint) else OpacityPoint(*p) for p in self.opacities]
+
+    def colour_at(self, value: float) -> Tuple[float, float, float]:
+        """Raises BadArgument: no points."""
+        return _core.colour_at(self, value)
+
+    def opacity_at(self, value: float) -> float:
+        return _core.opacity_at(self, value)
 
 
 @dataclass
@@ -372,6 +382,10 @@ class LightingReport:
     clipped: float
     unit: float
     warnings: Sequence[str]
+
+    def standard_error(self, irradiance: "npt.ArrayLike") -> Any:
+        """Error bars of a pass with Albedo.HIGH: of one voxel's irradiance (a bound there), of the sum over many, or of an array of them."""
+        return np.sqrt(np.asarray(irradiance) * (self.emitted / self.rays if self.rays else 0.0))
 
 
 @dataclass

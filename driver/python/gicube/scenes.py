@@ -1,16 +1,22 @@
 """Files of volumes, looks and scenes, by the SDK's own readers; levels of detail; plans."""
 
+# mypy: no-warn-return-any
+# What the compiled part returns has the types that are written here.
+
 from __future__ import annotations
 
 import os
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
 
+import numpy as np
+
 from gicube import _core
 from gicube.arrays import as_array
 from gicube.board import Board, ProgressLike, shown
 from gicube.records import (
     Illumination,
+    LevelError,
     Light,
     Placement,
     RawLayout,
@@ -33,8 +39,7 @@ def read_volume(path: Path, raw: Optional[RawLayout] = None) -> Volume:
 
     Raises FileError.
     """
-    volume: Volume = _core.read_volume(os.fspath(path), raw)
-    return volume
+    return _core.read_volume(os.fspath(path), raw)
 
 
 def write_volume(path: Path, values: npt.ArrayLike, *, spacing: Vec3 = (1.0, 1.0, 1.0), origin: Vec3 = (0.0, 0.0, 0.0)) -> None:
@@ -44,26 +49,24 @@ def write_volume(path: Path, values: npt.ArrayLike, *, spacing: Vec3 = (1.0, 1.0
 
 
 def value_range(volume: Volume) -> ValueRange:
-    """The volume's own range, or the driver's default for its type."""
+    """The volume's own range, or the driver's default for its type. Not-a-numbers are left out."""
     if volume.range is not None:
         return volume.range
     assert volume.sample_type is not None
     if volume.sample_type.value in ("uint8", "uint12"):
         return ValueRange(0.0, 255.0 if volume.sample_type.value == "uint8" else 4095.0)
-    return ValueRange(float(volume.samples.min()), float(volume.samples.max()))
+    return ValueRange(float(np.nanmin(volume.samples)), float(np.nanmax(volume.samples)))
 
 
 def transfer_function(name: Path, volume: Union[Volume, ValueRange]) -> TransferFunction:
     """A preset (see presets()) or a file of a transfer function, in the values of a volume. Raises InputError."""
     span = value_range(volume) if isinstance(volume, Volume) else volume
-    function: TransferFunction = _core.find_transfer_function(os.fspath(name), span)
-    return function
+    return _core.find_transfer_function(os.fspath(name), span)
 
 
 def presets() -> list[str]:
     """Names of the transfer functions that are built in."""
-    names: list[str] = _core.presets()
-    return names
+    return _core.presets()
 
 
 def fit_view(
@@ -81,38 +84,47 @@ def fit_view(
     if box is None:
         box = visible_box(volume, looks) if looks else VoxelBox((0, 0, 0), volume.dims)
     high = [low + size - 1 for low, size in zip(box.low, box.size)]
-    view: View = _core.fit_view(list(box.low), high, volume.spacing, View(**fields), eye, look_at, up)
-    return view
+    return _core.fit_view(list(box.low), high, volume.spacing, View(**fields), eye, look_at, up)
 
 
 def visible_box(volume: Volume, looks: Sequence[TransferFunction]) -> VoxelBox:
     """The smallest box of whole 4^3 blocks in which any sample can be visible, and one voxel more."""
-    box: VoxelBox = _core.visible_box(volume, list(looks))
-    return box
+    return _core.visible_box(volume, looks)
 
 
 def cropped(volume: Volume, box: VoxelBox) -> Volume:
     """The voxels of a box; Volume.placement says where they were. Raises BadArgument."""
-    out: Volume = _core.cropped(volume, box)
-    return out
+    return _core.cropped(volume, box)
 
 
 def coarser(volume: Volume, level: int) -> Volume:
     """One voxel, the mean, for 2^level of them on each axis. Raises BadArgument."""
-    out: Volume = _core.coarser(volume, level)
-    return out
+    return _core.coarser(volume, level)
+
+
+def level_error(volume: Volume, coarse: Volume, looks: Sequence[TransferFunction]) -> LevelError:
+    """How far what coarser() made is from its original. `looks` by tag, in the volume's values."""
+    return _core.level_error(volume, coarse, looks)
+
+
+def voxels_a_pixel(view: View, box: VoxelBox, spacing: Vec3 = (1.0, 1.0, 1.0)) -> float:
+    """How many voxel edges one pixel is wide where the box is nearest; below one, a voxel has several. 0: it is beside the eye."""
+    return _core.voxels_a_pixel(view, box, spacing)
+
+
+def level_for(voxels_a_pixel: float) -> int:
+    """The coarsest level whose voxels are not larger than that."""
+    return _core.level_for(voxels_a_pixel)
 
 
 def placed_view(placement: Placement, view: View) -> View:
     """The same camera and image for a derived volume."""
-    out: View = _core.placed_view(placement, view)
-    return out
+    return _core.placed_view(placement, view)
 
 
 def placed_look(placement: Placement, look: TransferFunction, span: ValueRange) -> TransferFunction:
     """The same look for a derived volume, whose values lie in `span`."""
-    out: TransferFunction = _core.placed_look(placement, look, span)
-    return out
+    return _core.placed_look(placement, look, span)
 
 
 def read_scene(path: Path) -> _core.Scene:
@@ -156,13 +168,14 @@ def make_plan(
 
     The board holds the plan's volume and looks afterwards: board.render(plan.view(view)). Raises BadArgument, Rejected.
     """
+    asked = {"view": view, "max_error": max_error, "time_budget": time_budget, "pilot_pixels": pilot_pixels}
     with shown(progress, "planning") as told:
-        return _core.make_plan(board._core, volume, list(looks), view, max_error, time_budget, pilot_pixels, told)
+        return _core.make_plan(board._core, volume, looks, asked, told)
 
 
 def load_planned(board: Board, plan: _core.Plan, volume: Volume, looks: Sequence[TransferFunction]) -> None:
     """Brings another board to where make_plan() left its own."""
-    _core.load_planned(board._core, plan, volume, list(looks))
+    _core.load_planned(board._core, plan, volume, looks)
 
 
 def plan_light(
@@ -182,7 +195,17 @@ def plan_light(
 
     The board needs volume, looks and materials. Raises BadArgument, Rejected.
     """
+    asked = {"settings": settings, "view": view, "channel": channel, "max_error": max_error, "time_budget": time_budget}
+    asked |= {"max_rays": max_rays, "pilot_pixels": pilot_pixels}
     with shown(progress, "planning light") as told:
-        return _core.plan_light(
-            board._core, list(lights), settings, view, channel, max_error, time_budget, max_rays, pilot_pixels, told
-        )
+        return _core.plan_light(board._core, lights, asked, told)
+
+
+def share_of_light(max_error: float) -> float:
+    """The part of a picture's error that its light gets, for plan_light(max_error=...)."""
+    return _core.share_of_light(max_error)
+
+
+def left_for_picture(max_error: float, light: _core.LightPlan) -> float:
+    """What a plan of light leaves of an error to the picture, for make_plan(max_error=...)."""
+    return _core.left_for_picture(max_error, light)

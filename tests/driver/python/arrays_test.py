@@ -81,6 +81,14 @@ def test_rays_come_back_in_the_order_in_which_they_were_sent(loaded):
     assert (batch.rays["opacity"] == 1).all()
 
 
+def test_rays_in_several_arrays_are_one_batch_in_that_order(loaded):
+    start = np.zeros((9, 3)) + [0, 15.5, 15.5]
+    rays = gicube.rays_between(start, start + [31, 0, 0])
+    ticket = loaded.submit([rays[6:], rays[:6]], type=gicube.RayType.OPACITY)
+    assert ticket.rays == 9
+    assert loaded.receive(ticket).rays["id"].tolist() == [6, 7, 8, 0, 1, 2, 3, 4, 5]
+
+
 def test_rays_are_received_into_the_callers_array(loaded):
     out = np.zeros(3, gicube.TRACED_RAY)
     ticket = loaded.submit(gicube.rays(np.full((3, 3), 1.0), (0, 0, 1)))

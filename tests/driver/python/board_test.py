@@ -121,6 +121,27 @@ def test_batches_are_polled_cancelled_and_awaited(loaded):
         loaded.receive(first)
 
 
+def test_a_future_receives_when_it_is_asked_and_outlives_its_board(loaded):
+    rays = gicube.rays(np.full((50, 3), 16.0), (0, 0, 1))
+    before = loaded.now
+    future = loaded.future(loaded.submit(rays))
+    assert len(future.result().rays) == 50 and loaded.now > before
+    with pytest.raises(gicube.BadArgument, match="ticket"):
+        future.result()
+
+    async def awaited():
+        return await loaded.future(loaded.submit(rays))
+
+    assert len(asyncio.run(awaited()).rays) == 50
+    with gicube.open() as other:
+        other.load_volume(ball())
+        left = other.future(other.submit(rays))
+    for _ in range(2):  # closed, then collected
+        with pytest.raises(gicube.DeviceLost):
+            left.result()
+        other = None
+
+
 def test_deadlines_are_simulated_times(loaded):
     ticket = loaded.submit(gicube.rays(np.full((5000, 3), 16.0), (0, 0, 1)))
     with pytest.raises(gicube.DeadlinePassed):
@@ -138,6 +159,7 @@ def test_lines_have_a_ray_for_each_leg(loaded):
 
 def test_empty_flags_hide_blocks(loaded):
     flags = loaded.empty_flags
+    assert loaded.dims == (32, 32, 32) and flags.shape == loaded.blocks[::-1]
     loaded.empty_flags = np.ones_like(flags)
     assert loaded.render(view_of_ball()).alpha.max() == 0
     assert loaded.verify_volume() == []
@@ -194,10 +216,33 @@ def test_a_plan_of_light_is_for_illuminate(loaded):
     assert loaded.illuminate(lights, plan.settings(gicube.Illumination())).rays > 0
 
 
+def test_an_error_is_shared_between_light_and_picture(loaded):
+    light = gicube.share_of_light(0.1)
+    assert 0 < light < 0.1
+    plan = gicube.plan_light(loaded, [gicube.PointLight((15.5, 15.5, 1))], view=view_of_ball(), max_error=light, max_rays=2, pilot_pixels=16)
+    assert 0 <= gicube.left_for_picture(0.1, plan) <= 0.1
+
+
+def test_error_bars_of_photons_fall_with_their_number():
+    report = gicube.LightingReport(400, 4.0, 4.0, 0, (0,) * 6, 0, 0, 0, 1, [])
+    assert report.standard_error([0.0, 1.0, 4.0]).tolist() == [0, 0.1, 0.2]
+
+
+def test_a_transfer_function_says_its_values():
+    look = gicube.TransferFunction([(0, (0, 0, 0)), (10, (1, 0.5, 0))], [(5, 0), (5, 1)])
+    assert look.colour_at(5) == (0.5, 0.25, 0)
+    assert look.opacity_at(4.9) == 0 and look.opacity_at(5) == 1
+
+
 def test_coarser_volumes_say_where_they_lie():
     volume = gicube.Volume(ball(), spacing=(1, 1, 2))
     half = gicube.coarser(volume, 1)
     assert half.dims == (16, 16, 16) and half.placement.edge == 2 and half.samples.dtype == np.float32
+    error = gicube.level_error(volume, half, [LOOK])
+    assert error.largest_density > 0 and 0 < error.rms_density < error.largest_density and error.largest_opacity == 1
+    far = gicube.fit_view(volume, width=8, height=8)
+    edges = gicube.voxels_a_pixel(far, gicube.VoxelBox((0, 0, 0), volume.dims), volume.spacing)
+    assert edges > 2 and gicube.level_for(edges) == int(np.log2(edges))
     part = gicube.cropped(volume, gicube.VoxelBox((4, 5, 6), (10, 11, 12)))
     assert part.dims == (10, 11, 12) and part.placement.low == (4, 5, 6)
     assert (part.samples == volume.samples[6:18, 5:16, 4:14]).all()

@@ -32,6 +32,36 @@ def test_have_a_class_for_each_record_and_each_error_of_the_public_headers():
     assert {name for name in found - own if not hasattr(gicube, name)} == set()
 
 
+def declared(header):
+    return re.sub(r"//[^\n]*", "", (HEADERS / header).read_text())
+
+
+def test_the_board_has_every_call_of_the_cpp_one():
+    body = re.search(r"class GICUBE_API Board \{(.*?) private:", declared("board.h"), re.DOTALL).group(1)
+    calls = set(re.findall(r"\b(\w+)\((?=[^;]*;)", body)) - {"Board"}
+    assert len(calls) == 37 and {"open", "render", "future", "set_empty_flags"} <= calls
+    otherwise = {"open": "__init__", "set_empty_flags": "empty_flags"}
+    assert {call for call in calls if not hasattr(gicube.Board, otherwise.get(call, call))} == set()
+
+
+def test_the_package_has_every_function_of_the_public_headers():
+    otherwise = {"standard_error": gicube.LightingReport.standard_error, "ray_between": gicube.rays_between}
+    of_numpy = {"cross", "dot", "length", "normalise", "bytes_per_sample", "to_ms", "name_of"}
+    of_own_plans = {"count_text", "plan_cost_line", "plan_error_line", "plan_headline", "plan_time_line"}  # their texts
+    found = set()
+    for header in HEADERS.glob("*.h"):
+        if header.name not in ("c_types.h", "c_api.h", "testing.h"):
+            found |= set(re.findall(r"^(?:GICUBE_API |inline |constexpr )+[\w:<>, *&]+?[ &*](\w+)\(", declared(header.name), re.MULTILINE))
+    assert {"make_plan", "level_error", "standard_error", "dot"} <= found
+    assert {name for name in found - set(otherwise) - of_numpy - of_own_plans if not hasattr(gicube, name)} == set()
+
+
+def test_the_compiled_part_has_nothing_that_the_package_does_not_use():
+    sources = "".join(path.read_text() for path in Path(gicube.__file__).parent.glob("*.py"))
+    own = [name for name in dir(_core) if not name.startswith("__")] + [name for name in dir(_core.Board) if not name.startswith("__")]
+    assert {name for name in own if f"_core.{name}" not in sources and f"_core import {name}" not in sources} == {"defaults"}  # of tests
+
+
 def test_enumerations_have_the_values_of_the_headers():
     text = "".join(header.read_text() for header in HEADERS.glob("*.h"))
     text = re.sub(r"//[^\n]*", "", text)
@@ -77,8 +107,10 @@ def test_text_stands_for_the_value_of_an_enumeration():
     assert gicube.RayType("first_hit") is gicube.RayType.FIRST_HIT
 
 
-def test_what_all_offers_is_there_and_documented():
-    for name in gicube.__all__:
+def test_what_is_offered_is_documented():
+    names = [name for name in dir(gicube) if not name.startswith("_")]
+    assert {"Board", "open", "render"} - set(names) == {"render"}
+    for name in names:
         offered = getattr(gicube, name)
         if callable(offered) and not isinstance(offered, type(gicube.Light)):
             assert dataclasses.is_dataclass(offered) or offered.__doc__ or offered.__module__ == "gicube._core", name
