@@ -73,11 +73,12 @@ void RayEngine::take_back(Cycle now) {
 
 RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
   RayUnderWay& ray = rays_[token.ray];
-  std::uint32_t cycles = 0;
-  const Interaction interaction = resolve_trap(ray.ray_state, *frame_, counts_, cycles);
-  counts_.trap_cycles += cycles;
-  work_for(now, overflow_cycles_ / 2 + cycles);
-  if (interaction.outcome == Outcome::kTrapped) return Scattered::kToHost;
+  work_for(now, overflow_cycles_ / 2);
+  const std::optional<Trap> trap = trap_of(ray.ray_state, *frame_);
+  if (!trap) return Scattered::kToHost;
+  const ScatterAnswer answer = frame_->routines->scatter(trap->routine, trap->event);
+  work_for(now, answer.cycles);
+  const Interaction interaction = answer_trap(ray.ray_state, answer, *frame_, counts_);
   if (interaction.outcome == Outcome::kEnded) {
     count_end(ray.ray_state, Termination::kAbsorbed, *frame_, counts_);
     return Scattered::kEnds;

@@ -9,8 +9,11 @@
 //                 probability Ks, else absorbed whole
 #pragma once
 
+#include <optional>
+
 #include "datapath/ray_step.h"
 #include "datapath/scatter.h"
+#include "datapath/scattering.h"
 #include "gicube/wire/trap.h"
 
 namespace gicube::emu {
@@ -93,9 +96,17 @@ inline Interaction sample(RayState& ray, const SampleSite& site, const Frame& fr
 // pack() leaves it, else ready for unpack(). The energy that it brings counts as emitted.
 bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters);
 
-// Scatters a trapped ray by its routine on the DSP. `cycles`: receives the DSP cycles that it took. Throws RoutineFault.
-// Outcome::kTrapped: the host must answer; the frame's HostTrapQueue has the ray.
-Interaction resolve_trap(RayState& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles);
+// What a routine on the DSP must answer.
+struct Trap {
+  std::uint8_t routine = 0;
+  ScatterEvent event;
+};
+
+// Of a trapped ray. Nothing: the host must answer; the frame's HostTrapQueue has the ray.
+std::optional<Trap> trap_of(RayState& ray, const Frame& frame);
+
+// The trapped ray goes on as the routine says, or ends. The DSP's cycles are counted.
+Interaction answer_trap(RayState& ray, const ScatterAnswer& answer, const Frame& frame, RayCounters& counters);
 
 // The whole energy units that the ray holds. Its fraction is rounded by one draw a ray, so that its deposits sum exactly to the
 // energy that it had.

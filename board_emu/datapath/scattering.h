@@ -48,6 +48,11 @@ class Routines {
   virtual std::optional<std::string> fault(std::uint8_t number, std::span<const float> parameters) const = 0;
   // Pure: the same event gets the same answer. From several threads. Throws RoutineFault.
   virtual ScatterAnswer scatter(std::uint8_t number, const ScatterEvent& event) const = 0;
+  // The same for as many events as there are answers: a routine in another process is asked once for many.
+  virtual void scatter_all(std::uint8_t number, std::span<const ScatterEvent> events,
+                           std::span<ScatterAnswer> answers) const {
+    for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = scatter(number, events[i]);
+  }
 };
 
 // Where rays wait that the host must scatter.

@@ -45,8 +45,8 @@ ScatterEvent event_of(const wire::TrappedRay& trapped, const wire::Material& mat
 }
 
 // The ray goes on along `direction`, or ends if all of it is dropped; `dropped`: 2^24 - 1 = all.
-Interaction answer_trap(RayState& ray, const Direction& direction, std::uint32_t dropped, const Frame& frame,
-                        RayCounters& counters) {
+Interaction go_on(RayState& ray, const Direction& direction, std::uint32_t dropped, const Frame& frame,
+                  RayCounters& counters) {
   Interaction interaction;
   if (dropped != 0) {
     const bool lighting = ray.is(wire::kLightingRay);
@@ -75,29 +75,27 @@ bool take_answer(wire::Ray& ray, const Frame& frame, RayCounters& counters) {
   RayState ray_state = unpack(ray, frame);
   if (ray_state.is(wire::kLightingRay)) counters.energy.emitted += energy_units(ray_state, frame);
   const bool ends =
-      answer_trap(ray_state, ray.direction, wire::dropped_share(ray), frame, counters).outcome == Outcome::kEnded;
+      go_on(ray_state, ray.direction, wire::dropped_share(ray), frame, counters).outcome == Outcome::kEnded;
   if (ends) count_end(ray_state, Termination::kAbsorbed, frame, counters);
   ray = pack(ray_state, frame);
   return ends;
 }
 
-Interaction resolve_trap(RayState& ray, const Frame& frame, RayCounters& counters, std::uint32_t& cycles) {
+std::optional<Trap> trap_of(RayState& ray, const Frame& frame) {
   const unsigned tag = ray.flags >> kTrapTagShift;
   const wire::Material& material = frame.materials[tag];
   ray.flags &= (1u << kTrapTagShift) - 1;
   if ((material.flags & wire::kTrapAtSurface) == 0) ray.flags &= static_cast<std::uint8_t>(~wire::kTrapped);
   const wire::TrappedRay trapped = trapped_ray(ray, tag, frame);
-  if (material.routine == wire::kHostRoutine) {
-    frame.host_traps->add(trapped);
-    cycles = 0;
-    Interaction interaction;
-    interaction.outcome = Outcome::kTrapped;
-    return interaction;
-  }
-  const ScatterAnswer answer = frame.routines->scatter(material.routine, event_of(trapped, material, frame));
-  cycles = answer.cycles;
-  return answer_trap(ray, wire::direction_words(answer.direction, frame.spacing), wire::dropped_share(answer.passes),
-                     frame, counters);
+  if (material.routine != wire::kHostRoutine) return Trap{material.routine, event_of(trapped, material, frame)};
+  frame.host_traps->add(trapped);
+  return std::nullopt;
+}
+
+Interaction answer_trap(RayState& ray, const ScatterAnswer& answer, const Frame& frame, RayCounters& counters) {
+  counters.trap_cycles += answer.cycles;
+  return go_on(ray, wire::direction_words(answer.direction, frame.spacing), wire::dropped_share(answer.passes), frame,
+               counters);
 }
 
 }  // namespace gicube::emu

@@ -1,5 +1,8 @@
 #include "functional.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
 
@@ -33,15 +36,7 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
   return how;
 }
 
-// The DSP's routine scatters the ray; kTrapped if it is the host's to do.
-Outcome scatter_trapped(RayState& ray_state, const Frame& frame, RayCounters& counters) {
-  std::uint32_t cycles = 0;
-  const Interaction interaction = resolve_trap(ray_state, frame, counters, cycles);
-  counters.trap_cycles += cycles;
-  return interaction.outcome;
-}
-
-// A ray that also deposits, or is scattered.
+// A ray that also deposits, or is scattered. kWaits: it is trapped.
 Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
@@ -57,26 +52,94 @@ Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) 
     const BlockView view = frame.volume->view(block);
     const Interaction interaction = sample(ray_state, {at, view, block, edge}, frame, counters);
     if (interaction.deposits) counters.energy.deposited += frame.irradiance->add(interaction.deposit);
-    Outcome outcome = interaction.outcome;
-    if (outcome == Outcome::kTrapped) outcome = scatter_trapped(ray_state, frame, counters);
-    if (outcome == Outcome::kEnded) return Termination::kAbsorbed;
-    if (outcome == Outcome::kTrapped) return Termination::kWaits;
+    if (interaction.outcome == Outcome::kEnded) return Termination::kAbsorbed;
+    if (interaction.outcome == Outcome::kTrapped) return Termination::kWaits;
   }
   return how;
 }
 
+// Rays that fly until they end or are trapped.
+class Flights {
+ public:
+  Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters)
+      : rays_(rays), frame_(frame), counters_(counters), ended_(rays.size()) {}
+
+  void begin(std::size_t ray) { fly({ray, unpack(rays_[ray], frame_), {}}); }
+  bool are_waiting() const { return !waiting_.empty(); }
+
+  // The routines scatter those that wait, and they fly on.
+  void scatter() {
+    std::vector<Flight> flights;
+    flights.swap(waiting_);
+    std::stable_sort(flights.begin(), flights.end(),
+                     [](const Flight& a, const Flight& b) { return a.trap.routine < b.trap.routine; });
+    std::vector<ScatterEvent> events;
+    for (const Flight& flight : flights) events.push_back(flight.trap.event);
+    std::vector<ScatterAnswer> answers(events.size());
+    for (std::size_t first = 0, last = 0; first < flights.size(); first = last) {
+      const std::uint8_t routine = flights[first].trap.routine;
+      while (last < flights.size() && flights[last].trap.routine == routine) ++last;
+      frame_.routines->scatter_all(routine, std::span(events).subspan(first, last - first),
+                                   std::span(answers).subspan(first, last - first));
+    }
+    for (std::size_t i = 0; i < flights.size(); ++i) {
+      const Interaction interaction = answer_trap(flights[i].ray_state, answers[i], frame_, counters_);
+      if (interaction.outcome == Outcome::kEnded) {
+        end_with(flights[i], Termination::kAbsorbed);
+      } else {
+        fly(flights[i]);
+      }
+    }
+  }
+
+  std::vector<bool> ended() && { return std::move(ended_); }
+
+ private:
+  struct Flight {
+    std::size_t ray;
+    RayState ray_state;
+    Trap trap;
+  };
+
+  void fly(Flight flight) {
+    const Termination how = run(flight.ray_state, frame_, counters_);
+    if (how != Termination::kWaits) return end_with(flight, how);
+    if (const auto trap = trap_of(flight.ray_state, frame_)) {
+      flight.trap = *trap;
+      waiting_.push_back(flight);
+    }
+  }
+
+  void end_with(const Flight& flight, Termination how) {
+    count_end(flight.ray_state, how, frame_, counters_);
+    pack(flight.ray_state, frame_, rays_[flight.ray]);
+    ended_[flight.ray] = true;
+  }
+
+  std::span<wire::Ray> rays_;
+  const Frame& frame_;
+  RayCounters& counters_;
+  std::vector<bool> ended_;
+  std::vector<Flight> waiting_;
+};
+
 }  // namespace
 
-bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps) {
+void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps) {
   RayState ray_state = unpack(ray, frame);
   std::int32_t taken = 0;
   const Termination how =
       frame.plain() ? run_plain(ray_state, frame, counters, taken) : run(ray_state, frame, counters);
   if (steps != nullptr) *steps = taken;
-  if (how == Termination::kWaits) return false;
   count_end(ray_state, how, frame, counters);
   pack(ray_state, frame, ray);
-  return true;
+}
+
+std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters) {
+  Flights flights(rays, frame, counters);
+  for (std::size_t i = 0; i < rays.size(); ++i) flights.begin(i);
+  while (flights.are_waiting()) flights.scatter();
+  return std::move(flights).ended();
 }
 
 }  // namespace gicube::emu

@@ -4,14 +4,21 @@
 // rays, so any number of threads gives the same bits.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "datapath/frame.h"
 #include "gicube/wire/ray.h"
 
 namespace gicube::emu {
 
 // Takes `ray` from its position to its end: out of the volume, behind a cut plane, or opaque enough. It then holds the colour
-// and opacity that it gathered, and the position where it ended, clamped to the volume. Returns false if the ray waits for the
-// host instead: the frame's HostTrapQueue has it. `steps`, if not null: receives the number of steps, in a plain frame.
-bool integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
+// and opacity that it gathered, and the position where it ended, clamped to the volume. No routine may scatter it. `steps`, if
+// not null: receives the number of steps, in a plain frame.
+void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
+
+// The same for rays that routines may scatter: those that are trapped wait for one another, and are scattered together. Returns
+// which came to their ends; the others wait for the host, and the frame's HostTrapQueue has them.
+std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters);
 
 }  // namespace gicube::emu

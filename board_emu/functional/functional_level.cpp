@@ -52,8 +52,12 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
     static_cast<RayCounters&>(counts) += batch->counters;
     if (tracer != nullptr) {
       tracer->trace(batch->rays, frame, counts);
+    } else if (frame.plain()) {
+      for (wire::Ray& ray : batch->rays) integrate(ray, frame, counts);
     } else {  // those that wait for the host do not come back
-      batch->keep_if([&](wire::Ray& ray) { return integrate(ray, frame, counts); });
+      const std::vector<bool> ended = integrate_all(batch->rays, frame, counts);
+      std::size_t ray = 0;
+      batch->keep_if([&](const wire::Ray&) { return ended[ray++]; });
     }
     counts.returned += batch->rays.size() + batch->returned;
     source.take_batch(*batch);

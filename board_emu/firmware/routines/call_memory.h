@@ -1,4 +1,5 @@
-// The memory that a board's process shares with the process of a plug-in: one call at a time in each slot, and whose turn it is.
+// The memory that a board's process shares with the process of a plug-in: a call at a time in each slot, of one event or many, and whose
+// turn it is.
 //
 // Whoever reads here what the other one wrote takes a copy first, and believes nothing of it: code of others can write it at any time.
 #pragma once
@@ -17,7 +18,8 @@
 
 namespace gicube::emu {
 
-inline constexpr std::size_t kMaxCalls = 256;      // chosen: at once; threads that find no slot wait for one
+inline constexpr std::size_t kMaxCalls = 256;  // chosen: at once; threads that find no slot wait for one
+inline constexpr std::size_t kMaxEvents = 64;  // chosen: of a call; what the functional level has under way in a thread
 inline constexpr std::size_t kMaxParameters = 32;  // gicube_bsdf_event
 inline constexpr std::size_t kMaxName = 64;
 inline constexpr std::size_t kMaxText = 512;
@@ -65,6 +67,10 @@ class Turn {
   // Of a new process: the one before may have ended in its sleep.
   void begin() { plug_in_sleeps_ = 0; }
 
+  // How much has been done in all turns, as the plug-in's side says.
+  void step() { steps_.store(steps_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed); }
+  std::uint32_t steps() const { return steps_.load(std::memory_order_relaxed); }
+
   // Until it is not `other`'s any more. False: it still is, after `limit` or a signal.
   bool wait_for(Party other, unsigned max_spins, Patience& patience, std::chrono::milliseconds limit) {
     const unsigned spins = patience.spins(max_spins);
@@ -97,7 +103,7 @@ class Turn {
   }
 
   std::atomic<Party> party_{Party::kNobody};
-  std::atomic<std::uint32_t> board_sleeps_{0}, plug_in_sleeps_{0};
+  std::atomic<std::uint32_t> board_sleeps_{0}, plug_in_sleeps_{0}, steps_{0};
 };
 static_assert(std::atomic<Party>::is_always_lock_free && sizeof(std::atomic<Party>) == sizeof(std::uint32_t));
 
@@ -128,9 +134,13 @@ struct alignas(kPage) CallSlot {
   Outcome outcome = Outcome::kReturned;
   std::uint32_t spins = 0;   // how often the plug-in's side looks for the next call before it sleeps
   std::int32_t verdict = 0;  // of a check
-  gicube_bsdf_answer answer{};
-  alignas(64) gicube_bsdf_event event{};  // without the parameters' address
-  float parameters[kMaxParameters] = {};
+  std::uint32_t count = 0;   // of the events
+  struct Event {
+    gicube_bsdf_event event{};  // without the parameters' address
+    float parameters[kMaxParameters] = {};
+  };
+  gicube_bsdf_answer answers[kMaxEvents] = {};
+  alignas(64) Event events[kMaxEvents] = {};      // a check has the parameters of the first
   char text[kMaxText] = {};                       // of a check that refuses, or of an exception
   std::int32_t process = 0;                       // that serves the slot
   std::int32_t wait_status = 0;                   // of its end (waitpid), or:

@@ -41,26 +41,18 @@ std::optional<std::string> PlugIn::fault(std::span<const float> parameters) cons
   return text.empty() ? "it refuses its parameters and does not say why" : text;
 }
 
-ScatterAnswer PlugIn::scatter(const ScatterEvent& event) const {
-  gicube_bsdf_event in{};
-  in.size = sizeof in;
-  in.tag = event.tag;
-  std::copy(event.position.begin(), event.position.end(), in.position);
-  std::copy(event.direction.begin(), event.direction.end(), in.direction);
-  std::copy(event.normal.begin(), event.normal.end(), in.normal);
-  in.opacity = event.opacity;
-  in.density = event.density;
-  std::copy(event.random.begin(), event.random.end(), in.random);
-  in.lighting = event.lighting ? 1 : 0;
-  in.generation = event.generation;
-  in.parameter_count = static_cast<std::uint32_t>(event.parameters.size());
-  gicube_bsdf_answer out{};
-  if (const auto what = process_.scatter(in, event.parameters, out)) throw RoutineFault(*what);
-  const std::uint32_t budget = process_.description().cycle_budget;
-  if (out.cycles < 1 || out.cycles > budget) {
-    throw RoutineFault("cycles: expected 1.." + std::to_string(budget) + ", got " + std::to_string(out.cycles));
+void PlugIn::scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers) const {
+  for (std::size_t first = 0; first < answers.size(); first += kMaxEvents) {
+    const std::size_t count = std::min(kMaxEvents, answers.size() - first);
+    if (const auto what = process_.scatter(events.subspan(first, count), answers.subspan(first, count))) {
+      throw RoutineFault(*what);
+    }
   }
-  return {{out.direction[0], out.direction[1], out.direction[2]}, out.passes, out.cycles};
+  const std::uint32_t budget = process_.description().cycle_budget;
+  for (const ScatterAnswer& answer : answers) {
+    if (answer.cycles >= 1 && answer.cycles <= budget) continue;
+    throw RoutineFault("cycles: expected 1.." + std::to_string(budget) + ", got " + std::to_string(answer.cycles));
+  }
 }
 
 }  // namespace gicube::emu

@@ -28,8 +28,8 @@ class PlugIn {
   std::uint32_t cycle_budget() const { return process_.description().cycle_budget; }
 
   std::optional<std::string> fault(std::span<const float> parameters) const;
-  // Unchecked but for the cycles. Throws RoutineFault.
-  ScatterAnswer scatter(const ScatterEvent& event) const;
+  // As many events as there are answers. Unchecked but for the cycles. Throws RoutineFault.
+  void scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers) const;
 
  private:
   PlugIn(const std::string& file, bool is_boxed);

@@ -109,6 +109,27 @@ std::string end_of(int status) {
   return "it ended its process, with exit code " + std::to_string(WEXITSTATUS(status));
 }
 
+void tell(const ScatterEvent& event, CallSlot::Event& to) {
+  gicube_bsdf_event out{};
+  out.size = sizeof out;
+  out.tag = event.tag;
+  std::copy(event.position.begin(), event.position.end(), out.position);
+  std::copy(event.direction.begin(), event.direction.end(), out.direction);
+  std::copy(event.normal.begin(), event.normal.end(), out.normal);
+  out.opacity = event.opacity;
+  out.density = event.density;
+  std::copy(event.random.begin(), event.random.end(), out.random);
+  out.lighting = event.lighting ? 1 : 0;
+  out.generation = event.generation;
+  out.parameter_count = static_cast<std::uint32_t>(event.parameters.size());
+  to.event = out;
+  std::copy(event.parameters.begin(), event.parameters.end(), to.parameters);
+}
+
+ScatterAnswer answer_of(gicube_bsdf_answer answer) {
+  return {{answer.direction[0], answer.direction[1], answer.direction[2]}, answer.passes, answer.cycles};
+}
+
 std::string stuck() { return "did not return within " + std::to_string(kCpuLimit.count()) + " ms of processor time"; }
 
 }  // namespace
@@ -225,23 +246,30 @@ bool PlugInProcess::order(SlotOrder::Kind kind, std::size_t slot) const {
 }
 
 PlugInProcess::Waited PlugInProcess::wait(Turn& turn, const std::int32_t& process, unsigned max_spins,
-                                          Patience& patience) const {
+                                          Patience& patience, std::uint32_t steps) const {
   using std::chrono::steady_clock;
   std::optional<std::chrono::nanoseconds> used;  // at the first tick
   int ticks = 0;
+  std::uint32_t at_step = 0;
   for (auto tick = steady_clock::now() + kTick; !turn.wait_for(Party::kPlugIn, max_spins, patience, kTick);) {
     if (has_gone() && turn.now() == Party::kPlugIn) return Waited::kLost;
     if (steady_clock::now() < tick) continue;  // woken for nothing
     tick += kTick;
     const auto now = cpu_time(process);
-    if (!used) used = now;
+    if (!used || (steps > 0 && turn.steps() != at_step)) {
+      used = now;
+      ticks = 0;
+      at_step = turn.steps();
+      --steps;
+    }
     if (++ticks > kTicksLimit || now - *used >= kCpuLimit) return Waited::kStuck;
   }
   return turn.now() == Party::kBoard ? Waited::kAnswered : Waited::kEnded;
 }
 
-std::optional<std::string> PlugInProcess::call(Claim& claim) {
+std::optional<std::string> PlugInProcess::call(Claim& claim, std::uint32_t count) {
   CallSlot& slot = claim.slot();
+  slot.count = count;
   const char* const kLost = "its process was ended; it is not called again before the board process is started anew";
   static const unsigned processors = std::thread::hardware_concurrency();
   const auto number = static_cast<unsigned>(claim.index() + 1);
@@ -255,7 +283,7 @@ std::optional<std::string> PlugInProcess::call(Claim& claim) {
       return kLost;
     }
   }
-  switch (wait(slot.turn, slot.process, spins, places_[claim.index()].patience)) {
+  switch (wait(slot.turn, slot.process, spins, places_[claim.index()].patience, count)) {
     case Waited::kAnswered: return std::nullopt;
     case Waited::kEnded: return end_of(slot.wait_status);
     case Waited::kLost: slot.turn.give(Party::kNobody); return kLost;
@@ -273,15 +301,15 @@ std::optional<std::string> PlugInProcess::call(Claim& claim) {
   return stuck();
 }
 
-std::optional<std::string> PlugInProcess::scatter(const gicube_bsdf_event& event, std::span<const float> parameters,
-                                                  gicube_bsdf_answer& answer) {
+std::optional<std::string> PlugInProcess::scatter(std::span<const ScatterEvent> events,
+                                                  std::span<ScatterAnswer> answers) {
   Claim claim(*this);
   CallSlot& slot = claim.slot();
   slot.call = CallKind::kScatter;
-  slot.event = event;
-  std::copy(parameters.begin(), parameters.end(), slot.parameters);
-  if (auto fault = call(claim)) return fault;
-  answer = slot.answer;
+  const auto count = static_cast<std::uint32_t>(answers.size());
+  for (std::uint32_t i = 0; i < count; ++i) tell(events[i], slot.events[i]);
+  if (auto fault = call(claim, count)) return fault;
+  for (std::uint32_t i = 0; i < count; ++i) answers[i] = answer_of(slot.answers[i]);
   if (slot.outcome == Outcome::kReturned) return std::nullopt;
   const std::string text = printable(slot.text, kMaxText);
   return text.empty() ? "threw an exception" : "threw an exception: " + text;
@@ -291,9 +319,9 @@ std::optional<std::string> PlugInProcess::check(std::span<const float> parameter
   Claim claim(*this);
   CallSlot& slot = claim.slot();
   slot.call = CallKind::kCheck;
-  slot.event.parameter_count = static_cast<std::uint32_t>(parameters.size());
-  std::copy(parameters.begin(), parameters.end(), slot.parameters);
-  if (auto fault = call(claim)) return fault;
+  slot.events[0].event.parameter_count = static_cast<std::uint32_t>(parameters.size());
+  std::copy(parameters.begin(), parameters.end(), slot.events[0].parameters);
+  if (auto fault = call(claim, 1)) return fault;
   if (slot.outcome != Outcome::kReturned) return "its parameter check threw an exception";
   verdict = slot.verdict;
   text = printable(slot.text, kMaxText);

@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "datapath/scattering.h"
 #include "firmware/routines/call_memory.h"
 
 namespace gicube::emu {
@@ -40,10 +41,9 @@ class PlugInProcess {
 
   const RoutineDescription& description() const { return description_; }
 
-  // From several threads. `event`: its parameters' address is not used. Return what went wrong, if anything did. The process that
-  // ended or had to be ended is begun anew by the next call.
-  std::optional<std::string> scatter(const gicube_bsdf_event& event, std::span<const float> parameters,
-                                     gicube_bsdf_answer& answer);
+  // From several threads. Return what went wrong, if anything did. The process that ended or had to be ended is begun anew by the
+  // next call. At most kMaxEvents events, each with at most kMaxParameters parameters, and as many answers.
+  std::optional<std::string> scatter(std::span<const ScatterEvent> events, std::span<ScatterAnswer> answers);
   // `text`: receives what the check says.
   std::optional<std::string> check(std::span<const float> parameters, int& verdict, std::string& text);
 
@@ -56,8 +56,10 @@ class PlugInProcess {
   void stop();
   bool has_gone() const;
   bool order(SlotOrder::Kind kind, std::size_t slot) const;
-  Waited wait(Turn& turn, const std::int32_t& process, unsigned max_spins, Patience& patience) const;
-  std::optional<std::string> call(Claim& claim);
+  // `steps`: in which the other side may take its time anew.
+  Waited wait(Turn& turn, const std::int32_t& process, unsigned max_spins, Patience& patience,
+              std::uint32_t steps = 1) const;
+  std::optional<std::string> call(Claim& claim, std::uint32_t count);
 
   CallMemory* memory_ = nullptr;
   RoutineDescription description_;

@@ -71,12 +71,22 @@ class RoutineTable final : public Routines {
     return title(number) + *what;
   }
   ScatterAnswer scatter(std::uint8_t number, const ScatterEvent& event) const override {
+    ScatterAnswer answer;
+    scatter_all(number, {&event, 1}, {&answer, 1});
+    return answer;
+  }
+  void scatter_all(std::uint8_t number, std::span<const ScatterEvent> events,
+                   std::span<ScatterAnswer> answers) const override {
     const PlugIn* const routine = user(number);
-    if (routine == nullptr) return built_in(number)->scatter(event);
+    if (routine == nullptr) {
+      for (std::size_t i = 0; i < answers.size(); ++i) answers[i] = built_in(number)->scatter(events[i]);
+      return;
+    }
     try {
-      const ScatterAnswer answer = routine->scatter(event);
-      if (const auto what = emu::fault(answer)) throw RoutineFault(*what);
-      return answer;
+      routine->scatter(events, answers);
+      for (const ScatterAnswer& answer : answers) {
+        if (const auto what = emu::fault(answer)) throw RoutineFault(*what);
+      }
     } catch (const RoutineFault& fault) {
       throw RoutineFault(title(number) + fault.what());
     }

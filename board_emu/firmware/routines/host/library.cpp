@@ -30,13 +30,17 @@ RoutineDescription description_of(const gicube_bsdf& routine) {
 }
 
 void scatter(const gicube_bsdf& routine, CallSlot& slot) {
-  gicube_bsdf_event event = slot.event;
-  event.parameters = slot.parameters;
-  gicube_bsdf_answer answer{};
-  answer.passes = 1;
-  answer.cycles = routine.cycles;
-  routine.scatter(&event, &answer);
-  slot.answer = answer;
+  const std::uint32_t count = slot.count;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    gicube_bsdf_event event = slot.events[i].event;
+    event.parameters = slot.events[i].parameters;
+    gicube_bsdf_answer answer{};
+    answer.passes = 1;
+    answer.cycles = routine.cycles;
+    routine.scatter(&event, &answer);
+    slot.answers[i] = answer;
+    slot.turn.step();
+  }
 }
 
 }  // namespace
@@ -75,7 +79,8 @@ void answer(const gicube_bsdf& routine, CallSlot& slot) {
       scatter(routine, slot);
     } else {
       slot.text[0] = '\0';
-      slot.verdict = routine.check(slot.parameters, slot.event.parameter_count, slot.text, sizeof slot.text);
+      const CallSlot::Event& first = slot.events[0];
+      slot.verdict = routine.check(first.parameters, first.event.parameter_count, slot.text, sizeof slot.text);
     }
   } catch (const std::exception& error) {
     write(slot.text, error.what());

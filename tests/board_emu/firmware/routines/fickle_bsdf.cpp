@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
@@ -96,6 +97,9 @@ void scatter(const gicube_bsdf_event* event, gicube_bsdf_answer* answer) {
     case Whim::kPassesNan: answer->passes = kNan; break;
     case Whim::kCostly: answer->cycles = static_cast<std::uint32_t>(second); break;
     case Whim::kEndless: wait_for_ever(); break;
+    case Whim::kSlow:
+      for (const std::clock_t begin = std::clock(); static_cast<float>(std::clock() - begin) < second * 1e6f;) continue;
+      break;
     case Whim::kSleep:
       for (volatile bool waiting = true; waiting;) ::pause();
       break;

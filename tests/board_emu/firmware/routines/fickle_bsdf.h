@@ -13,6 +13,7 @@ enum class Whim {
   kPassesNan,
   kCostly,  // parameters[1] cycles
   kEndless,
+  kSlow,  // takes parameters[1] seconds of processor time
   kSleep,
   kStuck,  // and takes no signals: it never ends
   kThrow,

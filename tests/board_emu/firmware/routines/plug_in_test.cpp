@@ -58,7 +58,9 @@ std::string load_fault(const std::string& file) {
 
 ScatterAnswer answer_of(const PlugIn& plug_in, ScatterEvent event, std::vector<float> parameters) {
   event.parameters = parameters;
-  return plug_in.scatter(event);
+  ScatterAnswer answer;
+  plug_in.scatter({&event, 1}, {&answer, 1});
+  return answer;
 }
 
 double told(const PlugIn& plug_in, const ScatterEvent& event, int number) {
@@ -179,6 +181,39 @@ TEST(PlugIn, AnswersEachOfManyThreads) {
       }
     });
   }
+}
+
+TEST(PlugIn, AnswersEachOfMoreEventsThanACallHas) {
+  const RoutineTable table = fickle_table();
+  std::vector<std::vector<float>> parameters;
+  std::vector<ScatterEvent> events;
+  for (std::size_t i = 0; i < 2 * kMaxEvents + 3; ++i) {
+    parameters.push_back({static_cast<float>(Whim::kRetroreflect), static_cast<float>(i) / 256});
+    if (i % 3 == 0) parameters.back().resize(1);
+    events.push_back(event_with(parameters.back()));
+    events.back().direction[0] = static_cast<double>(i);
+  }
+  std::vector<ScatterAnswer> answers(events.size());
+  table.scatter_all(kFirstUserRoutine, events, answers);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    EXPECT_EQ(answers[i].direction[0], -static_cast<double>(i));
+    EXPECT_EQ(answers[i].passes, i % 3 == 0 ? 1 : static_cast<double>(i) / 256);
+    EXPECT_EQ(answers[i].cycles, kFickleCycles);
+  }
+}
+
+// The limit is that of an event, not of all that are told at once.
+TEST(PlugIn, MayTakeItsTimeForEachEventOfACallAndEndsAtTheFirstThatDoesNotReturn) {
+  const RoutineTable table = fickle_table();
+  const std::vector<float> slow{static_cast<float>(Whim::kSlow), 0.4f}, endless{static_cast<float>(Whim::kEndless)};
+  std::vector<ScatterEvent> events(4, event_with(slow));
+  std::vector<ScatterAnswer> answers(events.size());
+  table.scatter_all(kFirstUserRoutine, events, answers);
+  EXPECT_EQ(answers.back().cycles, kFickleCycles);
+  events.assign(kMaxEvents, event_with(endless));
+  answers.resize(events.size());
+  EXPECT_THROW(table.scatter_all(kFirstUserRoutine, events, answers), RoutineFault);
+  EXPECT_EQ(fault_of(table, Whim::kRetroreflect), "no fault");
 }
 
 TEST(PlugIn, ThatKillsTheProcessThatItCameFromIsNotCalledAgain) {
