@@ -68,8 +68,9 @@ struct PairFactor {
   double transported = 0;  // f f T / (pi r^2)
   double geometric = 0;    // f f / (pi r^2)
   // Of `transported`: the truth is within three of them for at least 99 of 100 pairs. Infinite for fewer than 8 rays of a far pair.
-  // - Far: from the means of eight independent runs of the rays, 1.8 times as large for being so few, and
-  //   with what no ray has found: about 1.4 / (rays + 4) of the value, so that few rays alone are never certain, and up to
+  // - Far: from the means of eight runs of the rays, 1.8 times as large for being so few. The runs complement one another, so the true
+  //   scatter is less: some fifth of it with 64 rays through an even medium, some eighth with 1024. Added is
+  //   what no ray has found: about 1.4 / (rays + 4) of the value, so that few rays alone are never certain, and up to
   //   1 / (rays + 4) of `geometric` where most rays end at something opaque.
   // - Near: the most that rays can vary that arrive or not, with what the closed forms may be off. It is wide, some 3 to 10 times the
   //   true scatter, through an even medium, between boxes that touch or overlap, and for fewer than some 256 rays.

@@ -1,9 +1,9 @@
 // Pairs of elements between which the DSP makes rays: the heaviest part of a form factor [P §5.6], with one number per pair on
 // the bus instead of two ray packets a ray. README.md has the bytes.
 //
-// The samples of a pair are dealt out to eight runs. Each run is a Kronecker sequence in six dimensions, turned by a hash of (id,
-// seed, run): its points fill both elements evenly for any number of them, and independently of other runs and pairs. So the scatter of
-// the runs' means tells the error. Along one sequence it would not: a part of the error can be the same in all pieces of it. The
+// The samples of a pair are points of a Sobol' sequence in six dimensions, scrambled by a hash of (id, seed): they fill both elements
+// evenly for any number of them, best for a power of two, and independently of other pairs. The samples of a request are eight runs, one
+// after the other, each of which fills the elements evenly by itself: so the scatter of the runs' means bounds the error of all. The
 // weight of a sample is
 //
 //   G = f_a f_b / (pi r^2),  f = the cosine at a flat element, 0 behind it; 1 in a box
@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -21,6 +22,7 @@
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/record.h"
+#include "gicube/wire/sobol.h"
 
 namespace gicube::wire {
 
@@ -91,17 +93,51 @@ constexpr std::uint64_t mix(std::uint64_t x) {
   return x ^ x >> 31;
 }
 
-// Chosen: more of them tell the error better, and fill the elements less evenly.
+// Chosen: more of them tell the error better, and are shorter.
 inline constexpr std::uint32_t kPairRuns = 8;
 
-// Coordinate `dimension` of sample `index`: fractions of the powers of 1/phi, phi^7 = phi + 1 (the generalised golden ratio
-// of six dimensions), in 64-bit fixed point.
-constexpr double pair_coordinate(std::uint32_t id, std::uint32_t seed, std::uint32_t index, std::uint32_t dimension) {
-  constexpr std::array<std::uint64_t, 6> kSteps{0xe60e2b722b53aeec, 0xcebd76d9edb6a8ef, 0xb9c9aa3a51d00b65,
-                                                0xa6f5777f6f889840, 0x9609c71eb7d03f7a, 0x86d516e50b04ab1b};
-  const std::uint32_t run = index % kPairRuns;
-  const std::uint64_t turn = mix(mix(id | std::uint64_t{seed} << 32) ^ (dimension | run << 3));
-  return static_cast<double>((turn + index / kPairRuns * kSteps[dimension]) >> 11) * 0x1p-53;
+constexpr std::uint32_t bits_reversed(std::uint32_t x) {
+  x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
+  x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
+  x = (x & 0x0F0F0F0Fu) << 4 | (x >> 4 & 0x0F0F0F0Fu);
+  x = (x & 0x00FF00FFu) << 8 | (x >> 8 & 0x00FF00FFu);
+  return x << 16 | x >> 16;
+}
+
+// What a bit of the index changes, by coordinate, bits reversed. The first four dimensions are those of two flat elements.
+inline constexpr auto kPairColumns = [] {
+  constexpr std::array<std::uint32_t, 6> kDimension{0, 1, 4, 2, 3, 5};
+  std::array<std::array<std::uint32_t, 6>, 32> columns{};
+  for (std::uint32_t bit = 0; bit < 32; ++bit) {
+    for (std::size_t d = 0; d < 6; ++d) columns[bit][d] = bits_reversed(sobol(1u << bit, kDimension[d]));
+  }
+  return columns;
+}();
+
+// Of a number with its bits reversed: each bit of the result depends on those below alone, as Owen's scrambling asks [Laine and Karras,
+// "Stratified sampling for stochastic transparency", EGSR 2011; the constants are Vegdahl's, "Building a better LK hash", 2021].
+constexpr std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
+  x ^= x * 0x3D20ADEAu;
+  x += seed;
+  x *= seed >> 16 | 1;
+  x ^= x * 0x05526C56u;
+  x ^= x * 0x53A22864u;
+  return x;
+}
+
+// Sample `index` of a pair, 0..1 on each axis: three of the one element, three of the other.
+constexpr std::array<double, 6> pair_point(std::uint32_t id, std::uint32_t seed, std::uint32_t index) {
+  std::array<std::uint32_t, 6> bits{};
+  for (; index != 0; index &= index - 1) {
+    const auto& column = kPairColumns[static_cast<std::size_t>(std::countr_zero(index))];
+    for (std::size_t d = 0; d < 6; ++d) bits[d] ^= column[d];
+  }
+  const std::uint64_t of_pair = mix(id | std::uint64_t{seed} << 32);
+  std::array<double, 6> point{};
+  for (std::size_t d = 0; d < 6; ++d) {
+    point[d] = bits_reversed(scrambled(bits[d], static_cast<std::uint32_t>(mix(of_pair ^ d)))) * 0x1p-32;
+  }
+  return point;
 }
 
 struct CosineSine {
@@ -227,8 +263,7 @@ struct PairSample {
 // `normals`: of the elements that are flat.
 inline PairSample pair_sample(const Element& a, const Element& b, const std::array<Vector, 2>& normals,
                               const Vector& spacing, std::uint32_t id, std::uint32_t seed, std::uint32_t index) {
-  std::array<double, 6> s{};
-  for (std::uint32_t d = 0; d < 6; ++d) s[d] = pair_coordinate(id, seed, index, d);
+  const std::array<double, 6> s = pair_point(id, seed, index);
   PairSample sample{point_of(a, {s[0], s[1], s[2]}), point_of(b, {s[3], s[4], s[5]}), 0};
   Vector way{};
   double square = 0, at_a = 0, at_b = 0;
@@ -256,7 +291,9 @@ class PairSum {
   // Of sample `i`, counted from 0.
   void add(std::uint32_t i, double weight, double transmittance) {
     geometric_ += weight;
-    run_[i % kPairRuns] += weight * transmittance;
+    const std::size_t run = std::uint64_t{i} * kPairRuns / samples_;
+    run_[run] += weight * transmittance;
+    ++samples_of_[run];
   }
 
   PairResult result() const {
@@ -269,8 +306,7 @@ class PairSum {
     if (samples_ < kPairRuns) return out;
     double squares = 0;
     for (std::uint32_t r = 0; r < kPairRuns; ++r) {
-      const std::uint32_t of_run = (samples_ + kPairRuns - 1 - r) / kPairRuns;
-      const double off = run_[r] / of_run - out.transported;
+      const double off = run_[r] / samples_of_[r] - out.transported;
       squares += off * off;
     }
     out.standard_error = static_cast<float>(kStudent * std::sqrt(squares / (kPairRuns * (kPairRuns - 1))));
@@ -281,6 +317,7 @@ class PairSum {
   std::uint32_t samples_;
   double geometric_ = 0;
   std::array<double, kPairRuns> run_{};
+  std::array<std::uint32_t, kPairRuns> samples_of_{};
 };
 
 // The ray packet of a segment between two points of the volume, rounded as the board holds it.

@@ -33,20 +33,42 @@ TEST(Pair, RecordsGoThereAndBack) {
 
 // Kept for ever: results of one version of the protocol stay what they are.
 TEST(Pair, PointsAreTheseOnes) {
-  const double step = pair_coordinate(5, 7, kPairRuns, 0) - pair_coordinate(5, 7, 0, 0);
-  EXPECT_NEAR(step - std::floor(step), 0.898653712628699293, 1e-12);
-  const double last = pair_coordinate(5, 7, kPairRuns, 5) - pair_coordinate(5, 7, 0, 5);
-  EXPECT_NEAR(last - std::floor(last), 0.526688986700735982, 1e-12);
+  struct Row {
+    std::uint32_t index;
+    std::array<double, 6> point;  // of 2^32
+  };
+  constexpr std::array<Row, 3> kRows{
+      {{0, {1439158781, 1062165901, 3875307857, 975475894, 354229174, 2079805221}},
+       {1, {3856428289, 3865393743, 707610347, 3939927600, 3825460690, 3567445513}},
+       {77777, {3973102271, 1045937587, 1706422153, 1531100393, 4244195939, 253484073}}}};
+  for (const auto& [index, point] : kRows) {
+    for (std::size_t d = 0; d < 6; ++d) EXPECT_EQ(pair_point(5, 7, index)[d] * 0x1p32, point[d]) << index << ' ' << d;
+  }
 }
 
-TEST(Pair, PointsFillAnElementEvenly) {
-  std::array<int, 16> cells{};
-  for (std::uint32_t i = 0; i < 1600; ++i) {
-    const auto x = static_cast<std::size_t>(pair_coordinate(3, 1, i, 1) * 4);
-    const auto y = static_cast<std::size_t>(pair_coordinate(3, 1, i, 4) * 4);
-    ++cells[x + 4 * y];
+// Of 2^m samples from a multiple of 2^m on one lies in each interval of 2^-m, on every axis.
+TEST(Pair, PointsAreStratifiedInEveryRun) {
+  constexpr std::uint32_t kPoints = 64;
+  for (std::uint32_t first = 0; first < 8 * kPoints; first += kPoints) {
+    std::array<std::set<int>, 6> hit;
+    for (std::uint32_t i = first; i < first + kPoints; ++i) {
+      for (std::size_t d = 0; d < 6; ++d) hit[d].insert(static_cast<int>(pair_point(9, 2, i)[d] * kPoints));
+    }
+    for (const auto& intervals : hit) EXPECT_EQ(intervals.size(), kPoints) << first;
   }
-  for (const int count : cells) EXPECT_NEAR(count, 100, 12);  // at random it would be 100 +- 30
+}
+
+// The two coordinates of a flat element, and those of both elements' first ones, are nets.
+TEST(Pair, PointsFillAnElementEvenly) {
+  for (const std::array<std::size_t, 2> axes : {std::array<std::size_t, 2>{0, 1}, {3, 4}, {1, 4}}) {
+    std::array<int, 16> cells{};
+    for (std::uint32_t i = 0; i < 1600; ++i) {
+      const auto point = pair_point(3, 1, i);
+      const auto x = static_cast<std::size_t>(point[axes[0]] * 4), y = static_cast<std::size_t>(point[axes[1]] * 4);
+      ++cells[x + 4 * y];
+    }
+    for (const int count : cells) EXPECT_NEAR(count, 100, 4);  // at random it would be 100 +- 30
+  }
 }
 
 TEST(Pair, CosineAndSineAreExactToTheLastDigits) {
@@ -64,7 +86,7 @@ TEST(Pair, PointsFillATriangleEvenly) {
   const Element triangle{ElementKind::kTriangle, {1, 2, 3}, {4, 0, 0}, {0, 4, 0}, {}};
   std::array<int, 16> cells{};  // a square's lower half, of 4 x 4 squares: those on its edge are halved too
   for (std::uint32_t i = 0; i < 16'000; ++i) {
-    const Vector at = point_of(triangle, {pair_coordinate(3, 1, i, 0), pair_coordinate(3, 1, i, 1), 0.7});
+    const Vector at = point_of(triangle, {pair_point(3, 1, i)[0], pair_point(3, 1, i)[1], 0.7});
     const double s = at[0] - 1, t = at[1] - 2;
     ASSERT_TRUE(s >= 0 && t >= 0 && s + t <= 4 && at[2] == 3);
     ++cells[static_cast<std::size_t>(s) + 4 * static_cast<std::size_t>(t)];
@@ -80,7 +102,7 @@ TEST(Pair, PointsFillADiscARingAndASectorEvenly) {
     const Element disc{ElementKind::kDisc, {10, 20, 3}, {0, 6, 0}, {0, 0, 2}, {hole, cut, 0}};
     std::array<int, 16> cells{};  // four rings of equal area, four angles each
     for (std::uint32_t i = 0; i < 16'000; ++i) {
-      const Vector at = point_of(disc, {pair_coordinate(3, 1, i, 0), pair_coordinate(3, 1, i, 1), 0.7});
+      const Vector at = point_of(disc, {pair_point(3, 1, i)[0], pair_point(3, 1, i)[1], 0.7});
       const double s = (at[1] - 20) / 6, t = (at[2] - 3) / 2;
       const double share = (s * s + t * t - hole) / (1 - hole);
       double turn = std::atan2(t, s) / (2 * std::numbers::pi);
@@ -96,9 +118,7 @@ TEST(Pair, PointsFillADiscARingAndASectorEvenly) {
 
 TEST(Pair, BoundsAreThoseOfAllPoints) {
   for (std::uint32_t trial = 0; trial < 400; ++trial) {
-    const auto any = [trial](std::uint32_t i) {
-      return static_cast<float>(pair_coordinate(trial, 5, i, i % 6)) - 0.5F;
-    };
+    const auto any = [trial](std::uint32_t i) { return static_cast<float>(pair_point(trial, 5, i)[i % 6]) - 0.5F; };
     Element element{
         static_cast<ElementKind>(trial % 4), {1, 2, 3}, {any(0), any(1), any(2)}, {any(3), any(4), any(5)}, {}};
     if (element.kind == ElementKind::kBox) element.w = {any(6), any(7), any(8)};
@@ -140,13 +160,29 @@ TEST(Pair, AnElementMayBeARoundingBeyondTheVolumeAndNoMore) {
   EXPECT_EQ(at_face.position[2], 39u * kVoxel);
 }
 
-TEST(Pair, RunsAreIndependentOfEachOther) {
-  double products = 0;
+TEST(Pair, PointsOfPairsSeedsAndCoordinatesAreIndependent) {
   constexpr int kPairs = 4000;
+  double of_pairs = 0, of_seeds = 0, of_coordinates = 0;
   for (std::uint32_t id = 0; id < kPairs; ++id) {
-    products += (pair_coordinate(id, 0, 0, 2) - 0.5) * (pair_coordinate(id, 0, 1, 2) - 0.5);
+    const double here = pair_point(id, 0, 3)[2] - 0.5;
+    of_pairs += here * (pair_point(id + 1, 0, 3)[2] - 0.5);
+    of_seeds += here * (pair_point(id, 1, 3)[2] - 0.5);
+    of_coordinates += here * (pair_point(id, 0, 3)[5] - 0.5);
   }
-  EXPECT_NEAR(products / kPairs, 0, 4.0 / 12 / std::sqrt(kPairs));  // four standard errors
+  for (const double products : {of_pairs, of_seeds, of_coordinates}) {
+    EXPECT_NEAR(products / kPairs, 0, 4.0 / 12 / std::sqrt(kPairs));  // four standard errors
+  }
+}
+
+// Samples 0..99 by eights: the first run has 13 of them.
+TEST(Pair, RunsFollowOneAnother) {
+  PairSum sum(100);
+  for (std::uint32_t i = 0; i < 100; ++i) sum.add(i, 2, i < 13 ? 1 : 0.5);
+  const PairResult result = sum.result();
+  EXPECT_FLOAT_EQ(result.geometric, 2);
+  EXPECT_DOUBLE_EQ(result.transported, (13 * 2 + 87) / 100.0);
+  const double off = 2 - result.transported, others = 1 - result.transported;
+  EXPECT_NEAR(result.standard_error, 1.8 * std::sqrt((off * off + 7 * others * others) / 56), 1e-6);
 }
 
 TEST(Pair, TheWeightIsTheKernelOfAFormFactor) {

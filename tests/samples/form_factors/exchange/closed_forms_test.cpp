@@ -31,7 +31,7 @@ TEST(ErrorCurves, FallFasterThanThoseOfRandomPointsAndAreSmall) {
   for (const ErrorCurve& curve : curves) {
     ASSERT_EQ(curve.rays.size(), curve.errors.size());
     EXPECT_GT(curve.rays.back(), 10'000u) << curve.name;
-    EXPECT_LT(curve.errors.back(), 0.003) << curve.name;
+    EXPECT_LT(curve.errors.back(), 0.001) << curve.name;
     // Of a near pair in a clear volume all but the last digits is known without rays.
     if (curve.name == "common edge") continue;
     EXPECT_LT(curve.slope, -0.5) << curve.name;
