@@ -75,7 +75,7 @@ double voxels_of_a_pixel(const ConeGeometry& geometry);
 // apart, from 2 to 4.
 int rays_of(const FdkSettings& settings, const ConeGeometry& geometry);
 // settings.sharpen on each axis or, without it, what the blur of splatting is more than that of linear interpolation between
-// pixels (one ray a pixel), or all of it (more rays).
+// pixels (one ray per pixel), or all of it (more rays).
 std::array<double, 3> sharpening_of(const FdkSettings& settings, const ConeGeometry& geometry);
 
 // One view's projections, cosine-weighted, of short scans shared out, and filtered: what the rays of fine x fine a pixel leave

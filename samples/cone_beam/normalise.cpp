@@ -55,7 +55,7 @@ std::vector<double> wanted_sums(const ConeGeometry& geometry, const std::vector<
 
 void normalise(Reconstruction& made, Board& board, const ConeGeometry& geometry, const FdkSettings& settings) {
   const std::vector<double> even = ones(geometry, settings.rays), arcs = arc_weights(geometry);
-  // chosen: 2000 units a step are enough for sums of hundreds of shares, and of small ones more rays fit a command.
+  // chosen: 2000 units per step are enough for sums of hundreds of shares, and of small ones more rays fit a command.
   constexpr double kCoarser = 64;
   const double most = kCoarser * (std::ranges::max(even) * std::ranges::max(arcs));
   const auto densities = [&](std::size_t view) {

@@ -18,7 +18,7 @@ std::vector<HostRay> view_rays(const ConeGeometry& geometry, double angle, int f
 // In the unit of grid.spacing; 0 of a ray of no length.
 double length_in_space(const Grid& grid, const HostRay& ray);
 
-// Brings one value a voxel onto the board, in 12 bits between the least (at most 0) and the greatest of them. Sums that the
+// Brings one value per voxel onto the board, in 12 bits between the least (at most 0) and the greatest of them. Sums that the
 // board holds are lost. Throws BadArgument (another number of values than voxels, one that is not finite).
 void load_values(Board& board, const Grid& grid, std::span<const float> values);
 

@@ -20,7 +20,7 @@ def illumination(bench, page):
         page.picture(f"scene-{scene}.png", scene)
     page.table("lit-scenes", ["scene", "what it is there for"], [list(each) for each in LIT_SCENES.items()])
     page.text(
-        f"The scenes of samples/scenes with {bench.edge} voxels along their longest edge, one ray a pixel, and one lighting ray a voxel "
+        f"The scenes of samples/scenes with {bench.edge} voxels along their longest edge, one ray per pixel, and one lighting ray per voxel "
         "of the volume's faces (k = 1) in one pass for all colours; conserving rules. *In use without combining*: if each changed tile "
         "were fetched and written on its own, as the paper's read-modify-write.")
     others = {"M rays": lambda m: number(millions(m, "dsp.lighting_rays"), 3),
