@@ -290,6 +290,36 @@ TEST(Advance, LeavesAHalfSpaceOnlyWhenItRunsOutOfIt) {
   EXPECT_TRUE(beyond(plane, before, {-100, 0, 0}));
   EXPECT_FALSE(beyond(plane, before, {100, 0, 0}));
   EXPECT_FALSE(beyond(plane, behind, {-100, 0, 0}));
+  EXPECT_TRUE(fine_beyond(plane, fine(before, kHalfUnits), {-1, 0, 0}));
+  EXPECT_FALSE(fine_beyond(plane, fine(before, kHalfUnits), {1, 0, 0}));
+  EXPECT_FALSE(fine_beyond(plane, fine(behind, kHalfUnits), {-1, 0, 0}));
+  EXPECT_FALSE(fine_beyond(plane, fine({10 * wire::kVoxel, 0, 0}, kHalfUnits), {-1, 0, 0}));
+}
+
+TEST(RayState, HasItsWholeStepWithWhatIsBelowAUnit) {
+  RayState ray;
+  ray.step = {100, -7, 0};
+  ray.step_rest = {1 << (kRestBits - 1), 1 << (kRestBits - 2), 0};
+  EXPECT_EQ(ray.slope(0), 100.5);
+  EXPECT_EQ(ray.slope(1), -6.75);
+  EXPECT_EQ(ray.slope(2), 0);
+}
+
+TEST(Resample, OfABlockOfDensitiesTakesItsRowsAndSlices) {
+  std::array<std::int16_t, 27> densities{};
+  densities[13] = 800;  // in the middle of 3^3
+  const BlockView view{nullptr, densities.data(), nullptr};
+  const auto at = [&view](std::size_t x, std::size_t y, std::size_t z, const std::array<std::uint32_t, 3>& fraction) {
+    Cell cell;
+    cell.fraction = fraction;
+    return resample_view(view, x + 3 * y + 9 * z, cell, 3, 9)[0];
+  };
+  constexpr std::uint32_t kQuarter = wire::kVoxel / 4;
+  EXPECT_EQ(at(0, 1, 1, {kQuarter, 0, 0}), 200);
+  EXPECT_EQ(at(1, 0, 1, {0, kQuarter, 0}), 200);
+  EXPECT_EQ(at(1, 1, 0, {0, 0, kQuarter}), 200);
+  EXPECT_EQ(at(1, 1, 1, {0, kQuarter, 0}), 600);
+  EXPECT_EQ(at(1, 1, 1, {0, 0, kQuarter}), 600);
 }
 
 // A map whose texels are a linear function of the direction on each face.

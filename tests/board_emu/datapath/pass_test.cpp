@@ -98,6 +98,44 @@ TEST(Passes, OfARenderingRayGatherItsColourAndOpacity) {
   }
 }
 
+TEST(Passes, OfASegmentTakeStepsOfTheNearestLength) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.type = wire::RayType::kOpacity;
+  frame.step = 8193;
+  wire::Ray packet;
+  packet.position = {1u << 13, 2u << 14, 2u << 14};
+  packet.direction = {16384, 0, 0};
+  for (const auto& [rest, step] : {std::pair{0u, 8192u}, {7u, 8192u}, {8u, 8193u}, {15u, 8193u}}) {
+    packet.set_colour_word(16 * 8192 + rest);
+    const RayState ray = unpack(packet, frame);
+    ASSERT_EQ(ray.steps_left(), 16) << rest;
+    EXPECT_EQ(ray.exponent, step) << rest;
+  }
+}
+
+// The tag of a sample is that of the nearest voxel: here 1 from x = 3 on.
+TEST(Passes, OfASampleClassifyItByTheTagOfTheNearestVoxel) {
+  Fog fog;
+  fog.lit.scene.fill([](int x, int, int) {
+    wire::Voxel voxel;
+    voxel.tag = static_cast<std::uint8_t>(x >= 3);
+    return voxel;
+  });
+  fog.lit.scene.segmentation[1 << 12].opacity = 30'000;
+  Frame& frame = fog.lit.scene.frame;
+  const BlockGrid grid(*frame.volume);
+  for (const auto& [fraction, visible] : {std::pair{0, 0u}, {8191, 0u}, {8192, 1u}, {16'000, 1u}}) {
+    RayState ray = fog.ray(wire::kLightingRay, 1);
+    ray.position[0] = (2 << 14) + fraction;
+    ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
+    const Cell at = cell(ray.position, grid.low(ray.position));
+    RayCounters counters;
+    sample(ray, {at, frame.volume->view(0), 0, 9}, frame, counters);
+    EXPECT_EQ(counters.visible_samples, visible) << fraction;
+  }
+}
+
 TEST(Passes, OfALightingRayCountItsSampleAndTakeItOffTheSurface) {
   Fog fog;
   Frame& frame = fog.lit.scene.frame;
@@ -119,6 +157,26 @@ TEST(Passes, OfALightingRayCountItsSampleAndTakeItOffTheSurface) {
   sample(ray, {at, view, 0, 9}, frame, counters);
   EXPECT_EQ(counters.samples, 2u);
   EXPECT_EQ(counters.visible_samples, 1u);
+}
+
+TEST(Packets, GiveARayItsWords) {
+  const Fog fog;
+  wire::Ray packet;
+  packet.position = {1, 2, 3};
+  packet.direction = {0, 0, -16384};
+  packet.u = 9;
+  packet.v = 77;
+  packet.lifetime = 44;
+  packet.generation = 15;
+  packet.flags = wire::kLightingRay;
+  const RayState ray = unpack(packet, fog.lit.scene.frame);
+  EXPECT_EQ(ray.position, (Point{1, 2, 3}));
+  EXPECT_EQ(ray.direction, packet.direction);
+  EXPECT_EQ(ray.u, 9);
+  EXPECT_EQ(ray.v, 77);
+  EXPECT_EQ(ray.lifetime, 44);
+  EXPECT_EQ(ray.generation, 15);
+  EXPECT_EQ(ray.flags, wire::kLightingRay);
 }
 
 // A hit is the sample before the ray's place; a segment's end half a step before it; what lies outside is put on the face.

@@ -75,6 +75,24 @@ TEST(Shares, ABundleLeavesItsDepositWhereHalfOfTheDepthIsPassed) {
   }
 }
 
+// A quarter of a step of 8191 units is 2047.75 of them.
+TEST(Shares, APlaceIsRoundedToTheNearestUnit) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  frame.rules = wire::EnergyRules::kConserving;
+  frame.step = wire::kStepOne / 2;
+  fog.set(30'000, 0, wire::Bsdf::kNone);
+  fog.lit.scene.set_depths();
+  wire::Ray packet;
+  packet.position = {9u << 12, 2u << 14, 2u << 14};  // its cell has the next sample too
+  packet.direction = {16382, 0, 0};
+  packet.flags = wire::kLightingRay;
+  RayState ray = unpack(packet, frame);
+  ray.set_energy(std::uint64_t{200} << kEnergyFractionBits);
+  ASSERT_EQ(ray.slope(0), 8191);
+  EXPECT_EQ(fog.take(ray).place[0], (9 << 12) + 2048);
+}
+
 // A rendering ray's sample stands for the step behind it: it is scattered there, exponentially.
 TEST(Shares, ARenderingRayIsScatteredWithinTheStepBehindItsSample) {
   Fog fog;

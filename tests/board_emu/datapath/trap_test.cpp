@@ -1,6 +1,9 @@
 // Rays that are scattered at a surface, or wait there for a scattering routine or the host.
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "datapath/random_stream.h"
@@ -89,6 +92,35 @@ TEST(Traps, TellTheHostTheRaySampleAndFourRandomNumbers) {
   }
 }
 
+struct Heard : Routines {
+  bool has(std::uint8_t) const override { return true; }
+  std::optional<std::string> fault(std::uint8_t, std::span<const float>) const override { return {}; }
+  ScatterAnswer scatter(std::uint8_t number, const ScatterEvent& event) const override {
+    called = number, tag = event.tag, lighting = event.lighting, generation = event.generation;
+    return {event.direction, 1, 5};
+  }
+  mutable unsigned called = 0, tag = 0, generation = 0;
+  mutable bool lighting = false;
+};
+
+TEST(Traps, TellARoutineWhichMaterialAndWhichRay) {
+  Fog fog;
+  Frame& frame = fog.lit.scene.frame;
+  const Heard heard;
+  frame.routines = &heard;
+  frame.materials[3].routine = 17;
+  RayState ray = fog.ray(wire::kLightingRay | wire::kTrapped | 3 << kTrapTagShift, 21);
+  ray.generation = 4;
+  RayCounters counters;
+  std::uint32_t cycles = 0;
+  EXPECT_EQ(resolve_trap(ray, frame, counters, cycles).outcome, Outcome::kGoesOn);
+  EXPECT_EQ(cycles, 5u);
+  EXPECT_EQ(heard.called, 17u);
+  EXPECT_EQ(heard.tag, 3u);
+  EXPECT_EQ(heard.generation, 4u);
+  EXPECT_TRUE(heard.lighting);
+}
+
 TEST(Traps, AnAnswerDropsItsShareOfEnergyAndBeginsAFlight) {
   Fog fog;
   const Frame& frame = fog.lit.scene.frame;
@@ -106,6 +138,14 @@ TEST(Traps, AnAnswerDropsItsShareOfEnergyAndBeginsAFlight) {
   EXPECT_EQ(counters.energy.emitted, 100u);
   EXPECT_EQ(counters.energy.scattered_away, 25u);
   EXPECT_NEAR(static_cast<double>(on.colour_word()) / 4096, 75, 1e-3);
+  for (const double share : {0.1, 0.3, 0.37, 0.625, 0.9}) {
+    wire::Ray part = packet;
+    wire::set_dropped_share(part, wire::dropped_share(share));
+    RayCounters of_part;
+    EXPECT_FALSE(take_answer(part, frame, of_part));
+    const double left = 409'600 * (1 - wire::dropped_share(share) / double{wire::kOpacityOne});
+    EXPECT_NEAR(static_cast<double>(part.colour_word()), left, 0.5 + 1e-6) << share;
+  }
   EXPECT_EQ(on.lifetime, 9);
   EXPECT_EQ(on.generation, 1);
   EXPECT_EQ(on.direction, packet.direction);
