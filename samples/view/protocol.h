@@ -1,0 +1,65 @@
+// What the page and gicube-view say to each other.
+//
+// HTTP, one address: http://127.0.0.1:PORT/?token=T. Host and Origin are checked on every request, the token on all but the page's own
+// modules. The page's address may carry the state of a view after a #, which the program never sees.
+//   GET  /?token=T                          index.html
+//   GET  /NAME                              the other files of samples/view/page
+//   POST /file?token=T&name=NAME            the body is kept as NAME for {"do":"open"}; NAME has no slash and no leading dot. 204; 413 too large
+//   GET  /download?token=T&what=png|exr|stats|tf   the last whole picture, its statistics (JSON), the points of its transfer function; 404: none yet
+//   GET  /socket?token=T                    WebSocket
+// Other answers are 400 (no such method or form), 403 (token, Host, Origin), 404, 413, 503 (too many connections), with one line of text.
+//
+// Settings are options of gicube-render without their dashes, text to text, as gicube-sweep names them: {"eye":"1,2,3", "step":"0.5"}.
+// A flag is "on" or "off". `cut` may have several planes, with ; between. A name with a dot is a field of the board's configuration
+// ("asic.processors":"8"). `input` is one of hello's inputs. `transfer-function` is a preset, one of hello's transfer functions, or the
+// whole text of a .tf file (it has line ends). What is left out is as hello says. Settings that only a command line may have (output,
+// board, config, ...) are refused. A world's units are those of the scene, else voxels, as everywhere in gicube-render.
+//
+// From the page, JSON text:
+//   {"do":"picture","id":N,"moving":BOOL,"settings":{...}}   id grows. A newer one replaces one that waits, and stops one that works.
+//                                   moving: one coarse picture only, made for the frame budget. Else a coarse one at once where
+//                                   the whole one will take longer than that, then the whole one ("final").
+//   {"do":"slice","id":N,"axis":"x"|"y"|"z","at":K}          voxel K of the axis; needs a volume, not a scene with a world
+//   {"do":"histogram"}              of the input
+//   {"do":"open","names":[...]}     of what was posted: one file, or slices, or a header with its data; it becomes the input
+//   {"do":"machine","on":BOOL}      ten "machine" messages a second while on
+//   {"do":"compare","id":N,"settings":{...},"other":{...}}   the same frame on two new boards of these settings
+//   {"do":"board"}                  a new board after one was lost
+// A message that is none of these ends the connection (WebSocket close 1008).
+//
+// From the program, JSON text:
+//   {"type":"hello","inputs":[NAME...],"transfer_functions":[NAME...],"presets":[{"name","text"}...],"settings":{...},
+//    "volume":{"name","dims":[x,y,z],"spacing":[x,y,z],"range":[low,high],"world":BOOL},
+//    "box":{"low":[x,y,z],"high":[x,y,z]},"limits":{"file_bytes","message_bytes","size":4095},"board":{"uri","level","processors"}}
+//                                   at the start, and again to every page once another input is open; with "volume":null while
+//                                   nothing is open. The settings name eye, look-at, up, fov, size, step and threshold; settings of
+//                                   switches are there where they are on
+//   {"type":"histogram","low","high","counts":[256 numbers]}  over the volume's range
+//   {"type":"machine","simulated_ms","running":BOOL,"counters":{NAME:VALUE...},"units":{NAME:UNIT...}}   all that the board counts, since
+//                                   its start (docs/reference/counters.md); shares and rates are for the page to form. units come once
+//   {"type":"compared","id","frames":[{"frame_ms","settings":{...},"counters":{...}} x 2],"same":BOOL}   same: the pictures are equal
+//   {"type":"progress","text","done","all"}                   of a long step: reading, loading, lighting
+//   {"type":"board","state":"lost"|"ready","text"}            lost: {"do":"board"} starts another, and the picture should be asked for again
+//   {"type":"error","id"?,"field"?,"text"}                    field: the setting at fault, without dashes, where there is one
+// Binary: the header's length, 4 bytes little endian; the header, JSON; the bytes.
+//   {"type":"picture","id","width","height","final":BOOL,"frame_ms","level","host_ms","command","python"} + RGBA, 8 bits, as
+//                                   gicube-render -o picture.png has it. frame_ms is null where the level keeps no time. A coarse picture has
+//                                   fewer pixels than asked for, and no command and python.
+//   {"type":"slice","id","axis","at","width","height"} + grey, 8 bits, over the volume's range; rows from the lowest y (of z: y down, x
+//                                   across; of y: z down, x across; of x: z down, y across)
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace gicube::samples::view {
+
+constexpr std::size_t kMaxConnections = 32;                      // chosen: a few pages, each with a socket and its modules
+constexpr std::uint64_t kMaxFileBytes = std::uint64_t{2} << 30;  // chosen: of all posted files together
+constexpr std::size_t kMaxMessageBytes = 256 * 1024;             // chosen: 4096 points of a transfer function fit
+constexpr std::size_t kMaxWaiting = 64;                          // chosen: messages of one page that wait to be carried out
+constexpr std::chrono::seconds kRequestTime{10};                 // chosen: for a request's header, and each part of a body
+constexpr std::chrono::milliseconds kFrameBudget{50};            // chosen: of a picture while something moves; 15 a second with room
+
+}  // namespace gicube::samples::view
