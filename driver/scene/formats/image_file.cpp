@@ -70,12 +70,10 @@ double Background::under(double value, double alpha, std::size_t channel) const 
   return display_value(alpha * linear_light(value) + (1 - alpha) * linear_light(behind));
 }
 
-void write_png(const Image& image, const std::filesystem::path& path, const std::optional<Background>& background,
-               const Provenance& provenance) {
-  check(image, path);
-  const int channels = background ? 3 : 4;
+std::vector<std::uint8_t> png_pixels(const Image& image, const std::optional<Background>& background) {
+  check(image, "a picture");
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(image.pixels.size() * static_cast<std::size_t>(channels));
+  bytes.reserve(image.pixels.size() * (background ? 3 : 4));
   for (const Pixel& pixel : image.pixels) {
     const Straight seen = straight(pixel);
     for (std::size_t c = 0; c < 3; ++c) {
@@ -83,6 +81,14 @@ void write_png(const Image& image, const std::filesystem::path& path, const std:
     }
     if (!background) bytes.push_back(to_byte(seen.alpha));
   }
+  return bytes;
+}
+
+void write_png(const Image& image, const std::filesystem::path& path, const std::optional<Background>& background,
+               const Provenance& provenance) {
+  check(image, path);
+  const int channels = background ? 3 : 4;
+  const std::vector<std::uint8_t> bytes = png_pixels(image, background);
   OIIO::ImageSpec spec(image.width, image.height, channels, OIIO::TypeDesc::UINT8);
   spec["oiio:UnassociatedAlpha"] = 1;  // already so: OpenImageIO must not divide again
   spec["oiio:ColorSpace"] = "sRGB";

@@ -9,11 +9,12 @@
 
 namespace gicube::samples {
 
-Board open_board(const BoardOptions& options) {
+Board open_board(const BoardOptions& options, const std::function<void()>& while_waiting) {
   const std::string uri = board_uri(options);
   try {
     OpenOptions how;
     how.watchdog = options.watchdog;
+    how.while_waiting = while_waiting;
     return Board::open(uri, how);
   } catch (const BadArgument& error) {
     throw UsageError(error.what());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 #include "gicube/board.h"
@@ -11,8 +12,8 @@
 
 namespace gicube::samples {
 
-// Throws UsageError (options that make no URI) and what Board::open() throws.
-Board open_board(const BoardOptions& options);
+// `while_waiting`: as OpenOptions. Throws UsageError (options that make no URI) and what Board::open() throws.
+Board open_board(const BoardOptions& options, const std::function<void()>& while_waiting = {});
 
 // Throws InputError that says how an emulated board is made larger.
 void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "gicube/image.h"
 #include "gicube/scene/error.h"
@@ -28,6 +30,10 @@ struct Background {
   // The display-referred value, 0..1, of a channel over it: `value` is not premultiplied.
   GICUBE_API double under(double value, double alpha, std::size_t channel) const;
 };
+
+// The pixels of a PNG, 8 bits a channel, rows from the top: RGBA with unassociated alpha, or RGB over a background. Throws FileError: an
+// image without pixels or with a wrong number of them.
+GICUBE_API std::vector<std::uint8_t> png_pixels(const Image& image, const std::optional<Background>& background = {});
 
 // All three write to a temporary file beside `path` and rename it when it is whole: a failure leaves what was there
 // before. They throw FileError: an image without pixels or with a wrong number of them, a file that can't be written.

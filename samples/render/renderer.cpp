@@ -1,0 +1,240 @@
+#include "render/renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "gicube/scene/error.h"
+#include "render/planning.h"
+#include "scene/program/board_run.h"
+
+namespace gicube::samples {
+namespace {
+
+// chosen: pictures with the same light that are held until all their colour passes are made; 64 of 512^2 take 128 MB.
+constexpr std::size_t kMaxRun = 64;
+
+void check_size(const LightField& field, const Dims& dims) {
+  if (field.dims == dims) return;
+  const auto text = [](const Dims& d) { return fmt::format("{} x {} x {}", d[0], d[1], d[2]); };
+  throw InputError("--irradiance", "a field of the volume's " + text(dims) + " voxels", text(field.dims));
+}
+
+Counters sum_of(const Counters& a, const Counters& b) {
+  if (a.list().empty()) return b;
+  std::vector<Counter> sum = b.list();
+  for (Counter& counter : sum) counter.value += a.value(counter.name);
+  return Counters(std::move(sum));
+}
+
+// A codebook of one picture's normals would not be that of the next.
+bool moves_nodes(const Scene& scene) {
+  return std::any_of(scene.engines.begin(), scene.engines.end(),
+                     [](const Engine& engine) { return engine.target.starts_with("node["); });
+}
+
+// An EXR has alpha instead, unless it is to be composited here.
+std::optional<Background> background_of(const RenderOptions& options, const std::optional<Colour>& own) {
+  const bool alpha = options.no_background || (options.output.extension() == ".exr" && !options.composite);
+  const std::optional<Colour>& colour = options.background ? options.background : own;
+  if (options.composite && !colour)
+    throw UsageError("--composite: expected with --background, since the scene has none");
+  if (alpha || !colour) return std::nullopt;
+  return Background(*colour, options.composite.value_or(Composite::kDisplay));
+}
+
+}  // namespace
+
+Renderer::Renderer(const RenderOptions& options, Steps steps, const std::function<void()>& while_waiting)
+    : options_(options),
+      steps_(std::move(steps)),
+      input_(input_scene(options)),
+      board_(open_board(board_for(options.plan, options.board), while_waiting)) {
+  if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
+}
+
+void Renderer::change(const RenderOptions& options) {
+  input_ = input_scene(options);
+  options_ = options;
+}
+
+Frame Renderer::picture(double time) {
+  Frame frame;
+  run({time}, 0, 1, [&frame](const Frame& made) { frame = made; });
+  return frame;
+}
+
+void Renderer::run(const std::vector<double>& times, std::size_t first, std::size_t last,
+                   const std::function<void(const Frame&)>& done) {
+  const Scene scene = at(times[first]);
+  const Picoseconds load = set_voxels(scene);
+  std::vector<Frame> frames(last - first);
+  const std::vector<LightPass> passes = passes_of(setup_);
+  for (const LightPass& pass : passes) {
+    const bool lit = scene.lighting.on && light(pass, scene, passes.size());
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      Frame& frame = frames[i];
+      set_look(at(times[first + i]), setup_);
+      set_phong(options_, setup_.shading.phong);
+      picture(pass, fmt::format("picture {} of {}", first + i + 1, times.size()), frame);
+      if (scene.lighting.on) {
+        frame.statistics.lighting.push_back(lighting_);
+        frame.statistics.lighting.back().reused = !lit || i > 0;
+      }
+    }
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].number = static_cast<int>(first + i);
+    frames[i].statistics.time = times[first + i];
+    frames[i].statistics.load = i == 0 ? load : 0;
+    frames[i].statistics.host = host_usage();
+    done(frames[i]);
+  }
+}
+
+std::size_t Renderer::run_length(const std::vector<double>& times, std::size_t first) const {
+  const Scene scene = at(times[first]);
+  std::size_t length = 1;
+  while (length < kMaxRun && first + length < times.size() && same_illumination(scene, at(times[first + length]))) {
+    ++length;
+  }
+  return length;
+}
+
+Scene Renderer::at(double time) const { return scene_at(input_, options_, time); }
+
+bool Renderer::holds(const Scene& scene) const {
+  const auto asks = [](const Scene& s) { return s.view.shade || s.lighting.on; };  // for gradients
+  return loaded_ && same_voxels(loaded_->scene, scene) && loaded_->crop == options_.crop &&
+         loaded_->level_of_detail == options_.level_of_detail && (asks(loaded_->scene) || !asks(scene)) &&
+         (loaded_->transfer_function == options_.transfer_function || !part_);
+}
+
+Picoseconds Renderer::set_voxels(const Scene& scene) {
+  const Picoseconds begin = board_.now();
+  if (holds(scene)) {
+    set_look(scene, setup_);
+    if (loaded_->transfer_function == options_.transfer_function) return 0;
+    lit_.reset();
+    const ValueRange range = board_.value_range();
+    for (std::size_t tag = 0; tag < setup_.materials.size(); ++tag) {
+      board_.set_transfer_function(in_values_of(range, setup_.materials[tag]), static_cast<int>(tag));
+    }
+    loaded_->transfer_function = options_.transfer_function;
+    return board_.now() - begin;
+  }
+  steps_("reading the scene");
+  const bool is_first = !set_up_before_;
+  loaded_.reset();
+  lit_.reset();
+  setup_ = set_up(scene, options_.board.threads);
+  set_phong(options_, setup_.shading.phong);
+  check_fits(setup_.volume.dims, board_.info(), setup_.volume.source);
+  if (field_) check_size(*field_, setup_.volume.dims);
+  board_.set_shading(setup_.shading);
+  const bool own_codebook = is_first && scene.world && scene.own_codebook && !moves_nodes(scene);
+  set_up_before_ = true;
+  plan_.reset();
+  light_plans_.clear();
+  part_.reset();
+  const bool unlit = !scene.lighting.on && !setup_.view.scatter && !field_;
+  const bool derived = options_.crop || options_.level_of_detail > 0;
+  if (derived && !unlit)
+    throw UsageError("--crop, --level-of-detail: expected a picture without light of its own, and no scattering");
+  if (options_.plan.wanted() && unlit) {
+    plan_ = plan_and_load(board_, options_.board, options_.plan, setup_, own_codebook, steps_("planning"));
+  } else if (derived) {
+    part_ = load_derived(board_, setup_, options_.crop, options_.level_of_detail, own_codebook,
+                         steps_("loading the volume"));
+  } else {
+    load(board_, setup_, own_codebook, steps_("loading the volume"));
+  }
+  setup_.free_voxels();
+  loaded_ = Loaded{scene, options_.transfer_function, options_.crop, options_.level_of_detail};
+  return board_.now() - begin;
+}
+
+void Renderer::set_optics(const LightPass& pass) {
+  for (std::size_t tag = 0; tag < pass.optics.size(); ++tag) {
+    board_.set_material(pass.optics[tag], static_cast<int>(tag));
+  }
+}
+
+// Spreads the pass's light unless it is there; whether that had to be done.
+bool Renderer::light(const LightPass& pass, const Scene& scene, std::size_t passes) {
+  if (passes == 1 && lit_ && same_illumination(*lit_, scene)) return false;
+  lit_.reset();
+  set_optics(pass);
+  const std::string channel = passes > 1 ? fmt::format(" ({})", name_of(pass)) : "";
+  const Illumination settings = planned(pass, scene.lighting.settings, passes, channel);
+  RunWindow window(board_);
+  lighting_ = {};
+  lighting_.report = board_.illuminate(pass.lights, settings, steps_("lighting" + channel));
+  lighting_.channel = name_of(pass);
+  lighting_.settings = settings;
+  lighting_.lights = pass.lights.size();
+  lighting_.duration = window.simulated();
+  lighting_.host_seconds = window.host_seconds();
+  lighting_.counters = window.counters();
+  if (passes == 1) lit_ = scene;
+  return true;
+}
+
+// The scene's lighting rays, or as many as a plan found enough for the first light that these voxels had.
+Illumination Renderer::planned(const LightPass& pass, const Illumination& settings, std::size_t passes,
+                               const std::string& channel) {
+  if (!options_.plan.wanted() || pass.lights.empty()) return settings;
+  for (const LightPlan& plan : light_plans_) {
+    if (plan.channel == pass.channel) return plan.settings(settings);
+  }
+  board_.set_shading(setup_.shading);
+  light_plans_.push_back(
+      plan_pass(board_, options_.plan, setup_, pass, passes, steps_("planning the light" + channel)));
+  return light_plans_.back().settings(settings);
+}
+
+// The plan's settings, and its volume's voxels. Of lit and scattered pictures it is made here, once all is on the board.
+void Renderer::plan_view(const LightPass& pass, View& view) {
+  if (part_) view = part_->view(view);
+  if (!options_.plan.wanted()) return;
+  if (!plan_) {
+    board_.set_shading(setup_.shading);
+    set_optics(pass);
+    plan_ =
+        plan_lit(board_, options_.plan, view, light_plans_, setup_.lighting.colour_passes ? 3 : 1, steps_("planning"));
+  }
+  view = plan_->view(view);
+}
+
+void Renderer::picture(const LightPass& pass, const std::string& what, Frame& frame) {
+  View view = setup_.view;
+  view.exposure = setup_.lighting.exposure;
+  plan_view(pass, view);
+  RunWindow window(board_);
+  board_.set_shading(setup_.shading);
+  set_optics(pass);
+  frame.background = background_of(options_, setup_.background);
+  if (field_) {
+    const double voxel = setup_.grid.voxel, asked = setup_.lighting.exposure * voxel * voxel;
+    frame.image =
+        picture_of(board_, *field_, view, asked > 0 ? asked : exposure_for(*field_), frame.background, steps_(what));
+  } else {
+    put_together(pass, board_.render(view, steps_(what)), frame.background, frame.image);
+  }
+
+  FrameStatistics& statistics = frame.statistics;
+  statistics.frame += window.simulated();
+  statistics.host_seconds += window.host_seconds();
+  statistics.counters = sum_of(statistics.counters, window.counters());
+  statistics.board = board_.info();
+  statistics.width = frame.image.width;
+  statistics.height = frame.image.height;
+  statistics.dims = setup_.volume.dims;
+  statistics.seed = options_.board.seed;
+  statistics.scene_hash = scene_hash(setup_);
+  statistics.plan = plan_;
+  statistics.light_plans = light_plans_;
+}
+
+}  // namespace gicube::samples
