@@ -19,7 +19,7 @@
 //   {"do":"picture","id":N,"moving":BOOL,"settings":{...}}   id grows. A newer one replaces one that waits, and stops one that works.
 //                                   moving: one coarse picture only, made for the frame budget. Else a coarse one at once where
 //                                   the whole one will take longer than that, then the whole one ("final").
-//   {"do":"slice","id":N,"axis":"x"|"y"|"z","at":K}          voxel K of the axis; needs a volume, not a scene with a world
+//   {"do":"slice","id":N,"axis":"x"|"y"|"z","at":K}          voxel K of the axis, of hello's dims
 //   {"do":"histogram"}              of the input
 //   {"do":"open","names":[...]}     of what was posted: one file, or slices, or a header with its data; it becomes the input
 //   {"do":"machine","on":BOOL}      ten "machine" messages a second while on
@@ -42,9 +42,9 @@
 //   {"type":"board","state":"lost"|"ready","text"}            lost: {"do":"board"} starts another, and the picture should be asked for again
 //   {"type":"error","id"?,"field"?,"text"}                    field: the setting at fault, without dashes, where there is one
 // Binary: the header's length, 4 bytes little endian; the header, JSON; the bytes.
-//   {"type":"picture","id","width","height","final":BOOL,"frame_ms","level","host_ms","command","python"} + RGBA, 8 bits, as
+//   {"type":"picture","id","width","height","final":BOOL,"frame_ms","level","host_ms","command"} + RGBA, 8 bits, as
 //                                   gicube-render -o picture.png has it. frame_ms is null where the level keeps no time. A coarse picture has
-//                                   fewer pixels than asked for, and no command and python.
+//                                   fewer pixels than asked for, and no command.
 //   {"type":"slice","id","axis","at","width","height"} + grey, 8 bits, over the volume's range; rows from the lowest y (of z: y down, x
 //                                   across; of y: z down, x across; of x: z down, y across)
 #pragma once
@@ -55,11 +55,12 @@
 
 namespace gicube::samples::view {
 
-constexpr std::size_t kMaxConnections = 32;                      // chosen: a few pages, each with a socket and its modules
+constexpr std::size_t kMaxConnections = 32;  // chosen: a few pages, each with a socket and its modules
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t{2} << 30;  // chosen: of all posted files together
 constexpr std::size_t kMaxMessageBytes = 256 * 1024;             // chosen: 4096 points of a transfer function fit
-constexpr std::size_t kMaxWaiting = 64;                          // chosen: messages of one page that wait to be carried out
-constexpr std::chrono::seconds kRequestTime{10};                 // chosen: for a request's header, and each part of a body
-constexpr std::chrono::milliseconds kFrameBudget{50};            // chosen: of a picture while something moves; 15 a second with room
+constexpr std::size_t kMaxWaiting = 64;           // chosen: messages of one page that wait to be carried out
+constexpr std::chrono::seconds kRequestTime{10};  // chosen: for a request's header, and each part of a body
+constexpr std::chrono::milliseconds kFrameBudget{
+    50};  // chosen: of a picture while something moves; 15 a second with room
 
 }  // namespace gicube::samples::view

@@ -194,6 +194,8 @@ const std::vector<Rule>& rules() {
       program("samples/form_factors/plan", {"samples/form_factors/radiosity"}, {"fmt"}),
       program("samples/form_factors", {}, {kAnything}),
       program("samples/render", {}, {kAnything}),
+      // Has gicube-render's parts make its pictures.
+      program("samples/view", {"samples/render"}, {kAnything}),
   };
   // clang-format on
   return table;

@@ -1,0 +1,21 @@
+// The command line of gicube-view.
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <optional>
+
+#include "view/viewer.h"
+
+namespace gicube::samples::view {
+
+struct ProgramOptions {
+  ViewOptions view;
+  std::uint16_t port = 0;    // any that is free
+  std::optional<bool> open;  // a browser; not set: where there is a desktop
+};
+
+// Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
+std::optional<ProgramOptions> parse_options(int argc, const char* const* argv, std::ostream& out);
+
+}  // namespace gicube::samples::view

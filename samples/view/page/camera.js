@@ -1,0 +1,79 @@
+// A camera that moves round its target. Positions are voxels of the file, or a scene's world units; turns are made in physical lengths.
+/** @import { Vector } from "./protocol.js" */
+/** @import { ViewState } from "./view.js" */
+
+/** @param {string} text @returns {Vector} */
+export const vector = (text) => /** @type {Vector} */ (text.split(",").map(Number));
+/** @param {(i: number) => number} f @returns {Vector} */
+const each = (f) => [f(0), f(1), f(2)];
+/** @param {Vector} a @param {Vector} b @param {number} [t] @returns {Vector} */
+const plus = (a, b, t = 1) => each((i) => a[i] + t * b[i]);
+/** @param {Vector} a @param {Vector} b */
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+/** @param {Vector} a @param {Vector} b @returns {Vector} */
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+/** @param {Vector} a @returns {Vector} */
+const unit = (a) => each((i) => a[i] / (Math.hypot(...a) || 1));
+/** Round the unit vector `axis`. @param {Vector} v @param {Vector} axis @param {number} angle */
+const turned = (v, axis, angle) =>
+  plus(plus(each((i) => v[i] * Math.cos(angle)), cross(axis, v), Math.sin(angle)), axis, dot(axis, v) * (1 - Math.cos(angle)));
+/** @param {Vector} v */
+const text = (v) => v.map((x) => Number(x.toFixed(4))).join(",");
+
+export class Camera {
+  /** @type {Vector} */ spacing = [1, 1, 1];
+
+  /** @param {ViewState} view */
+  constructor(view) {
+    this.view = view;
+  }
+
+  #pose() {
+    const physical = (/** @type {string} */ name) => {
+      const v = vector(this.view.get(name));
+      return each((i) => v[i] * this.spacing[i]);
+    };
+    const target = physical("look-at");
+    const offset = plus(physical("eye"), target, -1);
+    const up = unit(vector(this.view.get("up")));
+    const right = unit(cross(unit(offset), up).map((x) => -x).some(Math.abs) ? cross(up, offset) : [1, 0, 0]);
+    return { target, offset, up, right };
+  }
+
+  /** @param {Vector} target @param {Vector} offset @param {import("./protocol.js").Settings} [more] */
+  #put(target, offset, more = {}) {
+    const back = (/** @type {Vector} */ p) => text(each((i) => p[i] / this.spacing[i]));
+    this.view.set({ eye: back(plus(target, offset)), "look-at": back(target), ...more }, true);
+  }
+
+  /** By angles in radians; the camera stays off the poles. @param {number} across @param {number} over */
+  orbit(across, over) {
+    const { target, offset, up, right } = this.#pose();
+    const height = Math.asin(Math.max(-1, Math.min(1, dot(unit(offset), up))));
+    const limit = 1.55;
+    const tilt = Math.max(-limit, Math.min(limit, height + over)) - height;
+    this.#put(target, turned(turned(offset, right, -tilt), up, across));
+  }
+
+  /** By shares of the picture's height. @param {number} across @param {number} over */
+  pan(across, over) {
+    const { target, offset, right } = this.#pose();
+    const height = this.view.get("orthographic")
+      ? Number(this.view.get("orthographic")) * this.spacing[2]
+      : 2 * Math.hypot(...offset) * Math.tan((Number(this.view.get("fov") || 30) * Math.PI) / 360);
+    const upward = unit(cross(offset, right));
+    this.#put(plus(plus(target, right, -across * height), upward, over * height), offset);
+  }
+
+  /** A factor above 1 goes nearer. @param {number} factor */
+  zoom(factor) {
+    const { target, offset } = this.#pose();
+    const height = Number(this.view.get("orthographic"));
+    if (height) this.#put(target, offset, { orthographic: String(height / factor) });
+    else this.#put(target, each((i) => offset[i] / factor));
+  }
+
+  reset() {
+    this.view.set({ eye: "", "look-at": "", up: "", fov: "", orthographic: "" });
+  }
+}

@@ -1,0 +1,126 @@
+// The picture: hands move the camera, requests go out without waiting for old ones, pictures are shown as they come.
+/** @import { Connection } from "./socket.js" */
+/** @import { ViewState } from "./view.js" */
+/** @import { Camera } from "./camera.js" */
+/** @import { PictureHeader, Failure } from "./protocol.js" */
+
+const kRest = 180; // milliseconds without a move after which the whole picture is asked for
+const kForgotten = 3000; // milliseconds after which an unanswered request no longer holds up the next
+
+export class Picture extends EventTarget {
+  #id = 0;
+  #flying = 0; // id of the moving picture under way
+  #since = 0;
+  #wanted = false;
+  #rest = 0;
+
+  /** @param {HTMLCanvasElement} canvas @param {Connection} connection @param {ViewState} view */
+  constructor(canvas, connection, view) {
+    super();
+    this.canvas = canvas;
+    this.connection = connection;
+    this.view = view;
+    connection.on("picture", ({ header, bytes }) => this.#show(header, bytes));
+    connection.on("error", (/** @type {Failure} */ error) => this.#arrived(error.id ?? 0));
+  }
+
+  /** Asks for the picture of the view as it is. @param {boolean} moving */
+  ask(moving) {
+    clearTimeout(this.#rest);
+    if (moving) {
+      this.#rest = setTimeout(() => this.ask(false), kRest);
+      if (this.#flying && performance.now() - this.#since < kForgotten) {
+        this.#wanted = true; // one under way, and the newest after it
+        return;
+      }
+      this.#since = performance.now();
+    }
+    this.#wanted = false;
+    this.#id += 1;
+    this.#flying = moving ? this.#id : 0;
+    this.connection.send({ do: "picture", id: this.#id, moving, settings: this.view.own });
+    this.dispatchEvent(new CustomEvent("asked"));
+  }
+
+  /** Nothing is under way any more: the board was lost. */
+  forget() {
+    clearTimeout(this.#rest);
+    this.#flying = 0;
+    this.#wanted = false;
+  }
+
+  /** @param {number} id */
+  #arrived(id) {
+    if (id !== this.#flying) return;
+    this.#flying = 0;
+    if (this.#wanted) this.ask(true);
+  }
+
+  /** @param {PictureHeader} header @param {Uint8Array} bytes */
+  #show(header, bytes) {
+    this.#arrived(header.id);
+    const { canvas } = this;
+    canvas.width = header.width;
+    canvas.height = header.height;
+    const [width, height] = this.view.get("size").split("x").map(Number);
+    canvas.style.width = `${width || header.width}px`;
+    canvas.style.aspectRatio = `${width || header.width} / ${height || header.height}`;
+    const pixels = new ImageData(new Uint8ClampedArray(bytes), header.width, header.height);
+    canvas.getContext("2d")?.putImageData(pixels, 0, 0);
+    canvas.dataset.id = String(header.id);
+    canvas.dataset.final = String(header.final && header.id === this.#id);
+    this.dispatchEvent(new CustomEvent("shown", { detail: header }));
+  }
+}
+
+/** Mouse, touch and keys on the picture move the camera. @param {HTMLCanvasElement} canvas @param {Camera} camera */
+export function steer(canvas, camera) {
+  /** @type {Map<number, {x: number, y: number}>} */
+  const fingers = new Map();
+  const size = () => canvas.getBoundingClientRect().height || 1;
+  const spread = () => {
+    const [a, b] = [...fingers.values()];
+    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, apart: Math.hypot(a.x - b.x, a.y - b.y) || 1 };
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+  });
+  for (const end of ["pointerup", "pointercancel"])
+    canvas.addEventListener(end, (event) => fingers.delete(/** @type {PointerEvent} */ (event).pointerId));
+  canvas.addEventListener("pointermove", (event) => {
+    const last = fingers.get(event.pointerId);
+    if (!last) return;
+    const before = fingers.size === 2 ? spread() : null;
+    const [dx, dy] = [(event.clientX - last.x) / size(), (event.clientY - last.y) / size()];
+    fingers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    if (before) {
+      const now = spread();
+      camera.pan((now.x - before.x) / size(), (now.y - before.y) / size());
+      camera.zoom(now.apart / before.apart);
+    } else if (event.shiftKey || event.buttons & 6) camera.pan(dx, dy);
+    else camera.orbit(-dx * 3, dy * 3);
+  });
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("dblclick", () => camera.reset());
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      camera.zoom(Math.exp(-Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 100) * 0.0015));
+    },
+    { passive: false },
+  );
+  canvas.addEventListener("keydown", (event) => {
+    const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    if (arrow) {
+      const [x, y] = arrow;
+      if (event.shiftKey) camera.pan(-x * 0.03, -y * 0.03);
+      else camera.orbit(x * 0.1, -y * 0.1);
+    } else if (event.key === "+" || event.key === "=") camera.zoom(1.1);
+    else if (event.key === "-") camera.zoom(1 / 1.1);
+    else if (event.key === "Home" || event.key === "0") camera.reset();
+    else return;
+    event.preventDefault();
+  });
+}

@@ -1,0 +1,76 @@
+// A transfer function as points, its text as gicube-render reads it, and its history.
+
+/** @typedef {{at: number, colour: [number, number, number]}} ColourPoint */
+/** @typedef {{at: number, opacity: number}} OpacityPoint */
+/** @typedef {{normalised: boolean, colours: ColourPoint[], opacities: OpacityPoint[]}} Transfer */
+
+/** @param {string} text @returns {Transfer} */
+export function parse(text) {
+  /** @type {Transfer} */
+  const made = { normalised: false, colours: [], opacities: [] };
+  for (const line of text.split("\n")) {
+    const [word, ...rest] = line.replace(/#.*/, "").trim().split(/\s+/);
+    const n = rest.map(Number);
+    if (word === "values") made.normalised = rest[0] === "normalised";
+    else if (word === "colour" || word === "color") made.colours.push({ at: n[0], colour: [n[1], n[2], n[3]] });
+    else if (word === "opacity") made.opacities.push({ at: n[0], opacity: n[1] });
+  }
+  return made;
+}
+
+/** @param {Transfer} transfer */
+export function format(transfer) {
+  const number = (/** @type {number} */ x) => String(Number(x.toPrecision(6)));
+  return [
+    `values ${transfer.normalised ? "normalised" : "absolute"}`,
+    ...transfer.colours.map((p) => `colour ${number(p.at)} ${p.colour.map(number).join(" ")}`),
+    ...transfer.opacities.map((p) => `opacity ${number(p.at)} ${number(p.opacity)}`),
+    "",
+  ].join("\n");
+}
+
+/** @param {[number, number, number]} colour */
+export const hex = (colour) => `#${colour.map((c) => Math.round(c * 255).toString(16).padStart(2, "0")).join("")}`;
+/** @param {string} text @returns {[number, number, number]} */
+export const from_hex = (text) => /** @type {any} */ ([1, 3, 5].map((i) => Number((parseInt(text.slice(i, i + 2), 16) / 255).toFixed(3))));
+
+/** The colour between the points. @param {Transfer} transfer @param {number} at @returns {[number, number, number]} */
+export function colour_at(transfer, at) {
+  const points = transfer.colours;
+  const next = points.findIndex((p) => p.at > at);
+  if (next === -1) return points.at(-1)?.colour ?? [1, 1, 1];
+  if (next === 0) return points[0].colour;
+  const [a, b] = [points[next - 1], points[next]];
+  const t = (at - a.at) / (b.at - a.at);
+  return /** @type {any} */ (a.colour.map((c, i) => c + t * (b.colour[i] - c)));
+}
+
+/** Texts that were, to go back and forth. */
+export class History {
+  /** @type {string[]} */ #past = [];
+  /** @type {string[]} */ #future = [];
+  now = "";
+
+  /** @param {string} text */
+  put(text) {
+    if (text === this.now) return;
+    if (this.now) this.#past.push(this.now);
+    this.#future = [];
+    this.now = text;
+  }
+  undo() {
+    const text = this.#past.pop();
+    if (text === undefined) return;
+    this.#future.push(this.now);
+    this.now = text;
+  }
+  redo() {
+    const text = this.#future.pop();
+    if (text === undefined) return;
+    this.#past.push(this.now);
+    this.now = text;
+  }
+  get can() {
+    return { undo: this.#past.length > 0, redo: this.#future.length > 0 };
+  }
+}

@@ -1,0 +1,14 @@
+// The files of samples/view/page, which CMake makes a part of the program.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace gicube::samples::view {
+
+struct PageFile {
+  std::string_view name, type, content;
+};
+std::span<const PageFile> page_files();
+
+}  // namespace gicube::samples::view

@@ -1,0 +1,32 @@
+// What a page asks for (protocol.h), read from its message.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gicube::samples::view {
+
+// Options of gicube-render without their dashes.
+using Settings = std::map<std::string, std::string>;
+
+struct Request {
+  enum class Kind { kPicture, kSlice, kHistogram, kOpen, kMachine, kCompare, kBoard };
+  Kind kind = Kind::kPicture;
+  std::uint64_t id = 0;
+  bool on = false;  // kPicture: something moves; kMachine: counters are wanted
+  Settings settings, other;
+  int axis = 0;  // kSlice: 0..2, and the voxel
+  int at = 0;
+  std::vector<std::string> names;
+};
+
+// Throws InputError: the text is none of protocol.h's messages.
+Request parse_request(std::string_view text);
+
+// Whether a posted file may have this name: no slash, no control character, no leading dot, at most 200 bytes.
+bool is_file_name(std::string_view name);
+
+}  // namespace gicube::samples::view

@@ -1,0 +1,156 @@
+#include "view/settings.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <ranges>
+#include <span>
+#include <sstream>
+#include <vector>
+
+#include "gicube/scene/error.h"
+#include "gicube/scene/provenance.h"
+#include "gicube/scene/transfer_function_file.h"
+#include "scene/common/checks.h"
+
+namespace gicube::samples::view {
+namespace {
+
+// What a page may say of a view. Files, other outputs, plans and other volumes than the whole are for command lines.
+constexpr std::array kOptions{
+    "ambient", "background", "big-endian",   "camera",    "colour-passes", "composite",
+    "cut",     "diffuse",    "dims",         "exposure",  "eye",           "fidelity",
+    "filter",  "fov",        "illumination", "input",     "jitter",        "lifetime",
+    "light",   "light-rays", "look-at",      "no-leap",   "no-shade",      "orthographic",
+    "rules",   "samples",    "seed",         "shininess", "size",          "skip",
+    "spacing", "specular",   "step",         "threshold", "time",          "transfer-function",
+    "type",    "up",         "volume-size"};
+constexpr std::array kFlags{"big-endian", "colour-passes", "jitter", "no-leap", "no-shade"};
+
+bool is_field(const std::string& name) { return name.find('.') != std::string::npos; }
+
+std::string names_of(const auto& map) {
+  std::string text;
+  for (const auto& [name, value] : map) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+// Where gicube-render finds it.
+std::string path_of(const std::string& name, const Shelf& shelf) {
+  const auto found = shelf.inputs.find(name);
+  if (found == shelf.inputs.end())
+    throw UsageError("--input: expected one of " + names_of(shelf.inputs) + ", got " + in_quotes(name));
+  return found->second;
+}
+
+bool is_written(const std::string& function) { return function.find('\n') != std::string::npos; }
+
+std::string function_path(const std::string& value, const Shelf& shelf) {
+  if (is_written(value)) {
+    parse_transfer_function(value, "transfer-function");
+    const std::filesystem::path file =
+        shelf.folder / (".tf-" + hex(hash_of(std::as_bytes(std::span(value.data(), value.size())))) + ".tf");
+    if (!std::filesystem::exists(file)) std::ofstream(file, std::ios::binary) << value;
+    return file.string();
+  }
+  const auto found = shelf.functions.find(value);
+  if (found != shelf.functions.end()) return found->second.string();
+  find_preset(value);  // says which there are
+  return value;
+}
+
+// As gicube-render takes them; `shown`: for people, with names of their own for what only this run has.
+std::vector<std::string> arguments_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board,
+                                      bool shown) {
+  const auto input = settings.find("input");
+  if (input == settings.end()) throw UsageError("--input: expected one of " + names_of(shelf.inputs) + ", got none");
+  std::vector<std::string> words{path_of(input->second, shelf)};
+  if (shown && words.front().starts_with(shelf.folder.string())) words.front() = input->second;
+  if (shown) {
+    if (board.board != "emu:") words.push_back("--board=" + board.board);
+    if (!board.fidelity.empty() && !settings.contains("fidelity")) words.push_back("--fidelity=" + board.fidelity);
+    if (!board.config.empty()) words.push_back("--config=" + board.config.string());
+    for (const std::string& field : board.settings) words.push_back("--set=" + field);
+    if (board.seed != 0 && !settings.contains("seed")) words.push_back(fmt::format("--seed={}", board.seed));
+  }
+  for (const auto& [name, value] : settings) {
+    if (name == "input") continue;
+    if (is_field(name)) {
+      words.push_back("--set=" + name + "=" + value);
+    } else if (std::ranges::find(kOptions, name) == kOptions.end()) {
+      throw UsageError("--" + name + ": expected a setting of a view (" + fmt::format("{}", fmt::join(kOptions, ", ")) +
+                       ", or a field of the board's configuration)");
+    } else if (std::ranges::find(kFlags, name) != kFlags.end()) {
+      if (value != "on" && value != "off")
+        throw UsageError("--" + name + ": expected on or off, got " + in_quotes(value));
+      if (value == "on") words.push_back("--" + name);
+    } else if (name == "cut") {
+      for (const auto plane : std::views::split(value, ';')) {
+        if (!plane.empty()) words.push_back("--cut=" + std::string(plane.begin(), plane.end()));
+      }
+    } else if (name == "transfer-function") {
+      const bool own = shown && (is_written(value) || shelf.functions.contains(value));
+      words.push_back("--transfer-function=" +
+                      (own ? is_written(value) ? "view.tf" : value : function_path(value, shelf)));
+    } else {
+      words.push_back("--" + name + "=" + value);
+    }
+  }
+  return words;
+}
+
+std::string text_of(const Vec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
+
+}  // namespace
+
+RenderOptions options_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board) {
+  std::vector<std::string> words = arguments_of(settings, shelf, board, false);
+  words.insert(words.begin(), "gicube-render");
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  std::ostringstream out;
+  auto options = samples::parse_options(static_cast<int>(argv.size()), argv.data(), out);
+  if (!options) throw UsageError("--help: expected a setting of a view");
+  BoardOptions own = board;
+  if (!options->board.fidelity.empty()) own.fidelity = options->board.fidelity;
+  for (const std::string& field : options->board.settings) own.settings.push_back(field);
+  if (settings.contains("seed")) own.seed = options->board.seed;
+  options->board = own;
+  return *options;
+}
+
+std::string command_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board) {
+  std::vector<std::string> words = arguments_of(settings, shelf, board, true);
+  words.insert(words.begin(), "gicube-render");
+  words.insert(words.end(), {"-o", "picture.png"});
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  return command_line(static_cast<int>(argv.size()), argv.data());
+}
+
+Settings chosen_settings(const SceneSetup& setup) {
+  const auto outside = [&setup](const Vec3& p) { return setup.grid.low + setup.grid.voxel * p; };
+  const View& view = setup.view;
+  Settings settings{{"eye", text_of(outside(view.eye))},
+                    {"look-at", text_of(outside(view.look_at))},
+                    {"up", text_of(view.up)},
+                    {"size", fmt::format("{}x{}", view.width, view.height)},
+                    {"step", fmt::format("{}", view.step)},
+                    {"threshold", fmt::format("{}", view.opacity_threshold)}};
+  if (view.orthographic_height > 0) {
+    settings["orthographic"] = fmt::format("{}", view.orthographic_height * setup.grid.voxel);
+  } else {
+    settings["fov"] = fmt::format("{}", view.fov_degrees);
+  }
+  return settings;
+}
+
+std::string field_of(const std::string& text) {
+  if (!text.starts_with("--")) return "";
+  return text.substr(2, text.find_first_of(": ,=") - 2);
+}
+
+}  // namespace gicube::samples::view

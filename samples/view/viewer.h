@@ -1,0 +1,126 @@
+// Carries out what pages ask for (protocol.h): one thread, which alone calls the boards.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "render/renderer.h"
+#include "view/request.h"
+#include "view/settings.h"
+
+namespace gicube::samples::view {
+
+// What goes to a page.
+struct Packet {
+  std::shared_ptr<const std::string> bytes;
+  bool binary = false;
+  bool droppable = false;  // pointless once a newer one of its kind follows
+};
+
+using Page = std::uint64_t;
+constexpr Page kAllPages = 0;
+
+struct ViewOptions {
+  std::vector<std::string> inputs;
+  Settings settings;             // --fix
+  std::filesystem::path folder;  // for posted files, and what the viewer writes
+  BoardOptions board;
+};
+
+class Viewer {
+ public:
+  // `send` is called from the viewer's thread and from that of ask(). The input is read by the viewer's; what goes wrong is told to the
+  // pages.
+  Viewer(const ViewOptions& options, std::function<void(Page, const Packet&)> send);
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  // From any thread.
+  void come(Page page);  // it gets hello
+  void leave(Page page);
+  void ask(Page page, Request request);
+
+  struct Download {
+    std::string name, type, bytes;
+  };
+  // png, exr, stats or tf of the last whole picture; nothing before the first.
+  std::optional<Download> download(const std::string& what);
+
+ private:
+  struct Job {
+    Page page = 0;
+    std::optional<Request> request;  // none: hello
+  };
+  // A board with the open input.
+  struct Desk {
+    std::unique_ptr<Renderer> renderer;
+    std::string uri;
+    double ray_seconds = 0;  // host time of a voxel's length of a pixel's ray, as last seen; 0: not known
+  };
+  struct Made {
+    Image image;
+    std::optional<Background> background;
+    std::string statistics, function;
+    Provenance provenance;
+  };
+
+  void work();
+  void carry_out(const Job& job);
+  void failed(const Job& job, const std::string& text, const std::string& field);
+  void lose(const std::string& text);
+
+  void open_input(const std::string& name);
+  void open_files(const std::vector<std::string>& names);
+  void close_boards();
+  // The board that `options` ask for, opened if need be.
+  Desk& desk(const RenderOptions& options);
+  // The board of coarse pictures, slices and histograms: the same, or a functional one beside it.
+  Desk& quick_desk(const RenderOptions& options);
+  Desk make_desk(const RenderOptions& options);
+
+  void picture(const Job& job);
+  void compare(const Job& job);
+  void slice(const Job& job);
+  void histogram(Page page);
+  Frame render(Desk& desk, const RenderOptions& options);
+  void send_picture(const Job& job, const Frame& frame, const RenderOptions& options, const Settings& settings,
+                    bool whole);
+  Packet hello();
+  Settings completed(const Settings& settings) const;
+  void tell(Page page, const nlohmann::ordered_json& message, bool droppable = false);
+  void tell(Page page, nlohmann::ordered_json header, const std::vector<std::uint8_t>& bytes, bool droppable);
+  Progress step(const std::string& what);
+  void stop_if_told();
+
+  ViewOptions options_;
+  std::function<void(Page, const Packet&)> send_;
+  Shelf shelf_;
+  Settings chosen_;  // of the open input: complete
+  nlohmann::ordered_json volume_, box_;
+  std::string input_;  // open; empty: none
+  bool lost_ = false;
+  Desk main_, quick_;
+
+  std::mutex mutex_;  // of what follows
+  std::condition_variable wake_;
+  std::deque<Job> jobs_;
+  std::optional<Job> now_;
+  std::optional<Made> made_;
+  bool ends_ = false;
+  std::atomic<bool> stop_ = false;  // the call under way
+  std::thread thread_;
+};
+
+}  // namespace gicube::samples::view
