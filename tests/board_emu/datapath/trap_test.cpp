@@ -92,33 +92,21 @@ TEST(Traps, TellTheHostTheRaySampleAndFourRandomNumbers) {
   }
 }
 
-struct Heard : Routines {
-  bool has(std::uint8_t) const override { return true; }
-  std::optional<std::string> fault(std::uint8_t, std::span<const float>) const override { return {}; }
-  ScatterAnswer scatter(std::uint8_t number, const ScatterEvent& event) const override {
-    called = number, tag = event.tag, lighting = event.lighting, generation = event.generation;
-    return {event.direction, 1, 5};
-  }
-  mutable unsigned called = 0, tag = 0, generation = 0;
-  mutable bool lighting = false;
-};
-
 TEST(Traps, TellARoutineWhichMaterialAndWhichRay) {
   Fog fog;
   Frame& frame = fog.lit.scene.frame;
-  const Heard heard;
-  frame.routines = &heard;
   frame.materials[3].routine = 17;
   RayState ray = fog.ray(wire::kLightingRay | wire::kTrapped | 3 << kTrapTagShift, 21);
   ray.generation = 4;
+  const std::optional<Trap> trap = trap_of(ray, frame);
+  ASSERT_TRUE(trap);
+  EXPECT_EQ(trap->routine, 17u);
+  EXPECT_EQ(trap->event.tag, 3u);
+  EXPECT_EQ(trap->event.generation, 4u);
+  EXPECT_TRUE(trap->event.lighting);
   RayCounters counters;
-  std::uint32_t cycles = 0;
-  EXPECT_EQ(resolve_trap(ray, frame, counters, cycles).outcome, Outcome::kGoesOn);
-  EXPECT_EQ(cycles, 5u);
-  EXPECT_EQ(heard.called, 17u);
-  EXPECT_EQ(heard.tag, 3u);
-  EXPECT_EQ(heard.generation, 4u);
-  EXPECT_TRUE(heard.lighting);
+  EXPECT_EQ(answer_trap(ray, {trap->event.direction, 1, 5}, frame, counters).outcome, Outcome::kGoesOn);
+  EXPECT_EQ(counters.trap_cycles, 5u);
 }
 
 TEST(Traps, AnAnswerDropsItsShareOfEnergyAndBeginsAFlight) {
