@@ -1,6 +1,6 @@
 // A camera that moves round its target. Positions are voxels of the file, or a scene's world units; turns are made in physical lengths.
-/** @import { Vector } from "./protocol.js" */
-/** @import { ViewState } from "./view.js" */
+/** @typedef {import("./protocol.js").Vector} Vector */
+/** @typedef {import("./view.js").ViewState} ViewState */
 
 /** @param {string} text @returns {Vector} */
 export const vector = (text) => /** @type {Vector} */ (text.split(",").map(Number));
@@ -14,7 +14,8 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 /** @param {Vector} a @returns {Vector} */
 const unit = (a) => each((i) => a[i] / (Math.hypot(...a) || 1));
-/** Round the unit vector `axis`. @param {Vector} v @param {Vector} axis @param {number} angle */
+/** Round the unit vector `axis`.
+ * @param {Vector} v @param {Vector} axis @param {number} angle */
 const turned = (v, axis, angle) =>
   plus(plus(each((i) => v[i] * Math.cos(angle)), cross(axis, v), Math.sin(angle)), axis, dot(axis, v) * (1 - Math.cos(angle)));
 /** @param {Vector} v */
@@ -46,7 +47,8 @@ export class Camera {
     this.view.set({ eye: back(plus(target, offset)), "look-at": back(target), ...more }, true);
   }
 
-  /** By angles in radians; the camera stays off the poles. @param {number} across @param {number} over */
+  /** By angles in radians; the camera stays off the poles.
+   * @param {number} across @param {number} over */
   orbit(across, over) {
     const { target, offset, up, right } = this.#pose();
     const height = Math.asin(Math.max(-1, Math.min(1, dot(unit(offset), up))));
@@ -55,7 +57,8 @@ export class Camera {
     this.#put(target, turned(turned(offset, right, -tilt), up, across));
   }
 
-  /** By shares of the picture's height. @param {number} across @param {number} over */
+  /** By shares of the picture's height.
+   * @param {number} across @param {number} over */
   pan(across, over) {
     const { target, offset, right } = this.#pose();
     const height = this.view.get("orthographic")
@@ -65,7 +68,8 @@ export class Camera {
     this.#put(plus(plus(target, right, -across * height), upward, over * height), offset);
   }
 
-  /** A factor above 1 goes nearer. @param {number} factor */
+  /** A factor above 1 goes nearer.
+   * @param {number} factor */
   zoom(factor) {
     const { target, offset } = this.#pose();
     const height = Number(this.view.get("orthographic"));

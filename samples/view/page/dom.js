@@ -17,17 +17,20 @@ export function shape(name, attributes = {}, ...inside) {
   return made;
 }
 
-/** The element of an id, which the page has. @template {HTMLElement} [T=HTMLElement] @param {string} id @returns {T} */
-export const by = (id) => /** @type {T} */ (document.getElementById(id));
+/** The element of an id, which the page has.
+ * @param {string} id @returns {any} of the kind that its user knows */
+export const by = (id) => document.getElementById(id);
 
-/** Saves a text as a file. @param {string} name @param {string} text */
+/** Saves a text as a file.
+ * @param {string} name @param {string} text */
 export function save(name, text) {
   const url = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
   element("a", { href: url, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
-/** A figure of three places, with a prefix of thousands. @param {number} value */
+/** A figure of three places, with a prefix of thousands.
+ * @param {number} value */
 export function short(value) {
   if (!Number.isFinite(value)) return "–";
   const steps = [[1e12, "T"], [1e9, "G"], [1e6, "M"], [1e3, "k"]];

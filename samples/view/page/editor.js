@@ -1,7 +1,10 @@
 // The editor of a transfer function: points over the histogram, colours on the strip below.
-/** @import { Histogram, Hello } from "./protocol.js" */
-/** @import { Transfer, ColourPoint, OpacityPoint } from "./transfer.js" */
-/** @import { ViewState } from "./view.js" */
+/** @typedef {import("./protocol.js").Histogram} Histogram */
+/** @typedef {import("./protocol.js").Hello} Hello */
+/** @typedef {import("./transfer.js").Transfer} Transfer */
+/** @typedef {import("./transfer.js").ColourPoint} ColourPoint */
+/** @typedef {import("./transfer.js").OpacityPoint} OpacityPoint */
+/** @typedef {import("./view.js").ViewState} ViewState */
 import { by, save, shape } from "./dom.js";
 import { History, colour_at, format, from_hex, hex, parse } from "./transfer.js";
 
@@ -182,7 +185,8 @@ export class Editor {
     this.#focus();
   }
 
-  /** Points stay in order. @param {Partial<ColourPoint & OpacityPoint>} values @param {boolean} [moving] */
+  /** Points stay in order.
+   * @param {Partial<ColourPoint & OpacityPoint>} values @param {boolean} [moving] */
   #change(values, moving = false) {
     const { list, index } = this.#selected;
     const points = this.#transfer[list];

@@ -1,6 +1,6 @@
 // The form of settings: gicube-render's options by their names.
-/** @import { ViewState } from "./view.js" */
-/** @import { Hello } from "./protocol.js" */
+/** @typedef {import("./view.js").ViewState} ViewState */
+/** @typedef {import("./protocol.js").Hello} Hello */
 import { by, element } from "./dom.js";
 
 /** @typedef {{name: string, label: string, hint?: string, options?: string[], flag?: boolean, range?: [number, number, number], wide?: boolean}} Field */
@@ -88,7 +88,8 @@ export class Fields {
     by("cut-at").disabled = by("cut-side").disabled = by("cut-axis").value === "";
   }
 
-  /** Marks the field at fault, or none. @param {string} [name] @param {string} [text] @returns {boolean} whether there is such a field */
+  /** Marks the field at fault, or none.
+   * @param {string} [name] @param {string} [text] @returns {boolean} whether there is such a field */
   blame(name = "", text = "") {
     for (const input of this.#inputs.values()) {
       input.removeAttribute("aria-invalid");
@@ -129,7 +130,8 @@ export class Fields {
     return row;
   }
 
-  /** A plane across an axis, at a share of the visible box. @param {boolean} moving */
+  /** A plane across an axis, at a share of the visible box.
+   * @param {boolean} moving */
   #cut(moving) {
     const axis = "xyz".indexOf(by("cut-axis").value);
     if (by("cut-axis").value === "" || !this.box) return this.view.set({ cut: "" });

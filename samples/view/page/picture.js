@@ -1,8 +1,9 @@
 // The picture: hands move the camera, requests go out without waiting for old ones, pictures are shown as they come.
-/** @import { Connection } from "./socket.js" */
-/** @import { ViewState } from "./view.js" */
-/** @import { Camera } from "./camera.js" */
-/** @import { PictureHeader, Failure } from "./protocol.js" */
+/** @typedef {import("./socket.js").Connection} Connection */
+/** @typedef {import("./view.js").ViewState} ViewState */
+/** @typedef {import("./camera.js").Camera} Camera */
+/** @typedef {import("./protocol.js").PictureHeader} PictureHeader */
+/** @typedef {import("./protocol.js").Failure} Failure */
 
 const kRest = 180; // milliseconds without a move after which the whole picture is asked for
 const kForgotten = 3000; // milliseconds after which an unanswered request no longer holds up the next
@@ -24,7 +25,8 @@ export class Picture extends EventTarget {
     connection.on("error", (/** @type {Failure} */ error) => this.#arrived(error.id ?? 0));
   }
 
-  /** Asks for the picture of the view as it is. @param {boolean} moving */
+  /** Asks for the picture of the view as it is.
+   * @param {boolean} moving */
   ask(moving) {
     clearTimeout(this.#rest);
     if (moving) {
@@ -63,8 +65,9 @@ export class Picture extends EventTarget {
     canvas.width = header.width;
     canvas.height = header.height;
     const [width, height] = this.view.get("size").split("x").map(Number);
-    canvas.style.width = `${width || header.width}px`;
-    canvas.style.aspectRatio = `${width || header.width} / ${height || header.height}`;
+    const ratio = (width || header.width) / (height || header.height);
+    canvas.style.width = `min(100%, ${width || header.width}px, calc(${ratio} * (100vh - 190px)))`;
+    canvas.style.aspectRatio = String(ratio);
     const pixels = new ImageData(new Uint8ClampedArray(bytes), header.width, header.height);
     canvas.getContext("2d")?.putImageData(pixels, 0, 0);
     canvas.dataset.id = String(header.id);
@@ -73,7 +76,8 @@ export class Picture extends EventTarget {
   }
 }
 
-/** Mouse, touch and keys on the picture move the camera. @param {HTMLCanvasElement} canvas @param {Camera} camera */
+/** Mouse, touch and keys on the picture move the camera.
+ * @param {HTMLCanvasElement} canvas @param {Camera} camera */
 export function steer(canvas, camera) {
   /** @type {Map<number, {x: number, y: number}>} */
   const fingers = new Map();

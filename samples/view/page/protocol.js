@@ -8,15 +8,16 @@
  *   limits: {file_bytes: number, message_bytes: number, size: number},
  *   board: {uri: string, level: string, processors: number} | null}} Hello */
 /** @typedef {Record<string, number>} Counters */
-/** @typedef {{type: "machine", simulated_ms: number, running: boolean, counters: Counters}} Machine */
+/** @typedef {{type: "machine", simulated_ms: number, running: boolean, counters: Counters, units?: Record<string, string>}} Machine */
 /** @typedef {{frame_ms: number | null, settings: Settings, counters: Counters}} ComparedFrame */
 /** @typedef {{type: "picture", id: number, width: number, height: number, final: boolean, frame_ms: number | null, level: string,
- *   host_ms: number, command?: string, python?: string}} PictureHeader */
+ *   host_ms: number, number?: number, command?: string, python?: string}} PictureHeader */
 /** @typedef {{type: "slice", id: number, axis: "x" | "y" | "z", at: number, width: number, height: number}} SliceHeader */
 /** @typedef {{type: "error", id?: number, field?: string, text: string}} Failure */
 /** @typedef {{type: "histogram", low: number, high: number, counts: number[]}} Histogram */
 
 export const token = new URLSearchParams(location.search).get("token") ?? "";
 
-/** The address of a part of the program. @param {string} path @param {Record<string, string>} [query] */
+/** The address of a part of the program.
+ * @param {string} path @param {Record<string, string>} [query] */
 export const address = (path, query = {}) => `${path}?${new URLSearchParams({ token, ...query })}`;

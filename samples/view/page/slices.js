@@ -1,12 +1,13 @@
 // Slices along the axes beside the picture, each with a slider.
-/** @import { Connection } from "./socket.js" */
-/** @import { SliceHeader, Volume } from "./protocol.js" */
+/** @typedef {import("./socket.js").Connection} Connection */
+/** @typedef {import("./protocol.js").SliceHeader} SliceHeader */
+/** @typedef {import("./protocol.js").Volume} Volume */
+/** @typedef {{axis: "x" | "y" | "z", canvas: HTMLCanvasElement, slider: HTMLInputElement, text: HTMLElement, flying: boolean}} Slice */
 import { element } from "./dom.js";
 
 export class Slices {
   #id = 0;
-  /** @type {{axis: "x" | "y" | "z", canvas: HTMLCanvasElement, slider: HTMLInputElement, text: HTMLElement, flying: boolean}[]} */
-  #all = [];
+  /** @type {Slice[]} */ #all = [];
 
   /** @param {HTMLElement} place @param {Connection} connection */
   constructor(place, connection) {
@@ -42,7 +43,7 @@ export class Slices {
     }
   }
 
-  /** @param {typeof this.#all[number]} slice */
+  /** @param {Slice} slice */
   #ask(slice) {
     slice.text.textContent = `${slice.axis} ${slice.slider.value}`;
     if (slice.flying) return;

@@ -34,7 +34,8 @@ export const hex = (colour) => `#${colour.map((c) => Math.round(c * 255).toStrin
 /** @param {string} text @returns {[number, number, number]} */
 export const from_hex = (text) => /** @type {any} */ ([1, 3, 5].map((i) => Number((parseInt(text.slice(i, i + 2), 16) / 255).toFixed(3))));
 
-/** The colour between the points. @param {Transfer} transfer @param {number} at @returns {[number, number, number]} */
+/** The colour between the points.
+ * @param {Transfer} transfer @param {number} at @returns {[number, number, number]} */
 export function colour_at(transfer, at) {
   const points = transfer.colours;
   const next = points.findIndex((p) => p.at > at);

@@ -1,5 +1,5 @@
 // The state of a view: settings that differ from those the program chose. The address after # has the same.
-/** @import { Settings } from "./protocol.js" */
+/** @typedef {import("./protocol.js").Settings} Settings */
 
 export class ViewState extends EventTarget {
   /** @type {Settings} */ chosen = {};
@@ -19,7 +19,8 @@ export class ViewState extends EventTarget {
     return this.own[name] ?? this.chosen[name] ?? "";
   }
 
-  /** An empty value leaves the setting to the program. @param {Settings} values @param {boolean} [moving] */
+  /** An empty value leaves the setting to the program.
+   * @param {Settings} values @param {boolean} [moving] */
   set(values, moving = false) {
     for (const [name, value] of Object.entries(values)) {
       if (value === "" || value === this.chosen[name]) delete this.own[name];
@@ -28,20 +29,24 @@ export class ViewState extends EventTarget {
     this.#tell(Object.keys(values).join(), moving);
   }
 
-  /** Only these are kept. @param {string[]} names */
+  /** Only these are kept.
+   * @param {string[]} names */
   keep(names) {
     for (const name of Object.keys(this.own)) if (!names.includes(name)) delete this.own[name];
     this.#tell("other", false);
+  }
+
+  /** Of this page, with the view as it is. */
+  address() {
+    const text = new URLSearchParams(this.own).toString();
+    return location.origin + location.pathname + location.search + (text && `#${text}`);
   }
 
   /** @param {string} what @param {boolean} moving */
   #tell(what, moving) {
     // Browsers take few changes of an address a second.
     clearTimeout(this.#timer);
-    this.#timer = setTimeout(() => {
-      const text = new URLSearchParams(this.own).toString();
-      if (text !== location.hash.slice(1)) history.replaceState(null, "", text ? `#${text}` : location.pathname + location.search);
-    }, 300);
+    this.#timer = setTimeout(() => history.replaceState(null, "", this.address()), 300);
     this.dispatchEvent(new CustomEvent("change", { detail: { what, moving } }));
   }
 }

@@ -1,0 +1,111 @@
+// What counters say of the machine: causes as stacked bars, shares and rates. Colours: Okabe and Ito.
+/** @typedef {import("./protocol.js").Counters} Counters */
+import { element, shape, short } from "./dom.js";
+
+/** @type {{name: string, causes: string[], colour: string, why: string}[]} */
+export const kGroups = [
+  { name: "samples", causes: ["busy"], colour: "#009e73", why: "a sample entered the pipeline" },
+  { name: "leaps", causes: ["leap"], colour: "#56b4e9", why: "a ray jumped over an empty block" },
+  { name: "cache", causes: ["cache_fill", "cache_miss"], colour: "#e69f00", why: "waits for the volume cache" },
+  { name: "memory", causes: ["memory_bank", "refresh"], colour: "#d55e00", why: "waits for the memory's banks" },
+  { name: "latency", causes: ["latency"], colour: "#f0e442", why: "all its rays are on their way through the pipeline" },
+  { name: "sorter", causes: ["sorter"], colour: "#0072b2", why: "rays wait in queues for the sorter" },
+  { name: "no rays", causes: ["queue_empty", "dsp"], colour: "#cc79a7", why: "others have the rays, or the DSP has not made them yet" },
+  { name: "links", causes: ["link", "ray_bus"], colour: "#7a5c99", why: "a ray waits for a link or the ray bus" },
+  { name: "deposits", causes: ["splat"], colour: "#8a8a8a", why: "the cache is busy with deposits" },
+  { name: "unknown", causes: ["unattributed"], colour: "#c4c4c4", why: "this level does not know the cause" },
+];
+
+/** Cycles of each group; part: as "processor3", or the sum of all.
+ * @param {Counters} counters @param {string} [part] @returns {number[]} */
+export const cycles_of = (counters, part = "processor") =>
+  kGroups.map(({ causes }) => causes.reduce((sum, cause) => sum + (counters[`${part}.cycles.${cause}`] ?? 0), 0));
+
+/** What was counted between two states.
+ * @param {Counters} end @param {Counters} begin @returns {Counters} */
+export const between = (end, begin) => Object.fromEntries(Object.entries(end).map(([name, value]) => [name, value - (begin[name] ?? 0)]));
+
+/** As many parts as the board has, by a counter that each has.
+ * @param {Counters} counters @param {string} kind @param {string} counter */
+export function parts_of(counters, kind, counter) {
+  const parts = [];
+  while (`${kind}${parts.length}.${counter}` in counters) parts.push(`${kind}${parts.length}`);
+  return parts;
+}
+
+const kLabel = 74, kBar = 320, kRow = 16;
+
+/** Bars of shares, one a row: label, cycles of each group.
+ * @param {[string, number[]][]} rows @param {string} title */
+export function stacked(rows, title) {
+  const svg = shape("svg", { viewBox: `0 0 ${kLabel + kBar} ${rows.length * kRow + 2}`, class: "chart", role: "img", "aria-label": title });
+  rows.forEach(([label, cycles], row) => {
+    svg.append(shape("text", { x: 0, y: row * kRow + 11 }, label));
+    const sum = cycles.reduce((a, b) => a + b, 0);
+    let x = kLabel;
+    cycles.forEach((value, group) => {
+      const width = sum > 0 ? (value / sum) * kBar : 0;
+      const text = `${label}: ${kGroups[group].name} ${((100 * value) / (sum || 1)).toFixed(1)}%, ${kGroups[group].why}`;
+      if (width > 0) svg.append(shape("rect", { x, y: row * kRow + 1, width, height: kRow - 3, fill: kGroups[group].colour }, shape("title", {}, text)));
+      x += width;
+    });
+  });
+  return svg;
+}
+
+/** Bars of one share each: label, 0..1, text.
+ * @param {[string, number, string][]} rows @param {string} title */
+export function bars(rows, title) {
+  const svg = shape("svg", { viewBox: `0 0 ${kLabel + kBar} ${rows.length * kRow + 2}`, class: "chart", role: "img", "aria-label": title });
+  rows.forEach(([label, share, text], row) => {
+    const width = Math.max(0, Math.min(1, share)) * (kBar - 70);
+    svg.append(
+      shape("text", { x: 0, y: row * kRow + 11 }, label),
+      shape("rect", { x: kLabel, y: row * kRow + 2, width, height: kRow - 5, fill: "#0072b2" }),
+      shape("text", { x: kLabel + width + 4, y: row * kRow + 11 }, text),
+    );
+  });
+  return svg;
+}
+
+/** The groups that are there, with their shares.
+ * @param {number[]} cycles */
+export function legend(cycles) {
+  const sum = cycles.reduce((a, b) => a + b, 0);
+  return element("ul", { class: "legend" }, ...kGroups.flatMap(({ name, colour, why }, group) => {
+    if (!cycles[group]) return [];
+    const mark = shape("svg", { viewBox: "0 0 10 10", "aria-hidden": "true" }, shape("rect", { width: 10, height: 10, fill: colour }));
+    return [element("li", { title: why }, mark, `${name} ${((100 * cycles[group]) / sum).toFixed(1)}%`)];
+  }));
+}
+
+/** @param {number} share */
+const percent = (share) => (Number.isFinite(share) ? `${(100 * share).toFixed(1)}%` : "–");
+
+/** Figures of what was counted: label, value, text. Empty where the level keeps nothing of the kind.
+ * @param {Counters} d @returns {[string, number, string][]} */
+export function figures(d) {
+  const memory = "rdram.cycles" in d ? "rdram" : "ddr";
+  const of = (/** @type {string} */ name) => d[name] ?? NaN;
+  const cycles = cycles_of(d).reduce((a, b) => a + b, 0);
+  const rows = of(`${memory}.row_hits`) + of(`${memory}.row_misses`) + of(`${memory}.row_conflicts`);
+  /** @type {[string, number, (value: number) => string][]} */
+  const all = [
+    ["rays ended", of("pipeline.rays"), short],
+    ["samples", of("pipeline.samples"), short],
+    ["samples a cycle of a processor", of("processor.samples") / cycles, (x) => x.toFixed(3)],
+    ["leaps", of("pipeline.leaps"), short],
+    ["cache hit ratio", 1 - of("processor.cache.missed_voxels") / (8 * of("processor.cache.checks")), percent],
+    ["rays issued from queues", of("processor.sorter.issued"), short],
+    ["rays that found a queue full", of("processor.sorter.overflows"), short],
+    ["rays that changed processor", of("link.rays_sent"), short],
+    ["links busy, of link cycles", of("link.busy"), short],
+    [`${memory}: bandwidth used`, of(`${memory}.data_busy`) / of(`${memory}.cycles`), percent],
+    [`${memory}: packets in an open row`, of(`${memory}.row_hits`) / rows, percent],
+    ["DSP busy, simulated ms", of("dsp.busy_ps") / 1e9, (x) => x.toFixed(3)],
+    ["bus down, bytes", of("bus.down.bytes"), short],
+    ["bus up, bytes", of("bus.up.bytes"), short],
+    ["bus busy, simulated ms", (of("bus.down.busy_ps") + of("bus.up.busy_ps")) / 1e9, (x) => x.toFixed(3)],
+  ];
+  return all.filter(([, value]) => Number.isFinite(value)).map(([label, value, text]) => [label, value, text(value)]);
+}

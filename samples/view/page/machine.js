@@ -1,0 +1,89 @@
+// The machine at work: ten looks a second at all that the board counts, while this panel is open.
+/** @typedef {import("./protocol.js").Counters} Counters */
+/** @typedef {import("./protocol.js").Machine} Message */
+/** @typedef {import("./socket.js").Connection} Connection */
+import { by, element, short } from "./dom.js";
+import { bars, between, cycles_of, figures, legend, parts_of, stacked } from "./figures.js";
+import { TimeLine } from "./timeline.js";
+
+const kWindow = 10; // looks back of the figures, a second
+
+export class Machine {
+  /** @type {Message[]} */ #looks = []; // of the last second
+  /** @type {Counters | null} */ #begin = null; // before the frame that runs, or that was the last
+  /** @type {Record<string, string>} */ #units = {};
+  #was_running = false;
+  #head = element("p", { class: "quiet", id: "machine-state" }, "Nothing was counted yet.");
+  #charts = element("div");
+  #table = element("table");
+  #all = element("table");
+  #line = new TimeLine();
+  #raw = element("details", {}, element("summary", {}, "All counters, since the board's start"), this.#all);
+
+  /** @param {Connection} connection */
+  constructor(connection) {
+    this.connection = connection;
+    by("machine").append(this.#head, this.#charts, this.#table, this.#line.place, this.#raw);
+    by("machine-panel").addEventListener("toggle", () => this.listen());
+    document.addEventListener("visibilitychange", () => this.listen());
+    connection.on("machine", (message) => this.#look(message));
+  }
+
+  /** Has the program look at the board, if anyone looks at this. */
+  listen() {
+    this.#looks = [];
+    this.#was_running = false;
+    this.connection.send({ do: "machine", on: by("machine-panel").open && !document.hidden });
+  }
+
+  /** @param {Message} message */
+  #look(message) {
+    const { counters, running } = message;
+    if (message.units) this.#units = message.units;
+    const last = this.#looks.at(-1);
+    if (last && (counters["pipeline.rays"] ?? 0) < (last.counters["pipeline.rays"] ?? 0)) this.#looks = []; // a new board
+    if (!this.#begin || (running && !this.#was_running)) {
+      this.#begin = this.#looks.at(-1)?.counters ?? counters;
+      this.#line.clear(this.#begin);
+    }
+    this.#was_running = running;
+    this.#looks.push(message);
+    if (this.#looks.length > kWindow) this.#looks.shift();
+    this.#line.add(counters);
+    this.#show(message);
+  }
+
+  /** @param {Message} message */
+  #show({ counters, running, simulated_ms }) {
+    const since = running ? this.#looks[0].counters : (this.#begin ?? {});
+    const window = between(counters, since);
+    const cycles = window["asic.cycles"] ?? 0;
+    const what = running ? "a frame runs; figures of the last second" : "idle; figures of the last frame";
+    this.#head.textContent = `${what} · ${simulated_ms.toFixed(3)} ms simulated since the board's start · ${short(cycles)} core cycles`;
+    const processors = parts_of(counters, "processor", "cycles.busy");
+    if (processors.length === 0) {
+      this.#charts.replaceChildren(element("p", { class: "quiet" }, "The functional level keeps no cycles: choose the level cycle or approximate, below Board."));
+    } else {
+      const held = processors.map((part) => counters[`${part}.sorter.written`] - counters[`${part}.sorter.issued`]);
+      const most = Math.max(...held, 1);
+      const sums = cycles_of(window);
+      const memory = "rdram.cycles" in counters ? "rdram" : "ddr";
+      this.#charts.replaceChildren(
+        element("h2", {}, "Cycles by cause: what each processor does, or waits for"),
+        stacked([["all", sums], ...processors.map((part, i) => /** @type {[string, number[]]} */ ([`processor ${i}`, cycles_of(window, part)]))], "cycles by cause"),
+        legend(sums),
+        element("h2", {}, "Rays in queues"),
+        bars(processors.map((_, i) => [`processor ${i}`, held[i] / most, short(held[i])]), "rays in queues"),
+        element("h2", {}, `Bandwidth used of each ${memory} channel`),
+        bars(parts_of(counters, memory, "cycles").map((part) => {
+          const share = window[`${part}.data_busy`] / (window[`${part}.cycles`] || 1);
+          return [part, share, `${(100 * share).toFixed(1)}%`];
+        }), "bandwidth used"),
+      );
+    }
+    this.#table.replaceChildren(...figures(window).map(([label, , text]) => element("tr", {}, element("td", {}, label), element("td", {}, text))));
+    if (!this.#raw.open) return;
+    this.#all.replaceChildren(...Object.entries(counters).map(([name, value]) =>
+      element("tr", {}, element("td", {}, name), element("td", {}, String(value)), element("td", {}, String(this.#units[name] ?? "")))));
+  }
+}
