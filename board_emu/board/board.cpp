@@ -13,6 +13,7 @@
 #include "firmware/routines/routine_table.h"
 #include "gicube/wire/memory_map.h"
 #include "timeline.h"
+#include "words/finally.h"
 
 namespace gicube::emu {
 
@@ -337,7 +338,12 @@ TransactionResult Board::transact(const wire::FrameHeader& header, std::span<con
     case FrameType::kRegisterWrite: parts_->transact_word(header, payload); return outcome;
     case FrameType::kMemoryWrite: parts_->write_memory(header, payload); return outcome;
     case FrameType::kMemoryRead: outcome.reply = parts_->read_memory(header, payload); break;
-    case FrameType::kCommand: outcome.ticket_in_use = !parts_->command(header, payload, work); break;
+    case FrameType::kCommand: {
+      work.may_count = [this] { publish_if_asked(); };
+      const Finally no_more{[&work] { work.may_count = nullptr; }};
+      outcome.ticket_in_use = !parts_->command(header, payload, work);
+      break;
+    }
     case FrameType::kWait: outcome.reply = parts_->wait(payload); break;
     case FrameType::kCancel: outcome.reply = parts_->cancel(header, payload); break;
     case FrameType::kPoll:

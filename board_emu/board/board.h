@@ -5,6 +5,7 @@
 // time is computed when it can no longer change: up to the stamp of the latest transaction, or up to what the host waits for.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -69,8 +70,10 @@ class Board {
   // Memory for what the host has not fetched: results, and the bookkeeping of what is under way. Called like transact().
   std::uint64_t held_bytes() const;
 
-  // The counters after the latest transaction. Any thread.
+  // The counters after the latest transaction; while the cycle level carries out a command, those of soon after the call before.
+  // Any thread.
   std::vector<wire::Counter> counters() const {
+    is_asked_.store(true, std::memory_order_relaxed);
     const std::lock_guard lock(published_mutex_);
     return published_;
   }
@@ -88,8 +91,12 @@ class Board {
   struct Parts;
 
   void publish();
+  void publish_if_asked() {
+    if (is_asked_.load(std::memory_order_relaxed) && is_asked_.exchange(false)) publish();
+  }
 
   std::unique_ptr<Parts> parts_;
+  mutable std::atomic<bool> is_asked_ = false;  // since they were published
   mutable std::mutex published_mutex_;
   std::vector<wire::Counter> published_;
   std::uint64_t published_ps_ = 0;

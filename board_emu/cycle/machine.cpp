@@ -171,6 +171,7 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, 
       report_at = now_ + kProgressCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
+      if (progress.may_count) progress.may_count();
       if (progress.cancel) return result(true);
     }
     if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <stdexcept>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct Progress {
   std::atomic<std::uint32_t> ticket{0};  // the command in work, and how much of it is done
   std::atomic<std::uint32_t> done{0};
   std::atomic<std::uint32_t> all{0};
+
+  // The board's: in this call, on the command's thread, its counters may be read. The cycle level calls it often while it runs. The
+  // others are quick, and their counters hold at the end of a run.
+  std::function<void()> may_count{};
 };
 
 struct RunResult {

@@ -40,6 +40,8 @@ class Renderer {
   void prepare(double time) { set_voxels(at(time)); }
   // Whether the board has a volume: not after a call that was left while it was loading one.
   bool loaded() const { return loaded_.has_value(); }
+  // Whether the picture at a time is one of the voxels that are there.
+  bool holds(double time) const { return holds(at(time)); }
 
   // How many pictures from `first` on have its volume and its light.
   std::size_t run_length(const std::vector<double>& times, std::size_t first) const;

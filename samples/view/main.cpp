@@ -38,12 +38,13 @@ int run(int argc, char** argv) {
   const PrivateFolder folder;
   options->view.folder = folder.path();
   Viewer* viewer = nullptr;
-  Server server({.come = [&viewer](Page page) { viewer->come(page); },
-                 .leave = [&viewer](Page page) { viewer->leave(page); },
-                 .ask = [&viewer](Page page, Request request) { viewer->ask(page, std::move(request)); },
-                 .download = [&viewer](const std::string& what) { return viewer->download(what); },
-                 .folder = folder.path()},
-                options->port, new_token());
+  Server server(
+      {.come = [&viewer](Page page) { viewer->come(page); },
+       .leave = [&viewer](Page page) { viewer->leave(page); },
+       .ask = [&viewer](Page page, Request request) { viewer->ask(page, std::move(request)); },
+       .download = [&viewer](const std::string& what, std::uint64_t number) { return viewer->download(what, number); },
+       .folder = folder.path()},
+      options->port, new_token());
   Viewer own(options->view, [&server](Page page, const Packet& packet) { server.send(page, packet); });
   viewer = &own;
   fmt::print("{}\n", server.address());

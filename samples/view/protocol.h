@@ -5,13 +5,14 @@
 //   GET  /?token=T                          index.html
 //   GET  /NAME                              the other files of samples/view/page
 //   POST /file?token=T&name=NAME            the body is kept as NAME for {"do":"open"}; NAME has no slash and no leading dot. 204; 413 too large
-//   GET  /download?token=T&what=png|exr|stats|tf   the last whole picture, its statistics (JSON), the points of its transfer function; 404: none yet
+//   GET  /download?token=T&number=N&what=png|exr|stats|tf   a whole picture, its statistics (JSON), the points of its transfer function;
+//                                   404: it is not among the last few
 //   GET  /socket?token=T                    WebSocket
 // Other answers are 400 (no such method or form), 403 (token, Host, Origin), 404, 413, 503 (too many connections), with one line of text.
 //
 // Settings are options of gicube-render without their dashes, text to text, as gicube-sweep names them: {"eye":"1,2,3", "step":"0.5"}.
 // A flag is "on" or "off". `cut` may have several planes, with ; between. A name with a dot is a field of the board's configuration
-// ("asic.processors":"8"). `input` is one of hello's inputs. `transfer-function` is a preset, one of hello's transfer functions, or the
+// ("asic.processors":"8"). `input` is one of hello's inputs, and the open one from then on. `transfer-function` is a preset, one of hello's transfer functions, or the
 // whole text of a .tf file (it has line ends). What is left out is as hello says. Settings that only a command line may have (output,
 // board, config, ...) are refused. A world's units are those of the scene, else voxels, as everywhere in gicube-render.
 //
@@ -23,7 +24,8 @@
 //   {"do":"histogram"}              of the input
 //   {"do":"open","names":[...]}     of what was posted: one file, or slices, or a header with its data; it becomes the input
 //   {"do":"machine","on":BOOL}      ten "machine" messages a second while on
-//   {"do":"compare","id":N,"settings":{...},"other":{...}}   the same frame on two new boards of these settings
+//   {"do":"compare","id":N,"settings":{...},"other":{...}}   the same frame on two new boards of these settings; the page's next picture
+//                                   stops it
 //   {"do":"board"}                  a new board after one was lost
 // A message that is none of these ends the connection (WebSocket close 1008).
 //
@@ -36,15 +38,17 @@
 //                                   switches are there where they are on
 //   {"type":"histogram","low","high","counts":[256 numbers]}  over the volume's range
 //   {"type":"machine","simulated_ms","running":BOOL,"counters":{NAME:VALUE...},"units":{NAME:UNIT...}}   all that the board counts, since
-//                                   its start (docs/reference/counters.md); shares and rates are for the page to form. units come once
+//                                   its start (docs/reference/counters.md), where that has changed; shares and rates are for the page to
+//                                   form. units come once. Within a frame only of a board of this user on this machine at the cycle level
 //   {"type":"compared","id","frames":[{"frame_ms","settings":{...},"counters":{...}} x 2],"same":BOOL}   same: the pictures are equal
 //   {"type":"progress","text","done","all"}                   of a long step: reading, loading, lighting
 //   {"type":"board","state":"lost"|"ready","text"}            lost: {"do":"board"} starts another, and the picture should be asked for again
 //   {"type":"error","id"?,"field"?,"text"}                    field: the setting at fault, without dashes, where there is one
 // Binary: the header's length, 4 bytes little endian; the header, JSON; the bytes.
-//   {"type":"picture","id","width","height","final":BOOL,"frame_ms","level","host_ms","command"} + RGBA, 8 bits, as
+//   {"type":"picture","id","width","height","final":BOOL,"frame_ms","level","host_ms","number","command","python"} + RGBA, 8 bits, as
 //                                   gicube-render -o picture.png has it. frame_ms is null where the level keeps no time. A coarse picture has
-//                                   fewer pixels than asked for, and no command.
+//                                   fewer pixels than asked for, and no number, command and python. There is no python where its package
+//                                   has no call for what was set.
 //   {"type":"slice","id","axis","at","width","height"} + grey, 8 bits, over the volume's range; rows from the lowest y (of z: y down, x
 //                                   across; of y: z down, x across; of x: z down, y across)
 #pragma once
@@ -58,7 +62,8 @@ namespace gicube::samples::view {
 constexpr std::size_t kMaxConnections = 32;  // chosen: a few pages, each with a socket and its modules
 constexpr std::uint64_t kMaxFileBytes = std::uint64_t{2} << 30;  // chosen: of all posted files together
 constexpr std::size_t kMaxMessageBytes = 256 * 1024;             // chosen: 4096 points of a transfer function fit
-constexpr std::size_t kMaxWaiting = 64;           // chosen: messages of one page that wait to be carried out
+constexpr std::size_t kMaxMade = 8;      // chosen: whole pictures that can be downloaded: a few pages' last ones
+constexpr std::size_t kMaxWaiting = 64;  // chosen: messages of one page that wait to be carried out
 constexpr std::chrono::seconds kRequestTime{10};  // chosen: for a request's header, and each part of a body
 constexpr std::chrono::milliseconds kFrameBudget{
     50};  // chosen: of a picture while something moves; 15 a second with room

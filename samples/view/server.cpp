@@ -25,6 +25,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "gicube/scene/error.h"
+#include "scene/common/checks.h"
 #include "view/page_files.h"
 #include "view/protocol.h"
 
@@ -227,8 +228,11 @@ awaitable<bool> Server::State::answer(Stream& stream, beast::flat_buffer& buffer
     if (!is_get) throw Refusal{http::status::bad_request, "expected GET, or POST /file"};
     if (is_page && !websocket::is_upgrade(request)) throw Refusal{http::status::bad_request, "expected a WebSocket"};
     if (!is_page && target.path == "/download") {
-      const auto what = target.query.find("what");
-      found = pages.download(what == target.query.end() ? "" : what->second);
+      const auto asked = [&target](const char* name) {
+        const auto value = target.query.find(name);
+        return value == target.query.end() ? std::string() : value->second;
+      };
+      found = pages.download(asked("what"), parse_number<std::uint64_t>(asked("number")).value_or(0));
       if (!found)
         throw Refusal{http::status::not_found, "what: expected png, exr, stats or tf of a picture that is there"};
     } else if (!is_page) {

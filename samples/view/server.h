@@ -25,7 +25,7 @@ bool same_secret(std::string_view a, std::string_view b);
 struct Pages {
   std::function<void(Page)> come, leave;
   std::function<void(Page, Request)> ask;
-  std::function<std::optional<Viewer::Download>(const std::string& what)> download;
+  std::function<std::optional<Viewer::Download>(const std::string& what, std::uint64_t number)> download;
   std::filesystem::path folder;  // for posted files
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <ranges>
 #include <span>
 #include <sstream>
@@ -46,16 +47,16 @@ std::string path_of(const std::string& name, const Shelf& shelf) {
   return found->second;
 }
 
+// As people would type it: files that came from a page have their own names.
+std::string shown_path(const std::string& name, const Shelf& shelf) {
+  std::string path = path_of(name, shelf);
+  return path.starts_with(shelf.folder.string()) ? name : path;
+}
+
 bool is_written(const std::string& function) { return function.find('\n') != std::string::npos; }
 
 std::string function_path(const std::string& value, const Shelf& shelf) {
-  if (is_written(value)) {
-    parse_transfer_function(value, "transfer-function");
-    const std::filesystem::path file =
-        shelf.folder / (".tf-" + hex(hash_of(std::as_bytes(std::span(value.data(), value.size())))) + ".tf");
-    if (!std::filesystem::exists(file)) std::ofstream(file, std::ios::binary) << value;
-    return file.string();
-  }
+  if (is_written(value)) return file_of(value, shelf).string();
   const auto found = shelf.functions.find(value);
   if (found != shelf.functions.end()) return found->second.string();
   find_preset(value);  // says which there are
@@ -67,8 +68,7 @@ std::vector<std::string> arguments_of(const Settings& settings, const Shelf& she
                                       bool shown) {
   const auto input = settings.find("input");
   if (input == settings.end()) throw UsageError("--input: expected one of " + names_of(shelf.inputs) + ", got none");
-  std::vector<std::string> words{path_of(input->second, shelf)};
-  if (shown && words.front().starts_with(shelf.folder.string())) words.front() = input->second;
+  std::vector<std::string> words{shown ? shown_path(input->second, shelf) : path_of(input->second, shelf)};
   if (shown) {
     if (board.board != "emu:") words.push_back("--board=" + board.board);
     if (!board.fidelity.empty() && !settings.contains("fidelity")) words.push_back("--fidelity=" + board.fidelity);
@@ -106,6 +106,14 @@ std::string text_of(const Vec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.
 
 }  // namespace
 
+std::filesystem::path file_of(const std::string& function, const Shelf& shelf) {
+  parse_transfer_function(function, "transfer-function");
+  const auto bytes = std::as_bytes(std::span(function.data(), function.size()));
+  std::filesystem::path file = shelf.folder / (".tf-" + hex(hash_of(bytes)) + ".tf");
+  if (!std::filesystem::exists(file)) std::ofstream(file, std::ios::binary) << function;
+  return file;
+}
+
 RenderOptions options_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board) {
   std::vector<std::string> words = arguments_of(settings, shelf, board, false);
   words.insert(words.begin(), "gicube-render");
@@ -129,6 +137,66 @@ std::string command_of(const Settings& settings, const Shelf& shelf, const Board
   std::vector<const char*> argv;
   for (const std::string& word : words) argv.push_back(word.c_str());
   return command_line(static_cast<int>(argv.size()), argv.data());
+}
+
+std::string python_of(const Settings& settings, const Shelf& shelf, const RenderOptions& options,
+                      const SceneSetup& setup, const std::optional<Background>& background) {
+  for (const char* without : {"illumination", "rules", "light-rays", "lifetime", "colour-passes", "dims", "type",
+                              "big-endian", "skip", "composite"}) {
+    if (settings.contains(without)) return "";
+  }
+  if (setup.lighting.colour_passes || !options.board.board.starts_with("emu:")) return "";
+  const std::string input = nlohmann::json(shown_path(settings.at("input"), shelf)).dump();
+  std::string scene = "gicube.read_scene(" + input + ")";
+  if (!is_scene_path(options.input)) {
+    const std::string builtin = "builtin:";
+    std::string volume = "file: " + input;
+    if (options.input.starts_with(builtin)) volume = "builtin: \"" + options.input.substr(builtin.size()) + '"';
+    if (options.volume_size) volume += fmt::format(" size: {}", *options.volume_size);
+    if (options.spacing) volume += fmt::format(" spacing: [{}]", text_of(*options.spacing));
+    scene = "gicube.parse_scene(" + nlohmann::json("volume { " + volume + " }").dump() + ")";
+  } else if (options.volume_size) {
+    return "";
+  }
+  const auto vector = [](const Vec3& v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); };
+  const auto word = [](bool is) { return is ? "True" : "False"; };
+  const View& view = setup.view;
+  const Phong& phong = setup.shading.phong;
+  std::string text = "import dataclasses\n\nimport gicube\n\nsetup = " + scene;
+  if (options.animation.start) text += fmt::format(".at_time({})", *options.animation.start);
+  text += ".set_up()\nwith gicube.open(" + nlohmann::json(board_uri(options.board)).dump() + ") as board:\n";
+  text += "    view = gicube.load_scene(board, setup)\n";
+  text += fmt::format("    phong = gicube.Phong({}, {}, {}, {})\n", phong.ambient, phong.diffuse, phong.specular,
+                      phong.shininess);
+  text += "    board.set_shading(gicube.Shading(phong, " + vector(setup.shading.light) + "))\n";
+  const auto look = settings.find("transfer-function");
+  if (look != settings.end()) {
+    const std::string name = is_written(look->second) ? "view.tf" : look->second;
+    text += "    look = gicube.transfer_function(" + nlohmann::json(name).dump() +
+            ", board.value_range)\n    for tag in range(len(setup.looks)):\n        board.set_transfer_function(look, "
+            "tag)\n";
+  }
+  std::string planes;
+  for (const CutPlane& plane : view.cut_planes) {
+    planes += fmt::format("gicube.CutPlane({}, {}), ", vector(plane.normal), plane.offset);
+  }
+  text += "    view = dataclasses.replace(\n        view,\n";
+  text += fmt::format("        eye={},\n        look_at={},\n        up={},\n", vector(view.eye), vector(view.look_at),
+                      vector(view.up));
+  text +=
+      fmt::format("        fov_degrees={},\n        orthographic_height={},\n        width={},\n        height={},\n",
+                  view.fov_degrees, view.orthographic_height, view.width, view.height);
+  text += fmt::format("        samples_per_axis={},\n        filter=gicube.PixelFilter.{},\n        step={},\n",
+                      view.samples_per_axis, view.filter == PixelFilter::kBox ? "BOX" : "TENT", view.step);
+  text += fmt::format("        opacity_threshold={},\n        shade={},\n        jitter={},\n        leap={},\n",
+                      view.opacity_threshold, word(view.shade), word(view.jitter), word(view.leap));
+  text += fmt::format("        exposure={},\n        seed={},\n        cut_planes=[{}],\n    )\n",
+                      setup.lighting.exposure, view.seed, planes);
+  std::string over;
+  if (background)
+    over =
+        fmt::format(", background=({}, {}, {})", background->colour[0], background->colour[1], background->colour[2]);
+  return text + "    board.render(view).save(\"picture.png\"" + over + ")\n";
 }
 
 Settings chosen_settings(const SceneSetup& setup) {

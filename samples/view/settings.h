@@ -3,8 +3,10 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "gicube/scene/image_file.h"
 #include "gicube/scene/scene.h"
 #include "render/options.h"
 #include "view/request.h"
@@ -18,12 +20,20 @@ struct Shelf {
   std::filesystem::path folder;                            // for those that a page writes itself
 };
 
+// A file with a transfer function's text, by its content. Throws InputError: it is none.
+std::filesystem::path file_of(const std::string& function, const Shelf& shelf);
+
 // `board`: of the program's command line; a page may change its level and fields. Throws UsageError ("--NAME: expected ..., got ...")
 // and InputError, FileError.
 RenderOptions options_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board);
 
 // The gicube-render that makes the same picture; a transfer function that a page wrote is "view.tf".
 std::string command_of(const Settings& settings, const Shelf& shelf, const BoardOptions& board);
+
+// The lines of Python that do. Empty: the package has no call for what is set.
+// `setup`, `background`: of the picture.
+std::string python_of(const Settings& settings, const Shelf& shelf, const RenderOptions& options,
+                      const SceneSetup& setup, const std::optional<Background>& background);
 
 // What hello says of a view that nothing was said about: what the program chose, in the scene's units.
 Settings chosen_settings(const SceneSetup& setup);

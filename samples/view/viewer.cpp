@@ -26,6 +26,11 @@ struct Stopped {};
 
 constexpr const char* kNothingOpen = "nothing is open: name an input on the command line, or drop a file on the page";
 
+// What is stopped when something newer comes.
+bool is_picture(const std::optional<Request>& request) {
+  return request && (request->kind == Kind::kPicture || request->kind == Kind::kCompare);
+}
+
 std::string name_of_input(const std::string& path) {
   const std::filesystem::path p(path);
   return path.starts_with("builtin:") ? path
@@ -48,7 +53,16 @@ std::string bytes_of(const std::filesystem::path& file) {
 }  // namespace
 
 Viewer::Viewer(const ViewOptions& options, std::function<void(Page, const Packet&)> send)
-    : options_(options), send_(std::move(send)) {
+    : options_(options),
+      send_(std::move(send)),
+      live_([this](Page page, const BoardLook& look, bool running, bool with_units) {
+        Json message{{"type", "machine"}, {"simulated_ms", to_ms(look.simulated)}, {"running", running}};
+        for (const Counter& counter : look.counters.list()) {
+          message["counters"][counter.name] = counter.value;
+          if (with_units) message["units"][counter.name] = counter.unit;
+        }
+        tell(page, message, true);
+      }) {
   shelf_.folder = options_.folder;
   for (const std::string& input : options_.inputs) shelf_.inputs.emplace(name_of_input(input), input);
   const auto look = options_.settings.find("transfer-function");
@@ -77,12 +91,14 @@ void Viewer::come(Page page) {
 }
 
 void Viewer::leave(Page page) {
+  live_.listen(page, false);
   const std::lock_guard lock(mutex_);
   std::erase_if(jobs_, [page](const Job& job) { return job.page == page; });
-  if (now_ && now_->page == page && now_->request && now_->request->kind == Kind::kPicture) stop_ = true;
+  if (now_ && now_->page == page && is_picture(now_->request)) stop_ = true;
 }
 
 void Viewer::ask(Page page, Request request) {
+  if (request.kind == Kind::kMachine) return live_.listen(page, request.on);
   bool full = false;
   {
     const std::lock_guard lock(mutex_);
@@ -90,8 +106,9 @@ void Viewer::ask(Page page, Request request) {
       return job.page == page && job.request && job.request->kind == request.kind &&
              (request.kind == Kind::kPicture || (request.kind == Kind::kSlice && job.request->axis == request.axis));
     });
-    if (request.kind == Kind::kPicture && now_ && now_->request && now_->request->kind == Kind::kPicture &&
-        (now_->page == page || (request.on && !now_->request->on))) {
+    // A page's own comparison takes long, and gives way to the page; a moving one does not wait for another page's whole picture.
+    if (is_picture(request) && now_ && is_picture(now_->request) &&
+        (now_->page == page || (request.kind == Kind::kPicture && request.on && !now_->request->on))) {
       stop_ = true;
     }
     full = std::ranges::count(jobs_, page, &Job::page) >= static_cast<std::ptrdiff_t>(kMaxWaiting);
@@ -118,7 +135,9 @@ void Viewer::work() {
     stop_ = false;
     const Job job = *now_;
     lock.unlock();
+    live_.set_running(is_picture(job.request));
     carry_out(job);
+    live_.set_running(false);
     lock.lock();
   }
 }
@@ -127,7 +146,6 @@ void Viewer::carry_out(const Job& job) try {
   if (!job.request) return send_(job.page, hello());
   const Kind kind = job.request->kind;
   if (kind == Kind::kOpen) return open_files(job.request->names);
-  if (kind == Kind::kMachine) return;
   if (input_.empty()) throw UsageError(kNothingOpen);
   if (kind == Kind::kBoard) {
     lost_ = false;
@@ -143,9 +161,7 @@ void Viewer::carry_out(const Job& job) try {
   if (main_.renderer && !main_.renderer->loaded()) main_ = {};
   if (quick_.renderer && !quick_.renderer->loaded()) quick_ = {};
   const std::lock_guard lock(mutex_);
-  const auto is_newer = [&job](const Job& other) {
-    return other.page == job.page && other.request && other.request->kind == Kind::kPicture;
-  };
+  const auto is_newer = [&job](const Job& other) { return other.page == job.page && is_picture(other.request); };
   // Another page's picture came between.
   if (!ends_ && job.page != kAllPages && std::ranges::none_of(jobs_, is_newer)) jobs_.push_back(job);
 } catch (const DeviceLost& error) {
@@ -177,6 +193,7 @@ void Viewer::lose(const std::string& text) {
 }
 
 void Viewer::close_boards() {
+  live_.show("", 0);
   main_ = {};
   quick_ = {};
 }
@@ -189,8 +206,8 @@ void Viewer::open_files(const std::vector<std::string>& names) {
     if (!std::filesystem::exists(options_.folder / name)) throw InputError(name, "a posted file", "none of that name");
   }
   if (names.size() == 1 && ends(names.front(), {".tf"})) {
-    read_transfer_function(options_.folder / names.front());
-    shelf_.functions[names.front()] = options_.folder / names.front();
+    // By its content, since another one may come by this name.
+    shelf_.functions[names.front()] = file_of(bytes_of(options_.folder / names.front()), shelf_);
     return send_(kAllPages, hello());
   }
   // A header or a scene with its files, or else slices, which are a folder of their own.
@@ -283,18 +300,42 @@ Viewer::Desk Viewer::make_desk(const RenderOptions& options) {
   return made;
 }
 
+void Viewer::serve(Desk& desk, const RenderOptions& options) {
+  desk.renderer->change(options);
+  // A board takes a world's own codebook of normals once.
+  const bool is_world = desk.renderer->input().world && desk.renderer->loaded();
+  if (is_world && !desk.renderer->holds(options.animation.start.value_or(0))) {
+    desk = {};
+    desk = make_desk(options);
+  }
+}
+
+Board& Viewer::volume_board() {
+  for (const Desk* desk : {&quick_, &main_}) {
+    if (desk->renderer && desk->renderer->loaded()) return desk->renderer->board();
+  }
+  const RenderOptions options = options_of(chosen_, shelf_, options_.board);
+  Renderer& renderer = *quick_desk(options).renderer;
+  renderer.prepare(options.animation.start.value_or(0));
+  return renderer.board();
+}
+
 void Viewer::stop_if_told() {
   if (stop_) throw Stopped();
 }
 
 Viewer::Desk& Viewer::desk(const RenderOptions& options) {
-  if (main_.renderer && main_.uri == board_uri(options.board)) {
-    main_.renderer->change(options);
+  const std::string uri = board_uri(options.board);
+  const bool is_quick = quick_.renderer && quick_.uri == uri;  // of another page, which shows it at another level
+  Desk& found = is_quick && main_.uri != uri ? quick_ : main_;
+  if (found.renderer && found.uri == uri) {
+    serve(found, options);
   } else {
-    main_ = {};
-    main_ = make_desk(options);
+    found = {};
+    found = make_desk(options);
   }
-  return main_;
+  live_.show(found.uri, found.renderer->board().info().config_hash);
+  return found;
 }
 
 Viewer::Desk& Viewer::quick_desk(const RenderOptions& options) {
@@ -307,7 +348,7 @@ Viewer::Desk& Viewer::quick_desk(const RenderOptions& options) {
   }
   quick.board.fidelity = "functional";
   if (quick_.renderer && quick_.uri == board_uri(quick.board)) {
-    quick_.renderer->change(quick);
+    serve(quick_, quick);
   } else {
     quick_ = {};
     quick_ = make_desk(quick);
@@ -316,8 +357,9 @@ Viewer::Desk& Viewer::quick_desk(const RenderOptions& options) {
 }
 
 Frame Viewer::render(Desk& desk, const RenderOptions& options) {
-  desk.renderer->change(options);
+  serve(desk, options);
   const Frame frame = desk.renderer->picture(options.animation.start.value_or(0));
+  live_.counted({desk.renderer->board().now(), desk.renderer->board().counters()});
   const View& view = desk.renderer->setup().view;
   const double rays = double(view.width) * view.height * view.samples_per_axis * view.samples_per_axis;
   desk.ray_seconds = frame.statistics.host_seconds * view.step / rays;
@@ -325,10 +367,12 @@ Frame Viewer::render(Desk& desk, const RenderOptions& options) {
 }
 
 void Viewer::picture(const Job& job) {
+  const auto input = job.request->settings.find("input");
+  if (input != job.request->settings.end() && input->second != input_) open_input(input->second);
   const Settings settings = completed(job.request->settings);
   const RenderOptions options = options_of(settings, shelf_, options_.board);
   Desk& quick = quick_desk(options);
-  const bool is_same = &quick == &main_;
+  const bool is_same = quick.uri == board_uri(options.board);
   quick.renderer->prepare(options.animation.start.value_or(0));
   const View& view = quick.renderer->setup().view;
   // As long as the whole one's host time is not known, it counts as too long.
@@ -346,17 +390,16 @@ void Viewer::picture(const Job& job) {
     const double scale = std::clamp(std::sqrt(share), 1.0 / 16, 1.0);
     const auto scaled = [scale](int pixels) { return std::max(1, static_cast<int>(std::lround(scale * pixels))); };
     coarse.size = {scaled(view.width), scaled(view.height)};
-    coarse.board = is_same ? options.board : coarse.board;
-    send_picture(job, render(quick, coarse), coarse, settings, false);
+    send_picture(job, quick, coarse, settings, false);
     if (job.request->on) return;
   }
   stop_if_told();
-  Desk& whole = desk(options);
-  send_picture(job, render(whole, options), options, settings, true);
+  send_picture(job, desk(options), options, settings, true);
 }
 
-void Viewer::send_picture(const Job& job, const Frame& frame, const RenderOptions& options, const Settings& settings,
+void Viewer::send_picture(const Job& job, Desk& desk, const RenderOptions& options, const Settings& settings,
                           bool whole) {
+  const Frame frame = render(desk, options);
   std::vector<std::uint8_t> pixels = png_pixels(frame.image, frame.background);
   if (frame.background) {
     std::vector<std::uint8_t> opaque;
@@ -392,9 +435,13 @@ void Viewer::send_picture(const Job& job, const Frame& frame, const RenderOption
         if (preset.name == look->second) function = preset.text;
       }
     }
+    const std::string python = python_of(settings, shelf_, options, desk.renderer->setup(), frame.background);
+    if (!python.empty()) header["python"] = python;
     Made made{frame.image, frame.background, to_json(statistics).dump(2) + '\n', function, provenance};
     const std::lock_guard lock(mutex_);
-    made_ = std::move(made);
+    header["number"] = ++last_number_;
+    made_.emplace(last_number_, std::move(made));
+    if (made_.size() > kMaxMade) made_.erase(made_.begin());
   }
   tell(job.page, std::move(header), pixels, true);
 }
@@ -405,6 +452,7 @@ void Viewer::compare(const Job& job) {
   for (const Settings* settings : {&job.request->settings, &job.request->other}) {
     const RenderOptions options = options_of(completed(*settings), shelf_, options_.board);
     Desk desk = make_desk(options);
+    live_.show(desk.uri, desk.renderer->board().info().config_hash);
     const Frame frame = desk.renderer->picture(options.animation.start.value_or(0));
     const bool timed = frame.statistics.board.fidelity != Fidelity::kFunctional;
     Json counters = Json::object();
@@ -419,7 +467,7 @@ void Viewer::compare(const Job& job) {
 }
 
 void Viewer::slice(const Job& job) {
-  Board& board = quick_.renderer ? quick_.renderer->board() : main_.renderer->board();
+  Board& board = volume_board();
   const Dims dims = board.dims();
   const auto axis = static_cast<std::size_t>(job.request->axis);
   const int at = job.request->at;
@@ -443,7 +491,7 @@ void Viewer::slice(const Job& job) {
 }
 
 void Viewer::histogram(Page page) {
-  Board& board = quick_.renderer ? quick_.renderer->board() : main_.renderer->board();
+  Board& board = volume_board();
   const Dims dims = board.dims();
   const ValueRange range = board.value_range();
   constexpr std::size_t kBins = 256;
@@ -483,11 +531,12 @@ Progress Viewer::step(const std::string& what) {
   };
 }
 
-std::optional<Viewer::Download> Viewer::download(const std::string& what) {
+std::optional<Viewer::Download> Viewer::download(const std::string& what, std::uint64_t number) {
   std::optional<Made> made;
   {
     const std::lock_guard lock(mutex_);
-    made = made_;
+    const auto found = made_.find(number);
+    if (found != made_.end()) made = found->second;
   }
   if (!made) return std::nullopt;
   if (what == "stats") return Download{"picture.json", "application/json", made->statistics};

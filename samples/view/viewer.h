@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "render/renderer.h"
+#include "view/live_counters.h"
 #include "view/request.h"
 #include "view/settings.h"
 
@@ -55,8 +57,8 @@ class Viewer {
   struct Download {
     std::string name, type, bytes;
   };
-  // png, exr, stats or tf of the last whole picture; nothing before the first.
-  std::optional<Download> download(const std::string& what);
+  // png, exr, stats or tf of a whole picture, by its number; nothing if it is not there, or no longer.
+  std::optional<Download> download(const std::string& what, std::uint64_t number);
 
  private:
   struct Job {
@@ -89,14 +91,17 @@ class Viewer {
   // The board of coarse pictures, slices and histograms: the same, or a functional one beside it.
   Desk& quick_desk(const RenderOptions& options);
   Desk make_desk(const RenderOptions& options);
+  // Has `desk` serve `options`, on a new board where one would make other pictures than gicube-render.
+  void serve(Desk& desk, const RenderOptions& options);
+  // A board that holds the open input's voxels.
+  Board& volume_board();
 
   void picture(const Job& job);
   void compare(const Job& job);
   void slice(const Job& job);
   void histogram(Page page);
   Frame render(Desk& desk, const RenderOptions& options);
-  void send_picture(const Job& job, const Frame& frame, const RenderOptions& options, const Settings& settings,
-                    bool whole);
+  void send_picture(const Job& job, Desk& desk, const RenderOptions& options, const Settings& settings, bool whole);
   Packet hello();
   Settings completed(const Settings& settings) const;
   void tell(Page page, const nlohmann::ordered_json& message, bool droppable = false);
@@ -117,9 +122,11 @@ class Viewer {
   std::condition_variable wake_;
   std::deque<Job> jobs_;
   std::optional<Job> now_;
-  std::optional<Made> made_;
+  std::map<std::uint64_t, Made> made_;  // the last ones, by number
+  std::uint64_t last_number_ = 0;
   bool ends_ = false;
   std::atomic<bool> stop_ = false;  // the call under way
+  LiveCounters live_;
   std::thread thread_;
 };
 

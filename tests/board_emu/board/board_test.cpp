@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <random>
+#include <thread>
 #include <utility>
 
 #include "bare_board.h"
@@ -163,6 +165,35 @@ TEST(Board, RendersTheSameBitsForEveryBlockSizeThreadCountBusAndProcessorCount) 
     load_blobs(board, static_cast<int>(n));
     EXPECT_EQ(board.render(corner_view({50, 45, 41}, 64)), expected) << n;
   }
+}
+
+TEST(Board, TellsWatchersWhatTheCycleLevelHasCountedWhileItRunsAndRendersTheSameBits) {
+  v1::BoardConfig config = small_blocks();
+  config.set_fidelity(v1::cycle);
+  BareBoard alone(config);
+  load_blobs(alone, 8);
+  const auto expected = alone.render(corner_view({50, 45, 41}, 64));
+  BareBoard watched(config);
+  load_blobs(watched, 8);
+  std::atomic<bool> ends = false;
+  std::vector<std::uint64_t> seen;
+  std::thread watcher([&] {
+    while (!ends) {
+      for (const wire::Counter& counter : watched.counters()) {
+        if (counter.name == "asic.cycles" && (seen.empty() || seen.back() != counter.value))
+          seen.push_back(counter.value);
+      }
+    }
+  });
+  const auto image = watched.render(corner_view({50, 45, 41}, 64));
+  ends = true;
+  watcher.join();
+  EXPECT_EQ(image, expected);
+  EXPECT_EQ(watched.counter("asic.cycles"), alone.counter("asic.cycles"));
+  EXPECT_TRUE(std::ranges::is_sorted(seen));
+  // Once would be the end.
+  EXPECT_GT(
+      std::ranges::count_if(seen, [&](auto cycles) { return cycles > 0 && cycles < alone.counter("asic.cycles"); }), 2);
 }
 
 TEST(Board, RendersTheSameBitsUnderJitterForEveryBlockSizeWhileNothingLeaps) {

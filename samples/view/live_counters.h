@@ -1,0 +1,62 @@
+// What the shown board counts, ten times a second while a page looks, also in the middle of a frame.
+//
+// A call to the board is under way then, so its process is asked beside it: by its socket in the user's registry
+// (proto/gicube/registry.h). A board of another machine or user has none there: its counters come after each picture.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "gicube/board.h"
+#include "scene/names.h"
+
+namespace gicube::samples::view {
+
+// Of a board since its start.
+struct BoardLook {
+  Picoseconds simulated = 0;
+  Counters counters;
+};
+
+// By the registry: the board of that URI and configuration that this process has opened. Nothing if there is none.
+std::optional<BoardLook> look_at(const std::string& uri, std::uint64_t config_hash);
+
+class LiveCounters {
+ public:
+  // Is told of each look that differs from the last one; units come once. From a thread of this class.
+  using Tell = std::function<void(std::uint64_t page, const BoardLook& look, bool running, bool with_units)>;
+  explicit LiveCounters(Tell tell);
+  ~LiveCounters();
+  LiveCounters(const LiveCounters&) = delete;
+  LiveCounters& operator=(const LiveCounters&) = delete;
+
+  // From any thread.
+  void listen(std::uint64_t page, bool on);
+  void show(const std::string& uri, std::uint64_t config_hash);  // empty: none
+  void set_running(bool running);
+  // What the board has said itself; is told if its process can't be asked.
+  void counted(const BoardLook& look);
+
+ private:
+  void work();
+
+  const Tell tell_;
+  std::mutex mutex_;  // of what follows
+  std::condition_variable wake_;
+  std::set<std::uint64_t> pages_, new_pages_;  // new: have not got anything
+  std::string uri_;
+  std::uint64_t config_hash_ = 0;
+  std::optional<BoardLook> counted_;
+  bool running_ = false;
+  bool ends_ = false;
+  std::thread thread_;
+};
+
+}  // namespace gicube::samples::view
