@@ -21,6 +21,8 @@ const std::vector<Target>& targets() {
       {"scene", scene},
       {"transfer_function", transfer_function},
       {"uri", uri},
+      {"view_http", view_http},
+      {"view_message", view_message},
   };
   return list;
 }

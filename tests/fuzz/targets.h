@@ -38,6 +38,10 @@ void link(Bytes input);
 // The driver's C ABI.
 void c_api(Bytes input);
 
+// gicube-view.
+void view_http(Bytes input);
+void view_message(Bytes input);
+
 struct Target {
   const char* name;  // also of its folder in corpus/
   void (*run)(Bytes);
