@@ -117,10 +117,10 @@ picture.addEventListener("shown", (event) => {
   by("progress").hidden = true;
   const time =
     header.frame_ms === null
-      ? "no simulated time at this level"
-      : `${header.frame_ms.toPrecision(4)} ms simulated, ${(1000 / header.frame_ms).toPrecision(3)} pictures a second on the card`;
+      ? ""
+      : ` · ${header.frame_ms.toPrecision(4)} ms simulated, ${(1000 / header.frame_ms).toPrecision(3)} pictures a second on the card`;
   const what = header.final ? "whole picture" : "coarse picture";
-  by("status").textContent = `${what} ${header.width} × ${header.height} · ${header.level} · ${time} · made in ${header.host_ms.toPrecision(3)} ms here`;
+  by("status").textContent = `${what} ${header.width} × ${header.height} · ${header.level}${time} · ${Math.ceil(header.host_ms)} ms here`;
   if (!header.final) return;
   by("command").textContent = header.command ?? "";
   by("python").textContent = header.python ?? "Only gicube-render makes this one: its options of light have no Python call.";

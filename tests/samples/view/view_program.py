@@ -7,6 +7,7 @@ import http.client
 import json
 import os
 import pathlib
+import select
 import signal
 import socket
 import struct
@@ -29,18 +30,25 @@ def write_ball(path: pathlib.Path, size: int = 48, hole: bool = True) -> None:
     path.write_bytes(head.encode() + values.astype("u1").tobytes())
 
 
-class Program:
-    """A running gicube-view; ends with the block."""
+class Running:
+    """A gicube-view that somebody has started, by its address."""
+
+    def __init__(self, address: str) -> None:
+        parts = urllib.parse.urlsplit(address)
+        assert parts.port is not None
+        self.address, self.port, self.token = address, parts.port, parts.query.removeprefix("token=")
+
+
+class Program(Running):
+    """One of our own, which ends with the block."""
 
     def __init__(self, *arguments: object) -> None:
         words = [BIN / "gicube-view", "--no-open", *arguments]
         self.process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
-        self.address = self.process.stdout.readline().strip()
-        assert self.address, self.process.communicate()[1]
-        parts = urllib.parse.urlsplit(self.address)
-        assert parts.port is not None
-        self.port, self.token = parts.port, parts.query.removeprefix("token=")
+        address = self.process.stdout.readline().strip()
+        assert address, self.process.communicate()[1]
+        super().__init__(address)
 
     def __enter__(self) -> "Program":
         return self
@@ -66,7 +74,7 @@ class Program:
 class Page:
     """The page's side of a WebSocket. Messages come as (header, bytes)."""
 
-    def __init__(self, program: Program, *, token: Optional[str] = None, origin: Optional[str] = None) -> None:
+    def __init__(self, program: Running, *, token: Optional[str] = None, origin: Optional[str] = None) -> None:
         self.socket = socket.create_connection(("127.0.0.1", program.port), timeout=120)
         origin = f"http://127.0.0.1:{program.port}" if origin is None else origin
         lines = [
@@ -102,6 +110,9 @@ class Page:
             self._receive()
         taken, self.buffer = self.buffer[:count], self.buffer[count:]
         return taken
+
+    def readable(self, seconds: float) -> bool:
+        return bool(self.buffer) or bool(select.select([self.socket], [], [], seconds)[0])
 
     def send(self, message: Any) -> None:
         body = json.dumps(message).encode() if not isinstance(message, bytes) else message
