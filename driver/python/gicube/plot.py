@@ -1,10 +1,15 @@
-"""Pictures and counters by matplotlib."""
+"""Pictures, counters and traces by matplotlib."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Optional
+import json
+import os
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
+
+import numpy as np
 
 from gicube.counters import Counters
+from gicube.errors import BadArgument
 from gicube.image import Image
 from gicube.records import Colour
 
@@ -77,3 +82,57 @@ def cycles(counters: Counters, axes: Optional[Axes] = None) -> Axes:
     to.set_yticks([])
     to.set_xlabel("share of the pipelines' cycles")
     return to
+
+
+def loads_over_time(trace: Union[str, "os.PathLike[str]"]) -> dict[str, tuple[Any, Any]]:
+    """What waits and moves on a board with fidelity cycle that was opened by "emu:?fidelity=cycle&trace=FILE" and closed: arrays of
+    simulated picoseconds and of the values from then on, by "processor 0 rays waiting", "memory RDRAM 0 packets/us", "links rays on links".
+    """
+    processes: dict[int, str] = {}
+    points: dict[str, list[tuple[float, int]]] = {}
+    with open(trace) as file:
+        for line in file:  # one event each, and most are slices of the pipelines
+            if '"process_name"' in line:
+                event = json.loads(line.rstrip(",\n"))
+                process = processes[event["pid"]] = event["args"]["name"]
+                if process.startswith("processor "):
+                    points[f"{process} rays waiting"] = []  # none, unless it tells of some
+            elif '"ph":"C"' in line:
+                event = json.loads(line.rstrip(",\n"))
+                name = f"{processes[event['pid']]} {event['name']}"
+                points.setdefault(name, []).append((event["ts"], event["args"]["value"]))
+    columns = {name: np.array(each, float).reshape(-1, 2).T for name, each in points.items()}
+    return {name: (np.rint(times * 1e6).astype("i8"), values) for name, (times, values) in columns.items()}
+
+
+def _means(times: Any, values: Any, edges: Any) -> Any:
+    """Of a value that changes at `times`, between `edges`."""
+    if not len(times):
+        return np.zeros(len(edges) - 1)
+    areas = np.concatenate([[0], np.cumsum(values[:-1] * np.diff(times))])
+    return np.diff(np.interp(edges, times, areas)) / np.diff(edges)
+
+
+def loads(trace: Union[str, "os.PathLike[str]"], axes: Optional[Sequence[Axes]] = None) -> Sequence[Axes]:
+    """How full the queues of each processor are and how much each memory reads, over simulated time: two maps with a row for each.
+
+    trace: as in loads_over_time(). Raises BadArgument: nothing waited or moved, as on boards of another fidelity.
+    """
+    found = loads_over_time(trace)
+    changes = [times for times, _ in found.values() if len(times)]
+    if not changes:
+        raise BadArgument("trace", "one of a board with fidelity=cycle that has traced rays", os.fspath(trace))
+    if axes is None:
+        import matplotlib.pyplot as pyplot
+
+        axes = list(pyplot.subplots(2, sharex=True, layout="constrained")[1])
+    begin, end = min(times[0] for times in changes), max(times[-1] for times in changes)
+    edges = np.linspace(begin, end, 201)  # chosen: bins that a figure's width can show
+    for to, kind in zip(axes, ("rays waiting", "packets/us")):
+        rows = {name[: -len(kind)].removeprefix("memory "): _means(*each, edges) for name, each in found.items() if name.endswith(kind)}
+        extent = (begin * 1e-9, end * 1e-9, len(rows), 0)
+        image = to.imshow(list(rows.values()), aspect="auto", extent=extent, cmap="viridis", interpolation="nearest", vmin=0)
+        to.set_yticks(np.arange(len(rows)) + 0.5, list(rows))
+        to.figure.colorbar(image, ax=to, label=kind)
+    axes[-1].set_xlabel("simulated ms")
+    return axes

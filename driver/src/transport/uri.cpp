@@ -23,7 +23,8 @@ const Choice kChoices[] = {{"fidelity", "fidelity", {"functional", "approximate"
                            {"bus", "bus.model", {"pci33", "agp1x", "agp2x", "agp4x"}}};
 // Options that name a file, and the board's flag for each. The capture is the driver's own.
 constexpr std::pair<std::string_view, std::string_view> kFiles[] = {
-    {"config", "--config"}, {"bsdf", "--bsdf"}, {"faults", "--faults"}, {"fault_log", "--fault-log"}, {"capture", ""}};
+    {"config", "--config"},       {"bsdf", "--bsdf"},   {"faults", "--faults"},
+    {"fault_log", "--fault-log"}, {"trace", "--trace"}, {"capture", ""}};
 constexpr unsigned kMaxThreads = 1024;  // chosen: beyond any machine, so a slip of the pen is told from a wish
 
 std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
@@ -91,7 +92,7 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
     pass_on("--set", value);
   } else {
     throw BadArgument("URI option",
-                      "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, capture",
+                      "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, trace, capture",
                       in_quotes(name));
   }
 }

@@ -1,6 +1,7 @@
 """The programs of samples/python do what they say; they and the package hold mypy's strict rules."""
 
 import importlib.util
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,7 @@ import gicube
 matplotlib.use("Agg")
 ROOT = Path(__file__).parents[3]
 SAMPLES = ROOT / "samples/python"
+GUIDE = re.findall(r"```python\n(.*?)```", (ROOT / "docs/guide/python.md").read_text(), re.DOTALL)
 
 
 def program(name):
@@ -70,10 +72,21 @@ def test_ambient_occlusion(tmp_path):
     assert seen.min() < 0.6 and seen.max() > 0.95
 
 
-@pytest.mark.parametrize("what", ["driver/python/gicube", "samples/python"])
-def test_types_are_strict(what, tmp_path):
+def test_the_guides_programs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    gicube.write_volume("head.nrrd", ball() * 10.0)
+    for text in GUIDE:
+        exec(compile(text, "docs/guide/python.md", "exec"), {})
+    assert len(GUIDE) == 2
+    for made in ("head.png", "loads.png"):
+        assert (tmp_path / made).stat().st_size > 500
+
+
+def test_types_are_strict(tmp_path):
+    for i, text in enumerate(GUIDE):
+        (tmp_path / f"guide_{i}.py").write_text(text)
     command = [sys.executable, "-m", "mypy", "--strict", "--config-file", str(Path(__file__).with_name("mypy.ini")), "--cache-dir", str(tmp_path)]
-    command.append(str(ROOT / what))
+    command += map(str, (ROOT / "driver/python/gicube", SAMPLES, *tmp_path.glob("guide_*.py")))
     done = subprocess.run(command, capture_output=True, text=True, env={"MYPYPATH": str(ROOT / "driver/python"), "PATH": "/usr/bin"})
     assert done.returncode == 0, done.stdout
 
@@ -88,3 +101,31 @@ def test_charts_of_counters():
     assert sum(gicube.plot.cycles_by_cause(counters).values()) == pytest.approx(1)
     assert "samples" in [text.get_text().split("\n")[0] for text in gicube.plot.cycles(counters).texts]
     assert gicube.plot.picture(image).images[0].get_array().shape == (32, 32, 3)
+
+
+def test_loads_over_time_come_from_a_boards_trace(tmp_path):
+    import gicube.plot
+
+    setup = gicube.parse_scene('volume { builtin: "buckyball" size: 32 } image { width: 32 height: 32 }').set_up()
+    trace = tmp_path / "trace.json"
+    with gicube.open(f"emu:?fidelity=cycle&set=asic.block_voxels=8&trace={trace}") as board:
+        view = gicube.load_scene(board, setup)
+        begin, before = board.now, board.counters
+        board.render(view)
+        end, seen = board.now, board.counters - before
+    found = gicube.plot.loads_over_time(trace)
+    assert {"processor 3 rays waiting", "links rays on links"} <= set(found)
+    packets = [each for name, each in found.items() if name.startswith("memory")]
+    assert len(packets) > 1 and all(begin <= times[0] and times[-1] <= end for times, values in packets)
+    read = sum((values[:-1] * np.diff(times)).sum() for times, values in packets) * 1e-6  # of whole microseconds
+    assert read == pytest.approx(seen["rdram.reads"], rel=0.1)
+    queues, memories = gicube.plot.loads(trace)
+    assert len(queues.get_yticks()) == 4 and len(memories.get_yticks()) == len(packets)
+    assert memories.images[0].get_array().max() > 0
+    with gicube.open(f"emu:?fidelity=cycle&trace={trace}") as board:  # one block: three processors have nothing to do, and are shown
+        board.render(gicube.load_scene(board, setup))
+    busy, *idle = gicube.plot.loads(trace)[0].images[0].get_array()
+    assert busy.max() > 0 and len(idle) == 3 and not np.any(idle)
+    (tmp_path / "empty.json").write_text("[\n]\n")
+    with pytest.raises(gicube.BadArgument, match="fidelity=cycle"):
+        gicube.plot.loads(tmp_path / "empty.json")

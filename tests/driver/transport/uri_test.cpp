@@ -106,6 +106,11 @@ TEST(Uri, AFaultPlanAndItsLogGoToTheBoard) {
   EXPECT_THROW(parse_uri("emu:?faults=a&faults=b"), BadArgument);
 }
 
+TEST(Uri, ATraceIsWrittenByTheBoard) {
+  EXPECT_EQ(parse_uri("emu:?trace=a%20file").board_arguments, (std::vector<std::string>{"--trace", "a file"}));
+  EXPECT_THROW(parse_uri("emu:?trace="), BadArgument);
+}
+
 TEST(Uri, ACaptureIsTheDriversOwnAffair) {
   const Uri uri = parse_uri("emu:?capture=a%20session");
   EXPECT_EQ(uri.capture, "a session");
