@@ -125,7 +125,10 @@ std::vector<PairFactor> Board::State::factors_by_rays(std::span<const Element> e
   Sorted sorted = without_clear(elements, pairs, request, of, info.block_voxels);
   const auto clear = static_cast<std::uint32_t>(pairs.size() - sorted.left.size());
   const auto all = static_cast<std::uint32_t>(pairs.size());
-  if (sorted.left.empty()) return std::move(sorted.factors);
+  if (sorted.left.empty()) {
+    if (progress) progress(all, all);
+    return std::move(sorted.factors);
+  }
   Progress of_all;
   if (progress) of_all = [&](std::uint32_t done, std::uint32_t) { progress(done + clear, all); };
 

@@ -95,15 +95,20 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   if (view.scatter) state_->need_routine(false);
   state_->check_drift("step", view.step);
   const Vec3 eye = towards_eye(view, volume.relative_spacing);
+  std::uint32_t parts = 1;  // of which the board tells now and then
+  Progress part;
+  if (progress) part = [&](std::uint32_t done, std::uint32_t all) { progress(done, parts = all); };
+  const Progress told = state_->watched(part);
   state_->set_sampling(view);
   if (view.shade) state_->tables.send_reflectance(eye);
-  const CommandResult result = state_->device.run(wire::encoded(viewing_command(view, volume.relative_spacing)),
-                                                  state_->watched(progress), state_->deadline());
+  const CommandResult result =
+      state_->device.run(wire::encoded(viewing_command(view, volume.relative_spacing)), told, state_->deadline());
   state_->sampling = view;
   state_->sampling_towards_eye = eye;
   state_->framebuffer_size = {};  // no picture until all rays have come to their ends
   state_->scatter_waiting(result.payload, {});
   state_->framebuffer_size = {view.width, view.height};
+  if (told) told(parts, parts);
 }
 
 Image Board::read_framebuffer() {
@@ -173,8 +178,9 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
         progress(before * kParts + here, all * kParts);
       };
     }
-    const CommandResult result = state_->device.run(wire::encoded(light_command(lights[i], settings, report.unit)),
-                                                    state_->watched(part), deadline);
+    const Progress told = state_->watched(part);
+    const CommandResult result =
+        state_->device.run(wire::encoded(light_command(lights[i], settings, report.unit)), told, deadline);
     const std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < wire::kLightingLedgerBytes) state_->device.give_up("a lighting result of wrong size");
     const auto ledger = wire::decode<wire::LightingLedger>(payload);
@@ -187,6 +193,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
     if (ledger.light_in_solid != 0) {
       report.warnings.push_back(fmt::format("lights[{}] stands in a solid: its light stays there", i));
     }
+    if (told) told(1, 1);
   }
   state_->bright_flux = flux;
   if (report.clipped > 0.01 * report.emitted) {

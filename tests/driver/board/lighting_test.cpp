@@ -159,6 +159,14 @@ TEST_F(Lighting, TwiceTheExposureIsTwiceAsBright) {
   EXPECT_NEAR(board_.render(view).at(16, 16).red, 2 * once, 2);
 }
 
+TEST_F(Lighting, ProgressEndsWithAllParts) {
+  std::uint32_t done = 1, all = 2;
+  const std::vector<Light> lamps(2, lamp_.front());
+  board_.illuminate(lamps, {}, [&](std::uint32_t d, std::uint32_t a) { done = d, all = a; });
+  EXPECT_EQ(done, all);
+  EXPECT_GT(all, 0u);
+}
+
 TEST_F(Lighting, AnotherPassBeginsAnew) {
   const LightingReport first = board_.illuminate(lamp_, {});
   board_.illuminate(lamp_, {});

@@ -83,6 +83,13 @@ TEST_F(Render, OnlyWhatHasChangedIsSent) {
   EXPECT_GE((board_.counters() - second).value("bus.down.bytes"), 112u + 6 * 128 * 128);
 }
 
+TEST_F(Render, ProgressEndsWithAllPartsHoweverQuickThePictureIs) {
+  std::uint32_t done = 1, all = 2;
+  board_.render(front_view(8), [&](std::uint32_t d, std::uint32_t a) { done = d, all = a; });
+  EXPECT_EQ(done, all);
+  EXPECT_GT(all, 0u);
+}
+
 TEST_F(Render, CutPlanesCutAndGoAgain) {
   const Image whole = board_.render(front_view(32));
   View view = front_view(32);

@@ -2,6 +2,8 @@
 
 import asyncio
 import math
+import re
+import sys
 import threading
 from pathlib import Path
 
@@ -106,6 +108,32 @@ def test_progress_counts_up_to_all(loaded):
     told = []
     loaded.load_volume(np.ones((64, 64, 64), "u1"), progress=lambda done, all: told.append((done, all)))
     assert told[0][0] == 0 and told[-1][0] == told[-1][1] == 8
+
+
+def test_a_bar_is_full_at_the_end_however_quick_the_call(loaded, monkeypatch, capsys):
+    import tqdm.auto
+
+    bars = []
+
+    class Kept(tqdm.auto.tqdm):
+        def close(self):
+            if not self.disable:  # as it is once closed
+                bars.append((self.desc.removesuffix(": "), self.n, self.total))
+            super().close()
+
+    monkeypatch.setattr(tqdm.auto, "tqdm", Kept)
+    loaded.render(view_of_ball(width=8, height=8), progress=True)
+    loaded.illuminate([gicube.PointLight((15.5, 15.5, 1))], progress=True)
+    loaded.load_volume(ball(), progress=True)
+    loaded.set_transfer_function(LOOK)
+    loaded.pair_factors(gicube.elements(gicube.ElementKind.BOX, [[1, 1, 1], [30, 30, 30]], (1, 0, 0), (0, 1, 0), (0, 0, 1)), gicube.pairs(0, 1), progress=True)
+    assert [what for what, _, _ in bars] == ["rendering", "lighting", "loading", "pairs"]
+    assert all(done == all > 0 for what, done, all in bars), bars
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)  # not installed
+    capsys.readouterr()
+    loaded.render(view_of_ball(width=8, height=8), progress=True)
+    last = capsys.readouterr().err.split("\r")[-1]
+    assert re.fullmatch(r"rendering: (\d+) of \1\n", last)
 
 
 def test_batches_are_polled_cancelled_and_awaited(loaded):
