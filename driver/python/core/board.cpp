@@ -27,7 +27,7 @@ std::shared_ptr<py::object> shared(py::handle object) {
 }
 
 py::object report_of(const BatchReport& report, const py::object& rays) {
-  return record_class("RayBatch")("ticket"_a = report.ticket.id, "completed"_a = report.completed,
+  return record_class<RayBatch>()("ticket"_a = report.ticket.id, "completed"_a = report.completed,
                                   "cancelled"_a = report.cancelled, "lighting"_a = write(report.lighting),
                                   "deposits"_a = write(report.deposits), "rays"_a = rays);
 }

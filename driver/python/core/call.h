@@ -10,45 +10,21 @@
 
 namespace gicube::python {
 
-// What arrays are made of. gicube.arrays has the dtypes of records under these names.
+// What arrays are made of; of records gicube.arrays has the dtypes.
+template <typename T, typename... Each>
+concept IsOneOf = (std::is_same_v<T, Each> || ...);
 template <typename T>
-constexpr const char* kDtype = nullptr;
-template <>
-inline constexpr const char* kDtype<float> = "float32";
-template <>
-inline constexpr const char* kDtype<double> = "float64";
-template <>
-inline constexpr const char* kDtype<std::uint8_t> = "uint8";
-template <>
-inline constexpr const char* kDtype<std::byte> = "uint8";
-template <>
-inline constexpr const char* kDtype<HostRay> = "RAY";
-template <>
-inline constexpr const char* kDtype<TracedRay> = "TRACED_RAY";
-template <>
-inline constexpr const char* kDtype<Pixel> = "PIXEL";
-template <>
-inline constexpr const char* kDtype<Element> = "ELEMENT";
-template <>
-inline constexpr const char* kDtype<ElementPair> = "ELEMENT_PAIR";
-template <>
-inline constexpr const char* kDtype<PairFactor> = "PAIR_FACTOR";
-template <typename T>
-concept IsItem = kDtype<T>
-!= nullptr;
+concept IsItem =
+    IsOneOf<T, float, double, std::uint8_t, std::byte, HostRay, TracedRay, Pixel, Element, ElementPair, PairFactor>;
 
 // An array that takes the vector's memory.
-template <typename T>
+template <IsItem T>
 py::array to_array(std::vector<T>&& values) {
   const auto count = static_cast<py::ssize_t>(values.size());
   auto owner = std::make_unique<std::vector<T>>(std::move(values));
   const void* const data = owner->data();
   py::capsule base(owner.release(), [](void* pointer) { delete static_cast<std::vector<T>*>(pointer); });
-  if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::byte>) {
-    return {py::dtype(kDtype<T>), {count}, data, base};
-  } else {
-    return {py::module_::import("gicube.arrays").attr(kDtype<T>).template cast<py::dtype>(), {count}, data, base};
-  }
+  return {py::dtype::of<T>(), {count}, data, base};
 }
 
 // The items of an array that gicube.arrays has made: contiguous, of `T` bytes each.
@@ -63,35 +39,44 @@ std::span<const T> items_of(py::handle from, const std::string& field) {
   return {static_cast<const T*>(array.data()), static_cast<std::size_t>(array.size())};
 }
 
-// What holds an argument while the call lasts.
+// What holds an argument of that type while the call lasts.
 template <typename T>
-struct Argument {
-  static T read(py::handle from, const char* field) { return read_as<T>(from, field); }
-};
+using Of = std::type_identity<T>;
 template <typename T>
-struct Argument<std::span<const T>> {
-  static std::vector<T> read(py::handle from, const char* field) { return read_as<std::vector<T>>(from, field); }
-};
+T held(Of<T> /*type*/, py::handle from, const char* field) {
+  return read_as<T>(from, field);
+}
+template <typename T>
+std::vector<T> held(Of<std::span<const T>> /*type*/, py::handle from, const char* field) {
+  return read_as<std::vector<T>>(from, field);
+}
 template <IsItem T>
-struct Argument<std::span<const T>> {
-  static std::span<const T> read(py::handle from, const char* field) { return items_of<T>(from, field); }
+std::span<const T> held(Of<std::span<const T>> /*type*/, py::handle from, const char* field) {
+  return items_of<T>(from, field);
+}
+template <IsOneOf<Plan, LightPlan> T>
+T held(Of<T> /*type*/, py::handle from, const char* /*field*/) {
+  return from.cast<const T&>();
+}
+struct OpenBoard {
+  std::shared_ptr<Board> board;
+  Board& operator*() const { return *board; }
+  operator Board&() const { return *board; }  // NOLINT(google-explicit-constructor)
 };
-template <>
-struct Argument<Ticket> {
-  static Ticket read(py::handle from, const char* field) { return {read_as<std::uint32_t>(from, field)}; }
-};
-template <>
-struct Argument<VolumeView> {
-  static VolumeView read(py::handle from, const char* /*field*/) { return view_of(from); }
-};
-template <>
-struct Argument<Progress> {
-  static Progress read(py::handle from, const char* /*field*/) { return progress_of(from); }
-};
-template <>
-struct Argument<ScatteringRoutine> {
-  static ScatteringRoutine read(py::handle from, const char* /*field*/) { return routine_of(from); }
-};
+inline OpenBoard held(Of<Board> /*type*/, py::handle from, const char* /*field*/) {
+  return {from.cast<const Handle&>().board()};
+}
+inline Ticket held(Of<Ticket> /*type*/, py::handle from, const char* field) {
+  return {read_as<std::uint32_t>(from, field)};
+}
+inline DerivedVolume held(Of<DerivedVolume> /*type*/, py::handle from, const char* /*field*/) {
+  return derived_of(from);
+}
+inline VolumeView held(Of<VolumeView> /*type*/, py::handle from, const char* /*field*/) { return view_of(from); }
+inline Progress held(Of<Progress> /*type*/, py::handle from, const char* /*field*/) { return progress_of(from); }
+inline ScatteringRoutine held(Of<ScatteringRoutine> /*type*/, py::handle from, const char* /*field*/) {
+  return routine_of(from);
+}
 
 template <typename T>
 py::object given_back(const T& value) {
@@ -105,6 +90,11 @@ inline py::object given_back(Ticket ticket) { return py::int_(ticket.id); }
 py::object given_back(Image&& image);
 py::object given_back(std::vector<RayBatch>&& batches);
 py::object given_back(const Counters& counters);
+py::object given_back(DerivedVolume&& volume);
+template <IsOneOf<Plan, LightPlan> T>
+py::object given_back(T&& plan) {
+  return py::cast(std::move(plan));
+}
 
 template <typename>
 using Given = const py::object&;
@@ -113,12 +103,11 @@ using Named = const char*;
 
 // `fields` name the arguments in messages; those of a record that stands for all that is asked have "".
 template <typename Result, typename... Arguments>
-auto bound(auto member, Named<Arguments>... fields) {
-  return [=](Handle& self, Given<Arguments>... given) -> py::object {
-    const std::tuple taken{Argument<std::decay_t<Arguments>>::read(given, fields)...};
-    const auto board = self.board();
+auto bound(auto function, Named<Arguments>... fields) {
+  return [=](Given<Arguments>... given) -> py::object {
+    const std::tuple taken{held(Of<std::decay_t<Arguments>>{}, given, fields)...};
     const auto work = [&] {
-      return std::apply([&](const auto&... each) { return std::invoke(member, *board, each...); }, taken);
+      return std::apply([&](const auto&... each) -> Result { return std::invoke(function, each...); }, taken);
     };
     if constexpr (std::is_void_v<Result>) {
       without_interpreter(work);
@@ -129,13 +118,18 @@ auto bound(auto member, Named<Arguments>... fields) {
   };
 }
 
-template <typename Result, typename... Arguments>
-auto call(Result (Board::*member)(Arguments...), Named<Arguments>... fields) {
-  return bound<Result, Arguments...>(member, fields...);
+// A method of the class, or of the module: Board's argument has the name "board".
+template <typename Result, typename Class, typename... Arguments>
+auto call(Result (Class::*member)(Arguments...), Named<Arguments>... fields) {
+  return bound<Result, Class, Arguments...>(member, "", fields...);
 }
-template <typename Result>
-auto call(Result (Board::*member)() const) {
-  return bound<Result>(member);
+template <typename Result, typename Class, typename... Arguments>
+auto call(Result (Class::*member)(Arguments...) const, Named<Arguments>... fields) {
+  return bound<Result, Class, Arguments...>(member, "", fields...);
+}
+template <typename Result, typename... Arguments>
+auto call(Result (*function)(Arguments...), Named<Arguments>... fields) {
+  return bound<Result, Arguments...>(function, fields...);
 }
 
 }  // namespace gicube::python

@@ -1,7 +1,7 @@
 // From Python's values to the driver's and back. What has the wrong type raises BadArgument with the field's path.
 //
-// A record of the driver is a dataclass of gicube.records with the same fields (records.h lists them), an enumeration is an enum whose
-// values are the names of name_of() there.
+// A record of the driver is a dataclass of gicube.records with the same fields (records.h lists them), an enumeration an enum with the
+// same values in the same order.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -30,27 +30,31 @@ namespace gicube::python {
 
 namespace py = pybind11;
 
-// Names of Python's class for it, and of its fields: specialised in records.h.
+// Its fields: specialised in records.h.
 template <typename T>
 struct Record;
-// Names of an enumeration's values, in their order.
-template <typename T>
-struct Names;
 
 template <typename T>
 concept IsRecord = requires {
-  Record<T>::kClass;
+  Record<T>::fields();
 };
 template <typename T>
-concept IsEnum = requires {
-  Names<T>::kClass;
-};
+concept IsEnum = std::is_enum_v<T>;
 
 [[noreturn]] inline void refuse(const std::string& field, const std::string& expected, py::handle got) {
   throw BadArgument(field, expected, py::repr(got).cast<std::string>().substr(0, 200));
 }
 
-inline py::object record_class(const char* name) { return py::module_::import("gicube.records").attr(name); }
+// A type's own name is that of its class in gicube.records.
+template <typename T>
+std::string class_name() {
+  const std::string whole = py::type_id<T>();
+  return whole.substr(whole.rfind(':') + 1);
+}
+template <typename T>
+py::object record_class() {
+  return py::module_::import("gicube.records").attr(class_name<T>().c_str());
+}
 
 inline void read(py::handle from, const std::string& field, bool& to) {
   if (!py::isinstance<py::bool_>(from) && std::string(Py_TYPE(from.ptr())->tp_name) != "numpy.bool_") {
@@ -59,17 +63,12 @@ inline void read(py::handle from, const std::string& field, bool& to) {
   to = PyObject_IsTrue(from.ptr()) == 1;
 }
 
-inline void read(py::handle from, const std::string& field, double& to) {
-  to = py::isinstance<py::bool_>(from) ? -1 : PyFloat_AsDouble(from.ptr());
+template <std::floating_point T>
+void read(py::handle from, const std::string& field, T& to) {
+  to = static_cast<T>(PyFloat_AsDouble(from.ptr()));
   const bool failed = PyErr_Occurred() != nullptr;
   PyErr_Clear();
   if (failed || py::isinstance<py::bool_>(from)) refuse(field, "a number", from);
-}
-
-inline void read(py::handle from, const std::string& field, float& to) {
-  double wide = 0;
-  read(from, field, wide);
-  to = static_cast<float>(wide);
 }
 
 template <std::integral T>
@@ -97,29 +96,19 @@ inline void read(py::handle from, const std::string& field, std::string& to) {
   to = from.cast<std::string>();
 }
 
-template <typename T>
-void read(py::handle from, const std::string& field, std::vector<T>& to);
-template <typename T, std::size_t kCount>
-void read(py::handle from, const std::string& field, std::array<T, kCount>& to);
-template <typename T>
-void read(py::handle from, const std::string& field, std::optional<T>& to);
-template <typename... T>
-void read(py::handle from, const std::string& field, std::variant<T...>& to);
-template <IsRecord T>
-void read(py::handle from, const std::string& field, T& to);
-
 template <IsEnum T>
 void read(py::handle from, const std::string& field, T& to) {
   const py::object value = py::hasattr(from, "value") ? from.attr("value") : py::reinterpret_borrow<py::object>(from);
   std::string all;
-  for (std::size_t i = 0; i < std::size(Names<T>::kNames); ++i) {
-    if (py::isinstance<py::str>(value) && value.cast<std::string>() == Names<T>::kNames[i]) {
-      to = static_cast<T>(i);
+  int index = 0;
+  for (const py::handle each : record_class<T>()) {
+    if (value.equal(each.attr("value"))) {
+      to = static_cast<T>(index);
       return;
     }
-    all += (i == 0 ? "" : ", ") + std::string(Names<T>::kNames[i]);
+    all += (index++ == 0 ? "" : ", ") + each.attr("value").cast<std::string>();
   }
-  refuse(field, std::string("a ") + Names<T>::kClass + ": " + all, from);
+  refuse(field, "a " + class_name<T>() + ": " + all, from);
 }
 
 inline std::vector<py::object> items(py::handle from, const std::string& field, const std::string& expected) {
@@ -129,64 +118,63 @@ inline std::vector<py::object> items(py::handle from, const std::string& field, 
   return out;
 }
 
-inline void read(py::handle from, const std::string& field, Vec3& to) {
-  const auto parts = items(from, field, "three numbers");
-  if (parts.size() != 3) refuse(field, "three numbers", from);
-  read(parts[0], field + ".x", to.x);
-  read(parts[1], field + ".y", to.y);
-  read(parts[2], field + ".z", to.z);
-}
-
 template <typename T>
-void read(py::handle from, const std::string& field, std::vector<T>& to) {
-  to.clear();
-  for (const py::object& item : items(from, field, "a sequence")) {
-    const std::string name = field + "[" + std::to_string(to.size()) + "]";
-    read(item, name, to.emplace_back());
-  }
-}
+void read(py::handle from, const std::string& field, T& to);
 
-template <typename T, std::size_t kCount>
-void read(py::handle from, const std::string& field, std::array<T, kCount>& to) {
-  const std::string expected = std::to_string(kCount) + " numbers";
-  const auto parts = items(from, field, expected);
-  if (parts.size() != kCount) refuse(field, expected, from);
-  for (std::size_t i = 0; i < kCount; ++i) read(parts[i], field + "[" + std::to_string(i) + "]", to[i]);
-}
-
-template <typename T>
-void read(py::handle from, const std::string& field, std::optional<T>& to) {
-  to.reset();
-  if (!from.is_none()) read(from, field, to.emplace());
-}
-
-template <typename... T>
+template <IsRecord... T>
 void read(py::handle from, const std::string& field, std::variant<T...>& to) {
   std::string all;
   const auto try_one = [&]<typename One>(std::type_identity<One>) {
-    all += (all.empty() ? "" : ", ") + std::string(Record<One>::kClass);
-    if (!py::isinstance(from, record_class(Record<One>::kClass))) return false;
-    One value{};
-    read(from, field, value);
-    to = value;
+    all += (all.empty() ? "" : ", ") + class_name<One>();
+    if (!py::isinstance(from, record_class<One>())) return false;
+    read(from, field, to.template emplace<One>());
     return true;
   };
   if (!(try_one(std::type_identity<T>{}) || ...)) refuse(field, "one of " + all, from);
 }
 
-// From a dataclass, or from a dict of some of its fields.
-template <IsRecord T>
+template <typename T>
+constexpr bool kIsVector = false;
+template <typename T>
+constexpr bool kIsVector<std::vector<T>> = true;
+template <typename T>
+constexpr bool kIsOptional = false;
+template <typename T>
+constexpr bool kIsOptional<std::optional<T>> = true;
+
+// What is made of others. A record is read from its dataclass, or from a dict of some of its fields.
+template <typename T>
 void read(py::handle from, const std::string& field, T& to) {
-  const bool is_dict = py::isinstance<py::dict>(from);
-  if (!is_dict && !py::isinstance(from, record_class(Record<T>::kClass))) {
-    refuse(field, std::string("a ") + Record<T>::kClass, from);
+  if constexpr (std::is_same_v<T, Vec3>) {
+    const auto parts = items(from, field, "three numbers");
+    if (parts.size() != 3) refuse(field, "three numbers", from);
+    read(parts[0], field + ".x", to.x);
+    read(parts[1], field + ".y", to.y);
+    read(parts[2], field + ".z", to.z);
+  } else if constexpr (kIsVector<T>) {
+    to.clear();
+    for (const py::object& item : items(from, field, "a sequence")) {
+      const std::string name = field + "[" + std::to_string(to.size()) + "]";
+      read(item, name, to.emplace_back());
+    }
+  } else if constexpr (kIsOptional<T>) {
+    to.reset();
+    if (!from.is_none()) read(from, field, to.emplace());
+  } else if constexpr (IsRecord<T>) {
+    const bool is_dict = py::isinstance<py::dict>(from);
+    if (!is_dict && !py::isinstance(from, record_class<T>())) refuse(field, "a " + class_name<T>(), from);
+    const auto read_one = [&](const char* name, auto member) {
+      if (is_dict && !from.contains(name)) return;
+      const py::object value = is_dict ? py::object(from[name]) : py::object(from.attr(name));
+      read(value, field.empty() ? name : field + "." + name, to.*member);
+    };
+    std::apply([&](const auto&... one) { (read_one(one.first, one.second), ...); }, Record<T>::fields());
+  } else {  // std::array
+    const std::string expected = std::to_string(to.size()) + " numbers";
+    const auto parts = items(from, field, expected);
+    if (parts.size() != to.size()) refuse(field, expected, from);
+    for (std::size_t i = 0; i < to.size(); ++i) read(parts[i], field + "[" + std::to_string(i) + "]", to[i]);
   }
-  const auto read_one = [&](const char* name, auto member) {
-    if (is_dict && !from.contains(name)) return;
-    const py::object value = is_dict ? py::object(from[name]) : py::object(from.attr(name));
-    read(value, field.empty() ? name : field + "." + name, to.*member);
-  };
-  std::apply([&](const auto&... one) { (read_one(one.first, one.second), ...); }, Record<T>::fields());
 }
 
 // A field of a record that was asked for.
@@ -198,64 +186,38 @@ T read_as(py::handle from, const std::string& field) {
 }
 
 template <typename T>
-requires std::integral<T> || std::floating_point<T> py::object write(const T& from) { return py::cast(from); }
-inline py::object write(const std::string& from) { return py::str(from); }
-inline py::object write(const Vec3& from) { return py::make_tuple(from.x, from.y, from.z); }
-template <typename T>
-py::object write(const std::vector<T>& from);
-template <typename T, std::size_t kCount>
-py::object write(const std::array<T, kCount>& from);
-template <typename T>
-py::object write(const std::optional<T>& from);
-template <typename... T>
-py::object write(const std::variant<T...>& from);
-template <IsRecord T>
-py::object write(const T& from);
-
-template <IsEnum T>
 py::object write(const T& from) {
-  return record_class(Names<T>::kClass)(Names<T>::kNames[static_cast<std::size_t>(from)]);
+  if constexpr (IsEnum<T>) {
+    return py::list(record_class<T>())[static_cast<std::size_t>(from)];
+  } else if constexpr (IsRecord<T>) {
+    py::dict values;
+    const auto write_one = [&](const char* name, auto member) { values[name] = write(from.*member); };
+    std::apply([&](const auto&... one) { (write_one(one.first, one.second), ...); }, Record<T>::fields());
+    return record_class<T>()(**values);
+  } else if constexpr (std::is_same_v<T, Vec3>) {
+    return py::make_tuple(from.x, from.y, from.z);
+  } else if constexpr (kIsVector<T>) {
+    py::list out;
+    for (const auto& item : from) out.append(write(item));
+    return out;
+  } else if constexpr (kIsOptional<T>) {
+    return from ? write(*from) : py::none();
+  } else if constexpr (requires { std::variant_size<T>::value; }) {
+    return std::visit([](const auto& value) { return write(value); }, from);
+  } else if constexpr (requires { std::tuple_size<T>::value; }) {  // std::array
+    return std::apply([](const auto&... item) { return py::make_tuple(write(item)...); }, from);
+  } else {
+    return py::cast(from);
+  }
 }
 
-template <typename T>
-py::object write(const std::vector<T>& from) {
-  py::list out;
-  for (const auto& item : from) out.append(write(item));
-  return out;
-}
-
-template <typename T, std::size_t kCount>
-py::object write(const std::array<T, kCount>& from) {
-  py::tuple out(kCount);
-  for (std::size_t i = 0; i < kCount; ++i) out[i] = write(from[i]);
-  return out;
-}
-
-template <typename T>
-py::object write(const std::optional<T>& from) {
-  return from ? write(*from) : py::none();
-}
-
-template <typename... T>
-py::object write(const std::variant<T...>& from) {
-  return std::visit([](const auto& value) { return write(value); }, from);
-}
-
-template <IsRecord T>
-py::object write(const T& from) {
-  py::dict values;
-  const auto write_one = [&](const char* name, auto member) { values[name] = write(from.*member); };
-  std::apply([&](const auto&... one) { (write_one(one.first, one.second), ...); }, Record<T>::fields());
-  return record_class(Record<T>::kClass)(**values);
-}
-
-// Each field of a record as a property of the class that holds it.
-template <IsRecord T, typename Class>
-void add_properties(Class& to) {
-  const auto add = [&](const char* name, auto member) {
-    to.def_property_readonly(name, [member](const T& self) { return write(self.*member); });
+// Each field as a property of the class that holds it.
+template <typename T, typename... Fields>
+void add_properties(py::class_<T>& to, const std::tuple<Fields...>& fields) {
+  const auto add = [&](const auto& field) {
+    to.def_property_readonly(field.first, [member = field.second](const T& self) { return write(self.*member); });
   };
-  std::apply([&](const auto&... one) { (add(one.first, one.second), ...); }, Record<T>::fields());
+  std::apply([&](const auto&... one) { (add(one), ...); }, fields);
 }
 
 // Lets other threads of Python run while `call` works.

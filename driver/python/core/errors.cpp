@@ -6,31 +6,12 @@
 namespace gicube::python {
 namespace {
 
-struct ErrorClass {
-  const char* name;
-  bool (*is)(const Error*);
-};
-
-template <typename T>
-bool is(const Error* error) {
-  return dynamic_cast<const T*>(error) != nullptr;
+// The class that has the same name. A test finds those that there are.
+py::object class_of(const Error& error) {
+  std::string name = typeid(error).name();
+  py::detail::clean_type_id(name);
+  return py::module_::import("gicube.errors").attr(name.substr(name.rfind(':') + 1).c_str());
 }
-
-#define GICUBE_ERROR(TYPE) \
-  { #TYPE, is < TYPE> }
-using scene::FileError;
-using scene::InputError;
-// A class before its parent.
-constexpr ErrorClass kErrorClasses[] = {
-    GICUBE_ERROR(BadArgument),      GICUBE_ERROR(DeviceLost),      GICUBE_ERROR(OpenFailed),
-    GICUBE_ERROR(BoardBusy),        GICUBE_ERROR(VersionMismatch), GICUBE_ERROR(Rejected),
-    GICUBE_ERROR(ScatteringFailed), GICUBE_ERROR(MemoryFault),     GICUBE_ERROR(Unsupported),
-    GICUBE_ERROR(DeadlinePassed),   GICUBE_ERROR(WouldBlock),      GICUBE_ERROR(TimedOut),
-    GICUBE_ERROR(FileError),        GICUBE_ERROR(InputError),      GICUBE_ERROR(Error),
-};
-#undef GICUBE_ERROR
-
-py::object error_class(const char* name) { return py::module_::import("gicube.errors").attr(name); }
 
 // What its class is made of.
 py::tuple carried(const Error& error) {
@@ -39,9 +20,9 @@ py::tuple carried(const Error& error) {
   }
   const py::str text(error.what());
   if (const auto* lost = dynamic_cast<const DeviceLost*>(&error)) return py::make_tuple(text, write(lost->cause()));
-  const auto* input = dynamic_cast<const InputError*>(&error);
+  const auto* input = dynamic_cast<const scene::InputError*>(&error);
   if (input == nullptr) return py::make_tuple(text);
-  const py::object fault_class = error_class("Fault");
+  const py::object fault_class = py::module_::import("gicube.errors").attr("Fault");
   py::list faults;
   for (const scene::Fault& fault : input->faults()) {
     faults.append(fault_class(fault.file, fault.line, fault.field, fault.expected, fault.got, fault.text));
@@ -58,9 +39,7 @@ void add_errors() {
     try {
       if (pointer) std::rethrow_exception(pointer);
     } catch (const Error& error) {
-      const auto* const found =
-          std::ranges::find_if(kErrorClasses, [&](const ErrorClass& each) { return each.is(&error); });
-      const py::object type = error_class(found->name);
+      const py::object type = class_of(error);
       PyErr_SetObject(type.ptr(), type(*carried(error)).ptr());
     }
   });

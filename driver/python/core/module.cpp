@@ -1,43 +1,37 @@
 // gicube._core: the driver and gicube-scene for the Python package, which has the documented classes.
-#include "parts.h"
-#include "records.h"
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "call.h"
+
+// Vectors are arrays of three in arrays.
+template <>
+struct pybind11::detail::npy_format_descriptor<gicube::Vec3> : npy_format_descriptor<std::array<double, 3>> {
+  static std::string format() { return "(3)d"; }
+};
 
 namespace gicube::python {
 namespace {
 
-template <typename T>
-py::dict layout(std::initializer_list<std::pair<const char*, std::size_t>> offsets) {
-  py::dict out;
-  for (const auto& [name, offset] : offsets) out[name] = offset;
-  out["itemsize"] = sizeof(T);
-  return out;
-}
-
-// Where the fields of the records lie that arrays are made of: gicube.arrays makes dtypes of it.
-void add_layouts(py::module_& module) {
-  module.attr("HOST_RAY") = layout<HostRay>({{"id", offsetof(HostRay, id)},
-                                             {"position", offsetof(HostRay, position)},
-                                             {"direction", offsetof(HostRay, direction)},
-                                             {"length", offsetof(HostRay, length)},
-                                             {"energy", offsetof(HostRay, energy)}});
-  module.attr("TRACED_RAY") = layout<TracedRay>({{"id", offsetof(TracedRay, id)},
-                                                 {"position", offsetof(TracedRay, position)},
-                                                 {"direction", offsetof(TracedRay, direction)},
-                                                 {"colour", offsetof(TracedRay, colour)},
-                                                 {"opacity", offsetof(TracedRay, opacity)},
-                                                 {"integral", offsetof(TracedRay, integral)}});
-  module.attr("PIXEL") = layout<Pixel>({{"rgb", offsetof(Pixel, red)}, {"alpha", offsetof(Pixel, alpha)}});
-  module.attr("ELEMENT") = layout<Element>({{"kind", offsetof(Element, kind)},
-                                            {"origin", offsetof(Element, origin)},
-                                            {"u", offsetof(Element, u)},
-                                            {"v", offsetof(Element, v)},
-                                            {"w", offsetof(Element, w)}});
-  module.attr("ELEMENT_PAIR") = layout<ElementPair>(
-      {{"a", offsetof(ElementPair, a)}, {"b", offsetof(ElementPair, b)}, {"id", offsetof(ElementPair, id)}});
-  module.attr("PAIR_FACTOR") = layout<PairFactor>({{"transported", offsetof(PairFactor, transported)},
-                                                   {"geometric", offsetof(PairFactor, geometric)},
-                                                   {"standard_error", offsetof(PairFactor, standard_error)},
-                                                   {"clear", offsetof(PairFactor, clear)}});
+// The dtypes of the records that arrays are made of: gicube.arrays documents them.
+void add_dtypes(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(HostRay, id, position, direction, length, energy);
+  PYBIND11_NUMPY_DTYPE(TracedRay, id, position, direction, colour, opacity, integral);
+  PYBIND11_NUMPY_DTYPE(Element, kind, origin, u, v, w);
+  PYBIND11_NUMPY_DTYPE(ElementPair, a, b, id);
+  PYBIND11_NUMPY_DTYPE(PairFactor, transported, geometric, standard_error, clear);
+  using Rgb = std::array<std::uint8_t, 3>;
+  py::detail::npy_format_descriptor<Pixel>::register_dtype(
+      {{"rgb", offsetof(Pixel, red), sizeof(Rgb), "(3)B", py::dtype::of<Rgb>()},
+       PYBIND11_FIELD_DESCRIPTOR(Pixel, alpha)});
+  module.attr("RAY") = py::dtype::of<HostRay>();
+  module.attr("TRACED_RAY") = py::dtype::of<TracedRay>();
+  module.attr("PIXEL") = py::dtype::of<Pixel>();
+  module.attr("ELEMENT") = py::dtype::of<Element>();
+  module.attr("ELEMENT_PAIR") = py::dtype::of<ElementPair>();
+  module.attr("PAIR_FACTOR") = py::dtype::of<PairFactor>();
 }
 
 // What a record holds if nothing is said: its dataclass must hold the same, which a test compares.
@@ -50,6 +44,19 @@ void add_defaults(py::module_& module) {
   });
 }
 
+// A forked process ends without the destructors of libraries: some wait for threads that only the parent has (log4cplus, by OpenImageIO).
+void end_forked_ones() {
+  const py::cpp_function in_child([] {
+    ::on_exit(
+        [](int status, void*) {
+          std::fflush(nullptr);
+          ::_exit(status);
+        },
+        nullptr);
+  });
+  py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") = in_child);
+}
+
 }  // namespace
 }  // namespace gicube::python
 
@@ -57,9 +64,10 @@ PYBIND11_MODULE(_core, module) {
   using namespace gicube;
   using namespace gicube::python;
   module.attr("__version__") = GICUBE_VERSION;
-  add_layouts(module);
+  add_dtypes(module);
   add_defaults<ValueRange, Phong, Shading, Material, View, CutPlane, PointLight, DirectionalLight, RectangleLight,
                SphereLight, Illumination, RayRequest, PairRequest, Placement, ScatterAnswer, TransferFunction>(module);
+  end_forked_ones();
   add_errors();
   add_board(module);
   add_plans(module);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "gicube/board.h"
+#include "gicube/level_of_detail.h"
 
 namespace gicube::python {
 
@@ -43,6 +44,9 @@ ScatteringRoutine routine_of(pybind11::handle callable);
 
 // Of a gicube.Volume: points into its arrays.
 VolumeView view_of(pybind11::handle volume);
+
+// Of a gicube.Volume that coarser() made.
+DerivedVolume derived_of(pybind11::handle volume);
 
 // A gicube.Volume of samples as bytes, and of further fields.
 pybind11::object volume_of(const pybind11::array& bytes, SampleType type, const Dims& dims,

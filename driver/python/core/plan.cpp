@@ -2,17 +2,10 @@
 #include "gicube/plan.h"
 
 #include "call.h"
-#include "gicube/level_of_detail.h"
-#include "gicube/light_plan.h"
 
 namespace gicube::python {
-namespace {
 
-std::vector<TransferFunction> looks_of(py::handle from) {
-  return read_as<std::vector<TransferFunction>>(from, "looks");
-}
-
-py::object derived(DerivedVolume&& volume) {
+py::object given_back(DerivedVolume&& volume) {
   py::dict fields;
   fields["spacing"] = write(volume.spacing);
   fields["range"] = write(volume.range);
@@ -24,7 +17,6 @@ py::object derived(DerivedVolume&& volume) {
   return volume_of(to_array(std::move(volume.samples)), volume.type, volume.dims, fields);
 }
 
-// Of a gicube.Volume that derived() made.
 DerivedVolume derived_of(py::handle volume) {
   const VolumeView view = view_of(volume);
   DerivedVolume out;
@@ -37,39 +29,29 @@ DerivedVolume derived_of(py::handle volume) {
   return out;
 }
 
-}  // namespace
-
 void add_plans(py::module_& module) {
   py::class_<Plan> plan(module, "Plan");
-  add_properties<Plan>(plan);
-  plan.def("view",
-           [](const Plan& self, const py::object& original) { return write(self.view(read_as<View>(original, ""))); });
-  plan.def("explain", [](const Plan& self) { return write(self.explain()); });
-  module.def("make_plan", [](Handle& self, const py::object& volume, const py::object& looks, const py::object& asked,
-                             const py::object& progress) {
+  add_properties(plan, Record<Plan>::fields());
+  plan.def("view", call(&Plan::view, ""));
+  plan.def("explain", call(&Plan::explain));
+  module.def("make_plan", [](const Handle& self, const py::object& volume, const py::object& looks,
+                             const py::object& asked, const py::object& progress) {
     auto request = read_as<PlanRequest>(asked, "");
     if (!volume.is_none()) request.volume = view_of(volume);
-    const auto functions = looks_of(looks);
+    const auto functions = read_as<std::vector<TransferFunction>>(looks, "looks");
     request.looks = functions;
     const Progress told = progress_of(progress);
     const auto board = self.board();
     return without_interpreter([&] { return make_plan(*board, request, told); });
   });
-  module.def("load_planned", [](Handle& self, const Plan& made, const py::object& volume, const py::object& looks) {
-    const VolumeView from = view_of(volume);
-    const auto functions = looks_of(looks);
-    const auto board = self.board();
-    without_interpreter([&] { load_planned(*board, made, from, functions); });
-  });
+  module.def("load_planned", call(&load_planned, "", "", "volume", "looks"));
 
   py::class_<LightPlan> light(module, "LightPlan");
-  add_properties<LightPlan>(light);
-  light.def("settings", [](const LightPlan& self, const py::object& original) {
-    return write(self.settings(read_as<Illumination>(original, "")));
-  });
-  light.def("explain", [](const LightPlan& self) { return write(self.explain()); });
+  add_properties(light, Record<LightPlan>::fields());
+  light.def("settings", call(&LightPlan::settings, ""));
+  light.def("explain", call(&LightPlan::explain));
   module.def("plan_light",
-             [](Handle& self, const py::object& lights, const py::object& asked, const py::object& progress) {
+             [](const Handle& self, const py::object& lights, const py::object& asked, const py::object& progress) {
                const auto from = read_as<std::vector<Light>>(lights, "lights");
                auto request = read_as<LightPlanRequest>(asked, "");
                request.lights = from;
@@ -77,42 +59,19 @@ void add_plans(py::module_& module) {
                const auto board = self.board();
                return without_interpreter([&] { return plan_light(*board, request, told); });
              });
-  module.def("share_of_light", &share_of_light);
-  module.def("left_for_picture", &left_for_picture);
+  module.def("share_of_light", call(&share_of_light, "max_error"));
+  module.def("left_for_picture", call(&left_for_picture, "max_error", ""));
 
-  module.def("cropped", [](const py::object& volume, const py::object& box) {
-    return derived(cropped(view_of(volume), read_as<VoxelBox>(box, "box")));
-  });
-  module.def("coarser", [](const py::object& volume, int level) {
-    const VolumeView from = view_of(volume);
-    return derived(without_interpreter([&] { return coarser(from, level); }));
-  });
-  module.def("level_error", [](const py::object& volume, const py::object& coarse, const py::object& looks) {
-    const VolumeView from = view_of(volume);
-    const DerivedVolume of = derived_of(coarse);
-    const auto functions = looks_of(looks);
-    return write(without_interpreter([&] { return level_error(from, of, functions); }));
-  });
-  module.def("voxels_a_pixel", [](const py::object& view, const py::object& box, const py::object& spacing) {
-    return voxels_a_pixel(read_as<View>(view, ""), read_as<VoxelBox>(box, "box"), read_as<Vec3>(spacing, "spacing"));
-  });
-  module.def("level_for", &level_for);
-  module.def("visible_box", [](const py::object& volume, const py::object& looks) {
-    return write(visible_box(view_of(volume), looks_of(looks)));
-  });
-  module.def("colour_at", [](const py::object& look, double value) {
-    return write(read_as<TransferFunction>(look, "").colour_at(value));
-  });
-  module.def("opacity_at", [](const py::object& look, double value) {
-    return read_as<TransferFunction>(look, "").opacity_at(value);
-  });
-  module.def("placed_view", [](const py::object& placement, const py::object& view) {
-    return write(read_as<Placement>(placement, "placement").view(read_as<View>(view, "")));
-  });
-  module.def("placed_look", [](const py::object& placement, const py::object& look, const py::object& range) {
-    return write(read_as<Placement>(placement, "placement")
-                     .look(read_as<TransferFunction>(look, "look"), read_as<ValueRange>(range, "range")));
-  });
+  module.def("cropped", call(&cropped, "volume", "box"));
+  module.def("coarser", call(&coarser, "volume", "level"));
+  module.def("level_error", call(&level_error, "volume", "coarse", "looks"));
+  module.def("voxels_a_pixel", call(&voxels_a_pixel, "", "box", "spacing"));
+  module.def("level_for", call(&level_for, "voxels_a_pixel"));
+  module.def("visible_box", call(&visible_box, "volume", "looks"));
+  module.def("colour_at", call(&TransferFunction::colour_at, "value"));
+  module.def("opacity_at", call(&TransferFunction::opacity_at, "value"));
+  module.def("placed_view", call(&Placement::view, ""));
+  module.def("placed_look", call(&Placement::look, "look", "range"));
 }
 
 }  // namespace gicube::python

@@ -1,4 +1,4 @@
-// The records and enumerations of the public headers, with their fields: the classes of gicube.records.
+// The records of the public headers, with their fields: the classes of gicube.records.
 #pragma once
 
 #include "convert.h"
@@ -10,37 +10,15 @@
 
 namespace gicube::python {
 
-#define GICUBE_NAMES(TYPE, ...)                            \
-  template <>                                              \
-  struct Names<TYPE> {                                     \
-    static constexpr const char* kClass = #TYPE;           \
-    static constexpr const char* kNames[] = {__VA_ARGS__}; \
-  }
-GICUBE_NAMES(Fidelity, "functional", "approximate", "cycle");
-GICUBE_NAMES(BackPressure, "wait", "throw");
-GICUBE_NAMES(SampleType, "uint8", "uint12", "uint16", "int16", "float32");
-GICUBE_NAMES(Bsdf, "none", "specular", "dull_reflection", "dull_scattering", "isotropic", "diffuse", "trap");
-GICUBE_NAMES(PixelFilter, "box", "tent");
-GICUBE_NAMES(Albedo, "low", "high");
-GICUBE_NAMES(EnergyRules, "as_printed", "conserving");
-GICUBE_NAMES(RayType, "integrate", "first_hit", "segment", "opacity", "deposit", "integral", "backproject");
-GICUBE_NAMES(SumWords, "irradiance", "sums");
-GICUBE_NAMES(ElementKind, "patch", "box", "triangle", "disc");
-GICUBE_NAMES(PairRays, "by_board", "by_host");
-GICUBE_NAMES(Loss, "closed", "corrupted", "timed_out", "taken_over", "ended");
-#undef GICUBE_NAMES
-
 // A field's name is its member's. Of what a request points to its caller takes care.
-#define GICUBE_FIELD(NAME) \
+#define F(NAME) \
   std::pair { #NAME, &T::NAME }
 #define GICUBE_RECORD(TYPE, ...)                                       \
   template <>                                                          \
   struct Record<TYPE> {                                                \
     using T = TYPE;                                                    \
-    static constexpr const char* kClass = #TYPE;                       \
     static constexpr auto fields() { return std::tuple{__VA_ARGS__}; } \
   }
-#define F GICUBE_FIELD
 GICUBE_RECORD(ValueRange, F(low), F(high));
 GICUBE_RECORD(VoxelBox, F(low), F(size));
 GICUBE_RECORD(ColourPoint, F(value), F(colour));
@@ -92,6 +70,5 @@ using scene::RawLayout;
 GICUBE_RECORD(RawLayout, F(dims), F(type), F(spacing), F(big_endian), F(skip_bytes));
 #undef F
 #undef GICUBE_RECORD
-#undef GICUBE_FIELD
 
 }  // namespace gicube::python

@@ -1,6 +1,8 @@
 // gicube-scene: files of volumes, transfer functions and pictures; scenes.
 #include "gicube/scene/scene.h"
 
+#include <pybind11/stl/filesystem.h>
+
 #include "call.h"
 #include "gicube/scene/image_file.h"
 #include "gicube/scene/volume_file.h"
@@ -23,7 +25,7 @@ py::dict fields_of(const scene::Volume& volume) {
 // Read-only, of memory of `owner`, which the array keeps alive.
 template <typename T>
 py::array view_in(const std::vector<T>& values, const py::object& owner) {
-  py::array made(py::dtype(kDtype<T>), {static_cast<py::ssize_t>(values.size())}, values.data(), owner);
+  py::array made(py::dtype::of<T>(), {static_cast<py::ssize_t>(values.size())}, values.data(), owner);
   made.attr("setflags")(false);
   return made;
 }
@@ -46,13 +48,13 @@ py::object functions_of(const scene::SceneSetup& setup) {
 }
 
 void add_files(py::module_& module) {
-  module.def("read_volume", [](const std::string& path, const py::object& raw) {
+  module.def("read_volume", [](const fs::path& path, const py::object& raw) {
     // teem keeps its error texts in one place: one reader at a time, for which the interpreter's lock is held.
-    scene::Volume volume = scene::read_volume(fs::path(path), read_as<std::optional<RawLayout>>(raw, "raw"));
+    scene::Volume volume = scene::read_volume(path, read_as<std::optional<RawLayout>>(raw, "raw"));
     const py::dict fields = fields_of(volume);
     return volume_of(to_array(std::move(volume.samples)), volume.type, volume.dims, fields);
   });
-  module.def("write_volume", [](const std::string& path, const py::object& values, const Dims& dims,
+  module.def("write_volume", [](const fs::path& path, const py::object& values, const Dims& dims,
                                 const py::object& spacing, const py::object& origin) {
     scene::FloatVolume volume;
     volume.dims = dims;
@@ -69,7 +71,7 @@ void add_files(py::module_& module) {
     for (const scene::Preset& preset : scene::presets()) out.append(py::str(preset.name.data(), preset.name.size()));
     return out;
   });
-  module.def("write_image", [](const std::string& path, const py::array& pixels, const py::object& background) {
+  module.def("write_image", [](const fs::path& path, const py::array& pixels, const py::object& background) {
     const auto from = items_of<Pixel>(pixels, "pixels");
     Image image{static_cast<int>(pixels.shape(1)), static_cast<int>(pixels.shape(0)), {from.begin(), from.end()}};
     std::optional<scene::Background> under;
@@ -97,16 +99,16 @@ void add_files(py::module_& module) {
 py::object volume_of(const py::array& bytes, SampleType type, const Dims& dims, const py::dict& fields) {
   constexpr const char* kNames[] = {"u1", "u2", "u2", "i2", "f4"};
   const py::object samples = bytes.attr("view")(kNames[static_cast<std::size_t>(type)]);
-  return record_class("Volume")(samples.attr("reshape")(dims[2], dims[1], dims[0]), "sample_type"_a = write(type),
-                                **fields);
+  return py::module_::import("gicube.volume")
+      .attr("Volume")(samples.attr("reshape")(dims[2], dims[1], dims[0]), "sample_type"_a = write(type), **fields);
 }
 
 void add_scenes(py::module_& module) {
   add_files(module);
   py::class_<scene::Scene> scene(module, "Scene");
-  scene.def("at_time", [](const scene::Scene& self, double seconds) { return scene::at_time(self, seconds); });
-  scene.def("choose_camera", [](scene::Scene& self, const std::string& name) { scene::choose_camera(self, name); });
-  scene.def("allow_outside", [](scene::Scene& self) { scene::allow_outside(self); });
+  scene.def("at_time", &scene::at_time);
+  scene.def("choose_camera", &scene::choose_camera);
+  scene.def("allow_outside", &scene::allow_outside);
   scene.def("get", [](scene::Scene& self, const std::string& target) { return scene::find_parameter(self, target); });
   scene.def("set", [](scene::Scene& self, const std::string& target, double value) {
     scene::find_parameter(self, target) = value;
@@ -119,37 +121,28 @@ void add_scenes(py::module_& module) {
   scene.def_property(
       "view", [](const scene::Scene& self) { return write(self.view); },
       [](scene::Scene& self, const py::object& view) { read(view, "", self.view); });
-  scene.def(
-      "set_up",
-      [](const scene::Scene& self, int threads) {
-        return without_interpreter([&] { return scene::set_up(self, threads); });
-      },
-      py::arg("threads") = 0);
-  module.def("read_scene", [](const std::string& path) { return scene::read_scene(path); });
-  module.def("parse_scene", [](const std::string& text, const std::string& name, const std::string& folder) {
-    return scene::parse_scene(text, name, folder);
-  });
+  scene.def("set_up", &scene::set_up, py::arg("threads") = 0, py::call_guard<py::gil_scoped_release>());
+  module.def("read_scene", &scene::read_scene);
+  module.def("parse_scene", &scene::parse_scene);
 
-  py::class_<scene::SceneSetup> setup(module, "SceneSetup");
+  using Setup = scene::SceneSetup;
+  py::class_<Setup> setup(module, "SceneSetup");
   setup.def_property_readonly("volume", volume_in);
   setup.def_property_readonly("looks", functions_of);
-  setup.def_property_readonly("materials", [](const scene::SceneSetup& self) { return write(self.optics); });
-  setup.def_property_readonly("scattering_colours",
-                              [](const scene::SceneSetup& self) { return write(self.scattering_colours); });
-  setup.def_property_readonly("emissions", [](const scene::SceneSetup& self) { return write(self.emissions); });
-  setup.def_property_readonly("light_colours", [](const scene::SceneSetup& self) { return write(self.light_colours); });
-  setup.def_property_readonly("shading", [](const scene::SceneSetup& self) { return write(self.shading); });
-  setup.def_property_readonly("lights", [](const scene::SceneSetup& self) { return write(self.lights); });
-  setup.def_property_readonly("is_lit", [](const scene::SceneSetup& self) { return self.lighting.on; });
-  setup.def_property_readonly("illumination",
-                              [](const scene::SceneSetup& self) { return write(self.lighting.settings); });
-  setup.def_property_readonly("view", [](const scene::SceneSetup& self) {
+  add_properties(
+      setup,
+      std::tuple{std::pair{"materials", &Setup::optics}, std::pair{"scattering_colours", &Setup::scattering_colours},
+                 std::pair{"emissions", &Setup::emissions}, std::pair{"light_colours", &Setup::light_colours},
+                 std::pair{"shading", &Setup::shading}, std::pair{"lights", &Setup::lights},
+                 std::pair{"background", &Setup::background}});
+  setup.def_property_readonly("is_lit", [](const Setup& self) { return self.lighting.on; });
+  setup.def_property_readonly("illumination", [](const Setup& self) { return write(self.lighting.settings); });
+  setup.def_property_readonly("view", [](const Setup& self) {
     View view = self.view;
     view.exposure = self.lighting.exposure;
     return write(view);
   });
-  setup.def_property_readonly("background", [](const scene::SceneSetup& self) { return write(self.background); });
-  setup.def("load", [](const scene::SceneSetup& self, Handle& on, bool own_codebook, const py::object& progress) {
+  setup.def("load", [](const Setup& self, Handle& on, bool own_codebook, const py::object& progress) {
     const Progress told = progress_of(progress);
     const auto board = on.board();
     without_interpreter([&] { scene::load(*board, self, own_codebook, told); });

@@ -2,21 +2,9 @@
 
 from typing import Any, Final, List, Optional, Tuple
 
-from gicube.records import (
-    Fidelity,
-    Illumination,
-    LevelError,
-    Light,
-    LightPoint,
-    Material,
-    Placement,
-    PlanPoint,
-    Shading,
-    TransferFunction,
-    View,
-    Volume,
-    VoxelBox,
-)
+from gicube.records import Fidelity, Illumination, LevelError, Light, LightPoint, Material, Placement, PlanPoint, Shading
+from gicube.records import TransferFunction, View, VoxelBox
+from gicube.volume import Volume
 
 __version__: str
 
@@ -93,6 +81,7 @@ class Scene:
     def set_up(self, threads: int = ...) -> SceneSetup:
         """Reads or makes the volume and completes what the scene leaves open. Raises InputError, FileError."""
 
+def clip_to_volume(rays: Any, dims: Any) -> Any: ...
 def colour_at(look: Any, value: float) -> Any: ...
 def opacity_at(look: Any, value: float) -> Any: ...
 def __getattr__(name: str) -> Any: ...

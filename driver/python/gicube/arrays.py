@@ -5,46 +5,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
+from typing import Any, Optional, Sequence, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gicube import _core
 from gicube.errors import BadArgument
-from gicube.records import ElementKind, SampleType
+from gicube.records import Array, ElementKind
 
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Array = npt.NDArray[Any]
-    ArrayLike = npt.ArrayLike
-
-
-def _dtype(layout: dict[str, int], **formats: Any) -> np.dtype[Any]:
-    return np.dtype(
-        {
-            "names": list(formats),
-            "formats": list(formats.values()),
-            "offsets": [layout[name] for name in formats],
-            "itemsize": layout["itemsize"],
-        }
-    )
-
-
-_V = ("f8", (3,))
+__all__ = [
+    "ELEMENT", "ELEMENT_PAIR", "PAIR_FACTOR", "PIXEL", "RAY", "TRACED_RAY", "clip_to_volume", "elements", "pairs", "rays",
+    "rays_between",
+]
 
 #: A ray of the host: id, position and direction (x, y, z in voxels), length (voxels), energy. gicube/ray.h, HostRay.
-RAY = _dtype(_core.HOST_RAY, id="u4", position=_V, direction=_V, length="f8", energy="f8")
+RAY: np.dtype[Any] = _core.RAY
 #: A ray as it returned: id, position, direction, colour (premultiplied, 0..1), opacity, integral.
-TRACED_RAY = _dtype(_core.TRACED_RAY, id="u4", position=_V, direction=_V, colour=_V, opacity="f8", integral="f8")
+TRACED_RAY: np.dtype[Any] = _core.TRACED_RAY
 #: rgb: 0..255, premultiplied by alpha, display-referred; alpha: 0..4095.
-PIXEL = _dtype(_core.PIXEL, rgb=("u1", (3,)), alpha="u2")
+PIXEL: np.dtype[Any] = _core.PIXEL
 #: kind (index of ElementKind), origin, u, v, w. gicube/pair.h, Element.
-ELEMENT = _dtype(_core.ELEMENT, kind="i4", origin=_V, u=_V, v=_V, w=_V)
+ELEMENT: np.dtype[Any] = _core.ELEMENT
 #: a, b: indices of elements; id picks the points.
-ELEMENT_PAIR = _dtype(_core.ELEMENT_PAIR, a="u4", b="u4", id="u4")
+ELEMENT_PAIR: np.dtype[Any] = _core.ELEMENT_PAIR
 #: transported, geometric, standard_error, clear. gicube/pair.h, PairFactor.
-PAIR_FACTOR = _dtype(_core.PAIR_FACTOR, transported="f8", geometric="f8", standard_error="f8", clear="?")
+PAIR_FACTOR: np.dtype[Any] = _core.PAIR_FACTOR
 
 
 def _shape_text(shape: Sequence[Optional[int]]) -> str:
@@ -66,23 +52,6 @@ def as_array(value: ArrayLike, field: str, dtype: Any, shape: Optional[Sequence[
         if not fits:
             raise BadArgument(field, f"the shape {_shape_text(shape)}", str(array.shape))
     return np.ascontiguousarray(array, dtype=wanted)
-
-
-def volume_samples(samples: ArrayLike, given: Optional[SampleType]) -> Tuple[Array, SampleType]:
-    """A volume's samples as the driver takes them, and their type."""
-    array = np.asarray(samples)
-    native = array.dtype.newbyteorder("=")
-    if isinstance(given, str):
-        given = SampleType(given)
-    names = {"uint8": "uint8", "uint16": "uint16", "int16": "int16", "float32": "float32"}
-    if native.name not in names:
-        raise BadArgument("samples", "an array of uint8, uint16, int16 or float32", str(array.dtype))
-    found = SampleType(names[native.name])
-    if given is not None and given is not found and not (given is SampleType.UINT12 and found is SampleType.UINT16):
-        raise BadArgument("sample_type", f"{found.value}, as the array's", given.value)
-    if array.ndim != 3:
-        raise BadArgument("samples", "three axes, [z, y, x]", f"the shape {array.shape}")
-    return np.ascontiguousarray(array, dtype=native), given or found
 
 
 def rays(

@@ -8,47 +8,24 @@ from __future__ import annotations
 import asyncio
 import atexit
 import os
+import sys
 import weakref
 from contextlib import contextmanager
 from dataclasses import replace
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, Callable, Generator, Iterator, Optional, Sequence, Union
+from typing import Any, Callable, Generator, Iterator, Optional, Sequence, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gicube import _core
 from gicube.arrays import ELEMENT, ELEMENT_PAIR, RAY, TRACED_RAY, as_array
 from gicube.counters import Counters
 from gicube.errors import BadArgument, DeviceLost
 from gicube.image import Image
-from gicube.records import (
-    BackPressure,
-    BoardInfo,
-    Illumination,
-    Light,
-    LightingReport,
-    Material,
-    PairRequest,
-    RayBatch,
-    RayRequest,
-    RayType,
-    Reopened,
-    ScatterAnswer,
-    ScatterEvent,
-    Shading,
-    Ticket,
-    TransferFunction,
-    ValueRange,
-    View,
-    Volume,
-    VoxelBox,
-)
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Array = npt.NDArray[Any]
-    ArrayLike = npt.ArrayLike
+from gicube.records import Array, BackPressure, BoardInfo, Illumination, Light, LightingReport, Material, PairRequest, RayBatch
+from gicube.records import RayRequest, RayType, Reopened, ScatterAnswer, ScatterEvent, Shading, Ticket, TransferFunction
+from gicube.records import ValueRange, View, VoxelBox
+from gicube.volume import Volume
 
 #: progress=...: a callable(done, all), or True: a bar on standard error, by tqdm if it is there.
 ProgressLike = Union[None, bool, Callable[[int, int], object]]
@@ -59,25 +36,21 @@ NO_DEADLINE = 2**64 - 1
 @contextmanager
 def shown(progress: ProgressLike, what: str) -> Iterator[Optional[Callable[[int, int], object]]]:
     """The callable that the core takes."""
-    if progress is None or progress is False:
-        yield None
-    elif progress is not True:
-        yield progress
-    else:
-        try:
-            from tqdm.auto import tqdm
-        except ImportError:
-            import sys
+    if progress is not True:
+        yield progress or None
+        return
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        yield lambda done, all: print(f"\r{what}: {done} of {all}", end="\n" if done == all else "", file=sys.stderr)
+        return
+    with tqdm(desc=what) as bar:
 
-            yield lambda done, all: print(f"\r{what}: {done} of {all}", end="\n" if done == all else "", file=sys.stderr)
-            return
-        with tqdm(desc=what) as bar:
+        def show(done: int, all: int) -> None:
+            bar.total = all
+            bar.update(done - bar.n)
 
-            def show(done: int, all: int) -> None:
-                bar.total = all
-                bar.update(done - bar.n)
-
-            yield show
+        yield show
 
 
 class Future:
@@ -149,21 +122,10 @@ class Board:
         Raises BadArgument, OpenFailed, BoardBusy, VersionMismatch, TimedOut.
         """
         self.uri = uri
-        self._core = _core.Board(
-            uri,
-            {
-                "watchdog": watchdog,
-                "max_rays": max_rays,
-                "back_pressure": back_pressure,
-                "keep_volume": keep_volume,
-                "reopen_attempts": reopen_attempts,
-                "force": force,
-                "wait_for_board": wait_for_board,
-                "capture": os.fspath(capture),
-                "token_file": os.fspath(token_file),
-                "ca_file": os.fspath(ca_file),
-            },
-        )
+        options = {"watchdog": watchdog, "max_rays": max_rays, "back_pressure": back_pressure, "keep_volume": keep_volume}
+        options |= {"reopen_attempts": reopen_attempts, "force": force, "wait_for_board": wait_for_board}
+        options |= {"capture": os.fspath(capture), "token_file": os.fspath(token_file), "ca_file": os.fspath(ca_file)}
+        self._core = _core.Board(uri, options)
         _open_boards.add(self)
 
     def close(self) -> None:
@@ -173,9 +135,7 @@ class Board:
     def __enter__(self) -> "Board":
         return self
 
-    def __exit__(
-        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def __repr__(self) -> str:
@@ -206,7 +166,7 @@ class Board:
 
     # Volume.
 
-    def load_volume(self, volume: Union[Volume, "ArrayLike"], *, progress: ProgressLike = None) -> None:
+    def load_volume(self, volume: Union[Volume, ArrayLike], *, progress: ProgressLike = None) -> None:
         """Replaces the volume: an array [z, y, x] of uint8, uint16, int16 or float32, or a gicube.Volume, which has more to say.
 
         Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer functions
@@ -217,12 +177,12 @@ class Board:
         with shown(progress, "loading") as told:
             self._core.load_volume(made, told)
 
-    def _read(self, call: Callable[[VoxelBox], "Array"], box: Optional[VoxelBox]) -> "Array":
+    def _read(self, call: Callable[[VoxelBox], Array], box: Optional[VoxelBox]) -> Array:
         """The values of a box, or of all."""
         where = VoxelBox((0, 0, 0), self.dims) if box is None else box
         return call(where).reshape(tuple(where.size)[::-1])
 
-    def _write(self, call: Callable[[VoxelBox, "Array"], object], values: "ArrayLike", box: Optional[VoxelBox]) -> None:
+    def _write(self, call: Callable[[VoxelBox, Array], object], values: ArrayLike, box: Optional[VoxelBox]) -> None:
         array = as_array(values, "values", "float32", (None, None, None))
         where = VoxelBox((0, 0, 0), array.shape[::-1]) if box is None else box
         if tuple(where.size) != array.shape[::-1]:
@@ -234,11 +194,11 @@ class Board:
         """The loaded volume's size x, y, z, voxels. Raises Rejected before load_volume()."""
         return self._core.dims()
 
-    def read_volume(self, box: Optional[VoxelBox] = None) -> "Array":
+    def read_volume(self, box: Optional[VoxelBox] = None) -> Array:
         """The values of a box, or of all, as the board holds them, 12 bits each: float32 [z, y, x]. Raises Rejected, BadArgument."""
         return self._read(self._core.read_volume, box)
 
-    def write_volume(self, values: "ArrayLike", box: Optional[VoxelBox] = None) -> None:
+    def write_volume(self, values: ArrayLike, box: Optional[VoxelBox] = None) -> None:
         """Overwrites a box of the volume, by default the one at (0, 0, 0), with values [z, y, x], clamped to its range.
 
         Raises Rejected (no volume), BadArgument (box, a value's index): the volume is unchanged.
@@ -260,17 +220,17 @@ class Board:
         return self._core.blocks()
 
     @property
-    def empty_flags(self) -> "Array":
+    def empty_flags(self) -> Array:
         """The flags in force, uint8 [z, y, x], one a block, nonzero = nothing visible. May be assigned, until the next
         load_volume() or set_transfer_function(): a flag that is set on a visible block hides that block."""
         return self._core.empty_flags().reshape(self.blocks[::-1])
 
     @empty_flags.setter
-    def empty_flags(self, flags: "ArrayLike") -> None:
+    def empty_flags(self, flags: ArrayLike) -> None:
         array = np.asarray(flags)
         self._core.set_empty_flags(as_array(array.astype("u1") if array.dtype == bool else array, "flags", "uint8"))
 
-    def set_gradient_codebook(self, directions: "ArrayLike") -> None:
+    def set_gradient_codebook(self, directions: ArrayLike) -> None:
         """Replaces the codebook: at most 2048 unit directions (n, 3), the first of them zero. Raises BadArgument, Rejected."""
         self._core.set_gradient_codebook(as_array(directions, "directions", "float64", (None, 3)))
 
@@ -311,11 +271,11 @@ class Board:
         with shown(progress, "lighting") as told:
             return self._core.illuminate(list(lights), settings, told)
 
-    def read_irradiance(self, box: Optional[VoxelBox] = None) -> "Array":
+    def read_irradiance(self, box: Optional[VoxelBox] = None) -> Array:
         """float32 [z, y, x], in units of the lights' power, of a box or of all. Raises Rejected, BadArgument."""
         return self._read(self._core.read_irradiance, box)
 
-    def write_irradiance(self, values: "ArrayLike", box: Optional[VoxelBox] = None) -> None:
+    def write_irradiance(self, values: ArrayLike, box: Optional[VoxelBox] = None) -> None:
         """Overwrites it in a box, by default the one at (0, 0, 0): words are rounded to the unit in force, and saturate."""
         self._write(self._core.write_irradiance, values, box)
 
@@ -327,7 +287,7 @@ class Board:
         """Sets the sums of BACKPROJECT rays to zero, and one unit of them to `unit`, an energy times a length."""
         self._core.clear_sums(unit)
 
-    def read_sums(self, box: Optional[VoxelBox] = None) -> "Array":
+    def read_sums(self, box: Optional[VoxelBox] = None) -> Array:
         """float32 [z, y, x]: one sum a voxel. Raises Rejected before clear_sums(), BadArgument."""
         return self._read(self._core.read_sums, box)
 
@@ -352,7 +312,7 @@ class Board:
 
     # Rays.
 
-    def submit(self, rays: Union["Array", Sequence["Array"]], request: Optional[RayRequest] = None, **fields: Any) -> Ticket:
+    def submit(self, rays: Union[Array, Sequence[Array]], request: Optional[RayRequest] = None, **fields: Any) -> Ticket:
         """Sends rays as one batch: an array of gicube.RAY (gicube.rays() makes one), or a list of such arrays that lie in several
         places. Returns at once unless too many are under way.
 
@@ -364,7 +324,7 @@ class Board:
         none_return = RayType(asked.type) in (RayType.DEPOSIT, RayType.BACKPROJECT)
         return Ticket(self._core.submit(places, asked), 0 if none_return else sum(map(len, places)))
 
-    def submit_lines(self, lines: Sequence["ArrayLike"], ids: Optional[Sequence[int]] = None) -> Ticket:
+    def submit_lines(self, lines: Sequence[ArrayLike], ids: Optional[Sequence[int]] = None) -> Ticket:
         """Lines through several points, arrays (n, 3) in voxels: their legs are SEGMENT rays, one of which returns for each leg."""
         points = [as_array(line, f"lines[{i}]", "float64", (None, 3)) for i, line in enumerate(lines)]
         numbers = list(range(len(points))) if ids is None else list(ids)
@@ -372,7 +332,7 @@ class Board:
             raise BadArgument("ids", f"{len(points)} of them", str(len(numbers)))
         return Ticket(self._core.submit_lines(points, numbers), sum(len(line) - 1 for line in points))
 
-    def receive(self, ticket: Ticket, *, out: Optional["Array"] = None, deadline: int = NO_DEADLINE) -> RayBatch:
+    def receive(self, ticket: Ticket, *, out: Optional[Array] = None, deadline: int = NO_DEADLINE) -> RayBatch:
         """Waits until that batch has returned, and moves the simulated clock to its arrival.
 
         out: an array of gicube.TRACED_RAY for the rays, as many as were submitted; else a new one is made.
@@ -415,13 +375,13 @@ class Board:
 
     def pair_factors(
         self,
-        elements: "Array",
-        pairs: "Array",
+        elements: Array,
+        pairs: Array,
         request: Optional[PairRequest] = None,
         *,
         progress: ProgressLike = None,
         **fields: Any,
-    ) -> "Array":
+    ) -> Array:
         """How much light goes between pairs of elements: an array of gicube.PAIR_FACTOR, one factor a pair (gicube/pair.h).
 
         elements, pairs: by gicube.elements() and gicube.pairs(). The request is a PairRequest or its fields.

@@ -6,8 +6,14 @@ The docstring of each call says which it raises, and what state the board is in 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from gicube.records import Loss
+
+__all__ = [
+    "BadArgument", "BoardBusy", "DeadlinePassed", "DeviceLost", "Error", "Fault", "FileError", "InputError", "MemoryFault",
+    "OpenFailed", "Rejected", "ScatteringFailed", "TimedOut", "Unsupported", "VersionMismatch", "WouldBlock",
+]
 
 
 class Error(RuntimeError):
@@ -21,7 +27,7 @@ class BadArgument(Error, ValueError):
         super().__init__(f"{field}: expected {expected}, got {got}")
         self.field, self.expected, self.got = field, expected, got
 
-    def __reduce__(self) -> tuple[type[BadArgument], tuple[str, str, str]]:
+    def __reduce__(self) -> tuple[Any, ...]:  # what other processes make it of, of each class that carries more than its text
         return type(self), (self.field, self.expected, self.got)
 
 
@@ -60,6 +66,9 @@ class DeviceLost(Error, ConnectionError):
         super().__init__(text)
         self.cause = cause
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.cause)
+
 
 class DeadlinePassed(Error):
     """The simulated host waited until its deadline, a simulated time. The board works on."""
@@ -91,6 +100,9 @@ class InputError(Error, ValueError):
     def __init__(self, text: str, faults: list[Fault]) -> None:
         super().__init__(text)
         self.faults = faults
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.faults)
 
 
 class FileError(InputError):

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import os
 import tempfile
-from typing import TYPE_CHECKING, Any, Optional
+from typing import Optional
 
 import numpy as np
 
 from gicube import _core
 from gicube.arrays import PIXEL, as_array
-from gicube.records import Colour
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Array = npt.NDArray[Any]
+from gicube.records import Array, Colour
 
 
 class Image:

@@ -8,18 +8,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
+from typing import Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 # mypy: no-warn-return-any
 from gicube import _core
 
-if TYPE_CHECKING:
-    import numpy.typing as npt
+__all__ = [  # of the package
+    "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo",
+    "BackPressure", "BoardInfo", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
+    "EnergyRules", "Fidelity", "Illumination", "LevelError", "Light", "LightingReport", "LightPoint", "Loss", "Material",
+    "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter", "Placement", "PlanPoint", "PointLight", "RawLayout",
+    "RayBatch", "RayRequest", "RayType", "RectangleLight", "Reopened", "SampleType", "ScatterAnswer", "ScatterEvent", "Shading",
+    "SphereLight", "SumWords", "Ticket", "TransferFunction", "ValueRange", "View", "VoxelBox"
+]
 
-    Array = npt.NDArray[Any]
-
+Array = NDArray[Any]
 Vec3 = Sequence[float]
 Colour = Sequence[float]
 
@@ -153,54 +159,6 @@ class Placement:
 
     low: Vec3 = (0.0, 0.0, 0.0)
     edge: float = 1.0
-
-
-@dataclass
-class Volume:
-    """A volume in the host's memory (gicube/volume.h).
-
-    samples: array [z, y, x] of uint8, uint16, int16 or float32. It is used where it lies if it is contiguous and in the machine's
-        byte order, and copied once if not. UINT12 is uint16 with `sample_type`.
-    spacing: physical voxel edges x, y, z; the ratios count, and for line integrals and backprojection the lengths too.
-    range: the values that become density 0 and 4095. None: 0..255 of uint8, 0..4095 of uint12, else the least and greatest sample.
-    gradients: None: found by the driver. Else float32 [z, y, x, 3], the direction x, y, z in which the value grows.
-    tags: None: all 0. Else uint8 [z, y, x], the material's tag 0..3.
-    find_gradients: False, without `gradients`: nothing is shaded, and loading takes a third less time.
-
-    Raises BadArgument with the field.
-    """
-
-    samples: Array
-    spacing: Vec3 = (1.0, 1.0, 1.0)
-    range: Optional[ValueRange] = None
-    sample_type: Optional[SampleType] = None
-    gradients: Optional[Array] = None
-    tags: Optional[Array] = None
-    find_gradients: bool = True
-    source: str = ""  # the file it was read from, for messages
-    placement: Optional[Placement] = None  # of one that coarser() or cropped() made
-
-    def __post_init__(self) -> None:
-        from gicube.arrays import as_array, volume_samples
-
-        self.samples, self.sample_type = volume_samples(self.samples, self.sample_type)
-        shape = self.samples.shape
-        if self.gradients is not None:
-            self.gradients = as_array(self.gradients, "gradients", "float32", (*shape, 3))
-        if self.tags is not None:
-            self.tags = as_array(self.tags, "tags", "uint8", shape)
-
-    @property
-    def dims(self) -> Tuple[int, int, int]:
-        """Voxels along x, y, z."""
-        z, y, x = self.samples.shape
-        return x, y, z
-
-    def __repr__(self) -> str:
-        x, y, z = self.dims
-        assert self.sample_type is not None
-        source = f" from {self.source}" if self.source else ""
-        return f"<gicube.Volume {x} x {y} x {z} {self.sample_type.value}{source}>"
 
 
 @dataclass
@@ -383,7 +341,7 @@ class LightingReport:
     unit: float
     warnings: Sequence[str]
 
-    def standard_error(self, irradiance: "npt.ArrayLike") -> Any:
+    def standard_error(self, irradiance: ArrayLike) -> Any:
         """Error bars of a pass with Albedo.HIGH: of one voxel's irradiance (a bound there), of the sum over many, or of an array of them."""
         return np.sqrt(np.asarray(irradiance) * (self.emitted / self.rays if self.rays else 0.0))
 

@@ -7,31 +7,26 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Optional, Sequence, Union
+from typing import Any, Optional, Sequence, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gicube import _core
 from gicube.arrays import as_array
 from gicube.board import Board, ProgressLike, shown
-from gicube.records import (
-    Illumination,
-    LevelError,
-    Light,
-    Placement,
-    RawLayout,
-    TransferFunction,
-    ValueRange,
-    Vec3,
-    View,
-    Volume,
-    VoxelBox,
-)
+from gicube.errors import Rejected
+from gicube.records import Illumination, LevelError, Light, Placement, RawLayout, TransferFunction, ValueRange, Vec3, View
+from gicube.records import VoxelBox
+from gicube.volume import Volume
 
-if TYPE_CHECKING:
-    import numpy.typing as npt
+__all__ = [
+    "coarser", "cropped", "fit_view", "left_for_picture", "level_error", "level_for", "load_planned", "load_scene", "make_plan",
+    "parse_scene", "placed_look", "placed_view", "plan_light", "presets", "read_scene", "read_volume", "share_of_light",
+    "transfer_function", "value_range", "visible_box", "voxels_a_pixel", "write_volume",
+]
 
-    Path = Union[str, "os.PathLike[str]"]
+Path = Union[str, "os.PathLike[str]"]
 
 
 def read_volume(path: Path, raw: Optional[RawLayout] = None) -> Volume:
@@ -42,7 +37,7 @@ def read_volume(path: Path, raw: Optional[RawLayout] = None) -> Volume:
     return _core.read_volume(os.fspath(path), raw)
 
 
-def write_volume(path: Path, values: npt.ArrayLike, *, spacing: Vec3 = (1.0, 1.0, 1.0), origin: Vec3 = (0.0, 0.0, 0.0)) -> None:
+def write_volume(path: Path, values: ArrayLike, *, spacing: Vec3 = (1.0, 1.0, 1.0), origin: Vec3 = (0.0, 0.0, 0.0)) -> None:
     """Values [z, y, x] as float32, by the extension: .nrrd, .mhd, .mha, .nii, .nii.gz. Raises FileError."""
     array = as_array(values, "values", "float32", (None, None, None))
     _core.write_volume(os.fspath(path), array, list(array.shape[::-1]), spacing, origin)
@@ -140,10 +135,15 @@ def parse_scene(text: str, name: str = "scene", folder: Path = ".") -> _core.Sce
 def load_scene(board: Board, setup: _core.SceneSetup, *, light: bool = True, progress: ProgressLike = None) -> View:
     """Brings a board to a scene: voxels, looks, shading, materials and, unless `light` is False, light. Returns the scene's view.
 
+    The first scene of a board brings its own codebook of gradients, and later volumes are coded by that.
     Raises as Board.load_volume() and Board.illuminate().
     """
+    try:
+        own_codebook = not board.dims
+    except Rejected:  # there is no volume yet
+        own_codebook = True
     with shown(progress, "loading") as told:
-        setup.load(board._core, True, told)
+        setup.load(board._core, own_codebook, told)
     board.set_shading(setup.shading)
     for tag, material in enumerate(setup.materials):
         board.set_material(material, tag)

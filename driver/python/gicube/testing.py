@@ -19,7 +19,6 @@ import os
 import tempfile
 import weakref
 from dataclasses import dataclass, field, replace
-from types import TracebackType
 from typing import Any, Iterator, List, Mapping, Optional, Sequence, Union
 from urllib.parse import quote
 
@@ -81,9 +80,7 @@ class Window:
     def __enter__(self) -> "Window":
         return self
 
-    def __exit__(
-        self, kind: Optional[type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
-    ) -> None:
+    def __exit__(self, kind: Optional[type[BaseException]], *error: object) -> None:
         if kind is None:
             self._end = self._board.now, self._board.counters
 

@@ -99,7 +99,10 @@ def test_errors_are_pythons_own_too_and_can_be_pickled():
     fault = gicube.BadArgument("a", "b", "c")
     assert isinstance(fault, ValueError) and isinstance(fault, gicube.Error)
     again = pickle.loads(pickle.dumps(fault))
-    assert (again.field, again.expected, again.got) == ("a", "b", "c")
+    assert (again.field, again.expected, again.got) == ("a", "b", "c") and str(again) == str(fault)
+    faulty = pickle.loads(pickle.dumps(gicube.FileError("text", [gicube.Fault("a", 1, "b", "c", "d", "e")])))
+    assert type(faulty) is gicube.FileError and faulty.faults[0].line == 1 and str(faulty) == "text"
+    assert pickle.loads(pickle.dumps(gicube.DeviceLost("text", gicube.Loss.ENDED))).cause is gicube.Loss.ENDED
     assert issubclass(gicube.TimedOut, TimeoutError) and issubclass(gicube.DeviceLost, ConnectionError)
 
 

@@ -27,9 +27,9 @@ def start(program):
     return subprocess.Popen([sys.executable, "-c", START + program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
-def run(program, code=0):
+def run(program, code=0, seconds=120):
     process = start(program)
-    out, error = process.communicate(timeout=120)
+    out, error = process.communicate(timeout=seconds)
     assert process.returncode == code, out + error
     return out
 
@@ -148,6 +148,83 @@ assert board.render(view) == expected
     )
 
 
+@pytest.mark.parametrize("end, code", [("sys.exit(3)", 3), ("pass", 0), ("raise ValueError('mine')", 1)])
+def test_a_forked_process_ends_and_its_parents_board_goes_on(end, code):
+    run(
+        f"""
+board = gicube.open()
+view = scene(board)
+expected = board.render(view)
+ticket = board.submit(gicube.rays([[3, 3, 3]], (1, 1, 1)))
+child = os.fork()
+if child == 0:
+    {end}
+else:
+    for _ in range(200):
+        pid, status = os.waitpid(child, os.WNOHANG)
+        if pid:
+            break
+        time.sleep(0.05)
+    else:
+        os.kill(child, signal.SIGKILL)
+        raise SystemExit("the child hangs")
+    assert os.waitstatus_to_exitcode(status) == {code}, status
+    assert len(board.receive(ticket).rays) == 1
+    assert board.render(view) == expected
+"""
+    )
+
+
+def test_a_pool_of_forked_processes_ends():
+    out = run(
+        """
+import multiprocessing
+
+def work(seed):
+    with gicube.open() as own:
+        return int(own.render(scene(own, 16)).alpha.sum())
+
+board = gicube.open()
+with multiprocessing.get_context("fork").Pool(2) as pool:
+    first, second = pool.map(work, [1, 2])
+pool.join()
+assert first == second == int(board.render(scene(board, 16)).alpha.sum())
+said("ended")
+"""
+    )
+    assert out == "ended\n"
+
+
+def test_what_a_forked_process_has_printed_is_written():
+    run(
+        """
+import subprocess
+program = "import os, gicube; board = gicube.open(); child = os.fork(); print('child' if child == 0 else os.waitpid(child, 0)[1])"
+assert subprocess.check_output([sys.executable, "-c", program], text=True) == "child\\n0\\n"
+"""
+    )
+
+
+@pytest.mark.parametrize("layout, copied", [("samples", False), ("samples.T", True)])
+def test_a_volume_is_loaded_without_a_copy_of_it(layout, copied):
+    more = float(
+        run(
+            f"""
+def mebibytes(name):
+    return next(int(line.split()[1]) / 1024 for line in open("/proc/self/status") if line.startswith(name))
+
+samples = np.full((256, 256, 256), 0.5, "f4")  # 64 MiB
+with gicube.open() as board:
+    before = mebibytes("VmRSS")
+    board.load_volume(gicube.Volume({layout}, range=gicube.ValueRange(0, 1), find_gradients=False))
+    print(mebibytes("VmHWM") - before)
+"""
+        )
+    )
+    # chosen: the driver's own blocks, 2 bytes a voxel and what is under way to the board, are below 64 MiB; a copy is that much more.
+    assert (more > 96) == copied, more
+
+
 def test_a_board_is_closed_while_another_thread_waits():
     run(
         """
@@ -182,7 +259,8 @@ for _ in range(900):
         board.counters
 assert held() == first, (held(), first)
 assert memory() - before < 8 << 20, memory() - before
-"""
+""",
+        seconds=500,
     )
 
 

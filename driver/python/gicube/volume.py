@@ -1,0 +1,67 @@
+"""Volumes in the host's memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+import numpy as np
+
+from gicube.arrays import as_array
+from gicube.errors import BadArgument
+from gicube.records import Array, Placement, SampleType, ValueRange, Vec3
+
+
+@dataclass
+class Volume:
+    """A volume in the host's memory (gicube/volume.h).
+
+    samples: array [z, y, x] of uint8, uint16, int16 or float32. It is used where it lies if it is contiguous and in the machine's
+        byte order, and copied once if not. UINT12 is uint16 with `sample_type`.
+    spacing: physical voxel edges x, y, z; the ratios count, and for line integrals and backprojection the lengths too.
+    range: the values that become density 0 and 4095. None: 0..255 of uint8, 0..4095 of uint12, else the least and greatest sample.
+    gradients: None: found by the driver. Else float32 [z, y, x, 3], the direction x, y, z in which the value grows.
+    tags: None: all 0. Else uint8 [z, y, x], the material's tag 0..3.
+    find_gradients: False, without `gradients`: nothing is shaded, and loading takes a third less time.
+
+    Raises BadArgument with the field.
+    """
+
+    samples: Array
+    spacing: Vec3 = (1.0, 1.0, 1.0)
+    range: Optional[ValueRange] = None
+    sample_type: Optional[SampleType] = None
+    gradients: Optional[Array] = None
+    tags: Optional[Array] = None
+    find_gradients: bool = True
+    source: str = ""  # the file it was read from, for messages
+    placement: Optional[Placement] = None  # of one that coarser() or cropped() made
+
+    def __post_init__(self) -> None:
+        array = np.asarray(self.samples)
+        native = array.dtype.newbyteorder("=")
+        if native.name not in ("uint8", "uint16", "int16", "float32"):
+            raise BadArgument("samples", "an array of uint8, uint16, int16 or float32", str(array.dtype))
+        found = SampleType(native.name)
+        given = found if self.sample_type is None else SampleType(self.sample_type)
+        if given is not found and (given, found) != (SampleType.UINT12, SampleType.UINT16):
+            raise BadArgument("sample_type", f"{found.value}, as the array's", given.value)
+        if array.ndim != 3:
+            raise BadArgument("samples", "three axes, [z, y, x]", f"the shape {array.shape}")
+        self.samples, self.sample_type = np.ascontiguousarray(array, dtype=native), given
+        if self.gradients is not None:
+            self.gradients = as_array(self.gradients, "gradients", "float32", (*array.shape, 3))
+        if self.tags is not None:
+            self.tags = as_array(self.tags, "tags", "uint8", array.shape)
+
+    @property
+    def dims(self) -> Tuple[int, int, int]:
+        """Voxels along x, y, z."""
+        z, y, x = self.samples.shape
+        return x, y, z
+
+    def __repr__(self) -> str:
+        x, y, z = self.dims
+        assert self.sample_type is not None
+        source = f" from {self.source}" if self.source else ""
+        return f"<gicube.Volume {x} x {y} x {z} {self.sample_type.value}{source}>"
