@@ -38,8 +38,6 @@ template <typename T>
 concept IsRecord = requires {
   Record<T>::fields();
 };
-template <typename T>
-concept IsEnum = std::is_enum_v<T>;
 
 [[noreturn]] inline void refuse(const std::string& field, const std::string& expected, py::handle got) {
   throw BadArgument(field, expected, py::repr(got).cast<std::string>().substr(0, 200));
@@ -96,7 +94,8 @@ inline void read(py::handle from, const std::string& field, std::string& to) {
   to = from.cast<std::string>();
 }
 
-template <IsEnum T>
+template <typename T>
+requires std::is_enum_v<T>
 void read(py::handle from, const std::string& field, T& to) {
   const py::object value = py::hasattr(from, "value") ? from.attr("value") : py::reinterpret_borrow<py::object>(from);
   std::string all;
@@ -133,15 +132,6 @@ void read(py::handle from, const std::string& field, std::variant<T...>& to) {
   if (!(try_one(std::type_identity<T>{}) || ...)) refuse(field, "one of " + all, from);
 }
 
-template <typename T>
-constexpr bool kIsVector = false;
-template <typename T>
-constexpr bool kIsVector<std::vector<T>> = true;
-template <typename T>
-constexpr bool kIsOptional = false;
-template <typename T>
-constexpr bool kIsOptional<std::optional<T>> = true;
-
 // What is made of others. A record is read from its dataclass, or from a dict of some of its fields.
 template <typename T>
 void read(py::handle from, const std::string& field, T& to) {
@@ -151,13 +141,13 @@ void read(py::handle from, const std::string& field, T& to) {
     read(parts[0], field + ".x", to.x);
     read(parts[1], field + ".y", to.y);
     read(parts[2], field + ".z", to.z);
-  } else if constexpr (kIsVector<T>) {
+  } else if constexpr (requires(T made) { made.emplace_back(); }) {
     to.clear();
     for (const py::object& item : items(from, field, "a sequence")) {
       const std::string name = field + "[" + std::to_string(to.size()) + "]";
       read(item, name, to.emplace_back());
     }
-  } else if constexpr (kIsOptional<T>) {
+  } else if constexpr (requires(T made) { made.has_value(); }) {
     to.reset();
     if (!from.is_none()) read(from, field, to.emplace());
   } else if constexpr (IsRecord<T>) {
@@ -187,7 +177,7 @@ T read_as(py::handle from, const std::string& field) {
 
 template <typename T>
 py::object write(const T& from) {
-  if constexpr (IsEnum<T>) {
+  if constexpr (std::is_enum_v<T>) {
     return py::list(record_class<T>())[static_cast<std::size_t>(from)];
   } else if constexpr (IsRecord<T>) {
     py::dict values;
@@ -196,11 +186,11 @@ py::object write(const T& from) {
     return record_class<T>()(**values);
   } else if constexpr (std::is_same_v<T, Vec3>) {
     return py::make_tuple(from.x, from.y, from.z);
-  } else if constexpr (kIsVector<T>) {
+  } else if constexpr (requires(T made) { made.emplace_back(); }) {
     py::list out;
     for (const auto& item : from) out.append(write(item));
     return out;
-  } else if constexpr (kIsOptional<T>) {
+  } else if constexpr (requires(T made) { made.has_value(); }) {
     return from ? write(*from) : py::none();
   } else if constexpr (requires { std::variant_size<T>::value; }) {
     return std::visit([](const auto& value) { return write(value); }, from);

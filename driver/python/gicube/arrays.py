@@ -33,10 +33,6 @@ ELEMENT_PAIR: np.dtype[Any] = _core.ELEMENT_PAIR
 PAIR_FACTOR: np.dtype[Any] = _core.PAIR_FACTOR
 
 
-def _shape_text(shape: Sequence[Optional[int]]) -> str:
-    return "(" + ", ".join("any" if edge is None else str(edge) for edge in shape) + ")"
-
-
 def as_array(value: ArrayLike, field: str, dtype: Any, shape: Optional[Sequence[Optional[int]]] = None) -> Array:
     """`value` contiguous, in the machine's byte order, without a copy if it is that already.
 
@@ -50,7 +46,8 @@ def as_array(value: ArrayLike, field: str, dtype: Any, shape: Optional[Sequence[
     if shape is not None:
         fits = len(shape) == array.ndim and all(want in (None, got) for want, got in zip(shape, array.shape))
         if not fits:
-            raise BadArgument(field, f"the shape {_shape_text(shape)}", str(array.shape))
+            edges = ", ".join("any" if edge is None else str(edge) for edge in shape)
+            raise BadArgument(field, f"the shape ({edges})", str(array.shape))
     return np.ascontiguousarray(array, dtype=wanted)
 
 

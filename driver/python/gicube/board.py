@@ -389,10 +389,8 @@ class Board:
         """
         asked = PairRequest(**fields) if request is None else replace(request, **fields)
         with shown(progress, "pairs") as told:
-            out: Array = self._core.pair_factors(
-                as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs", ELEMENT_PAIR, (None,)), asked, told
-            )
-        return out
+            all_elements, all_pairs = as_array(elements, "elements", ELEMENT, (None,)), as_array(pairs, "pairs", ELEMENT_PAIR, (None,))
+            return self._core.pair_factors(all_elements, all_pairs, asked, told)
 
     # Time.
 

@@ -14,30 +14,27 @@ class Counters(Mapping[str, int]):
     """
 
     def __init__(self, counters: Iterable[Tuple[str, str, int]]) -> None:
-        self._values: dict[str, int] = {}
-        self._units: dict[str, str] = {}
-        for name, unit, value in counters:
-            self._values[name], self._units[name] = value, unit
+        self._held = {name: (unit, value) for name, unit, value in counters}
 
     def __getitem__(self, name: str) -> int:
-        return self._values[name]
+        return self._held[name][1]
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
+        return iter(self._held)
 
     def __len__(self) -> int:
-        return len(self._values)
+        return len(self._held)
 
     def unit(self, name: str) -> str:
         """As "ps" or "rays". Raises KeyError."""
-        return self._units[name]
+        return self._held[name][0]
 
     def __sub__(self, begin: "Counters") -> "Counters":
-        return Counters((name, self._units[name], value - begin.get(name, 0)) for name, value in self._values.items())
+        return Counters((name, unit, value - begin.get(name, 0)) for name, (unit, value) in self._held.items())
 
     def matching(self, part: str) -> "Counters":
         """Those with `part` in their names."""
-        return Counters((name, self._units[name], value) for name, value in self._values.items() if part in name)
+        return Counters((name, *each) for name, each in self._held.items() if part in name)
 
     def __repr__(self) -> str:
         return f"<gicube.Counters: {len(self)} counters>"
@@ -45,7 +42,7 @@ class Counters(Mapping[str, int]):
     def _repr_html_(self) -> str:
         rows = "".join(
             f"<tr><td style='text-align:left'>{html.escape(name)}</td><td>{value:,}</td>"
-            f"<td style='text-align:left'>{html.escape(self._units[name])}</td></tr>"
-            for name, value in self._values.items()
+            f"<td style='text-align:left'>{html.escape(unit)}</td></tr>"
+            for name, (unit, value) in self._held.items()
         )
         return f"<table><tr><th>counter</th><th>value</th><th>unit</th></tr>{rows}</table>"

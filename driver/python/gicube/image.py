@@ -1,5 +1,6 @@
 """Pictures read from the framebuffer."""
 
+# mypy: no-warn-return-any
 from __future__ import annotations
 
 import os
@@ -30,20 +31,17 @@ class Image:
     @property
     def rgb(self) -> Array:
         """uint8 [row, column, 3], premultiplied by alpha, display-referred: the picture over black. A view."""
-        out: Array = self.pixels["rgb"]
-        return out
+        return self.pixels["rgb"]
 
     @property
     def alpha(self) -> Array:
         """uint16 [row, column], 0..4095. A view."""
-        out: Array = self.pixels["alpha"]
-        return out
+        return self.pixels["alpha"]
 
     def over(self, background: Colour = (0.0, 0.0, 0.0)) -> Array:
         """uint8 [row, column, 3]: over a colour, 0..1 each, mixed in display-referred values as on a screen."""
         left = (1 - self.alpha / 4095.0)[..., None] * np.asarray(background, dtype=float)
-        mixed: Array = np.rint(np.clip(self.rgb + 255 * left, 0, 255)).astype("u1")
-        return mixed
+        return np.rint(np.clip(self.rgb + 255 * left, 0, 255)).astype("u1")
 
     def save(self, path: "os.PathLike[str] | str", background: Optional[Colour] = None) -> None:
         """Writes .png (display-referred) or .exr (linear light), with alpha, or over a colour. Raises FileError."""

@@ -17,7 +17,7 @@ from gicube.arrays import as_array
 from gicube.board import Board, ProgressLike, shown
 from gicube.errors import Rejected
 from gicube.records import Illumination, LevelError, Light, Placement, RawLayout, TransferFunction, ValueRange, Vec3, View
-from gicube.records import VoxelBox
+from gicube.records import SampleType, VoxelBox
 from gicube.volume import Volume
 
 __all__ = [
@@ -47,9 +47,8 @@ def value_range(volume: Volume) -> ValueRange:
     """The volume's own range, or the driver's default for its type. Not-a-numbers are left out."""
     if volume.range is not None:
         return volume.range
-    assert volume.sample_type is not None
-    if volume.sample_type.value in ("uint8", "uint12"):
-        return ValueRange(0.0, 255.0 if volume.sample_type.value == "uint8" else 4095.0)
+    if volume.sample_type in (SampleType.UINT8, SampleType.UINT12):
+        return ValueRange(0.0, 255.0 if volume.sample_type is SampleType.UINT8 else 4095.0)
     return ValueRange(float(np.nanmin(volume.samples)), float(np.nanmax(volume.samples)))
 
 

@@ -19,7 +19,7 @@ import os
 import tempfile
 import weakref
 from dataclasses import dataclass, field, replace
-from typing import Any, Iterator, List, Mapping, Optional, Sequence, Union
+from typing import Any, Iterator, List, Mapping, Optional, Sequence
 from urllib.parse import quote
 
 from gicube.board import Board
@@ -128,12 +128,8 @@ def assert_share(window: Window, name: str, share: float, tolerance: float) -> N
 
 def _setups(marker: Any) -> List[BoardSetup]:
     """One for each combination of the marker's lists; `set` is one list of fields."""
-    names = list(marker.kwargs) if marker is not None else []
-    choices: List[List[Any]] = []
-    for name in names:
-        value: Union[Any, List[Any]] = marker.kwargs[name]
-        choices.append(value if isinstance(value, list) and name != "set" else [value])
-    return [BoardSetup(**dict(zip(names, each))) for each in itertools.product(*choices)]
+    choices = [each if isinstance(each, list) and name != "set" else [each] for name, each in marker.kwargs.items()]
+    return [BoardSetup(**dict(zip(marker.kwargs, each))) for each in itertools.product(*choices)]
 
 
 try:
