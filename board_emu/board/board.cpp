@@ -317,6 +317,8 @@ Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObse
 
 Board::~Board() = default;
 
+void Board::set_minor_version(std::uint16_t minor) { parts_->commands.set_minor_version(minor); }
+
 void Board::add_memory_error(const MemoryError& error) { parts_->commands.add_memory_error(error); }
 
 std::uint64_t Board::held_bytes() const { return parts_->held_bytes(); }

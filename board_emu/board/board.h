@@ -58,6 +58,9 @@ class Board {
         const Routines* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory);
   ~Board();
 
+  // The minor version of the data plane that the host speaks, before its first transaction; otherwise this board's own.
+  void set_minor_version(std::uint16_t minor);
+
   // Carries out one transaction of type kConfigRead .. kCounters except kCompletion. One caller at a time. Nothing that a
   // host sends can throw: faults are error replies, error completions, or for posted writes STATUS bits. Throws std::bad_alloc
   // where the system has less memory than the board may take: it must not be used any more then.

@@ -71,6 +71,8 @@ class DspCommands {
 
   // For materials that trap; null: there is none. Must outlive this.
   void set_routines(const Routines* routines) { routines_ = routines; }
+  // The minor version that the host speaks.
+  void set_minor_version(std::uint16_t minor) { minor_version_ = minor; }
 
   Aperture& aperture() { return aperture_; }
   void count(std::vector<wire::Counter>& list) const;
@@ -84,7 +86,7 @@ class DspCommands {
   CommandResult pairs(std::span<const std::uint8_t> payload, Progress& work);
   Picoseconds reading_time(std::size_t first, std::size_t count) const;
   [[noreturn]] void meet_memory_error();
-  static void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid);
+  void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) const;
   void add_trap_list(CommandResult& result, std::size_t max_rays);
   bool is_limited() const { return max_memory_bytes_ != kUnlimited; }
   bool fits(std::uint64_t bytes);
@@ -117,6 +119,7 @@ class DspCommands {
   std::uint64_t memory_asked_bytes_ = 0;
   std::uint64_t words_bytes_ = 0;  // of irradiance and sums, at most
   const Routines* routines_ = nullptr;
+  std::uint16_t minor_version_ = wire::kMinorVersion;
   HostTraps host_traps_;
   std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet
   std::vector<wire::Ray> host_ray_room_;   // of the command in work

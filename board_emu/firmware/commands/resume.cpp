@@ -21,7 +21,7 @@ void check_answer(const wire::Ray& ray, const Point& extent, bool light) {
 
 }  // namespace
 
-void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) {
+void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) const {
   const EnergyCounters& energy = counts.energy;
   wire::LightingLedger ledger;
   ledger.rays = counts.lighting_rays;
@@ -34,6 +34,7 @@ void DspCommands::add_ledger(CommandResult& result, const RayCounters& counts, b
   ledger.clipped = energy.deposited.clipped;
   ledger.light_in_solid = light_in_solid ? 1 : 0;
   result.payload = wire::encoded(ledger);
+  result.payload.resize(wire::lighting_ledger_bytes(minor_version_));
   result.up_bytes = result.payload.size();
 }
 

@@ -29,6 +29,7 @@ awaitable<void> Session::run(bool can_resume) {
   const auto self = shared_from_this();
   can_resume_ = can_resume && options_.resume_limit.count() > 0;
   try {
+    slot_.board().set_minor_version(agreed_.minor);
     co_await work();
   } catch (const LastWord& fault) {
     fail(fault);

@@ -74,7 +74,7 @@ struct LightingReport {
   double escaped = 0;    // out of the volume
   // Of that, by the faces x = 0, x = size - 1, y = 0, y = size - 1, z = 0, z = size - 1; the six sum to `escaped`. Of a slab that is
   // lit along z the last two are its reflectance and its transmittance. Across an edge or a corner it is the face whose plane the
-  // ray crosses first; if it crosses several at once, that of the first axis.
+  // ray crosses first; if it crosses several at once, that of the first axis. Zero from boards of version 0.1.
   std::array<double, 6> escaped_by_face{};
   double scattered_away = 0;  // dropped by the printed rules, with rays given up, and by routines
   double given_up = 0;        // of that, with rays at the end of their lifetime

@@ -35,7 +35,7 @@ struct ElementPair {
 
 // Who makes the rays. The results are the same to the bit; what crosses the bus is not.
 enum class PairRays {
-  kByBoard,  // the DSP: 12 bytes per pair and 56 per element down, 16 per pair up
+  kByBoard,  // the DSP: 12 bytes per pair and 56 per element down, 16 per pair up; as kByHost with boards of version 0.1
   kByHost,   // the application's processor, as rays of type kOpacity: 32 bytes per ray each way
 };
 

@@ -40,9 +40,9 @@ bool refused(const CommandResult& result) {
   return result.error != wire::ErrorCode::kNone && result.error != wire::ErrorCode::kCancelled;
 }
 
-std::size_t bytes_of_result(RayType type, std::size_t rays) {
+std::size_t bytes_of_result(RayType type, std::size_t rays, std::uint16_t minor) {
   switch (type) {
-    case RayType::kDeposit: return wire::kLightingLedgerBytes;
+    case RayType::kDeposit: return wire::lighting_ledger_bytes(minor);
     case RayType::kBackproject: return wire::kDepositLedgerBytes;
     default: return rays * wire::kRayBytes;
   }
@@ -225,13 +225,14 @@ BatchReport Batches::release(Entry entry, std::span<TracedRay> rays) {
   }
   if (report.cancelled) return report;
   std::size_t at = 0;
+  const std::uint16_t minor = device_.agreed().minor;
   for (const Part& part : batch.parts) {
     const std::span<const std::uint8_t> bytes = part.result->payload;
-    if (bytes.size() != bytes_of_result(batch.type, part.rays)) {
+    if (bytes.size() != bytes_of_result(batch.type, part.rays, minor)) {
       device_.give_up(fmt::format("the board returned {} bytes for {} rays", bytes.size(), part.rays));
     }
     if (backprojects) add(wire::decode<wire::DepositLedger>(bytes), *report.deposits);
-    if (deposits) add(wire::decode<wire::LightingLedger>(bytes), *report.lighting);
+    if (deposits) add(wire::decode_lighting_ledger(bytes, minor), *report.lighting);
     for (std::size_t i = 0; i < part.rays && batch.comes_back(); ++i) {
       const wire::Ray ray = wire::decode<wire::Ray>(bytes.subspan(i * wire::kRayBytes));
       rays[at++] = batch.type == RayType::kIntegral ? integral_from_wire(ray, part.units[i]) : from_wire(ray);

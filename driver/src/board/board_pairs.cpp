@@ -134,7 +134,8 @@ std::vector<PairFactor> Board::State::factors_by_rays(std::span<const Element> e
 
   const std::size_t max_pairs = pairs_at_once(request, device.agreed().max_payload_bytes);
   std::vector<PairFactor> found;
-  if (request.made == PairRays::kByBoard) {
+  const bool board_makes_them = device.agreed().minor >= wire::kPairsMinor;
+  if (request.made == PairRays::kByBoard && board_makes_them) {
     View sampled = sampling;
     sampled.step = request.step, sampled.leap = request.leap;
     set_sampling(sampled);

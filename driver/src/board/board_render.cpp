@@ -164,6 +164,8 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   report.unit = lights.empty() ? 1 : energy_unit(lights, settings, box, state_->info.wide);
 
   state_->set_lighting(settings);
+  const std::uint16_t minor = state_->device.agreed().minor;
+  const std::size_t ledger_bytes = wire::lighting_ledger_bytes(minor);
   const Picoseconds deadline = state_->deadline();
   state_->device.write_register(reg::kControl, wire::kControlClearIrradiance);
   state_->irradiance_unit = report.unit;
@@ -182,10 +184,10 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
     const CommandResult result =
         state_->device.run(wire::encoded(light_command(lights[i], settings, report.unit)), told, deadline);
     const std::span<const std::uint8_t> payload = result.payload;
-    if (payload.size() < wire::kLightingLedgerBytes) state_->device.give_up("a lighting result of wrong size");
-    const auto ledger = wire::decode<wire::LightingLedger>(payload);
+    if (payload.size() < ledger_bytes) state_->device.give_up("a lighting result of wrong size");
+    const auto ledger = wire::decode_lighting_ledger(payload, minor);
     add(ledger, report);
-    state_->scatter_waiting(payload.subspan(wire::kLightingLedgerBytes), [&report](wire::LightingLedger resumed) {
+    state_->scatter_waiting(payload.subspan(ledger_bytes), [&report](wire::LightingLedger resumed) {
       resumed.emitted = 0;  // it was counted when its rays were made
       add(resumed, report);
     });

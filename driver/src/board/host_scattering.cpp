@@ -112,7 +112,8 @@ void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, cons
   if (list.rays.empty() && list.waiting == 0) return;
   if (!scattering_routine) device.give_up("the board has rays for the application, which did not ask for them");
   const wire::Spacing spacing = spacing_words(volume->relative_spacing);
-  const std::size_t ledger_bytes = take_ledger ? wire::kLightingLedgerBytes : 0;
+  const std::uint16_t minor = device.agreed().minor;
+  const std::size_t ledger_bytes = take_ledger ? wire::lighting_ledger_bytes(minor) : 0;
   const std::size_t room = device.agreed().max_payload_bytes - wire::kTrapListHeaderBytes - ledger_bytes;
   const std::size_t max_rays = std::min(kRaysPerRound, room / wire::kTrappedRayBytes);
   std::vector<wire::Ray> answers;
@@ -120,7 +121,7 @@ void Board::State::scatter_waiting(std::span<const std::uint8_t> trap_list, cons
     const CommandResult result = device.run(resume_command(answers, static_cast<std::uint32_t>(max_rays)), {});
     std::span<const std::uint8_t> payload = result.payload;
     if (payload.size() < ledger_bytes) device.give_up("a lighting result of wrong size");
-    if (take_ledger) take_ledger(wire::decode<wire::LightingLedger>(payload));
+    if (take_ledger) take_ledger(wire::decode_lighting_ledger(payload, minor));
     if (!decode_trap_list(payload.subspan(ledger_bytes), list) || list.rays.size() > max_rays) {
       device.give_up("a list of trapped rays of wrong size");
     }

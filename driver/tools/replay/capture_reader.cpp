@@ -83,6 +83,9 @@ bool CaptureReader::next_of_all(CapturedFrame& frame) {
   }
   if (wire::frame_checksum(header, frame.payload) != frame_header->checksum) fail("a frame with a wrong checksum");
   largest_payload_ = std::max(largest_payload_, frame_header->size);
+  if (frame_header->type == wire::FrameType::kVersion && frame.payload.size() >= wire::kVersionBytes) {
+    minor_version_ = std::min(minor_version_, wire::decode<wire::VersionInfo>(frame.payload).minor);
+  }
   return true;
 }
 
@@ -101,6 +104,7 @@ Recorded read_recorded(const std::filesystem::path& file) {
     recorded.answers(frame.header.type).insert_or_assign(frame.header.id, answer_of(frame.header, frame.payload));
   }
   recorded.largest_payload = reader.largest_payload();
+  recorded.minor_version = reader.minor_version();
   return recorded;
 }
 

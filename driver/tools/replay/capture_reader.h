@@ -40,6 +40,8 @@ class CaptureReader {
   bool complete() const { return complete_; }
   // Of all frames so far, in both directions.
   std::uint32_t largest_payload() const { return largest_payload_; }
+  // That both sides spoke, as far as they have said so; ours if they have not.
+  std::uint16_t minor_version() const { return minor_version_; }
 
  private:
   struct Close {
@@ -55,6 +57,7 @@ class CaptureReader {
   std::uint64_t at_ = 0;  // byte, uncompressed
   bool complete_ = false;
   std::uint32_t largest_payload_ = 0;
+  std::uint16_t minor_version_ = wire::kMinorVersion;
   std::array<std::uint32_t, 2> taken_{};  // by direction: the last number
 };
 
@@ -76,6 +79,7 @@ struct Recorded {
   std::unordered_map<std::uint32_t, Answer> responses;    // by the request's id
   std::unordered_map<std::uint32_t, Answer> completions;  // by ticket
   std::uint32_t largest_payload = 0;                      // of all frames
+  std::uint16_t minor_version = wire::kMinorVersion;
 
   auto& answers(wire::FrameType type) { return type == wire::FrameType::kCompletion ? completions : responses; }
 };

@@ -118,8 +118,9 @@ using BusError = std::runtime_error;  // the board refused the session, closed i
 
 std::string text_of(const Frame& frame) { return {frame.payload.begin(), frame.payload.end()}; }
 
-wire::VersionInfo version_for(std::uint32_t largest_payload) {
+wire::VersionInfo version_for(std::uint32_t largest_payload, std::uint16_t minor_version) {
   wire::VersionInfo mine;
+  mine.minor = minor_version;
   mine.max_payload_bytes = std::max(mine.max_payload_bytes, largest_payload);
   mine.window_bytes = std::max<std::uint64_t>(mine.window_bytes, 4 * std::uint64_t{mine.max_payload_bytes});
   mine.capabilities = wire::kFunctionalLevel | wire::kApproximateLevel | wire::kCycleLevel | wire::kHostRays;
@@ -129,13 +130,13 @@ wire::VersionInfo version_for(std::uint32_t largest_payload) {
 // The plainest client of the bus: sends frames in a captured order, with the numbers that they had. Throws BusError.
 class BusClient : private FrameSink {
  public:
-  // Takes a connected socket, shakes hands. `largest_payload`: that will be sent or received. `comparison` is given everything
-  // that the board says but credit and progress, within send() and await_answer().
-  BusClient(Fd socket, std::uint32_t largest_payload, std::chrono::milliseconds watchdog, const Access& access,
+  // Takes a connected socket, shakes hands as `mine`. `comparison` is given everything that the board says but credit and
+  // progress, within send() and await_answer().
+  BusClient(Fd socket, const wire::VersionInfo& mine, std::chrono::milliseconds watchdog, const Access& access,
             Comparison& comparison)
       : watchdog_(watchdog),
         comparison_(comparison),
-        mine_(version_for(largest_payload)),
+        mine_(mine),
         window_(mine_),
         stream_(std::move(socket), *this, {}, access.tls) {
     stream_.start();
@@ -227,9 +228,9 @@ class BusClient : private FrameSink {
 Report play(const std::filesystem::path& capture, Fd board, std::chrono::milliseconds watchdog, const Access& access) {
   Report report;
   Recorded recorded = read_recorded(capture);
-  const std::uint32_t largest = recorded.largest_payload;
+  const wire::VersionInfo mine = version_for(recorded.largest_payload, recorded.minor_version);
   Comparison comparison(std::move(recorded), report);
-  BusClient client(std::move(board), largest, watchdog, access, comparison);
+  BusClient client(std::move(board), mine, watchdog, access, comparison);
   CaptureReader frames(capture);
   CapturedFrame frame;
   while (frames.next(wire::CaptureKind::kDown, frame)) {

@@ -1,8 +1,10 @@
 // DSP commands: the payload of kCommand frames, and of the completions that answer them. README.md has their bytes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 
 #include "gicube/wire/record.h"
 
@@ -183,6 +185,17 @@ struct LightingLedger {
   friend constexpr bool operator==(const LightingLedger&, const LightingLedger&) = default;
 };
 inline constexpr std::size_t kLightingLedgerBytes = bytes_of<LightingLedger>();
+
+// What a session of that minor version has of a ledger: before 2.2 it ends without `escaped_by_face`, which are 0 then.
+inline constexpr std::uint16_t kEscapedByFaceMinor = 2;
+constexpr std::size_t lighting_ledger_bytes(std::uint16_t minor) {
+  return minor < kEscapedByFaceMinor ? kLightingLedgerBytes - 8 * kFaces : kLightingLedgerBytes;
+}
+inline LightingLedger decode_lighting_ledger(std::span<const std::uint8_t> bytes, std::uint16_t minor) {
+  std::array<std::uint8_t, kLightingLedgerBytes> whole{};
+  std::ranges::copy(bytes.first(lighting_ledger_bytes(minor)), whole.begin());
+  return decode<LightingLedger>(whole);
+}
 
 // ---- kResume: answers for rays of the last kRender or kIlluminate that wait for the host (routine 255), which go on from where
 // they trapped; and asks for more of them. Registers, tables and volume must be as they were. The next kRender or

@@ -8,7 +8,8 @@
 //
 //   G = f_a f_b / (pi r^2),  f = the cosine at a flat element, 0 behind it; 1 in a box
 //
-// with r physical, in reference voxel edges, and a ray between the two points finds the transmittance T.
+// with r physical, in reference voxel edges, and a ray between the two points finds the transmittance T. Boards before 2.2 have other
+// samples and other errors, and patches and boxes alone: their drivers make the rays themselves.
 #pragma once
 
 #include <algorithm>
@@ -28,6 +29,8 @@ namespace gicube::wire {
 
 inline constexpr std::uint32_t kMaxRaysPerPair = 65'536;
 inline constexpr std::uint32_t kMaxPairRays = 1u << 22;  // of one command; chosen: a second of the DSP's work
+
+inline constexpr std::uint16_t kPairsMinor = 2;
 
 using Vector = std::array<double, 3>;
 

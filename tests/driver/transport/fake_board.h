@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
@@ -25,6 +26,8 @@ class FakeBoard {
 
   // Runs the script on a thread of its own; its end of the socket closes when the script returns.
   explicit FakeBoard(Script script);
+  // The same for the first driver that connects to the Unix socket `path`, which it makes.
+  FakeBoard(const std::string& path, Script script);
   // Waits for the script's end.
   ~FakeBoard();
 
