@@ -27,7 +27,9 @@ namespace {
 using wire::FrameHeader;
 using wire::FrameType;
 
-constexpr std::chrono::milliseconds kPatience{5000}, kLittlePatience{10};
+// Wall time, of a machine that may be busy: only for what hangs. libFuzzer's own limit for an input is shorter.
+constexpr std::chrono::milliseconds kPatience{60'000};
+constexpr std::chrono::milliseconds kLittlePatience{10};
 
 // A board process in this process, on a Unix socket.
 class Server {
@@ -62,7 +64,7 @@ class Server {
 
   static emu::BusOptions options() {
     emu::BusOptions options;
-    options.handshake_deadline = std::chrono::milliseconds(500);
+    options.handshake_deadline = kPatience;
     return options;
   }
 
@@ -174,9 +176,10 @@ FrameHeader version_header() {
   return header;
 }
 
-// Shakes hands, to open a session or to go on with one. False if there is none then.
-bool shake_hands(Client& client, Input& input, std::uint64_t& session) {
+// Shakes hands, to open a session or to go on with one; waits as long for the board. False if there is none then.
+bool shake_hands(Client& client, Input& input, std::uint64_t& session, std::chrono::milliseconds waits = {}) {
   wire::VersionInfo version = version_of(input);
+  version.wait_ms = static_cast<std::uint32_t>(waits.count());
   const std::uint64_t asked = version.session ^ session;
   if (session != 0) {
     if (version.taken != 0 || version.consumed != 0) client.expect_any_number();
@@ -232,7 +235,8 @@ std::vector<std::uint8_t> known_scene(const Server& server) {
   std::vector<std::uint8_t> all;
   Input nothing({});
   std::uint64_t session = 0;
-  expect(shake_hands(client, nothing, session), "a board takes the next client");
+  // Clients that have just left may still stand in line, or have the board.
+  expect(shake_hands(client, nothing, session, kPatience / 2), "a board takes the next client");
   client.on_frame = [&all](const FrameReader::Frame& frame) {
     if (frame.header.type == FrameType::kCredit || frame.header.type == FrameType::kProgress) return;
     all.insert(all.end(), frame.payload.begin(), frame.payload.end());

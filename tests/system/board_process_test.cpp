@@ -15,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "gicube/access.h"
 #include "gicube/wire/register_markdown.h"
@@ -28,6 +29,11 @@ namespace {
 using reference::RawClient;
 using reference::TemporaryDirectory;
 using testing::HasSubstr;
+
+std::string contents(const std::string& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 bool is_owner_only(const std::string& path) {
   struct stat status {};
@@ -99,6 +105,30 @@ TEST(BoardProcess, ATcpPortOfItsChoiceIsPrinted) {
   board.send_signal(SIGTERM);
   EXPECT_EQ(board.exit_code(), 0);
   EXPECT_EQ(local_token("127.0.0.1", static_cast<std::uint16_t>(port)), "") << "it has taken its token away";
+}
+
+// In the audit log, and without one in its log on standard error.
+TEST(BoardProcess, EachTokenThatIsGuessedLeavesALine) {
+  const TemporaryDirectory folder;
+  const std::string audit = folder.file("audit");
+  for (const bool to_file : {true, false}) {
+    std::vector<std::string> arguments{"--listen", "tcp:127.0.0.1:0"};
+    if (to_file) arguments.insert(arguments.end(), {"--audit-log", audit});
+    BoardProcess board(arguments);
+    const std::string line = board.read_line();
+    const auto port = static_cast<std::uint16_t>(std::stoi(line.substr(line.rfind(':') + 1)));
+    for (const char* guess : {"a_guess_of_a_token_1", "a_guess_of_a_token_2"}) {
+      const auto answer = RawClient::connect_tcp(port).handshake({}, guess);
+      ASSERT_TRUE(answer.has_value());
+      EXPECT_EQ(answer->header.error, wire::ErrorCode::kForbidden);
+    }
+    board.send_signal(SIGTERM);
+    EXPECT_EQ(board.exit_code(), 0);
+    const std::string log = to_file ? contents(audit) : board.read_errors();
+    const std::string guess = "unknown: 127\\.0\\.0\\.1:[0-9]+: its token is wrong\n";
+    EXPECT_THAT(log, testing::ContainsRegex(guess + "(.*\n)*.*" + guess));
+    EXPECT_THAT(log, testing::Not(HasSubstr("a_guess"))) << "what was nearly right is not to be read there";
+  }
 }
 
 TEST(BoardProcess, APrivateOneEndsWithItsSession) {

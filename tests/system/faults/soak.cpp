@@ -87,6 +87,7 @@ class Soak {
     }
     const std::uint64_t counted = insist([&] { return board_->counters().value("dsp.host_rays"); });
     report_.carried_out_twice = counted - traced_;
+    report_.peak_memory = process_->peak_memory();
     board_.reset();
     process_->send_signal(SIGTERM);
     process_->exit_code();
@@ -125,6 +126,10 @@ class Soak {
     std::ofstream(file("plan")) << plan_text(plan_, static_cast<std::uint32_t>(report_.processes - 1));
     std::vector<std::string> arguments = small_board();
     arguments.insert(arguments.end(), {"--listen", uri(), "--faults", file("plan"), "--fault-log", file("log")});
+    // In its box, as always, and with every limit.
+    arguments.insert(arguments.end(),
+                     {"--max-memory", "16", "--max-results", "8", "--max-connections", "4", "--max-connections-of-peer",
+                      "3", "--max-wait", "60", "--max-command-time", "60"});
     process_.emplace(arguments);
     if (process_->read_line().empty()) throw std::runtime_error(process_->read_errors());
   }

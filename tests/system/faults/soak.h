@@ -31,6 +31,7 @@ struct SoakReport {
   std::uint64_t volumes_mended = 0;     // after silent errors
   std::uint64_t given_up = 0;           // times that the driver gave up resuming although the board lived
   std::uint64_t carried_out_twice = 0;  // rays that the last board counted beyond those that it returned
+  std::uint64_t peak_memory = 0;        // the last board's, bytes
   std::string log;                      // of all processes, each sorted
 };
 

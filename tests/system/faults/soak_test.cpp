@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "sanitizers.h"
 #include "soak.h"
 
 namespace gicube::system_test {
@@ -29,7 +30,8 @@ void show(const SoakReport& report) {
             << " wrong; " << report.faults << " faults:";
   for (const auto& [kind, count] : report.kinds) std::cout << ' ' << kind << ' ' << count;
   std::cout << "; " << report.processes << " processes, " << report.memory_faults << " memory faults met, "
-            << report.volumes_mended << " volumes mended, " << report.given_up << " resumptions given up\n"
+            << report.volumes_mended << " volumes mended, " << report.given_up << " resumptions given up, "
+            << (report.peak_memory >> 20) << " MiB at most\n"
             << std::flush;
 }
 
@@ -41,6 +43,10 @@ void expect_sound(const SoakReport& report, const SoakPlan& plan) {
   EXPECT_EQ(report.carried_out_twice, 0u);
   EXPECT_EQ(report.processes, plan.kills + 1);
   EXPECT_EQ(report.kinds.size(), 10u) << "a kind of fault did not come up";
+  constexpr bool kIsPlain = !reference::kHasAddressSanitizer && !reference::kHasThreadSanitizer;
+  if (kIsPlain) {
+    EXPECT_LT(report.peak_memory, std::uint64_t{128} << 20) << "chosen: a board at its start, and its limits";
+  }
   EXPECT_GE(report.faults, number("GICUBE_SOAK_FAULTS", 100));
 }
 
