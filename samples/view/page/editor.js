@@ -169,7 +169,8 @@ export class Editor {
   /** @param {KeyboardEvent} event */
   #key(event) {
     const point = /** @type {SVGElement | null} */ (this.#hit(event));
-    if (!point) return;
+    const is_undo = event.key.toLowerCase() === "z" && (event.ctrlKey || event.metaKey);
+    if (!point || (!is_undo && !/^(Arrow.*|Delete|Backspace)$/.test(event.key))) return;
     this.#select(/** @type {any} */ (point.dataset.list), Number(point.dataset.index));
     const { list, index } = this.#selected;
     const now = /** @type {any} */ (this.#transfer[list][index]);
@@ -179,7 +180,7 @@ export class Editor {
     else if (event.key === "ArrowUp" && list === "opacities") this.#change({ opacity: Math.min(1, now.opacity + step) });
     else if (event.key === "ArrowDown" && list === "opacities") this.#change({ opacity: Math.max(0, now.opacity - step) });
     else if (event.key === "Delete" || event.key === "Backspace") this.#remove();
-    else if (event.key === "z" && (event.ctrlKey || event.metaKey)) this.#travel(event.shiftKey ? "redo" : "undo");
+    else if (is_undo) this.#travel(event.shiftKey ? "redo" : "undo");
     else return;
     event.preventDefault();
     this.#focus();

@@ -58,7 +58,7 @@ export class Machine {
     const since = running ? this.#looks[0].counters : (this.#begin ?? {});
     const window = between(counters, since);
     const cycles = window["asic.cycles"] ?? 0;
-    const what = running ? "a frame runs; figures of the last second" : "idle; figures of the last frame";
+    const what = running ? "a frame runs; figures of the last second" : "idle; figures of the last frame, and of what had to be loaded for it";
     this.#head.textContent = `${what} · ${simulated_ms.toFixed(3)} ms simulated since the board's start · ${short(cycles)} core cycles`;
     const processors = parts_of(counters, "processor", "cycles.busy");
     if (processors.length === 0) {

@@ -65,11 +65,10 @@ connection.on("hello", (/** @type {Hello} */ hello) => {
   view.chosen = hello.volume ? hello.settings : {};
   camera.spacing = hello.volume && !hello.volume.world ? hello.volume.spacing : [1, 1, 1];
   by("empty").hidden = hello.volume !== null;
-  const { board } = hello;
-  by("board").textContent = board ? `${board.uri} · ${board.level} · ${board.processors} processors` : "no board";
+  by("board").textContent = hello.board?.uri ?? "no board";
+  files.open(hello, view);
   fields.open(hello);
   editor.open(hello);
-  files.open(hello, view);
   compare.open(hello);
   if (!hello.volume) return;
   slices.open(hello.volume);
@@ -99,7 +98,7 @@ connection.on("error", (/** @type {Failure} */ { id, field, text }) => {
   if (fields.blame(field, text)) return;
   const own = Object.keys(view.own).some((name) => name !== "input");
   if (id && own) notice("error", text, ["Leave out my settings", () => view.keep(["input"])]);
-  else notice("error", text);
+  else notice(id ? "error" : "file", text);
 });
 connection.on("progress", ({ text, done, all }) => {
   by("progress").hidden = false;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gicube/scene/error.h"
+#include "scene/names.h"
 
 namespace gicube::samples::view {
 namespace {

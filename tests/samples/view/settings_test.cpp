@@ -18,9 +18,8 @@ class ViewSettings : public testing::Test {
  protected:
   ViewSettings() {
     shelf.folder = folder.path();
-    shelf.inputs = {{"ball", "builtin:buckyball"},
-                    {"own.nrrd", (folder.path() / "own.nrrd").string()},
-                    {"a b.nrrd", "/data/a b.nrrd"}};
+    shelf.inputs = {
+        {"ball", "builtin:buckyball"}, {"own.nrrd", folder.path() + "/own.nrrd"}, {"a b.nrrd", "/data/a b.nrrd"}};
   }
   RenderOptions options(Settings settings, const BoardOptions& board = {}) const {
     settings.emplace("input", "ball");
