@@ -257,7 +257,9 @@ void Viewer::open_input(const std::string& name) {
              {"dims", dims},
              {"spacing", numbers(setup.volume.spacing)},
              {"range", {range.low, range.high}},
-             {"world", renderer.input().world.has_value()}};
+             {"world", renderer.input().world.has_value()},
+             {"own_look", !settings.contains("transfer-function") &&
+                              (is_scene_path(options.input) || !renderer.input().volume.builtin.empty())}};
   box_ = {{"low", numbers(setup.grid.point_of(setup.box.low))}, {"high", numbers(setup.grid.point_of(setup.box.high))}};
   send_(kAllPages, hello());
 }

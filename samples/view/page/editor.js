@@ -9,6 +9,7 @@ import { by, save, shape } from "./dom.js";
 import { History, colour_at, format, from_hex, hex, parse } from "./transfer.js";
 
 const kWidth = 320, kHeight = 150, kStrip = 172, kTotal = 184, kEdge = 8;
+const kOwn = "own"; // of points that were moved
 
 export class Editor {
   #history = new History();
@@ -53,17 +54,17 @@ export class Editor {
   open(hello) {
     this.#presets = hello.presets;
     this.#range = hello.volume?.range ?? [0, 1];
-    by("preset").replaceChildren(
-      ...["", ...hello.presets.map((p) => p.name), ...hello.transfer_functions].map((name) => new Option(name || "own points", name)),
-    );
+    const own = hello.volume?.own_look ? [new Option("the input's own", "")] : [];
+    const names = [...hello.presets.map((p) => p.name), ...hello.transfer_functions];
+    by("preset").replaceChildren(...own, new Option("own points", kOwn), ...names.map((name) => new Option(name, name)));
     this.load();
   }
 
   /** Takes up what the view says. */
   load() {
-    const value = this.view.get("transfer-function") || "ramp";
+    const value = this.view.get("transfer-function") || (by("preset").options[0]?.value === "" ? "" : "ramp");
     const text = value.includes("\n") ? value : (this.#presets.find((p) => p.name === value)?.text ?? "");
-    by("preset").value = value.includes("\n") ? "" : value;
+    by("preset").value = value.includes("\n") ? kOwn : value;
     by("editor").hidden = by("points").hidden = !text; // a file whose points the page does not have
     if (!text || format(parse(text)) === this.#history.now) return this.#draw();
     this.#transfer = parse(text);
@@ -83,8 +84,8 @@ export class Editor {
 
   /** @param {string} name */
   #choose(name) {
-    if (name) this.view.set({ "transfer-function": name });
-    else this.#commit();
+    if (name === kOwn) this.#commit();
+    else this.view.set({ "transfer-function": name });
     this.load();
   }
 
@@ -94,7 +95,7 @@ export class Editor {
     this.#transfer = parse(this.#history.now);
     this.#selected.index = Math.min(this.#selected.index, this.#transfer[this.#selected.list].length - 1);
     this.view.set({ "transfer-function": this.#history.now });
-    by("preset").value = "";
+    by("preset").value = kOwn;
     this.#draw();
   }
 
@@ -102,7 +103,7 @@ export class Editor {
     const text = format(this.#transfer);
     if (!moving) this.#history.put(text);
     this.view.set({ "transfer-function": text }, moving);
-    by("preset").value = "";
+    by("preset").value = kOwn;
     this.#draw();
   }
 

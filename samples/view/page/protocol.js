@@ -2,7 +2,7 @@
 
 /** @typedef {Record<string, string>} Settings options of gicube-render without their dashes */
 /** @typedef {[number, number, number]} Vector */
-/** @typedef {{name: string, dims: Vector, spacing: Vector, range: [number, number], world: boolean}} Volume */
+/** @typedef {{name: string, dims: Vector, spacing: Vector, range: [number, number], world: boolean, own_look: boolean}} Volume */
 /** @typedef {{type: "hello", inputs: string[], transfer_functions: string[], presets: {name: string, text: string}[],
  *   settings: Settings, volume: Volume | null, box: {low: Vector, high: Vector} | null,
  *   limits: {file_bytes: number, message_bytes: number, size: number},

@@ -6,9 +6,10 @@ import pathlib
 from typing import Iterator
 
 import pytest
+from browser import LOOK, Shown
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
-from view_program import write_ball
+from view_program import Program, write_ball
 
 
 @pytest.fixture(scope="session")
@@ -29,3 +30,11 @@ def ball(tmp_path_factory: pytest.TempPathFactory) -> pathlib.Path:
     path = tmp_path_factory.mktemp("scans") / "ball.nrrd"
     write_ball(path)
     return path
+
+
+@pytest.fixture
+def page(chromium: webdriver.Chrome, ball: pathlib.Path, request: pytest.FixtureRequest) -> Iterator[Shown]:
+    with Program(*(getattr(request, "param", None) or (ball, *LOOK))) as program:
+        shown = Shown(chromium, program)
+        yield shown
+        assert shown.faults() == []
