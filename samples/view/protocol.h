@@ -34,8 +34,8 @@
 //    "volume":{"name","dims":[x,y,z],"spacing":[x,y,z],"range":[low,high],"world":BOOL,"own_look":BOOL},
 //    "box":{"low":[x,y,z],"high":[x,y,z]},"limits":{"file_bytes","message_bytes","size":4095},"board":{"uri","level","processors"}}
 //                                   at the start, and again to every page once another input is open; with "volume":null while
-//                                   nothing is open. own_look: without a transfer function the input has its own. The settings name eye, look-at, up, fov, size, step and threshold; settings of
-//                                   switches are there where they are on
+//                                   nothing is open. own_look: without a transfer function the input has its own. The settings
+//                                   name eye, look-at, up, fov, size, step and threshold; settings of switches are there where they are on
 //   {"type":"histogram","low","high","counts":[256 numbers]}  over the volume's range
 //   {"type":"machine","simulated_ms","running":BOOL,"counters":{NAME:VALUE...},"units":{NAME:UNIT...}}   all that the board counts, since
 //                                   its start (docs/reference/counters.md), where that has changed; shares and rates are for the page to

@@ -61,7 +61,7 @@ def test_the_machine_is_seen_at_work(page: Shown) -> None:
     wait("more than a look at its time line", lambda: len(page.browser.find_elements(By.CSS_SELECTOR, "#timeline rect")) > 10)
     if FOLDER:
         top = "document.querySelector('#looks').scrollTop = 0"
-        page.shot((1280, 720), False, lambda: (page.browser.execute_script(top), time.sleep(2)), "view.png")
+        page.shot((1280, 720), False, lambda: page.browser.execute_script(top), "view.png")
     page.picture()
     wait("the end", lambda: "figures of the last frame" in page.text("#machine-state"))
     assert "pictures a second on the card" in page.text("#status")
