@@ -221,8 +221,8 @@ with gicube.open() as board:
 """
         )
     )
-    # chosen: the driver's own blocks, 2 bytes a voxel and what is under way to the board, are below 64 MiB; a copy is that much more.
-    assert (more > 96) == copied, more
+    # chosen: in the middle between 42 MiB, which the driver's own densities and what is on its way take, and 64 more of a copy.
+    assert (more > 74) == copied, more
 
 
 def test_a_board_is_closed_while_another_thread_waits():
