@@ -3,18 +3,21 @@ One that was interrupted goes on where it was: its runs are in build/charts.
 
 Names: """
 import argparse
+import functools
+import importlib
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
+import sys
+import tempfile
 import time
 
 from studies import held_out, plots
+from studies.points import BIN, ROOT, Kept, measure, text_of
 from studies.table import pareto
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BIN = ROOT / "build/release/bin"
 TESTS = ROOT / "build/release/tests"
 RUNS = ROOT / "build/charts"
 CHARTS = ROOT / "docs/studies/charts"
@@ -26,7 +29,38 @@ def build(*targets):
 
 
 def run(program, *arguments):
-    subprocess.run([program, *map(str, arguments)], cwd=ROOT, check=True, env=os.environ | {"GICUBE_BOARD": str(BIN / "gicube-board")})
+    subprocess.run([program, *map(str, arguments)], cwd=ROOT, check=True)
+
+
+def tables_of(name):
+    """Those that are made of points."""
+    build("gicube_python", *POINTS[name])
+    return importlib.import_module(f"studies.{name}").tables()
+
+
+def by_points(name, jobs):
+    measure(tables_of(name), Kept(RUNS / name), CHARTS, jobs)
+    if name == "cone_beam":
+        pareto(CHARTS / "cone_beam_front.csv", [CHARTS / f"cone_beam_{each}.csv" for each in ("views", "ray_spacing", "accumulator", "sart")],
+               error="relative_l2", costs=["board_ms", "bus_ms"], without="photons")  # all of the same head
+        # The double-precision reference is the tests' own, so the trade with it is measured by a bench.
+        build("gicube_bench")
+        run(TESTS / "gicube_bench", "--benchmark_filter=cone_beam_trade", f"--benchmark_out={CHARTS / 'cone_beam_trade.csv'}",
+            "--benchmark_out_format=csv")
+    elif name == "form_factors":
+        pareto(CHARTS / "form_factors_front.csv", [CHARTS / "form_factors_trade.csv"], error="error", costs=["board_ms", "bus_ms"], per="pairs",
+               series=("bus", "made"))
+    shutil.rmtree(RUNS / name)
+
+
+def print_point(name):
+    for chart in POINTS:
+        for table in tables_of(chart):
+            if name in table.points:
+                with tempfile.TemporaryDirectory() as folder:
+                    print(text_of(table, [(name, table.points[name](Kept(folder)))]), end="")
+                return
+    sys.exit(f'script/charts: --point: expected a point of a table, as views/fdk/20, got "{name}"')
 
 
 def swept(folder, name, *arguments):
@@ -39,7 +73,7 @@ def each(option, *values):
     return [word for value in values for word in (option, value)]
 
 
-def rendering():
+def rendering(jobs):
     build("gicube-render", "gicube-reference")
     exact = RUNS / "buckyball.exr"
     if not exact.exists():
@@ -49,35 +83,13 @@ def rendering():
     swept("rendering", "rendering", "builtin:buckyball", *each("--fix", "volume-size=128", "fidelity=cycle"),
           *each("--vary", "step=0.25,0.5,1,2", "jitter=off,on", "threshold=0.9,0.98,1", "size=128x128,192x192,256x256",
                 "level-of-detail=0,1", "asic.datapath=paper,wide"),
-          "--reference-picture", exact, *each("--also", "bus_ms", "samples"))
-
-
-def lighting():
-    build("gicube-lighting-study")
-    run(TESTS / "gicube-lighting-study", "--output", CHARTS / "lighting.csv")
-
-
-def cone_beam():
-    build("gicube-cone-beam", "gicube_bench")
-    run(BIN / "gicube-cone-beam", "charts", CHARTS)
-    pareto(CHARTS / "cone_beam_front.csv", [CHARTS / f"cone_beam_{name}.csv" for name in ("views", "ray_spacing", "accumulator", "sart")],
-           error="relative_l2", costs=["board_ms", "bus_ms"], without="photons")  # all of the same head
-    # The double-precision reference is the tests' own, so the trade with it is measured by a bench.
-    run(TESTS / "gicube_bench", "--benchmark_filter=cone_beam_trade", f"--benchmark_out={CHARTS / 'cone_beam_trade.csv'}",
-        "--benchmark_out_format=csv")
-
-
-def form_factors():
-    build("gicube-form-factors")
-    run(BIN / "gicube-form-factors", "charts", "samples/scenes/radiosity/glowing_room.scene", "--volume-size", 16, "--output", CHARTS)
-    pareto(CHARTS / "form_factors_front.csv", [CHARTS / "form_factors_trade.csv"], error="error", costs=["board_ms", "bus_ms"], per="pairs",
-           series=("bus", "made"))
+          "--reference-picture", exact, *each("--also", "bus_ms", "samples"), "--jobs", jobs)
 
 
 # The host's seconds are the cost of what follows: one run at a time, and anew once all are done.
 
 
-def emulator():
+def emulator(_):
     build("gicube-render")
     swept("emulator", "emulator", "builtin:buckyball", "--fix", "size=192x192",
           *each("--vary", "volume-size=64,128", "no-leap=off,on", LEVELS, "asic.processors=1,4,16"), "--reference", "fidelity=cycle",
@@ -93,7 +105,7 @@ def pairs(name, out):
     shutil.rmtree(RUNS / name)
 
 
-def scaling():
+def scaling(_):
     """Seconds and memory of the board's process."""
     build("gicube-render")
     def grow(name, vary, *arguments, cost="host_seconds"):
@@ -111,16 +123,19 @@ def scaling():
     shutil.rmtree(RUNS / "scaling")
 
 
-MEASURED = {"rendering": rendering, "lighting": lighting, "cone_beam": cone_beam, "form_factors": form_factors, "emulator": emulator,
-            "held_out": lambda: pairs("held_out", CHARTS / "held_out.csv"), "scaling": scaling}
+POINTS = {"lighting": [], "cone_beam": ["gicube-cone-beam"], "form_factors": ["gicube-form-factors"]}  # programs that they take
+MEASURED = {"rendering": rendering, **{name: functools.partial(by_points, name) for name in POINTS}, "emulator": emulator,
+            "held_out": lambda _: pairs("held_out", CHARTS / "held_out.csv"), "scaling": scaling}
 # On which the approximate level was adjusted; no chart.
-OTHERS = {"development": lambda: pairs("development", RUNS / "development.csv")}
+OTHERS = {"development": lambda _: pairs("development", RUNS / "development.csv")}
 
 
 def main():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     parser = argparse.ArgumentParser(prog="script/charts", description=__doc__ + ", ".join(MEASURED) + ".")
     parser.add_argument("names", nargs="*", metavar="NAME", help="charts to measure (all)")
+    parser.add_argument("--jobs", type=int, default=0, help="runs at once where seconds are not measured; 0: one a core (%(default)s)")
+    parser.add_argument("--point", help="measure one point again, by the name in the tables: its row is printed")
     parser.add_argument("--draw", action="store_true", help="draw them from the tables that there are, without measuring")
     given = parser.parse_args()
     measured = MEASURED | OTHERS
@@ -128,13 +143,17 @@ def main():
         if name not in measured:
             parser.error(f'expected {", ".join(measured)}, got "{name}"')
     os.chdir(ROOT)
+    sys.path.insert(1, str(ROOT / "build/release/python"))  # the package gicube
+    os.environ["GICUBE_BOARD"] = str(BIN / "gicube-board")
+    if given.point:
+        return print_point(given.point)
     CHARTS.mkdir(parents=True, exist_ok=True)
     names = given.names or list(MEASURED)
     for number, name in enumerate(names, 1):
         start = time.monotonic()
         if not given.draw:
             print(f"charts: {number} of {len(names)}: {name}", flush=True)
-            measured[name]()
+            measured[name](given.jobs)
         if name in MEASURED:
             plots.DRAWN[name](CHARTS)
         print(f"charts: {CHARTS if name in MEASURED else RUNS}/{name}*, {time.monotonic() - start:.0f} s", flush=True)

@@ -7,6 +7,7 @@ import pathlib
 import shlex
 import subprocess
 import sys
+import threading
 
 from studies.table import FileError
 
@@ -105,18 +106,32 @@ class RunFolder:
         return statistics
 
 
-def carry_out_all(folder, runs, program, jobs, progress):
-    """Carries out the runs that have no result yet, `jobs` at once (0: one a core). After a failure no run starts; it is raised when those
-    under way have ended. `progress` gets the number of results."""
-    left = [run for run in runs if not folder.has(run)]
-    progress(len(runs) - len(left))
+def all_at_once(tasks, jobs, progress):
+    """Calls each of them, `jobs` at once (0: one a core). After a failure none starts; it is raised when those under way have ended.
+    `progress` gets the number that are done."""
+    failed = threading.Event()
+
+    def begin(task):
+        if not failed.is_set():
+            try:
+                task()
+            except BaseException:
+                failed.set()
+                raise
+    progress(0)
     with concurrent.futures.ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
-        under_way = [pool.submit(folder.carry_out, run, program) for run in left]
-        for done, each in enumerate(concurrent.futures.as_completed(under_way), len(runs) - len(left) + 1):
+        under_way = [pool.submit(begin, task) for task in tasks]
+        for done, each in enumerate(concurrent.futures.as_completed(under_way), 1):
             if each.exception():
                 pool.shutdown(cancel_futures=True)
                 raise each.exception()
             progress(done)
+
+
+def carry_out_all(folder, runs, program, jobs, progress):
+    """The runs that have no result yet, as all_at_once() does; `progress` gets the number of results."""
+    left = [run for run in runs if not folder.has(run)]
+    all_at_once([lambda run=run: folder.carry_out(run, program) for run in left], jobs, lambda done: progress(len(runs) - len(left) + done))
 
 
 def figure_or_nan(statistics, name):

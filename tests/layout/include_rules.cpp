@@ -184,7 +184,6 @@ const std::vector<Rule>& rules() {
                               "proto/gicube/parallel_for.h", "driver/include"}, {"fmt"}},
       {"samples/cone_beam/plan", {"samples/cone_beam/plan", "samples/cone_beam/phantom", "samples/cone_beam/*",
                               "driver/include"}, {"fmt"}},
-      program("samples/cone_beam/charts", {"samples/cone_beam/phantom", "samples/cone_beam/*"}, {"fmt"}),
       // Projections are read by the parts that read volumes.
       program("samples/cone_beam/scan", {"samples/cone_beam/*", "driver/scene/formats", "proto/gicube/v1/cone_scan.pb.h"},
               {"fmt", "google/protobuf", "nlohmann", "OpenImageIO"}),

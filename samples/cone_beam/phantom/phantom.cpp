@@ -85,6 +85,11 @@ double many(Engine& engine, double mean) {
 Phantom shepp_logan(double radius) { return head(radius, &Row::kak_slaney); }
 Phantom high_contrast_shepp_logan(double radius) { return head(radius, &Row::yu_ye_wang); }
 Phantom uniform_sphere(double radius, double value) { return {{value, {radius, radius, radius}, {}, 0}}; }
+Phantom discs(double radius) {
+  Phantom out;
+  for (int i = -3; i <= 3; ++i) out.push_back({1, {radius, radius, radius / 18}, {0, 0, 11 * radius * i / 36}, 0});
+  return out;
+}
 
 double value_at(const Phantom& phantom, Vec3 place) {
   double sum = 0;

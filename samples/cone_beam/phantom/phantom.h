@@ -27,6 +27,9 @@ Phantom shepp_logan(double radius);
 // The same ellipsoids with the contrasts of Yu, Ye and Wang (2005): 1 for the skull, 0.1 to 0.2 inside.
 Phantom high_contrast_shepp_logan(double radius);
 Phantom uniform_sphere(double radius, double value);
+// Seven flat discs of value 1 along the axis of rotation, an 18th part of `radius` half thick and 11 of 36 parts apart, which a wide
+// cone smears into one another (after Defrise).
+Phantom discs(double radius);
 
 double value_at(const Phantom& phantom, Vec3 place);
 // Along the whole straight line from one point to another, which lie outside of it.

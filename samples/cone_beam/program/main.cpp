@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
         "Exit codes: 0 done, 1 failed, 2 wrong usage. Method, formats, limits, figures: docs/guide/cone_beam.md.");
     app.set_version_flag("--version", std::string(GICUBE_VERSION));
     app.require_subcommand(1);
-    for (const auto add : {add_project, add_reconstruct, add_compare, add_import, add_charts}) add(app);
+    for (const auto add : {add_project, add_reconstruct, add_compare, add_import}) add(app);
     parsed(app, argc, argv, std::cout);
     return 0;
   });

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <regex>
 
-#include "cone_beam/charts/charts.h"
 #include "cone_beam/scan/formats.h"
 #include "gicube/scene/image_file.h"
 #include "gicube/scene/volume_file.h"
@@ -50,12 +49,12 @@ void add_volume(CLI::App& app, ScanOptions& scan) {
 void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, const std::string& what) {
   app.add_option(name, object.name,
                  what +
-                     ": builtin:shepp-logan, builtin:shepp-logan-high-contrast, builtin:sphere, or a volume file "
-                     "(.nrrd .mhd .mha .nii)")
+                     ": builtin:shepp-logan, builtin:shepp-logan-high-contrast, builtin:sphere, builtin:discs, or a "
+                     "volume file (.nrrd .mhd .mha .nii)")
       ->required();
   OptionGroup(app, "Options")
       .number("--radius", object.radius, CLI::PositiveNumber, "of a phantom, in the scan's unit");
-  app.add_option("--value", object.value, "of the sphere; times a head's values: 0.02 a mm is about water's")
+  app.add_option("--value", object.value, "of the sphere; times a head's or discs' values: 0.02 a mm is about water's")
       ->capture_default_str();
   add_allow_outside(app, "Options", object.allow_outside);
 }
@@ -117,20 +116,6 @@ void add_slices(CLI::App& app, SliceOptions& slices, const std::string& what) {
       ->take_all();
 }
 
-void add_charts(CLI::App& program) {
-  CLI::App& app = *program.add_subcommand("charts", "tables of errors against costs, where the methods fail");
-  const auto options = std::make_shared<ChartOptions>();
-  app.add_option("DIR", options->folder, "where the tables go: cone_beam_NAME.csv, which script/charts draws");
-  app.add_option("--only", options->only, "this chart; repeatable (all)")->type_name("NAME");
-  app.add_option("--point", options->point, "print this row of a table, and write nothing")->type_name("NAME");
-  add_board_options(app, options->board);
-  app.callback([options] {
-    if (options->folder.empty() == options->point.empty()) throw UsageError("charts: expected one of DIR and --point");
-    ProgressLine progress(!options->board.quiet);
-    charts(*options, progress);
-  });
-}
-
 ScanDescription description_of(const ScanOptions& options) {
   StackFiles projections{options.projections, {}};
   if (options.type) {
@@ -166,7 +151,8 @@ Phantom phantom_of(const ObjectOptions& object) {
   if (object.name == "builtin:shepp-logan") return times_value(shepp_logan(object.radius));
   if (object.name == "builtin:shepp-logan-high-contrast") return times_value(high_contrast_shepp_logan(object.radius));
   if (object.name == "builtin:sphere") return uniform_sphere(object.radius, object.value);
-  throw InputError("phantom", "builtin:shepp-logan, builtin:shepp-logan-high-contrast or builtin:sphere",
+  if (object.name == "builtin:discs") return times_value(discs(object.radius));
+  throw InputError("phantom", "builtin:shepp-logan, builtin:shepp-logan-high-contrast, builtin:sphere or builtin:discs",
                    in_quotes(object.name));
 }
 

@@ -22,13 +22,12 @@ void add_project(CLI::App& program);
 void add_reconstruct(CLI::App& program);
 void add_compare(CLI::App& program);
 void add_import(CLI::App& program);
-void add_charts(CLI::App& program);
 
 // Something whose values are known: a built-in phantom, or a volume file.
 struct ObjectOptions {
   std::string name;
   double radius = 90;  // of a phantom, in the scan's unit
-  double value = 1;    // of the sphere, and times a head's values
+  double value = 1;    // of the sphere, and times a head's or discs' values
   bool allow_outside = false;
 };
 void add_object(CLI::App& app, ObjectOptions& object, const std::string& name, const std::string& what);

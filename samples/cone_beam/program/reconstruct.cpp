@@ -106,7 +106,8 @@ Json plan_json(const FdkPlan& plan) {
   return json;
 }
 
-// Keys: scan, volume, method and its settings, rays, deposits, overflowed, clipped, iterations, residuals, diverged, warnings, those of
+// Keys: scan, volume, method and its settings, rays, rays_ms (simulated, from the first ray to the last
+// value read), deposits, overflowed, clipped, iterations, residuals, diverged, warnings, those of
 // `cost` (cost_json()), and plan, null without one.
 Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Reconstruction& result, const Json& cost,
                    const std::optional<FdkPlan>& plan) {
@@ -117,6 +118,7 @@ Json statistics_of(const ReconstructOptions& options, const Scan& scan, const Re
             {"method", options.method},
             {"settings", options.fdk() ? fdk_json(options.filtered, scan.geometry) : algebraic_json(options.algebraic)},
             {"rays", result.rays},
+            {"rays_ms", to_ms(result.board_time)},
             {"deposits", result.deposits},
             {"overflowed", result.overflowed},
             {"clipped", result.clipped},

@@ -92,4 +92,15 @@ void write_factors(const RadiosityResult& measured, const std::filesystem::path&
   files.commit();
 }
 
+void write_elements(const RadiosityResult& result, const std::filesystem::path& file) {
+  std::string text = "x,y,z,facing,tag,weight,red,green,blue,standard_error\n";
+  for (std::size_t i = 0; i < result.leaves.size(); ++i) {
+    const Leaf& leaf = result.leaves[i];
+    const Power& light = result.incident[i];
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", leaf.cell[0], leaf.cell[1], leaf.cell[2], leaf.facing,
+                        leaf.tag, leaf.weight, light[0], light[1], light[2], result.standard_error[i]);
+  }
+  write_whole(file, text);
+}
+
 }  // namespace gicube::samples

@@ -101,6 +101,7 @@ void add_method(CLI::App& app, RadiositySettings& settings) {
 void add_output(CLI::App& app, SolveOptions& options) {
   OptionGroup group(app, "Output");
   group.file("--factors", options.factors, "exchange areas as Matrix Market, their rows in FILE.clusters.csv");
+  group.file("--elements", options.elements, "the light that falls on each element, CSV");
   group.file("--solution", options.solution,
              "the light that falls on each voxel, NRRD of three channels: for gicube-render --irradiance");
   group.file("-o,--output", options.picture, "a picture by the board in that light, PNG or EXR");
@@ -120,39 +121,7 @@ void add_visibility(CLI::App& app, VisibilityOptions& options) {
   group.number("--rays", options.rays, CLI::Range(1, 65536), "a pair, between random points of both voxels");
   group.number("--step", options.step, kSteps, "of the rays, voxels");
   add_made(group, options.made);
-}
-
-void add_charts(CLI::App& app, FormFactorChartOptions& options) {
-  app.add_option("SCENE", options.hierarchy.input, "whose light is solved with and without a hierarchy")->required();
-  CLI::Option_group* what = app.add_option_group("What");
-  what->add_option("-o,--output", options.folder, "gets the tables")
-      ->type_name("FOLDER")
-      ->check(CLI::ExistingDirectory);
-  what->add_option("--point", options.point, "one point again, by the name in the tables: its row is printed");
-  what->require_option(1);
-  OptionGroup group(app, "Options");
-  group.value("--volume-size", options.hierarchy.volume_size, "its voxels along the longest edge")->check(kWorldSizes);
-  group.number("--leaf-voxels", options.leaf_voxels, kLeafVoxels, "of its elements");
-  app.add_option("--errors", options.errors, "thresholds of its links")->delimiter(',')->capture_default_str();
-  group.number("--max-rays", options.max_rays, CLI::Range(64u, 65'536u), "of an estimate of a closed form");
-  group.number("--pairs", options.pairs, CLI::Range(2u, 1'000'000u),
-               "of random voxels between which the trade is measured");
-  group.number("--max-rays-a-pair", options.max_rays_a_pair, CLI::Range(1u, 4096u),
-               "up to which the trade is measured");
-}
-
-// What was typed, without where its results go.
-std::string command_of(int argc, const char* const* argv) {
-  std::string text = "gicube-form-factors";
-  for (int i = 1; i < argc; ++i) {
-    const std::string_view word = argv[i];
-    if (word == "-o" || word == "--output" || word == "--point") {
-      ++i;
-    } else if (!word.starts_with("--output=") && !word.starts_with("--point=") && word != "--quiet") {
-      text.append(1, ' ').append(word);
-    }
-  }
-  return text;
+  group.file("--pairs-file", options.pairs_file, "each pair's boxes and what passes between them, CSV");
 }
 
 void check_solve(SolveOptions& options) {
@@ -175,15 +144,12 @@ void check_solve(SolveOptions& options) {
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out) {
   SolveOptions solve;
   VisibilityOptions visibility;
-  FormFactorChartOptions charts;
   CLI::App app("Radiosity in volumes, its form factors by a GI-Cube board.", "gicube-form-factors");
   app.footer("Exit codes: 0 done, 1 failed, 2 wrong usage. Method, limits and figures: docs/guide/form_factors.md.");
   app.set_version_flag("--version", std::string(GICUBE_VERSION));
   app.require_subcommand(1);
   CLI::App* const solving = app.add_subcommand("solve", "spread the light of a scene's emitters");
   CLI::App* const looking = app.add_subcommand("visibility", "light between random voxels, and what it costs");
-  CLI::App* const charting =
-      app.add_subcommand("charts", "the tables of docs/studies/charts/form_factors_*.csv (script/charts)");
   add_input(*solving, solve.input);
   add_materials(*solving, solve);
   add_method(*solving, solve.settings);
@@ -193,14 +159,8 @@ std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char*
   add_input(*looking, visibility.input);
   add_visibility(*looking, visibility);
   add_board_options(*looking, visibility.board);
-  add_charts(*charting, charts);
-  add_board_options(*charting, charts.board);
   if (!parsed(app, argc, argv, out, kRenamed)) return std::nullopt;
   if (looking->parsed()) return visibility;
-  if (charting->parsed()) {
-    charts.command = command_of(argc, argv);
-    return charts;
-  }
   check_solve(solve);
   check_plan(solve.plan);
   for (const char* chosen : {"--error", "--rays", "--leaf-voxels", "--full-matrix"}) {

@@ -37,7 +37,7 @@ struct SolveOptions {
   };
   std::vector<ByTag> emissions, albedos;  // in place of the scene's
   RadiositySettings settings;
-  std::filesystem::path factors, solution, picture;  // empty: none
+  std::filesystem::path factors, elements, solution, picture;  // empty: none
   std::string camera_name;
   std::optional<std::array<int, 2>> size;
   double exposure = 0;  // 0 = the scene's or chosen
@@ -51,34 +51,18 @@ struct VisibilityOptions {
   int rays = 16;  // a pair
   double step = 0.5;
   PairRays made = PairRays::kByBoard;
+  std::filesystem::path pairs_file;  // empty: none
   BoardOptions board;
 };
 
-struct FormFactorChartOptions {
-  std::filesystem::path folder;     // of the tables; or
-  std::string point;                // one point's name, whose row is printed
-  std::string command;              // that asked for them, without --output and --point
-  std::uint32_t max_rays = 65'536;  // of an estimate of a closed form
-  InputOptions trade{.input = "builtin:buckyball", .volume_size = 128, .transfer_function = {}};
-  std::uint32_t pairs = 500;                                                   // of random voxels, in the trade
-  std::uint32_t max_rays_a_pair = 256;                                         // there
-  InputOptions hierarchy;                                                      // scene, and its resolution
-  int leaf_voxels = 1;                                                         // there
-  std::vector<double> errors{1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6};  // thresholds of its links
-  BoardOptions board;
-};
-
-using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions, FormFactorChartOptions>;
+using FormFactorOptions = std::variant<SolveOptions, VisibilityOptions>;
 
 // Nothing if help or the version was asked for and went to `out`. Throws UsageError with one line.
 std::optional<FormFactorOptions> parse_form_factor_options(int argc, const char* const* argv, std::ostream& out);
 
-// Do what the options ask for. Throw UsageError, InputError, FileError, and what Board throws. The charts are the tables
-// FOLDER/form_factors_error.csv, _slopes.csv, _trade.csv and _hierarchy.csv, each row but the slopes' with the command that makes it
-// again; or one point's row, printed.
+// Do what the options ask for. Throw UsageError, InputError, FileError, and what Board throws.
 void run(const SolveOptions& options, ProgressLine& progress);
 void run(const VisibilityOptions& options, ProgressLine& progress);
-void run(const FormFactorChartOptions& options, ProgressLine& progress);
 
 // The input as a scene. Throws UsageError, InputError.
 Scene scene_of(const InputOptions& options);
@@ -135,19 +119,5 @@ const char* name_of(PairRays made);  // as on the command line
 nlohmann::ordered_json statistics_of(const RadiosityResult& result, const RadiositySettings& settings, double area_unit,
                                      const Counters& counters, const BoardInfo& board,
                                      const std::optional<RadiosityPlan>& plan);
-
-// The error of form factors by their number of rays: root mean square of F / exact - 1 over independent estimates.
-struct ErrorCurve {
-  std::string name;                 // of the pair of elements
-  double exact = 0;                 // F, or the mean of 1 / r^2
-  std::vector<std::uint32_t> rays;  // of an estimate
-  std::vector<double> errors;
-  double slope = 0;  // of a straight line through log(error) over log(rays)
-};
-
-// Parallel squares a side apart, clear and in a medium; perpendicular ones with a common edge; boxes whose centres are two sides
-// apart. `max_rays`: a power of two, 64 or more.
-// `point`: the name of the only point that is wanted, error/CURVE/RAYS; empty: all.
-std::vector<ErrorCurve> closed_form_curves(Board& board, std::uint32_t max_rays, const std::string& point = "");
 
 }  // namespace gicube::samples

@@ -67,6 +67,7 @@ Emissions emissions_of(const Scene& scene, const SceneSetup& setup) {
 
 void run(const SolveOptions& options, ProgressLine& progress) {
   check_outputs({{"--factors", options.factors},
+                 {"--elements", options.elements},
                  {"--solution", options.solution},
                  {"--output", options.picture},
                  {"--stats", options.board.stats}});
@@ -97,6 +98,7 @@ void run(const SolveOptions& options, ProgressLine& progress) {
   if (plan && options.plan.explain) print_plan(plan->explain());
   if (!options.board.quiet) print(result);
   if (!options.factors.empty()) write_factors(result, options.factors);
+  if (!options.elements.empty()) write_elements(result, options.elements);
   const LightField field = field_of(result, setup);
   const Provenance provenance = provenance_of(board.info(), scene_hash(setup));
   if (!options.solution.empty()) {

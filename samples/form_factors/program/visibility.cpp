@@ -6,6 +6,7 @@
 #include <random>
 
 #include "form_factors/program/options.h"
+#include "scene/common/whole_file.h"
 #include "scene/program/board_run.h"
 #include "scene/program/program.h"
 #include "scene/program/run_json.h"
@@ -50,6 +51,22 @@ void print(const Visibility& seen) {
     if (share) fmt::print(", {} {:.0f}%", name, 100 * *share);
   }
   fmt::print(": bound by the {}\n", u.bound());
+}
+
+// Both boxes' corners in voxels, and the transmittance.
+void write_pairs(const RandomPairs& pairs, const Visibility& seen, const std::filesystem::path& file) {
+  std::string text =
+      "a_low_x,a_low_y,a_low_z,a_high_x,a_high_y,a_high_z,b_low_x,b_low_y,b_low_z,b_high_x,b_high_y,b_high_z,"
+      "transmittance\n";
+  for (std::size_t i = 0; i < pairs.pairs.size(); ++i) {
+    for (const std::uint32_t box : {pairs.pairs[i].a, pairs.pairs[i].b}) {
+      const Element& e = pairs.elements[box];
+      const Vec3 low = e.origin, high = low + e.u + e.v + e.w;
+      text += fmt::format("{},{},{},{},{},{},", low.x, low.y, low.z, high.x, high.y, high.z);
+    }
+    text += fmt::format("{}\n", seen.transmittances[i]);
+  }
+  write_whole(file, text);
 }
 
 }  // namespace
@@ -104,7 +121,7 @@ Visibility look(Board& board, const RandomPairs& pairs, const PairRequest& reque
 }
 
 void run(const VisibilityOptions& options, ProgressLine& progress) {
-  check_outputs({{"--stats", options.board.stats}});
+  check_outputs({{"--stats", options.board.stats}, {"--pairs-file", options.pairs_file}});
   progress.show("reading the scene");
   const SceneSetup setup = set_up(scene_of(options.input), options.board.threads);
   Board board = open_board(options.board);
@@ -117,6 +134,7 @@ void run(const VisibilityOptions& options, ProgressLine& progress) {
                             .made = options.made};
   const Visibility seen = look(board, pairs, request, progress.parts("looking"));
   progress.clear();
+  if (!options.pairs_file.empty()) write_pairs(pairs, seen, options.pairs_file);
   if (!options.board.quiet) print(seen);
   if (!options.board.stats.empty()) {
     write_json(statistics_of(seen, options, board.info()), provenance_of(board.info(), scene_hash(setup)),

@@ -176,4 +176,8 @@ RadiosityResult solve_radiosity(Board& board, const SceneSetup& setup, const Emi
 void write_factors(const RadiosityResult& result, const std::filesystem::path& file);
 std::filesystem::path clusters_file(const std::filesystem::path& file);  // of the clusters' rows
 
+// A line of CSV for each leaf: its open voxel, facing, tag, weight, the light that falls on a unit of weight, and the standard
+// error of its sum over channels. Throws FileError.
+void write_elements(const RadiosityResult& result, const std::filesystem::path& file);
+
 }  // namespace gicube::samples

@@ -1,5 +1,4 @@
 """The programs that script/charts measures with, as it runs them."""
-import csv
 import os
 import subprocess
 
@@ -33,16 +32,3 @@ def test_the_reference_draws_what_the_board_draws(run, tmp_path):
 def test_the_reference_names_what_it_cannot_write(run):
     result = run("gicube-reference", f"{BALL} -o /nowhere/exact.exr")
     assert result.returncode != 0 and "/nowhere/exact.exr" in result.stderr
-
-
-def test_the_lighting_study_has_less_error_for_more_rays_and_the_command_of_every_point(run):
-    def errors(arguments):
-        result = run("gicube-lighting-study", arguments)
-        assert result.returncode == 0, result.stderr
-        return {row["command"]: float(row["error"]) for row in csv.DictReader(result.stdout.splitlines())}
-    fixed = "--albedo low --rules conserving --datapath wide"
-    few, many = (f"{fixed} --rays {rays} --step 0.5" for rays in (1, 4))
-    both = errors(f"{fixed} --fidelity functional --step 0.5 --rays 1 4")
-    assert both[f"gicube-lighting-study {many}"] < 0.5 * both[f"gicube-lighting-study {few}"]
-    again = errors(f"{many} --fidelity functional")
-    assert again == {f"gicube-lighting-study {many}": both[f"gicube-lighting-study {many}"]}

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <iostream>
 #include <numbers>
 #include <sstream>
 
@@ -208,29 +207,26 @@ TEST(Enclosure, OpenOnesLetLightOut) {
 }
 
 TEST(Hierarchy, HasAFractionOfTheLinks) {
-  Board board = reference::open_board(kUri);
-  const auto points = study_hierarchy(board, reference::setup_of(furnished(8, 0.05)), kCeilingLamp, {}, {1e-4, 3e-5});
-  ASSERT_EQ(points.size(), 3u);
-  EXPECT_LT(points[0].difference, 0.04);
-  EXPECT_LT(points[1].difference, 0.02);
-  EXPECT_LT(points[2].difference, 0.002);
-  EXPECT_GT(static_cast<double>(points[2].statistics.links),
-            0.95 * static_cast<double>(points[2].statistics.all_pairs));
-  EXPECT_LT(12 * points[0].statistics.links, points[2].statistics.links);
-  EXPECT_LT(6 * points[1].statistics.links, points[2].statistics.links);
-  EXPECT_THAT(csv_of(points), HasSubstr("hierarchy,error,difference"));
+  const Room room = furnished(8, 0.05);
+  const auto reference = solve(room, kCeilingLamp, {.rays = 64, .seed = 1, .hierarchy = false});
+  const auto coarse = solve(room, kCeilingLamp, {.error = 1e-4}), fine = solve(room, kCeilingLamp, {.error = 3e-5}),
+             full = solve(room, kCeilingLamp, {.hierarchy = false});
+  EXPECT_LT(difference(coarse, reference), 0.04);
+  EXPECT_LT(difference(fine, reference), 0.02);
+  EXPECT_LT(difference(full, reference), 0.002);
+  EXPECT_GT(static_cast<double>(full.statistics.links), 0.95 * static_cast<double>(full.statistics.all_pairs));
+  EXPECT_LT(12 * coarse.statistics.links, full.statistics.links);
+  EXPECT_LT(6 * fine.statistics.links, full.statistics.links);
 }
 
 // Where the light is even enough for a hierarchy to pay: at one percent, at least ten times fewer links. Without a hierarchy there
 // are as many as pairs, but for some 3% that are proved to have no light between them.
 TEST(Hierarchy, HasATenthOfTheLinksAtOnePercent) {
-  Board board = reference::open_board(kUri);
-  const auto points =
-      study_hierarchy(board, reference::setup_of(furnished(11, 0.05)), kCeilingLamp, {.rays = 8}, {6e-6}, false);
-  ASSERT_EQ(points.size(), 1u);
-  EXPECT_LT(points[0].difference, 0.01);
-  EXPECT_LT(10 * points[0].statistics.links, 0.95 * static_cast<double>(points[0].statistics.all_pairs));
-  std::cout << csv_of(points);
+  const Room room = furnished(11, 0.05);
+  const auto reference = solve(room, kCeilingLamp, {.rays = 32, .seed = 1, .hierarchy = false});
+  const auto result = solve(room, kCeilingLamp, {.error = 6e-6, .rays = 8});
+  EXPECT_LT(difference(result, reference), 0.01);
+  EXPECT_LT(10 * result.statistics.links, 0.95 * static_cast<double>(result.statistics.all_pairs));
 }
 
 TEST(Radiosity, IsTheSameBitsWhoeverMakesTheRays) {

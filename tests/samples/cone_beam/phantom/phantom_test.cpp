@@ -46,6 +46,17 @@ TEST(Phantom, TheHeadHasTheTablesValues) {
   EXPECT_NEAR(value_at(contrasts, {0, -0.8, 0}), 0.2, 1e-12);
 }
 
+TEST(Phantom, DiscsAreFlatAndEquallyFarApart) {
+  const Phantom seven = discs(36);
+  for (int disc = -4; disc <= 4; ++disc) {
+    const double inside = std::abs(disc) <= 3 ? 1 : 0;
+    EXPECT_EQ(value_at(seven, {0, 0, 11.0 * disc + 1.99}), inside) << disc;
+    EXPECT_EQ(value_at(seven, {25, 25, 11.0 * disc}), inside) << disc;
+    EXPECT_EQ(value_at(seven, {0, 0, 11.0 * disc + 2.01}), 0) << disc;
+  }
+  EXPECT_EQ(value_at(seven, {36.1, 0, 0}), 0);
+}
+
 TEST(Phantom, ProjectionsAndVoxelsLieWhereTheGeometrySays) {
   ConeGeometry geometry = small_scan(40, 4);
   geometry.angles = even_angles(4, 0, 2 * std::numbers::pi);

@@ -100,6 +100,8 @@ TEST_F(ConeBeamProgram, ReconstructsWhatItProjected) {
   EXPECT_EQ(json.at("scan").at("views"), 24);
   EXPECT_EQ(json.at("overflowed"), 0);
   EXPECT_GT(json.at("deposits").get<double>(), 1e5);
+  EXPECT_GT(json.at("rays_ms").get<double>(), 0);
+  EXPECT_LT(json.at("rays_ms").get<double>(), json.at("board_ms").get<double>());  // which has the empty volume too
   EXPECT_GT(json.at("board_ms").get<double>(), 0);
   EXPECT_GT(json.at("bus_down_bytes").get<double>(), 0);
   EXPECT_EQ(json.at("settings").at("window"), "ram-lak");

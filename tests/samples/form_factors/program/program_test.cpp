@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "full_disk.h"
 #include "gicube/scene/light_field.h"
@@ -74,8 +76,9 @@ TEST_F(FormFactorProgram, RefusesPlansThatContradictOtherOptions) {
 }
 
 TEST_F(FormFactorProgram, SolvesASceneIntoItsFiles) {
-  const ProgramResult result = run("solve " + room() + " --error 1e-2 --factors " + path("x.mtx") + " --solution " +
-                                   path("x.nrrd") + " -o " + path("x.png") + " --stats " + path("x.json"));
+  const ProgramResult result =
+      run("solve " + room() + " --error 1e-2 --factors " + path("x.mtx") + " --elements " + path("x.csv") +
+          " --solution " + path("x.nrrd") + " -o " + path("x.png") + " --stats " + path("x.json"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_EQ(result.err, "");
   EXPECT_THAT(result.out, HasSubstr("links where a full matrix has"));
@@ -92,6 +95,19 @@ TEST_F(FormFactorProgram, SolvesASceneIntoItsFiles) {
   EXPECT_NEAR(green, red / 2, 0.001 * red);
   EXPECT_EQ(blue, 0);
   const auto json = nlohmann::json::parse(text_of(path("x.json")));
+  double incident = 0, weights = 0;  // of the elements' file
+  std::istringstream elements(text_of(path("x.csv")));
+  std::string line;
+  std::getline(elements, line);
+  EXPECT_EQ(line, "x,y,z,facing,tag,weight,red,green,blue,standard_error");
+  while (std::getline(elements, line)) {
+    std::array<double, 10> value{};
+    std::istringstream cells(line);
+    for (double& each : value) cells >> each, cells.ignore();
+    weights += value[5];
+    incident += value[5] * (value[6] + value[7] + value[8]);
+  }
+  EXPECT_NEAR(incident / weights, json.at("standard_error").at("mean_incident").get<double>(), 1e-9);
   EXPECT_GT(json.at("links").get<int>(), 10);
   EXPECT_GT(json.at("all_pairs").get<int>(), json.at("links").get<int>());
   EXPECT_GT(json.at("bus_down_bytes").get<int>(), 0);
@@ -113,8 +129,8 @@ TEST_F(FormFactorProgram, FindsTheSameLightWhoeverMakesTheRays) {
 }
 
 TEST_F(FormFactorProgram, LooksBetweenRandomVoxels) {
-  const ProgramResult result =
-      run("visibility builtin:buckyball --volume-size 32 --pairs 200 --stats " + path("v.json"));
+  const ProgramResult result = run("visibility builtin:buckyball --volume-size 32 --pairs 200 --stats " +
+                                   path("v.json") + " --pairs-file " + path("v.csv"));
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.out, HasSubstr("200 pairs"));
   const auto json = nlohmann::json::parse(text_of(path("v.json")));
@@ -122,6 +138,12 @@ TEST_F(FormFactorProgram, LooksBetweenRandomVoxels) {
   EXPECT_GT(json.at("transmittance").get<double>(), 0.1);
   EXPECT_GT(json.at("rays_per_simulated_second").get<double>(), 1e5);
   EXPECT_EQ(json.at("utilisation").at("bound"), "DSP");
+  const std::string pairs = text_of(path("v.csv"));
+  EXPECT_EQ(std::count(pairs.begin(), pairs.end(), '\n'), 201);
+  double sum = 0;
+  std::istringstream rows(pairs.substr(pairs.find('\n') + 1));
+  for (std::string row; std::getline(rows, row);) sum += std::stod(row.substr(row.rfind(',') + 1));
+  EXPECT_NEAR(sum / 200, json.at("transmittance").get<double>(), 1e-9);
   EXPECT_TRUE(json.at("utilisation").at("memory").is_null());
 }
 
@@ -144,7 +166,7 @@ TEST_F(FormFactorProgram, FailsWithOneLineThatNamesWhatIsWrong) {
 TEST_F(FormFactorProgram, FailsAndLeavesNothingOnAFullDisk) {
   const std::string solve = "solve " + room() + " --volume-size 8 --quiet ";
   for (const auto& [option, name] :
-       {std::pair{"--factors", "a.mtx"}, {"--solution", "a.nrrd"}, {"--stats", "a.json"}}) {
+       {std::pair{"--factors", "a.mtx"}, {"--elements", "a.csv"}, {"--solution", "a.nrrd"}, {"--stats", "a.json"}}) {
     const ProgramResult result = [&] {
       const reference::FileSizeLimit limit(300);
       return run(solve + option + " " + path(name));

@@ -1,0 +1,202 @@
+"""How exact form factors are, and what they cost: closed forms, pairs of random voxels, links of a hierarchy."""
+import math
+import pathlib
+import tempfile
+from typing import Callable, NamedTuple
+
+import gicube
+import numpy as np
+
+from studies.points import Table, run, statistics
+
+EDGE = 40  # voxels of the volume of the closed forms
+SIDE = 20  # voxels, of their squares
+ESTIMATES = 16  # chosen: independent ones, whose errors are averaged
+LEAST_RAYS, MOST_RAYS = 8, 65536  # of an estimate
+RANDOM_PAIRS = 500
+RAYS_IN_ALL = 32768  # chosen: of a point of the trade
+REFERENCE_RAYS = 4096  # a pair, that the trade's errors are measured from
+ROOM = "samples/scenes/radiosity/glowing_room.scene --volume-size 16"
+THRESHOLDS = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
+
+
+def integral(f):
+    """Of f over 0..1, by Simpson's rule; f takes arrays and may have more axes after the first."""
+    n = 128
+    weights = np.where(np.arange(n + 1) % 2, 4.0, 2.0)
+    weights[[0, -1]] = 1
+    return np.tensordot(weights, f(np.arange(n + 1) / n), 1) / (3 * n)
+
+
+def over_square(f):
+    """Of f(x, y, ...) weighted by (1 - x) (1 - y): how the difference of two points of unit squares is spread."""
+    return 4 * integral(lambda x: ((1 - x) * integral(lambda y: (1 - y[:, None]) * f(x, y[:, None])).T).T)
+
+
+def parallel_squares(kappa):
+    """F of two unit squares face to face, one side apart, in a medium of `kappa` a side: the closed form if it is clear (Howell, A
+    Catalog of Radiation Heat Transfer Configuration Factors, C-11), or else by quadrature to 1e-9."""
+    if kappa == 0:
+        return 2 / math.pi * (math.log(math.sqrt(4 / 3)) + 2 * math.sqrt(2) * math.atan(1 / math.sqrt(2)) - math.pi / 2)
+    return over_square(lambda x, y: np.exp(-kappa * np.sqrt(x * x + y * y + 1)) / (math.pi * (x * x + y * y + 1) ** 2))
+
+
+def perpendicular_squares():
+    """F of two unit squares at a right angle with a common edge (C-14)."""
+    return (math.pi / 2 - math.sqrt(2) * math.atan(1 / math.sqrt(2)) + 0.25 * math.log(4 / 3 * 0.75 * 0.75)) / math.pi
+
+
+def mean_inverse_square(distance):
+    """The mean of 1 / r^2 over two unit cubes whose centres are `distance` >= 2 sides apart along an edge, by quadrature to 1e-9."""
+    def along(z):
+        return over_square(lambda x, y: 1 / (x * x + y * y + z * z))
+    return integral(lambda zs: np.array([(1 - z) * (along(distance + z) + along(distance - z)) for z in zs]))
+
+
+class Form(NamedTuple):
+    """A pair of elements, whose factor is known."""
+    kind: str
+    elements: tuple  # two, each origin, u, v, w
+    unit: float  # F of a mean of G of 1
+    exact: Callable
+    kappa: float = 0  # of the medium, a side
+
+
+FLOOR, CEILING = ((5, 5, 5), (SIDE, 0, 0), (0, SIDE, 0), (0, 0, 0)), ((5, 5, 25), (0, SIDE, 0), (SIDE, 0, 0), (0, 0, 0))
+WALL = ((5, 5, 5), (0, SIDE, 0), (0, 0, SIDE), (0, 0, 0))
+BOXES = tuple(((5, 5, z), (4, 0, 0), (0, 4, 0), (0, 0, 4)) for z in (5, 13))
+FORMS = {
+    "parallel": Form("patch", (FLOOR, CEILING), SIDE * SIDE, lambda: parallel_squares(0)),
+    "parallel kappa 1": Form("patch", (FLOOR, CEILING), SIDE * SIDE, lambda: parallel_squares(1), 1),
+    "parallel kappa 3": Form("patch", (FLOOR, CEILING), SIDE * SIDE, lambda: parallel_squares(3), 3),
+    "boxes two apart": Form("box", BOXES, 16 * math.pi, lambda: mean_inverse_square(2)),
+    "common edge": Form("patch", (FLOOR, WALL), SIDE * SIDE, perpendicular_squares)}
+
+
+def error_of(name, rays):
+    """Root mean square of F / exact - 1 over independent estimates by so many rays each."""
+    form = FORMS[name]
+    with gicube.open("emu:") as board:
+        board.load_volume(np.full(3 * (EDGE,), 100, "u1"))
+        board.set_transfer_function(gicube.TransferFunction([(0, (1, 1, 1))], [(0, 1 - math.exp(-form.kappa / SIDE))]))
+        elements = gicube.elements(2 * [gicube.ElementKind(form.kind)], *map(np.array, zip(*form.elements)))
+        found = board.pair_factors(elements, gicube.pairs(ESTIMATES * [0], 1), rays=rays)["transported"] * form.unit
+    return math.sqrt(((found / form.exact() - 1) ** 2).sum() / ESTIMATES)
+
+
+def slope_of(rays, errors):
+    """Of a straight line through log(error) over log(rays)."""
+    return np.polyfit(np.log(rays), np.log(errors), 1)[0]
+
+
+def slope_rows(found):
+    curves = {}
+    for name, error in found:
+        _, form, rays = name.split("/")
+        curves.setdefault(form.replace("_", " "), []).append((int(rays), error))
+    for form, curve in curves.items():
+        rays, errors = zip(*curve)
+        yield form, [form, f"{FORMS[form].exact():.7g}", f"{slope_of(rays, errors):.2f}", f"{errors[-1]:.3g}"]
+
+
+def error_rows(found):
+    for name, error in found:
+        _, form, rays = name.split("/")
+        yield name, [form.replace("_", " "), rays, f"{error:.4g}"]
+
+
+def error_tables(most_rays=MOST_RAYS):
+    counts = [1 << i for i in range(LEAST_RAYS.bit_length() - 1, most_rays.bit_length())]
+    points = {f"error/{form}/{rays}".replace(" ", "_"): lambda _, form=form, rays=rays: error_of(form, rays) for form in FORMS for rays in counts}
+    return [Table("form_factors_error", ["form", "rays", "error"], points, error_rows),
+            Table("form_factors_slopes", ["form", "exact", "slope", "error at most rays"], points, slope_rows, again=False)]
+
+
+def look(words):
+    """What gicube-form-factors visibility says of the buckyball: statistics, and each pair's two boxes and transmittance."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        run(folder, "gicube-form-factors",
+            f"visibility builtin:buckyball --volume-size 128 --quiet --stats @stats.json --pairs-file @pairs.csv {words}")
+        return statistics(folder / "stats.json"), np.loadtxt(folder / "pairs.csv", delimiter=",", skiprows=1)
+
+
+def reference():
+    """Transmittances of the first pairs, by far more rays of another seed."""
+    _, pairs = look(f"--fidelity functional --pairs {RANDOM_PAIRS} --rays 1")
+    low, high = pairs[:, :12].reshape(-1, 2, 3).swapaxes(0, 1)
+    setup = gicube.parse_scene('volume { builtin: "buckyball" size: 128 }').set_up()
+    with gicube.open("emu:") as board:
+        setup.load(board._core, False, None)
+        u, v, w = ((high - low) * axis for axis in np.eye(3))
+        boxes = gicube.elements(len(low) * [gicube.ElementKind.BOX], low, u, v, w)
+        found = board.pair_factors(boxes, gicube.pairs(np.arange(0, len(low), 2), np.arange(1, len(low), 2)), rays=REFERENCE_RAYS, seed=1)
+    return np.divide(found["transported"], found["geometric"], where=found["geometric"] > 0, out=np.zeros(len(found))).tolist()
+
+
+def trade_of(kept, bus, made, rays):
+    # Enough of them that the parts of the board overlap; the first ones tell the error.
+    stats, pairs = look(f"--board emu:?bus={bus} --fidelity cycle --made {made} --rays {rays} --pairs {max(RANDOM_PAIRS, RAYS_IN_ALL // rays)}")
+    exact = np.array(kept.of("reference of trade", reference))
+    error = math.sqrt(((pairs[:len(exact), 12] - exact) ** 2).sum() / len(exact))
+    return {"error": error} | {key: stats[key] for key in ("pairs", "board_ms", "bus_ms", "rays_per_simulated_second", "utilisation")}
+
+
+def trade_rows(found):
+    for name, each in found:
+        use = each["utilisation"]
+        yield name, [*name.split("/")[1:], each["pairs"], f"{each['error']:.4g}", f"{each['board_ms']:.4f}", f"{each['bus_ms']:.4f}",
+                     f"{each['rays_per_simulated_second']:.0f}",
+                     *(f"{use[part]:.3f}" for part in ("bus_down", "bus_up", "dsp", "pipelines", "sorter", "memory")), use["bound"]]
+
+
+def trade_table():
+    points = {f"trade/{bus}/{made}/{4 ** i}": lambda kept, each=(bus, made, 4 ** i): trade_of(kept, *each)
+              for bus in ("pci33", "agp2x") for made in ("host", "board") for i in range(5)}
+    columns = ["bus", "made", "rays a pair", "pairs", "error", "board_ms", "bus_ms", "rays_per_second", "bus_down", "bus_up", "dsp",
+               "pipelines", "sorter", "memory", "bound"]
+    return Table("form_factors_trade", columns, points, trade_rows)
+
+
+def solved(words):
+    """What gicube-form-factors solve says of a scene: statistics, and each element's weight, incident light and standard error, but
+    for the volume's ends."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        run(folder, "gicube-form-factors", f"solve {words} --quiet --stats @stats.json --elements @elements.csv")
+        elements = np.loadtxt(folder / "elements.csv", delimiter=",", skiprows=1)
+        return statistics(folder / "stats.json"), elements[elements[:, 4] < 255, 5:]
+
+
+def link_of(kept, words, scene):
+    """A solution held against a full matrix of four times the rays, and another seed."""
+    def exact():
+        return solved(f"{scene} --full-matrix --rays 64 --seed 1")[1].tolist()
+    stats, ours = solved(f"{scene} {words}")
+    exact = np.array(kept.of("reference of hierarchy", exact))
+    weight, light, true = ours[:, 0], ours[:, 1:4], exact[:, 1:4]
+    difference = (weight[:, None] * abs(light - true)).sum() / (weight[:, None] * true).sum()
+    noise = math.sqrt(2 / math.pi) * (weight * ours[:, 4]).sum() / (weight[:, None] * light).sum()  # the mean of |x| of a normal distribution
+    keys = ("links", "all_pairs", "rays", "board_ms", "bus_down_bytes", "bus_up_bytes", "closure_rms", "host_seconds")
+    return {"difference": difference, "noise": noise} | {key: stats[key] for key in keys}
+
+
+def link_rows(found):
+    for name, each in found:
+        threshold = name.split("/")[1]
+        full = threshold == "full"
+        yield name, [int(not full), "1e-05" if full else threshold, f"{each['difference']:.6f}", f"{each['noise']:.6f}", each["links"],
+                     each["all_pairs"], each["rays"], f"{each['board_ms']:.3f}", each["bus_down_bytes"] + each["bus_up_bytes"],
+                     f"{each['closure_rms']:.6f}", f"{each['host_seconds']:.3f}"]
+
+
+def hierarchy_table(scene=ROOM, thresholds=THRESHOLDS):
+    points = {f"hierarchy/{error:g}": lambda kept, error=error: link_of(kept, f"--error {error!r}", scene) for error in thresholds}
+    points["hierarchy/full"] = lambda kept: link_of(kept, "--full-matrix", scene)
+    columns = ["hierarchy", "error", "difference", "standard_error", "links", "all_pairs", "rays", "board_ms", "bus_bytes", "closure_rms",
+               "seconds"]
+    return Table("form_factors_hierarchy", columns, points, link_rows)
+
+
+def tables():
+    return [*error_tables(), trade_table(), hierarchy_table()]

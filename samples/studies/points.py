@@ -1,0 +1,64 @@
+"""Tables of points that are measured one by one, several at a time. What was measured is kept in files, so that a table that was
+interrupted goes on where it was; and any row can be made again by its point's name."""
+import json
+import os
+import pathlib
+import threading
+from collections import defaultdict
+from typing import Callable, NamedTuple
+
+from studies.runs import ProgressLine, all_at_once, run_to_end
+from studies.table import csv_text, write_whole
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BIN = ROOT / "build/release/bin"
+
+
+class Table(NamedTuple):
+    name: str  # of its file, NAME.csv
+    columns: list  # without the command that makes a row again
+    points: dict  # by name: what measures one, takes a Kept, and returns what rows are made of
+    rows: Callable  # of a list of (name, what was measured): a list of (name, cells)
+    again: bool = True  # whether rows have that command, as the last column
+
+
+class Kept:
+    """Results on file, in JSON: each is made once. Who asks for one that is being made waits."""
+
+    def __init__(self, folder):
+        self._folder = pathlib.Path(folder)
+        self._folder.mkdir(parents=True, exist_ok=True)
+        self._locks = defaultdict(threading.Lock)
+
+    def of(self, name, make):
+        file = self._folder / f"{name.replace('/', ' ')}.json"
+        with self._locks[name]:
+            if not file.exists():
+                write_whole(file, json.dumps(make()))
+        return json.loads(file.read_text())
+
+
+def run(folder, program, words):
+    """A program of the build; blanks part the words, and files are FOLDER's where they begin with @."""
+    run_to_end(BIN / program, words.replace("@", f"{folder}/").split(), folder / "log")
+
+
+def statistics(file):
+    return json.loads(file.read_text())
+
+
+def measure(tables, kept, folder, jobs=0):
+    """Writes the tables into a folder, `jobs` points at once (0: one a core). Raises what the points raise."""
+    line = ProgressLine()
+    points = {name: make for table in tables for name, make in table.points.items()}
+    all_at_once([lambda name=name, make=make: kept.of(name, lambda: make(kept)) for name, make in points.items()], jobs,
+                lambda done: line.show(f"{done} of {len(points)} points"))
+    line.clear()
+    for table in tables:
+        found = [(name, kept.of(name, None)) for name in table.points]
+        write_whole(folder / f"{table.name}.csv", text_of(table, found))
+
+
+def text_of(table, found):
+    rows = [[*cells, f"script/charts --point {name}"] if table.again else cells for name, cells in table.rows(found)]
+    return csv_text([[*table.columns, *["command"] * table.again], *rows])

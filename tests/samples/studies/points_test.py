@@ -1,0 +1,214 @@
+"""Tables that are made of points: how they are measured and kept, and that each point says what it should."""
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import threading
+
+import numpy as np
+import pytest
+
+BIN = os.environ["GICUBE_BIN_DIR"]
+os.environ["GICUBE_BOARD"] = f"{BIN}/gicube-board"
+
+from studies import charts, cone_beam, form_factors, lighting, points  # noqa: E402
+from studies.points import Kept, Table, measure, text_of  # noqa: E402
+
+MODULES = {"lighting": lighting, "cone_beam": cone_beam, "form_factors": form_factors}
+
+
+@pytest.fixture(autouse=True)
+def in_the_tree(monkeypatch):
+    monkeypatch.chdir(points.ROOT)
+    monkeypatch.setattr(points, "BIN", pathlib.Path(BIN))
+
+
+@pytest.fixture
+def kept(tmp_path):
+    return Kept(tmp_path / "kept")
+
+
+def rows_of(table, kept, *names):
+    """What the table says of these of its points."""
+    text = text_of(table, [(name, table.points[name](kept)) for name in names or table.points])
+    return list(csv.DictReader(text.splitlines()))
+
+
+# ---- how they are measured
+
+
+def counted(log, fails=()):
+    def make(name):
+        def measured(_):
+            log.append(name)
+            if name in fails:
+                raise RuntimeError(name)
+            return len(name)
+        return measured
+    return Table("t", ["name", "length"], {name: make(name) for name in ("t/a", "t/bb", "t/ccc")}, lambda found: ((name, [name, n]) for name, n in found))
+
+
+def test_a_table_that_was_interrupted_goes_on_where_it_was(kept, tmp_path):
+    log = []
+    with pytest.raises(RuntimeError, match="t/bb"):
+        measure([counted(log, fails=["t/bb"])], kept, tmp_path, jobs=1)
+    assert log == ["t/a", "t/bb"] and not (tmp_path / "t.csv").exists()
+    measure([counted(log)], kept, tmp_path, jobs=1)
+    assert log == ["t/a", "t/bb", "t/bb", "t/ccc"]
+    assert (tmp_path / "t.csv").read_text() == ("name,length,command\nt/a,3,script/charts --point t/a\n"
+                                                "t/bb,4,script/charts --point t/bb\nt/ccc,5,script/charts --point t/ccc\n")
+
+
+def test_points_are_measured_at_once_and_what_several_need_once(kept, tmp_path):
+    together = threading.Barrier(2, timeout=60)
+    made = []
+
+    def measured(on_file):
+        together.wait()
+        return on_file.of("what both need", lambda: made.append(1) or 7)
+    measure([Table("t", ["n"], {"t/a": measured, "t/b": measured}, lambda found: ((name, [n]) for name, n in found), again=False)], kept, tmp_path, jobs=2)
+    assert (tmp_path / "t.csv").read_text() == "n\n7\n7\n" and made == [1]
+
+
+# ---- their names
+
+
+def test_every_point_has_a_name_of_its_own_that_begins_with_its_table():
+    names = []
+    for module, programs in charts.POINTS.items():
+        for table in MODULES[module].tables():
+            assert table.points
+            for name in table.points:
+                assert name.split("/")[0] in table.name or (name.split("/")[0] == "error" and "slopes" in table.name)
+                assert not set(name) & set(' ,"')
+            names += table.points if table.again else []
+    assert len(set(names)) == len(names) > 300
+
+
+def test_the_documents_tables_have_those_points_in_that_order():
+    for module in charts.POINTS:
+        for table in MODULES[module].tables():
+            with open(charts.CHARTS / f"{table.name}.csv") as file:
+                rows = [row for row in csv.DictReader(file) if None not in row.values()]
+            assert list(rows[0]) == [*table.columns, *["command"] * table.again]
+            commands = dict.fromkeys(row["command"] for row in rows) if table.again else ()
+            assert list(commands) == [f"script/charts --point {name}" for name in (table.points if table.again else ())]
+
+
+def test_a_point_that_is_not_there_is_named(monkeypatch):
+    monkeypatch.setattr(charts, "build", lambda *_: None)
+    with pytest.raises(SystemExit, match='--point: expected a point of a table, as views/fdk/20, got "views/fdk/7"'):
+        charts.print_point("views/fdk/7")
+
+
+def test_a_point_by_its_name_is_its_row_of_the_table(monkeypatch, capsys):
+    monkeypatch.setattr(charts, "build", lambda *_: None)
+    charts.print_point("moire/view/0.5")
+    header, row = capsys.readouterr().out.splitlines()
+    assert row in (charts.CHARTS / "cone_beam_moire.csv").read_text().splitlines()
+    assert header == "point,series,x,ripple,hat_at_the_rays_wave,command"
+
+
+# ---- lighting
+
+
+def test_more_lighting_rays_have_less_error():
+    few, many = (lighting.measured("low", "conserving", "wide", 0.5, rays, "functional") for rays in (1, 4))
+    assert 0 < many[1] < 0.5 * few[1]
+    assert lighting.measured("low", "conserving", "wide", 0.5, 4, "functional") == many
+
+
+def test_the_shares_of_the_light_are_those_of_the_closed_form():
+    exact = lighting.closed_form()
+    n = np.arange(200_000) + 0.5  # all that does not leave the box on even ways over the sphere
+    height, around = 1 - 2 * n / len(n), np.pi * (1 + 5 ** 0.5) * n
+    ways = np.column_stack([np.sqrt(1 - height * height) * np.cos(around), np.sqrt(1 - height * height) * np.sin(around), height])
+    ends = (np.where(ways > 0, 24, 0) - lighting.LAMP) / ways
+    assert exact.sum() == pytest.approx((1 - np.exp(-lighting.EXTINCTION * ends.min(axis=1))).mean(), abs=1e-5)
+    x, y, z = 3, 20, 7  # far from the lamp and the faces a voxel's share is the density there
+    r = np.linalg.norm((x, y, z) - lighting.LAMP)
+    assert exact[z, y, x] == pytest.approx(lighting.EXTINCTION * np.exp(-lighting.EXTINCTION * r) / (4 * np.pi * r * r), rel=0.01)
+    assert exact[12, 11, 12] > 5 * exact[12, 11, 14]
+
+
+# ---- form factors
+
+
+def test_closed_forms_are_those_of_the_table():
+    """Published values of these pairs, to their last digit; docs/guide/form_factors.md has the larger table."""
+    assert form_factors.parallel_squares(0) == pytest.approx(0.199825, abs=5e-7)
+    assert form_factors.perpendicular_squares() == pytest.approx(0.200044, abs=5e-7)
+    assert form_factors.parallel_squares(0.1) == pytest.approx(0.1789, abs=1e-4)
+    assert form_factors.parallel_squares(1) == pytest.approx(0.0662, abs=5e-5)
+    assert form_factors.parallel_squares(3) == pytest.approx(0.0074, abs=5e-5)
+    assert form_factors.parallel_squares(1e-12) == pytest.approx(form_factors.parallel_squares(0), abs=1e-8)  # quadrature and closed form
+    assert form_factors.mean_inverse_square(2) == pytest.approx(0.260, abs=5e-4)
+    assert form_factors.mean_inverse_square(50) * 2500 == pytest.approx(1, abs=1e-3)
+
+
+def test_errors_fall_faster_than_those_of_random_points_and_are_small():
+    rays = [1 << i for i in range(3, 15)]
+    for form in form_factors.FORMS:
+        errors = [form_factors.error_of(form, each) for each in rays]
+        assert errors[-1] < 0.001, form
+        # Of a near pair in a clear volume all but the last digits is known without rays.
+        assert form == "common edge" or form_factors.slope_of(rays, errors) < -0.5, form
+
+
+def test_slopes_are_of_straight_lines():
+    table = form_factors.error_tables()[1]
+    text = text_of(table, [(f"error/parallel_kappa_1/{rays}", 3 * rays ** -0.75) for rays in (8, 16, 32)])
+    assert text == "form,exact,slope,error at most rays\nparallel kappa 1,0.06616368,-0.75,0.223\n"
+
+
+def test_the_trade_of_rays_says_error_cost_and_bound(kept):
+    table = form_factors.trade_table()
+    few, many = rows_of(table, kept, "trade/pci33/board/1", "trade/pci33/board/16")
+    assert float(many["error"]) < 0.5 * float(few["error"]) < 0.1
+    assert few["pairs"] == "32768" and many["pairs"] == "2048"
+    assert many["bound"] == "DSP" and float(many["dsp"]) > 0.5
+
+
+def test_a_hierarchy_has_fewer_links_and_what_it_misplaces_is_measured(kept):
+    table = form_factors.hierarchy_table(scene="samples/scenes/radiosity/glowing_room.scene --volume-size 8", thresholds=(1e-2, 1e-4))
+    coarse, fine, full = rows_of(table, kept)
+    assert [row["hierarchy"] for row in (coarse, fine, full)] == ["1", "1", "0"] and full["error"] == "1e-05"
+    assert int(coarse["links"]) < int(fine["links"]) < int(full["links"]) <= int(full["all_pairs"])
+    assert float(coarse["difference"]) > float(fine["difference"]) > float(full["difference"]) > 0
+    assert 0 < float(full["standard_error"]) < float(coarse["standard_error"])
+
+
+# ---- cone beam
+
+
+def test_a_points_row_is_the_same_again(kept):
+    table = cone_beam.moire()
+    one, other = (text_of(table, [("moire/view/0.5", table.points["moire/view/0.5"](kept))]) for _ in range(2))
+    assert one == other and one.splitlines()[1].startswith("moire/view/0.5,one view along an axis,0.5,")
+
+
+def test_a_scan_keeps_its_angles_in_degrees():
+    scan = cone_beam.chart_scan(64, 96, 90)
+    degrees = [float(word) for word in scan.text().split("angle: ")[1:]]
+    assert np.abs(np.radians(degrees) - scan.angles()).max() < 1e-15
+
+
+def test_a_reconstruction_is_compared_with_its_phantom_and_costs_what_its_views_cost(kept):
+    head = cone_beam.Case("builtin:shepp-logan-high-contrast --radius 42 --value 0.05", cone_beam.chart_scan(16, 24, 12), cone_beam.PLAIN)
+    plain = head.measure(kept)
+    assert 0.1 < plain["relative_l2"] < 1 and plain["residuals"] == [] and plain["rays"] > 0
+    assert plain["board_ms"] >= plain["rays_ms"] > 0 < plain["bus_ms"]
+    sart = cone_beam.replace(head, method=cone_beam.SART).measure(kept)
+    assert len(sart["residuals"]) == 4 and sart["residuals"][-1] < sart["residuals"][0]
+    assert sart["board_ms"] > plain["board_ms"]
+    # Another number of views costs as much a view: its part is not measured anew.
+    parts = sorted((kept._folder).glob("part*"))
+    cone_beam.replace(head, scan=cone_beam.chart_scan(16, 24, 20)).measure(kept)
+    assert sorted((kept._folder).glob("part*")) == parts
+
+
+def test_a_program_that_fails_is_named_with_what_it_said(kept):
+    with pytest.raises(Exception, match="exit code 2: .*os-sart"):
+        cone_beam.Case(cone_beam.HEAD, cone_beam.chart_scan(16, 24, 12), {"method": "none"}).reconstruct()
