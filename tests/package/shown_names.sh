@@ -15,7 +15,7 @@ if inner=$(c++filt <<<"$shown" | grep -E 'Board::State::|gicube::wire|Link|Devic
   exit 1
 fi
 grep -q '^_ZN6gicube5Board4openE' <<<"$shown"
-[[ $(objdump -p "$library" | awk '/SONAME/ {print $2}') == libgicube.so.0 ]]
+[[ $(objdump -p "$library" | awk '/SONAME/ {print $2}') == libgicube.so.0.2 ]]
 if objdump -p "$library" | grep NEEDED | grep -E 'protobuf|grpc'; then exit 1; fi
 
 shown=$(nm -D --defined-only --with-symbol-versions "$scene" | awk '{print $3}' | grep -v '^GICUBE_SCENE_0$')
@@ -28,5 +28,5 @@ if inner=$(c++filt <<<"$shown" | grep -E 'Faults|MeshDistance|DataStream|read_nr
   exit 1
 fi
 grep -q '^_ZN6gicube5scene11read_volumeE' <<<"$shown"
-[[ $(objdump -p "$scene" | awk '/SONAME/ {print $2}') == libgicube-scene.so.0 ]]
-objdump -p "$scene" | grep 'NEEDED *libgicube.so.0' >/dev/null
+[[ $(objdump -p "$scene" | awk '/SONAME/ {print $2}') == libgicube-scene.so.0.2 ]]
+objdump -p "$scene" | grep 'NEEDED *libgicube.so.0.2' >/dev/null
