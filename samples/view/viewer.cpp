@@ -143,16 +143,17 @@ void Viewer::work() {
 }
 
 void Viewer::carry_out(const Job& job) try {
-  if (!job.request) return send_(job.page, hello());
+  if (!job.request) {
+    send_(job.page, hello());
+    if (lost_) return tell(job.page, {{"type", "board"}, {"state", "lost"}, {"text", fault_}});
+    if (volume_.is_null() && !fault_.empty()) tell(job.page, {{"type", "error"}, {"text", fault_}});
+    return;
+  }
   const Kind kind = job.request->kind;
   if (kind == Kind::kOpen) return open_files(job.request->names);
   if (input_.empty()) throw UsageError(kNothingOpen);
-  if (kind == Kind::kBoard) {
-    lost_ = false;
-    open_input(input_);
-    return tell(kAllPages, {{"type", "board"}, {"state", "ready"}, {"text", "a board is there"}});
-  }
-  if (lost_) return tell(job.page, {{"type", "board"}, {"state", "lost"}, {"text", "the board was lost"}});
+  if (kind == Kind::kBoard) return open_input(input_);
+  if (lost_) return tell(job.page, {{"type", "board"}, {"state", "lost"}, {"text", fault_}});
   if (kind == Kind::kPicture) return picture(job);
   if (kind == Kind::kCompare) return compare(job);
   if (kind == Kind::kSlice) return slice(job);
@@ -183,11 +184,13 @@ void Viewer::failed(const Job& job, const std::string& text, const std::string& 
   if (job.request && job.request->id > 0) message["id"] = job.request->id;
   if (!field.empty()) message["field"] = field;
   message["text"] = text;
+  if (job.page == kAllPages) fault_ = text;  // at the start, when no page has come
   tell(job.page, message);
 }
 
 void Viewer::lose(const std::string& text) {
   lost_ = true;
+  fault_ = text;
   close_boards();
   tell(kAllPages, {{"type", "board"}, {"state", "lost"}, {"text", text}});
 }
@@ -262,6 +265,9 @@ void Viewer::open_input(const std::string& name) {
                               (is_scene_path(options.input) || !renderer.input().volume.builtin.empty())}};
   box_ = {{"low", numbers(setup.grid.point_of(setup.box.low))}, {"high", numbers(setup.grid.point_of(setup.box.high))}};
   send_(kAllPages, hello());
+  if (std::exchange(lost_, false)) {
+    tell(kAllPages, {{"type", "board"}, {"state", "ready"}, {"text", "a board is there"}});
+  }
 }
 
 Packet Viewer::hello() {

@@ -116,6 +116,7 @@ class Viewer {
   nlohmann::ordered_json volume_, box_;
   std::string input_;  // open; empty: none
   bool lost_ = false;
+  std::string fault_;  // why it is lost, or nothing is open
   Desk main_, quick_;
 
   std::mutex mutex_;  // of what follows

@@ -30,7 +30,9 @@ steer(by("picture"), camera);
 /** One line over the page, with ways on. The same key has one line at a time; no text removes it.
  * @param {string} key @param {string} text @param {...[string, () => void]} ways */
 function notice(key, text, ...ways) {
-  document.querySelector(`[data-notice="${key}"]`)?.remove();
+  const before = document.querySelector(`[data-notice="${key}"]`);
+  if (text && before?.firstChild?.textContent === text) return; // someone may be about to press its buttons
+  before?.remove();
   if (!text) return;
   const line = element("p", { "data-notice": key }, element("span", {}, text));
   for (const [label, go] of [...ways, /** @type {[string, () => void]} */ (["Dismiss", () => {}])]) {

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import pathlib
+import subprocess
 import time
 from typing import Callable
 
 import pytest
-from view_program import Page, Program
+from view_program import BIN, Page, Program
 
 MOVING = {"do": "picture", "id": 1, "moving": True, "settings": {}}
 
@@ -96,6 +97,33 @@ def test_counters_come_in_mid_frame_while_a_page_looks_and_not_without(ball: pat
                 break
 
 
+def test_an_input_that_cannot_be_read_is_told_to_the_page_that_comes(tmp_path: pathlib.Path) -> None:
+    with Program(tmp_path / "none.nrrd") as program, Page(program) as page:
+        hello, _ = page.receive()
+        assert hello["type"] == "hello" and hello["volume"] is None
+        for header, _ in page.all():
+            if header["type"] == "error":
+                assert "none.nrrd" in header["text"]
+                break
+
+
+def test_a_board_that_is_not_there_is_told_and_found_once_it_is(ball: pathlib.Path, tmp_path: pathlib.Path) -> None:
+    endpoint = f"unix:{tmp_path}/board"
+    with Program(ball, "--board", endpoint, "--fix", "size=64x64") as program, Page(program) as page:
+        page.wait_for("board", state="lost")
+        with subprocess.Popen([str(BIN / "gicube-board"), "--listen", endpoint, "--quiet"]) as board:
+            while not (tmp_path / "board").exists():
+                time.sleep(0.02)
+            page.send({"do": "board"})
+            page.wait_for("board", state="ready")
+            page.send({"do": "machine", "on": True})
+            page.send({**MOVING, "moving": False})
+            page.wait_for("picture", final=True)
+            # This user's board on this machine, by its endpoint.
+            page.wait_for("machine", running=False)
+            board.terminate()
+
+
 @pytest.mark.parametrize("message", [b"", b"{", b'{"do":"none"}', b'{"do":"slice","id":1,"axis":"w","at":0}', b'{"do":"open","names":["../x"]}'])
 def test_a_message_that_is_none_ends_the_connection_and_no_other(ball: pathlib.Path, message: bytes) -> None:
     with Program(ball, "--fix", "size=64x64") as program, Page(program) as page, Page(program) as other:
@@ -115,7 +143,7 @@ def test_answers_are_one_line_of_text_and_closed_to_other_pages(ball: pathlib.Pa
         own = {"Origin": f"http://127.0.0.1:{program.port}"}
         assert program.get(f"/?{token}")[0] == 200
         assert program.get("/main.js")[0] == 200
-        for path, method, headers, expected in [
+        cases: list[tuple[str, str, dict[str, str], int]] = [
             ("/", "GET", {}, 403),
             ("/index.html", "GET", {}, 404),
             ("/none.js", "GET", {}, 404),
@@ -127,7 +155,8 @@ def test_answers_are_one_line_of_text_and_closed_to_other_pages(ball: pathlib.Pa
             (f"/socket?{token}", "GET", own, 400),
             ("/%zz", "GET", {}, 400),
             (f"/?{token}", "GET", {"Host": "example.org"}, 403),
-        ]:
+        ]
+        for path, method, headers, expected in cases:
             status, text = program.get(path, method, b"x" if method == "POST" else None, **headers)
             assert status == expected and text.endswith(b"\n") and text.count(b"\n") == 1, path
         assert program.get(f"/file?{token}&name=a.nrrd", "POST", b"x", **own)[0] == 204
