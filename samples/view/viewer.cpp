@@ -24,6 +24,7 @@ using Kind = Request::Kind;
 // Leaves a call that waits for a board: something newer was asked for.
 struct Stopped {};
 
+constexpr const char* kGaveWay = "the comparison gave way to another picture";
 constexpr const char* kNothingOpen = "nothing is open: name an input on the command line, or drop a file on the page";
 
 // What is stopped when something newer comes.
@@ -100,11 +101,16 @@ void Viewer::leave(Page page) {
 void Viewer::ask(Page page, Request request) {
   if (request.kind == Kind::kMachine) return live_.listen(page, request.on);
   bool full = false;
+  std::optional<Job> dropped;  // a comparison that waits
   {
     const std::lock_guard lock(mutex_);
     std::erase_if(jobs_, [&](const Job& job) {
-      return job.page == page && job.request && job.request->kind == request.kind &&
-             (request.kind == Kind::kPicture || (request.kind == Kind::kSlice && job.request->axis == request.axis));
+      if (job.page != page || !job.request) return false;
+      if (job.request->kind == Kind::kCompare && is_picture(request)) dropped = job;
+      return (job.request->kind == request.kind &&
+              (request.kind == Kind::kPicture ||
+               (request.kind == Kind::kSlice && job.request->axis == request.axis))) ||
+             (job.request->kind == Kind::kCompare && is_picture(request));
     });
     // A page's own comparison takes long, and gives way to the page; a moving one does not wait for another page's whole picture.
     if (is_picture(request) && now_ && is_picture(now_->request) &&
@@ -115,6 +121,7 @@ void Viewer::ask(Page page, Request request) {
     if (!full) jobs_.push_back({page, std::move(request)});
   }
   wake_.notify_all();
+  if (dropped) failed(*dropped, kGaveWay, "");
   if (full) tell(page, {{"type", "error"}, {"text", "too much is asked for at once; ask again"}});
 }
 
@@ -161,10 +168,8 @@ void Viewer::carry_out(const Job& job) try {
 } catch (const Stopped&) {
   if (main_.renderer && !main_.renderer->loaded()) main_ = {};
   if (quick_.renderer && !quick_.renderer->loaded()) quick_ = {};
-  const std::lock_guard lock(mutex_);
-  const auto is_newer = [&job](const Job& other) { return other.page == job.page && is_picture(other.request); };
-  // Another page's picture came between.
-  if (!ends_ && job.page != kAllPages && std::ranges::none_of(jobs_, is_newer)) jobs_.push_back(job);
+  const bool has_newer = make_way(job);
+  if (has_newer && job.request->kind == Kind::kCompare) failed(job, kGaveWay, "");
 } catch (const DeviceLost& error) {
   lose(error.what());
 } catch (const TimedOut& error) {
@@ -177,6 +182,14 @@ void Viewer::carry_out(const Job& job) try {
   failed(job, error.what(), error.field());
 } catch (const std::exception& error) {
   failed(job, error.what(), field_of(error.what()));
+}
+
+bool Viewer::make_way(const Job& job) {
+  const std::lock_guard lock(mutex_);
+  const bool has_newer = std::ranges::any_of(
+      jobs_, [&job](const Job& other) { return other.page == job.page && is_picture(other.request); });
+  if (!has_newer && !ends_ && job.page != kAllPages) jobs_.push_back(job);
+  return has_newer;
 }
 
 void Viewer::failed(const Job& job, const std::string& text, const std::string& field) {

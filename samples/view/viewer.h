@@ -80,6 +80,8 @@ class Viewer {
 
   void work();
   void carry_out(const Job& job);
+  // After a stop: whether the page has asked for something newer. If not, another page's picture came between, and it is done again.
+  bool make_way(const Job& job);
   void failed(const Job& job, const std::string& text, const std::string& field);
   void lose(const std::string& text);
 

@@ -22,8 +22,10 @@ const kFields = {
   "dsp.clock_khz": ["200000", "400000"],
 };
 
+export const kFirstId = 2 ** 40; // those of pictures are smaller
+
 export class Compare {
-  #id = 0;
+  #id = kFirstId;
   #field = element("input", { type: "text", list: "fields", value: "asic.processors", id: "compare-field", autocomplete: "off" });
   #values = ["4", "8"].map((value, i) => element("input", { type: "text", class: "number", value, id: `compare-${i}`, "aria-label": `value ${i + 1}` }));
   #level = element("select", { id: "compare-level" }, new Option("cycle"), new Option("approximate"));
@@ -52,8 +54,7 @@ export class Compare {
   }
 
   #ask() {
-    // Apart from the ids of pictures, which are small.
-    this.#id = Math.max(this.#id, 2 ** 40) + 1;
+    this.#id += 1;
     const [settings, other] = this.#values.map(({ value }) => ({
       ...this.view.own,
       fidelity: this.#level.value,

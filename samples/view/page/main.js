@@ -3,7 +3,7 @@
 /** @typedef {import("./protocol.js").Failure} Failure */
 /** @typedef {import("./protocol.js").PictureHeader} PictureHeader */
 import { Camera } from "./camera.js";
-import { Compare } from "./compare.js";
+import { Compare, kFirstId } from "./compare.js";
 import { by, element } from "./dom.js";
 import { Editor } from "./editor.js";
 import { Fields } from "./fields.js";
@@ -97,7 +97,7 @@ connection.on("board", ({ state, text }) => {
 });
 connection.on("error", (/** @type {Failure} */ { id, field, text }) => {
   by("progress").hidden = true;
-  if (fields.blame(field, text)) return;
+  if ((id ?? 0) > kFirstId || fields.blame(field, text)) return;
   const own = Object.keys(view.own).some((name) => name !== "input");
   if (id && own) notice("error", text, ["Leave out my settings", () => view.keep(["input"])]);
   else notice(id ? "error" : "file", text);

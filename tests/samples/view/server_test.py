@@ -97,6 +97,24 @@ def test_counters_come_in_mid_frame_while_a_page_looks_and_not_without(ball: pat
                 break
 
 
+def test_a_comparison_tells_what_differs_and_gives_way_to_its_page(ball: pathlib.Path) -> None:
+    small, large = {"size": "32x32", "fidelity": "cycle"}, {"size": "512x512", "fidelity": "cycle"}
+    with Program(ball, "--fix", "size=64x64") as program, Page(program) as page:
+        page.wait_for("hello")
+        page.send({"do": "compare", "id": 7, "settings": small, "other": {**small, "asic.processors": "1"}})
+        told, _ = page.wait_for("compared", id=7)
+        assert told["same"] and [frame["settings"].get("asic.processors") for frame in told["frames"]] == [None, "1"]
+        assert "processor3.samples" in told["frames"][0]["counters"] and "processor1.samples" not in told["frames"][1]["counters"]
+        page.send({"do": "compare", "id": 8, "settings": large, "other": large})
+        page.send(MOVING)
+        kinds = []
+        while len(kinds) < 2:
+            header, _ = page.receive()
+            if header["type"] in ("error", "picture", "compared"):
+                kinds.append((header["type"], header["id"]))
+        assert kinds == [("error", 8), ("picture", 1)]
+
+
 def test_an_input_that_cannot_be_read_is_told_to_the_page_that_comes(tmp_path: pathlib.Path) -> None:
     with Program(tmp_path / "none.nrrd") as program, Page(program) as page:
         hello, _ = page.receive()
