@@ -7,7 +7,7 @@ import threading
 from collections import defaultdict
 from typing import Callable, NamedTuple
 
-from studies.runs import ProgressLine, all_at_once, run_to_end
+from studies.runs import ProgressMeter, all_at_once, run_to_end
 from studies.table import csv_text, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -30,8 +30,14 @@ class Kept:
         self._folder.mkdir(parents=True, exist_ok=True)
         self._locks = defaultdict(threading.Lock)
 
+    def _file(self, name):
+        return self._folder / f"{name.replace('/', ' ')}.json"
+
+    def has(self, name):
+        return self._file(name).exists()
+
     def of(self, name, make):
-        file = self._folder / f"{name.replace('/', ' ')}.json"
+        file = self._file(name)
         with self._locks[name]:
             if not file.exists():
                 write_whole(file, json.dumps(make()))
@@ -49,11 +55,13 @@ def statistics(file):
 
 def measure(tables, kept, folder, jobs=0):
     """Writes the tables into a folder, `jobs` points at once (0: one a core). Raises what the points raise."""
-    line = ProgressLine()
     points = {name: make for table in tables for name, make in table.points.items()}
-    all_at_once([lambda name=name, make=make: kept.of(name, lambda: make(kept)) for name, make in points.items()], jobs,
-                lambda done: line.show(f"{done} of {len(points)} points"))
-    line.clear()
+    left = {name: make for name, make in points.items() if not kept.has(name)}
+    if len(left) < len(points):
+        print(f"charts: {len(points) - len(left)} of {len(points)} points are there", flush=True)
+    meter = ProgressMeter("charts", len(left))
+    all_at_once([lambda name=name, make=make: kept.of(name, lambda: make(kept)) for name, make in left.items()], jobs,
+                lambda done: done and meter.advance())
     for table in tables:
         found = [(name, kept.of(name, None)) for name in table.points]
         write_whole(folder / f"{table.name}.csv", text_of(table, found))

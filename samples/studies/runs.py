@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 import threading
+import time
 
 from studies.table import FileError
 
@@ -155,6 +156,23 @@ def figure(statistics, name):
     if math.isnan(value):
         raise InputError(name, "a number in the run's statistics", "none of that name")
     return value
+
+
+class ProgressMeter:
+    """Says how far a long measurement is: on a terminal in place, else a line each tenth."""
+
+    def __init__(self, name, total, quiet=False):
+        self._name, self._total, self._quiet, self._done, self._start = name, total, quiet, 0, time.monotonic()
+
+    def advance(self):
+        self._done += 1
+        terminal = sys.stderr.isatty()
+        if self._quiet or (not terminal and 10 * self._done // self._total == 10 * (self._done - 1) // self._total):
+            return
+        seconds = time.monotonic() - self._start
+        left = seconds * (self._total - self._done) / self._done
+        print(f"{chr(13) + chr(27) + '[K' if terminal else ''}{self._name}: {self._done} of {self._total} runs, {seconds:.0f} s, "
+              f"about {left:.0f} s to go", end="" if terminal and self._done < self._total else "\n", file=sys.stderr, flush=True)
 
 
 class ProgressLine:

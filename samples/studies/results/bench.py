@@ -2,13 +2,12 @@
 
 The page is written in passes. Bench.get() of a run that is not yet measured notes it down and returns an empty measurement;
 measure() carries out what was noted; the next pass reads it, and may ask for more that depends on it."""
-import sys
-import time
 from dataclasses import dataclass, replace
 
 from figures import (Measurement, asic_ms, cause_shares, dsp_use, frame_ms, hit_ratio, mean_of, memory_gb_s, memory_use,
                      overflows_a_ray, rate_hz, samples_per_second, spread_of, throughput)
 from page import number, percent
+from studies.runs import ProgressMeter
 
 # Scenes and what they are there for.
 SCENES = {
@@ -157,28 +156,11 @@ class Bench:
         boards = {}  # what a board's caches hold passes from one run to the next, so the order is part of the result
         for run in self._wanted:
             boards.setdefault(run.board(), []).append(run)
-        meter = ProgressMeter(len(self._wanted), quiet)
+        meter = ProgressMeter("results", len(self._wanted), quiet)
         for run, result in store.measure(boards.values(), jobs, pictures):
             self._known[run] = Measurement(**result)
             meter.advance()
         self._wanted = {}
-
-
-class ProgressMeter:
-    """Says how far a long measurement is: on a terminal in place, else a line each tenth."""
-
-    def __init__(self, total, quiet):
-        self._total, self._quiet, self._done, self._start = total, quiet, 0, time.monotonic()
-
-    def advance(self):
-        self._done += 1
-        terminal = sys.stderr.isatty()
-        if self._quiet or (not terminal and 10 * self._done // self._total == 10 * (self._done - 1) // self._total):
-            return
-        seconds = time.monotonic() - self._start
-        left = seconds * (self._total - self._done) / self._done
-        print(f"{chr(13) + chr(27) + '[K' if terminal else ''}results: {self._done} of {self._total} runs, {seconds:.0f} s, "
-              f"about {left:.0f} s to go", end="" if terminal and self._done < self._total else "\n", file=sys.stderr, flush=True)
 
 
 # How a figure is printed in tables, by its column's head.
