@@ -61,6 +61,31 @@ def test_a_table_that_was_interrupted_goes_on_where_it_was(kept, tmp_path):
                                                 "t/bb,4,script/charts --point t/bb\nt/ccc,5,script/charts --point t/ccc\n")
 
 
+def test_what_another_board_measured_counts_no_more_and_nothing_is_kept_of_whole_tables(monkeypatch, tmp_path):
+    board = tmp_path / "gicube-board"
+    for name in ("BIN", "RUNS", "CHARTS"):
+        monkeypatch.setattr(charts, name, tmp_path)
+    log = []
+
+    def run(fails=()):
+        monkeypatch.setattr(charts, "tables_of", lambda _: [counted(log, fails)])
+        if fails:
+            with pytest.raises(RuntimeError):
+                charts.by_points("lighting", 1)
+        else:
+            charts.by_points("lighting", 1)
+        done = list(log)
+        log.clear()
+        return done
+    board.write_text("one")
+    assert run(fails=["t/bb"]) == ["t/a", "t/bb"]
+    assert run(fails=["t/ccc"]) == ["t/bb", "t/ccc"]
+    board.write_text("another")
+    assert run(fails=["t/ccc"]) == ["t/a", "t/bb", "t/ccc"]
+    assert run() == ["t/ccc"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["gicube-board", "t.csv"]
+
+
 def test_points_are_measured_at_once_and_what_several_need_once(kept, tmp_path):
     together = threading.Barrier(2, timeout=60)
     made = []
