@@ -7,7 +7,6 @@ import functools
 import hashlib
 import importlib
 import os
-import pathlib
 import shutil
 import signal
 import subprocess

@@ -1,7 +1,6 @@
 """Tables of points that are measured one by one, several at a time. What was measured is kept in files, so that a table that was
 interrupted goes on where it was; and any row can be made again by its point's name."""
 import json
-import os
 import pathlib
 import threading
 from collections import defaultdict

@@ -1,10 +1,7 @@
 """Tables that are made of points: how they are measured and kept, and that each point says what it should."""
 import csv
-import json
 import os
 import pathlib
-import shutil
-import subprocess
 import threading
 
 import numpy as np
