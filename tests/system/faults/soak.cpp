@@ -78,7 +78,8 @@ class Soak {
     start_process();
     OpenOptions options;
     options.watchdog = std::chrono::milliseconds(plan_.watchdog_ms);
-    options.reopen_attempts = 5;
+    // chosen: enough on a busy machine too. A call that is given up and made again is another message, and faults go by their number.
+    options.reopen_attempts = 12;
     options.keep_volume = true;
     board_.emplace(Board::open(uri(), options));
     insist([&] { prepare(*board_); });

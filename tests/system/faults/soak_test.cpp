@@ -57,7 +57,7 @@ TEST(Soak, NoRayIsLostDoubledOrWrongAndTheSameSeedGivesTheSameLog) {
   const SoakReport second = soak(plan());
   show(second);
   expect_sound(second, plan());
-  EXPECT_TRUE(first.log == second.log);
+  EXPECT_TRUE(first.log == second.log) << "given up: " << first.given_up << " and " << second.given_up;
   if (const char* folder = std::getenv("GICUBE_SOAK_LOGS")) {
     std::ofstream(std::string(folder) + "/first.log") << first.log;
     std::ofstream(std::string(folder) + "/second.log") << second.log;
