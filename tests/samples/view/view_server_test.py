@@ -46,11 +46,21 @@ def test_a_hundred_pages_that_leave_in_mid_frame_leave_nothing_behind(ball: path
                     if i % 2 == 0:
                         page.wait_for("picture")
 
+        # Whole pictures at both levels, so that the program has the boards of both, or of the last one, whatever was stopped before.
+        def rest() -> None:
+            with Page(program) as page:
+                page.wait_for("hello")
+                for number, settings in ((3, {"fidelity": "cycle", "size": "64x64"}), (4, {})):
+                    page.send({**MOVING, "id": number, "moving": False, "settings": settings})
+                    page.wait_for("picture", id=number, final=True)
+
         come_and_go(20)
+        rest()
         before = settled(lambda: descriptors(process)), settled(lambda: status(process, "Threads"))
         board = program.boards()[0]
         memory = status(process, "VmRSS"), status(board, "VmRSS")
         come_and_go(100)
+        rest()
         assert (settled(lambda: descriptors(process)), settled(lambda: status(process, "Threads"))) == before
         # KiB; what a hundred pages with a picture of 256 KiB each would hold, were they kept, is 25,000.
         assert status(process, "VmRSS") - memory[0] < 12_000
@@ -73,7 +83,7 @@ def test_a_moving_camera_never_waits_for_an_old_picture(ball: pathlib.Path) -> N
 
 
 def test_counters_come_in_mid_frame_while_a_page_looks_and_not_without(ball: pathlib.Path) -> None:
-    with Program(ball, "--fidelity", "cycle", "--fix", "size=128x128") as program, Page(program) as page, Page(program) as other:
+    with Program(ball, "--fidelity", "cycle", "--fix", "size=384x384") as program, Page(program) as page, Page(program) as other:
         page.wait_for("hello")
         other.wait_for("hello")
         page.send({"do": "machine", "on": True})
