@@ -38,6 +38,7 @@ int listening_socket(const std::string& path) {
 void expect_shutdown(const std::optional<reference::RawFrame>& last) {
   ASSERT_TRUE(last.has_value());
   EXPECT_EQ(last->header.error, ErrorCode::kCancelled);
+  EXPECT_EQ(last->header.id, 0u) << "it answers no frame";
   EXPECT_THAT(last->text(), HasSubstr("shuts down"));
 }
 

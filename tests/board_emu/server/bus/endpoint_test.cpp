@@ -1,5 +1,6 @@
 #include "server/bus/endpoint.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -76,7 +77,8 @@ TEST(Endpoint, EachBoardHasItsOwn) {
   EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:80"), 3)), "tcp:127.0.0.1:83");
   EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:0"), 3)), "tcp:127.0.0.1:0");
   EXPECT_EQ(to_string(for_board(parse_endpoint("tcp:127.0.0.1:65534"), 1)), "tcp:127.0.0.1:65535");
-  EXPECT_THROW(for_board(parse_endpoint("tcp:127.0.0.1:65535"), 1), std::invalid_argument);
+  EXPECT_THAT([] { for_board(parse_endpoint("tcp:127.0.0.1:65534"), 3); },
+              testing::ThrowsMessage<std::invalid_argument>("expected ports up to 65535, got 65537 for board 3"));
   EXPECT_THROW(for_board(parse_endpoint("fd:3"), 1), std::invalid_argument);
 }
 

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iomanip>
 #include <sstream>
+#include <thread>
 #include <vector>
 
 #include "served_boards.h"
@@ -69,6 +70,16 @@ TEST(Guests, FortySilentConnectionsKeepOutNeitherTheOwnerWhoComesBackNorANewClie
   RawClient next = boards.connect();
   version_of(next.handshake(waiting(60'000)));
   EXPECT_EQ(next.read_register(wire::reg::kId), wire::kIdValue);
+}
+
+TEST(Guests, AreCountedAsLongAsTheyAreThere) {
+  const ServedBoards boards;
+  const auto connections = [&boards] { return boards.server.quotas().front().used; };
+  {
+    const RawClient first = boards.connect(), second = boards.connect();
+    while (connections() < 2) std::this_thread::yield();
+  }
+  while (connections() > 0) std::this_thread::yield();
 }
 
 TEST(Guests, TheHostWithMostSilentConnectionsMakesWay) {

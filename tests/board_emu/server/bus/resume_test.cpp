@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <thread>
+
 #include "gicube/wire/registers.h"
 #include "served_boards.h"
 
@@ -153,6 +155,21 @@ TEST(Resume, ANewConnectionReplacesOneThatSeemsAlive) {
   Opened second = open(boards, mine);
   EXPECT_FALSE(first.client.receive().has_value());
   EXPECT_EQ(second.client.read_register(reg::kId), wire::kIdValue);
+}
+
+TEST(Resume, AClientThatIsBackHasItsBoardForItselfAgain) {
+  const ServedBoards boards;
+  const auto in_use = [&boards] { return boards.slots[0]->info().in_use; };
+  wire::VersionInfo mine;
+  {
+    const Opened first = open(boards);
+    mine.session = first.board.session;
+    EXPECT_TRUE(in_use());
+  }
+  while (in_use()) std::this_thread::yield();  // until the server has seen that it went
+  const Opened again = open(boards, mine);
+  EXPECT_TRUE(in_use());
+  EXPECT_EQ(boards.connect().handshake()->header.error, ErrorCode::kBusy);
 }
 
 TEST(Resume, ASessionWhoseClientIsAwayMakesWayForTheNext) {

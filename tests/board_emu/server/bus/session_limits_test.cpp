@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include "session_frames.h"
 
@@ -143,6 +145,28 @@ TEST(Session, AnswersThatTheClientNeverTakesEndItHoweverLargeItsWindowIs) {
     client.send(FrameType::kMemoryRead, id, 0, memory_request(wire::kSegmentationLut.base, kTable));
   }
   expect_ended(client, ErrorCode::kTooLarge, 7, "at most 1048576 bytes of results");
+}
+
+// More than the socket holds, so that one write waits while the next answers come.
+TEST(Session, AnswersThatAClientTakesLateComeWholeAndInOrder) {
+  const ServedBoards boards;
+  wire::VersionInfo greedy;
+  greedy.window_slots = ~0u;
+  greedy.window_bytes = ~std::uint64_t{0};
+  RawClient client = boards.open(greedy);
+  constexpr std::uint32_t kAnswers = 40;
+  const auto table = [](std::uint32_t i) { return wire::kSegmentationLut.bytes - 16 * i; };
+  for (std::uint32_t i = 1; i <= kAnswers; ++i) {
+    client.send(FrameType::kMemoryRead, i, 0, memory_request(wire::kSegmentationLut.base, table(i)));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  for (std::uint32_t i = 1; i <= kAnswers; ++i) {
+    const auto answer = client.receive();
+    ASSERT_TRUE(answer.has_value());
+    EXPECT_EQ(answer->header.id, i);
+    EXPECT_EQ(answer->header.error, ErrorCode::kNone);
+    EXPECT_EQ(answer->payload, std::vector<std::uint8_t>(table(i)));
+  }
 }
 
 TEST(Session, SmallAnswersThatTheClientNeverTakesCountWithTheirFrames) {
