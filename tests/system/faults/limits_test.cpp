@@ -92,6 +92,7 @@ TEST(MemoryLimit, OfTheSystemEndsASessionAndNobodySeesWhatItHadWritten) {
       const auto last = fill(client);
       ASSERT_TRUE(last.has_value());
       EXPECT_EQ(last->header.error, ErrorCode::kInternal);
+      EXPECT_EQ(last->header.id, 0u) << "it is the session's end, not a frame's answer";
       EXPECT_THAT(last->text(), HasSubstr("no memory left"));
     }
     RawClient client = open(path);

@@ -158,8 +158,8 @@ TEST(Session, AnswersThatAClientTakesLateComeWholeAndInOrder) {
   const auto table = [](std::uint32_t i) { return wire::kSegmentationLut.bytes - 16 * i; };
   for (std::uint32_t i = 1; i <= kAnswers; ++i) {
     client.send(FrameType::kMemoryRead, i, 0, memory_request(wire::kSegmentationLut.base, table(i)));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  while (boards.server.quotas().at(1).used < kAnswers * std::uint64_t{table(kAnswers)}) std::this_thread::yield();
   for (std::uint32_t i = 1; i <= kAnswers; ++i) {
     const auto answer = client.receive();
     ASSERT_TRUE(answer.has_value());
