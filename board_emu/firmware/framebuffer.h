@@ -33,6 +33,8 @@ class Framebuffer {
   wire::Pixel pixel(int x, int y) const { return resolve(sums_[index(x, y)]); }
   // All pixels in rows from the top, packed 36 bits each: the host's view of the framebuffer. Made on `threads` threads.
   std::vector<std::uint8_t> packed(unsigned threads = 1) const;
+  // How many of them a thread packs at a time: even, since two pixels share a byte.
+  static std::size_t pixels_at_once(std::size_t pixels, unsigned threads) { return pixels / threads / 2 * 2 + 2; }
 
  private:
   struct Sum {

@@ -188,6 +188,17 @@ TEST(Framebuffer, PacksTheSameBytesOnAnyNumberOfThreads) {
   for (const unsigned threads : {2u, 3u, 16u, 40u}) EXPECT_EQ(framebuffer.packed(threads), bytes) << threads;
 }
 
+// A byte of two threads would lose what one of them writes, too rarely for a test to meet it.
+TEST(Framebuffer, PacksNoByteOnTwoThreads) {
+  for (unsigned threads = 1; threads <= 8; ++threads) {
+    for (std::size_t pixels = 1; pixels <= 100; ++pixels) {
+      const std::size_t run = Framebuffer::pixels_at_once(pixels, threads);
+      EXPECT_EQ(run % 2, 0u) << pixels << ' ' << threads;
+      EXPECT_GE(run * threads, pixels);
+    }
+  }
+}
+
 TEST(Framebuffer, SumsTheSameForAThreadThatIsAlone) {
   for (const wire::Filter filter : {wire::Filter::kBox, wire::Filter::kTent}) {
     Framebuffer shared, alone;
