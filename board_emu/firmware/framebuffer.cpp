@@ -78,9 +78,11 @@ wire::Pixel Framebuffer::resolve(const Sum& sum) {
 
 std::vector<std::uint8_t> Framebuffer::packed(unsigned threads) const {
   std::vector<std::uint8_t> bytes(wire::packed36_bytes(sums_.size()));
-  parallel_for_runs(sums_.size(), pixels_at_once(sums_.size(), threads), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) wire::store36(bytes, i, wire::to_word(resolve(sums_[i])));
-  });
+  parallel_for_runs(sums_.size(), pixels_at_once(sums_.size(), threads), threads,
+                    [&](std::size_t begin, std::size_t end) {
+                      for (std::size_t i = begin; i < end; ++i)
+                        wire::store36(bytes, i, wire::to_word(resolve(sums_[i])));
+                    });
   return bytes;
 }
 
