@@ -73,8 +73,8 @@ class Board {
   // Memory for what the host has not fetched: results, and the bookkeeping of what is under way. Called like transact().
   std::uint64_t held_bytes() const;
 
-  // The counters after the latest transaction; while the cycle level carries out a command, those of soon after the call before.
-  // Any thread.
+  // The counters after the latest transaction. While the cycle level carries out a command: as they stood soon after the last call
+  // of this function. Any thread.
   std::vector<wire::Counter> counters() const {
     is_asked_.store(true, std::memory_order_relaxed);
     const std::lock_guard lock(published_mutex_);

@@ -24,8 +24,8 @@ struct Progress {
   std::atomic<std::uint32_t> done{0};
   std::atomic<std::uint32_t> all{0};
 
-  // The board's: in this call, on the command's thread, its counters may be read. The cycle level calls it often while it runs. The
-  // others are quick, and their counters hold at the end of a run.
+  // The board sets it; a level calls it, on the command's thread, where all counters hold. The cycle level does so often while it
+  // runs. The other levels are quick, and their counters hold at the end of a run.
   std::function<void()> may_count{};
 };
 

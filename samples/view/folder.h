@@ -22,4 +22,7 @@ class PrivateFolder {
   std::filesystem::path path_;
 };
 
+// All of a file; empty where it can't be read.
+std::string bytes_of(const std::filesystem::path& file);
+
 }  // namespace gicube::samples::view
