@@ -93,7 +93,7 @@ py::object given_back(const Counters& counters);
 py::object given_back(DerivedVolume&& volume);
 template <IsOneOf<Plan, LightPlan> T>
 py::object given_back(T&& plan) {
-  return py::cast(std::move(plan));
+  return py::cast(std::forward<T>(plan));
 }
 
 template <typename>
