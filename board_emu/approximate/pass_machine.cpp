@@ -41,7 +41,7 @@ PassRay& RayPrefetcher::next() {
 PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
     : config_(config),
       blocks_(blocks),
-      partition_(config.asic().partition(), config.asic().processors(), blocks),
+      partition_(config.asic(), blocks),
       core_khz_(config.asic().core_khz()),
       dsp_khz_(config.dsp().clock_khz()),
       up_(config.asic().processors()),

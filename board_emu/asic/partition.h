@@ -20,7 +20,9 @@ class Partition {
  public:
   // `blocks`: how many blocks the volume has along x, y, z. A processor numbers its blocks with x slowest and z fastest:
   // for simple slabs at the design point that is the paper's q = (x' << 6) + (y' << 3) + z' [P §3.2].
-  Partition(v1::Partition kind, unsigned processors, const std::array<int, 3>& blocks) : blocks_(processors) {
+  Partition(const v1::AsicConfig& asic, const std::array<int, 3>& blocks) : blocks_(asic.processors()) {
+    const v1::Partition kind = asic.partition();
+    const unsigned processors = asic.processors();
     const auto across = static_cast<unsigned>(blocks[0]), down = static_cast<unsigned>(blocks[1]),
                deep = static_cast<unsigned>(blocks[2]);
     homes_.resize(std::size_t{across} * down * deep);
@@ -28,9 +30,10 @@ class Partition {
       for (unsigned y = 0; y < down; ++y) {
         for (unsigned z = 0; z < deep; ++z) {
           const std::size_t block = x + std::size_t{across} * (y + std::size_t{down} * z);
-          const unsigned owner = kind == v1::repeated_slab  ? x % processors
-                                 : kind == v1::skewed_block ? (x + y + z) % processors
-                                                            : x * processors / across;
+          const unsigned owner = kind == v1::repeated_slab ? x % processors
+                                 : kind == v1::skewed_block
+                                     ? (x * asic.skew_x() + y * asic.skew_y() + z * asic.skew_z()) % processors
+                                     : x * processors / across;
           homes_[block] = {static_cast<std::uint32_t>(blocks_[owner].size()), static_cast<std::uint8_t>(owner)};
           blocks_[owner].push_back(block);
         }

@@ -13,7 +13,7 @@ namespace gicube::emu {
 Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks)
     : config_(config),
       blocks_(blocks),
-      partition_(config.asic().partition(), config.asic().processors(), blocks),
+      partition_(config.asic(), blocks),
       standard_(emu::memory_standard(config)),
       run_pool_(config.asic().processors()) {
   const unsigned count = config.asic().processors();

@@ -41,6 +41,7 @@ Processor::Processor(const ProcessorConfig& config)
       rays_(*config.rays),
       single_queue_(config.board.sorter().queues() == v1::single),
       ideal_memory_(config.board.ideal().memory() != 0),
+      splat_rule_(config.board.cache().splat_rule()),
       sorter_(sorter_setup(config), {returned_, from_bus, from_left, from_right, released_}, {issue_, overflow}),
       stages_(config.board.pipeline().prefetch_stages(), config.board.pipeline().compute_stages()),
       cache_({static_cast<int>(config.board.asic().block_voxels()), config.board.cache().ways(), single_queue_,
@@ -139,7 +140,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     } else if (!scatters_or_deposits_) {
       gather(ray_state, site, *frame_, counts_);
     } else {
-      how = after(sample(ray_state, site, *frame_, counts_), ray, entry);
+      const Point place = ray_state.position;
+      how = after(sample(ray_state, site, *frame_, counts_), place, ray, entry);
     }
   }
 

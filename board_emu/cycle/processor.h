@@ -90,7 +90,9 @@ class Processor {
   bool deliver(Cycle now, const InFlight& ray);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
-  Termination after(const Interaction& interaction, RayUnderWay& ray, InFlight& entry);
+  Termination after(const Interaction& interaction, const Point& place, RayUnderWay& ray, InFlight& entry);
+  void splat_and_carry(const Interaction& interaction, RayUnderWay& ray, InFlight& entry);
+  bool writes_all_voxels() const { return splat_rule_ != v1::whole_units; }
   Splat& add_splat(std::uint32_t block, InFlight& entry);
   Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
   RayToken carrier(const RayState& from, const Interaction& interaction, std::uint32_t block);
@@ -108,6 +110,7 @@ class Processor {
   RayStore& rays_;
   const bool single_queue_;
   const bool ideal_memory_;
+  const v1::SplatRule splat_rule_;
   const Frame* frame_ = nullptr;
   BlockGrid grid_;
   std::size_t edge_ = 0;

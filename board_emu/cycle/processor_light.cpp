@@ -7,26 +7,39 @@
 
 namespace gicube::emu {
 
-// What a sample of a ray that does more than gather brings about: splats, a trap, the ray's end. `ray` is still in the
-// block of the sample.
-Termination Processor::after(const Interaction& interaction, RayUnderWay& ray, InFlight& entry) {
-  const RayState& ray_state = ray.ray_state;
-  const std::uint32_t block = ray.block;
+// What a sample at `place` of a ray that does more than gather brings about: splats, a trap, the ray's end. `ray` is still in
+// the block of the sample.
+Termination Processor::after(const Interaction& interaction, const Point& place, RayUnderWay& ray, InFlight& entry) {
   if (interaction.deposits) {
-    const SharingBlocks sharing = frame_->sums != nullptr ? frame_->sums->blocks_of(interaction.deposit)
-                                                          : frame_->irradiance->blocks_of(interaction.deposit);
-    Splat* work = nullptr;
-    for (std::size_t i = 0; i < sharing.count; ++i) {
-      if (sharing.block[i] == block) work = &splat(block, interaction.deposit, entry);
-    }
-    for (std::size_t i = 0; i < sharing.count; ++i) {
-      if (sharing.block[i] == block) continue;
-      if (work == nullptr) work = &add_splat(block, entry);
-      work->carrier[work->carriers++] = carrier(ray_state, interaction, sharing.block[i]);
-    }
+    splat_and_carry(interaction, ray, entry);
+  } else if (writes_all_voxels() && ray.ray_state.is(wire::kLightingRay) &&
+             (interaction.visible || splat_rule_ == v1::all_samples)) {
+    Interaction nothing;
+    nothing.place = place;
+    nothing.lifetime = ray.ray_state.lifetime;
+    nothing.deposit = nothing_at(place);
+    splat_and_carry(nothing, ray, entry);
   }
   if (interaction.outcome == Outcome::kTrapped) entry.token.state = TokenStatus::kTrapped;
   return interaction.outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kNot;
+}
+
+// Writes the deposit's voxels in the ray's block, and sends it to the other blocks that have copies of them.
+void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray, InFlight& entry) {
+  const std::uint32_t block = ray.block;
+  Deposit written = interaction.deposit;
+  if (writes_all_voxels()) written.shares.fill(1);
+  const SharingBlocks sharing =
+      frame_->sums != nullptr ? frame_->sums->blocks_of(written) : frame_->irradiance->blocks_of(written);
+  Splat* work = nullptr;
+  for (std::size_t i = 0; i < sharing.count; ++i) {
+    if (sharing.block[i] == block) work = &splat(block, interaction.deposit, entry);
+  }
+  for (std::size_t i = 0; i < sharing.count; ++i) {
+    if (sharing.block[i] == block) continue;
+    if (work == nullptr) work = &add_splat(block, entry);
+    work->carrier[work->carriers++] = carrier(ray.ray_state, interaction, sharing.block[i]);
+  }
 }
 
 Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
@@ -36,9 +49,13 @@ Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {
   return work;
 }
 
-// Adds the deposit to the words of `block`, and notes which of its tiles have changed.
+// Adds the deposit to the words of `block`, and notes which of its tiles are written.
 Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& entry) {
-  if (frame_->sums != nullptr) {
+  const bool all = writes_all_voxels(),
+             gives = std::ranges::any_of(deposit.shares, [](auto share) { return share != 0; });
+  if (!gives) {
+    // the words stay as they are
+  } else if (frame_->sums != nullptr) {
     counts_.energy.deposited.kept += static_cast<std::uint64_t>(frame_->sums->add(deposit, block));
   } else {
     counts_.energy.deposited += frame_->irradiance->add(deposit, block);
@@ -48,7 +65,7 @@ Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& e
   const auto tiles_x = static_cast<std::int32_t>(edge_ / 2 + 1),
              last = static_cast<std::int32_t>(edge_) - (frame_->sums != nullptr ? 2 : 1);
   for (std::size_t i = 0; i < 8; ++i) {
-    if (deposit.shares[i] == 0) continue;
+    if (deposit.shares[i] == 0 && !all) continue;
     std::array<std::int32_t, 3> local{};
     bool held = true;
     for (std::size_t axis = 0; axis < 3; ++axis) {

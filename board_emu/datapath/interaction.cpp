@@ -309,6 +309,12 @@ Sample sample_at(const Point& position, const Frame& frame) {
   return classify({cell(position, grid.low(position)), frame.volume->view(block), block, edge}, frame);
 }
 
+Deposit nothing_at(const Point& place) {
+  Deposit out;
+  put_at(place, out);
+  return out;
+}
+
 Deposit deposit_of(const RayState& carrier, const Frame& frame) {
   if (frame.sums != nullptr) return spread_at(carrier.position, carrier.amount());
   const auto units = static_cast<std::uint32_t>(carrier.energy() >> kEnergyFractionBits);

@@ -43,6 +43,9 @@ struct Interaction {
   std::uint16_t lifetime = 0;
 };
 
+// A deposit of no energy round `place`.
+Deposit nothing_at(const Point& place);
+
 // How the energy of an irradiance carrier is shared among the voxels round its position: as by the ray that sent it.
 Deposit deposit_of(const RayState& carrier, const Frame& frame);
 

@@ -60,7 +60,7 @@ Picoseconds DspCommands::reading_time(std::size_t first, std::size_t count) cons
   const dram::Standard memory = memory_standard(config_);
   const VolumeMemory& volume = aperture_.volume();
   const unsigned processors = config_.asic().processors(), sharing = memory.sharing;
-  const Partition partition(config_.asic().partition(), processors, volume.blocks());
+  const Partition partition(config_.asic(), volume.blocks());
   std::vector<std::uint64_t> blocks(processors);  // by channel
   for (std::size_t block = first; block < first + count; ++block) {
     if (!volume.packed(block).empty()) ++blocks[partition.home(block).processor / sharing];

@@ -2,15 +2,26 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <set>
 
 namespace gicube::emu {
 namespace {
 
+v1::AsicConfig asic(v1::Partition kind, unsigned processors, const std::array<unsigned, 3>& skew = {1, 1, 1}) {
+  v1::AsicConfig config;
+  config.set_partition(kind);
+  config.set_processors(processors);
+  config.set_skew_x(skew[0]);
+  config.set_skew_y(skew[1]);
+  config.set_skew_z(skew[2]);
+  return config;
+}
+
 std::size_t block(int x, int y, int z) { return static_cast<std::size_t>(x + 8 * (y + 8 * z)); }
 
 TEST(Partition, SimpleSlabsAtTheDesignPointNumberQueuesAsThePaperDoes) {
-  const Partition partition(v1::simple_slab, 4, {8, 8, 8});
+  const Partition partition(asic(v1::simple_slab, 4), {8, 8, 8});
   for (int x = 0; x < 8; ++x) {
     for (int y = 0; y < 8; ++y) {
       for (int z = 0; z < 8; ++z) {
@@ -23,12 +34,12 @@ TEST(Partition, SimpleSlabsAtTheDesignPointNumberQueuesAsThePaperDoes) {
 }
 
 TEST(Partition, RepeatedSlabsGoRoundTheProcessors) {
-  const Partition partition(v1::repeated_slab, 4, {8, 8, 8});
+  const Partition partition(asic(v1::repeated_slab, 4), {8, 8, 8});
   for (int x = 0; x < 8; ++x) EXPECT_EQ(partition.home(block(x, 3, 5)).processor, x % 4);
 }
 
 TEST(Partition, SkewedBlocksGiveEveryRowOfBlocksToAllProcessorsInTurn) {
-  const Partition partition(v1::skewed_block, 4, {8, 8, 8});
+  const Partition partition(asic(v1::skewed_block, 4), {8, 8, 8});
   EXPECT_EQ(partition.home(block(1, 2, 3)).processor, 6 % 4);
   for (const auto& step : {std::array{1, 0, 0}, std::array{0, 1, 0}, std::array{0, 0, 1}}) {
     std::set<int> owners;
@@ -37,11 +48,19 @@ TEST(Partition, SkewedBlocksGiveEveryRowOfBlocksToAllProcessorsInTurn) {
   }
 }
 
+TEST(Partition, SixteenProcessorsShareAnEightfoldGridEvenlyWithASkewOfPowersOfTwoOnly) {
+  const Partition plain(asic(v1::skewed_block, 16), {8, 8, 8}), even(asic(v1::skewed_block, 16, {1, 2, 4}), {8, 8, 8});
+  EXPECT_EQ(even.home(block(1, 2, 3)).processor, (1 + 2 * 2 + 4 * 3) % 16);
+  EXPECT_EQ(even.max_blocks(), 8u * 8 * 8 / 16);
+  // i + j + k = 10 or 11 and, a turn later, none: 48 ways, the most that one sum modulo 16 has.
+  EXPECT_EQ(plain.max_blocks(), 48u);
+}
+
 TEST(Partition, EveryBlockHasOneNumberOfItsProcessor) {
   for (const auto kind : {v1::simple_slab, v1::repeated_slab, v1::skewed_block}) {
     for (const unsigned processors : {1u, 3u, 4u, 7u, 16u}) {
       const std::array<int, 3> blocks{5, 3, 9};
-      const Partition partition(kind, processors, blocks);
+      const Partition partition(asic(kind, processors, {1, 2, 0}), blocks);
       std::size_t all = 0;
       for (unsigned p = 0; p < processors; ++p) {
         EXPECT_LE(partition.blocks_of(p), partition.max_blocks());

@@ -56,7 +56,7 @@ Field everywhere(const char* name, const char* value, Part part, std::vector<std
   return {name, value, part, kTime, kTime, kTime, std::move(with)};
 }
 
-const std::string kDdr = "memory=ddr";
+const std::string kDdr = "memory=ddr", kSkewed = "asic.partition=skewed_block";
 
 const std::vector<Field> kFields{
     asic("asic.processors", "3"),
@@ -65,6 +65,9 @@ const std::vector<Field> kFields{
     asic("asic.queue_rays", "1"),
     asic("asic.core_khz", "50000"),
     asic("asic.partition", "skewed_block"),
+    asic("asic.skew_x", "2", {kSkewed}),
+    asic("asic.skew_y", "2", {kSkewed}),
+    asic("asic.skew_z", "2", {kSkewed}),
     {"asic.datapath", "wide", kRays, kValues, kValues, kValues},
     everywhere("dsp.clock_khz", "100000", kRays),
     everywhere("dsp.viewing_ray_cycles", "200", kRays),
@@ -87,6 +90,7 @@ const std::vector<Field> kFields{
     asic("cache.ways", "4"),
     asic("cache.miss_packets", "8"),
     light("cache.write_packets", "64"),
+    light("cache.splat_rule", "all_samples"),
     asic("link.bits", "1"),
     asic("link.rays", "2", {"link.bits=1"}),
     asic("memory", "ddr"),

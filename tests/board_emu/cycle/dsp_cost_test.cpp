@@ -6,6 +6,8 @@
 
 #include "bare_board.h"
 #include "cycle/machine.h"
+#include "firmware/framebuffer.h"
+#include "firmware/ray_sources/image_rays.h"
 #include "firmware/ray_sources/light_rays.h"
 #include "lighting_rig.h"
 #include "machine_rig.h"
