@@ -20,7 +20,6 @@ for package in libc6 libgrpc++ libprotobuf; do
 done
 [[ $(dpkg-deb -f "$dev" Depends) == "gicube (= $(dpkg-deb -f "$runtime" Version))" ]]
 
-if command -v lintian >/dev/null; then lintian --allow-root --fail-on error "$runtime" "$dev" "$python" "$doc"; else echo "no lintian: not asked"; fi
 mkdir "$scratch/root"
 dpkg-deb -x "$runtime" "$scratch/root"
 [[ ! -e $scratch/root/usr/include ]]
