@@ -15,7 +15,12 @@ faults=0
 fault() { echo "$*" >&2; faults=$((faults + 1)); }
 
 # ---- programs: options of "PROGRAM WORD...", its commands, all below it
-help_of() { env -u GICUBE_MANAGEMENT "$prefix/bin/$1" "${@:2}" --help; }
+help_of() {  # asked of the program once
+  local words=$*
+  local said=$scratch/help.${words// /.}
+  [[ -e $said ]] || env -u GICUBE_MANAGEMENT "$prefix/bin/$1" "${@:2}" --help >"$said"
+  cat "$said"
+}
 options_of() { help_of "$@" | sed -nE 's/^ +((-[A-Za-z],)?--[a-z][^ ]*).*/\1/p' | grep -oE -e '--[a-z][a-z-]*' | sort -u; }
 commands_of() { help_of "$@" | sed -nE '/^Subcommands:/,/^$/s/^  ([a-z][a-z-]*).*/\1/p'; }
 offered() {  # what bash offers behind "PROGRAM WORD..." for the beginning of a word, which stands first
