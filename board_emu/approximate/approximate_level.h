@@ -28,6 +28,7 @@ class ApproximateLevel : public Level {
   void reset() override;
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
+  MachineLook look() const override { return cycle_level_.look(); }
 
  private:
   bool answers(const Frame& frame) const;

@@ -312,7 +312,7 @@ Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObse
              const Routines* routines, std::uint64_t max_memory_bytes)
     : parts_(std::make_unique<Parts>(config, config_hash, observer,
                                      routines != nullptr ? routines : &built_in_routines(), max_memory_bytes)) {
-  publish();
+  publish(false);
 }
 
 Board::~Board() = default;
@@ -365,15 +365,19 @@ TransactionResult Board::transact(const wire::FrameHeader& header, std::span<con
       parts_->observer->host_waited(wait_name(header.type), header.time_ps, outcome.reply->time_ps);
     }
   }
-  publish();
+  publish(is_asked_.exchange(false) || is_watched_);
+  is_watched_ = false;
   return outcome;
 }
 
-void Board::publish() {
+void Board::publish(bool with_machine) {
   auto counters = parts_->count();
+  MachineLook machine;
+  if (with_machine) machine = parts_->commands.look();
   const std::lock_guard lock(published_mutex_);
-  published_ = std::move(counters);
-  published_ps_ = parts_->timeline.now();
+  published_.simulated_ps = parts_->timeline.now();
+  published_.counters = std::move(counters);
+  if (with_machine) published_.machine = std::move(machine);
   published_memory_ = parts_->commands.limited_memory();
 }
 

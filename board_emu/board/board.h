@@ -73,13 +73,20 @@ class Board {
   // Memory for what the host has not fetched: results, and the bookkeeping of what is under way. Called like transact().
   std::uint64_t held_bytes() const;
 
-  // The counters after the latest transaction. While the cycle level carries out a command: as they stood soon after the last call
-  // of this function. Any thread.
-  std::vector<wire::Counter> counters() const {
+  // After the latest transaction. While the cycle level carries out a command: as it stood soon after the last call of this function.
+  // The machine is looked at only for a call: soon after it and again at the end of that command, or else at the end of the next
+  // transaction. Any thread.
+  struct Snapshot {
+    std::uint64_t simulated_ps = 0;
+    std::vector<wire::Counter> counters;
+    MachineLook machine;
+  };
+  Snapshot snapshot() const {
     is_asked_.store(true, std::memory_order_relaxed);
     const std::lock_guard lock(published_mutex_);
     return published_;
   }
+  std::vector<wire::Counter> counters() const { return snapshot().counters; }
   // Memory of the host's, as `max_memory_bytes` counts it; 0 without that limit.
   std::uint64_t memory_bytes() const {
     const std::lock_guard lock(published_mutex_);
@@ -87,22 +94,24 @@ class Board {
   }
   std::uint64_t simulated_ps() const {
     const std::lock_guard lock(published_mutex_);
-    return published_ps_;
+    return published_.simulated_ps;
   }
 
  private:
   struct Parts;
 
-  void publish();
+  void publish(bool with_machine);
   void publish_if_asked() {
-    if (is_asked_.load(std::memory_order_relaxed) && is_asked_.exchange(false)) publish();
+    if (!is_asked_.load(std::memory_order_relaxed) || !is_asked_.exchange(false)) return;
+    is_watched_ = true;
+    publish(true);
   }
 
   std::unique_ptr<Parts> parts_;
   mutable std::atomic<bool> is_asked_ = false;  // since they were published
+  bool is_watched_ = false;                     // in this transaction
   mutable std::mutex published_mutex_;
-  std::vector<wire::Counter> published_;
-  std::uint64_t published_ps_ = 0;
+  Snapshot published_;
   std::uint64_t published_memory_ = 0;
 };
 

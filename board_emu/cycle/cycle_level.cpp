@@ -75,4 +75,6 @@ void CycleLevel::count(std::vector<wire::Counter>& list) const {
   add_counters(mine, list);
 }
 
+MachineLook CycleLevel::look() const { return machine_ ? emu::look(*machine_) : MachineLook(); }
+
 }  // namespace gicube::emu

@@ -24,6 +24,7 @@ class CycleLevel : public Level {
   void reset() override;
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
+  MachineLook look() const override;
 
  private:
   Machine& machine_for(const Frame& frame);

@@ -53,6 +53,7 @@ class Machine {
 
   Cycle now() const { return now_; }
   const std::array<int, 3>& blocks() const { return blocks_; }
+  bool has_single_queue() const { return config_.sorter().queues() == v1::single; }
   const Partition& partition() const { return partition_; }
   const std::vector<std::unique_ptr<Processor>>& processors() const { return processors_; }
   const std::vector<std::unique_ptr<MemoryPort>>& memories() const { return memories_; }

@@ -112,4 +112,34 @@ void count(const Machine& machine, std::vector<wire::Counter>& list) {
   }
 }
 
+MachineLook look(const Machine& machine) {
+  MachineLook seen;
+  seen.cycle = machine.now();
+  const auto& blocks = machine.blocks();
+  const auto cells = [&](std::size_t axis) {
+    return (static_cast<std::uint32_t>(blocks[axis]) + seen.blocks_a_side - 1) / seen.blocks_a_side;
+  };
+  while (std::size_t{cells(0)} * cells(1) * cells(2) > MachineLook::kMaxCells) seen.blocks_a_side *= 2;
+  seen.cells = {cells(0), cells(1), cells(2)};
+  const bool by_block = !machine.has_single_queue();
+  if (by_block) seen.waiting.resize(std::size_t{seen.cells[0]} * seen.cells[1] * seen.cells[2]);
+  const std::size_t across = static_cast<std::size_t>(blocks[0]), down = static_cast<std::size_t>(blocks[1]);
+  for (unsigned i = 0; i < machine.processors().size(); ++i) {
+    const Sorter& sorter = machine.processors()[i]->sorter();
+    seen.processors.push_back(static_cast<std::uint32_t>(sorter.waiting()));
+    if (!by_block || sorter.waiting() == 0) continue;
+    for (std::uint32_t queue = 0; queue < machine.partition().blocks_of(i); ++queue) {
+      const std::size_t block = machine.partition().block(i, queue);
+      const std::size_t x = block % across / seen.blocks_a_side, y = block / across % down / seen.blocks_a_side,
+                        z = block / (across * down) / seen.blocks_a_side;
+      seen.waiting[x + seen.cells[0] * (y + seen.cells[1] * z)] += sorter.waiting(queue);
+    }
+  }
+  for (const auto& memory : machine.memories()) {
+    seen.packets.push_back(memory->channel().bank_packets());
+    seen.banks = static_cast<std::uint32_t>(seen.packets.back().size() / memory->devices());
+  }
+  return seen;
+}
+
 }  // namespace gicube::emu

@@ -1,4 +1,5 @@
-// The machine's counters by name, for the host and for reports: per processor and memory, and sums over them.
+// The machine's counters by name, for the host and for reports: per processor and memory, and sums over them; and what only a look
+// at one moment tells.
 #pragma once
 
 #include <vector>
@@ -10,5 +11,6 @@ namespace gicube::emu {
 
 RayCounters ray_counters(const Machine& machine);
 void count(const Machine& machine, std::vector<wire::Counter>& list);
+MachineLook look(const Machine& machine);
 
 }  // namespace gicube::emu

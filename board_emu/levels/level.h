@@ -3,6 +3,7 @@
 // Every level computes the same values. Levels differ in the time that they compute: none, every clock, or an approximation.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -39,6 +40,22 @@ struct RunResult {
   v1::FidelityLevel answered = v1::functional;  // the level that did it
 };
 
+// Where rays wait and which banks of the memory serve: one moment of a machine that has queues and banks.
+struct MachineLook {
+  static constexpr std::size_t kMaxCells = 65'536;  // chosen: 1024^3 voxels in blocks of 32 have 32,768
+
+  Cycle cycle = 0;
+  // A cell is a block, or a cube of 2^3, 4^3, ... where the volume has more blocks than that.
+  std::uint32_t blocks_a_side = 1;
+  std::array<std::uint32_t, 3> cells{};  // along x, y, z; 0: there is no machine
+  std::vector<std::uint32_t>
+      waiting{};  // rays in the queues of each cell, x fastest; empty: one queue has those of all blocks
+  std::vector<std::uint32_t> processors{};  // rays in the queues of each
+  std::uint32_t banks = 0;                  // of a device
+  // By memory channel, device and bank: packets read and written since the machine was made.
+  std::vector<std::vector<std::uint64_t>> packets{};
+};
+
 // No part of the board has moved for long although rays are under way; what() describes every part.
 class Stall : public std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -63,6 +80,8 @@ class Level {
   virtual RayCounters rays() const = 0;
   // Adds the counters of the level's hardware, if it has any.
   virtual void count(std::vector<wire::Counter>& list) const = 0;
+  // To be called where all counters hold.
+  virtual MachineLook look() const { return {}; }
 };
 
 }  // namespace gicube::emu

@@ -50,6 +50,13 @@ class Channel {
             .dq_busy = (reads_ + writes_) * Rules::kPacket,
             .turnaround = turnaround_};
   }
+  std::vector<std::uint64_t> bank_packets() const {
+    std::vector<std::uint64_t> all;
+    for (const Device<Rules>& device : devices_) {
+      for (int bank = 0; bank < Rules::kBanks; ++bank) all.push_back(device.packets(bank));
+    }
+    return all;
+  }
   void describe(std::ostream& out) const {  // for a stall report
     out << Rules::kName << ": " << devices_.size() << ' ' << Rules::kDevices << ", " << reads_ << " packets read, "
         << writes_ << " written, data wires free from " << Rules::kClock << ' ' << dq_free_ << " on\n";

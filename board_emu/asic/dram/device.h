@@ -61,6 +61,7 @@ class Device {
     Bank& own = banks_[place(bank)];
     raise<Scope::kBank, kFrom>(own.ready, t, kTargets);
     raise<Scope::kDevice, kFrom>(ready_, t, kTargets);
+    if constexpr (kFrom == Command::kRead || kFrom == Command::kWrite) ++own.packets;
     if constexpr (kFrom == Command::kPrecharge) {
       for (Bank* other : {&own - 1, &own + 1}) raise<Scope::kNeighbour, kFrom>(other->ready, t, kTargets);
       own.row = kClosed;
@@ -72,7 +73,8 @@ class Device {
   }
 
   std::int32_t open_row(int bank) const { return banks_[place(bank)].row; }
-  std::uint32_t open_banks() const { return open_; }  // mask
+  std::uint64_t packets(int bank) const { return banks_[place(bank)].packets; }  // read and written
+  std::uint32_t open_banks() const { return open_; }                             // mask
   // Banks, as a mask, to be precharged before `opens` (ACT or REFA) of `bank`.
   std::uint32_t in_the_way(Command opens, int bank) const { return open_ & Rules::must_be_closed(opens, bank); }
 
@@ -87,6 +89,7 @@ class Device {
   struct Bank {
     Ready ready{};
     std::int32_t row = kClosed;
+    std::uint64_t packets = 0;
   };
 
   [[noreturn]] static void refuse_data() {

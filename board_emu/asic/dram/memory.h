@@ -71,6 +71,8 @@ class Memory {
 
   virtual std::uint32_t devices() const = 0;
   virtual ChannelCounters counters() const = 0;
+  // Packets read and written by each bank, device for device; as many banks for each.
+  virtual std::vector<std::uint64_t> bank_packets() const = 0;
   virtual void describe(std::ostream& out) const = 0;  // for a stall report
   // Every command from now on is appended, in the order of placing; null stops it.
   virtual void set_trace(std::vector<IssuedCommand>* sink) = 0;
@@ -92,6 +94,7 @@ class LaidOut final : public Memory {
   }
   std::uint32_t devices() const override { return layout_.devices(); }
   ChannelCounters counters() const override { return channel_.counters(); }
+  std::vector<std::uint64_t> bank_packets() const override { return channel_.bank_packets(); }
   void describe(std::ostream& out) const override { channel_.describe(out); }
   void set_trace(std::vector<IssuedCommand>* sink) override { channel_.set_trace(sink); }
 

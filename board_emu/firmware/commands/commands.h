@@ -76,6 +76,7 @@ class DspCommands {
 
   Aperture& aperture() { return aperture_; }
   void count(std::vector<wire::Counter>& list) const;
+  MachineLook look() const { return level_.look(); }
 
  private:
   CommandResult render(std::span<const std::uint8_t> payload, Progress& work);

@@ -144,14 +144,9 @@ class BoardSlot {
     return {index_, endpoint_, owner_ == Owner::kSession && !away_, config_, routines_->list()};
   }
 
-  struct Snapshot {
-    std::uint64_t simulated_ps = 0;
-    std::vector<wire::Counter> counters;
-  };
-  Snapshot counters() const {
+  Board::Snapshot counters() const {
     const std::lock_guard lock(mutex_);
-    if (!board_) return {};
-    return {board_->simulated_ps(), board_->counters()};
+    return board_ ? board_->snapshot() : Board::Snapshot();
   }
 
   // The calls of the management plane. On anything but kDone nothing has changed; `reason` says why it is kFaulty or kFailed.

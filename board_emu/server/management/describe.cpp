@@ -23,7 +23,7 @@ void describe(const BoardSlot& slot, v1::BoardInfo& out) {
 }
 
 void describe(const BoardSlot& slot, v1::CounterSnapshot& out) {
-  const BoardSlot::Snapshot counted = slot.counters();
+  const Board::Snapshot counted = slot.counters();
   out.set_board(slot.index());
   out.set_simulated_ps(counted.simulated_ps);
   for (const wire::Counter& counter : counted.counters) {
@@ -31,6 +31,18 @@ void describe(const BoardSlot& slot, v1::CounterSnapshot& out) {
     added->set_name(counter.name);
     added->set_unit(counter.unit);
     added->set_value(counter.value);
+  }
+  const MachineLook& machine = counted.machine;
+  if (machine.processors.empty()) return;
+  v1::MachineLook& look = *out.mutable_machine();
+  look.set_cycle(machine.cycle);
+  look.set_blocks_a_side(machine.blocks_a_side);
+  look.mutable_cells()->Add(machine.cells.begin(), machine.cells.end());
+  look.mutable_waiting()->Add(machine.waiting.begin(), machine.waiting.end());
+  look.mutable_processors()->Add(machine.processors.begin(), machine.processors.end());
+  look.set_banks(machine.banks);
+  for (const std::vector<std::uint64_t>& packets : machine.packets) {
+    look.add_memories()->mutable_packets()->Add(packets.begin(), packets.end());
   }
 }
 

@@ -2,7 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <numeric>
+#include <thread>
 
 #include "bare_board.h"
 
@@ -131,6 +135,67 @@ TEST(CycleLevel, ACancelledFrameLeavesAWorkingBoard) {
   EXPECT_EQ(board.wait(board.command(payload)).completions.at(0).error, wire::ErrorCode::kCancelled);
   board.work.cancel = false;
   EXPECT_EQ(board.render(corner_view({30, 30, 30}, 40)), image);
+}
+
+std::uint64_t sum(const std::vector<std::uint32_t>& values) {
+  return std::accumulate(values.begin(), values.end(), std::uint64_t{0});
+}
+
+void expect_kept(const Board::Snapshot& seen) {
+  const auto value = [&seen](const std::string& name) {
+    const auto found = std::ranges::find(seen.counters, name, &wire::Counter::name);
+    return found == seen.counters.end() ? 0 : found->value;
+  };
+  EXPECT_EQ(seen.machine.cycle, value("asic.cycles"));
+  EXPECT_EQ(sum(seen.machine.waiting), value("processor.sorter.written") - value("processor.sorter.issued"));
+  EXPECT_EQ(sum(seen.machine.processors), sum(seen.machine.waiting));
+  std::uint64_t packets = 0;
+  for (const auto& memory : seen.machine.packets) {
+    packets = std::accumulate(memory.begin(), memory.end(), packets);
+  }
+  EXPECT_EQ(packets, value("rdram.reads") + value("rdram.writes"));
+}
+
+TEST(CycleLevel, WhoAsksInMidCommandSeesRaysWaitAndWhoAsksLaterSeesItsEnd) {
+  v1::BoardConfig config = cycle_config();
+  config.mutable_dsp()->set_viewing_ray_cycles(0);  // rays come faster than they are traced
+  config.mutable_dsp()->set_returned_ray_cycles(0);
+  BareBoard board(config);
+  load_cloud(board, {30, 30, 30});
+  EXPECT_TRUE(board.snapshot().machine.processors.empty()) << "no command has come";
+  std::atomic<bool> ended = false;
+  std::thread host([&] {
+    board.render(corner_view({30, 30, 30}, 200));
+    ended = true;
+  });
+  std::uint64_t most = 0;
+  int looks = 0;
+  for (Cycle last = 0; !ended;) {
+    const Board::Snapshot seen = board.snapshot();
+    if (seen.machine.cycle != last) {
+      expect_kept(seen);
+      most = std::max(most, sum(seen.machine.waiting));
+      last = seen.machine.cycle;
+      ++looks;
+    }
+    std::this_thread::yield();
+  }
+  host.join();
+  EXPECT_GE(looks, 2);
+  EXPECT_GT(most, 100u);
+  const Board::Snapshot end = board.snapshot();
+  expect_kept(end);
+  EXPECT_EQ(sum(end.machine.waiting), 0u);
+  EXPECT_EQ(end.machine.cycle, board.counter("asic.cycles"));
+}
+
+TEST(CycleLevel, NobodyWhoAsksIsNoLookAtTheMachine) {
+  BareBoard board(cycle_config());
+  load_cloud(board, {30, 30, 30});
+  board.render(corner_view({30, 30, 30}, 24));
+  EXPECT_TRUE(board.snapshot().machine.processors.empty());
+  board.render(corner_view({30, 30, 30}, 24));
+  EXPECT_EQ(board.snapshot().machine.processors.size(), 4u);
 }
 
 TEST(CycleLevel, ResetStartsTheMachineAnew) {

@@ -177,6 +177,80 @@ TEST(Machine, CancellingStopsWithinTheProgressInterval) {
   EXPECT_LE(ran.cycles, 3 * 4096u);
 }
 
+// Looks at the machine every so many cycles, and that each look keeps what the parts have.
+class Looker : public Observer {
+ public:
+  void see(Cycle now, const Machine& machine) override {
+    if (now % 257 != 0) return;
+    const MachineLook seen = look(machine);
+    ASSERT_EQ(seen.cells, (std::array<std::uint32_t, 3>{4, 4, 4}));
+    ASSERT_EQ(seen.waiting.size(), 64u);
+    std::uint64_t waiting = 0;
+    for (std::size_t i = 0; i < machine.processors().size(); ++i) {
+      EXPECT_EQ(seen.processors.at(i), machine.processors()[i]->sorter().waiting());
+      waiting += seen.processors.at(i);
+    }
+    EXPECT_EQ(std::accumulate(seen.waiting.begin(), seen.waiting.end(), std::uint64_t{0}), waiting);
+    for (std::size_t i = 0; i < machine.memories().size(); ++i) {
+      const auto& packets = seen.packets.at(i);
+      const dram::ChannelCounters counters = machine.memories()[i]->channel().counters();
+      EXPECT_EQ(packets.size(), std::size_t{machine.memories()[i]->devices()} * seen.banks);
+      EXPECT_EQ(std::accumulate(packets.begin(), packets.end(), std::uint64_t{0}),
+                counters.packets_read + counters.packets_written);
+    }
+    most_waiting = std::max(most_waiting, waiting);
+    ++looks;
+  }
+
+  std::uint64_t most_waiting = 0;
+  int looks = 0;
+};
+
+TEST(Machine, ALookHasEveryWaitingRayInABlockAndEveryPacketInABank) {
+  for (const char* memory : {"memory=rdram", "memory=ddr"}) {
+    const v1::BoardConfig config = config_with({"asic.block_voxels=16", memory});
+    Scene scene({64, 64, 64}, 16);
+    Machine machine(config, scene.volume.blocks());
+    Looker looker;
+    machine.set_observer(&looker);
+    cycle_picture(scene, corner_view({64, 64, 64}, 32), config, machine);
+    EXPECT_GT(looker.looks, 20) << memory;
+    EXPECT_GT(looker.most_waiting, 100u) << memory;
+    EXPECT_EQ(look(machine).banks, memory == std::string("memory=rdram") ? 32u : 4u);
+  }
+}
+
+// Rays that begin in one block, where the first is still in the pipeline when the others wait.
+TEST(Machine, ALookShowsRaysInTheBlockInWhichTheyWait) {
+  const v1::BoardConfig config = config_with({"asic.processors=2", "asic.block_voxels=16", "dsp.host_ray_cycles=0"});
+  Scene scene({64, 64, 64}, 16);
+  Machine machine(config, scene.volume.blocks());
+  struct First : Observer {
+    void see(Cycle, const Machine& seen) override {
+      if (std::ranges::count(at.waiting, 0u) == std::ranges::ssize(at.waiting)) at = look(seen);
+    }
+    MachineLook at;
+  } first;
+  machine.set_observer(&first);
+  std::vector<wire::Ray> rays;
+  for (unsigned i = 0; i < 8; ++i) rays.push_back(host_ray(i, {i + 16.5, 32.5, 48.5}, {0, 0, 1}));
+  run(machine, scene, config, rays);
+  std::vector<std::uint32_t> expected(64);
+  expected[1 + 4 * (2 + 4 * 3)] = 1;  // the first that is sorted in
+  EXPECT_EQ(first.at.waiting, expected);
+  EXPECT_EQ(first.at.processors, (std::vector<std::uint32_t>{1, 0}));
+}
+
+TEST(Machine, ALookAtASingleQueueHasNoBlocksAndOneAtVeryManyBlocksHasCubesOfThem) {
+  const Machine single(config_with({"sorter.queues=single"}), {2, 2, 2});
+  EXPECT_TRUE(look(single).waiting.empty());
+  EXPECT_EQ(look(single).processors.size(), single.processors().size());
+  const Machine large(config_with({"asic.block_voxels=8"}), {41, 41, 41});  // 68,921
+  EXPECT_EQ(look(large).blocks_a_side, 2u);
+  EXPECT_EQ(look(large).cells, (std::array<std::uint32_t, 3>{21, 21, 21}));
+  EXPECT_EQ(look(large).waiting.size(), 21u * 21 * 21);
+}
+
 // Every command that the memories see in a whole frame is legal, by a judge that knows nothing of the controller.
 TEST(Machine, AWholeFramesMemoryCommandsAreLegalAndTight) {
   Scene scene({70, 70, 70}, 16);

@@ -160,6 +160,7 @@ class BareBoard {
 
   void add_memory_error(const MemoryError& error) { board_.add_memory_error(error); }
 
+  Board::Snapshot snapshot() const { return board_.snapshot(); }
   std::vector<wire::Counter> counters() const { return board_.counters(); }
   std::uint64_t counter(const std::string& name) const {
     for (const wire::Counter& counter : board_.counters()) {

@@ -103,6 +103,21 @@ TEST(RdramChannel, CountsWhatItDid) {
   EXPECT_EQ(channel.counters(), expected);
 }
 
+TEST(RdramChannel, CountsThePacketsOfEachBankOfEachDevice) {
+  Channel channel(without_refresh(), 2);
+  channel.read(at(2, 1), 0);
+  channel.write(at(2, 2), 0);
+  channel.read(at(31, 1), 1000);
+  Location other = at(2, 1);
+  other.device = 1;
+  channel.write(other, 2000);
+  std::vector<std::uint64_t> expected(2 * 32);
+  expected[2] = 2;
+  expected[31] = 1;
+  expected[32 + 2] = 1;
+  EXPECT_EQ(channel.bank_packets(), expected);
+}
+
 TEST(RdramChannel, RefusesToBeEmpty) { EXPECT_THROW(Channel(v1::RdramConfig(), 0), std::invalid_argument); }
 
 TEST(RdramChannel, DescribesItself) {
