@@ -9,6 +9,7 @@
 #include <iostream>
 #include <string>
 
+#include "gicube/access.h"
 #include "scene/program/program.h"
 #include "view/folder.h"
 #include "view/options.h"
@@ -44,7 +45,7 @@ int run(int argc, char** argv) {
        .ask = [&viewer](Page page, Request request) { viewer->ask(page, std::move(request)); },
        .download = [&viewer](const std::string& what, std::uint64_t number) { return viewer->download(what, number); },
        .folder = folder.path()},
-      options->port, new_token());
+      options->listen, gicube::new_token());
   Viewer own(options->view, [&server](Page page, const Packet& packet) { server.send(page, packet); });
   viewer = &own;
   fmt::print("{}\n", server.address());

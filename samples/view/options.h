@@ -1,17 +1,16 @@
 // The command line of gicube-view.
 #pragma once
 
-#include <cstdint>
 #include <iosfwd>
 #include <optional>
 
-#include "view/viewer.h"
+#include "view/server.h"
 
 namespace gicube::samples::view {
 
 struct ProgramOptions {
   ViewOptions view;
-  std::uint16_t port = 0;    // any that is free
+  Listen listen;
   std::optional<bool> open;  // a browser; not set: where there is a desktop
 };
 

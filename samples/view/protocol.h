@@ -1,7 +1,7 @@
 // What the page and gicube-view say to each other.
 //
-// HTTP, one address: http://127.0.0.1:PORT/?token=T. Host and Origin are checked on every request, the token on all but the page's own
-// modules. The page's address may carry the state of a view after a #, which the program never sees.
+// HTTP, one address: http://127.0.0.1:PORT/?token=T, or https: with a certificate. Host and Origin are checked on every request, the
+// token on all but the page's own modules. The page's address may carry the state of a view after a #, which the program never sees.
 //   GET  /?token=T                          index.html
 //   GET  /NAME                              the other files of samples/view/page
 //   POST /file?token=T&name=NAME            the body is kept as NAME for {"do":"open"}; NAME has no slash and no leading dot. 204; 413 too large

@@ -10,11 +10,17 @@
 #include <map>
 #include <utility>  // Boost 1.74's awaitable.hpp uses std::exchange without it
 
+#include "gicube/scene/error.h"
+#include "scene/common/checks.h"
+#include "view/door.h"
+#include "view/page_files.h"
+#include "view/protocol.h"
+
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/signal_set.hpp>
@@ -22,12 +28,9 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
-
-#include "gicube/scene/error.h"
-#include "scene/common/checks.h"
-#include "view/page_files.h"
-#include "view/protocol.h"
+#include <boost/beast/websocket/ssl.hpp>
 
 namespace gicube::samples::view {
 namespace {
@@ -39,67 +42,20 @@ namespace websocket = beast::websocket;
 using asio::awaitable;
 using asio::ip::tcp;
 using boost::system::error_code;
+using Tls = beast::ssl_stream<beast::tcp_stream>;
 using HttpRequest = http::request<http::empty_body>;
 using Parser = http::request_parser<http::empty_body>;
 
 constexpr std::size_t kHeaderBytes = 8192;  // chosen: browsers' are below 2 KiB
-constexpr std::size_t kMaxOut = 256;       // chosen: packets that wait for a page, beyond which it is too slow and left
-constexpr std::chrono::seconds kIdle{60};  // chosen: between requests of one connection
+constexpr std::size_t kMaxOut = 256;  // chosen: packets that wait for a page, beyond which it is too slow and left
 constexpr std::chrono::milliseconds kAcceptRetry{100};  // chosen: until descriptors may be free again
-
-auto into(error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
+constexpr std::chrono::seconds kIdle{60};               // chosen: between requests of one connection
 
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-// An answer that is not a page's file; its text is one line.
-struct Refusal {
-  http::status status;
-  std::string text;
-};
-
-struct Target {
-  std::string path;
-  std::map<std::string, std::string> query;
-};
-
-std::string percent_decoded(std::string_view text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] != '%') {
-      out += text[i];
-      continue;
-    }
-    unsigned value = 0;
-    for (std::size_t digit = 1; digit <= 2; ++digit) {
-      const char c = i + digit < text.size() ? text[i + digit] : '\0';
-      const std::size_t place = std::string_view("0123456789abcdefABCDEF").find(c);
-      if (c == '\0' || place == std::string_view::npos)
-        throw Refusal{http::status::bad_request, "a % without two digits"};
-      value = 16 * value + static_cast<unsigned>(place < 16 ? place : place - 6);
-    }
-    out += static_cast<char>(value);
-    i += 2;
-  }
-  return out;
-}
-
-Target target_of(std::string_view text) {
-  Target target;
-  const std::size_t query = text.find('?');
-  target.path = percent_decoded(text.substr(0, query));
-  while (query != std::string_view::npos && !text.empty()) {
-    text.remove_prefix(std::min(text.find_first_of("?&"), text.size() - 1) + 1);
-    const std::string_view part = text.substr(0, text.find('&'));
-    const std::size_t equals = part.find('=');
-    if (equals != std::string_view::npos)
-      target.query.emplace(percent_decoded(part.substr(0, equals)), percent_decoded(part.substr(equals + 1)));
-    if (part.size() == text.size()) break;
-  }
-  return target;
-}
-
+auto into(error_code& error) { return asio::redirect_error(asio::use_awaitable, error); }
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 }  // namespace
@@ -111,98 +67,39 @@ struct Server::State {
     bool is_gone = false;
     explicit Client(asio::io_context& io) : wake(io, asio::steady_timer::time_point::max()) {}
   };
-  using Stream = beast::tcp_stream;
-  using Socket = websocket::stream<beast::tcp_stream>;
 
   Pages pages;
-  std::string token;
+  Door door;
   std::size_t connections = 0;  // outlives io, whose end is theirs
   asio::io_context io{1};
   tcp::acceptor acceptor{io};
   asio::signal_set signals{io};
-  std::uint16_t port = 0;
   std::map<Page, std::shared_ptr<Client>> clients;
   Page last_page = kAllPages;
   std::map<std::string, std::uint64_t> posted;  // bytes
 
-  void check(const HttpRequest& request, bool changes) const;
-  void check_token(const Target& target) const;
   awaitable<void> accept();
-  awaitable<void> connection(tcp::socket socket);
-  awaitable<bool> answer(Stream& stream, beast::flat_buffer& buffer, Parser& parser);
-  awaitable<void> take_file(Stream& stream, beast::flat_buffer& buffer, Parser& parser, const std::string& name);
-  awaitable<bool> reply(Stream& stream, const HttpRequest& request, http::status status, std::string_view type,
+  void serve(tcp::socket socket);
+  // S: a stream of TCP or TLS.
+  template <typename S>
+  awaitable<void> connection(S stream);
+  template <typename S>
+  awaitable<bool> answer(S& stream, beast::flat_buffer& buffer, Parser& parser);
+  template <typename S>
+  awaitable<void> take_file(S& stream, beast::flat_buffer& buffer, Parser& parser, const std::string& name);
+  template <typename S>
+  awaitable<bool> reply(S& stream, const HttpRequest& request, http::status status, std::string_view type,
                         std::string body, const std::string& attachment = {});
-  awaitable<void> page(Stream stream, HttpRequest request);
-  awaitable<void> write_out(Socket& socket, std::shared_ptr<Client> client, std::shared_ptr<bool> ended);
+  template <typename S>
+  awaitable<void> page(S stream, HttpRequest request);
+  template <typename S>
+  awaitable<void> write_out(S& socket, std::shared_ptr<Client> client, std::shared_ptr<bool> ended);
   void put(Client& client, const Packet& packet);
 };
 
-// Names of this machine that only it has: a foreign page whose name was made to mean this address says another Host.
-void Server::State::check(const HttpRequest& request, bool changes) const {
-  const auto host = view_of(request[http::field::host]);
-  const std::string suffix = ':' + std::to_string(port);
-  if (host != "127.0.0.1" + suffix && host != "localhost" + suffix)
-    throw Refusal{http::status::forbidden, "Host: expected 127.0.0.1" + suffix};
-  const auto origin = view_of(request[http::field::origin]);
-  if (origin.empty() && !changes) return;
-  if (origin != "http://" + std::string(host))
-    throw Refusal{http::status::forbidden, "Origin: expected this page's own"};
-}
-
-void Server::State::check_token(const Target& target) const {
-  const auto given = target.query.find("token");
-  if (given == target.query.end() || !same_secret(given->second, token))
-    throw Refusal{http::status::forbidden, "token: expected that of the address that gicube-view has printed"};
-}
-
-awaitable<void> Server::State::accept() {
-  for (;;) {
-    error_code error;
-    tcp::socket socket = co_await acceptor.async_accept(into(error));
-    if (error == asio::error::operation_aborted) co_return;
-    if (error) {
-      asio::steady_timer pause(io, kAcceptRetry);
-      co_await pause.async_wait(into(error));
-      continue;
-    }
-    asio::co_spawn(io, connection(std::move(socket)), asio::detached);
-  }
-}
-
-awaitable<void> Server::State::connection(tcp::socket socket) {
-  struct Count {
-    std::size_t& count;
-    explicit Count(std::size_t& all) : count(all) { ++count; }
-    ~Count() { --count; }
-    Count(const Count&) = delete;
-    Count& operator=(const Count&) = delete;
-  } const counted(connections);
-  Stream stream(std::move(socket));
-  error_code error;
-  stream.socket().set_option(tcp::no_delay(true), error);
-  try {
-    beast::flat_buffer buffer(2 * kHeaderBytes);
-    for (bool goes_on = true; goes_on;) {
-      Parser parser;
-      parser.header_limit(kHeaderBytes);
-      parser.body_limit(kMaxFileBytes);
-      stream.expires_after(buffer.size() > 0 ? std::chrono::seconds(kRequestTime) : kIdle);
-      co_await http::async_read_header(stream, buffer, parser, into(error));
-      if (error == http::error::header_limit) {
-        co_await reply(stream, {}, http::status::request_header_fields_too_large, "text/plain", "too long a header\n");
-      }
-      if (error) break;
-      goes_on = co_await answer(stream, buffer, parser);
-    }
-  } catch (const std::exception&) {
-    // The other side has gone, or took too long.
-  }
-  stream.socket().shutdown(tcp::socket::shutdown_both, error);
-}
-
 // Whether the connection may have another request.
-awaitable<bool> Server::State::answer(Stream& stream, beast::flat_buffer& buffer, Parser& parser) {
+template <typename S>
+awaitable<bool> Server::State::answer(S& stream, beast::flat_buffer& buffer, Parser& parser) {
   const HttpRequest& request = parser.get();
   std::optional<Refusal> refusal;
   std::optional<Viewer::Download> found;
@@ -213,26 +110,22 @@ awaitable<bool> Server::State::answer(Stream& stream, beast::flat_buffer& buffer
     const Target target = target_of(view_of(request.target()));
     is_page = is_get && target.path == "/socket";
     is_file = request.method() == http::verb::post && target.path == "/file";
-    check(request, is_page || is_file);
+    door.check(view_of(request[http::field::host]), view_of(request[http::field::origin]), is_page || is_file);
     if (is_get && parser.content_length_remaining().value_or(0) > 0)
       throw Refusal{http::status::bad_request, "a body: expected none"};
     if (parser.chunked() && is_get) throw Refusal{http::status::bad_request, "a body: expected none"};
-    if (is_page || is_file || target.path == "/" || target.path == "/download") check_token(target);
+    if (is_page || is_file || target.path == "/" || target.path == "/download") door.check_token(target);
     if (is_file) {
-      const auto name = target.query.find("name");
-      if (name == target.query.end() || !is_file_name(name->second))
+      const std::string name = target.value("name");
+      if (!is_file_name(name))
         throw Refusal{http::status::bad_request, "name: expected a file's name, without folders"};
-      co_await take_file(stream, buffer, parser, name->second);
+      co_await take_file(stream, buffer, parser, name);
       co_return co_await reply(stream, request, http::status::no_content, "text/plain", "");
     }
     if (!is_get) throw Refusal{http::status::bad_request, "expected GET, or POST /file"};
     if (is_page && !websocket::is_upgrade(request)) throw Refusal{http::status::bad_request, "expected a WebSocket"};
     if (!is_page && target.path == "/download") {
-      const auto asked = [&target](const char* name) {
-        const auto value = target.query.find(name);
-        return value == target.query.end() ? std::string() : value->second;
-      };
-      found = pages.download(asked("what"), parse_number<std::uint64_t>(asked("number")).value_or(0));
+      found = pages.download(target.value("what"), parse_number<std::uint64_t>(target.value("number")).value_or(0));
       if (!found)
         throw Refusal{http::status::not_found, "what: expected png, exr, stats or tf of a picture that is there"};
     } else if (!is_page) {
@@ -259,8 +152,8 @@ awaitable<bool> Server::State::answer(Stream& stream, beast::flat_buffer& buffer
   co_return co_await reply(stream, request, http::status::ok, found->type, std::move(found->bytes), found->name);
 }
 
-awaitable<void> Server::State::take_file(Stream& stream, beast::flat_buffer& buffer, Parser& head,
-                                         const std::string& name) {
+template <typename S>
+awaitable<void> Server::State::take_file(S& stream, beast::flat_buffer& buffer, Parser& head, const std::string& name) {
   http::request_parser<http::buffer_body> parser(std::move(head));
   std::uint64_t others = 0;
   for (const auto& [other, bytes] : posted) others += other == name ? 0 : bytes;
@@ -274,20 +167,18 @@ awaitable<void> Server::State::take_file(Stream& stream, beast::flat_buffer& buf
   }
   // Whole, or not at all: what had this name stays until then.
   const std::filesystem::path part = pages.folder / fmt::format(".part-{}", reinterpret_cast<std::uintptr_t>(&stream));
-  struct Removed {
-    const std::filesystem::path& path;
-    ~Removed() {
-      std::error_code ignored;
-      std::filesystem::remove(path, ignored);
-    }
-  } const removed{part};
+  const auto remove = [](const std::filesystem::path* path) {
+    std::error_code ignored;
+    std::filesystem::remove(*path, ignored);
+  };
+  const std::shared_ptr<const std::filesystem::path> removed(&part, remove);
   std::ofstream file(part, std::ios::binary | std::ios::trunc);
   std::vector<char> bytes(std::size_t{1} << 18);
   std::uint64_t taken = 0;
   while (!parser.is_done()) {
     parser.get().body().data = bytes.data();
     parser.get().body().size = bytes.size();
-    stream.expires_after(kRequestTime);
+    beast::get_lowest_layer(stream).expires_after(kRequestTime);
     error_code error;
     co_await http::async_read(stream, buffer, parser, into(error));
     if (error && error != http::error::need_buffer) throw boost::system::system_error(error);
@@ -302,8 +193,9 @@ awaitable<void> Server::State::take_file(Stream& stream, beast::flat_buffer& buf
   posted[name] = taken;
 }
 
-awaitable<bool> Server::State::reply(Stream& stream, const HttpRequest& request, http::status status,
-                                     std::string_view type, std::string body, const std::string& attachment) {
+template <typename S>
+awaitable<bool> Server::State::reply(S& stream, const HttpRequest& request, http::status status, std::string_view type,
+                                     std::string body, const std::string& attachment) {
   http::response<http::string_body> response(status, 11, std::move(body));
   const bool goes_on = request.keep_alive() && to_status_class(status) == http::status_class::successful;
   const auto set = [&response](const char* name, std::string_view value) {
@@ -319,14 +211,67 @@ awaitable<bool> Server::State::reply(Stream& stream, const HttpRequest& request,
   if (!attachment.empty()) set("Content-Disposition", "attachment; filename=\"" + attachment + '"');
   response.keep_alive(goes_on);
   response.prepare_payload();
-  stream.expires_after(kIdle);
+  beast::get_lowest_layer(stream).expires_after(kIdle);
   co_await http::async_write(stream, response, asio::use_awaitable);
   co_return goes_on;
 }
 
-awaitable<void> Server::State::page(Stream stream, HttpRequest request) {
-  stream.expires_never();  // the WebSocket has limits of its own
-  Socket socket(std::move(stream));
+awaitable<void> Server::State::accept() {
+  for (;;) {
+    error_code error;
+    tcp::socket socket = co_await acceptor.async_accept(into(error));
+    if (error == asio::error::operation_aborted) co_return;
+    if (error) {
+      asio::steady_timer pause(io, kAcceptRetry);
+      co_await pause.async_wait(into(error));
+      continue;
+    }
+    if (connections < 2 * kMaxConnections) serve(std::move(socket));  // those beyond the limit are told, more are left
+  }
+}
+
+void Server::State::serve(tcp::socket socket) {
+  error_code ignored;
+  socket.set_option(tcp::no_delay(true), ignored);
+  if (door.tls) {
+    asio::co_spawn(io, connection(Tls(std::move(socket), *door.tls)), asio::detached);
+  } else {
+    asio::co_spawn(io, connection(beast::tcp_stream(std::move(socket))), asio::detached);
+  }
+}
+
+template <typename S>
+awaitable<void> Server::State::connection(S stream) {
+  const std::shared_ptr<std::size_t> counted(&++connections, [](std::size_t* count) { --*count; });
+  beast::tcp_stream& plain = beast::get_lowest_layer(stream);
+  try {
+    if constexpr (std::is_same_v<S, Tls>) {
+      plain.expires_after(kRequestTime);
+      co_await stream.async_handshake(Tls::server, asio::use_awaitable);
+    }
+    beast::flat_buffer buffer(2 * kHeaderBytes);
+    for (bool goes_on = true; goes_on;) {
+      error_code error;
+      Parser parser;
+      parser.header_limit(kHeaderBytes);
+      parser.body_limit(kMaxFileBytes);
+      plain.expires_after(buffer.size() > 0 ? std::chrono::seconds(kRequestTime) : kIdle);
+      co_await http::async_read_header(stream, buffer, parser, into(error));
+      if (error == http::error::header_limit) {
+        co_await reply(stream, {}, http::status::request_header_fields_too_large, "text/plain", "too long a header\n");
+      }
+      if (error) break;
+      goes_on = co_await answer(stream, buffer, parser);
+    }
+  } catch (const std::exception&) {
+    // The other side has gone, or took too long.
+  }
+}
+
+template <typename S>
+awaitable<void> Server::State::page(S stream, HttpRequest request) {
+  beast::get_lowest_layer(stream).expires_never();  // the WebSocket has limits of its own
+  websocket::stream<S> socket(std::move(stream));
   socket.read_message_max(kMaxMessageBytes);
   socket.auto_fragment(false);
   socket.write_buffer_bytes(std::size_t{1} << 18);
@@ -373,7 +318,8 @@ awaitable<void> Server::State::page(Stream stream, HttpRequest request) {
   if (is_fault) co_await socket.async_close(reason, into(error));
 }
 
-awaitable<void> Server::State::write_out(Socket& socket, std::shared_ptr<Client> client, std::shared_ptr<bool> ended) {
+template <typename S>
+awaitable<void> Server::State::write_out(S& socket, std::shared_ptr<Client> client, std::shared_ptr<bool> ended) {
   error_code error;
   while (!client->is_gone) {
     if (client->out.empty()) {
@@ -400,27 +346,28 @@ void Server::State::put(Client& client, const Packet& packet) {
 
 Server::Server(Pages pages, std::string token) : state_(std::make_unique<State>()) {
   state_->pages = std::move(pages);
-  state_->token = std::move(token);
+  state_->door.token = std::move(token);
 }
 
-Server::Server(Pages pages, std::uint16_t port, std::string token) : Server(std::move(pages), std::move(token)) {
-  const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
+Server::Server(Pages pages, const Listen& listen, std::string token) : Server(std::move(pages), std::move(token)) {
+  const asio::ip::address address = asio::ip::make_address(listen.address);
+  if (!listen.certificate_file.empty()) state_->door.speak_tls(listen.certificate_file, listen.key_file);
+  const tcp::endpoint endpoint(address, listen.port);
   state_->acceptor.open(endpoint.protocol());
   state_->acceptor.set_option(tcp::acceptor::reuse_address(true));
   state_->acceptor.bind(endpoint);
   state_->acceptor.listen();
-  state_->port = state_->acceptor.local_endpoint().port();
+  state_->door.port = state_->acceptor.local_endpoint().port();
+  state_->door.host = address.is_unspecified() ? asio::ip::host_name() : address.to_string();
   asio::co_spawn(state_->io, state_->accept(), asio::detached);
 }
 
 Server::~Server() = default;
 
-std::uint16_t Server::port() const { return state_->port; }
-
-std::string Server::address() const { return fmt::format("http://127.0.0.1:{}/?token={}", port(), state_->token); }
+std::string Server::address() const { return state_->door.address(); }
 
 void Server::run() {
-  if (state_->port != 0) {
+  if (state_->door.port != 0) {
     state_->signals.add(SIGINT);
     state_->signals.add(SIGTERM);
     state_->signals.async_wait([this](const error_code& error, int) {
@@ -429,8 +376,6 @@ void Server::run() {
   }
   state_->io.run();
 }
-
-void Server::stop() { state_->io.stop(); }
 
 void Server::send(Page page, const Packet& packet) {
   asio::post(state_->io, [this, page, packet] {
@@ -443,7 +388,7 @@ void Server::send(Page page, const Packet& packet) {
 void Server::serve(int descriptor) {
   tcp::socket socket(state_->io);
   socket.assign(tcp::v4(), descriptor);
-  asio::co_spawn(state_->io, state_->connection(std::move(socket)), asio::detached);
+  state_->serve(std::move(socket));
 }
 
 std::size_t Server::connections() const { return state_->connections; }

@@ -1,4 +1,4 @@
-// HTTP and WebSocket for the pages (protocol.h), on this machine's own addresses only.
+// HTTP and WebSocket for the pages (protocol.h), by TLS if there is a certificate.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +15,11 @@
 
 namespace gicube::samples::view {
 
-// 128 bits of the system's random source, as 32 hexadecimal digits.
-std::string new_token();
-
-// In a time that does not depend on where they differ.
-bool same_secret(std::string_view a, std::string_view b);
+struct Listen {
+  std::string address = "127.0.0.1";       // numeric; 0.0.0.0 or ::, all of this machine
+  std::uint16_t port = 0;                  // any that is free
+  std::string certificate_file, key_file;  // PEM; empty: no TLS
+};
 
 // What the server asks of a viewer; calls come from the server's thread.
 struct Pages {
@@ -31,20 +31,18 @@ struct Pages {
 
 class Server {
  public:
-  // Listens on 127.0.0.1; port 0: any that is free. Throws boost::system::system_error.
-  Server(Pages pages, std::uint16_t port, std::string token);
+  // Throws boost::system::system_error, and FileError for a certificate.
+  Server(Pages pages, const Listen& listen, std::string token);
   // For connections that serve() is given; listens nowhere.
   Server(Pages pages, std::string token);
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  std::uint16_t port() const;
   std::string address() const;  // with the token
 
-  // Until stop(), or a signal that ends programs (SIGINT, SIGTERM).
+  // Until a signal that ends programs (SIGINT, SIGTERM).
   void run();
-  void stop();
   // From any thread.
   void send(Page page, const Packet& packet);
 

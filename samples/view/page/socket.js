@@ -8,7 +8,7 @@ export class Connection extends EventTarget {
 
   open() {
     const url = new URL(address("socket"), location.href);
-    url.protocol = "ws:";
+    url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
     const socket = new WebSocket(url);
     this.#socket = socket;
     socket.binaryType = "arraybuffer";

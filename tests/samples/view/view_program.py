@@ -10,6 +10,7 @@ import pathlib
 import select
 import signal
 import socket
+import ssl
 import struct
 import subprocess
 import urllib.parse
@@ -31,24 +32,34 @@ def write_ball(path: pathlib.Path, size: int = 48, hole: bool = True) -> None:
 
 
 class Running:
-    """A gicube-view that somebody has started, by its address."""
+    """A gicube-view that somebody has started, by its address; `trust`: the certificate of one with TLS."""
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, trust: Optional[pathlib.Path] = None) -> None:
         parts = urllib.parse.urlsplit(address)
         assert parts.port is not None
-        self.address, self.port, self.token = address, parts.port, parts.query.removeprefix("token=")
+        self.address, self.port, self.token, self.scheme = address, parts.port, parts.query.removeprefix("token="), parts.scheme
+        self.tls = ssl.create_default_context(cafile=str(trust)) if trust else None
+
+    def get(self, path: str, method: str = "GET", body: Optional[bytes] = None, **headers: str) -> tuple[int, bytes]:
+        kind = http.client.HTTPSConnection if self.tls else http.client.HTTPConnection
+        connection = kind("127.0.0.1", self.port, timeout=60, **({"context": self.tls} if self.tls else {}))
+        connection.request(method, path, body, headers)
+        answer = connection.getresponse()
+        content = answer.read()
+        connection.close()
+        return answer.status, content
 
 
 class Program(Running):
     """One of our own, which ends with the block."""
 
-    def __init__(self, *arguments: object) -> None:
+    def __init__(self, *arguments: object, trust: Optional[pathlib.Path] = None) -> None:
         words = [BIN / "gicube-view", "--no-open", *arguments]
         self.process = subprocess.Popen([str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         address = self.process.stdout.readline().strip()
         assert address, self.process.communicate()[1]
-        super().__init__(address)
+        super().__init__(address, trust)
 
     def __enter__(self) -> "Program":
         return self
@@ -56,14 +67,6 @@ class Program(Running):
     def __exit__(self, *_: object) -> None:
         self.process.send_signal(signal.SIGTERM)
         self.process.communicate(timeout=60)
-
-    def get(self, path: str, method: str = "GET", body: Optional[bytes] = None, **headers: str) -> tuple[int, bytes]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
-        connection.request(method, path, body, headers)
-        answer = connection.getresponse()
-        content = answer.read()
-        connection.close()
-        return answer.status, content
 
     def boards(self) -> list[int]:
         """Processes of the boards that it has started."""
@@ -76,7 +79,9 @@ class Page:
 
     def __init__(self, program: Running, *, token: Optional[str] = None, origin: Optional[str] = None) -> None:
         self.socket = socket.create_connection(("127.0.0.1", program.port), timeout=120)
-        origin = f"http://127.0.0.1:{program.port}" if origin is None else origin
+        if program.tls:
+            self.socket = program.tls.wrap_socket(self.socket, server_hostname="127.0.0.1")
+        origin = f"{program.scheme}://127.0.0.1:{program.port}" if origin is None else origin
         lines = [
             f"GET /socket?token={program.token if token is None else token} HTTP/1.1",
             f"Host: 127.0.0.1:{program.port}",
