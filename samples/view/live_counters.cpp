@@ -1,11 +1,9 @@
 #include "view/live_counters.h"
 
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <sys/time.h>
-#include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -14,34 +12,23 @@
 #include "gicube/registry.h"
 #include "gicube/v1/management.pb.h"
 
+#include <boost/asio/local/stream_protocol.hpp>
+
 namespace gicube::samples::view {
 namespace {
 
 constexpr std::chrono::milliseconds kEvery{100};     // as protocol.h says
 constexpr std::chrono::milliseconds kPatience{500};  // chosen: a running board answers within milliseconds
 
-std::optional<v1::BoardProcess> told_by(const std::string& path) {
-  sockaddr_un address{};
-  address.sun_family = AF_UNIX;
-  if (path.size() >= sizeof address.sun_path) return {};
-  path.copy(address.sun_path, path.size());
-  struct Socket {
-    int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    ~Socket() {
-      if (descriptor >= 0) ::close(descriptor);
-    }
-  } const socket;
-  const timeval patience{0, std::chrono::microseconds(kPatience).count()};
-  ::setsockopt(socket.descriptor, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  if (::connect(socket.descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) return {};
-  std::string bytes;
-  std::string part(std::size_t{1} << 16, '\0');
-  ssize_t count = 0;
-  while ((count = ::recv(socket.descriptor, part.data(), part.size(), 0)) > 0) {
-    bytes.append(part, 0, static_cast<std::size_t>(count));
-  }
+std::optional<v1::BoardProcess> told_by(const std::string& path) try {
+  using Local = boost::asio::local::stream_protocol;
+  Local::iostream stream;
+  stream.expires_after(kPatience);
+  stream.connect(Local::endpoint(path));
   v1::BoardProcess process;
-  return count == 0 && process.ParseFromString(bytes) ? std::optional(std::move(process)) : std::nullopt;
+  return stream && process.ParseFromIstream(&stream) ? std::optional(std::move(process)) : std::nullopt;
+} catch (const boost::system::system_error&) {
+  return {};  // no path of a socket
 }
 
 bool is_child(const std::string& pid) {
@@ -52,12 +39,21 @@ bool is_child(const std::string& pid) {
   return false;
 }
 
+using Json = nlohmann::ordered_json;
+
+Json machine_of(const v1::MachineLook& look) {
+  const auto list = [](const auto& values) { return Json(std::vector(values.begin(), values.end())); };
+  Json memories;
+  for (const v1::MemoryBanks& memory : look.memories()) memories.push_back(list(memory.packets()));
+  return {{"blocks_a_side", look.blocks_a_side()}, {"cells", list(look.cells())}, {"waiting", list(look.waiting())},
+          {"processors", list(look.processors())}, {"banks", look.banks()},       {"memories", std::move(memories)}};
+}
+
 BoardLook look_of(const v1::CounterSnapshot& snapshot) {
   std::vector<Counter> list;
-  for (const v1::Counter& counter : snapshot.counters()) {
-    list.push_back({counter.name(), counter.unit(), counter.value()});
-  }
-  return {static_cast<Picoseconds>(snapshot.simulated_ps()), Counters(std::move(list))};
+  for (const v1::Counter& each : snapshot.counters()) list.push_back({each.name(), each.unit(), each.value()});
+  return {static_cast<Picoseconds>(snapshot.simulated_ps()), Counters(std::move(list)),
+          snapshot.has_machine() ? machine_of(snapshot.machine()) : Json(nullptr)};
 }
 
 }  // namespace
@@ -137,12 +133,10 @@ void LiveCounters::work() {
     lock.lock();
     if (!seen && uri == uri_) seen = counted_;
     if (seen) {
-      const auto values = [](const BoardLook& look) {
-        std::vector<std::uint64_t> all;
-        for (const Counter& counter : look.counters.list()) all.push_back(counter.value);
-        return all;
-      };
-      const bool is_new = running != was_running || values(*seen) != values(last);
+      const bool is_new =
+          running != was_running ||
+          !std::ranges::equal(seen->counters.list(), last.counters.list(), {}, &Counter::value, &Counter::value) ||
+          seen->machine != last.machine;
       const std::set<std::uint64_t> fresh = std::exchange(new_pages_, {});
       const std::set<std::uint64_t> pages = is_new ? pages_ : fresh;
       last = *seen;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -23,6 +24,7 @@ namespace gicube::samples::view {
 struct BoardLook {
   Picoseconds simulated = 0;
   Counters counters;
+  nlohmann::ordered_json machine = nullptr;  // as protocol.h has it; null: nothing is known of it
 };
 
 // By the registry: the board of that URI and configuration that this process has opened. Nothing if there is none.

@@ -37,9 +37,11 @@
 //                                   nothing is open. own_look: without a transfer function the input has its own. The settings
 //                                   name eye, look-at, up, fov, size, step and threshold; settings of switches are there where they are on
 //   {"type":"histogram","low","high","counts":[256 numbers]}  over the volume's range
-//   {"type":"machine","simulated_ms","running":BOOL,"counters":{NAME:VALUE...},"units":{NAME:UNIT...}}   all that the board counts, since
+//   {"type":"machine","simulated_ms","running":BOOL,"counters":{NAME:VALUE...},"units":{NAME:UNIT...},"look"?:{...}}   all that the board counts, since
 //                                   its start (docs/reference/counters.md), where that has changed; shares and rates are for the page to
-//                                   form. units come once. Within a frame only of a board of this user on this machine at the cycle level
+//                                   form. units come once. Within a frame only of a board of this user on this machine at the cycle level,
+//                                   which also have a look: MachineLook of management.proto, as {"blocks_a_side","cells":[x,y,z],
+//                                   "waiting":[...],"processors":[...],"banks","memories":[[packets...]...]}
 //   {"type":"compared","id","frames":[{"frame_ms","settings":{...},"counters":{...}} x 2],"same":BOOL}   same: the pictures are equal
 //   {"type":"progress","text","done","all"}                   of a long step: reading, loading, lighting
 //   {"type":"board","state":"lost"|"ready","text"}            lost: {"do":"board"} starts another, and the picture should be asked for again

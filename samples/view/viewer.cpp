@@ -53,6 +53,7 @@ Viewer::Viewer(const ViewOptions& options, std::function<void(Page, const Packet
           message["counters"][counter.name] = counter.value;
           if (with_units) message["units"][counter.name] = counter.unit;
         }
+        if (!look.machine.is_null()) message["look"] = look.machine;
         tell(page, message, true);
       }) {
   shelf_.folder = options_.folder;

@@ -1,6 +1,5 @@
 // A camera that moves round its target. Positions are voxels of the file, or a scene's world units; turns are made in physical lengths.
 /** @typedef {import("./protocol.js").Vector} Vector */
-/** @typedef {import("./view.js").ViewState} ViewState */
 
 /** @param {string} text @returns {Vector} */
 export const vector = (text) => /** @type {Vector} */ (text.split(",").map(Number));
@@ -24,7 +23,7 @@ const text = (v) => v.map((x) => Number(x.toFixed(4))).join(",");
 export class Camera {
   /** @type {Vector} */ spacing = [1, 1, 1];
 
-  /** @param {ViewState} view */
+  /** @param {import("./view.js").ViewState} view */
   constructor(view) {
     this.view = view;
   }
@@ -52,8 +51,7 @@ export class Camera {
   orbit(across, over) {
     const { target, offset, up, right } = this.#pose();
     const height = Math.asin(Math.max(-1, Math.min(1, dot(unit(offset), up))));
-    const limit = 1.55;
-    const tilt = Math.max(-limit, Math.min(limit, height + over)) - height;
+    const limit = 1.55, tilt = Math.max(-limit, Math.min(limit, height + over)) - height;
     this.#put(target, turned(turned(offset, right, -tilt), up, across));
   }
 

@@ -1,25 +1,15 @@
 // The same frame on boards of two configurations, side by side.
-/** @typedef {import("./protocol.js").Hello} Hello */
 /** @typedef {import("./protocol.js").ComparedFrame} ComparedFrame */
-/** @typedef {import("./socket.js").Connection} Connection */
-/** @typedef {import("./view.js").ViewState} ViewState */
 import { by, element } from "./dom.js";
 import { cycles_of, figures, legend, stacked } from "./figures.js";
 
 /** Fields to begin with, and values worth a look.
  * @type {Record<string, [string, string]>} */
 const kFields = {
-  "asic.processors": ["4", "8"],
-  "asic.queue_rays": ["256", "64"],
-  "asic.block_voxels": ["32", "16"],
-  "asic.partition": ["simple_slab", "skewed_block"],
-  "asic.core_khz": ["100000", "200000"],
-  "sorter.policy": ["most_rays", "longest_wait"],
-  "cache.ways": ["1", "4"],
-  "link.bits": ["32", "128"],
-  "memory": ["rdram", "ddr"],
-  "bus.model": ["pci33", "agp2x"],
-  "dsp.clock_khz": ["200000", "400000"],
+  "asic.processors": ["4", "8"], "asic.queue_rays": ["256", "64"], "asic.block_voxels": ["32", "16"],
+  "asic.partition": ["simple_slab", "skewed_block"], "asic.core_khz": ["100000", "200000"],
+  "sorter.policy": ["most_rays", "longest_wait"], "cache.ways": ["1", "4"], "link.bits": ["32", "128"],
+  "memory": ["rdram", "ddr"], "bus.model": ["pci33", "agp2x"], "dsp.clock_khz": ["200000", "400000"],
 };
 
 export const kFirstId = 2 ** 40; // those of pictures are smaller
@@ -33,7 +23,7 @@ export class Compare {
   #run = element("button", { type: "button", id: "compare-run" }, "Compare");
   #result = element("div", { id: "compared", role: "status" });
 
-  /** @param {Connection} connection @param {ViewState} view */
+  /** @param {import("./socket.js").Connection} connection @param {import("./view.js").ViewState} view */
   constructor(connection, view) {
     this.connection = connection;
     this.view = view;
@@ -48,7 +38,7 @@ export class Compare {
     connection.on("board", () => this.#end(""));
   }
 
-  /** @param {Hello} hello */
+  /** @param {import("./protocol.js").Hello} hello */
   open(hello) {
     this.#run.disabled = !hello.volume;
   }
@@ -56,10 +46,7 @@ export class Compare {
   #ask() {
     this.#id += 1;
     const [settings, other] = this.#values.map(({ value }) => ({
-      ...this.view.own,
-      fidelity: this.#level.value,
-      size: this.#size.value,
-      [this.#field.value.trim()]: value.trim(),
+      ...this.view.own, fidelity: this.#level.value, size: this.#size.value, [this.#field.value.trim()]: value.trim(),
     }));
     this.#run.disabled = true;
     this.#result.textContent = "Both boards work; at the cycle level that takes its time. Another picture ends it.";

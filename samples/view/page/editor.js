@@ -107,18 +107,14 @@ export class Editor {
     this.#draw();
   }
 
-  #ends() {
-    return this.#transfer.normalised ? [0, 1] : this.#range;
-  }
+  #ends() { return this.#transfer.normalised ? [0, 1] : this.#range; }
   /** @param {number} at */
   #x(at) {
     const [low, high] = this.#ends();
     return kEdge + ((at - low) / (high - low || 1)) * (kWidth - 2 * kEdge);
   }
   /** @param {number} opacity */
-  #y(opacity) {
-    return kHeight - opacity * (kHeight - kEdge);
-  }
+  #y(opacity) { return kHeight - opacity * (kHeight - kEdge); }
   /** @param {MouseEvent} event */
   #place(event) {
     const box = this.#svg.getBoundingClientRect();
@@ -220,27 +216,17 @@ export class Editor {
   #draw() {
     const { colours, opacities } = this.#transfer;
     const [first, last] = [opacities[0], opacities.at(-1)];
-    if (first && last)
-      this.#curve.setAttribute(
-        "d",
-        `M${kEdge},${this.#y(first.opacity)}${opacities.map((p) => `L${this.#x(p.at)},${this.#y(p.opacity)}`).join("")}L${kWidth - kEdge},${this.#y(last.opacity)}`,
-      );
+    const line = opacities.map((p) => `L${this.#x(p.at)},${this.#y(p.opacity)}`).join("");
+    if (first && last) this.#curve.setAttribute("d", `M${kEdge},${this.#y(first.opacity)}${line}L${kWidth - kEdge},${this.#y(last.opacity)}`);
     const [low, high] = this.#ends();
-    this.#gradient.replaceChildren(
-      ...colours.map((p) => shape("stop", { offset: (p.at - low) / (high - low || 1), "stop-color": hex(p.colour) })),
-    );
+    this.#gradient.replaceChildren(...colours.map((p) => shape("stop", { offset: (p.at - low) / (high - low || 1), "stop-color": hex(p.colour) })));
     const dot = (/** @type {"colours" | "opacities"} */ list) => (/** @type {any} */ p, /** @type {number} */ index) =>
       shape("circle", {
-        cx: this.#x(p.at),
-        cy: list === "opacities" ? this.#y(p.opacity) : kStrip,
-        r: 6,
+        cx: this.#x(p.at), cy: list === "opacities" ? this.#y(p.opacity) : kStrip, r: 6,
         fill: list === "opacities" ? hex(colour_at(this.#transfer, p.at)) : hex(p.colour),
         class: this.#selected.list === list && this.#selected.index === index ? "point selected" : "point",
-        tabindex: 0,
-        role: "button",
+        tabindex: 0, role: "button", "data-list": list, "data-index": index,
         "aria-label": list === "opacities" ? `opacity ${p.opacity.toFixed(3)} at ${p.at.toPrecision(4)}` : `colour ${hex(p.colour)} at ${p.at.toPrecision(4)}`,
-        "data-list": list,
-        "data-index": index,
       });
     this.#points.replaceChildren(...opacities.map(dot("opacities")), ...colours.map(dot("colours")));
     const point = /** @type {any} */ (this.#transfer[this.#selected.list][this.#selected.index]);

@@ -55,18 +55,8 @@ export function stacked(rows, title) {
 
 /** Bars of one share each: label, 0..1, text.
  * @param {[string, number, string][]} rows @param {string} title */
-export function bars(rows, title) {
-  const svg = shape("svg", { viewBox: `0 0 ${kLabel + kBar} ${rows.length * kRow + 2}`, class: "chart", role: "img", "aria-label": title });
-  rows.forEach(([label, share, text], row) => {
-    const width = Math.max(0, Math.min(1, share)) * (kBar - 70);
-    svg.append(
-      shape("text", { x: 0, y: row * kRow + 11 }, label),
-      shape("rect", { x: kLabel, y: row * kRow + 2, width, height: kRow - 5, fill: "#0072b2" }),
-      shape("text", { x: kLabel + width + 4, y: row * kRow + 11 }, text),
-    );
-  });
-  return svg;
-}
+export const bars = (rows, title) => element("table", { class: "bars", "aria-label": title }, ...rows.map(([label, share, text]) =>
+  element("tr", {}, element("td", {}, label), element("td", {}, element("progress", { value: String(share || 0), "aria-label": label })), element("td", {}, text))));
 
 /** The groups that are there, with their shares.
  * @param {number[]} cycles */

@@ -1,7 +1,4 @@
 // Files that are dropped on the page or chosen: posted one by one, then opened together.
-/** @typedef {import("./protocol.js").Hello} Hello */
-/** @typedef {import("./socket.js").Connection} Connection */
-/** @typedef {import("./view.js").ViewState} ViewState */
 import { by } from "./dom.js";
 import { address } from "./protocol.js";
 
@@ -9,7 +6,7 @@ export class Files {
   #most = 0; // bytes
   #opened = ""; // a transfer function that this page has posted
 
-  /** @param {Connection} connection @param {(key: string, text: string) => void} notice */
+  /** @param {import("./socket.js").Connection} connection @param {(key: string, text: string) => void} notice */
   constructor(connection, notice) {
     this.connection = connection;
     this.notice = notice;
@@ -33,7 +30,7 @@ export class Files {
     });
   }
 
-  /** @param {Hello} hello @param {ViewState} view */
+  /** @param {import("./protocol.js").Hello} hello @param {import("./view.js").ViewState} view */
   open(hello, view) {
     this.#most = hello.limits.file_bytes;
     if (!hello.transfer_functions.includes(this.#opened)) return;

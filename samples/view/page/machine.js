@@ -1,16 +1,16 @@
 // The machine at work: ten looks a second at all that the board counts, while this panel is open.
-/** @typedef {import("./protocol.js").Counters} Counters */
 /** @typedef {import("./protocol.js").Machine} Message */
-/** @typedef {import("./socket.js").Connection} Connection */
 import { by, element, short } from "./dom.js";
 import { bars, between, cycles_of, figures, legend, parts_of, stacked } from "./figures.js";
+import { banks_map, blocks_map, packets_between } from "./maps.js";
 import { TimeLine } from "./timeline.js";
 
 const kWindow = 10; // looks back of the figures, a second
 
 export class Machine {
   /** @type {Message[]} */ #looks = []; // of the last second
-  /** @type {Counters | null} */ #begin = null; // before the frame that runs, or that was the last
+  /** @type {Message | null} */ #begin = null; // before the frame that runs, or that was the last
+  #most = 1; // rays of a block's queue in it
   /** @type {Record<string, string>} */ #units = {};
   #was_running = false;
   #head = element("p", { class: "quiet", id: "machine-state" }, "Nothing was counted yet.");
@@ -20,7 +20,7 @@ export class Machine {
   #line = new TimeLine();
   #raw = element("details", {}, element("summary", {}, "All counters, since the board's start"), this.#all);
 
-  /** @param {Connection} connection */
+  /** @param {import("./socket.js").Connection} connection */
   constructor(connection) {
     this.connection = connection;
     by("machine").append(this.#head, this.#charts, this.#table, this.#line.place, this.#raw);
@@ -43,8 +43,9 @@ export class Machine {
     const last = this.#looks.at(-1);
     if (last && (counters["pipeline.rays"] ?? 0) < (last.counters["pipeline.rays"] ?? 0)) this.#looks = []; // a new board
     if (!this.#begin || (running && !this.#was_running)) {
-      this.#begin = this.#looks.at(-1)?.counters ?? counters;
-      this.#line.clear(this.#begin);
+      this.#begin = this.#looks.at(-1) ?? message;
+      this.#most = 1;
+      this.#line.clear(this.#begin.counters);
     }
     this.#was_running = running;
     this.#looks.push(message);
@@ -54,9 +55,9 @@ export class Machine {
   }
 
   /** @param {Message} message */
-  #show({ counters, running, simulated_ms }) {
-    const since = running ? this.#looks[0].counters : (this.#begin ?? {});
-    const window = between(counters, since);
+  #show({ counters, running, simulated_ms, look }) {
+    const since = running ? this.#looks[0] : this.#begin;
+    const window = between(counters, since?.counters ?? {});
     const cycles = window["asic.cycles"] ?? 0;
     const what = running ? "a frame runs; figures of the last second" : "idle; figures of the last frame, and of what had to be loaded for it";
     this.#head.textContent = `${what} · ${simulated_ms.toFixed(3)} ms simulated since the board's start · ${short(cycles)} core cycles`;
@@ -64,26 +65,40 @@ export class Machine {
     if (processors.length === 0) {
       this.#charts.replaceChildren(element("p", { class: "quiet" }, "The functional level keeps no cycles: choose the level cycle or approximate, below Board."));
     } else {
-      const held = processors.map((part) => counters[`${part}.sorter.written`] - counters[`${part}.sorter.issued`]);
-      const most = Math.max(...held, 1);
       const sums = cycles_of(window);
       const memory = "rdram.cycles" in counters ? "rdram" : "ddr";
       this.#charts.replaceChildren(
         element("h2", {}, "Cycles by cause: what each processor does, or waits for"),
         stacked([["all", sums], ...processors.map((part, i) => /** @type {[string, number[]]} */ ([`processor ${i}`, cycles_of(window, part)]))], "cycles by cause"),
         legend(sums),
-        element("h2", {}, "Rays in queues"),
-        bars(processors.map((_, i) => [`processor ${i}`, held[i] / most, short(held[i])]), "rays in queues"),
+        ...this.#queues(counters, look),
         element("h2", {}, `Bandwidth used of each ${memory} channel`),
         bars(parts_of(counters, memory, "cycles").map((part) => {
           const share = window[`${part}.data_busy`] / (window[`${part}.cycles`] || 1);
           return [part, share, `${(100 * share).toFixed(1)}%`];
         }), "bandwidth used"),
+        ...(look?.memories.length ? [element("h2", {}, "Packets of each bank"), ...banks_map(packets_between(look, since?.look), look.banks, memory)] : []),
       );
     }
     this.#table.replaceChildren(...figures(window).map(([label, , text]) => element("tr", {}, element("td", {}, label), element("td", {}, text))));
     if (!this.#raw.open) return;
     this.#all.replaceChildren(...Object.entries(counters).map(([name, value]) =>
       element("tr", {}, element("td", {}, name), element("td", {}, String(value)), element("td", {}, String(this.#units[name] ?? "")))));
+  }
+
+  /** Rays under way, and where they wait.
+   * @param {Message["counters"]} counters @param {Message["look"]} look */
+  #queues(counters, look) {
+    if (!look) return [];
+    this.#most = Math.max(this.#most, ...look.waiting);
+    const frame = between(counters, this.#begin?.counters ?? {});
+    const waiting = look.processors.reduce((sum, rays) => sum + rays, 0);
+    const under_way = Math.max(waiting, frame["dsp.rays_sent"] - frame["dsp.rays_taken"] - frame["dsp.overflows"]);
+    const most = Math.max(1, ...look.processors);
+    return [
+      element("h2", {}, `Rays: ${short(under_way)} under way, ${short(waiting)} of them in queues`),
+      bars(look.processors.map((rays, i) => [`processor ${i}`, rays / most, short(rays)]), "rays in queues"),
+      ...blocks_map(look, this.#most),
+    ];
   }
 }

@@ -46,9 +46,7 @@ function notice(key, text, ...ways) {
   by("notices").append(line);
 }
 
-function is_open() {
-  return view.chosen.input !== undefined;
-}
+const is_open = () => view.chosen.input !== undefined;
 
 view.addEventListener("change", (event) => {
   const { what, moving } = /** @type {CustomEvent} */ (event).detail;
@@ -116,10 +114,8 @@ picture.addEventListener("shown", (event) => {
   fields.blame();
   notice("error", "");
   by("progress").hidden = true;
-  const time =
-    header.frame_ms === null
-      ? ""
-      : ` · ${header.frame_ms.toPrecision(4)} ms simulated, ${(1000 / header.frame_ms).toPrecision(3)} pictures a second on the card`;
+  const time = header.frame_ms === null ? ""
+    : ` · ${header.frame_ms.toPrecision(4)} ms simulated, ${(1000 / header.frame_ms).toPrecision(3)} pictures a second on the card`;
   const what = header.final ? "whole picture" : "coarse picture";
   by("status").textContent = `${what} ${header.width} × ${header.height} · ${header.level}${time} · ${Math.ceil(header.host_ms)} ms here`;
   if (!header.final) return;

@@ -1,8 +1,4 @@
 // The picture: hands move the camera, requests go out without waiting for old ones, pictures are shown as they come.
-/** @typedef {import("./socket.js").Connection} Connection */
-/** @typedef {import("./view.js").ViewState} ViewState */
-/** @typedef {import("./camera.js").Camera} Camera */
-/** @typedef {import("./protocol.js").PictureHeader} PictureHeader */
 /** @typedef {import("./protocol.js").Failure} Failure */
 
 const kRest = 180; // milliseconds without a move after which the whole picture is asked for
@@ -15,7 +11,7 @@ export class Picture extends EventTarget {
   #wanted = false;
   #rest = 0;
 
-  /** @param {HTMLCanvasElement} canvas @param {Connection} connection @param {ViewState} view */
+  /** @param {HTMLCanvasElement} canvas @param {import("./socket.js").Connection} connection @param {import("./view.js").ViewState} view */
   constructor(canvas, connection, view) {
     super();
     this.canvas = canvas;
@@ -58,7 +54,7 @@ export class Picture extends EventTarget {
     if (this.#wanted) this.ask(true);
   }
 
-  /** @param {PictureHeader} header @param {Uint8Array} bytes */
+  /** @param {import("./protocol.js").PictureHeader} header @param {Uint8Array} bytes */
   #show(header, bytes) {
     this.#arrived(header.id);
     const { canvas } = this;
@@ -77,7 +73,7 @@ export class Picture extends EventTarget {
 }
 
 /** Mouse, touch and keys on the picture move the camera.
- * @param {HTMLCanvasElement} canvas @param {Camera} camera */
+ * @param {HTMLCanvasElement} canvas @param {import("./camera.js").Camera} camera */
 export function steer(canvas, camera) {
   /** @type {Map<number, {x: number, y: number}>} */
   const fingers = new Map();
@@ -107,14 +103,10 @@ export function steer(canvas, camera) {
   });
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("dblclick", () => camera.reset());
-  canvas.addEventListener(
-    "wheel",
-    (event) => {
-      event.preventDefault();
-      camera.zoom(Math.exp(-Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 100) * 0.0015));
-    },
-    { passive: false },
-  );
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    camera.zoom(Math.exp(-Math.sign(event.deltaY) * Math.min(Math.abs(event.deltaY), 100) * 0.0015));
+  }, { passive: false });
   canvas.addEventListener("keydown", (event) => {
     const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     if (arrow) {

@@ -8,7 +8,8 @@
  *   limits: {file_bytes: number, message_bytes: number, size: number},
  *   board: {uri: string, level: string, processors: number} | null}} Hello */
 /** @typedef {Record<string, number>} Counters */
-/** @typedef {{type: "machine", simulated_ms: number, running: boolean, counters: Counters, units?: Record<string, string>}} Machine */
+/** @typedef {{type: "machine", simulated_ms: number, running: boolean, counters: Counters, units?: Record<string, string>, look?: Look}} Machine */
+/** @typedef {{blocks_a_side: number, cells: Vector, waiting: number[], processors: number[], banks: number, memories: number[][]}} Look */
 /** @typedef {{frame_ms: number | null, settings: Settings, counters: Counters}} ComparedFrame */
 /** @typedef {{type: "picture", id: number, width: number, height: number, final: boolean, frame_ms: number | null, level: string,
  *   host_ms: number, number?: number, command?: string, python?: string}} PictureHeader */

@@ -84,9 +84,7 @@ export class TimeLine {
         if (height > 0) this.#svg.append(shape("rect", { x: left, y, width: right - left, height, fill: kGroups[group].colour }, shape("title", {}, text)));
       });
     }
-    this.#svg.append(
-      shape("text", { x: 0, y: kHeight + 11 }, `cycle ${short(low * all)}`),
-      shape("text", { x: kWidth, y: kHeight + 11, "text-anchor": "end" }, short(high * all)),
-    );
+    this.#svg.append(shape("text", { x: 0, y: kHeight + 11 }, `cycle ${short(low * all)}`));
+    this.#svg.append(shape("text", { x: kWidth, y: kHeight + 11, "text-anchor": "end" }, short(high * all)));
   }
 }

@@ -48,30 +48,19 @@ export function colour_at(transfer, at) {
 
 /** Texts that were, to go back and forth. */
 export class History {
-  /** @type {string[]} */ #past = [];
-  /** @type {string[]} */ #future = [];
-  now = "";
+  #texts = [""]; // the first is none
+  #at = 0;
 
+  get now() { return this.#texts[this.#at]; }
   /** @param {string} text */
   put(text) {
-    if (text === this.now) return;
-    if (this.now) this.#past.push(this.now);
-    this.#future = [];
-    this.now = text;
+    if (text !== this.now) this.#texts.splice((this.#at += 1), Infinity, text);
   }
+  get can() { return { undo: this.#at > 1, redo: this.#at + 1 < this.#texts.length }; }
   undo() {
-    const text = this.#past.pop();
-    if (text === undefined) return;
-    this.#future.push(this.now);
-    this.now = text;
+    if (this.can.undo) this.#at -= 1;
   }
   redo() {
-    const text = this.#future.pop();
-    if (text === undefined) return;
-    this.#past.push(this.now);
-    this.now = text;
-  }
-  get can() {
-    return { undo: this.#past.length > 0, redo: this.#future.length > 0 };
+    if (this.can.redo) this.#at += 1;
   }
 }

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from browser import FOLDER, LOOK, Shown, wait
 from selenium import webdriver
+from selenium.common.exceptions import JavascriptException
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
@@ -51,6 +52,15 @@ def test_two_pages_at_once_have_each_their_own_view(page: Shown) -> None:
     assert np.array_equal(page.picture(), first)
 
 
+def coloured(page: Shown, canvas: str) -> bool:
+    try:
+        pixels = page.pixels(canvas)
+    except JavascriptException:  # it is not there yet
+        return False
+    shown = pixels[pixels[..., 3] == 255]
+    return len(np.unique(shown, axis=0)) > 1
+
+
 @pytest.mark.parametrize("page", [BUCKYBALL if FOLDER else None], indirect=True)
 def test_the_machine_is_seen_at_work(page: Shown) -> None:
     page.picture()
@@ -60,13 +70,17 @@ def test_the_machine_is_seen_at_work(page: Shown) -> None:
     wait("a running frame", lambda: "a frame runs" in page.text("#machine-state"))
     wait("its cycles", lambda: page.browser.find_elements(By.CSS_SELECTOR, "#machine [aria-label='cycles by cause'] rect"))
     wait("more than a look at its time line", lambda: len(page.browser.find_elements(By.CSS_SELECTOR, "#timeline rect")) > 10)
+    # Rays wait in some blocks, and banks serve: squares of colour among grey ones.
+    for title in ("rays waiting by block", "packets by bank"):
+        wait(title, lambda: coloured(page, f"#machine canvas[aria-label='{title}']"))
+    assert "under way" in page.text("#machine") and "Rays wait in" in page.text("#machine")
     if FOLDER:
         top = "document.querySelector('#looks').scrollTop = 0"
-        page.shot((1280, 720), False, lambda: page.browser.execute_script(top), "view.png")
+        page.shot((1280, 1000), False, lambda: page.browser.execute_script(top), "view.png")
     page.picture()
     wait("the end", lambda: "figures of the last frame" in page.text("#machine-state"))
     assert "pictures a second on the card" in page.text("#status")
-    for words in ("samples", "processor 3", "cache hit ratio", "rdram: bandwidth used", "bus up, bytes"):
+    for words in ("samples", "processor 3", "cache hit ratio", "rdram: bandwidth used", "bus up, bytes", "rdram0 to rdram3, banks 0 to 31 across"):
         assert words in page.text("#machine")
 
 

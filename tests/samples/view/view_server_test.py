@@ -6,7 +6,7 @@ import os
 import pathlib
 import subprocess
 import time
-from typing import Callable
+from typing import Any, Callable
 
 import pytest
 from view_program import BIN, Page, Program
@@ -82,6 +82,21 @@ def test_a_moving_camera_never_waits_for_an_old_picture(ball: pathlib.Path) -> N
         assert kinds == [(2, False)] or kinds == [(2, True)]
 
 
+def keeps_all(message: dict[str, Any]) -> int:
+    """Every ray that waits is in a block and a processor, every packet in a bank; returns the rays. A board's first look has none of it."""
+    counters, look = message["counters"], message.get("look")
+    if look is None:
+        return 0
+    waiting = counters["processor.sorter.written"] - counters["processor.sorter.issued"]
+    assert sum(look["waiting"]) == sum(look["processors"]) == waiting
+    x, y, z = look["cells"]
+    assert len(look["waiting"]) == x * y * z and look["blocks_a_side"] == 1
+    for i, packets in enumerate(look["memories"]):
+        assert len(packets) % look["banks"] == 0
+        assert sum(packets) == counters[f"rdram{i}.reads"] + counters[f"rdram{i}.writes"]
+    return waiting
+
+
 def test_counters_come_in_mid_frame_while_a_page_looks_and_not_without(ball: pathlib.Path) -> None:
     with Program(ball, "--fidelity", "cycle", "--fix", "size=384x384") as program, Page(program) as page, Page(program) as other:
         page.wait_for("hello")
@@ -90,14 +105,17 @@ def test_counters_come_in_mid_frame_while_a_page_looks_and_not_without(ball: pat
         first, _ = page.wait_for("machine", running=False)
         assert first["units"]["bus.down.bytes"] == "byte"
         page.send({"do": "picture", "id": 1, "moving": False, "settings": {}})
-        seen = []
+        seen, most = [], 0
         for header, _ in page.all():
             if header["type"] == "machine" and header["running"]:
                 seen.append(header["counters"].get("asic.cycles", 0))
+                most = max(most, keeps_all(header))
             if header["type"] == "picture" and header["final"]:
                 break
         last, _ = page.wait_for("machine", running=False)
         cycles = last["counters"]["asic.cycles"]
+        # Rays wait within a frame and none behind it, but its packets are counted.
+        assert most > 0 and keeps_all(last) == 0 and sum(map(sum, last["look"]["memories"])) > 0
         assert seen == sorted(seen) and len({look for look in seen if 0 < look < cycles}) >= 3
         assert "units" not in last
         other.send({"do": "picture", "id": 1, "moving": True, "settings": {}})
