@@ -101,8 +101,8 @@ def main():
         if bench.complete():
             break
         bench.measure(store, given.jobs, pictures, given.quiet)
-    bench.page.write_files(folder)
     (given.folder / "RESULTS.md").write_text(introduction(bench) + bench.page.claims() + bench.page.body)
+    bench.page.write_files(folder)
     measured.unlink()
 
 

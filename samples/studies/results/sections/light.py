@@ -1,9 +1,9 @@
 """Global illumination: passes of lighting rays, and the frames that they light."""
 from bench import FAST_DSP, FAST_FRONT_END, LIT_SCENES, QUEUE, SHARED_MEMORY, SKEWED, WIDE_LINKS, cells
-from figures import (asic_ms, deposits_a_sample, frame_ms, issued_in_short_residencies, mean_of, memory_gb_s, memory_turnaround,
+from figures import (Measurement, asic_ms, deposits_a_sample, frame_ms, issued_in_short_residencies, mean_of, memory_gb_s, memory_turnaround,
                      memory_use, memory_use_uncombined, milliseconds, rate_hz, ratio, residencies, samples_per_second,
                      scatterings_a_ray, tiles_a_deposit, tiles_combined)
-from page import Chart, differs, number, percent
+from page import differs, number, percent
 
 BALL = "mirror-buckyball"
 PAPER_SAMPLES = 122e6  # a second, lighting [P §5.1]
@@ -124,17 +124,17 @@ def light_sweep(bench, page):
 def rays_claim(bench, page):
     paper_pass, paper_rate = 361, 39  # ms, Hz
     counts = (1, 2, 3)  # rays a face voxel, k
-    chart = Chart("light-rays", "A lighting pass takes as long as it has rays (mirrored buckyball)", "rays a face voxel, k", "ms",
-                  series=["low albedo", "high albedo", "paper"])
     rows = []
+    times = {"low albedo": [], "high albedo": [], "paper": len(counts) * [paper_pass]}
     for k in counts:
         passes = [bench.get(bench.light(BALL, k)), bench.get(bench.light(BALL, k, True))]
-        chart.points.append((k, [*map(frame_ms, passes), paper_pass]))
         rows.append([str(k), number(millions(passes[0], "dsp.lighting_rays"), 3)])
-        for m in passes:
+        for m, of_albedo in zip(passes, times.values()):
+            of_albedo.append(frame_ms(m))
             rows[-1] += [number(frame_ms(m)), *cells(m, ["M samples/s", "memory in use"]),
                          percent(issued_in_short_residencies(m), 1), percent(m.clipped, 1)]
-    page.chart(chart, "The number of lighting rays decides a pass's length.")
+    page.chart("The number of lighting rays decides a pass's length.", "light-rays",
+               "A lighting pass takes as long as it has rays (mirrored buckyball)", "rays a face voxel, k", "ms", counts, times)
     common = ["M samples/s", "memory in use", "steps in short residencies", "energy clipped"]
     page.table("light-rays-table", ["k", "low: M rays", "ms", *common, "high: ms", *common], rows)
 
@@ -206,16 +206,15 @@ def tail_of(times):
 def block_loads(bench, page):
     """Row 18."""
     for scene in (BALL, "fog-box"):
-        chart = Chart(f"block-loads-{scene}", f"Figure 15: where few rays are under way blocks are loaded often ({scene}, lighting pass)", "ms", "in a millisecond",
-                      log_y=True, series=["block loads", "samples"])
-        chart.points = [(ms, [max(value, 1.0) for value in each])  # for the logarithm
-                        for ms, each in enumerate(milliseconds(bench.get(bench.light(scene))))]
-        page.chart(chart, "A block load is a queue that becomes the active one.")
-    chart = Chart("residencies", "Most steps are taken in long residencies of a queue", "steps of a residency, at least", "share of all steps", log_x=True,
-                  series=list(LIT_SCENES))
-    chart.points = [(lengths[0].steps, [each.issued for each in lengths])
-                    for lengths in zip(*bench.over(bench.lights(), residencies))]
-    page.chart(chart, "Lighting passes, low albedo, k = 1.")
+        times = milliseconds(bench.get(bench.light(scene)))
+        series = {"block loads": [max(ms.loads, 1.0) for ms in times], "samples": [max(ms.samples, 1.0) for ms in times]}  # for the logarithm
+        page.chart("A block load is a queue that becomes the active one.", f"block-loads-{scene}",
+                   f"Figure 15: where few rays are under way blocks are loaded often ({scene}, lighting pass)", "ms", "in a millisecond",
+                   range(len(times)), series, log_y=True)
+    lengths = dict(zip(LIT_SCENES, bench.over(bench.lights(), residencies)))
+    page.chart("Lighting passes, low albedo, k = 1.", "residencies", "Most steps are taken in long residencies of a queue",
+               "steps of a residency, at least", "share of all steps", [each.steps for each in residencies(Measurement())],
+               {scene: [each.issued for each in of_scene] for scene, of_scene in lengths.items()}, log_x=True)
 
     rows, tails, shorts = [], [], []
     for scene in LIT_SCENES:

@@ -1,7 +1,7 @@
 """The caches: blocks and queues, sampling distance and image size."""
 from bench import QUEUE, SCENES, cells
 from figures import asic_ms, hit_ratio, mean_of, miss_histogram, misses_a_sample, ratio, throughput
-from page import Chart, differs, number, percent
+from page import differs, number, percent
 
 QUEUES = (1, 4, 8, 16, 32, 64, 256, 1024)  # rays
 DESIGN_QUEUE, PIPELINE_LATENCY = 256, 32  # rays, cycles
@@ -31,10 +31,8 @@ class Grid:
     def report(self, hits_title, ms_title):
         for name, title, label, log_y, figure in (("hit-ratio", hits_title, "hit ratio", False, self.hits),
                                                   ("time", ms_title, "ASIC ms", True, self.ms)):
-            chart = Chart(f"{name}-{self.name}", title, "rays of a queue", label, log_x=True, log_y=log_y,
-                          series=[f"n = {n}" for n in self.blocks])
-            chart.points = [(queue, [figure(n, queue) for n in self.blocks]) for queue in QUEUES]
-            self.bench.page.chart(chart, f"{title}.")
+            series = {f"n = {n}": [figure(n, queue) for queue in QUEUES] for n in self.blocks}
+            self.bench.page.chart(f"{title}.", f"{name}-{self.name}", title, "rays of a queue", label, QUEUES, series, log_x=True, log_y=log_y)
         queue_table(self.bench, f"grid-{self.name}", {f"n = {n}": n for n in self.blocks}, self.get)
 
 
@@ -121,11 +119,10 @@ def at_image(run, image):
 def sampling(bench, page):
     """Rows 17 and 19."""
     for scene in ("buckyball", "cloud"):
-        chart = Chart(f"misses-{scene}", f"Figure 9: the closer the samples, the more of them miss nothing ({scene})", "misses of a sample", "share of samples", bars=True,
-                      series=[f"step {step:g}" for step in STEPS])
-        shares = bench.over([bench.run(scene, step=step) for step in STEPS], miss_histogram)
-        chart.points = list(enumerate(zip(*shares)))
-        page.chart(chart, "By distance of the samples in voxels.")
+        shares = {f"step {step:g}": miss_histogram(bench.get(bench.run(scene, step=step))) for step in STEPS}
+        page.chart("By distance of the samples in voxels.", f"misses-{scene}",
+                   f"Figure 9: the closer the samples, the more of them miss nothing ({scene})", "misses of a sample", "share of samples",
+                   range(9), shares, bars=True)
     steps_table(bench)
     image_sizes(bench)
     exact, second_hits, fetched, words = one_block(bench)
@@ -162,13 +159,12 @@ def steps_table(bench):
 
 def image_sizes(bench):
     """Figure 17."""
-    chart = Chart("image-size", "Figure 17: larger images keep the pipelines busier", "pixels an edge", "throughput", log_x=True, series=list(SCENES))
-    rows = []
-    for image in (bench.image // 8, bench.image // 4, bench.image // 2, bench.image, 2 * bench.image):
-        measured = [bench.get(at_image(run, image)) for run in bench.oblique()]
-        chart.points.append((image, [throughput(m) for m in measured]))
-        rows.append([f"{image}^2", *(cell for m in measured for cell in cells(m, ["throughput", "hit ratio"]))])
-    bench.page.chart(chart, "Oblique views.")
+    images = [bench.image // 8, bench.image // 4, bench.image // 2, bench.image, 2 * bench.image]
+    measured = {image: [bench.get(at_image(run, image)) for run in bench.oblique()] for image in images}
+    busy = {scene: [throughput(measured[image][i]) for image in images] for i, scene in enumerate(SCENES)}
+    rows = [[f"{image}^2", *(cell for m in of_scenes for cell in cells(m, ["throughput", "hit ratio"]))] for image, of_scenes in measured.items()]
+    bench.page.chart("Oblique views.", "image-size", "Figure 17: larger images keep the pipelines busier", "pixels an edge", "throughput",
+                     images, busy, log_x=True)
     bench.page.table("image-sizes", ["image", *(head for scene in SCENES for head in (f"{scene}: throughput", "hit ratio"))], rows)
 
 

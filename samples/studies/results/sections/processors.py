@@ -4,7 +4,7 @@ import math
 from bench import (FAST_DSP, FAST_FRONT_END, PARTITION, PROCESSORS, RUNS_OF_RAYS, SCENES, SKEWED, cells)
 from figures import (asic_ms, balance_held, balance_working, bisection_mb_s, dsp_use, links_busy, mean_of, rays_sent, ratio,
                      spread_of, stalled_by_links, throughput, work_balance)
-from page import Chart, differs, number, percent
+from page import differs, number, percent
 
 PARTITIONS = {"slab": {}, "repeated slab": {PARTITION: "repeated_slab"}, "skewed": SKEWED}
 SLAB = PARTITIONS["slab"]
@@ -56,8 +56,7 @@ def swept(bench):
 def width_sweep(bench):
     runs = swept(bench)
     rows = []
-    chart = Chart("link-width-chart", "Skewed blocks need wide links to be quicker than slabs", "bits of a link", "share; time of the slab's", log_x=True,
-                  series=["balance: holds rays", "balance: works", "time / slab's time"])
+    series = {"balance: holds rays": [], "balance: works": [], "time / slab's time": []}
     for bits in LINK_BITS:
         at = on(runs, with_links(SKEWED, bits))
         sent, busy, cut, held, works, stalled = (
@@ -66,11 +65,14 @@ def width_sweep(bench):
         time = time_over_slab(bench, runs, SKEWED, bits).mean
         rows.append([str(bits), number(sent, 2), number(busy), number(cut, 0), percent(held), percent(works), percent(stalled, 1),
                      number(time, 2)])
-        chart.points.append((bits, [held, works, time]))
+        for values, value in zip(series.values(), (held, works, time)):
+            values.append(value)
     bench.page.text("Means of the oblique views of buckyball, head and rock; the slab has links of the same width.")
     bench.page.table("link-width", ["link bits", "skewed: rays sent /100 cycles", "links busy, % of cycles", "bisection MB/s",
                                     "balance: holds rays", "balance: works", "pipeline stalled by links", "time, of the slab's"], rows)
-    bench.page.chart(chart, "The paper has a balance of 76% and 1.19 times the slab's time.")
+    bench.page.chart("The paper has a balance of 76% and 1.19 times the slab's time.", "link-width-chart",
+                     "Skewed blocks need wide links to be quicker than slabs", "bits of a link", "share; time of the slab's", LINK_BITS, series,
+                     log_x=True)
 
 
 def along_and_across(bench):
@@ -161,25 +163,26 @@ def speed_up(bench, page):
         one, many = (bench.over(runs_on(settings, p), asic_ms) for p in (1, processors))
         return [ratio(a, b) for a, b in zip(one, many)]
 
-    rows = []
-    chart = Chart("speed-up-chart", "Figure 16: many processors need a fast front end and small blocks (fixed problem, mean of the scenes)", "processors", "speed-up",
-                  series=["ideal", *machines], points=[(p, [p]) for p in (1, 2, 4, 8, most)])
+    rows, processors = [], (1, 2, 4, 8, most)
+    curves = {"ideal": processors} | {name: [] for name in machines}
     for name, settings in machines.items():
         ends_only = name in ("skewed, runs of 64 rays", "skewed, DSP 8 times as fast")
-        for p, values in chart.points:
+        for p in processors:
             if (settings == SLAB and p > slabs) or (ends_only and 1 < p < most):
-                values.append(math.nan)
+                curves[name].append(math.nan)
                 continue
             ups, runs = speed_ups(settings, p), runs_on(settings, p)
             mean = mean_of(ups)
             rows.append([name, str(p), *(number(up, 2) for up in ups), number(mean, 2), percent(mean / p),
                          number(p * bench.mean(runs, work_balance), 2), percent(bench.mean(runs, dsp_use))])
-            values.append(mean)
+            curves[name].append(mean)
     page.text(
         "The same volume and image with more processors, against one processor of the same machine. Slabs are at least one block thick. "
         "Bound: p times the mean over the most samples that a processor has, which nothing but another partition can change.")
     page.table("speed-up", ["machine", "processors", *SCENES, "mean", "of ideal", "bound by where the samples lie", "DSP busy"], rows)
-    page.chart(chart, "Oblique views.")
+    page.chart("Oblique views.", "speed-up-chart",
+               "Figure 16: many processors need a fast front end and small blocks (fixed problem, mean of the scenes)", "processors", "speed-up",
+               processors, curves)
 
     means = [mean_of(speed_ups(settings, most)) for settings in list(machines.values())[1:]]
     lost, lost_small = (bench.lost_cycles(runs_on(settings, most)) for settings in (SKEWED, small))

@@ -1,16 +1,15 @@
 """Reordering against scanline order, for rendering and in global illumination."""
 from bench import LIT_SCENES, PROCESSORS, SCENES, cells, scanline
 from figures import asic_ms, frame_ms, mean_of, memory_gb_s, rate_hz, ratio, sum_of, throughput
-from page import Chart, differs, percent
+from page import differs, percent
 
 PAPER_GAIN = 1.77
 
 
-def queue_chart(bench, name, title, y_label, queues, scenes, time):
+def queue_chart(page, name, title, y_label, queues, scenes, time):
     """time(scene, queue): of the machine in scanline order."""
-    chart = Chart(name, title, "rays of the queue", y_label, log_x=True, log_y=True, series=list(scenes))
-    chart.points = [(queue, [time(scene, queue) for scene in scenes]) for queue in queues]
-    bench.page.chart(chart, "The baseline's best queue is the lowest point.")
+    times = {scene: [time(scene, queue) for queue in queues] for scene in scenes}
+    page.chart("The baseline's best queue is the lowest point.", name, title, "rays of the queue", y_label, queues, times, log_x=True, log_y=True)
 
 
 def in_turns(columns, ours, theirs):
@@ -29,7 +28,7 @@ def baseline(bench, page):
     def time(scene, queue):
         return asic_ms(bench.get(scanline(bench.run(scene), queue)))
 
-    queue_chart(bench, "baseline-queue", "In scanline order a queue may be too short and too long", "ASIC ms", queues, SCENES, time)
+    queue_chart(page, "baseline-queue", "In scanline order a queue may be too short and too long", "ASIC ms", queues, SCENES, time)
     best = {scene: min(queues, key=lambda queue: time(scene, queue)) for scene in SCENES}
     slow = [scanline(run, best[run.scene]) for run in bench.oblique()]
     ours, theirs = bench.over(bench.oblique(), lambda m: m), bench.over(slow, lambda m: m)
@@ -87,7 +86,8 @@ def lit_baseline(bench, page):
     def time(scene, queue):
         return frame_ms(Whole(bench, scene, queue).both)
 
-    queue_chart(bench, "lit-baseline-queue", "In scanline order a queue may be too short and too long (lighting pass and frame)", "simulated ms", queues, LIT_SCENES, time)
+    queue_chart(page, "lit-baseline-queue", "In scanline order a queue may be too short and too long (lighting pass and frame)", "simulated ms",
+                queues, LIT_SCENES, time)
     best = {scene: min(queues, key=lambda queue: time(scene, queue)) for scene in LIT_SCENES}
     columns = ["throughput", "memory GB/s", "hit ratio", "frame ms"]
     ours = [Whole(bench, scene, None) for scene in LIT_SCENES]

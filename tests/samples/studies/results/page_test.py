@@ -4,7 +4,7 @@ import re
 import tempfile
 import unittest
 
-from page import Chart, Page, Table, differs, draw_chart, number, percent, to_csv, to_markdown
+from page import Page, differs, number, percent
 from studies import draw
 
 
@@ -17,15 +17,19 @@ class ResultPage(unittest.TestCase):
         self.assertTrue(differs(5.01, 2, 4))
 
     def test_TableHasTheSameCellsAsItsCsv(self):
-        table = Table("t", ["name", "value"], [["a, b", "1"], ['say "c"', "2"]])
-        self.assertEqual(to_markdown(table), '| name | value |\n| --- | --- |\n| a, b | 1 |\n| say "c" | 2 |\n')
-        self.assertEqual(to_csv(table), 'name,value\n"a, b",1\n"say ""c""",2\n')
+        page = Page()
+        page.table("t", ["name", "value"], [["a, b", "1"], ['say "c"', "2"]])
+        self.assertEqual(page.body, '| name | value |\n| --- | --- |\n| a, b | 1 |\n| say "c" | 2 |\n\n[results/t.csv](results/t.csv)\n\n')
+        with tempfile.TemporaryDirectory() as folder:
+            page.write_files(pathlib.Path(folder))
+            self.assertEqual((pathlib.Path(folder) / "t.csv").read_text(), 'name,value\n"a, b",1\n"say ""c""",2\n')
 
     def test_ChartLeavesAMissingValueEmpty(self):
-        chart = Chart("c", "Title", "x", "y", log_x=True, series=["one", "two"], points=[(1, [0.5, 2]), (2, [math.nan, 3])])
-        self.assertEqual(to_csv(chart), "x,one,two\n1,0.5,2\n2,,3\n")
+        page = Page()
+        page.chart("Caption.", "c", "Title", "x", "y", [1, 2], {"one": [0.5, math.nan], "two": [2, 3]}, log_x=True)
         with tempfile.TemporaryDirectory() as folder:
-            draw_chart(chart, pathlib.Path(folder) / "c.svg")
+            page.write_files(pathlib.Path(folder))
+            self.assertEqual((pathlib.Path(folder) / "c.csv").read_text(), "x,one,two\n1,0.5,2\n2,,3\n")
             svg = (pathlib.Path(folder) / "c.svg").read_text()
         for words in ("Title", "x", "y", "one", "two"):
             self.assertIn(f">{words}</text>", svg)

@@ -7,7 +7,7 @@ import sys
 import tempfile
 import unittest
 
-from page import Table, to_csv
+from studies.table import csv_text
 
 PROGRAM = pathlib.Path(os.environ["GICUBE_BIN_DIR"]) / "gicube-results"
 
@@ -17,7 +17,7 @@ def run(*arguments, **streams):
 
 
 def tables_of(page):
-    """Tables by the file that the line after them names."""
+    """Rows of tables, that of the columns' names first, by the file that the line after them names."""
     tables = {}
     lines = []
     for line in page.splitlines():
@@ -25,7 +25,7 @@ def tables_of(page):
         if line.startswith("| ") and not line.startswith("| --- |"):
             lines.append(line[2:-2].split(" | "))
         elif link:
-            tables[link[1]] = Table(link[1], lines[0], lines[1:])
+            tables[link[1]] = lines
             lines = []
     return tables
 
@@ -40,8 +40,8 @@ class ResultsProgram(unittest.TestCase):
     def expect_the_files_numbers(self, tables, folder):
         self.assertGreaterEqual(len(tables), 12)
         for name, table in tables.items():
-            self.assertTrue(table.rows, name)
-            self.assertEqual((folder / f"{name}.csv").read_text(), to_csv(table), name)
+            self.assertTrue(table[1:], name)
+            self.assertEqual((folder / f"{name}.csv").read_text(), csv_text(table), name)
 
     def expect_pictures(self, page, folder):
         pictures = re.findall(r"!\[[^\]]*\]\(results/([a-z0-9-]+)\.(svg|png)\)", page)
@@ -50,9 +50,10 @@ class ResultsProgram(unittest.TestCase):
         self.assertGreaterEqual(len(pictures), 12)
 
     def expect_causes_of_all_cycles(self, causes):
-        for column, name in enumerate(causes.columns[1:], 1):
-            total = sum(float(row[column].rstrip("%")) for row in causes.rows)
-            self.assertAlmostEqual(total, 100, delta=0.05 * len(causes.rows), msg=name)
+        names, *rows = causes
+        for column, name in enumerate(names[1:], 1):
+            total = sum(float(row[column].rstrip("%")) for row in rows)
+            self.assertAlmostEqual(total, 100, delta=0.05 * len(rows), msg=name)
 
     def test_WritesAWholePageOfItsFilesNumbers(self):
         """One test: its program takes seconds."""
