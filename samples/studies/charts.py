@@ -4,7 +4,6 @@ One that was interrupted goes on where it was: its runs are in build/charts.
 Names: """
 import argparse
 import functools
-import hashlib
 import importlib
 import os
 import shutil
@@ -40,9 +39,8 @@ def tables_of(name):
 
 def by_points(name, jobs):
     tables = tables_of(name)
-    programs = [BIN / program for program in ("gicube-board", *POINTS[name])]  # what others measured counts no more
-    version = hashlib.sha256(b"".join(each.read_bytes() for each in [*programs, ROOT / f"samples/studies/{name}.py"])).hexdigest()
-    measure(tables, Kept(RUNS / name / version[:16]), CHARTS, jobs)
+    programs = [*(BIN / program for program in ("gicube-board", *POINTS[name])), ROOT / f"samples/studies/{name}.py"]
+    measure(tables, Kept(RUNS / name, programs), CHARTS, jobs)
     if name == "cone_beam":
         pareto(CHARTS / "cone_beam_front.csv", [CHARTS / f"cone_beam_{each}.csv" for each in ("views", "ray_spacing", "accumulator", "sart")],
                error="relative_l2", costs=["board_ms", "bus_ms"], without="photons")  # all of the same head

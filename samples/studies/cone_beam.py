@@ -2,7 +2,6 @@
 Lengths are millimetres."""
 import csv
 import functools
-import hashlib
 import math
 import pathlib
 import tempfile
@@ -99,8 +98,7 @@ class Case:
         """What the rays of a view take longer than DSP and bus, which the functional level has: the mean of two views, or of an
         iterative method of a second pass through two."""
         def ms(part, fidelity):
-            key = hashlib.sha256(repr((part, fidelity)).encode()).hexdigest()[:16]
-            return kept.of(f"part {key}", lambda: part.reconstruct(fidelity))["rays_ms"]
+            return kept.of(f"{part!r} {fidelity}", lambda: part.reconstruct(fidelity))["rays_ms"]
         less, more = self.part(2, 1), self.part(4 if self.method["method"] == "fdk" else 2, 2)
         return max(0.0, sum(sign * (ms(more, level) - ms(less, level)) / 2 for level, sign in (("cycle", 1), ("functional", -1))))
 

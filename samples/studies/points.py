@@ -1,12 +1,14 @@
 """Tables of points that are measured one by one, several at a time. What was measured is kept in files, so that a table that was
 interrupted goes on where it was; and any row can be made again by its point's name."""
+import functools
+import hashlib
 import json
 import pathlib
 import threading
 from collections import defaultdict
 from typing import Callable, NamedTuple
 
-from studies.runs import ProgressMeter, all_at_once, run_to_end
+from studies.runs import all_at_once, progress, run_to_end
 from studies.table import csv_text, write_whole
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -22,18 +24,22 @@ class Table(NamedTuple):
 
 
 class Kept:
-    """Results on file, in JSON: each is made once. Who asks for one that is being made waits."""
+    """Results on file, in JSON: each is made once. Who asks for one that is being made waits. What others than these `programs` made
+    counts no more."""
 
-    def __init__(self, folder):
-        self._folder = pathlib.Path(folder)
+    def __init__(self, folder, programs=()):
+        self._folder = pathlib.Path(folder) / short_hash(b"".join(pathlib.Path(each).read_bytes() for each in programs))
         self._folder.mkdir(parents=True, exist_ok=True)
         self._locks = defaultdict(threading.Lock)
 
     def _file(self, name):
-        return self._folder / f"{name.replace('/', ' ')}.json"
+        return self._folder / f"{short_hash(name.encode())}.json"
 
     def has(self, name):
         return self._file(name).exists()
+
+    def forget(self, name):
+        self._file(name).unlink(missing_ok=True)
 
     def of(self, name, make):
         file = self._file(name)
@@ -41,6 +47,10 @@ class Kept:
             if not file.exists():
                 write_whole(file, json.dumps(make()))
         return json.loads(file.read_text())
+
+
+def short_hash(data):
+    return hashlib.sha256(data).hexdigest()[:16]
 
 
 def run(folder, program, words):
@@ -58,9 +68,9 @@ def measure(tables, kept, folder, jobs=0):
     left = {name: make for name, make in points.items() if not kept.has(name)}
     if len(left) < len(points):
         print(f"charts: {len(points) - len(left)} of {len(points)} points are there", flush=True)
-    meter = ProgressMeter("charts", len(left))
-    all_at_once([lambda name=name, make=make: kept.of(name, lambda: make(kept)) for name, make in left.items()], jobs,
-                lambda done: done and meter.advance())
+    with progress("charts", len(left)) as advance:
+        for _ in all_at_once([functools.partial(kept.of, name, functools.partial(make, kept)) for name, make in left.items()], jobs):
+            advance()
     for table in tables:
         found = [(name, kept.of(name, None)) for name in table.points]
         write_whole(folder / f"{table.name}.csv", text_of(table, found))

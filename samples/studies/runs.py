@@ -1,5 +1,7 @@
 """Runs of gicube-render: their commands, the files that they leave, and what those say."""
 import concurrent.futures
+import contextlib
+import functools
 import json
 import math
 import os
@@ -107,32 +109,59 @@ class RunFolder:
         return statistics
 
 
-def all_at_once(tasks, jobs, progress):
-    """Calls each of them, `jobs` at once (0: one a core). After a failure none starts; it is raised when those under way have ended.
-    `progress` gets the number that are done."""
+def all_at_once(tasks, jobs):
+    """Calls each of them, `jobs` at once (0: one a core), and yields what they return, as it comes. After a failure, and on Ctrl-C, none
+    starts; it is raised when those under way have ended."""
     failed = threading.Event()
 
     def begin(task):
         if not failed.is_set():
             try:
-                task()
+                return task()
             except BaseException:
                 failed.set()
                 raise
-    progress(0)
+        return None
     with concurrent.futures.ThreadPoolExecutor(jobs or os.cpu_count()) as pool:
-        under_way = [pool.submit(begin, task) for task in tasks]
-        for done, each in enumerate(concurrent.futures.as_completed(under_way), 1):
-            if each.exception():
-                pool.shutdown(cancel_futures=True)
-                raise each.exception()
-            progress(done)
+        try:
+            for each in concurrent.futures.as_completed([pool.submit(begin, task) for task in tasks]):
+                yield each.result()
+        finally:
+            failed.set()
 
 
-def carry_out_all(folder, runs, program, jobs, progress):
-    """The runs that have no result yet, as all_at_once() does; `progress` gets the number of results."""
+def carry_out_all(folder, runs, program, jobs, meter):
+    """The runs that have no result yet, as all_at_once() does. `meter`: as progress()."""
     left = [run for run in runs if not folder.has(run)]
-    all_at_once([lambda run=run: folder.carry_out(run, program) for run in left], jobs, lambda done: progress(len(runs) - len(left) + done))
+    with meter(len(left)) as advance:
+        for _ in all_at_once([functools.partial(folder.carry_out, run, program) for run in left], jobs):
+            advance()
+
+
+@contextlib.contextmanager
+def progress(name, total, quiet=False):
+    """Says how far a long measurement is: on a terminal in place, else a line each tenth. What it yields is called after each run."""
+    done, start, terminal = 0, time.monotonic(), sys.stderr.isatty()
+
+    def show():
+        seconds = time.monotonic() - start
+        left = f", {seconds:.0f} s, about {seconds * (total - done) / done:.0f} s to go" if done else ""
+        begin, end = ("\r\x1b[K", "" if done < total else "\n") if terminal else ("", "\n")
+        print(f"{begin}{name}: {done} of {total} runs{left}", end=end, file=sys.stderr, flush=True)
+
+    def advance():
+        nonlocal done
+        done += 1
+        if not quiet and (terminal or 10 * done // total > 10 * (done - 1) // total):
+            show()
+    in_place = terminal and total and not quiet
+    if in_place:
+        show()
+    try:
+        yield advance
+    finally:
+        if in_place and done < total:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 def figure_or_nan(statistics, name):
@@ -156,36 +185,3 @@ def figure(statistics, name):
     if math.isnan(value):
         raise InputError(name, "a number in the run's statistics", "none of that name")
     return value
-
-
-class ProgressMeter:
-    """Says how far a long measurement is: on a terminal in place, else a line each tenth."""
-
-    def __init__(self, name, total, quiet=False):
-        self._name, self._total, self._quiet, self._done, self._start = name, total, quiet, 0, time.monotonic()
-
-    def advance(self):
-        self._done += 1
-        terminal = sys.stderr.isatty()
-        if self._quiet or (not terminal and 10 * self._done // self._total == 10 * (self._done - 1) // self._total):
-            return
-        seconds = time.monotonic() - self._start
-        left = seconds * (self._total - self._done) / self._done
-        print(f"{chr(13) + chr(27) + '[K' if terminal else ''}{self._name}: {self._done} of {self._total} runs, {seconds:.0f} s, "
-              f"about {left:.0f} s to go", end="" if terminal and self._done < self._total else "\n", file=sys.stderr, flush=True)
-
-
-class ProgressLine:
-    """One line on a terminal, which is gone at the end; silent without a terminal."""
-
-    def __init__(self, shown=True):
-        self._shown, self._dirty = shown and sys.stderr.isatty(), False
-
-    def show(self, text):
-        if self._shown:
-            print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
-            self._dirty = True
-
-    def clear(self):
-        if self._dirty:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)

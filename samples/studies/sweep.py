@@ -1,5 +1,7 @@
 #!/usr/bin/python3
 """gicube-sweep: gicube-render over a grid of parameters, cost against error."""
+import argparse
+import functools
 import itertools
 import json
 import math
@@ -15,13 +17,11 @@ sys.dont_write_bytecode = True
 sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the package studies
 
 from studies.pictures import read_picture, rmse  # noqa: E402
-from studies.runs import (InputError, ProgressLine, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan,  # noqa: E402
-                          quoted)
+from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, progress, quoted  # noqa: E402
 from studies.table import FileError, cell, csv_text, on_front, write_whole  # noqa: E402
 
 PROGRAM = "gicube-sweep"
-# Options are read from their lines here: NAME, a value's name and default, ... for those that may be given again.
-HELP = """\
+ABOUT = """\
 Runs gicube-render over a grid of parameters, and charts cost against error.
 Usage: gicube-sweep [OPTIONS] INPUT...
 
@@ -29,27 +29,8 @@ Positionals:
   INPUT TEXT ... REQUIRED     scenes or volumes, as gicube-render takes them
 
 Options:
-  -h,--help                   Print this help message and exit
-  --version                   Display program version information and exit
-  --vary NAME=V,V... ...      a parameter and its values, NAME=V,V...: an option of gicube-render without dashes (flags: on, off) or \
-a field of the board's configuration; repeatable: all combinations are run
-  --fix NAME=VALUE ...        the same for every run
-  --reference NAME=VALUE ... Excludes: --reference-picture
-                              a run's reference is the same run with this in place; repeatable
-  --reference-picture TEXT:FILE Excludes: --reference
-                              an EXR that all runs are compared with
-  --cost TEXT=frame_ms        a number of gicube-render's --stats: a name, or a JSON pointer
-  --error TEXT=picture        picture: root mean square difference; or a number as for --cost: relative difference
-  --also FIGURE ...           further numbers as for --cost, as columns
-  --also-error FIGURE ...     the same of further numbers' relative differences
-  -o,--output FOLDER REQUIRED NAME.csv, NAME.json and runs/ go there
-  --name TEXT=sweep           of the files
-  --title TEXT                of the chart
-  --jobs INT:INT in [0 - 1024]=0
-                              runs at once; 0 = one per core
-  --chart                     draw NAME.svg (needs matplotlib)
-  --quiet                     only errors
-
+"""
+NOTES = """
 A sweep that was killed goes on where it was when the same command is given again: runs that are done are kept in
 FOLDER/runs and not done again. Every run has --threads 1, unless --fix threads=N.
 Exit codes: 0 done, 1 failed, 2 wrong usage.
@@ -57,124 +38,126 @@ Exit codes: 0 done, 1 failed, 2 wrong usage.
   gicube-sweep builtin:buckyball --vary step=0.25,0.5,1,2 --vary jitter=off,on \\
     --reference step=0.0625 --reference jitter=off --fix fidelity=approximate -o out
 """
-OPTION = re.compile(r"^  (?:(-\w),)?--([a-z-]+)(?: (NAME=[^ ]+|[A-Z]+)(?::[A-Z]+(?: in \[.*\])?)?(?:=(\w+))?( \.\.\.)?)?(?= |$)", re.MULTILINE)
-KINDS = {name: (value, default, bool(many)) for _, name, value, default, many in OPTION.findall(HELP)}
-SHORT = {letter: name for letter, name, *_ in OPTION.findall(HELP) if letter}
 ITS_OWN = ("output", "stats", "quiet", "frames")  # options of gicube-render that the sweep sets
 HARDLY = 0.02  # chosen: less than frame times of the approximate level are off by
 
 
-class UsageError(Exception):
-    """The command line is wrong: exit code 2."""
+class Parser(argparse.ArgumentParser):
+    """With the help of the SDK's other programs, which driver/cmake/program_pages.py reads, and errors of one line."""
+
+    def format_help(self):
+        text = ABOUT
+        for option in self._optionals._group_actions:
+            head = " ".join(filter(None, (",".join(option.option_strings), option.metavar)))
+            text += f"  {head:27} {option.help}\n" if len(head) < 28 else f"  {head}\n{30 * ' '}{option.help}\n"
+        return text + NOTES
+
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message}\n")
 
 
-def words_of(arguments):
-    """Options by their names, as lists of what was given; the inputs; what is no option. Raises UsageError."""
-    given, inputs, unknown, left = {}, [], [], list(arguments)
-    while left:
-        word = left.pop(0)
-        if word == "--":
-            inputs += left
-            break
-        if not word.startswith("-") or word == "-":
-            inputs.append(word)
-            continue
-        name, equals, value = word.removeprefix("--").partition("=")
-        if not word.startswith("--"):
-            name, equals, value = SHORT.get(word[:2]), word[2:], word[2:]
-        if name not in KINDS or (equals and not KINDS[name][0]):
-            unknown.append(word)
-        elif KINDS[name][0] and not equals and not left:
-            raise UsageError(f"--{name}: 1 required {KINDS[name][0]} missing")
-        else:
-            given.setdefault(name, []).append(value if equals else left.pop(0) if KINDS[name][0] else "")
-    for name, values in given.items():
-        if KINDS[name][0] and not KINDS[name][2] and len(values) > 1:
-            raise UsageError(f"--{name}: At Most 1 required but received {len(values)}")
-    return given, inputs, unknown
+class Said(argparse.Action):
+    def __call__(self, parser, *_):
+        print(self.const(parser), end="", flush=True)
+        parser.exit()
 
 
-def check_words(given, inputs, unknown):
-    if "jobs" in given and not (re.fullmatch(r"\d{1,9}", given["jobs"][0]) and int(given["jobs"][0]) <= 1024):
-        raise UsageError(f"--jobs: Value {given['jobs'][0]} not in range 0 to 1024")
-    for file in given.get("reference-picture", []):
-        if not os.path.exists(file):
-            raise UsageError(f"--reference-picture: File does not exist: {file}")
-        if os.path.isdir(file):
-            raise UsageError(f"--reference-picture: File is actually a directory: {file}")
-    for name, there in (("INPUT", inputs), ("--output", "output" in given)):
-        if not there:
-            raise UsageError(f"{name} is required")
-    if "reference" in given and "reference-picture" in given:
-        raise UsageError("--reference excludes --reference-picture")
-    if unknown:
-        several = len(unknown) > 1
-        raise UsageError(f"The following argument{'s were' if several else ' was'} not expected: {' '.join(reversed(unknown))}")
+class Once(argparse.Action):
+    def __call__(self, parser, given, value, _=None):
+        if getattr(given, self.dest) is not self.default:
+            raise argparse.ArgumentError(self, "expected once, got it twice")
+        setattr(given, self.dest, value)
 
 
-def options_of(arguments):
-    """None if help or the version was asked for, and printed. Raises UsageError."""
-    given, inputs, unknown = words_of(arguments)
-    if "help" in given:
-        print(HELP, end="")
-        return None
-    if "version" in given:
-        print(PROGRAM, version())
-        return None
-    check_words(given, inputs, unknown)
+def parser_of_options():
+    parser = Parser(PROGRAM, add_help=False, allow_abbrev=False)
+    parser.add_argument("inputs", nargs="*")
 
-    def one(name):
-        return given.get(name, [KINDS[name][1]])[-1]
-    try:
-        parameters = [("input", inputs), *map(parse_parameter, given.get("vary", []))]
-        fixed, reference = ([parse_setting(text) for text in given.get(name, [])] for name in ("fix", "reference"))
-    except InputError as error:
-        raise UsageError(str(error)) from error
-    if "threads" not in dict(fixed) and "threads" not in dict(parameters):
-        fixed.append(("threads", "1"))
-    options = SimpleNamespace(
-        parameters=parameters, fixed=fixed, reference=reference, reference_picture=one("reference-picture"),
-        cost=one("cost"), error=one("error"), also=given.get("also", []), also_errors=given.get("also-error", []),
-        folder=pathlib.Path(one("output")), name=one("name"), title=one("title"), jobs=int(one("jobs")),
-        chart="chart" in given, quiet="quiet" in given)
-    check(options)
-    return options
+    def option(*names, **fields):
+        parser.add_argument(*names, **{"action": Once} | fields)
+
+    def repeatable(name, metavar, dest, kind, text):
+        option(name, metavar=f"{metavar} ...", action="append", default=[], dest=dest, type=kind, help=text)
+    option("-h", "--help", action=Said, nargs=0, const=Parser.format_help, help="Print this help message and exit")
+    option("--version", action=Said, nargs=0, const=lambda _: f"{PROGRAM} {version()}\n", help="Display program version information and exit")
+    repeatable("--vary", "NAME=V,V...", "parameters", parse_parameter,
+               "a parameter and its values, NAME=V,V...: an option of gicube-render without dashes (flags: on, off) or a field of the board's "
+               "configuration; repeatable: all combinations are run")
+    repeatable("--fix", "NAME=VALUE", "fixed", parse_setting, "the same for every run")
+    option("--reference", metavar="NAME=VALUE ... Excludes: --reference-picture", action="append", default=[], type=parse_setting,
+           help="a run's reference is the same run with this in place; repeatable")
+    option("--reference-picture", metavar="TEXT:FILE Excludes: --reference", type=file_of, help="an EXR that all runs are compared with")
+    option("--cost", metavar="TEXT=frame_ms", default="frame_ms", help="a number of gicube-render's --stats: a name, or a JSON pointer")
+    option("--error", metavar="TEXT=picture", default="picture",
+           help="picture: root mean square difference; or a number as for --cost: relative difference")
+    repeatable("--also", "FIGURE", "also", str, "further numbers as for --cost, as columns")
+    repeatable("--also-error", "FIGURE", "also_errors", str, "the same of further numbers' relative differences")
+    option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True, help="NAME.csv, NAME.json and runs/ go there")
+    option("--name", metavar="TEXT=sweep", default="sweep", help="of the files")
+    option("--title", metavar="TEXT", help="of the chart")
+    option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of, help="runs at once; 0 = one per core")
+    option("--chart", action="store_true", help="draw NAME.svg (needs matplotlib)")
+    option("--quiet", action="store_true", help="only errors")
+    return parser
 
 
-def check(options):
-    names = sorted(name for name, _ in options.parameters + options.fixed)
-    for name, following in zip(names, names[1:]):
-        if name == following:
-            raise UsageError(f"{name}: expected once among INPUT, --vary and --fix, got it twice")
-    for own in ITS_OWN:
-        if own in names:
-            raise UsageError(f"{own}: expected another parameter, it is the sweep's own")
-    if not options.reference and not options.reference_picture:
-        raise UsageError("--reference or --reference-picture: expected one of them, got none")
-    if options.reference_picture and options.error != "picture":
-        raise UsageError(f'--error: expected picture with --reference-picture, got "{options.error}"')
-    if options.reference_picture and options.also_errors:
-        raise UsageError("--also-error: expected with --reference, got --reference-picture")
+def file_of(text):
+    if not os.path.exists(text) or os.path.isdir(text):
+        raise argparse.ArgumentTypeError(f'expected a file, got "{text}"')
+    return text
+
+
+def jobs_of(text):
+    if not (re.fullmatch(r"[0-9]{1,4}", text) and int(text) <= 1024):
+        raise argparse.ArgumentTypeError(f'expected a number from 0 to 1024, got "{text}"')
+    return int(text)
 
 
 def parse_setting(text):
-    """NAME=VALUE, the value as it stands. Raises InputError."""
+    """NAME=VALUE, the value as it stands."""
     name, _, value = text.partition("=")
     if not name or not value or name.startswith("-"):
-        raise InputError("parameter", "NAME=VALUE, the name without dashes", f'"{text}"')
+        raise argparse.ArgumentTypeError(f'expected NAME=VALUE, the name without dashes, got "{text}"')
     return name, value
 
 
 def parse_parameter(text):
-    """NAME=V,V...; values that have commas of their own stand between semicolons: "eye=0,-300,0;0,-400,0". Raises InputError."""
+    """NAME=V,V...; values that have commas of their own stand between semicolons: "eye=0,-300,0;0,-400,0"."""
     name, value = parse_setting(text)
     values = value.split(";" if ";" in value else ",")
     for i, each in enumerate(values):
         if not each:
-            raise InputError(name, "values between separators", f'"{text}"')
+            raise argparse.ArgumentTypeError(f'{name}: expected values between separators, got "{text}"')
         if each in values[:i]:
-            raise InputError(name, "each value once", f'"{each}" twice')
+            raise argparse.ArgumentTypeError(f'{name}: expected each value once, got "{each}" twice')
     return name, values
+
+
+def options_of(arguments):
+    parser = parser_of_options()
+    end = arguments.index("--") if "--" in arguments else len(arguments)  # parse_intermixed_args() passes over it
+    options = parser.parse_intermixed_args(arguments[:end])
+    inputs = options.inputs + arguments[end + 1:]
+    if not inputs:
+        parser.error("INPUT is required")
+    options.parameters.insert(0, ("input", inputs))
+    names = [name for name, _ in options.parameters + options.fixed]
+    for name in sorted(names):
+        if names.count(name) > 1:
+            parser.error(f"{name}: expected once among INPUT, --vary and --fix, got it twice")
+        if name in ITS_OWN:
+            parser.error(f"{name}: expected another parameter, it is the sweep's own")
+    if options.reference and options.reference_picture:
+        parser.error("--reference: expected without --reference-picture, got both")
+    if not options.reference and not options.reference_picture:
+        parser.error("--reference or --reference-picture: expected one of them, got none")
+    if options.reference_picture and options.error != "picture":
+        parser.error(f'--error: expected picture with --reference-picture, got "{options.error}"')
+    if options.reference_picture and options.also_errors:
+        parser.error("--also-error: expected with --reference, got --reference-picture")
+    if "threads" not in names:
+        options.fixed.append(("threads", "1"))
+    return options
 
 
 def grid(parameters):
@@ -199,7 +182,7 @@ def relative(value, reference):
     return abs(value) if reference == 0 else abs(value / reference - 1)
 
 
-def run_sweep(options, folder, render, progress):
+def run_sweep(options, folder, render):
     """Runs what the folder does not have yet. Returns a row a point: its settings, cost, error, further figures, whether it is a reference,
     whether it is on the Pareto front, its run. Raises RunFailed, FileError, InputError (a figure that a run does not have)."""
     one = options.reference_picture
@@ -207,7 +190,7 @@ def run_sweep(options, folder, render, progress):
               Run(arguments_of(point | dict(options.fixed) | dict(options.reference)))) for point in grid(options.parameters)]
     needed = [run for _, run, _ in pairs] + ([] if one else [reference for *_, reference in pairs])
     runs = list({run.key(): run for run in reversed(needed)}.values())[::-1]  # each once, where it first comes
-    carry_out_all(folder, runs, render, options.jobs, lambda done: progress.show(f"{done} of {len(runs)} runs"))
+    carry_out_all(folder, runs, render, options.jobs, functools.partial(progress, PROGRAM, quiet=options.quiet or not sys.stderr.isatty()))
 
     pictures, rows = {}, []
 
@@ -317,16 +300,9 @@ def version():
 
 
 def sweep(arguments):
-    """What the program does with these arguments. Raises UsageError, RunFailed, FileError, InputError."""
+    """What the program does with these arguments. Raises RunFailed, FileError, InputError."""
     options = options_of(arguments)
-    if options is None:
-        return
-    folder = RunFolder(options.folder / "runs")
-    progress = ProgressLine(not options.quiet)
-    try:
-        rows = run_sweep(options, folder, program("gicube-render"), progress)
-    finally:
-        progress.clear()
+    rows = run_sweep(options, RunFolder(options.folder / "runs"), program("gicube-render"))
     base = str(options.folder / options.name)
     write_whole(f"{base}.csv", table_text(options, rows))
     write_whole(f"{base}.json", json_text(options, rows, " ".join([PROGRAM, *map(quoted, arguments)])))
@@ -342,9 +318,6 @@ def main():
     try:
         sweep(sys.argv[1:])
         sys.stdout.flush()
-    except UsageError as error:
-        print(f"{PROGRAM}: {error}", file=sys.stderr)
-        return 2
     except (RunFailed, FileError, InputError, MemoryError, OSError, subprocess.CalledProcessError) as error:
         text = f"standard output: {os.strerror(error.errno)}" if isinstance(error, OSError) and not error.filename else error
         print(f"{PROGRAM}: {text}", file=sys.stderr)

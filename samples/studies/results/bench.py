@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from figures import (Measurement, asic_ms, cause_shares, dsp_use, frame_ms, hit_ratio, mean_of, memory_gb_s, memory_use,
                      overflows_a_ray, rate_hz, samples_per_second, spread_of, throughput)
 from page import number, percent
-from studies.runs import ProgressMeter
+from studies.runs import progress
 
 # Scenes and what they are there for.
 SCENES = {
@@ -150,16 +150,15 @@ class Bench:
     def complete(self):
         return not self._wanted
 
-    def measure(self, store, jobs, pictures, quiet):
-        """Carries out what was noted. `store`: a measure.Store; `pictures`: files of runs whose image is kept. Raises RuntimeError: a
-        run's name and what the driver said."""
+    def measure(self, measured, quiet):
+        """Carries out what was noted. `measured`: yields (run, result) of lists of runs, a list for each board."""
         boards = {}  # what a board's caches hold passes from one run to the next, so the order is part of the result
         for run in self._wanted:
             boards.setdefault(run.board(), []).append(run)
-        meter = ProgressMeter("results", len(self._wanted), quiet)
-        for run, result in store.measure(boards.values(), jobs, pictures):
-            self._known[run] = Measurement(**result)
-            meter.advance()
+        with progress("results", len(self._wanted), quiet) as advance:
+            for run, result in measured(boards.values()):
+                self._known[run] = Measurement(**result)
+                advance()
         self._wanted = {}
 
 

@@ -1,8 +1,10 @@
 #!/usr/bin/python3
 """Measures the paper's results on emulated boards and writes RESULTS.md."""
 import argparse
+import functools
 import os
 import pathlib
+import shutil
 import sys
 
 sys.dont_write_bytecode = True
@@ -13,7 +15,7 @@ os.environ.setdefault("GICUBE_BOARD", str(PROGRAMS / "gicube-board"))
 import gicube  # noqa: E402
 
 from bench import Bench  # noqa: E402
-from measure import Store  # noqa: E402
+from measure import kept_in, measure_boards  # noqa: E402
 from page import Page  # noqa: E402
 from sections import design_point, light, memory, processors, scanline  # noqa: E402
 
@@ -73,7 +75,7 @@ def options():
     parser = argparse.ArgumentParser(prog="gicube-results", description=__doc__)
     parser.add_argument("folder", metavar="FOLDER", type=folder_of,
                         help="gets RESULTS.md, and its CSV files and pictures in results/; what a run that was ended had measured "
-                             "is there in measured.jsonl, and the next one goes on from it")
+                             "is there in measured/, and the next one goes on from it")
     parser.add_argument("--version", action="version", version=f"%(prog)s {gicube.__version__}")
     parser.add_argument("--edge", type=int, choices=(32, 64, 128, 256), default=256, help="voxels an edge of the volume (%(default)s)")
     parser.add_argument("--image", type=within(8, 1024), default=256, help="pixels an edge of the image, 8 to 1024 (%(default)s)")
@@ -89,9 +91,9 @@ def main():
     folder = given.folder / "results"
     folder.mkdir(exist_ok=True)
     bench = Bench(given.edge, given.image)
-    measured = given.folder / "measured.jsonl"
-    store = Store(measured)
+    measured = given.folder / "measured"
     pictures = {run: folder / f"scene-{run.scene}.png" for run in bench.oblique() + bench.lit_scenes()}
+    measure = functools.partial(measure_boards, kept_in(measured), given.jobs, pictures)
     while True:
         bench.page = Page()
         for name, (heading, section) in SECTIONS.items():
@@ -100,10 +102,10 @@ def main():
                 section(bench, bench.page)
         if bench.complete():
             break
-        bench.measure(store, given.jobs, pictures, given.quiet)
+        bench.measure(measure, given.quiet)
     (given.folder / "RESULTS.md").write_text(introduction(bench) + bench.page.claims() + bench.page.body)
     bench.page.write_files(folder)
-    measured.unlink()
+    shutil.rmtree(measured)
 
 
 try:

@@ -1,16 +1,18 @@
 """Carries out the runs of bench.py on emulated boards: several at a time, and only those that are not on file yet."""
 import functools
-import hashlib
-import json
 import os
-import pathlib
 import threading
-from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import replace
 
 import gicube
 import numpy as np
-from scenes import faint, make_scene, make_view, normalise
+import scenes
+from scenes import faint, make_view, normalise
+from studies.points import Kept
+from studies.runs import all_at_once
+
+SCENES = threading.Lock()  # one is made at a time, and once
+scene_of = functools.cache(scenes.make_scene)
 
 
 def open_board(run):
@@ -95,11 +97,12 @@ def measure_run(board, run, scene, is_lit, picture):
     return result
 
 
-def measure_board(runs, scene_of, pictures):
+def measure_board(runs, pictures):
     """The runs must share scene, settings and light. Raises RuntimeError: a run's name and what the driver said."""
     run = runs[0]
     try:
-        scene = scene_of(run.scene, run.dims, run.edge)
+        with SCENES:
+            scene = scene_of(run.scene, run.dims, run.edge)
         with open_board(run) as board:
             load(board, scene, run.faint)
             results, is_lit = [], False
@@ -111,57 +114,18 @@ def measure_board(runs, scene_of, pictures):
         raise RuntimeError(f"{run.name()}: {error}") from error
 
 
-def cached_by_one(make):
-    """make() once for the same arguments; who asks meanwhile waits."""
-    known, lock = {}, threading.Lock()
-
-    @functools.wraps(make)
-    def get(*arguments):
-        with lock:
-            own, made = known.setdefault(arguments, (threading.Lock(), []))
-        with own:
-            if not made:
-                made.append(make(*arguments))
-        return made[0]
-    return get
+def kept_in(folder):
+    """What was measured, for the same board, driver and scenes alone."""
+    return Kept(folder, [os.environ["GICUBE_BOARD"], gicube._core.__file__, __file__, scenes.__file__])
 
 
-class Store:
-    """A file of what was measured, a line a board: a list of its runs' names, and of their results. It counts for the same board,
-    driver and scenes alone."""
-
-    def __init__(self, path):
-        self._path = path
-        self._lock = threading.Lock()
-        self._scene_of = cached_by_one(make_scene)
-        programs = [os.environ["GICUBE_BOARD"], gicube._core.__file__, __file__, pathlib.Path(__file__).with_name("scenes.py")]
-        version = hashlib.sha256(b"".join(pathlib.Path(each).read_bytes() for each in programs)).hexdigest()
-        lines = path.read_text().splitlines() if path.exists() else []
-        whole = [line for line in lines if line.endswith("]]")] if lines[:1] == [version] else []  # the last may have been cut off
-        path.write_text("".join(line + "\n" for line in [version, *whole]))
-        self._known = {tuple(names): results for names, results in map(json.loads, whole)}
-
-    def measure(self, boards, jobs, pictures):
-        """Yields (run, result) of lists of runs, a list for each board, as soon as a board has done. Raises as measure_board(); then,
-        and on Ctrl-C, the boards under way end first and are kept."""
-        pool = ThreadPoolExecutor(jobs)
-        try:
-            waiting = {}
-            for runs in boards:
-                known = self._known.get(tuple(run.name() for run in runs))
-                drawn = all(pictures[run].exists() for run in runs if run in pictures)
-                if known and drawn:
-                    yield from zip(runs, known)
-                else:
-                    waiting[pool.submit(self._measure, runs, pictures)] = runs
-            for done in as_completed(waiting):
-                yield from zip(waiting[done], done.result())
-        finally:
-            pool.shutdown(cancel_futures=True)
-
-    def _measure(self, runs, pictures):
-        results = measure_board(runs, self._scene_of, pictures)
-        line = json.dumps([[run.name() for run in runs], results], separators=(",", ":"))
-        with self._lock, self._path.open("a") as file:
-            file.write(line + "\n")
-        return results
+def measure_boards(kept, jobs, pictures, boards):
+    """Yields (run, result) of lists of runs, a list for each board, as soon as a board has done. `pictures`: files of runs whose image is
+    kept. Raises as measure_board(); then, and on Ctrl-C, the boards under way end first and are kept."""
+    def measured(runs):
+        name = "\n".join(run.name() for run in runs)
+        if not all(pictures[run].exists() for run in runs if run in pictures):
+            kept.forget(name)
+        return zip(runs, kept.of(name, lambda: measure_board(runs, pictures)))
+    for results in all_at_once([functools.partial(measured, runs) for runs in boards], jobs):
+        yield from results

@@ -1,8 +1,11 @@
 """gicube-sweep: its parts, and the program as its users run it, on pictures of a few pixels."""
+import argparse
+import contextlib
 import json
 import math
 import os
 import pathlib
+import re
 import resource
 import shutil
 import subprocess
@@ -31,7 +34,7 @@ def test_a_parameter_has_values_between_commas_or_if_they_have_commas_between_se
 @pytest.mark.parametrize("text, why", [("step", "NAME=VALUE"), ("=3", "NAME=VALUE"), ("step=", "NAME=VALUE"), ("--step=1", "NAME=VALUE"),
                                        ("step=1,,2", "step: expected values"), ("step=1,2,1", '"1" twice')])
 def test_a_parameter_is_refused_by_what_is_wrong_with_it(text, why):
-    with pytest.raises(InputError, match=why):
+    with pytest.raises(argparse.ArgumentTypeError, match=why):
         sweep.parse_parameter(text)
 
 
@@ -50,11 +53,19 @@ def test_a_point_becomes_the_arguments_of_gicube_render():
 
 
 def test_every_option_of_the_help_is_understood():
-    given, inputs, unknown = sweep.words_of(["a", "--vary=x=1", "--vary", "--y=2", "-oout", "--chart", "b", "--jobs", "3", "--none", "-z"])
-    assert given == {"vary": ["x=1", "--y=2"], "output": ["out"], "chart": [""], "jobs": ["3"]}
-    assert inputs == ["a", "b"] and unknown == ["--none", "-z"]
-    assert set(sweep.KINDS) == {"help", "version", "vary", "fix", "reference", "reference-picture", "cost", "error", "also", "also-error",
-                                "output", "name", "title", "jobs", "chart", "quiet"}
+    every = ("a --vary=x=1 --vary y=2,3 -oout --chart b --fix u=1 --fix v=w --reference x=3 --cost c --error e --also f --also g --also-error h "
+             "--name n --title t --jobs 3 --quiet c -- -d --version")
+    given = sweep.options_of(every.split())
+    assert given.parameters == [("input", ["a", "b", "c", "-d", "--version"]), ("x", ["1"]), ("y", ["2", "3"])]
+    assert given.fixed == [("u", "1"), ("v", "w"), ("threads", "1")] and given.reference == [("x", "3")]
+    assert (given.cost, given.error, given.also, given.also_errors, given.name, given.title) == ("c", "e", ["f", "g"], ["h"], "n", "t")
+    assert given.folder == pathlib.Path("out") and given.jobs == 3 and given.chart and given.quiet
+    given = sweep.options_of("a --output out --reference-picture /etc/passwd --fix threads=2".split())
+    assert given.reference_picture == "/etc/passwd" and given.fixed == [("threads", "2")] and given.parameters == [("input", ["a"])]
+    assert (given.cost, given.error, given.name, given.title, given.jobs) == ("frame_ms", "picture", "sweep", None, 0)
+    assert not given.chart and not given.quiet and not given.reference and not given.also and not given.also_errors
+    named = set(re.findall("--[a-z-]+", every)) | {"--help", "--output", "--reference-picture"}
+    assert set(re.findall(r"^  (?:-\w,)?(--[a-z-]+)", sweep.parser_of_options().format_help(), re.MULTILINE)) == named
 
 
 # ---- rows and tables
@@ -131,12 +142,17 @@ def test_after_a_failure_no_run_starts_and_results_stay(tmp_path):
     program.chmod(0o755)
     each = [Run([name]) for name in ("good", "bad", "late")]
     told = []
+
+    @contextlib.contextmanager
+    def meter(total):
+        told.append(total)
+        yield lambda: told.append("done")
     with pytest.raises(runs.RunFailed, match="^gicube-render bad -o picture.exr --stats run.json\n  exit code 3: reason$"):
-        runs.carry_out_all(folder, each, program, 1, told.append)
-    assert folder.has(each[0]) and not folder.has(each[1]) and told == [0, 1]
+        runs.carry_out_all(folder, each, program, 1, meter)
+    assert folder.has(each[0]) and not folder.has(each[1]) and told == [3, "done"]
     assert not list((tmp_path / "runs").glob("*.part.*"))
     with pytest.raises(runs.RunFailed, match="No such file"):
-        runs.carry_out_all(folder, [Run(["other"])], tmp_path / "none", 1, told.append)
+        runs.carry_out_all(folder, [Run(["other"])], tmp_path / "none", 1, meter)
 
 
 # ---- pictures
@@ -273,14 +289,14 @@ def test_a_failed_run_is_named_with_its_command_and_reason(program):
     ("b -o out --vary step=1 --fix step=2 --reference step=1", "step: expected once among INPUT, --vary and --fix, got it twice"),
     ("b -o out --vary output=a,b --reference step=1", "output: expected another parameter, it is the sweep's own"),
     ("-o out", "INPUT is required"),
-    ("b", "--output is required"),
-    ("b -o", "--output: 1 required FOLDER missing"),
-    ("b -o out -o in", "--output: At Most 1 required but received 2"),
-    ("b -o out --jobs 1025", "--jobs: Value 1025 not in range 0 to 1024"),
-    ("b -o out --foo", "The following argument was not expected: --foo"),
-    ("b -o out --reference-picture none.exr", "--reference-picture: File does not exist: none.exr"),
-    ("b -o out --reference-picture /", "--reference-picture: File is actually a directory: /"),
-    ("b -o out --reference-picture /etc/passwd --reference step=1", "--reference excludes --reference-picture"),
+    ("b", "the following arguments are required: -o/--output"),
+    ("b -o", "argument -o/--output: expected one argument"),
+    ("b -o out -o in", "argument -o/--output: expected once, got it twice"),
+    ("b -o out --jobs 1025", 'argument --jobs: expected a number from 0 to 1024, got "1025"'),
+    ("b -o out --foo", "unrecognized arguments: --foo"),
+    ("b -o out --reference-picture none.exr", 'argument --reference-picture: expected a file, got "none.exr"'),
+    ("b -o out --reference-picture /", 'argument --reference-picture: expected a file, got "/"'),
+    ("b -o out --reference-picture /etc/passwd --reference step=1", "--reference: expected without --reference-picture, got both"),
     ("b -o out --reference-picture /etc/passwd --error frame_ms", '--error: expected picture with --reference-picture, got "frame_ms"'),
     ("b -o out --reference-picture /etc/passwd --also-error x", "--also-error: expected with --reference, got --reference-picture")])
 def test_what_is_wrong_with_the_command_line_is_named(program, arguments, why):
