@@ -311,7 +311,7 @@ void Viewer::stop_if_told() {
 
 void Viewer::tell(Page page, const Json& message, bool droppable) { send_(page, packet(message, droppable)); }
 
-void Viewer::tell(Page page, Json header, const std::vector<std::uint8_t>& bytes, bool droppable) {
+void Viewer::tell(Page page, const Json& header, const std::vector<std::uint8_t>& bytes, bool droppable) {
   const std::string text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
   auto all = std::make_shared<std::string>();
   all->reserve(4 + text.size() + bytes.size());

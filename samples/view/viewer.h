@@ -107,7 +107,7 @@ class Viewer {
   Packet hello();
   Settings completed(const Settings& settings) const;
   void tell(Page page, const nlohmann::ordered_json& message, bool droppable = false);
-  void tell(Page page, nlohmann::ordered_json header, const std::vector<std::uint8_t>& bytes, bool droppable);
+  void tell(Page page, const nlohmann::ordered_json& header, const std::vector<std::uint8_t>& bytes, bool droppable);
   Progress step(const std::string& what);
   void stop_if_told();
 
