@@ -104,7 +104,7 @@ def memory_claims(bench):
         f"{of_four:.1f} GB/s that four RDRAMs give are {percent(paper / of_four)}, not 92%")
     memory, use = bench.spread(low, memory_gb_s), bench.spread(low, memory_use)
     bench.page.claim(
-        5, "memory bandwidth, lighting pass (3.3)", "4.6 GB/s",
+        5, "memory bandwidth, global illumination; ours: the pass (3.3)", "4.6 GB/s",
         f"mean {memory.text(1, 1)} GB/s; {bench.spread(apart, memory_gb_s).text(1, 1)} with voxel steps", differs(memory.mean, 4.6), why)
     bench.page.claim(
         6, "memory interface in use, lighting pass (3.6)", "92%",

@@ -22,7 +22,7 @@ def baseline(bench, page):
     queues = (16, 32, 64, 128, 256, 512, 1024, 4096)  # rays
     page.text(
         "The machine of section 5.1 that reordering is measured against, for rendering: one queue a processor, rays in the order in "
-        "which they come, a direct-mapped cache of the same size with a tag a word, addressed by the voxel's place in the whole volume; "
+        "which they come, a direct-mapped cache of the same size with a tag for each four voxels, addressed by the voxel's place in the whole volume; "
         "at its best queue of those below. Oblique views.")
 
     def time(scene, queue):
