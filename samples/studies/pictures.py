@@ -6,8 +6,9 @@ import numpy as np
 from studies.table import FileError
 
 CHANNELS = 4
-POWF = ctypes.CDLL("libm.so.6").powf
-POWF.argtypes, POWF.restype = [ctypes.c_float] * 2, ctypes.c_float
+_powf = ctypes.CDLL("libm.so.6").powf  # numpy's own powers of floats differ between processors
+_powf.argtypes, _powf.restype = [ctypes.c_float] * 2, ctypes.c_float
+_power = np.frompyfunc(_powf, 2, 1)
 
 
 def read_picture(file):
@@ -28,19 +29,9 @@ def read_picture(file):
     with np.errstate(divide="ignore", invalid="ignore"):
         linear = picture[..., :3] / alpha
         curve = np.where(linear <= np.float32(0.0031308), np.float32(12.92) * linear,
-                         np.float32(1.055) * _power(linear, np.float32(1) / np.float32(2.4)) - np.float32(0.055))
+                         np.float32(1.055) * _power(linear, np.float32(1) / np.float32(2.4)).astype(np.float32) - np.float32(0.055))
         picture[..., :3] = np.where(alpha > 0, alpha * curve, picture[..., :3])
     return picture
-
-
-def _power(base, exponent):
-    """powf() of the C library, to the bit: numpy's own powers of floats differ between processors."""
-    power = np.power(base.astype(np.float64), np.float64(exponent))
-    near = [(power * (1 + off)).astype(np.float32) for off in (-2e-9, 2e-9)]
-    out = power.astype(np.float32)
-    for place in zip(*np.nonzero((near[0] != near[1]) & np.isfinite(power))):  # where rounding might go the other way
-        out[place] = POWF(float(base[place]), float(exponent))
-    return out
 
 
 def _between(count, of):

@@ -192,20 +192,17 @@ def run_sweep(options, folder, render):
     runs = list({run.key(): run for run in reversed(needed)}.values())[::-1]  # each once, where it first comes
     carry_out_all(folder, runs, render, options.jobs, functools.partial(progress, PROGRAM, quiet=options.quiet or not sys.stderr.isatty()))
 
-    pictures, rows = {}, []
-
-    def exact(file):
-        if file not in pictures:
-            pictures[file] = read_picture(file)
-        return pictures[file]
+    exact, rows = functools.cache(read_picture), []
     for point, run, reference in pairs:
         statistics = folder.read(run)
-        row = SimpleNamespace(point=point, cost=figure(statistics, options.cost), run=run, also=[], fidelity=statistics.get("fidelity"),
-                              is_reference=not one and run.key() == reference.key(), on_front=False)
+        row = SimpleNamespace(point=point, cost=figure(statistics, options.cost), run=run, fidelity=statistics.get("fidelity"),
+                              is_reference=not one and run.key() == reference.key())
         row.also = [figure_or_nan(statistics, name) for name in options.also]
         compared = None if one else folder.read(reference)
         row.also += [relative(figure_or_nan(statistics, name), figure(compared, name)) for name in options.also_errors]
-        if options.error == "picture":
+        if row.is_reference:
+            row.error = math.nan
+        elif options.error == "picture":
             row.error = rmse(read_picture(folder.picture(run)), exact(one or folder.picture(reference)))
         else:
             row.error = relative(figure(statistics, options.error), figure(compared, options.error))
@@ -215,9 +212,7 @@ def run_sweep(options, folder, render):
 
 
 def mark_front(rows):
-    """References have no error, and stay out."""
-    measured = [row for row in rows if not row.is_reference]
-    for row, on in zip(measured, on_front([(row.cost, row.error) for row in measured])):
+    for row, on in zip(rows, on_front([(row.cost, row.error) for row in rows])):
         row.on_front = on
 
 
@@ -230,15 +225,16 @@ def table_text(options, rows):
     names = list(dict.fromkeys(name for row in rows for name in row.point))
     lines = [[options.cost, f"error {options.error}", "front", "reference", *also_names(options), *names, "command"]]
     for row in rows:
-        lines.append([cell(row.cost), "" if row.is_reference else cell(row.error), int(row.on_front), int(row.is_reference),
-                      *map(cell, row.also), *(row.point.get(name, "") for name in names), row.run.command()])
+        lines.append([cell(row.cost), cell(row.error), int(row.on_front), int(row.is_reference), *map(cell, row.also),
+                      *(row.point.get(name, "") for name in names), row.run.command()])
     return csv_text(lines)
 
 
 def json_text(options, rows, command):
     """The same, and the front by itself."""
-    points = [{"settings": row.point, options.cost: row.cost, f"error {options.error}": None if row.is_reference else row.error,
-               **{name: None if math.isnan(value) else value for name, value in zip(also_names(options), row.also)},
+    names = [options.cost, f"error {options.error}", *also_names(options)]
+    points = [{"settings": row.point,
+               **{name: None if math.isnan(value) else value for name, value in zip(names, [row.cost, row.error, *row.also])},
                "reference": row.is_reference, "front": row.on_front, "command": row.run.command()} for row in rows]
     whole = {"cost": options.cost, "error": options.error, "front": [point for point in points if point["front"]], "points": points,
              "provenance": {"program": PROGRAM, "version": version(), "command": command}}
@@ -251,7 +247,7 @@ def draw_chart(options, rows, path):
         from studies import draw
     except ImportError as error:
         raise RunFailed(f"--chart: expected matplotlib (Debian package python3-matplotlib), got {error}") from error
-    drawn = sorted((row for row in rows if not row.is_reference and row.cost > 0 and row.error > 0), key=lambda row: row.cost)
+    drawn = sorted((row for row in rows if row.cost > 0 and row.error > 0), key=lambda row: row.cost)
     front = [row for row in drawn if row.on_front]
     draw.chart(path, options.title or options.name, options.cost, f"error: {options.error}",
                [draw.Series("runs", [row.cost for row in drawn], [row.error for row in drawn], look="points", colour=-1, mark=0),

@@ -1,10 +1,10 @@
 """Tables of the studies: CSV files, and which of their rows are on a Pareto front."""
+import contextlib
 import csv
 import io
 import math
 import os
 import pathlib
-import tempfile
 
 
 class FileError(Exception):
@@ -14,23 +14,14 @@ class FileError(Exception):
 def write_whole(path, text):
     """Who reads the file sees the old contents or all of the new. Raises FileError."""
     path = pathlib.Path(path)
-    part = None
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
     try:
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", dir=path.parent, prefix=path.name + ".", suffix=".part", delete=False) as stream:
-            part = pathlib.Path(stream.name)
-            stream.write(text)
-        part.chmod(0o666 & ~_umask())
+        part.write_text(text, encoding="utf-8")
         part.replace(path)
     except OSError as error:
-        if part:
-            part.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            part.unlink()
         raise FileError(f"{path}: file: expected a place to write to, got {os.strerror(error.errno)}") from error
-
-
-def _umask():
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def csv_text(rows):
@@ -52,8 +43,8 @@ def rows_of(file):
 
 
 def on_front(points):
-    """Of (cost, error): whether no other is cheaper and better, one truth value a point."""
-    return [not any(other[0] <= cost and other[1] <= error and (other[0] < cost or other[1] < error) for other in points)
+    """Of (cost, error): whether no other is cheaper and better, one truth value a point. Without an error, not-a-number, it is not."""
+    return [not math.isnan(error) and not any(other[0] <= cost and other[1] <= error and (other[0] < cost or other[1] < error) for other in points)
             for cost, error in points]
 
 

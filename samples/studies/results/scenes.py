@@ -80,13 +80,8 @@ class SceneData:
     def __init__(self, volume, looks, setup=None, be_whole=True):
         self.volume, self.looks, self.setup = volume, looks, setup
         self.lit = setup is not None and setup.is_lit
-        self.low, self.high = whole_box(volume.dims) if be_whole else visible_box(volume, looks[0])
+        self.low, self.high = (np.zeros(3), np.array(volume.dims) - 1.0) if be_whole else visible_box(volume, looks[0])
         self.background = setup.background if setup and not self.lit else (0, 0, 0)
-
-
-def whole_box(dims):
-    """Its corners."""
-    return np.zeros(3), np.array(dims) - 1.0
 
 
 def visible_box(volume, look):

@@ -72,7 +72,7 @@ def test_every_option_of_the_help_is_understood():
 
 
 def row(cost, error, is_reference=False, also=(), **point):
-    return SimpleNamespace(point=point or {"step": f"{cost:f}"}, cost=float(cost), error=float(error), also=list(also), on_front=False,
+    return SimpleNamespace(point=point or {"step": f"{cost:f}"}, cost=float(cost), error=math.nan if is_reference else float(error), also=list(also), on_front=False,
                            is_reference=is_reference, run=Run(["a b", "--step", "1"]))
 
 
