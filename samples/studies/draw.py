@@ -126,8 +126,7 @@ def _plain_numbers(axis, measured=()):
     """Of a logarithmic axis: what was measured, if that is few values apart; or 0.01, 0.1, 1 and, where it spans few decades, 2 and 5."""
     low, high = sorted(axis.get_view_interval())
     decades = np.log10(high / low) if low > 0 else 9
-    axis.set_major_formatter(ticker.FuncFormatter(
-        lambda value, _: f"{value:.10g}" if 0.9e-4 < value < 2e5 else f"1e{round(np.log10(value))}"))
+    axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:.10g}" if 0.9e-4 < value < 2e5 else f"1e{round(np.log10(value))}"))
     axis.set_minor_formatter(ticker.NullFormatter())
     if 2 < len(measured) <= 12 and all(map(_is_round, measured)) and min(b / a for a, b in zip(measured, measured[1:])) > 10 ** (decades / 16):
         axis.set_major_locator(ticker.FixedLocator(measured))
@@ -219,8 +218,7 @@ def _write(axes, each, point, place, coordinates, moved):
     colour = matplotlib.colors.to_rgb(GRAY if each.colour < 0 else COLOURS[each.colour])
     dark = tuple(0.72 * part for part in colour)
     axes.annotate(_wrapped(each), point, place, textcoords=coordinates, va="center", fontsize=9, color=dark, linespacing=0.95,
-                  annotation_clip=False,
-                  arrowprops={"arrowstyle": "-", "color": dark, "lw": 0.5, "shrinkA": 0, "shrinkB": 3} if moved else None)
+                  annotation_clip=False, arrowprops={"arrowstyle": "-", "color": dark, "lw": 0.5, "shrinkA": 0, "shrinkB": 3} if moved else None)
 
 
 def _shortened(text):

@@ -10,9 +10,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared/data"
 LEVELS = ("functional", "approximate", "cycle")
 ROUNDS = 4
-COLUMNS = ["pair", "time_error", "hit_ratio", "hit_ratio_error", "bandwidth_gb_s", "bandwidth_error", "bandwidth_error_of_peak",
-           "time_self", "bandwidth_self", "functional_time_error", "functional_s", "approximate_s", "cycle_s",
-           "approximate_cpu_s", "cycle_cpu_s", "arguments"]
+COLUMNS = ["pair", "time_error", "hit_ratio", "hit_ratio_error", "bandwidth_gb_s", "bandwidth_error", "bandwidth_error_of_peak", "time_self",
+           "bandwidth_self", "functional_time_error", "functional_s", "approximate_s", "cycle_s", "approximate_cpu_s", "cycle_cpu_s", "arguments"]
 
 
 def pairs_of(file):
@@ -49,10 +48,9 @@ def row_of(name, written, functional, approximate, cycle, other):
         return of[key] / cycle[key] - 1
     channels = sum(1 for key in cycle["counters"] if key.startswith("rdram") and key.endswith(".reads") and key != "rdram.reads")
     peak = 1.6 * max(1, channels)  # GB/s: 800 MHz, 16 bits
-    return [name, off(approximate, "frame_ms"), cycle["hit_ratio"], approximate["hit_ratio"] - cycle["hit_ratio"],
-            cycle["memory_gb_s"], off(approximate, "memory_gb_s"), (approximate["memory_gb_s"] - cycle["memory_gb_s"]) / peak,
-            off(other, "frame_ms"), off(other, "memory_gb_s"), off(functional, "frame_ms"),
-            functional["host_seconds"], approximate["host_seconds"], cycle["host_seconds"],
+    return [name, off(approximate, "frame_ms"), cycle["hit_ratio"], approximate["hit_ratio"] - cycle["hit_ratio"], cycle["memory_gb_s"],
+            off(approximate, "memory_gb_s"), (approximate["memory_gb_s"] - cycle["memory_gb_s"]) / peak, off(other, "frame_ms"),
+            off(other, "memory_gb_s"), off(functional, "frame_ms"), functional["host_seconds"], approximate["host_seconds"], cycle["host_seconds"],
             approximate["host"]["board_cpu_s"], cycle["host"]["board_cpu_s"], written]
 
 

@@ -92,7 +92,8 @@ def parser_of_options():
            help="picture: root mean square difference; or a number as for --cost: relative difference")
     repeatable("--also", "FIGURE", "also", str, "further numbers as for --cost, as columns")
     repeatable("--also-error", "FIGURE", "also_errors", str, "the same of further numbers' relative differences")
-    option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True, help="NAME.csv, NAME.json and runs/ go there")
+    option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True,
+           help="NAME.csv, NAME.json and runs/ go there")
     option("--name", metavar="TEXT=sweep", default="sweep", help="of the files")
     option("--title", metavar="TEXT", help="of the chart")
     option("--jobs", metavar="INT:INT in [0 - 1024]=0", default="0", type=jobs_of, help="runs at once; 0 = one per core")

@@ -157,8 +157,7 @@ def residencies(m):
     sizes = [1 << i for i in range(21)]
     activations = [m[f"processor.sorter.activations_of_rays.{size}"] for size in sizes]
     issued = [m[f"processor.sorter.issued_in_activations_of_rays.{size}"] for size in sizes]
-    return [Residency(size, ratio(a, sum(activations)), ratio(i, sum(issued)))
-            for size, a, i in zip(sizes, activations, issued)]
+    return [Residency(size, ratio(a, sum(activations)), ratio(i, sum(issued))) for size, a, i in zip(sizes, activations, issued)]
 
 
 def issued_in_short_residencies(m, steps=32):
@@ -174,8 +173,7 @@ class Millisecond(NamedTuple):
 def milliseconds(m):
     """Block loads and samples in each millisecond of the window."""
     def by_time(prefix):
-        return {int(name.removeprefix(prefix)): float(value) for name, value in m.counters.items()
-                if value and name.startswith(prefix)}
+        return {int(name.removeprefix(prefix)): float(value) for name, value in m.counters.items() if value and name.startswith(prefix)}
     loads, samples = by_time("asic.block_loads.ms"), by_time("asic.samples.ms")
     times = loads.keys() | samples.keys()
     if not times:

@@ -20,18 +20,15 @@ def scenes(bench, page):
                       percent(ratio(m["pipeline.visible_samples"], m["pipeline.samples"]))])
         page.picture(f"scene-{run.scene}.png", run.scene)
     page.table("scenes", ["scene", "what it is there for", "blocks without anything visible", "samples that show something"], about)
-    page.text(
-        "Views are perspective, from outside, so near that the whole volume just fills the image; *along x* looks along the axis "
-        "along which the slabs of a partition lie one behind the other. Frame is what the host sees, with tables, image and "
-        "completion over the bus; ASIC is the time in which rays are under way, to which all shares and bandwidths refer. Memory "
-        "bandwidth counts a packet of 144 bit as 16 bytes, as the paper's 1.6 GB/s of an 18-bit RDRAM do.")
-    others = {"M samples": lambda m: number(m["processor.samples"] * 1e-6, 2),
-              "rays sent /100 cycles": lambda m: number(rays_sent(m), 2),
+    page.text("Views are perspective, from outside, so near that the whole volume just fills the image; *along x* looks along the axis along which "
+              "the slabs of a partition lie one behind the other. Frame is what the host sees, with tables, image and completion over the bus; "
+              "ASIC is the time in which rays are under way, to which all shares and bandwidths refer. Memory bandwidth counts a packet of 144 bit "
+              "as 16 bytes, as the paper's 1.6 GB/s of an 18-bit RDRAM do.")
+    others = {"M samples": lambda m: number(m["processor.samples"] * 1e-6, 2), "rays sent /100 cycles": lambda m: number(rays_sent(m), 2),
               "balance": lambda m: percent(balance_held(m))}
     columns = ["frame ms", "Hz", "ASIC ms", "M samples", "M samples/s", "throughput", "memory GB/s", "memory in use", "hit ratio",
                "rays sent /100 cycles", "balance", "DSP busy", "overflows a ray"]
-    page.table("design-point", ["scene", "view", *columns],
-               [[run.scene, run.view, *cells(bench.get(run), columns, others)] for run in bench.all()])
+    page.table("design-point", ["scene", "view", *columns], [[run.scene, run.view, *cells(bench.get(run), columns, others)] for run in bench.all()])
     memory_claims(bench, page)
     rate_claim(bench)
 
@@ -44,12 +41,11 @@ def memory_claims(bench, page):
     gb_s, busy = bench.mean(jittered, memory_gb_s), percent(bench.mean(jittered, memory_use))
     page.claim(2, "samples a second, rendering, p=4 (5.1)", "231 M", f"mean {samples.text(1e6, 0)} M", differs(samples.mean, 231e6),
                "scenes and views differ; see the table of the design point")
-    why = (
-        f"the sampling distance, which the paper does not give. 2.8 GB/s at 231 M samples/s are {2.8e9 / 231e6:.1f} bytes a sample, "
-        f"ours are {ratio(memory.mean * 1e9, samples.mean):.1f} with half-voxel steps, because every second sample lies in a cell "
-        f"that the first has fetched. The oblique views move {bench.mean(bench.oblique(), memory_gb_s):.1f} GB/s so; with steps of a "
-        f"voxel {bench.mean(apart, memory_gb_s):.1f} GB/s, the interface in use {percent(bench.mean(apart, memory_use))} of the time; "
-        f"with such steps jittered, as the paper does it, {gb_s:.1f} GB/s and {busy}")
+    why = (f"the sampling distance, which the paper does not give. 2.8 GB/s at 231 M samples/s are {2.8e9 / 231e6:.1f} bytes a sample, ours are "
+           f"{ratio(memory.mean * 1e9, samples.mean):.1f} with half-voxel steps, because every second sample lies in a cell that the first has "
+           f"fetched. The oblique views move {bench.mean(bench.oblique(), memory_gb_s):.1f} GB/s so; with steps of a voxel "
+           f"{bench.mean(apart, memory_gb_s):.1f} GB/s, the interface in use {percent(bench.mean(apart, memory_use))} of the time; with such steps "
+           f"jittered, as the paper does it, {gb_s:.1f} GB/s and {busy}")
     page.claim(5, "memory bandwidth, rendering (3.3)", "2.8 GB/s",
                f"mean {memory.text(1, 1)} GB/s; {gb_s:.1f} with jittered voxel steps", differs(memory.mean, 2.8), why)
     page.claim(6, "memory interface in use, rendering (3.6)", "37.5%",
@@ -64,19 +60,16 @@ def rate_claim(bench):
         if rate_hz(m) >= REAL_TIME:
             continue
         samples = m["processor.samples"]
-        slow.append(
-            f"{run.scene} takes {samples * 1e-6:.1f} M samples a frame: the pipelines need "
-            f"{ratio(samples, m.processors * m.core_hz) * 1e3:.1f} ms for them alone, and image and tables "
-            f"{frame_ms(m) - asic_ms(m):.1f} ms of the bus; with steps of a voxel it reaches "
-            f"{rate_hz(bench.get(run.at_step(1))):.1f} Hz")
+        slow.append(f"{run.scene} takes {samples * 1e-6:.1f} M samples a frame: the pipelines need "
+                    f"{ratio(samples, m.processors * m.core_hz) * 1e3:.1f} ms for them alone, and image and tables {frame_ms(m) - asic_ms(m):.1f} "
+                    f"ms of the bus; with steps of a voxel it reaches {rate_hz(bench.get(run.at_step(1))):.1f} Hz")
     bench.page.claim(23, "256^3 in real time (3)", "30 Hz", f"mean {rate.text(1, 1)} Hz", rate.min < REAL_TIME, "; ".join(slow))
 
 
 def bounds(bench, page):
     """Where the time goes."""
-    page.text(
-        "ASIC time of the oblique view with parts that have no limits: every packet in the cache when it is asked for; queues that "
-        "never overflow; the most important queue known at once. The last column is the cost-effective variant of section 3.3.")
+    page.text("ASIC time of the oblique view with parts that have no limits: every packet in the cache when it is asked for; queues that never "
+              "overflow; the most important queue known at once. The last column is the cost-effective variant of section 3.3.")
     ideals = [{f"ideal.{part}": 1} for part in ("memory", "queues", "sorter")]
     rows = []
     for run in bench.oblique():
@@ -86,8 +79,7 @@ def bounds(bench, page):
             bound = asic_ms(bench.get(run.on(settings)))
             row.append(f"{bound:.1f} ({100 * (ratio(bound, own) - 1):+.0f}%)")
         rows.append(row)
-    page.table("bounds", ["scene", "as it is, ms", "perfect memory", "perfect queues", "perfect sorter", "all three",
-                          "sharing an RDRAM"], rows)
+    page.table("bounds", ["scene", "as it is, ms", "perfect memory", "perfect queues", "perfect sorter", "all three", "sharing an RDRAM"], rows)
     page.text("Each pipeline cycle has one cause (docs/reference/hardware.md); columns sum to 100%.")
     bench.causes_table("causes", SCENES, bench.oblique())
 
@@ -95,10 +87,9 @@ def bounds(bench, page):
 def gains(bench, page):
     """Rows 11 and 20."""
     volume_pro = 301e6  # samples a second at 100 MHz [P §5.1]
-    page.text(
-        "Gain is the growth of the rate of the ASIC. Without termination the same scene has opacities so low that no ray gets opaque: "
-        "nothing else of it takes time. *Worth* is the rate of a machine that takes all samples of the volume, as a VolumePro has to, "
-        "and is as fast: samples without leaps and termination over the time with both.")
+    page.text("Gain is the growth of the rate of the ASIC. Without termination the same scene has opacities so low that no ray gets opaque: "
+              "nothing else of it takes time. *Worth* is the rate of a machine that takes all samples of the volume, as a VolumePro has to, and is "
+              "as fast: samples without leaps and termination over the time with both.")
     rows, leaps, ends, worths = [], [], [], []
     for run in bench.all():
         both, no_leaps = bench.get(run), bench.get(run.but(leap=False))
@@ -108,8 +99,7 @@ def gains(bench, page):
         worths.append(ratio(neither["processor.samples"], asic_ms(both) * 1e-3))
         rows.append([run.scene, run.view, number(asic_ms(both)), number(asic_ms(no_leaps)), percent(leaps[-1]),
                      number(asic_ms(no_end)), percent(ends[-1]), CELLS["M samples/s"](both), number(worths[-1] * 1e-6, 0)])
-    page.table("gains", ["scene", "view", "ms", "without leaps", "gain", "without termination", "gain", "M samples/s",
-                         "worth, M samples/s"], rows)
+    page.table("gains", ["scene", "view", "ms", "without leaps", "gain", "without termination", "gain", "M samples/s", "worth, M samples/s"], rows)
 
     def triple(gain):
         return f"{100 * gain.min:.0f} / {100 * gain.mean:.0f} / {100 * gain.max:.0f}%"
@@ -124,11 +114,10 @@ def gains(bench, page):
                differs(leap.mean, 0.21) or differs(leap.max, 0.34) or differs(end.mean, 0.12) or differs(end.max, 0.24),
                "gains are the scenes': leaping gives nothing where no block is empty (cloud, rock) and most in "
                f"{view_of_max(leaps)}; termination gives nothing in the cloud and most in {view_of_max(ends)}, all of which is opaque")
-    page.claim(20, "VolumePro's 301 M samples/s at 100 MHz, beaten through leaping and termination (5.1)",
-               "231 M taken, more than 301 M worth",
+    page.claim(20, "VolumePro's 301 M samples/s at 100 MHz, beaten through leaping and termination (5.1)", "231 M taken, more than 301 M worth",
                f"worth mean {worth.mean * 1e-6:.0f} M ({worth.min * 1e-6:.0f} to {worth.max * 1e-6:.0f})", worth.mean < volume_pro,
-               "our scenes and views are not the paper's: those whose worth is below 301 M are bound by load balance (along x) or "
-               "never end and never leap (cloud)")
+               "our scenes and views are not the paper's: those whose worth is below 301 M are bound by load balance (along x) or never end and "
+               "never leap (cloud)")
 
 
 def parameters(bench, page):
@@ -136,8 +125,7 @@ def parameters(bench, page):
     paper = 231e6 / 400e6  # throughput [P §5.1]
     variants = {"design point": {}}
     for prefetch, compute in ((4, 28), (8, 24), (24, 8), (28, 4), (16, 48), (48, 16)):
-        variants[f"pipeline split {prefetch} + {compute}"] = {"pipeline.prefetch_stages": prefetch,
-                                                              "pipeline.compute_stages": compute}
+        variants[f"pipeline split {prefetch} + {compute}"] = {"pipeline.prefetch_stages": prefetch, "pipeline.compute_stages": compute}
     variants |= {f"{n} packets asked for at a time": {"cache.miss_packets": n} for n in (8, 16, 64, 256)}
     variants |= {f"cache of {n} ways": {"cache.ways": n} for n in (2, 4, 8)}
     variants |= {f"DSP of {mhz} MHz": {"dsp.clock_khz": 1000 * mhz} for mhz in (50, 100, 400, 800)}
@@ -150,9 +138,8 @@ def parameters(bench, page):
     for name, settings in variants.items():
         runs = [bench.run(scene).on(settings) for scene in swept]
         busy = bench.mean(runs, throughput)
-        rows.append([name, *(number(asic_ms(bench.get(run)), 2) for run in runs), percent(busy, 1),
-                     percent(bench.mean(runs, hit_ratio), 1), number(bench.mean(runs, memory_gb_s), 2),
-                     percent(bench.mean(runs, dsp_use))])
+        rows.append([name, *(number(asic_ms(bench.get(run)), 2) for run in runs), percent(busy, 1), percent(bench.mean(runs, hit_ratio), 1),
+                     number(bench.mean(runs, memory_gb_s), 2), percent(bench.mean(runs, dsp_use))])
         if differs(busy, paper):
             far.append(f"{name} ({percent(busy)})")
     page.table("parameters", ["variant", *swept, "throughput, mean", "hit ratio, mean", "memory GB/s, mean", "DSP busy, mean"], rows)
@@ -170,16 +157,14 @@ def bus(bench, page):
         image_ms = to_ms(image["bus.image.time_ps"])
         rays_ms = to_ms(rays["bus.down.busy_ps"] + rays["bus.up.busy_ps"])
         share[name], rate[name] = image_ms * REAL_TIME * 1e-3, rate_hz(rays)
-        rows.append([name, number(image_ms, 2), percent(share[name]), str(rays["dsp.host_rays"]),
-                     number(rays["bus.rays.bytes"] * 1e-6, 1), number(rays_ms, 1), number(ratio(1e3, rays_ms)),
-                     number(frame_ms(rays), 1), number(rate_hz(rays))])
+        rows.append([name, number(image_ms, 2), percent(share[name]), str(rays["dsp.host_rays"]), number(rays["bus.rays.bytes"] * 1e-6, 1),
+                     number(rays_ms, 1), number(ratio(1e3, rays_ms)), number(frame_ms(rays), 1), number(rate_hz(rays))])
     page.text(f"The buckyball with {design.width}^2 pixels: the image's way to the host, and the same rays made by the host, sent "
               "down, traced and sent back, 32 bytes each way.")
     page.table("bus", ["bus", "image, ms", f"share of the bus at {REAL_TIME} Hz", "host's rays", "MB down and up",
                        "bus ms for them", "at most Hz", "there and back, ms", "Hz"], rows)
     pci, agp = rate["pci33"], rate["agp2x"]
-    page.claim(21, f"512^2 images of 36 bit at {REAL_TIME} Hz over PCI; host-made rays both ways (3.6)",
-               "fits; floods the bus, AGP helps",
+    page.claim(21, f"512^2 images of 36 bit at {REAL_TIME} Hz over PCI; host-made rays both ways (3.6)", "fits; floods the bus, AGP helps",
                f"{percent(share['pci33'])} of PCI's time; {pci:.1f} Hz on PCI, {agp:.1f} Hz on AGP 2x",
                share["pci33"] > 1 or pci > REAL_TIME or agp < pci, "the bus is not what bounds these rays: see the table")
 

@@ -52,12 +52,12 @@ def cache(bench, page):
     grids = [Grid(bench, scene, bench.run(scene)) for scene in ("buckyball", "head")]
     # One volume of as many voxels as the largest block has, and one processor: n = N.
     whole = grids[0].blocks[-1]
-    small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole, height=whole)
-                 .on({"asic.processors": 1}))
+    small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole, height=whole).on({"asic.processors": 1}))
     page.text(f"Hit ratio is that of voxels. The caches hold at most 64^3 blocks, so n = N is measured on a head of {whole}^3 voxels "
               f"with one processor and a {whole}^2 image.")
     for grid in grids:
-        grid.report(f"Figure 13: large blocks n and long queues hit more often ({grid.name})", f"Figure 14: large blocks n need long queues ({grid.name})")
+        grid.report(f"Figure 13: large blocks n and long queues hit more often ({grid.name})",
+                    f"Figure 14: large blocks n need long queues ({grid.name})")
     small.report("Figure 13 with n = N: large blocks hit more often", "Figure 14 with n = N: large blocks need long queues")
 
     def of_ways(ways, queue):
@@ -72,13 +72,12 @@ def cache(bench, page):
     fastest = {grid.name: min(grid.blocks, key=grid.ms) for grid in grids}
     least, most = small.ms(whole, 64), small.ms(whole, 1024)
     best = ", ".join(f"{name}: n = {n} ({bench.edge // n}^3 grid)" for name, n in fastest.items())
-    page.claim(
-        16, "time against block and queue size (5.1, Figure 14)", "queue size idle at n = N; an 8 x 8 x 8 grid is best",
-        f"n = N: {least:.2f} ms at queues of 64, {most:.2f} ms at 1024; best of queues of 256: {best}",
-        set(fastest.values()) != {bench.block} or differs(least, most),
-        "larger blocks miss less, smaller ones cut a scene's empty space more finely, so rays leap more of it: which wins is the scene's. "
-        f"Without leaps the best blocks are {without_leaps}: reordering alone asks for larger ones here, since queues of 256 rays are "
-        "long against the pipeline")
+    page.claim(16, "time against block and queue size (5.1, Figure 14)", "queue size idle at n = N; an 8 x 8 x 8 grid is best",
+               f"n = N: {least:.2f} ms at queues of 64, {most:.2f} ms at 1024; best of queues of 256: {best}",
+               set(fastest.values()) != {bench.block} or differs(least, most),
+               "larger blocks miss less, smaller ones cut a scene's empty space more finely, so rays leap more of it: which wins is the scene's. "
+               f"Without leaps the best blocks are {without_leaps}: reordering alone asks for larger ones here, since queues of 256 rays are long "
+               "against the pipeline")
 
 
 def blocks_table(bench, blocks):
@@ -101,15 +100,12 @@ def hit_claim(bench, grids, whole):
     n, twice = bench.block, 2 * PIPELINE_LATENCY
     with_queues = all(grid.hits(n, 1) < grid.hits(n, 64) < grid.hits(n, 1024) for grid in grids)
     with_blocks = all(grid.hits(a) < grid.hits(b) for grid in grids for a, b in zip(grid.blocks, grid.blocks[1:]))
-    jumps = "; ".join(f"{grid.name}: {percent(grid.hits(n, 16), 1)} at 16, {percent(grid.hits(n, twice), 1)} at {twice}"
-                      for grid in grids)
-    bench.page.claim(
-        15, "hit ratio against block and queue size (5.1, Figure 13)", "grows with both; jumps past queues of 16; below 100% at n = N",
-        f"grows with queues: {'yes' if with_queues else 'no'}; with blocks: {'yes' if with_blocks else 'no'}; {jumps}; "
-        f"{percent(whole, 1)} at n = N",
-        not (with_queues and with_blocks and whole < 1),
-        "with queues shorter than the pipeline the few rays of a block come round so seldom that hits are those of neighbouring rays in "
-        "the order of the image; see the tables")
+    jumps = "; ".join(f"{grid.name}: {percent(grid.hits(n, 16), 1)} at 16, {percent(grid.hits(n, twice), 1)} at {twice}" for grid in grids)
+    bench.page.claim(15, "hit ratio against block and queue size (5.1, Figure 13)", "grows with both; jumps past queues of 16; below 100% at n = N",
+                     f"grows with queues: {'yes' if with_queues else 'no'}; with blocks: {'yes' if with_blocks else 'no'}; {jumps}; "
+                     f"{percent(whole, 1)} at n = N", not (with_queues and with_blocks and whole < 1),
+                     "with queues shorter than the pipeline the few rays of a block come round so seldom that hits are those of neighbouring rays "
+                     "in the order of the image; see the tables")
 
 
 def at_image(run, image):
@@ -132,17 +128,14 @@ def sampling(bench, page):
 
     few, many = ([at_image(run, image) for run in bench.oblique()] for image in (bench.image // 8, 2 * bench.image))
     small, big = bench.mean(few, throughput), bench.mean(many, throughput)
-    page.claim(
-        17, "misses a sample by sampling distance (Figure 9); efficiency by image size (Figure 17)",
-        "second sample in a cell hits 100%; grows with the image",
-        f"second sample in a cell of a whole block hits: {'100%' if second_hits else 'not always'}; samples without a miss "
-        f"{without_miss(1)}, {without_miss(0.5)}, {without_miss(0.25)} at steps of 1, 0.5, 0.25; throughput {percent(small)} at "
-        f"{bench.image // 8}^2 to {percent(big)} at {2 * bench.image}^2",
-        not second_hits or big < small,
-        "a cell that was fetched was lost again before its second sample, or larger images were slower: see the tables")
-    page.claim(
-        19, "compulsory misses of a block at one sample a voxel (2.1)", f"(n+1)^3 = {words}, never more than the block",
-        str(words if exact else fetched), not exact, "the block was fetched in part twice, or not wholly: see the table")
+    page.claim(17, "misses a sample by sampling distance (Figure 9); efficiency by image size (Figure 17)",
+               "second sample in a cell hits 100%; grows with the image",
+               f"second sample in a cell of a whole block hits: {'100%' if second_hits else 'not always'}; samples without a miss "
+               f"{without_miss(1)}, {without_miss(0.5)}, {without_miss(0.25)} at steps of 1, 0.5, 0.25; throughput {percent(small)} at "
+               f"{bench.image // 8}^2 to {percent(big)} at {2 * bench.image}^2", not second_hits or big < small,
+               "a cell that was fetched was lost again before its second sample, or larger images were slower: see the tables")
+    page.claim(19, "compulsory misses of a block at one sample a voxel (2.1)", f"(n+1)^3 = {words}, never more than the block",
+               str(words if exact else fetched), not exact, "the block was fetched in part twice, or not wholly: see the table")
 
 
 def steps_table(bench):

@@ -28,10 +28,9 @@ def time_over_slab(bench, runs, settings, bits=DESIGN_BITS):
 
 def partition(bench, page):
     """Rows 7 to 10."""
-    page.text(
-        "Mean (least to most) over all scenes and views. Balance is the paper's: the mean over the processors of the part of the time "
-        "in which one was busy; *holds rays* counts a processor as busy while a ray is in its queues or its pipeline, *works* only in "
-        "cycles with a sample or a leap. A ray takes 256 / bits cycles a link.")
+    page.text("Mean (least to most) over all scenes and views. Balance is the paper's: the mean over the processors of the part of the time in "
+              "which one was busy; *holds rays* counts a processor as busy while a ray is in its queues or its pipeline, *works* only in cycles "
+              "with a sample or a leap. A ray takes 256 / bits cycles a link.")
     rows = []
     for name, settings in PARTITIONS.items():
         runs = on(bench.all(), settings)
@@ -59,12 +58,10 @@ def width_sweep(bench):
     series = {"balance: holds rays": [], "balance: works": [], "time / slab's time": []}
     for bits in LINK_BITS:
         at = on(runs, with_links(SKEWED, bits))
-        sent, busy, cut, held, works, stalled = (
-            bench.mean(at, figure)
-            for figure in (rays_sent, links_busy, bisection_mb_s, balance_held, balance_working, stalled_by_links))
+        sent, busy, cut, held, works, stalled = (bench.mean(at, figure) for figure in (rays_sent, links_busy, bisection_mb_s, balance_held,
+                                                                                       balance_working, stalled_by_links))
         time = time_over_slab(bench, runs, SKEWED, bits).mean
-        rows.append([str(bits), number(sent, 2), number(busy), number(cut, 0), percent(held), percent(works), percent(stalled, 1),
-                     number(time, 2)])
+        rows.append([str(bits), number(sent, 2), number(busy), number(cut, 0), percent(held), percent(works), percent(stalled, 1), number(time, 2)])
         for values, value in zip(series.values(), (held, works, time)):
             values.append(value)
     bench.page.text("Means of the oblique views of buckyball, head and rock; the slab has links of the same width.")
@@ -88,10 +85,9 @@ def along_and_across(bench):
     bench.page.table("along-slabs", ["scene", "along x, ms", "along y, ms", "times as long", "diagonal, ms", "skewed along x, ms",
                                      "skewed along y, ms"], rows)
     times = spread_of(ratios)
-    bench.page.claim(
-        10, "a view along which each ray crosses all slabs, against one across (5.4)", "about twice the time",
-        f"{times.mean:.2f} times (mean of scenes; {times.min:.2f} to {times.max:.2f})", differs(times.mean, 2),
-        "the mean follows the scenes: rays that end early in the first slab leave the others without work")
+    bench.page.claim(10, "a view along which each ray crosses all slabs, against one across (5.4)", "about twice the time",
+                     f"{times.mean:.2f} times (mean of scenes; {times.min:.2f} to {times.max:.2f})", differs(times.mean, 2),
+                     "the mean follows the scenes: rays that end early in the first slab leave the others without work")
 
 
 def partition_claims(bench, page):
@@ -99,28 +95,24 @@ def partition_claims(bench, page):
     sent, cut, held = ([bench.mean(runs, figure) for runs in of_all] for figure in (rays_sent, bisection_mb_s, balance_held))
     block, slab = bench.block, bench.edge // DESIGN_PROCESSORS
     by_step = {step: bench.mean([run.on(SKEWED).at_step(step) for run in bench.oblique()], rays_sent) for step in (2, 1, 0.5)}
-    page.claim(
-        7, "rays sent a processor and 100 cycles: slab, repeated slab, skewed (3.6)", "2 to 4, 7, 20",
-        ", ".join(f"{value:.2f}" for value in sent), differs(sent[0], 2, 4) or differs(sent[1], 7) or differs(sent[2], 20),
-        f"primary rays with half-voxel steps can't cross more often: a slab of {slab} voxels takes {2 * slab} samples to cross, so a "
-        f"pipeline that never stands sends 100/{2 * slab} = {50 / slab:.2f} rays, a block of {block} voxels {50 / block:.2f} a face. The "
-        "paper's numbers need scattered rays, irradiance carriers (which go to neighbours with each splat at a face) or wider steps: in "
-        f"oblique views skewed blocks send {by_step[0.5]:.1f} with steps of 0.5, {by_step[1]:.1f} with 1 and {by_step[2]:.1f} with 2")
+    page.claim(7, "rays sent a processor and 100 cycles: slab, repeated slab, skewed (3.6)", "2 to 4, 7, 20",
+               ", ".join(f"{value:.2f}" for value in sent), differs(sent[0], 2, 4) or differs(sent[1], 7) or differs(sent[2], 20),
+               f"primary rays with half-voxel steps can't cross more often: a slab of {slab} voxels takes {2 * slab} samples to cross, so a "
+               f"pipeline that never stands sends 100/{2 * slab} = {50 / slab:.2f} rays, a block of {block} voxels {50 / block:.2f} a face. The "
+               "paper's numbers need scattered rays, irradiance carriers (which go to neighbours with each splat at a face) or wider steps: in "
+               f"oblique views skewed blocks send {by_step[0.5]:.1f} with steps of 0.5, {by_step[1]:.1f} with 1 and {by_step[2]:.1f} with 2")
     ray_megabytes = 32 * 100  # a second, of one ray of 32 bytes a cycle at 100 MHz
     in_all = sent[2] / 100 * DESIGN_PROCESSORS * ray_megabytes
-    page.claim(
-        8, "bisection: skewed, slab (3.6)", "12 MB/s, at most 1 MB/s", f"{cut[2]:.0f} MB/s, {cut[0]:.1f} MB/s",
-        differs(cut[2], 12) or differs(cut[0], 0, 1),
-        "the paper's two rows exclude each other: 20 rays of 32 bytes a processor and 100 cycles are 2560 MB/s in all, of which half has "
-        f"to cross the middle of a ring of four. Ours agree: skewed sends {in_all:.0f} MB/s in all, {percent(ratio(cut[2], in_all))} of "
-        "it over the cut; the slab's mean is that of the views along x and the diagonal, where all rays cross it, while the views across "
-        "send next to nothing")
+    page.claim(8, "bisection: skewed, slab (3.6)", "12 MB/s, at most 1 MB/s", f"{cut[2]:.0f} MB/s, {cut[0]:.1f} MB/s",
+               differs(cut[2], 12) or differs(cut[0], 0, 1),
+               "the paper's two rows exclude each other: 20 rays of 32 bytes a processor and 100 cycles are 2560 MB/s in all, of which half has "
+               f"to cross the middle of a ring of four. Ours agree: skewed sends {in_all:.0f} MB/s in all, {percent(ratio(cut[2], in_all))} of it "
+               "over the cut; the slab's mean is that of the views along x and the diagonal, where all rays cross it, while the views across send "
+               "next to nothing")
     time = time_over_slab(bench, bench.all(), SKEWED).mean
-    page.claim(
-        9, "load balance: slab, repeated slab, skewed; skewed's time (5.4)", "91%, 92%, 76%; + 19%",
-        f"{', '.join(map(percent, held))}; {100 * (time - 1):+.0f}%",
-        differs(held[0], 0.91) or differs(held[1], 0.92) or differs(held[2], 0.76) or differs(time, 1.19),
-        width_reason(bench, held[0]))
+    page.claim(9, "load balance: slab, repeated slab, skewed; skewed's time (5.4)", "91%, 92%, 76%; + 19%",
+               f"{', '.join(map(percent, held))}; {100 * (time - 1):+.0f}%",
+               differs(held[0], 0.91) or differs(held[1], 0.92) or differs(held[2], 0.76) or differs(time, 1.19), width_reason(bench, held[0]))
 
 
 def width_reason(bench, slab_held):
@@ -133,14 +125,13 @@ def width_reason(bench, slab_held):
     nearest, slabs = on(runs, with_links(SKEWED, best)), on(runs, with_links(SLAB, best))
     works, slab_works = bench.mean(nearest, balance_working), bench.mean(slabs, balance_working)
     across = bench.mean([bench.run(scene, view) for scene in SCENES for view in ("along y", "along z")], balance_held)
-    return (
-        "the width of the links, which the paper does not give, and what counts as busy. Links of "
-        f"{best} bits come nearest to the paper's {100 * (paper_time - 1):+.0f}%: {100 * (times[best] - 1):+.0f}%; there a skewed "
-        f"processor holds rays {percent(bench.mean(nearest, balance_held))} of the time but works {percent(works)} of it, "
-        f"{ratio(works, slab_works):.2f} of the slab's {percent(slab_works)} (paper: 76/91 = 0.84), and is stalled by its links "
-        f"{percent(bench.mean(nearest, stalled_by_links))} of it, as the paper says. At {DESIGN_BITS} bits links stall it "
-        f"{percent(bench.mean(on(runs, SKEWED), stalled_by_links))} of the time, and the even spread wins. The slab's "
-        f"{percent(slab_held)} is the mean of all views: along y and z, across the slabs, it is {percent(across)}")
+    return (f"the width of the links, which the paper does not give, and what counts as busy. Links of {best} bits come nearest to the paper's "
+            f"{100 * (paper_time - 1):+.0f}%: {100 * (times[best] - 1):+.0f}%; there a skewed processor holds rays "
+            f"{percent(bench.mean(nearest, balance_held))} of the time but works {percent(works)} of it, {ratio(works, slab_works):.2f} of the "
+            f"slab's {percent(slab_works)} (paper: 76/91 = 0.84), and is stalled by its links {percent(bench.mean(nearest, stalled_by_links))} of "
+            f"it, as the paper says. At {DESIGN_BITS} bits links stall it {percent(bench.mean(on(runs, SKEWED), stalled_by_links))} of the time, "
+            f"and the even spread wins. The slab's {percent(slab_held)} is the mean of all views: along y and z, across the slabs, it is "
+            f"{percent(across)}")
 
 
 def speed_up(bench, page):
@@ -148,12 +139,8 @@ def speed_up(bench, page):
     most = 16
     fast = SKEWED | FAST_FRONT_END
     small = fast | {"asic.block_voxels": max(8, bench.block // 2)}
-    machines = {"slab": SLAB,
-                "skewed": SKEWED,
-                "skewed, runs of 64 rays": SKEWED | RUNS_OF_RAYS,
-                "skewed, DSP 8 times as fast": SKEWED | FAST_DSP,
-                "skewed, fast DSP, runs, wide links": fast,
-                "the same, blocks of half the edge": small}
+    machines = {"slab": SLAB, "skewed": SKEWED, "skewed, runs of 64 rays": SKEWED | RUNS_OF_RAYS, "skewed, DSP 8 times as fast": SKEWED | FAST_DSP,
+                "skewed, fast DSP, runs, wide links": fast, "the same, blocks of half the edge": small}
     slabs = bench.edge // bench.block  # a slab is at least a block thick
 
     def runs_on(settings, processors):
@@ -176,9 +163,8 @@ def speed_up(bench, page):
             rows.append([name, str(p), *(number(up, 2) for up in ups), number(mean, 2), percent(mean / p),
                          number(p * bench.mean(runs, work_balance), 2), percent(bench.mean(runs, dsp_use))])
             curves[name].append(mean)
-    page.text(
-        "The same volume and image with more processors, against one processor of the same machine. Slabs are at least one block thick. "
-        "Bound: p times the mean over the most samples that a processor has, which nothing but another partition can change.")
+    page.text("The same volume and image with more processors, against one processor of the same machine. Slabs are at least one block thick. "
+              "Bound: p times the mean over the most samples that a processor has, which nothing but another partition can change.")
     page.table("speed-up", ["machine", "processors", *SCENES, "mean", "of ideal", "bound by where the samples lie", "DSP busy"], rows)
     page.chart("Oblique views.", "speed-up-chart",
                "Figure 16: many processors need a fast front end and small blocks (fixed problem, mean of the scenes)", "processors", "speed-up",
@@ -187,15 +173,13 @@ def speed_up(bench, page):
     means = [mean_of(speed_ups(settings, most)) for settings in list(machines.values())[1:]]
     lost, lost_small = (bench.lost_cycles(runs_on(settings, most)) for settings in (SKEWED, small))
     bound, bound_small = (most * bench.mean(runs_on(settings, most), work_balance) for settings in (fast, small))
-    page.claim(
-        12, "speed-up at p = 16, 256^3 and 256^2 (5.2, Figure 16)", "within 14% of ideal: at least 13.8",
-        "{:.1f}; {:.1f} with ray differentials; {:.1f} with a DSP 8 times as fast; {:.1f} with both and wide links; {:.1f} with blocks of "
-        "half the edge besides".format(*means),
-        differs(means[0], 13.8, 16),
-        "two causes. The DSP makes and takes a ray in 28 of its cycles, which alone takes most of the frame of 16 processors (cycles "
-        f"without a sample: {lost}). And (i+j+k) mod 16 can't be even on an 8 x 8 x 8 grid of blocks (the paper itself asks that N be a "
-        f"multiple of p n): where the samples lie bounds the speed-up to {bound:.1f}. A 16 x 16 x 16 grid, which is even, is bound to "
-        f"{bound_small:.1f}; what is lost then is {lost_small}")
+    page.claim(12, "speed-up at p = 16, 256^3 and 256^2 (5.2, Figure 16)", "within 14% of ideal: at least 13.8",
+               "{:.1f}; {:.1f} with ray differentials; {:.1f} with a DSP 8 times as fast; {:.1f} with both and wide links; {:.1f} with blocks of "
+               "half the edge besides".format(*means), differs(means[0], 13.8, 16),
+               "two causes. The DSP makes and takes a ray in 28 of its cycles, which alone takes most of the frame of 16 processors (cycles "
+               f"without a sample: {lost}). And (i+j+k) mod 16 can't be even on an 8 x 8 x 8 grid of blocks (the paper itself asks that N be a "
+               f"multiple of p n): where the samples lie bounds the speed-up to {bound:.1f}. A 16 x 16 x 16 grid, which is even, is bound to "
+               f"{bound_small:.1f}; what is lost then is {lost_small}")
 
 
 def scaling(bench, page):
@@ -218,17 +202,15 @@ def grown_problem(bench, page):
     problems = [(scene, parallel) for scene in ("cloud", "rock") for parallel in (True, False)]
     runs = {p: [grown(bench, *problem, p) for problem in problems] for p in processors}
     busy = {p: bench.over(runs[p], throughput) for p in processors}
-    page.text(
-        f"The problem grown with p: each processor has its {bench.edge // 2}^3 voxels; the volume doubles along x, y, z for 2, 4, 8 "
-        "processors, the image with its face, so that rays times their length grow as p. Throughput a processor, slabs.")
+    page.text(f"The problem grown with p: each processor has its {bench.edge // 2}^3 voxels; the volume doubles along x, y, z for 2, 4, 8 "
+              "processors, the image with its face, so that rays times their length grow as p. Throughput a processor, slabs.")
     page.table("grown", ["scene", "view", "p = 1", "2", "4", "8"],
                      [[scene, "along z, parallel rays" if parallel else "oblique", *(percent(busy[p][i], 1) for p in processors)]
                       for i, (scene, parallel) in enumerate(problems)])
     one, eight = mean_of(busy[1]), mean_of(busy[8])
-    page.claim(
-        13, "throughput a processor, problem grown with p from 1 to 8 (5.2)", "99.9% to 80.7%", f"{percent(one, 1)} to {percent(eight, 1)}",
-        differs(one, 0.999) or differs(eight, 0.807),
-        f"cycles without a sample, one processor: {bench.lost_cycles(runs[1])}; eight: {bench.lost_cycles(runs[8])}")
+    page.claim(13, "throughput a processor, problem grown with p from 1 to 8 (5.2)", "99.9% to 80.7%", f"{percent(one, 1)} to {percent(eight, 1)}",
+               differs(one, 0.999) or differs(eight, 0.807),
+               f"cycles without a sample, one processor: {bench.lost_cycles(runs[1])}; eight: {bench.lost_cycles(runs[8])}")
 
 
 def large_problem(bench, page):
@@ -249,19 +231,15 @@ def large_problem(bench, page):
         for pair in zip(*(runs[name, size] for size in sizes)):
             rows.append([name, pair[0].scene, *(cell for run in pair for cell in cells(bench.get(run), columns, others))])
     page.text(f"16 processors on {edge}^3 voxels, oblique views.")
-    page.table("large", ["machine", "scene", *(head for size in sizes for head in (f"{size}^2 image: throughput", *columns[1:]))],
-                     rows)
+    page.table("large", ["machine", "scene", *(head for size in sizes for head in (f"{size}^2 image: throughput", *columns[1:]))], rows)
 
     busy = {key: bench.mean(each, throughput) for key, each in runs.items()}
     skewed, quick, no_leaps = ([busy[name, size] for size in sizes] for name in list(machines)[1:])
     lost = [bench.lost_cycles(runs[name, sizes[1]]) for name in list(machines)[1:]]
-    page.claim(
-        14, "512^3 with 16 processors: 256^2 image, 512^2 image (5.2)", "29.1%, 76.1%",
-        f"{percent(skewed[0], 1)}, {percent(skewed[1], 1)} (skewed); {percent(quick[0], 1)}, {percent(quick[1], 1)} with a fast DSP, runs "
-        "and wide links",
-        differs(skewed[0], 0.291) or differs(skewed[1], 0.761),
-        "the larger image is held up by the DSP, which at 28 cycles a ray is busy "
-        f"{percent(bench.mean(runs['skewed', sizes[1]], dsp_use))} of the time, and by links of 32 bits; then by leaping, after which the "
-        "samples that are left lie unevenly: without it, with a fast DSP, runs and wide links throughput is "
-        f"{percent(no_leaps[0], 1)} and {percent(no_leaps[1], 1)}. Cycles without a sample, {sizes[1]}^2 image: {lost[0]}; with a fast "
-        f"DSP, runs and wide links: {lost[1]}; without leaps: {lost[2]}")
+    page.claim(14, "512^3 with 16 processors: 256^2 image, 512^2 image (5.2)", "29.1%, 76.1%",
+               f"{percent(skewed[0], 1)}, {percent(skewed[1], 1)} (skewed); {percent(quick[0], 1)}, {percent(quick[1], 1)} with a fast DSP, runs "
+               "and wide links", differs(skewed[0], 0.291) or differs(skewed[1], 0.761),
+               f"the larger image is held up by the DSP, which at 28 cycles a ray is busy {percent(bench.mean(runs['skewed', sizes[1]], dsp_use))} "
+               "of the time, and by links of 32 bits; then by leaping, after which the samples that are left lie unevenly: without it, with a "
+               f"fast DSP, runs and wide links throughput is {percent(no_leaps[0], 1)} and {percent(no_leaps[1], 1)}. Cycles without a sample, "
+               f"{sizes[1]}^2 image: {lost[0]}; with a fast DSP, runs and wide links: {lost[1]}; without leaps: {lost[2]}")

@@ -20,10 +20,9 @@ def in_turns(columns, ours, theirs):
 def baseline(bench, page):
     """Row 1."""
     queues = (16, 32, 64, 128, 256, 512, 1024, 4096)  # rays
-    page.text(
-        "The machine of section 5.1 that reordering is measured against, for rendering: one queue a processor, rays in the order in "
-        "which they come, a direct-mapped cache of the same size with a tag for each four voxels, addressed by the voxel's place in the whole volume; "
-        "at its best queue of those below. Oblique views.")
+    page.text("The machine of section 5.1 that reordering is measured against, for rendering: one queue a processor, rays in the order in which "
+              "they come, a direct-mapped cache of the same size with a tag for each four voxels, addressed by the voxel's place in the "
+              "whole volume; at its best queue of those below. Oblique views.")
 
     def time(scene, queue):
         return asic_ms(bench.get(scanline(bench.run(scene), queue)))
@@ -79,9 +78,8 @@ def gain_of(ours, theirs):
 def lit_baseline(bench, page):
     """Row 1."""
     queues = (16, 64, 256, 1024)  # rays
-    page.text(
-        "The same two machines with a lighting pass of k = 1 in low albedo, and a frame whose rays scatter. The baseline has its best "
-        "queue of those below.")
+    page.text("The same two machines with a lighting pass of k = 1 in low albedo, and a frame whose rays scatter. The baseline has its best queue "
+              "of those below.")
 
     def time(scene, queue):
         return frame_ms(Whole(bench, scene, queue).both)
