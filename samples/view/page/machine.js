@@ -41,8 +41,12 @@ export class Machine {
     const { counters, running } = message;
     if (message.units) this.#units = message.units;
     const last = this.#looks.at(-1);
-    if (last && (counters["pipeline.rays"] ?? 0) < (last.counters["pipeline.rays"] ?? 0)) this.#looks = []; // a new board
-    if (!this.#begin || (running && !this.#was_running)) {
+    if (last && (message.simulated_ms < last.simulated_ms || (counters["pipeline.rays"] ?? 0) < (last.counters["pipeline.rays"] ?? 0))) {
+      this.#looks = []; // a new board, which has counted from nothing
+      this.#begin = { ...message, counters: {}, look: undefined };
+      this.#most = 1;
+      this.#line.clear({});
+    } else if (!this.#begin || (running && !this.#was_running)) {
       this.#begin = this.#looks.at(-1) ?? message;
       this.#most = 1;
       this.#line.clear(this.#begin.counters);

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pathlib
+import re
 import signal
 import time
 
@@ -82,6 +83,23 @@ def test_the_machine_is_seen_at_work(page: Shown) -> None:
     assert "pictures a second on the card" in page.text("#status")
     for words in ("samples", "processor 3", "cache hit ratio", "rdram: bandwidth used", "bus up, bytes", "rdram0 to rdram3, banks 0 to 31 across"):
         assert words in page.text("#machine")
+
+TWO_BOARDS = """
+const [done] = arguments, tell = {}, counted = (ms, rays, running) =>
+  tell.machine({ type: "machine", simulated_ms: ms, running, counters: { "pipeline.rays": rays, "pipeline.samples": 10 * rays } });
+import("./machine.js").then(({ Machine }) => {
+  new Machine({ on: (kind, act) => (tell[kind] = act), send() {} });
+  counted(9, 700, true); counted(1, 0, true); counted(2, 30, false);
+  done(document.querySelector("#machine").innerText);
+}).catch((error) => done(String(error)));
+"""
+
+
+def test_counts_of_the_board_before_are_not_taken_off_a_new_boards(page: Shown) -> None:
+    page.picture()
+    page.browser.execute_script("document.querySelector('#machine-panel').open = true; document.querySelector('#machine').replaceChildren()")
+    text = page.browser.execute_async_script(TWO_BOARDS)
+    assert re.search(r"rays ended\s+30\b", text) and re.search(r"samples\s+300\b", text), text
 
 
 def test_two_configurations_stand_side_by_side(page: Shown) -> None:
