@@ -48,8 +48,8 @@ struct MachineLook {
   // A cell is a block, or a cube of 2^3, 4^3, ... where the volume has more blocks than that.
   std::uint32_t blocks_a_side = 1;
   std::array<std::uint32_t, 3> cells{};  // along x, y, z; 0: there is no machine
-  std::vector<std::uint32_t>
-      waiting{};  // rays in the queues of each cell, x fastest; empty: one queue has those of all blocks
+  // Rays in the queues of each cell, x fastest; empty: one queue has those of all blocks.
+  std::vector<std::uint32_t> waiting{};
   std::vector<std::uint32_t> processors{};  // rays in the queues of each
   std::uint32_t banks = 0;                  // of a device
   // By memory channel, device and bank: packets read and written since the machine was made.

@@ -80,7 +80,7 @@ TEST(SplatRule, ChangesNoIrradianceAndNoLedgerButTakesTime) {
 
 TEST(SplatRule, SendsEveryWriteToTheNeighboursThatHaveCopies) {
   const Pass units = light("whole_units", 8), all = light("all_samples", 8);
-  // A carrier is a write of its own in its block; a sample that lies in no block of its eight voxels writes none itself.
+  // What a carrier brings is counted too, in the block where it arrives.
   EXPECT_GT(all.carriers, units.carriers);
   EXPECT_GE(all.deposits, all.rays.samples);
   EXPECT_LE(all.deposits, all.rays.samples + all.carriers);
