@@ -42,7 +42,8 @@ for library in gicube gicube-scene; do [[ -L $scratch/root/usr/lib/lib$library.s
 dpkg-deb -x "$python" "$scratch/root"
 [[ $(dpkg-deb -f "$python" Depends) == *"gicube (= $(dpkg-deb -f "$runtime" Version))"* ]]
 unset GICUBE_BOARD
-"$scratch/root/usr/bin/gicube-sweep" builtin:buckyball --fix volume-size=16 --fix size=8x8 --reference step=1 -o "$scratch/sweep" | grep -q 'of 1 runs'
+"$scratch/root/usr/bin/gicube-sweep" builtin:buckyball --fix volume-size=16 --fix size=8x8 --reference step=1 -o "$scratch/sweep" >"$scratch/sweep.log"
+grep -q 'of 1 runs' "$scratch/sweep.log"
 gzip -t "$scratch/root/usr/share/man/man1/gicube-sweep.1.gz"
 test -e "$scratch/root/usr/share/bash-completion/completions/gicube-sweep"
 PYTHONPATH=$scratch/root/usr/lib/python3/dist-packages PATH=/usr/bin:/bin python3 -B -c 'import gicube

@@ -42,7 +42,7 @@ refuses() {
     echo "gicube_add_test($1) was taken" >&2
     return 1
   fi
-  tr -s '\n ' ' ' <"$scratch/refused.log" | grep -q "$2" || { cat "$scratch/refused.log" >&2; return 1; }
+  grep -q "$2" <<<"$(tr -s '\n ' ' ' <"$scratch/refused.log")" || { cat "$scratch/refused.log" >&2; return 1; }
 }
 refuses "COMMAND x" "NAME is missing"
 refuses "NAME x" "either SOURCES or COMMAND"
@@ -52,7 +52,7 @@ refuses "SPEED 3 NAME x COMMAND y" "not understood: SPEED"
 
 # emu: finds the installed program without any help.
 "$scratch/build/depth_map" "$scratch/depth.pgm"
-head -c 15 "$scratch/depth.pgm" | head -n 2 | tr '\n' ' ' | grep -q '^P5 256 256'
+[[ $(head -c 11 "$scratch/depth.pgm" | tr '\n' ' ') == "P5 256 256 " ]]
 
 # pkg-config: the README's program, by one command.
 export PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$prefix/lib64/pkgconfig:$prefix/lib/$(cc -dumpmachine)/pkgconfig

@@ -36,7 +36,7 @@ check_program() {
     all_options=$((all_options + 1))
   done < <(options_of "$@")
   while read -r command; do
-    offered "" "$@" | grep -qxe "$command" || fault "$*: bash does not offer $command"
+    grep -qxe "$command" <<<"$(offered "" "$@")" || fault "$*: bash does not offer $command"
     grep -qE "^ +${*:2}${2:+ }$command\$" "$scratch/$1.txt" || fault "man $1 lacks $*: $command"
     check_program "$@" "$command"
   done < <(commands_of "$@")
