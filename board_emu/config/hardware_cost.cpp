@@ -68,6 +68,7 @@ HardwareCost hardware_cost(const v1::BoardConfig& config) {
   cost.memory_signals = memory.signals;
   cost.memory_signal_count = memory.signal_count;
   cost.memory_channels = static_cast<std::uint32_t>((p + memory.sharing - 1) / memory.sharing);
+  cost.logic = logic_cost(config);
   return cost;
 }
 
@@ -93,7 +94,7 @@ std::string to_string(const HardwareCost& cost) {
   line("Total eDRAM", {"", cost.ray_queues.bits}, "eDRAM");
   text += fmt::format("\nMemory signals: {} channels x {} = {} pins; each {}\n", cost.memory_channels,
                       cost.memory_signal_count, cost.memory_channels * cost.memory_signal_count, cost.memory_signals);
-  return text;
+  return text + "\nLogic; how it is counted: docs/guide/observation.md\n\n" + to_string(cost.logic);
 }
 
 }  // namespace gicube::emu

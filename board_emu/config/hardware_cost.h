@@ -1,11 +1,13 @@
-// The on-chip memories of Table 1 of the paper, by arithmetic from any configuration.
+// The on-chip memories of Table 1 of the paper, by arithmetic from any configuration; its transistors, by logic_cost.h.
 //
-// The paper's units: Kb = 2^10 bit, Mb = 2^20 bit. Its transistor counts are estimates that no arithmetic gives.
+// The paper's units: Kb = 2^10 bit, Mb = 2^20 bit.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
+#include "config/logic_cost.h"
 #include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu {
@@ -26,6 +28,7 @@ struct HardwareCost {
   std::string memory_signals;             // of one memory channel, by kind
   std::uint32_t memory_signal_count = 0;  // of one memory channel: pins of the ASIC
   std::uint32_t memory_channels = 0;
+  std::vector<LogicItem> logic;
 };
 
 // Fields that are not set count with their defaults.

@@ -93,7 +93,7 @@ const std::vector<Rule>& rules() {
       room("board_emu/words", {}),
       {"board_emu/box", {"board_emu/box", "board_emu/words"}, {kAnything}},
       // What a memory device holds decides how large a volume may be.
-      room("board_emu/config", {"board_emu/words", "board_emu/asic/memory_standards.h"}, {"fmt", "google/protobuf"}),
+      room("board_emu/config", {"board_emu/words", "board_emu/asic/latencies.h", "board_emu/asic/memory_standards.h"}, {"fmt", "google/protobuf"}),
       room("board_emu/memory", {"board_emu/words", "board_emu/config"}, {"hwy", "sys/mman.h"}),
       room("board_emu/datapath", {"board_emu/words", "board_emu/config", "board_emu/memory"}, {"emmintrin.h"}),
       // Siblings on a ray's way do not know each other.

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <string_view>
+
 namespace gicube::emu {
 namespace {
 
@@ -90,6 +93,54 @@ TEST(HardwareCost, CountsThePinsOfTheMemoryChannels) {
   EXPECT_EQ(hardware_cost(config).memory_channels, 4u);
   EXPECT_EQ(hardware_cost(config).memory_signal_count, 105u);
   EXPECT_THAT(to_string(hardware_cost(config)), testing::HasSubstr("Memory signals: 4 channels x 105 = 420 pins"));
+}
+
+std::uint64_t transistors(const HardwareCost& cost, std::string_view part) {
+  std::uint64_t sum = 0;
+  for (const LogicItem& item : cost.logic) sum += item.part == part ? item.transistors() : 0;
+  return sum;
+}
+
+TEST(HardwareCost, ItsLogicIsWithinAQuarterOfTable1InEachPart) {
+  const HardwareCost cost = hardware_cost({});
+  const std::map<std::string_view, double> paper{
+      {"Queues", 2e6}, {"Volume cache", 2e6}, {"Pipeline", 4e6}, {"Control", 1.5e6}};
+  double all = 0;
+  for (const auto& [part, estimate] : paper) {
+    const auto ours = static_cast<double>(transistors(cost, part));
+    EXPECT_NEAR(ours, estimate, 0.25 * estimate) << part;
+    all += ours;
+  }
+  EXPECT_NEAR(all, 9.5e6, 0.25 * 9.5e6);
+  for (const LogicItem& item : cost.logic) EXPECT_TRUE(paper.contains(item.part)) << item.name;
+}
+
+// By hand: a rank has two buffers, a comparator and four multiplexers of 9 + 9 bits.
+TEST(HardwareCost, ARankOfTheSorterIsCountedByItsBits) {
+  const HardwareCost cost = hardware_cost({});
+  EXPECT_EQ(cost.logic.front().count, 512u);
+  EXPECT_EQ(cost.logic.front().each, 18u * (2 * 24 + 28 + 4 * 12));
+}
+
+TEST(HardwareCost, PipelinesGrowWithTheProcessorsAndSortersDoNot) {
+  const HardwareCost four = hardware_cost({}), eight = cost_with(8, 32, 256, 256);
+  EXPECT_EQ(transistors(eight, "Pipeline"), 2 * transistors(four, "Pipeline"));
+  EXPECT_EQ(transistors(eight, "Volume cache"), 2 * transistors(four, "Volume cache"));
+  EXPECT_EQ(transistors(eight, "Queues"), transistors(four, "Queues"));
+}
+
+TEST(HardwareCost, TheBaselineHasNoSorterAndOneProcessorHasNoLinks) {
+  v1::BoardConfig config;
+  config.mutable_sorter()->set_queues(v1::single);
+  EXPECT_LT(transistors(hardware_cost(config), "Queues"), 10'000u);
+  EXPECT_EQ(transistors(cost_with(1, 32, 256, 256), "Control"), ((9u + 1) * 2 * 256 + 32 * 144) * 24u);
+}
+
+TEST(HardwareCost, PrintsTheSumOfEachPartAndOfAll) {
+  const std::string text = to_string(hardware_cost({}));
+  EXPECT_THAT(text, testing::ContainsRegex("interpolators +140 x 9056 +1267840 transistors\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("Pipeline +4\\.1 M transistors\n"));
+  EXPECT_THAT(text, testing::ContainsRegex("All parts +9\\.4 M transistors\n"));
 }
 
 }  // namespace
