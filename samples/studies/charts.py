@@ -156,7 +156,8 @@ def main():
             print(f"charts: {number} of {len(names)}: {name}", flush=True)
             measured[name](given.jobs)
         if name in MEASURED:
-            plots.DRAWN[name](CHARTS)
+            for draw in plots.DRAWN[name]:
+                draw(CHARTS)
         print(f"charts: {CHARTS if name in MEASURED else RUNS}/{name}*, {time.monotonic() - start:.0f} s", flush=True)
 
 

@@ -1,4 +1,5 @@
 """The charts of docs/studies/charts, each drawn from its CSV file."""
+import functools
 import math
 
 import numpy as np
@@ -10,7 +11,6 @@ LEVELS = ("functional", "approximate", "cycle")
 LEAST = 1e-4  # where what has no error stands on a logarithmic axis
 L2 = "relative L2 error in the field of view"
 BOARD_AND_BUS = "simulated ms of the board (filled) and the bus (hollow)"
-MS_A_FRAME = "simulated ms a frame"
 
 
 def column(rows, name):
@@ -36,59 +36,54 @@ def series(label, rows, x, y, **look):
     return Series(label, column(rows, x), column(rows, y), **look)
 
 
-def front(rows, x, y, mark="front"):
+def front(rows, x, y, mark="front", **look):
     """The Pareto front as a line."""
     on = sorted(where(rows, **{mark: "1"}), key=lambda row: float(row[x]))
-    return series("Pareto front", on, x, y, look="line", colour=6, boxed=True)
+    return series("Pareto front", on, x, y, look="line", colour=6, boxed=True, **look)
 
 
 def rendering(folder):
     rows = rows_of(folder / "rendering.csv")
+    of = functools.partial(series, x="frame_ms", y="error picture", look="points")
     full = where(rows, level_of_detail="0")
-    lines = [series("64³ voxels, any step", where(rows, level_of_detail="1"), "frame_ms", "error picture", look="points", colour=-1)]
-    for colour, step in enumerate(("2", "1", "0.5", "0.25")):
-        for jitter in ("off", "on"):
-            lines.append(series(f"steps of {step} voxels", where(full, step=step, jitter=jitter), "frame_ms", "error picture", look="points",
-                                colour=colour, hollow=jitter == "on"))
+    lines = [of("64³ voxels, any step", where(rows, level_of_detail="1"), colour=-1),
+             *(of(f"steps of {step} voxels", where(full, step=step, jitter=jitter), colour=colour, hollow=jitter == "on")
+               for colour, step in enumerate(("2", "1", "0.5", "0.25")) for jitter in ("off", "on"))]
     means = [(np.mean(column(where(full, size=size, step="0.25", jitter="off"), "error picture")), f"{size} pixels")
              for size in ("128x128", "192x192")]
     chart(folder / "rendering_error.svg", "Smaller steps make better pictures only where there are enough pixels (hollow: jitter)",
-          MS_A_FRAME, "RMS error against a double-precision march", [*lines, front(rows, "frame_ms", "error picture")],
+          "simulated ms a frame", "RMS error against a double-precision march", [*lines, front(rows, "frame_ms", "error picture")],
           log_x=True, log_y=True, lines_y=means)
 
 
 def lighting(folder):
-    rows = rows_of(folder / "lighting.csv")
+    rows, rules = rows_of(folder / "lighting.csv"), ("conserving", "printed")
+    of = functools.partial(series, x="pass_ms", y="error")
     fine = where(rows, step="0.5")
-    lines = [series("any of these by steps of 2 voxels", where(rows, step="2"), "pass_ms", "error", look="points", colour=-1)]
-    for colour, (words, bits) in enumerate((("wide", 24), ("paper", 8))):
-        for rules in ("conserving", "printed"):
-            lines.append(series(f"low albedo, {bits} bits", where(fine, albedo="low", rules=rules, datapath=words), "pass_ms", "error",
-                                colour=colour, dashed=rules == "printed"))
-    for rules in ("conserving", "printed"):
-        for words in ("paper", "wide"):
-            lines.append(series("high albedo, any rules and bits", where(fine, albedo="high", rules=rules, datapath=words), "pass_ms", "error",
-                                colour=2))
+    lines = [of("any of these by steps of 2 voxels", where(rows, step="2"), look="points", colour=-1),
+             *(of(f"low albedo, {bits} bits", where(fine, albedo="low", rules=rule, datapath=words), colour=colour, dashed=rule == "printed")
+               for colour, (words, bits) in enumerate((("wide", 24), ("paper", 8))) for rule in rules),
+             *(of("high albedo, any rules and bits", where(fine, albedo="high", rules=rule, datapath=words), colour=2)
+               for rule in rules for words in ("paper", "wide"))]
     chart(folder / "lighting_error.svg",
           "Rays of low albedo light a voxel best, if its word is wide enough (k = 1, 2, 4, 8, 16 from left to right; dashed: by the "
-          "rules as printed)",
-          "simulated ms a pass", "RMS error of irradiance, relative to the closed form", [*lines, front(rows, "pass_ms", "error")],
-          log_x=True, log_y=True)
+          "rules as printed)", "simulated ms a pass", "RMS error of irradiance, relative to the closed form",
+          [*lines, front(rows, "pass_ms", "error")], log_x=True, log_y=True)
 
 
 def emulator(folder):
     rows = rows_of(folder / "emulator.csv")
-    lines = []
-    for colour, level in enumerate(LEVELS):
-        for mark, processors in enumerate(("1", "4", "16")):
-            points = where(rows, fidelity=level, asic_processors=processors)
-            errors = [LEAST if level == "cycle" else max(error, LEAST) for error in column(points, "error frame_ms")]
-            lines.append(Series(level if level != "cycle" else "cycle: the reference, without error", column(points, "host_seconds"), errors,
-                                look="points", colour=colour, mark=mark))
+
+    def of(level, processors, colour, mark):
+        points = where(rows, fidelity=level, asic_processors=processors)
+        errors = [LEAST if level == "cycle" else max(error, LEAST) for error in column(points, "error frame_ms")]
+        return Series(level if level != "cycle" else "cycle: the reference, without error", column(points, "host_seconds"), errors,
+                      look="points", colour=colour, mark=mark)
     chart(folder / "emulator_error.svg",
           "The approximate level's frame times are nearly those of the cycle level, for less of the host's time (1, 4, 16 processors: "
-          "circle, square, diamond)",
-          "host seconds a frame", "error of the frame time against the cycle level", lines, log_x=True, log_y=True, y_range=(LEAST / 2, 1))
+          "circle, square, diamond)", "host seconds a frame", "error of the frame time against the cycle level",
+          [of(level, processors, colour, mark) for colour, level in enumerate(LEVELS) for mark, processors in enumerate(("1", "4", "16"))],
+          log_x=True, log_y=True, y_range=(LEAST / 2, 1))
 
 
 def held_out(folder):
@@ -114,16 +109,16 @@ def scaling(folder):
         "rays": ("light-rays", "lighting rays a voxel of the faces", "Seconds grow more slowly than the lighting rays, memory hardly at all")}
     for name, (axis, label, title) in titles.items():
         rows = rows_of(folder / f"scaling_{name}.csv")
-        parts = []
-        for y, y_label in ((next(iter(rows[0])), "host seconds"), ("/host/board_peak_mib", "peak MiB of the board's process")):
-            lines = []
-            for level in LEVELS:
+
+        def panel(y, y_label):
+            def line(level):
                 points = where(rows, fidelity=level)
                 power = np.polyfit(np.log(column(points, axis)), np.log(column(points, y)), 1)[0]
-                lines.append(series(f"{level}: power {round(power, 2) + 0.0:.2f}", points, axis, y))
+                return series(f"{level}: power {round(power, 2) + 0.0:.2f}", points, axis, y)
             changes = max(column(rows, y)) > 1.5 * min(column(rows, y))
-            parts.append(Panel(label, y_label, lines, log_x=True, log_y=changes, y_range=(None if changes else 0, None)))
-        panels(folder / f"scaling_{name}.svg", title, parts)
+            return Panel(label, y_label, [*map(line, LEVELS)], log_x=True, log_y=changes, y_range=(None if changes else 0, None))
+        panels(folder / f"scaling_{name}.svg", title, [panel(next(iter(rows[0])), "host seconds"),
+                                                       panel("/host/board_peak_mib", "peak MiB of the board's process")])
 
 
 def form_factors(folder):
@@ -142,34 +137,21 @@ def form_factors(folder):
            series("full matrix", where(links, hierarchy="0"), "links", "standard_error")], log_x=True, log_y=True)
 
     pairs = grouped(rows_of(folder / "form_factors_front.csv"), "series")
-    every = [row for rows in pairs.values() for row in rows]
     names = {"host": "rays by the host", "board": "rays by the DSP", "pci33": "PCI", "agp2x": "AGP 2x"}
-    for cost, words, title in (
-            ("board", "the board", "Rays that the host makes are quicker where a pair has few of them, the DSP's where it has many"),
-            ("bus", "the bus", "Rays that the DSP makes take the bus the same time, however many")):
-        def us(rows, mark=cost):
-            return [1000 * ms for ms in column(rows, f"{mark}_ms")]
-        lines = []
-        for name, rows in pairs.items():
-            bus, maker = name.split()
-            lines.append(Series(f"{names[bus]}, {names[maker]}", us(rows), column(rows, "error"), colour=(bus == "agp2x") + 2 * (maker == "board"),
-                                boxed=True))
-        best = front(every, f"{cost}_ms", "error", f"front_{cost}_ms")
-        best.x = [1000 * ms for ms in best.x]
-        best.dashed = True
-        chart(folder / f"form_factors_trade_{cost}.svg", title, f"simulated µs of {words} a pair", "RMS error of a pair's transmittance",
-              [*lines, best], log_x=True, log_y=True)
-
-
-def cone_beam(folder):
-    for draw in (cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all):
-        draw(folder)
+    for cost, title in (("board", "Rays that the host makes are quicker where a pair has few of them, the DSP's where it has many"),
+                        ("bus", "Rays that the DSP makes take the bus the same time, however many")):
+        lines = [series(f"{names[bus]}, {names[maker]}", rows, f"{cost}_ms", "error", colour=(bus == "agp2x") + 2 * (maker == "board"), boxed=True)
+                 for name, rows in pairs.items() for bus, maker in (name.split(),)]
+        lines.append(front([row for rows in pairs.values() for row in rows], f"{cost}_ms", "error", f"front_{cost}_ms", dashed=True))
+        for line in lines:
+            line.x = [1000 * ms for ms in line.x]
+        chart(folder / f"form_factors_trade_{cost}.svg", title, f"simulated µs of the {cost} a pair", "RMS error of a pair's transmittance",
+              lines, log_x=True, log_y=True)
 
 
 def by_time(groups, **of_panel):
     """Of a sweep's series: error by the board's time and by the bus's."""
-    lines = [series(name if look else "", rows, cost, "relative_l2", colour=colour, hollow=not look, dashed=not look,
-                    boxed=True)
+    lines = [series(name if look else "", rows, cost, "relative_l2", colour=colour, hollow=not look, dashed=not look, boxed=True)
              for cost, look in (("board_ms", 1), ("bus_ms", 0)) for colour, (name, rows) in enumerate(groups.items())]
     return Panel(BOARD_AND_BUS, L2, lines, log_x=True, **of_panel)
 
@@ -187,7 +169,7 @@ def cone_beam_sweeps(folder):
 
 def cone_beam_words(folder):
     groups = grouped(rows_of(folder / "cone_beam_accumulator.csv"), "series")
-    whole = [(column(rows, "relative_l2")[0], "sums of 36 bits") for rows in (groups.pop("sums of 36 bits"),)]
+    whole = [(column(groups.pop("sums of 36 bits"), "relative_l2")[0], "sums of 36 bits")]
     axes = ("views between two readings, 11 bits", "bits of a word, read every 8 views", "full at this part of the bound, 11 bits")
     parts = [Panel(axis, L2, [series("", rows, "x", "relative_l2", colour=colour)], log_x=colour != 1, lines_y=whole, y_range=(0.28, 0.7))
              for colour, (axis, rows) in enumerate(zip(axes, groups.values()))]
@@ -218,15 +200,13 @@ def cone_beam_methods(folder):
 def cone_beam_profiles(folder):
     groups = grouped(rows_of(folder / "cone_beam_axial_profile.csv"), "series")
     first = next(iter(groups.values()))
-    lines = [series("phantom", first, "z", "truth", look="line", colour=-1, boxed=True)]
-    lines += [series(f"cone of {name}", rows, "z", "within_34", look="line", boxed=True) for name, rows in groups.items()]
+    of = functools.partial(series, look="line", boxed=True)
+    lines = [of("phantom", first, "z", "truth", colour=-1), *(of(f"cone of {name}", rows, "z", "within_34") for name, rows in groups.items())]
     chart(folder / "cone_beam_axial_profile.svg", "The wider the cone, the less is left of discs far from the middle",
           "z, mm", "mean attenuation within 34 mm of the axis, 1/mm", lines, box_outside=True)
 
-    parts = [Panel("x, mm", "density", [series("phantom", rows, "x", "truth", look="line", colour=-1, boxed=True),
-                                        series("FDK, plain", rows, "x", "value", look="line", colour=4, boxed=True),
-                                        series("FDK, normalised", rows, "x", "normalised", look="line", colour=0, boxed=True)],
-                   title=name, y_range=(0.9, 1.15) if name.startswith("head") else (-0.1, 1.2))
+    parts = [Panel("x, mm", "density", [of("phantom", rows, "x", "truth", colour=-1), of("FDK, plain", rows, "x", "value", colour=4),
+                                        of("FDK, normalised", rows, "x", "normalised", colour=0)], title=name, y_range=(0.9, 1.15) if name.startswith("head") else (-0.1, 1.2))
              for name, rows in grouped(rows_of(folder / "cone_beam_profile.csv"), "series").items()]
     panels(folder / "cone_beam_profile.svg", "Division by the splatted weights brings back the phantom's level, along x through the middle", parts)
 
@@ -258,19 +238,20 @@ def cone_beam_host(folder):
 
 def cone_beam_all(folder):
     rows = rows_of(folder / "cone_beam_front.csv")
-    kinds = {"FDK by views": ("FDK",), "SART by views": ("SART",), "by words of the sums": ("bits",), "by methods, iterations": ("by",),
-             "by pixels and rays": ("pixel", "normalised")}
-    parts = []
-    for cost in ("board", "bus"):
-        lines, left = [], rows
-        for colour, (label, words) in enumerate(kinds.items()):
-            mine = [row for row in left if row["series"] in words or (label not in ("FDK by views", "SART by views")
-                                                                     and any(word in row["series"].split() for word in words))]
-            left = [row for row in left if row not in mine]
-            lines.append(series(label, mine, f"{cost}_ms", "error", look="points", colour=colour))
-        parts.append(Panel(f"simulated ms of the {cost}", L2, [*lines, front(rows, f"{cost}_ms", "error", f"front_{cost}_ms")], log_x=True))
+
+    def kind(row):
+        words = row["series"].split()
+        if row["series"] in ("FDK", "SART"):
+            return f"{row['series']} by views"
+        return "by words of the sums" if "bits" in words else "by methods, iterations" if "by" in words else "by pixels and rays"
+    kinds = ("FDK by views", "SART by views", "by words of the sums", "by methods, iterations", "by pixels and rays")
+    parts = [Panel(f"simulated ms of the {cost}", L2,
+                   [*(series(each, [row for row in rows if kind(row) == each], f"{cost}_ms", "error", look="points", colour=colour)
+                      for colour, each in enumerate(kinds)), front(rows, f"{cost}_ms", "error", f"front_{cost}_ms")], log_x=True)
+             for cost in ("board", "bus")]
     panels(folder / "cone_beam_front.svg", "More views first, then smaller pixels, then SART: what one head costs by all ways to reconstruct it",
            parts)
 
 
-DRAWN = {each.__name__: each for each in (rendering, lighting, cone_beam, form_factors, emulator, held_out, scaling)}
+DRAWN = {each.__name__: [each] for each in (rendering, lighting, form_factors, emulator, held_out, scaling)} | {
+    "cone_beam": [cone_beam_sweeps, cone_beam_words, cone_beam_methods, cone_beam_profiles, cone_beam_ripple, cone_beam_host, cone_beam_all]}

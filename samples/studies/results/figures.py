@@ -186,9 +186,12 @@ class Spread(NamedTuple):
     mean: float = 0.0
     max: float = 0.0
 
+    def times(self, factor):
+        return Spread(*(factor * value for value in self))
+
     def text(self, unit, digits):
         """"MEAN (MIN to MAX)" in this unit, with so many digits after the point."""
-        mean, low, high = (f"{value / unit:.{digits}f}" for value in (self.mean, self.min, self.max))
+        low, mean, high = (f"{value / unit:.{digits}f}" for value in self)
         return f"{mean} ({low} to {high})"
 
 

@@ -16,7 +16,7 @@ import gicube  # noqa: E402
 
 from bench import Bench  # noqa: E402
 from measure import kept_in, measure_boards  # noqa: E402
-from page import Page  # noqa: E402
+from page import WORDS, Page  # noqa: E402
 from sections import design_point, light, memory, processors, scanline  # noqa: E402
 
 SECTIONS = {  # by the name that --only takes: heading, and what writes it
@@ -36,17 +36,6 @@ SECTIONS = {  # by the name that --only takes: heading, and what writes it
     "bus": ("Host bus", design_point.bus),
     "cost": ("Hardware cost", design_point.cost),
     "parameters": ("Free parameters", design_point.parameters)}
-
-
-def introduction(bench):
-    return (
-        "# Results\n\n"
-        "What the paper reports, compared with what our board does. Everything here is made by one command and nothing is typed in:\n\n"
-        "    script/results\n\n"
-        "It runs `gicube-results` (samples/studies/results), which measures on emulated boards at the cycle level through the "
-        f"driver's Python package. Design point unless noted: volume {bench.edge}^3, blocks {bench.block}^3, 4 processors, queues of 256 rays, 100 MHz, "
-        f"four RDRAMs, image {bench.image}^2, half-voxel steps, rays done at an opacity of 0.98.\n\n"
-        "## Paper and ours\n\n")
 
 
 def sections_of(text):
@@ -103,7 +92,8 @@ def main():
         if bench.complete():
             break
         bench.measure(measure, given.quiet)
-    (given.folder / "RESULTS.md").write_text(introduction(bench) + bench.page.claims() + bench.page.body)
+    introduction = WORDS["introduction"].format(edge=bench.edge, block=bench.block, image=bench.image)
+    (given.folder / "RESULTS.md").write_text(f"{introduction}\n\n## Paper and ours\n\n{bench.page.claims()}{bench.page.body}")
     bench.page.write_files(folder)
     shutil.rmtree(measured)
 

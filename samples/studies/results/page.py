@@ -1,4 +1,6 @@
 """The page of results: Markdown, a CSV file of the same cells for each table and chart, and the charts."""
+import pathlib
+import re
 from typing import NamedTuple
 
 from studies import draw
@@ -6,16 +8,17 @@ from studies.table import cell, csv_text
 
 TOLERANCE = 0.25  # beyond it a difference needs a reason
 FOLDER = "results"
+WORDS = dict(re.findall(r"^## (.+?)\n\n(.+?)(?=\n+## |\n*\Z)", pathlib.Path(__file__).with_name("words.md").read_text(), re.M | re.S))
 
 
 class Claim(NamedTuple):
     """One of the paper's claims beside ours."""
     number: int
+    differs: bool  # by more than a quarter
     claim: str
     paper: str
     ours: str
-    differs: bool = False  # by more than a quarter
-    why: str = ""  # needed if it differs
+    why: str
 
 
 def differs(ours, low, high=None):
@@ -46,8 +49,9 @@ class Page:
     def heading(self, text):
         self.body += f"## {text}\n\n" if text else ""
 
-    def text(self, text):
-        self.body += text + "\n\n"
+    def say(self, name, **figures):
+        """Text of words.md with its figures."""
+        self.body += WORDS[name].format(**figures) + "\n\n"
 
     def table(self, name, columns, rows):
         """Of cells as they are printed."""
@@ -69,12 +73,10 @@ class Page:
     def picture(self, file, caption):
         self.body += f"![{caption}]({FOLDER}/{file})\n\n"
 
-    def claim(self, *fields):
-        """Fields of a Claim. Raises ValueError if it differs and does not say why."""
-        claim = Claim(*fields)
-        if claim.differs and not claim.why:
-            raise ValueError(f"row {claim.number} ({claim.claim}): differs by more than a quarter and does not say why")
-        self._claims.append(claim)
+    def claim(self, row, differs, **figures):
+        """A row of words.md, which may be one of several of a number, "5 lighting", with its figures."""
+        lines = (line[2:].split(": ", 1) for line in WORDS[f"row {row}"].format(**figures).splitlines())
+        self._claims.append(Claim(int(str(row).split()[0]), differs, **dict(lines)))
         self._claims.sort(key=lambda each: each.number)
 
     def claims(self):

@@ -6,7 +6,7 @@ import subprocess
 from bench import CELLS, SCENES, SHARED_MEMORY, cells
 from figures import (asic_ms, balance_held, dsp_use, frame_ms, hit_ratio, memory_gb_s, memory_use, rate_hz, ratio,
                      rays_sent, samples_per_second, spread_of, throughput, to_ms)
-from page import differs, number, percent
+from page import WORDS, differs, number, percent
 
 REAL_TIME = 30  # Hz
 
@@ -20,17 +20,14 @@ def scenes(bench, page):
                       percent(ratio(m["pipeline.visible_samples"], m["pipeline.samples"]))])
         page.picture(f"scene-{run.scene}.png", run.scene)
     page.table("scenes", ["scene", "what it is there for", "blocks without anything visible", "samples that show something"], about)
-    page.text("Views are perspective, from outside, so near that the whole volume just fills the image; *along x* looks along the axis along which "
-              "the slabs of a partition lie one behind the other. Frame is what the host sees, with tables, image and completion over the bus; "
-              "ASIC is the time in which rays are under way, to which all shares and bandwidths refer. Memory bandwidth counts a packet of 144 bit "
-              "as 16 bytes, as the paper's 1.6 GB/s of an 18-bit RDRAM do.")
+    page.say("scenes")
     others = {"M samples": lambda m: number(m["processor.samples"] * 1e-6, 2), "rays sent /100 cycles": lambda m: number(rays_sent(m), 2),
               "balance": lambda m: percent(balance_held(m))}
     columns = ["frame ms", "Hz", "ASIC ms", "M samples", "M samples/s", "throughput", "memory GB/s", "memory in use", "hit ratio",
                "rays sent /100 cycles", "balance", "DSP busy", "overflows a ray"]
     page.table("design-point", ["scene", "view", *columns], [[run.scene, run.view, *cells(bench.get(run), columns, others)] for run in bench.all()])
     memory_claims(bench, page)
-    rate_claim(bench)
+    rate_claim(bench, page)
 
 
 def memory_claims(bench, page):
@@ -38,38 +35,30 @@ def memory_claims(bench, page):
     # Oblique views with samples a voxel apart, with the paper's jitter [P §2.1] half to a whole voxel.
     jittered = [run.at_step(1).but(jitter=True) for run in bench.oblique()]
     apart = [run.at_step(1) for run in bench.oblique()]
-    gb_s, busy = bench.mean(jittered, memory_gb_s), percent(bench.mean(jittered, memory_use))
-    page.claim(2, "samples a second, rendering, p=4 (5.1)", "231 M", f"mean {samples.text(1e6, 0)} M", differs(samples.mean, 231e6),
-               "scenes and views differ; see the table of the design point")
-    why = (f"the sampling distance, which the paper does not give. 2.8 GB/s at 231 M samples/s are {2.8e9 / 231e6:.1f} bytes a sample, ours are "
-           f"{ratio(memory.mean * 1e9, samples.mean):.1f} with half-voxel steps, because every second sample lies in a cell that the first has "
-           f"fetched. The oblique views move {bench.mean(bench.oblique(), memory_gb_s):.1f} GB/s so; with steps of a voxel "
-           f"{bench.mean(apart, memory_gb_s):.1f} GB/s, the interface in use {percent(bench.mean(apart, memory_use))} of the time; with such steps "
-           f"jittered, as the paper does it, {gb_s:.1f} GB/s and {busy}")
-    page.claim(5, "memory bandwidth, rendering (3.3)", "2.8 GB/s",
-               f"mean {memory.text(1, 1)} GB/s; {gb_s:.1f} with jittered voxel steps", differs(memory.mean, 2.8), why)
-    page.claim(6, "memory interface in use, rendering (3.6)", "37.5%",
-               f"mean {use.text(0.01, 0)}%; {busy} with jittered voxel steps", differs(use.mean, 0.375), why)
+    page.claim("2 rendering", differs(samples.mean, 231e6), samples=samples.text(1e6, 0))
+    figures = {"jittered": bench.mean(jittered, memory_gb_s), "jittered_use": bench.mean(jittered, memory_use),
+               "paper_bytes": 2.8e9 / 231e6, "bytes": ratio(memory.mean * 1e9, samples.mean), "oblique": bench.mean(bench.oblique(), memory_gb_s),
+               "apart": bench.mean(apart, memory_gb_s), "apart_use": bench.mean(apart, memory_use)}
+    page.claim("5 rendering", differs(memory.mean, 2.8), memory=memory.text(1, 1), **figures)
+    page.claim("6 rendering", differs(use.mean, 0.375), use=use.text(0.01, 0), **figures)
 
 
-def rate_claim(bench):
+def rate_claim(bench, page):
     rate = bench.spread(bench.oblique(), rate_hz)
     slow = []
     for run in bench.oblique():
         m = bench.get(run)
-        if rate_hz(m) >= REAL_TIME:
-            continue
         samples = m["processor.samples"]
-        slow.append(f"{run.scene} takes {samples * 1e-6:.1f} M samples a frame: the pipelines need "
-                    f"{ratio(samples, m.processors * m.core_hz) * 1e3:.1f} ms for them alone, and image and tables {frame_ms(m) - asic_ms(m):.1f} "
-                    f"ms of the bus; with steps of a voxel it reaches {rate_hz(bench.get(run.at_step(1))):.1f} Hz")
-    bench.page.claim(23, "256^3 in real time (3)", "30 Hz", f"mean {rate.text(1, 1)} Hz", rate.min < REAL_TIME, "; ".join(slow))
+        if rate_hz(m) < REAL_TIME:
+            slow.append(WORDS["row 23 slow"].format(
+                scene=run.scene, samples=samples * 1e-6, alone=ratio(samples, m.processors * m.core_hz) * 1e3, bus=frame_ms(m) - asic_ms(m),
+                apart=rate_hz(bench.get(run.at_step(1)))))
+    page.claim(23, rate.min < REAL_TIME, rate=rate.text(1, 1), slow="; ".join(slow))
 
 
 def bounds(bench, page):
     """Where the time goes."""
-    page.text("ASIC time of the oblique view with parts that have no limits: every packet in the cache when it is asked for; queues that never "
-              "overflow; the most important queue known at once. The last column is the cost-effective variant of section 3.3.")
+    page.say("bounds")
     ideals = [{f"ideal.{part}": 1} for part in ("memory", "queues", "sorter")]
     rows = []
     for run in bench.oblique():
@@ -80,16 +69,14 @@ def bounds(bench, page):
             row.append(f"{bound:.1f} ({100 * (ratio(bound, own) - 1):+.0f}%)")
         rows.append(row)
     page.table("bounds", ["scene", "as it is, ms", "perfect memory", "perfect queues", "perfect sorter", "all three", "sharing an RDRAM"], rows)
-    page.text("Each pipeline cycle has one cause (docs/reference/hardware.md); columns sum to 100%.")
+    page.say("causes")
     bench.causes_table("causes", SCENES, bench.oblique())
 
 
 def gains(bench, page):
     """Rows 11 and 20."""
     volume_pro = 301e6  # samples a second at 100 MHz [P §5.1]
-    page.text("Gain is the growth of the rate of the ASIC. Without termination the same scene has opacities so low that no ray gets opaque: "
-              "nothing else of it takes time. *Worth* is the rate of a machine that takes all samples of the volume, as a VolumePro has to, and is "
-              "as fast: samples without leaps and termination over the time with both.")
+    page.say("gains")
     rows, leaps, ends, worths = [], [], [], []
     for run in bench.all():
         both, no_leaps = bench.get(run), bench.get(run.but(leap=False))
@@ -101,23 +88,14 @@ def gains(bench, page):
                      number(asic_ms(no_end)), percent(ends[-1]), CELLS["M samples/s"](both), number(worths[-1] * 1e-6, 0)])
     page.table("gains", ["scene", "view", "ms", "without leaps", "gain", "without termination", "gain", "M samples/s", "worth, M samples/s"], rows)
 
-    def triple(gain):
-        return f"{100 * gain.min:.0f} / {100 * gain.mean:.0f} / {100 * gain.max:.0f}%"
-
     def view_of_max(values):
         run = bench.all()[values.index(max(values))]
         return f"{run.scene}, {run.view}"
 
     leap, end, worth = spread_of(leaps), spread_of(ends), spread_of(worths)
-    page.claim(11, "gain by space leaping; by early termination: least/mean/most (5.4)", "0 / 21 / 34%; 0 / 12 / 24%",
-               f"{triple(leap)}; {triple(end)}",
-               differs(leap.mean, 0.21) or differs(leap.max, 0.34) or differs(end.mean, 0.12) or differs(end.max, 0.24),
-               "gains are the scenes': leaping gives nothing where no block is empty (cloud, rock) and most in "
-               f"{view_of_max(leaps)}; termination gives nothing in the cloud and most in {view_of_max(ends)}, all of which is opaque")
-    page.claim(20, "VolumePro's 301 M samples/s at 100 MHz, beaten through leaping and termination (5.1)", "231 M taken, more than 301 M worth",
-               f"worth mean {worth.mean * 1e-6:.0f} M ({worth.min * 1e-6:.0f} to {worth.max * 1e-6:.0f})", worth.mean < volume_pro,
-               "our scenes and views are not the paper's: those whose worth is below 301 M are bound by load balance (along x) or never end and "
-               "never leap (cloud)")
+    page.claim(11, differs(leap.mean, 0.21) or differs(leap.max, 0.34) or differs(end.mean, 0.12) or differs(end.max, 0.24),
+               leap=leap.times(100), end=end.times(100), most_leaps=view_of_max(leaps), most_ends=view_of_max(ends))
+    page.claim(20, worth.mean < volume_pro, worth=f"{worth.mean * 1e-6:.0f} M ({worth.min * 1e-6:.0f} to {worth.max * 1e-6:.0f})")
 
 
 def parameters(bench, page):
@@ -132,7 +110,7 @@ def parameters(bench, page):
     variants |= {f"runs of {n} rays": {"dsp.run_rays": n} for n in (4, 16, 64, 256)}
     variants["queues by contribution"] = {"sorter.policy": "most_contribution"}
 
-    page.text("What the paper leaves open, one at a time; oblique views, ASIC ms. Link width: above.")
+    page.say("parameters")
     swept = ["buckyball", "head", "rock"]
     rows, far = [], []
     for name, settings in variants.items():
@@ -143,8 +121,7 @@ def parameters(bench, page):
         if differs(busy, paper):
             far.append(f"{name} ({percent(busy)})")
     page.table("parameters", ["variant", *swept, "throughput, mean", "hit ratio, mean", "memory GB/s, mean", "DSP busy, mean"], rows)
-    page.text(f"The paper's 231 M samples/s of four pipelines at 100 MHz are a throughput of {percent(paper)}. Within a quarter of it "
-              f"are all variants{' but ' if far else ''}{', '.join(far)}.")
+    page.say("parameters within", paper=paper, far=f" but {', '.join(far)}" if far else "")
 
 
 def bus(bench, page):
@@ -159,14 +136,11 @@ def bus(bench, page):
         share[name], rate[name] = image_ms * REAL_TIME * 1e-3, rate_hz(rays)
         rows.append([name, number(image_ms, 2), percent(share[name]), str(rays["dsp.host_rays"]), number(rays["bus.rays.bytes"] * 1e-6, 1),
                      number(rays_ms, 1), number(ratio(1e3, rays_ms)), number(frame_ms(rays), 1), number(rate_hz(rays))])
-    page.text(f"The buckyball with {design.width}^2 pixels: the image's way to the host, and the same rays made by the host, sent "
-              "down, traced and sent back, 32 bytes each way.")
+    page.say("bus", size=design.width)
     page.table("bus", ["bus", "image, ms", f"share of the bus at {REAL_TIME} Hz", "host's rays", "MB down and up",
                        "bus ms for them", "at most Hz", "there and back, ms", "Hz"], rows)
     pci, agp = rate["pci33"], rate["agp2x"]
-    page.claim(21, f"512^2 images of 36 bit at {REAL_TIME} Hz over PCI; host-made rays both ways (3.6)", "fits; floods the bus, AGP helps",
-               f"{percent(share['pci33'])} of PCI's time; {pci:.1f} Hz on PCI, {agp:.1f} Hz on AGP 2x",
-               share["pci33"] > 1 or pci > REAL_TIME or agp < pci, "the bus is not what bounds these rays: see the table")
+    page.claim(21, share["pci33"] > 1 or pci > REAL_TIME or agp < pci, share=share["pci33"], pci=pci, agp=agp)
 
 
 def cost(bench, page):
@@ -177,9 +151,8 @@ def cost(bench, page):
     items = re.findall(r"^(\S.*?)  +(\S.*?)? +(\d+) bit +(.+)$", text, re.MULTILINE)
     if not items:
         raise RuntimeError(f"{program} --hardware-cost: no table")
-    page.text("`gicube-board --hardware-cost` at the paper's design point; Mb = 2^20 bit.")
+    page.say("cost")
     page.table("hardware-cost", ["item", "bits", "total"], [[name, formula, total] for name, formula, _, total in items])
     megabits = {name: int(bits) / (1 << 20) for name, _, bits, _ in items}
     edram, sram = megabits["Total eDRAM"], megabits["Total SRAM"]
-    page.claim(22, "hardware cost (Table 1)", "32 Mb eDRAM, 15 Mb SRAM", f"{edram:.1f} Mb eDRAM, {sram:.1f} Mb SRAM",
-               differs(edram, 32) or differs(sram, 15), "an item of the table above is not the paper's")
+    page.claim(22, differs(edram, 32) or differs(sram, 15), edram=edram, sram=sram)

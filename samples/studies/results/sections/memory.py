@@ -53,8 +53,7 @@ def cache(bench, page):
     # One volume of as many voxels as the largest block has, and one processor: n = N.
     whole = grids[0].blocks[-1]
     small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole, height=whole).on({"asic.processors": 1}))
-    page.text(f"Hit ratio is that of voxels. The caches hold at most 64^3 blocks, so n = N is measured on a head of {whole}^3 voxels "
-              f"with one processor and a {whole}^2 image.")
+    page.say("cache", whole=whole)
     for grid in grids:
         grid.report(f"Figure 13: large blocks n and long queues hit more often ({grid.name})",
                     f"Figure 14: large blocks n need long queues ({grid.name})")
@@ -64,7 +63,7 @@ def cache(bench, page):
         run = with_queue(grids[0].run, queue)
         return grids[0].get(bench.block, queue) if ways == 1 else bench.get(run.on({"cache.ways": ways}))
 
-    page.text("The paper names associativity as a cure for short queues; buckyball, design block:")
+    page.say("associativity")
     queue_table(bench, "associativity", {"1 way": 1, "2 ways": 2, "4 ways": 4}, of_ways)
     without_leaps = blocks_table(bench, grids[0].blocks)
     hit_claim(bench, grids, small.hits(whole))
@@ -72,12 +71,7 @@ def cache(bench, page):
     fastest = {grid.name: min(grid.blocks, key=grid.ms) for grid in grids}
     least, most = small.ms(whole, 64), small.ms(whole, 1024)
     best = ", ".join(f"{name}: n = {n} ({bench.edge // n}^3 grid)" for name, n in fastest.items())
-    page.claim(16, "time against block and queue size (5.1, Figure 14)", "queue size idle at n = N; an 8 x 8 x 8 grid is best",
-               f"n = N: {least:.2f} ms at queues of 64, {most:.2f} ms at 1024; best of queues of 256: {best}",
-               set(fastest.values()) != {bench.block} or differs(least, most),
-               "larger blocks miss less, smaller ones cut a scene's empty space more finely, so rays leap more of it: which wins is the scene's. "
-               f"Without leaps the best blocks are {without_leaps}: reordering alone asks for larger ones here, since queues of 256 rays are long "
-               "against the pipeline")
+    page.claim(16, set(fastest.values()) != {bench.block} or differs(least, most), least=least, most=most, best=best, without_leaps=without_leaps)
 
 
 def blocks_table(bench, blocks):
@@ -91,7 +85,7 @@ def blocks_table(bench, blocks):
             rows.append([scene, "yes" if leap else "no", *(number(time, 2) for time in times), str(fastest)])
             if not leap:
                 best.append(f"{scene} {fastest}")
-    bench.page.text("Time by block with queues of the design point, with and without leaps over empty blocks:")
+    bench.page.say("blocks")
     bench.page.table("blocks", ["scene", "leaps", *(f"n = {n}, ms" for n in blocks), "best n"], rows)
     return ", ".join(best)
 
@@ -101,11 +95,8 @@ def hit_claim(bench, grids, whole):
     with_queues = all(grid.hits(n, 1) < grid.hits(n, 64) < grid.hits(n, 1024) for grid in grids)
     with_blocks = all(grid.hits(a) < grid.hits(b) for grid in grids for a, b in zip(grid.blocks, grid.blocks[1:]))
     jumps = "; ".join(f"{grid.name}: {percent(grid.hits(n, 16), 1)} at 16, {percent(grid.hits(n, twice), 1)} at {twice}" for grid in grids)
-    bench.page.claim(15, "hit ratio against block and queue size (5.1, Figure 13)", "grows with both; jumps past queues of 16; below 100% at n = N",
-                     f"grows with queues: {'yes' if with_queues else 'no'}; with blocks: {'yes' if with_blocks else 'no'}; {jumps}; "
-                     f"{percent(whole, 1)} at n = N", not (with_queues and with_blocks and whole < 1),
-                     "with queues shorter than the pipeline the few rays of a block come round so seldom that hits are those of neighbouring rays "
-                     "in the order of the image; see the tables")
+    bench.page.claim(15, not (with_queues and with_blocks and whole < 1), with_queues="yes" if with_queues else "no",
+                     with_blocks="yes" if with_blocks else "no", jumps=jumps, whole=whole)
 
 
 def at_image(run, image):
@@ -124,18 +115,13 @@ def sampling(bench, page):
     exact, second_hits, fetched, words = one_block(bench)
 
     def without_miss(step):
-        return percent(mean_of([miss_histogram(bench.get(run.at_step(step)))[0] for run in bench.oblique()]))
+        return mean_of([miss_histogram(bench.get(run.at_step(step)))[0] for run in bench.oblique()])
 
     few, many = ([at_image(run, image) for run in bench.oblique()] for image in (bench.image // 8, 2 * bench.image))
     small, big = bench.mean(few, throughput), bench.mean(many, throughput)
-    page.claim(17, "misses a sample by sampling distance (Figure 9); efficiency by image size (Figure 17)",
-               "second sample in a cell hits 100%; grows with the image",
-               f"second sample in a cell of a whole block hits: {'100%' if second_hits else 'not always'}; samples without a miss "
-               f"{without_miss(1)}, {without_miss(0.5)}, {without_miss(0.25)} at steps of 1, 0.5, 0.25; throughput {percent(small)} at "
-               f"{bench.image // 8}^2 to {percent(big)} at {2 * bench.image}^2", not second_hits or big < small,
-               "a cell that was fetched was lost again before its second sample, or larger images were slower: see the tables")
-    page.claim(19, "compulsory misses of a block at one sample a voxel (2.1)", f"(n+1)^3 = {words}, never more than the block",
-               str(words if exact else fetched), not exact, "the block was fetched in part twice, or not wholly: see the table")
+    page.claim(17, not second_hits or big < small, second="100%" if second_hits else "not always", one=without_miss(1), half=without_miss(0.5),
+               quarter=without_miss(0.25), small=small, few=bench.image // 8, big=big, many=2 * bench.image)
+    page.claim(19, not exact, words=words, fetched=words if exact else fetched)
 
 
 def steps_table(bench):
@@ -146,7 +132,7 @@ def steps_table(bench):
     for name, step, jitter in variants:
         runs = [bench.run(scene, step=step, jitter=jitter) for scene in SCENES]
         rows.append([name, *(cell for run in runs for cell in cells(bench.get(run), columns, others))])
-    bench.page.text("Jitter shortens each step by a random factor of 1/2 to 1, as the paper does.")
+    bench.page.say("steps")
     bench.page.table("steps", ["step, voxels", *(f"{scene}: {column}" for scene in SCENES for column in columns)], rows)
 
 
@@ -178,7 +164,6 @@ def one_block(bench):
             second_hits = second_hits and samples - hits <= n ** 3 - hits_at_one
             exact = exact and fetched == words
             rows.append([scene, f"{step:g}", str(samples), str(fetched), str(words), percent(ratio(hits, samples), 1)])
-    bench.page.text(f"Rays made by the host through one block along z, one in each column of its cells: {n}^2 rays, ended by a cut plane "
-                    "at the block's far face.")
+    bench.page.say("one block", n=n)
     bench.page.table("one-block", ["scene", "step, voxels", "samples", "voxels fetched", "(n+1)^3", "samples without a miss"], rows)
     return exact, second_hits, fetched, words

@@ -28,9 +28,7 @@ def time_over_slab(bench, runs, settings, bits=DESIGN_BITS):
 
 def partition(bench, page):
     """Rows 7 to 10."""
-    page.text("Mean (least to most) over all scenes and views. Balance is the paper's: the mean over the processors of the part of the time in "
-              "which one was busy; *holds rays* counts a processor as busy while a ray is in its queues or its pipeline, *works* only in cycles "
-              "with a sample or a leap. A ray takes 256 / bits cycles a link.")
+    page.say("partitions")
     rows = []
     for name, settings in PARTITIONS.items():
         runs = on(bench.all(), settings)
@@ -39,8 +37,8 @@ def partition(bench, page):
                      percent_range(bench.spread(runs, balance_working)), time_over_slab(bench, bench.all(), settings).text(1, 2)])
     page.table("partitions", ["partition", "rays sent /100 cycles", "links busy, % of cycles", "bisection MB/s",
                               "balance: holds rays", "balance: works", "time, of the slab's"], rows)
-    width_sweep(bench)
-    along_and_across(bench)
+    width_sweep(bench, page)
+    along_and_across(bench, page)
     partition_claims(bench, page)
 
 
@@ -52,7 +50,7 @@ def swept(bench):
     return [bench.run(scene) for scene in ("buckyball", "head", "rock")]
 
 
-def width_sweep(bench):
+def width_sweep(bench, page):
     runs = swept(bench)
     rows = []
     series = {"balance: holds rays": [], "balance: works": [], "time / slab's time": []}
@@ -64,15 +62,15 @@ def width_sweep(bench):
         rows.append([str(bits), number(sent, 2), number(busy), number(cut, 0), percent(held), percent(works), percent(stalled, 1), number(time, 2)])
         for values, value in zip(series.values(), (held, works, time)):
             values.append(value)
-    bench.page.text("Means of the oblique views of buckyball, head and rock; the slab has links of the same width.")
-    bench.page.table("link-width", ["link bits", "skewed: rays sent /100 cycles", "links busy, % of cycles", "bisection MB/s",
+    page.say("link width")
+    page.table("link-width", ["link bits", "skewed: rays sent /100 cycles", "links busy, % of cycles", "bisection MB/s",
                                     "balance: holds rays", "balance: works", "pipeline stalled by links", "time, of the slab's"], rows)
-    bench.page.chart("The paper has a balance of 76% and 1.19 times the slab's time.", "link-width-chart",
+    page.chart("The paper has a balance of 76% and 1.19 times the slab's time.", "link-width-chart",
                      "Skewed blocks need wide links to be quicker than slabs", "bits of a link", "share; time of the slab's", LINK_BITS, series,
                      log_x=True)
 
 
-def along_and_across(bench):
+def along_and_across(bench, page):
     rows, ratios = [], []
     for scene in SCENES:
         def ms(view, settings):
@@ -81,57 +79,40 @@ def along_and_across(bench):
         ratios.append(ratio(x, y))
         rows.append([scene, number(x), number(y), number(ratios[-1], 2), number(ms("diagonal", SLAB)), number(ms("along x", SKEWED)),
                      number(ms("along y", SKEWED))])
-    bench.page.text("A view along x sends each ray through all slabs, one after the other; one along y keeps it in one slab.")
-    bench.page.table("along-slabs", ["scene", "along x, ms", "along y, ms", "times as long", "diagonal, ms", "skewed along x, ms",
+    page.say("along slabs")
+    page.table("along-slabs", ["scene", "along x, ms", "along y, ms", "times as long", "diagonal, ms", "skewed along x, ms",
                                      "skewed along y, ms"], rows)
     times = spread_of(ratios)
-    bench.page.claim(10, "a view along which each ray crosses all slabs, against one across (5.4)", "about twice the time",
-                     f"{times.mean:.2f} times (mean of scenes; {times.min:.2f} to {times.max:.2f})", differs(times.mean, 2),
-                     "the mean follows the scenes: rays that end early in the first slab leave the others without work")
+    page.claim(10, differs(times.mean, 2), times=times)
 
 
 def partition_claims(bench, page):
     of_all = [on(bench.all(), settings) for settings in PARTITIONS.values()]
     sent, cut, held = ([bench.mean(runs, figure) for runs in of_all] for figure in (rays_sent, bisection_mb_s, balance_held))
     block, slab = bench.block, bench.edge // DESIGN_PROCESSORS
-    by_step = {step: bench.mean([run.on(SKEWED).at_step(step) for run in bench.oblique()], rays_sent) for step in (2, 1, 0.5)}
-    page.claim(7, "rays sent a processor and 100 cycles: slab, repeated slab, skewed (3.6)", "2 to 4, 7, 20",
-               ", ".join(f"{value:.2f}" for value in sent), differs(sent[0], 2, 4) or differs(sent[1], 7) or differs(sent[2], 20),
-               f"primary rays with half-voxel steps can't cross more often: a slab of {slab} voxels takes {2 * slab} samples to cross, so a "
-               f"pipeline that never stands sends 100/{2 * slab} = {50 / slab:.2f} rays, a block of {block} voxels {50 / block:.2f} a face. The "
-               "paper's numbers need scattered rays, irradiance carriers (which go to neighbours with each splat at a face) or wider steps: in "
-               f"oblique views skewed blocks send {by_step[0.5]:.1f} with steps of 0.5, {by_step[1]:.1f} with 1 and {by_step[2]:.1f} with 2")
+    two, one, half = (bench.mean([run.on(SKEWED).at_step(step) for run in bench.oblique()], rays_sent) for step in (2, 1, 0.5))
+    page.claim(7, differs(sent[0], 2, 4) or differs(sent[1], 7) or differs(sent[2], 20), sent=sent, slab=slab, steps=2 * slab, of_slab=50 / slab,
+               block=block, of_block=50 / block, half=half, one=one, two=two)
     ray_megabytes = 32 * 100  # a second, of one ray of 32 bytes a cycle at 100 MHz
     in_all = sent[2] / 100 * DESIGN_PROCESSORS * ray_megabytes
-    page.claim(8, "bisection: skewed, slab (3.6)", "12 MB/s, at most 1 MB/s", f"{cut[2]:.0f} MB/s, {cut[0]:.1f} MB/s",
-               differs(cut[2], 12) or differs(cut[0], 0, 1),
-               "the paper's two rows exclude each other: 20 rays of 32 bytes a processor and 100 cycles are 2560 MB/s in all, of which half has "
-               f"to cross the middle of a ring of four. Ours agree: skewed sends {in_all:.0f} MB/s in all, {percent(ratio(cut[2], in_all))} of it "
-               "over the cut; the slab's mean is that of the views along x and the diagonal, where all rays cross it, while the views across send "
-               "next to nothing")
+    page.claim(8, differs(cut[2], 12) or differs(cut[0], 0, 1), skewed=cut[2], slab=cut[0], in_all=in_all, over=ratio(cut[2], in_all))
     time = time_over_slab(bench, bench.all(), SKEWED).mean
-    page.claim(9, "load balance: slab, repeated slab, skewed; skewed's time (5.4)", "91%, 92%, 76%; + 19%",
-               f"{', '.join(map(percent, held))}; {100 * (time - 1):+.0f}%",
-               differs(held[0], 0.91) or differs(held[1], 0.92) or differs(held[2], 0.76) or differs(time, 1.19), width_reason(bench, held[0]))
+    page.claim(9, differs(held[0], 0.91) or differs(held[1], 0.92) or differs(held[2], 0.76) or differs(time, 1.19), held=held,
+               more=100 * (time - 1), **at_best_width(bench))
 
 
-def width_reason(bench, slab_held):
-    """The width of the links at which the skewed partition comes nearest to the paper."""
-    paper_time = 1.19  # of the slab's
+def at_best_width(bench):
+    """Figures at the width of the links at which the skewed partition comes nearest to the paper's 1.19 times the slab's time."""
     runs = swept(bench)
     times = {bits: time_over_slab(bench, runs, SKEWED, bits).mean for bits in LINK_BITS}
     # The design's own, if another is not nearer.
-    best = min((DESIGN_BITS, *LINK_BITS), key=lambda bits: abs(times[bits] - paper_time))
+    best = min((DESIGN_BITS, *LINK_BITS), key=lambda bits: abs(times[bits] - 1.19))
     nearest, slabs = on(runs, with_links(SKEWED, best)), on(runs, with_links(SLAB, best))
     works, slab_works = bench.mean(nearest, balance_working), bench.mean(slabs, balance_working)
-    across = bench.mean([bench.run(scene, view) for scene in SCENES for view in ("along y", "along z")], balance_held)
-    return (f"the width of the links, which the paper does not give, and what counts as busy. Links of {best} bits come nearest to the paper's "
-            f"{100 * (paper_time - 1):+.0f}%: {100 * (times[best] - 1):+.0f}%; there a skewed processor holds rays "
-            f"{percent(bench.mean(nearest, balance_held))} of the time but works {percent(works)} of it, {ratio(works, slab_works):.2f} of the "
-            f"slab's {percent(slab_works)} (paper: 76/91 = 0.84), and is stalled by its links {percent(bench.mean(nearest, stalled_by_links))} of "
-            f"it, as the paper says. At {DESIGN_BITS} bits links stall it {percent(bench.mean(on(runs, SKEWED), stalled_by_links))} of the time, "
-            f"and the even spread wins. The slab's {percent(slab_held)} is the mean of all views: along y and z, across the slabs, it is "
-            f"{percent(across)}")
+    return {"best": best, "best_more": 100 * (times[best] - 1), "holds": bench.mean(nearest, balance_held), "works": works,
+            "less": ratio(works, slab_works), "slab_works": slab_works, "stalled": bench.mean(nearest, stalled_by_links),
+            "design_stalled": bench.mean(on(runs, SKEWED), stalled_by_links),
+            "across": bench.mean([bench.run(scene, view) for scene in SCENES for view in ("along y", "along z")], balance_held)}
 
 
 def speed_up(bench, page):
@@ -163,8 +144,7 @@ def speed_up(bench, page):
             rows.append([name, str(p), *(number(up, 2) for up in ups), number(mean, 2), percent(mean / p),
                          number(p * bench.mean(runs, work_balance), 2), percent(bench.mean(runs, dsp_use))])
             curves[name].append(mean)
-    page.text("The same volume and image with more processors, against one processor of the same machine. Slabs are at least one block thick. "
-              "Bound: p times the mean over the most samples that a processor has, which nothing but another partition can change.")
+    page.say("speed-up")
     page.table("speed-up", ["machine", "processors", *SCENES, "mean", "of ideal", "bound by where the samples lie", "DSP busy"], rows)
     page.chart("Oblique views.", "speed-up-chart",
                "Figure 16: many processors need a fast front end and small blocks (fixed problem, mean of the scenes)", "processors", "speed-up",
@@ -173,13 +153,7 @@ def speed_up(bench, page):
     means = [mean_of(speed_ups(settings, most)) for settings in list(machines.values())[1:]]
     lost, lost_small = (bench.lost_cycles(runs_on(settings, most)) for settings in (SKEWED, small))
     bound, bound_small = (most * bench.mean(runs_on(settings, most), work_balance) for settings in (fast, small))
-    page.claim(12, "speed-up at p = 16, 256^3 and 256^2 (5.2, Figure 16)", "within 14% of ideal: at least 13.8",
-               "{:.1f}; {:.1f} with ray differentials; {:.1f} with a DSP 8 times as fast; {:.1f} with both and wide links; {:.1f} with blocks of "
-               "half the edge besides".format(*means), differs(means[0], 13.8, 16),
-               "two causes. The DSP makes and takes a ray in 28 of its cycles, which alone takes most of the frame of 16 processors (cycles "
-               f"without a sample: {lost}). And (i+j+k) mod 16 can't be even on an 8 x 8 x 8 grid of blocks (the paper itself asks that N be a "
-               f"multiple of p n): where the samples lie bounds the speed-up to {bound:.1f}. A 16 x 16 x 16 grid, which is even, is bound to "
-               f"{bound_small:.1f}; what is lost then is {lost_small}")
+    page.claim(12, differs(means[0], 13.8, 16), means=means, lost=lost, bound=bound, small_bound=bound_small, small_lost=lost_small)
 
 
 def scaling(bench, page):
@@ -202,15 +176,13 @@ def grown_problem(bench, page):
     problems = [(scene, parallel) for scene in ("cloud", "rock") for parallel in (True, False)]
     runs = {p: [grown(bench, *problem, p) for problem in problems] for p in processors}
     busy = {p: bench.over(runs[p], throughput) for p in processors}
-    page.text(f"The problem grown with p: each processor has its {bench.edge // 2}^3 voxels; the volume doubles along x, y, z for 2, 4, 8 "
-              "processors, the image with its face, so that rays times their length grow as p. Throughput a processor, slabs.")
+    page.say("grown", half=bench.edge // 2)
     page.table("grown", ["scene", "view", "p = 1", "2", "4", "8"],
                      [[scene, "along z, parallel rays" if parallel else "oblique", *(percent(busy[p][i], 1) for p in processors)]
                       for i, (scene, parallel) in enumerate(problems)])
     one, eight = mean_of(busy[1]), mean_of(busy[8])
-    page.claim(13, "throughput a processor, problem grown with p from 1 to 8 (5.2)", "99.9% to 80.7%", f"{percent(one, 1)} to {percent(eight, 1)}",
-               differs(one, 0.999) or differs(eight, 0.807),
-               f"cycles without a sample, one processor: {bench.lost_cycles(runs[1])}; eight: {bench.lost_cycles(runs[8])}")
+    page.claim(13, differs(one, 0.999) or differs(eight, 0.807), one=one, eight=eight, lost_one=bench.lost_cycles(runs[1]),
+               lost_eight=bench.lost_cycles(runs[8]))
 
 
 def large_problem(bench, page):
@@ -230,16 +202,11 @@ def large_problem(bench, page):
     for name in machines:
         for pair in zip(*(runs[name, size] for size in sizes)):
             rows.append([name, pair[0].scene, *(cell for run in pair for cell in cells(bench.get(run), columns, others))])
-    page.text(f"16 processors on {edge}^3 voxels, oblique views.")
+    page.say("large", edge=edge)
     page.table("large", ["machine", "scene", *(head for size in sizes for head in (f"{size}^2 image: throughput", *columns[1:]))], rows)
 
     busy = {key: bench.mean(each, throughput) for key, each in runs.items()}
     skewed, quick, no_leaps = ([busy[name, size] for size in sizes] for name in list(machines)[1:])
     lost = [bench.lost_cycles(runs[name, sizes[1]]) for name in list(machines)[1:]]
-    page.claim(14, "512^3 with 16 processors: 256^2 image, 512^2 image (5.2)", "29.1%, 76.1%",
-               f"{percent(skewed[0], 1)}, {percent(skewed[1], 1)} (skewed); {percent(quick[0], 1)}, {percent(quick[1], 1)} with a fast DSP, runs "
-               "and wide links", differs(skewed[0], 0.291) or differs(skewed[1], 0.761),
-               f"the larger image is held up by the DSP, which at 28 cycles a ray is busy {percent(bench.mean(runs['skewed', sizes[1]], dsp_use))} "
-               "of the time, and by links of 32 bits; then by leaping, after which the samples that are left lie unevenly: without it, with a "
-               f"fast DSP, runs and wide links throughput is {percent(no_leaps[0], 1)} and {percent(no_leaps[1], 1)}. Cycles without a sample, "
-               f"{sizes[1]}^2 image: {lost[0]}; with a fast DSP, runs and wide links: {lost[1]}; without leaps: {lost[2]}")
+    page.claim(14, differs(skewed[0], 0.291) or differs(skewed[1], 0.761), skewed=skewed, quick=quick, no_leaps=no_leaps, lost=lost,
+               image=sizes[1], dsp=bench.mean(runs["skewed", sizes[1]], dsp_use))

@@ -20,9 +20,7 @@ def in_turns(columns, ours, theirs):
 def baseline(bench, page):
     """Row 1."""
     queues = (16, 32, 64, 128, 256, 512, 1024, 4096)  # rays
-    page.text("The machine of section 5.1 that reordering is measured against, for rendering: one queue a processor, rays in the order in which "
-              "they come, a direct-mapped cache of the same size with a tag for each four voxels, addressed by the voxel's place in the "
-              "whole volume; at its best queue of those below. Oblique views.")
+    page.say("baseline")
 
     def time(scene, queue):
         return asic_ms(bench.get(scanline(bench.run(scene), queue)))
@@ -42,11 +40,7 @@ def baseline(bench, page):
         return f"{percent(busy)}, {memory:.1f} GB/s, {rate:.1f} Hz"
 
     gain = mean_of(gains)
-    page.claim(1, "reordering against scanline order (5.1), rendering alone",
-               "global illumination: 93%, 0.8 GB/s, 16.3 Hz against 52%, 1.9 GB/s, 9.2 Hz: x 1.77",
-               f"{text(ours)} against {text(theirs)}: x {gain:.2f}", differs(gain, PAPER_GAIN),
-               "the paper compares the two in global illumination (next row), whose scattered rays come in no order. Primary rays "
-               f"alone gain {gain:.2f} times: what the baseline loses is {bench.lost_cycles(slow)}")
+    page.claim("1 rendering", differs(gain, PAPER_GAIN), ours=text(ours), theirs=text(theirs), gain=gain, lost=bench.lost_cycles(slow))
 
 
 class Whole:
@@ -78,8 +72,7 @@ def gain_of(ours, theirs):
 def lit_baseline(bench, page):
     """Row 1."""
     queues = (16, 64, 256, 1024)  # rays
-    page.text("The same two machines with a lighting pass of k = 1 in low albedo, and a frame whose rays scatter. The baseline has its best queue "
-              "of those below.")
+    page.say("lit baseline")
 
     def time(scene, queue):
         return frame_ms(Whole(bench, scene, queue).both)
@@ -100,7 +93,7 @@ def lit_baseline(bench, page):
     ours_alone = [Whole(bench, scene, None, 1) for scene in LIT_SCENES]
     theirs_alone = [Whole(bench, scene, best[scene], 1) for scene in LIT_SCENES]
     gains = [gain_of(a.both, b.both) for a, b in zip(ours_alone, theirs_alone)]
-    page.text("Pass and frame on one processor, as the paper's exact simulator had (4.2), the same queues:")
+    page.say("lit baseline alone")
     page.table("lit-baseline-alone", ["scene", "throughput, reordered", "scanline", "memory GB/s, reordered", "scanline",
                                       "ms, reordered", "scanline", "rate gained"],
                [[scene, *in_turns(["throughput", "memory GB/s", "frame ms"], a.both, b.both), f"x {gain:.2f}"]
@@ -108,14 +101,6 @@ def lit_baseline(bench, page):
     alone = f"{text_of(ours_alone)} against {text_of(theirs_alone)}: x {mean_of(gains):.2f}"
 
     gain = mean_of([gain_of(a.both, b.both) for a, b in zip(ours, theirs)])
-    page.claim(
-        1, "reordering against scanline order in global illumination (5.1)",
-        "93%, 0.8 GB/s, 16.3 Hz against 52%, 1.9 GB/s, 9.2 Hz: x 1.77",
-        f"{text_of(ours)} against {text_of(theirs)}: x {gain:.2f}",
-        differs(gain, 16.3 / 9.2) or differs(mean_of([throughput(each.both) for each in ours]), 0.93) or
-        differs(mean_of([memory_gb_s(each.both) for each in ours]), 0.8),
-        f"packets and supply. What the pipelines of the reordered passes wait for is {bench.lost_cycles(bench.lights())}: a DSP makes a "
-        "lighting ray in 60 of its cycles, and light comes from one side, so that slabs away from it hold few rays. The paper's row "
-        "seems to be that of its exact simulator, which had one processor (4.2): one takes 93 M samples/s at 93%, of "
-        f"{0.8e9 / 93e6:.1f} bytes each at 0.8 GB/s; four would move {0.8e9 / 372e6:.1f}, against 12.1 by its rows 2 and 5. Ours with one "
-        f"processor: {alone}. The paper's 16.3 Hz can't hold its own lighting pass of 361 ms")
+    page.claim("1 lighting", differs(gain, 16.3 / 9.2) or differs(mean_of([throughput(each.both) for each in ours]), 0.93) or
+               differs(mean_of([memory_gb_s(each.both) for each in ours]), 0.8),
+               ours=text_of(ours), theirs=text_of(theirs), gain=gain, lost=bench.lost_cycles(bench.lights()), alone=alone)

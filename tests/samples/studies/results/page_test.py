@@ -4,7 +4,8 @@ import re
 import tempfile
 import unittest
 
-from page import Page, differs, number, percent
+from figures import Spread
+from page import WORDS, Page, differs, number, percent
 from studies import draw
 
 
@@ -36,17 +37,30 @@ class ResultPage(unittest.TestCase):
         marks = [len(re.findall(f"<use[^>]*{colour.lower()}", svg)) for colour in draw.COLOURS[:2]]
         self.assertEqual(marks, [1, 2])
 
-    def test_ClaimThatDiffersMustSayWhy(self):
+    def test_AClaimHasTheWordsOfItsRowAndSaysWhyIfItDiffers(self):
         page = Page()
-        with self.assertRaises(ValueError):
-            page.claim(5, "bandwidth", "2", "1", True, "")
-        page.claim(6, "use", "40%", "41%", False, "")
-        page.claim(5, "bandwidth", "2", "1", True, "because")
+        page.claim(22, False, edram=32, sram=15.1)
+        page.claim(10, True, times=Spread(1.5, 3, 4))
         claims = page.claims()
-        self.assertIn("| 6 | use", claims)
-        self.assertLess(claims.index("| 5 | bandwidth"), claims.index("| 6 | use"))
-        self.assertIn("- **5, bandwidth**: because\n", claims)
-        self.assertNotIn("- **6", claims)
+        self.assertIn("| 22 | hardware cost (Table 1) | 32 Mb eDRAM, 15 Mb SRAM | 32.0 Mb eDRAM, 15.1 Mb SRAM | yes |", claims)
+        self.assertIn("| about twice the time | 3.00 times (mean of scenes; 1.50 to 4.00) | no |", claims)
+        self.assertLess(claims.index("| 10 |"), claims.index("| 22 |"))
+        self.assertIn("- **10, a view along which each ray crosses all slabs, against one across (5.4)**: the mean follows the scenes", claims)
+        self.assertNotIn("- **22", claims)
+
+    def test_EveryRowOfTheWordsHasItsFourLines(self):
+        rows = [WORDS[name] for name in WORDS if re.fullmatch(r"row \d+( \w+)?", name)]
+        self.assertGreaterEqual(len(rows), 27)
+        for text in rows:
+            if not text.startswith("{scene}"):
+                self.assertEqual([line[:7].split(":")[0] for line in text.splitlines()], ["- claim", "- paper", "- ours", "- why"])
+
+    def test_TextNeedsItsFigures(self):
+        page = Page()
+        page.say("large", edge=512)
+        self.assertEqual(page.body, "16 processors on 512^3 voxels, oblique views.\n\n")
+        with self.assertRaises(KeyError):
+            page.say("large")
 
     def test_NumbersArePrintedWithTheirDigits(self):
         self.assertEqual(number(1.25, 1), "1.2")
