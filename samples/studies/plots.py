@@ -1,6 +1,8 @@
 """The charts of docs/studies/charts, each drawn from its CSV file."""
 import functools
 import math
+import pathlib
+import re
 
 import numpy as np
 
@@ -10,7 +12,8 @@ from studies.table import rows_of
 LEVELS = ("functional", "approximate", "cycle")
 LEAST = 1e-4  # where what has no error stands on a logarithmic axis
 L2 = "relative L2 error in the field of view"
-BOARD_AND_BUS = "simulated ms of the board (filled) and the bus (hollow)"
+WORDS = {name: lines[2:].strip().split("\n- ") for name, lines in
+         re.findall(r"^## (.+)\n((?:- .+\n?)+)", pathlib.Path(__file__).with_name("charts.md").read_text().strip(), re.M)}
 
 
 def column(rows, name):
@@ -36,6 +39,14 @@ def series(label, rows, x, y, **look):
     return Series(label, column(rows, x), column(rows, y), **look)
 
 
+def draw(folder, name, lines, **of_panel):
+    chart(folder / f"{name}.svg", *WORDS[name], lines, **of_panel)
+
+
+def draw_panels(folder, name, parts):
+    panels(folder / f"{name}.svg", WORDS[name][0], parts)
+
+
 def front(rows, x, y, mark="front", **look):
     """The Pareto front as a line."""
     on = sorted(where(rows, **{mark: "1"}), key=lambda row: float(row[x]))
@@ -51,9 +62,7 @@ def rendering(folder):
                for colour, step in enumerate(("2", "1", "0.5", "0.25")) for jitter in ("off", "on"))]
     means = [(np.mean(column(where(full, size=size, step="0.25", jitter="off"), "error picture")), f"{size} pixels")
              for size in ("128x128", "192x192")]
-    chart(folder / "rendering_error.svg", "Smaller steps make better pictures only where there are enough pixels (hollow: jitter)",
-          "simulated ms a frame", "RMS error against a double-precision march", [*lines, front(rows, "frame_ms", "error picture")],
-          log_x=True, log_y=True, lines_y=means)
+    draw(folder, "rendering_error", [*lines, front(rows, "frame_ms", "error picture")], log_x=True, log_y=True, lines_y=means)
 
 
 def lighting(folder):
@@ -65,10 +74,7 @@ def lighting(folder):
                for colour, (words, bits) in enumerate((("wide", 24), ("paper", 8))) for rule in rules),
              *(of("high albedo, any rules and bits", where(fine, albedo="high", rules=rule, datapath=words), colour=2)
                for rule in rules for words in ("paper", "wide"))]
-    chart(folder / "lighting_error.svg",
-          "Rays of low albedo light a voxel best, if its word is wide enough (k = 1, 2, 4, 8, 16 from left to right; dashed: by the "
-          "rules as printed)", "simulated ms a pass", "RMS error of irradiance, relative to the closed form",
-          [*lines, front(rows, "pass_ms", "error")], log_x=True, log_y=True)
+    draw(folder, "lighting_error", [*lines, front(rows, "pass_ms", "error")], log_x=True, log_y=True)
 
 
 def emulator(folder):
@@ -79,11 +85,8 @@ def emulator(folder):
         errors = [LEAST if level == "cycle" else max(error, LEAST) for error in column(points, "error frame_ms")]
         return Series(level if level != "cycle" else "cycle: the reference, without error", column(points, "host_seconds"), errors,
                       look="points", colour=colour, mark=mark)
-    chart(folder / "emulator_error.svg",
-          "The approximate level's frame times are nearly those of the cycle level, for less of the host's time (1, 4, 16 processors: "
-          "circle, square, diamond)", "host seconds a frame", "error of the frame time against the cycle level",
-          [of(level, processors, colour, mark) for colour, level in enumerate(LEVELS) for mark, processors in enumerate(("1", "4", "16"))],
-          log_x=True, log_y=True, y_range=(LEAST / 2, 1))
+    lines = [of(level, processors, colour, mark) for colour, level in enumerate(LEVELS) for mark, processors in enumerate(("1", "4", "16"))]
+    draw(folder, "emulator_error", lines, log_x=True, log_y=True, y_range=(LEAST / 2, 1))
 
 
 def held_out(folder):
@@ -91,23 +94,15 @@ def held_out(folder):
 
     def of(label, x, y, **look):
         return Series(label, column(rows, x), [max(abs(error), LEAST) for error in column(rows, y)], look="points", **look)
-    chart(folder / "held_out_error.svg",
-          "Scenes that the approximate level was not written with: its errors are as small as what one place less in each queue changes",
-          "host seconds a frame", "error against the cycle level (none: 0.0001)",
-          [of("functional: time", "functional_s", "functional_time_error"), of("approximate: time", "approximate_s", "time_error"),
-           of("approximate: bandwidth", "approximate_s", "bandwidth_error", hollow=True),
-           of("cycle, a place less: time", "cycle_s", "time_self", colour=6),
-           of("cycle, a place less: bandwidth", "cycle_s", "bandwidth_self", hollow=True, colour=5)],
-          log_x=True, log_y=True, lines_y=[(0.05, "5%")])
+    lines = [of("functional: time", "functional_s", "functional_time_error"), of("approximate: time", "approximate_s", "time_error"),
+             of("approximate: bandwidth", "approximate_s", "bandwidth_error", hollow=True),
+             of("cycle, a place less: time", "cycle_s", "time_self", colour=6),
+             of("cycle, a place less: bandwidth", "cycle_s", "bandwidth_self", hollow=True, colour=5)]
+    draw(folder, "held_out_error", lines, log_x=True, log_y=True, lines_y=[(0.05, "5%")])
 
 
 def scaling(folder):
-    titles = {
-        "volume": ("volume-size", "edge of the volume, voxels", "Seconds and memory grow more slowly than the voxels, which are the third power"),
-        "image": ("size", "edge of the image, pixels", "Seconds grow more slowly than the pixels; memory is the volume's until the image is large"),
-        "processors": ("asic.processors", "processors", "More processors cost the host little: they share the same samples"),
-        "rays": ("light-rays", "lighting rays a voxel of the faces", "Seconds grow more slowly than the lighting rays, memory hardly at all")}
-    for name, (axis, label, title) in titles.items():
+    for name, axis in (("volume", "volume-size"), ("image", "size"), ("processors", "asic.processors"), ("rays", "light-rays")):
         rows = rows_of(folder / f"scaling_{name}.csv")
 
         def panel(y, y_label):
@@ -116,9 +111,9 @@ def scaling(folder):
                 power = np.polyfit(np.log(column(points, axis)), np.log(column(points, y)), 1)[0]
                 return series(f"{level}: power {round(power, 2) + 0.0:.2f}", points, axis, y)
             changes = max(column(rows, y)) > 1.5 * min(column(rows, y))
-            return Panel(label, y_label, [*map(line, LEVELS)], log_x=True, log_y=changes, y_range=(None if changes else 0, None))
-        panels(folder / f"scaling_{name}.svg", title, [panel(next(iter(rows[0])), "host seconds"),
-                                                       panel("/host/board_peak_mib", "peak MiB of the board's process")])
+            return Panel(WORDS[f"scaling_{name}"][1], y_label, [*map(line, LEVELS)], log_x=True, log_y=changes, y_range=(None if changes else 0, None))
+        draw_panels(folder, f"scaling_{name}", [panel(next(iter(rows[0])), "host seconds"),
+                                                panel("/host/board_peak_mib", "peak MiB of the board's process")])
 
 
 def form_factors(folder):
@@ -127,54 +122,44 @@ def form_factors(folder):
     lines = [series(f"{each['form']}, slope {each['slope']}", forms[each["form"]], "rays", "error") for each in slopes]
     rays = [10.0 ** power for power in range(1, 6)]
     lines.append(Series("random points, slope -0.5", rays, [0.2 / math.sqrt(n) for n in rays], look="line", colour=-1, dashed=True))
-    chart(folder / "form_factors_error.svg", "Errors of form factors fall faster than those of random points, up to some thousand rays", "rays of an estimate",
-          "RMS of F / exact - 1 over 16 estimates", lines, log_x=True, log_y=True)
+    draw(folder, "form_factors_error", lines, log_x=True, log_y=True)
 
     links = rows_of(folder / "form_factors_hierarchy.csv")
-    chart(folder / "form_factors_hierarchy.svg", "A hierarchy needs fewer links than the full matrix for the same error", "links",
-          "error of the incident light (standard error)",
-          [series("hierarchy", where(links, hierarchy="1"), "links", "standard_error"),
-           series("full matrix", where(links, hierarchy="0"), "links", "standard_error")], log_x=True, log_y=True)
+    draw(folder, "form_factors_hierarchy", [series("hierarchy", where(links, hierarchy="1"), "links", "standard_error"),
+                                            series("full matrix", where(links, hierarchy="0"), "links", "standard_error")], log_x=True, log_y=True)
 
     pairs = grouped(rows_of(folder / "form_factors_front.csv"), "series")
     names = {"host": "rays by the host", "board": "rays by the DSP", "pci33": "PCI", "agp2x": "AGP 2x"}
-    for cost, title in (("board", "Rays that the host makes are quicker where a pair has few of them, the DSP's where it has many"),
-                        ("bus", "Rays that the DSP makes take the bus the same time, however many")):
+    for cost in ("board", "bus"):
         lines = [series(f"{names[bus]}, {names[maker]}", rows, f"{cost}_ms", "error", colour=(bus == "agp2x") + 2 * (maker == "board"), boxed=True)
                  for name, rows in pairs.items() for bus, maker in (name.split(),)]
         lines.append(front([row for rows in pairs.values() for row in rows], f"{cost}_ms", "error", f"front_{cost}_ms", dashed=True))
         for line in lines:
             line.x = [1000 * ms for ms in line.x]
-        chart(folder / f"form_factors_trade_{cost}.svg", title, f"simulated µs of the {cost} a pair", "RMS error of a pair's transmittance",
-              lines, log_x=True, log_y=True)
+        draw(folder, f"form_factors_trade_{cost}", lines, log_x=True, log_y=True)
 
 
 def by_time(groups, **of_panel):
     """Of a sweep's series: error by the board's time and by the bus's."""
     lines = [series(name if look else "", rows, cost, "relative_l2", colour=colour, hollow=not look, dashed=not look, boxed=True)
              for cost, look in (("board_ms", 1), ("bus_ms", 0)) for colour, (name, rows) in enumerate(groups.items())]
-    return Panel(BOARD_AND_BUS, L2, lines, log_x=True, **of_panel)
+    return Panel("simulated ms of the board (filled) and the bus (hollow)", L2, lines, log_x=True, **of_panel)
 
 
 def cone_beam_sweeps(folder):
-    for name, x, title, log_x in (
-            ("views", "views of a turn", "More views help until the voxels' own error is left", True),
-            ("ray_spacing", "pixel over voxel, at the axis", "Pixels larger than voxels leave gaps, unless each has several rays", False),
-            ("cone_angle", "full cone angle, degrees", "A wide cone smears discs across the axis, and hardly harms a head", False),
-            ("truncation", "part of the head's width that is seen", "SART bears projections that are cut off, FDK does not", False)):
-        groups = grouped(rows_of(folder / f"cone_beam_{name}.csv"), "series")
+    for name in ("cone_beam_views", "cone_beam_ray_spacing", "cone_beam_cone_angle", "cone_beam_truncation"):
+        groups = grouped(rows_of(folder / f"{name}.csv"), "series")
         lines = [series(each, rows, "x", "relative_l2") for each, rows in groups.items()]
-        panels(folder / f"cone_beam_{name}.svg", title, [Panel(x, L2, lines, log_x=log_x, y_range=(0, None)), by_time(groups, y_range=(0, None))])
+        draw_panels(folder, name, [Panel(WORDS[name][1], L2, lines, log_x=name == "cone_beam_views", y_range=(0, None)),
+                                   by_time(groups, y_range=(0, None))])
 
 
 def cone_beam_words(folder):
     groups = grouped(rows_of(folder / "cone_beam_accumulator.csv"), "series")
     whole = [(column(groups.pop("sums of 36 bits"), "relative_l2")[0], "sums of 36 bits")]
-    axes = ("views between two readings, 11 bits", "bits of a word, read every 8 views", "full at this part of the bound, 11 bits")
     parts = [Panel(axis, L2, [series("", rows, "x", "relative_l2", colour=colour)], log_x=colour != 1, lines_y=whole, y_range=(0.28, 0.7))
-             for colour, (axis, rows) in enumerate(zip(axes, groups.values()))]
-    panels(folder / "cone_beam_accumulator.svg", "Narrow words cost little if they are read often and do not clip",
-           [*parts, by_time(groups, lines_y=whole, y_range=(0.28, 0.7))])
+             for colour, (axis, rows) in enumerate(zip(WORDS["cone_beam_accumulator"][1:], groups.values()))]
+    draw_panels(folder, "cone_beam_accumulator", [*parts, by_time(groups, lines_y=whole, y_range=(0.28, 0.7))])
 
 
 def cone_beam_methods(folder):
@@ -187,14 +172,13 @@ def cone_beam_methods(folder):
         lines = [series(name, rows, "x", "relative_l2", colour=colour) for colour, (name, rows) in enumerate(half.items()) if rows is not fdk]
         parts += [Panel("iterations", L2, lines, title=title, log_x=True, lines_y=[(column(fdk, "relative_l2")[0], "FDK, Ram-Lak")],
                         y_range=(0.2, 1.05)), by_time(half, title=title, y_range=(0.2, 1.05))]
-    panels(folder / "cone_beam_sart.svg", "SART reaches smaller errors than FDK, in many times its time (head from 60 views)", parts)
+    draw_panels(folder, "cone_beam_sart", parts)
 
     groups = grouped(rows_of(folder / "cone_beam_relaxation.csv"), "series")
     lines = [series(name, rows, "x", "relative_l2", boxed=True) for name, rows in groups.items()]
     lines.append(series("reported as divergence", [row for rows in groups.values() for row in where(rows, diverged="1")], "x", "relative_l2",
                         look="points", colour=6))
-    chart(folder / "cone_beam_relaxation.svg", "Iterations diverge where the relaxation is more than two, and are stopped (6 iterations, 60 views)", "relaxation",
-          L2, lines)
+    draw(folder, "cone_beam_relaxation", lines)
 
 
 def cone_beam_profiles(folder):
@@ -202,13 +186,13 @@ def cone_beam_profiles(folder):
     first = next(iter(groups.values()))
     of = functools.partial(series, look="line", boxed=True)
     lines = [of("phantom", first, "z", "truth", colour=-1), *(of(f"cone of {name}", rows, "z", "within_34") for name, rows in groups.items())]
-    chart(folder / "cone_beam_axial_profile.svg", "The wider the cone, the less is left of discs far from the middle",
-          "z, mm", "mean attenuation within 34 mm of the axis, 1/mm", lines, box_outside=True)
+    draw(folder, "cone_beam_axial_profile", lines, box_outside=True)
 
-    parts = [Panel("x, mm", "density", [of("phantom", rows, "x", "truth", colour=-1), of("FDK, plain", rows, "x", "value", colour=4),
-                                        of("FDK, normalised", rows, "x", "normalised", colour=0)], title=name, y_range=(0.9, 1.15) if name.startswith("head") else (-0.1, 1.2))
+    parts = [Panel(*WORDS["cone_beam_profile"][1:], [of("phantom", rows, "x", "truth", colour=-1), of("FDK, plain", rows, "x", "value", colour=4),
+                                                     of("FDK, normalised", rows, "x", "normalised", colour=0)],
+                   title=name, y_range=(0.9, 1.15) if name.startswith("head") else (-0.1, 1.2))
              for name, rows in grouped(rows_of(folder / "cone_beam_profile.csv"), "series").items()]
-    panels(folder / "cone_beam_profile.svg", "Division by the splatted weights brings back the phantom's level, along x through the middle", parts)
+    draw_panels(folder, "cone_beam_profile", parts)
 
 
 def cone_beam_ripple(folder):
@@ -216,9 +200,7 @@ def cone_beam_ripple(folder):
     lines = [series(name, rows, "x", "ripple", boxed=True) for name, rows in groups.items()]
     x = np.linspace(0.4, 3, 400)
     lines.append(Series("sinc² of the rays' wave", x, np.sinc(1 / x) ** 2, look="line", colour=-1, dashed=True, boxed=True))
-    chart(folder / "cone_beam_moire.svg", "Rays leave a ripple; division by the splatted weights removes it while they are closer than voxels",
-          "distance of rays over voxel, at the axis", "ripple: RMS of what was left / wanted - 1", lines, log_y=True, x_range=(0.35, 3.05),
-          y_range=(5e-5, 2))
+    draw(folder, "cone_beam_moire", lines, log_y=True, x_range=(0.35, 3.05), y_range=(5e-5, 2))
 
 
 def cone_beam_host(folder):
@@ -232,8 +214,7 @@ def cone_beam_host(folder):
              of("double precision", "trade_reference", look="points", hollow=True)]
     # Published by nobody: what its user measured.
     lines.append(Series("plastimatch, as its user measured it", [23], [0.17], look="points", colour=6, hollow=True))
-    chart(folder / "cone_beam_trade.svg", "The board's rays are nearly as good as double precision, in less of the host's time (360 views, 256³)",
-          "CPU seconds of the host, all cores", "relative L2 error", [each for each in lines if len(each.x)], log_x=True, y_range=(0, None))
+    draw(folder, "cone_beam_trade", [each for each in lines if len(each.x)], log_x=True, y_range=(0, None))
 
 
 def cone_beam_all(folder):
@@ -249,8 +230,7 @@ def cone_beam_all(folder):
                    [*(series(each, [row for row in rows if kind(row) == each], f"{cost}_ms", "error", look="points", colour=colour)
                       for colour, each in enumerate(kinds)), front(rows, f"{cost}_ms", "error", f"front_{cost}_ms")], log_x=True)
              for cost in ("board", "bus")]
-    panels(folder / "cone_beam_front.svg", "More views first, then smaller pixels, then SART: what one head costs by all ways to reconstruct it",
-           parts)
+    draw_panels(folder, "cone_beam_front", parts)
 
 
 DRAWN = {each.__name__: [each] for each in (rendering, lighting, form_factors, emulator, held_out, scaling)} | {

@@ -2,6 +2,7 @@
 
 The page is written in passes. Bench.get() of a run that is not yet measured notes it down and returns an empty measurement;
 measure() carries out what was noted; the next pass reads it, and may ask for more that depends on it."""
+import collections
 from dataclasses import dataclass, replace
 
 from figures import (Measurement, asic_ms, cause_shares, dsp_use, frame_ms, hit_ratio, mean_of, memory_gb_s, memory_use,
@@ -133,19 +134,16 @@ class Bench:
 
     def lost_cycles(self, runs):
         """The most frequent causes of cycles without a sample, over all of them: "cache_fill 12%, dsp 8%, latency 5%"."""
-        shares = {}
+        shares = collections.Counter()
         for run in runs:
-            for name, share in cause_shares(self.get(run)):
-                shares[name] = shares.get(name, 0.0) + share / len(runs)
-        shares.pop("busy", None)
+            shares.update({name: share / len(runs) for name, share in cause_shares(self.get(run)) if name != "busy"})
         largest = sorted(sorted(shares.items()), key=lambda each: -each[1])[:4]
         return ", ".join(f"{name} {percent(share)}" for name, share in largest)
 
     def causes_table(self, name, columns, runs):
         """The runs' pipeline cycles by their cause, a column each."""
-        of_runs = self.over(runs, cause_shares)
-        rows = [[cause, *(percent(shares[i][1], 1) for shares in of_runs)] for i, (cause, _) in enumerate(of_runs[0])]
-        self.page.table(name, ["cause", *columns], rows)
+        of_causes = zip(*self.over(runs, cause_shares))
+        self.page.table(name, ["cause", *columns], [[each[0][0], *(percent(share, 1) for _, share in each)] for each in of_causes])
 
     def complete(self):
         return not self._wanted

@@ -1,4 +1,5 @@
 """What counters mean: the paper's figures by arithmetic from one measured window."""
+import re
 from typing import NamedTuple
 
 PACKET_BYTES = 16  # of 9 bits: the paper's unit, in which an RDRAM of 18 bit at 800 MHz gives 1.6 GB/s
@@ -77,9 +78,7 @@ def miss_histogram(m):
 
 
 def memory_clocks(m):
-    memories = 0
-    while f"rdram{memories}.data_busy" in m.counters:
-        memories += 1
+    memories = sum(1 for name in m.counters if re.fullmatch(r"rdram\d+\.data_busy", name))
     return m["asic.cycles"] * CLOCKS_PER_CYCLE * memories
 
 
@@ -128,9 +127,8 @@ scatterings_a_ray = over("dsp.rays_taken", "pipeline.scatterings")  # rays scatt
 def cause_shares(m):
     """Every pipeline cycle by its cause: name and share, which sum to 1."""
     prefix = "processor.cycles."
-    counts = [(name.removeprefix(prefix), m[name]) for name in m.counters if name.startswith(prefix)]
-    total = sum(count for _, count in counts)
-    return [(name, ratio(count, total)) for name, count in counts]
+    counts = {name.removeprefix(prefix): m[name] for name in m.counters if name.startswith(prefix)}
+    return [(name, ratio(count, sum(counts.values()))) for name, count in counts.items()]
 
 
 def stalled_by_links(m):
@@ -172,13 +170,10 @@ class Millisecond(NamedTuple):
 
 def milliseconds(m):
     """Block loads and samples in each millisecond of the window."""
-    def by_time(prefix):
-        return {int(name.removeprefix(prefix)): float(value) for name, value in m.counters.items() if value and name.startswith(prefix)}
-    loads, samples = by_time("asic.block_loads.ms"), by_time("asic.samples.ms")
+    loads, samples = ({int(name.removeprefix(prefix)): float(value) for name, value in m.counters.items() if value and name.startswith(prefix)}
+                      for prefix in ("asic.block_loads.ms", "asic.samples.ms"))
     times = loads.keys() | samples.keys()
-    if not times:
-        return []
-    return [Millisecond(loads.get(ms, 0.0), samples.get(ms, 0.0)) for ms in range(min(times), max(times) + 1)]
+    return [Millisecond(loads.get(ms, 0.0), samples.get(ms, 0.0)) for ms in range(min(times), max(times) + 1)] if times else []
 
 
 class Spread(NamedTuple):
@@ -196,12 +191,10 @@ class Spread(NamedTuple):
 
 
 def spread_of(values):
-    if not values:
-        return Spread()
     mean = 0.0
     for value in values:
         mean += value / len(values)
-    return Spread(min(values), mean, max(values))
+    return Spread(min(values), mean, max(values)) if values else Spread()
 
 
 def mean_of(values):

@@ -39,11 +39,9 @@ SECTIONS = {  # by the name that --only takes: heading, and what writes it
 
 
 def sections_of(text):
-    names = text.split(",")
-    for name in names:
-        if name not in SECTIONS:
-            raise argparse.ArgumentTypeError(f"{name} is none of {', '.join(SECTIONS)}")
-    return names
+    if unknown := set(text.split(",")) - set(SECTIONS):
+        raise argparse.ArgumentTypeError(f"{unknown.pop()} is none of {', '.join(SECTIONS)}")
+    return text.split(",")
 
 
 def folder_of(text):
@@ -52,12 +50,10 @@ def folder_of(text):
     return pathlib.Path(text)
 
 
-def within(low, high):
-    def value_of(text):
-        if not low <= int(text) <= high:
-            raise argparse.ArgumentTypeError(f"{text} is not in {low} to {high}")
-        return int(text)
-    return value_of
+def number_of(text, low, high):
+    if not low <= int(text) <= high:
+        raise argparse.ArgumentTypeError(f"{text} is not in {low} to {high}")
+    return int(text)
 
 
 def options():
@@ -67,8 +63,8 @@ def options():
                              "is there in measured/, and the next one goes on from it")
     parser.add_argument("--version", action="version", version=f"%(prog)s {gicube.__version__}")
     parser.add_argument("--edge", type=int, choices=(32, 64, 128, 256), default=256, help="voxels an edge of the volume (%(default)s)")
-    parser.add_argument("--image", type=within(8, 1024), default=256, help="pixels an edge of the image, 8 to 1024 (%(default)s)")
-    parser.add_argument("--jobs", type=within(1, 64), default=os.cpu_count(), help="boards at a time, 1 to 64 (%(default)s)")
+    parser.add_argument("--image", type=functools.partial(number_of, low=8, high=1024), default=256, help="pixels an edge of the image, 8 to 1024 (%(default)s)")
+    parser.add_argument("--jobs", type=functools.partial(number_of, low=1, high=64), default=os.cpu_count(), help="boards at a time, 1 to 64 (%(default)s)")
     parser.add_argument("--only", type=sections_of, default=list(SECTIONS), metavar="SECTION,...",
                         help="sections to measure, for a page of these alone (all)")
     parser.add_argument("--quiet", action="store_true", help="no progress")

@@ -22,8 +22,7 @@ def open_board(run):
 
 def load(board, scene, be_faint):
     if scene.lit:
-        gicube.load_scene(board, scene.setup, light=False)
-        return
+        return gicube.load_scene(board, scene.setup, light=False)
     if scene.setup is not None:
         board.set_shading(scene.setup.shading)
     board.load_volume(scene.volume)
