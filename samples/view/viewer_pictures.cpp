@@ -163,7 +163,7 @@ void Viewer::send_picture(const Job& job, Desk& desk, const RenderOptions& optio
     made_.emplace(last_number_, std::move(made));
     if (made_.size() > kMaxMade) made_.erase(made_.begin());
   }
-  tell(job.page, std::move(header), pixels, true);
+  tell(job.page, header, pixels, true);
 }
 
 void Viewer::compare(const Job& job) {

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <compare>
 #include <set>
+#include <utility>
+#include <vector>
 
 namespace gicube::emu {
 namespace {
@@ -54,6 +58,57 @@ TEST(Partition, SixteenProcessorsShareAnEightfoldGridEvenlyWithASkewOfPowersOfTw
   EXPECT_EQ(even.max_blocks(), 8u * 8 * 8 / 16);
   // i + j + k = 10 or 11 and, a turn later, none: 48 ways, the most that one sum modulo 16 has.
   EXPECT_EQ(plain.max_blocks(), 48u);
+}
+
+// The most blocks of a processor over the mean: of the whole grid, and of the worst plane of blocks across an axis.
+struct Imbalance {
+  double whole = 0, plane = 0;
+
+  friend auto operator<=>(const Imbalance&, const Imbalance&) = default;
+};
+
+Imbalance imbalance(int grid, unsigned processors, const std::array<unsigned, 3>& skew) {
+  const Partition partition(asic(v1::skewed_block, processors, skew), {grid, grid, grid});
+  std::vector<std::vector<unsigned>> planes(static_cast<std::size_t>(3 * grid), std::vector<unsigned>(processors));
+  for (int z = 0; z < grid; ++z) {
+    for (int y = 0; y < grid; ++y) {
+      for (int x = 0; x < grid; ++x) {
+        const unsigned owner = partition.home(static_cast<std::size_t>(x + grid * (y + grid * z))).processor;
+        for (const int plane : {x, grid + y, 2 * grid + z}) ++planes[static_cast<std::size_t>(plane)][owner];
+      }
+    }
+  }
+  Imbalance found{static_cast<double>(partition.max_blocks()) * processors / (grid * grid * grid)};
+  for (const auto& plane : planes) {
+    found.plane = std::max(found.plane, static_cast<double>(std::ranges::max(plane)) * processors / (grid * grid));
+  }
+  return found;
+}
+
+// docs/reference/hardware.md has these numbers. Where they are as good as others the smallest coefficients are named.
+TEST(Partition, TheDocumentedCoefficientsAreTheMostEvenOnes) {
+  struct Row {
+    int grid;
+    unsigned processors;
+    Imbalance of_the_sum;
+    std::array<unsigned, 3> best;
+    Imbalance of_the_best;
+  };
+  for (const Row& row : {Row{4, 8, {1.5, 2}, {1, 2, 3}, {1, 1.5}}, Row{4, 16, {3, 4}, {1, 2, 4}, {1, 2}},
+                         Row{8, 16, {1.5, 2}, {1, 2, 7}, {1, 1.25}}, Row{8, 8, {1, 1}, {1, 1, 1}, {1, 1}},
+                         Row{8, 4, {1, 1}, {1, 1, 1}, {1, 1}}}) {
+    EXPECT_EQ(imbalance(row.grid, row.processors, {1, 1, 1}), row.of_the_sum);
+    std::pair<Imbalance, std::array<unsigned, 3>> best{{1e9, 1e9}, {}};
+    for (unsigned a = 1; a < row.processors; ++a) {
+      for (unsigned b = a; b < row.processors; ++b) {
+        for (unsigned c = b; c < row.processors; ++c) {
+          best = std::min(best, {imbalance(row.grid, row.processors, {a, b, c}), {a, b, c}});
+        }
+      }
+    }
+    EXPECT_EQ(best.second, row.best);
+    EXPECT_EQ(best.first, row.of_the_best);
+  }
 }
 
 TEST(Partition, EveryBlockHasOneNumberOfItsProcessor) {
