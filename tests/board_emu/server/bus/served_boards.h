@@ -87,7 +87,9 @@ inline void post_long_command(reference::RawClient& client, std::uint32_t ticket
 
 // The board answers and its state is that of power-up.
 inline bool serves_afresh(const ServedBoards& boards, std::uint32_t board = 0) {
-  reference::RawClient client = boards.open({}, board);
+  wire::VersionInfo mine;
+  mine.wait_ms = 10'000;  // until what the session before began has ended
+  reference::RawClient client = boards.open(mine, board);
   return client.read_register(wire::reg::kId) == wire::kIdValue && client.read_register(wire::reg::kVolumeX) == 0;
 }
 
