@@ -22,8 +22,8 @@ constexpr Count multiplier(Count a, Count b) { return a * b * (kAnd + kAdder); }
 constexpr Count divider(Count quotient, Count divisor) { return quotient * divisor * (kAdder + kMultiplexer); }
 // a + (b - a) w of words of the pipeline (words/words.h).
 constexpr Count kInterpolator = multiplier(16, 15) + 2 * 16 * kAdder;
-constexpr Count kTrilinear = 7;        // interpolators of a channel [P §3.4]
-constexpr Count kChannels = 4 + 1;     // density, gradient, irradiance
+constexpr Count kTrilinear = 7;                      // interpolators of a channel [P §3.4]
+constexpr Count kChannels = 4 + 1;                   // density, gradient, irradiance
 constexpr Count kPacketBits = 4 * wire::kVoxelBits;  // a tile
 constexpr Count kPlaceBits = 8 * wire::kRayBytes;
 constexpr Count kFifosOfProcessor = 9;  // of whole rays, in cycle/processor.h
