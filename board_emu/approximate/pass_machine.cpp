@@ -6,6 +6,7 @@
 
 #include "asic/latencies.h"
 #include "asic/raybus/ray_bus.h"
+#include "dsp/count_dsp.h"
 #include "levels/counters.h"
 
 namespace gicube::emu {
@@ -14,7 +15,8 @@ namespace {
 
 constexpr Cycle kSlack = 96;  // chosen: cycles by which a part may run ahead of the next
 constexpr std::size_t kOnTheWay =
-    kFifoPlaces;                       // rays between the bus and one sorter, and sends between the DSP and the bus
+    kFifoPlaces;                     // rays between the bus and one sorter, and sends between the DSP and the bus
+constexpr std::uint32_t kBatch = 8;  // rays that the DSP makes before it looks at what has come, as at the cycle level
 constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time
 
 }  // namespace
@@ -46,6 +48,8 @@ PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>
       dsp_khz_(config.dsp().clock_khz()),
       up_(config.asic().processors()),
       standard_(memory_standard(config)),
+      dsp_(config),
+      store_(config.asic().processors() * std::max<std::size_t>(1, partition_.max_blocks())),
       listeners_(config.asic().processors()) {
   for (std::uint32_t i = 0; i < config_.asic().processors(); ++i) {
     memories_.push_back(std::make_unique<PassMemory>(config_, partition_.max_blocks()));
@@ -57,7 +61,8 @@ PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>
 
 bool PassMachine::covers(const v1::BoardConfig& config) {
   return memory_standard(config).sharing == 1 && config.sorter().policy() == v1::most_rays &&
-         config.sorter().queues() == v1::per_block && config.ideal().sorter() == 0;
+         config.sorter().queues() == v1::per_block && config.ideal().sorter() == 0 &&
+         config.cache().irradiance() == v1::with_voxels;
 }
 
 void PassMachine::invalidate_caches() {
@@ -65,24 +70,28 @@ void PassMachine::invalidate_caches() {
 }
 
 // It begins one thing a core cycle at most, at the clock's edge.
-void PassMachine::dsp_works(std::uint64_t cycles) {
-  dsp_.now += std::max<Cycle>((cycles * core_khz_ + dsp_khz_ - 1) / dsp_khz_, 1);
-  dsp_.busy += cycles;
+void PassMachine::dsp_works(const DspTask& task) {
+  const DspCycle begin = (engine_.now * dsp_khz_ + core_khz_ - 1) / core_khz_;
+  engine_.free = dsp_.work(task, std::max(engine_.free, begin));
+  engine_.now = std::max(engine_.now + 1, (engine_.free * core_khz_ + dsp_khz_ - 1) / dsp_khz_);
 }
 
 // A run is two packets, and each processor extrapolates one of its rays a cycle.
-void PassMachine::send(std::uint32_t handle, std::uint32_t run, bool first) {
+void PassMachine::send(std::uint32_t handle, std::uint32_t run, bool first, bool has_slot) {
   PassRay& ray = rays_[handle];
   const Home& home = partition_.home(ray.block);
-  Cycle ready = dsp_.now + kDspToPipeline;
+  Cycle ready = engine_.now + kDspToPipeline;
   if (run != 0) {
     Listener& listener = listeners_[home.processor];
     if (std::exchange(listener.making, run) != run) listener.made = 0;
     ready += RayBus::kRunPackets + listener.made++;
   }
-  bus_.push({home.processor, first, run, {ready, handle, home.number, false}});
+  bus_.push({home.processor,
+             first,
+             run,
+             {ready, handle, home.number, has_slot ? Arrival::Kind::kToItsSlot : Arrival::Kind::kRay}});
   sends_ += first ? 1 : 0;
-  ++dsp_.sent;
+  ++engine_.sent;
 }
 
 // The processor that can't take what is next on the bus, if there is one. A run waits until all have a buffer for it.
@@ -123,59 +132,81 @@ void PassMachine::run_bus() {
 
 // One ray, or a run of them.
 void PassMachine::make_rays(PassRaySource& work) {
-  const std::uint64_t row = work.row_end(dsp_.made);
-  const bool in_run = config_.dsp().run_rays() > 1 && row > dsp_.made + 1;
-  const std::uint64_t last = in_run ? std::min(row, dsp_.made + config_.dsp().run_rays()) : dsp_.made + 1;
-  const std::uint32_t run = in_run ? ++runs_ : 0;
-  dsp_works(in_run ? config_.dsp().run_cycles() : work.make_cycles());
+  const std::uint64_t places = config_.dsp().overflow_rays() - engine_.under_way;
+  const std::uint64_t last = std::min(work.run_end(engine_.made), engine_.made + places);
+  const std::uint32_t run = last > engine_.made + 1 ? ++runs_ : 0;
+  dsp_works(work.making(engine_.made));
   bool first = true;
-  for (; dsp_.made < last; ++dsp_.made) {
+  for (; engine_.made < last; ++engine_.made) {
     PassRay& ray = maker_->next();
     if (ray.left <= 0) continue;
     ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
     for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
-    send(rays_.add(ray), run, std::exchange(first, false));
+    const std::uint32_t handle = rays_.add(ray);
+    if (index_of_.size() <= handle) index_of_.resize(handle + 1);
+    index_of_[handle] = engine_.made;
+    ++engine_.under_way;
+    send(handle, run, std::exchange(first, false));
   }
   run_bus();
 }
 
-// What comes back goes first, then new rays, then overflowed ones. False if there is nothing to be done yet.
+void PassMachine::send_again() {
+  const OverflowStore::Sent again = store_.send();
+  dsp_works(again.task);
+  send(again.ray, 0, true, again.has_slot);
+  run_bus();
+}
+
+void PassMachine::take_back(PassRaySource& work) {
+  const Arrival back = up_.pop(engine_.now);
+  processors_[back.processor]->taken_from_tree(engine_.now);
+  if (back.kind == Arrival::Kind::kSlot) {
+    store_.make_ready(list_of(back.processor, back.queue));
+    ++engine_.now;
+  } else if (back.kind == Arrival::Kind::kOverflowed) {
+    ++engine_.overflows;
+    dsp_works(store_.keep(list_of(back.processor, back.queue), back.ray));
+  } else {
+    rays_.remove(back.ray);
+    --engine_.under_way;
+    ++engine_.taken;
+    dsp_works(work.taking(index_of_[back.ray]));
+  }
+}
+
+// What comes back goes first, then overflowed rays that have a slot, then new ones, as many as it makes in a batch. False if there
+// is nothing to be done yet.
 bool PassMachine::dsp_acts(PassRaySource& work) {
-  const std::uint32_t overflow = config_.dsp().overflow_ray_cycles();
-  if (up_.ready() <= dsp_.now) {
-    const Arrival back = up_.pop(dsp_.now);
-    processors_[back.queue]->taken_from_tree(dsp_.now);
-    if (back.overflowed) {
-      dsp_works(overflow / 2);
-      ++dsp_.overflows;
-      dsp_.kept.push_back(back.ray);
-    } else {
-      rays_.remove(back.ray);
-      dsp_works(work.take_cycles());
-      ++dsp_.taken;
-    }
+  const bool bus_is_full = sends_ > kOnTheWay;
+  if (!bus_is_full && engine_.batch > 0 && !up_.is_full(engine_.now) &&
+      (engine_.sends_again ? store_.has_ready() : may_make())) {
+    --engine_.batch;
+    engine_.now = std::max(engine_.now, bus_free_);
+    engine_.sends_again ? send_again() : make_rays(work);
     return true;
   }
-  if (sends_ > kOnTheWay || (dsp_.made == count_ && dsp_.kept.empty())) return false;
-  dsp_.now = std::max(dsp_.now, bus_free_);
-  if (dsp_.made < count_) {
-    make_rays(work);
-  } else {
-    dsp_works(overflow - overflow / 2);
-    send(dsp_.kept.front(), 0, true);
-    dsp_.kept.pop_front();
-    run_bus();
+  engine_.batch = 0;
+  if (up_.ready() <= engine_.now) {
+    take_back(work);
+    return true;
   }
+  engine_.sends_again = store_.has_ready();
+  if (bus_is_full || (!engine_.sends_again && !may_make())) return false;
+  engine_.now = std::max(engine_.now, bus_free_);
+  engine_.batch = kBatch - 1;
+  engine_.sends_again ? send_again() : make_rays(work);
   return true;
 }
 
 RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& progress, bool ahead) {
   const Cycle begin = now_;
-  const std::uint64_t busy = dsp_.busy, taken = dsp_.taken;
+  const std::uint64_t busy = dsp_.counters().busy(), taken = engine_.taken;
   count_ = work.count();
   maker_.emplace(work, ahead);
-  dsp_.made = 0;
-  dsp_.now = now_;
+  engine_.made = engine_.under_way = 0;
+  engine_.batch = 0;
+  engine_.now = now_;
   grid_ = BlockGrid(*frame.volume);
   for (const auto& processor : processors_) processor->begin(now_, frame);
   progress.all = static_cast<std::uint32_t>(count_);
@@ -192,20 +223,20 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
       }
     }
     // While the DSP is not behind the processors it has seen all that comes.
-    if (least >= dsp_.now) {
+    if (least >= engine_.now) {
       if (dsp_acts(work)) continue;
       if (up_.ready() != kNoCycle && up_.ready() <= least) {
-        dsp_.now = std::max(dsp_.now, up_.ready());
+        engine_.now = std::max(engine_.now, up_.ready());
         continue;
       }
       if (behind == nullptr) break;
     }
-    const bool dsp_has_work = dsp_.made < count_ || !dsp_.kept.empty();
+    const bool dsp_has_work = may_make() || store_.has_ready();
     Cycle until = second == kNoCycle ? least + 64 : second + kSlack;
-    if (dsp_has_work) until = std::min(until, std::max(least, dsp_.now) + kSlack);
+    if (dsp_has_work) until = std::min(until, std::max(least, engine_.now) + kSlack);
     behind->work(std::max(until, least), holding_ == behind);
     run_bus();
-    progress.done = static_cast<std::uint32_t>(dsp_.taken - taken);
+    progress.done = static_cast<std::uint32_t>(engine_.taken - taken);
     if (progress.cancel) {
       ran.cancelled = true;
       break;
@@ -213,11 +244,11 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   }
   maker_.reset();  // waits for what it makes ahead
   if (!ran.cancelled) {
-    now_ = dsp_.now;
+    now_ = engine_.now;
     for (const auto& processor : processors_) now_ = std::max(now_, processor->now());
   }
   ran.cycles = now_ - begin;
-  ran.dsp_cycles = dsp_.busy - busy;
+  ran.dsp_cycles = dsp_.counters().busy() - busy;
   return ran;
 }
 
@@ -261,10 +292,10 @@ void PassMachine::count(std::vector<wire::Counter>& list) const {
       part.put("data_busy", standard_.clock, channel.dq_busy);
     }
   }
-  list.push_back({"dsp.rays_sent", "ray", dsp_.sent});
-  list.push_back({"dsp.rays_taken", "ray", dsp_.taken});
-  list.push_back({"dsp.overflows", "ray", dsp_.overflows});
-  list.push_back({"dsp.busy_cycles", "DSP cycle", dsp_.busy});
+  list.push_back({"dsp.rays_sent", "ray", engine_.sent});
+  list.push_back({"dsp.rays_taken", "ray", engine_.taken});
+  list.push_back({"dsp.overflows", "ray", engine_.overflows});
+  count_dsp(dsp_, list);
 }
 
 }  // namespace gicube::emu

@@ -4,9 +4,9 @@
 // part sends another may come a little late in its order; that, and what pass_processor.h leaves out, is the error.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <future>
 #include <memory>
 #include <optional>
@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "asic/partition.h"
+#include "dsp/dsp.h"
+#include "dsp/overflow_store.h"
 #include "gicube/wire/counter_list.h"
 #include "levels/level.h"
 #include "pass_processor.h"
@@ -29,9 +31,9 @@ class PassRaySource {
   // Rays [begin, begin + out.size()) with their positions in the volume, called once for each, in order. One without steps is made, but not sent.
   virtual void make(std::uint64_t begin, std::span<PassRay> out) = 0;
   // As RaySource.
-  virtual std::uint64_t row_end(std::uint64_t i) const = 0;
-  virtual std::uint32_t make_cycles() const = 0;
-  virtual std::uint32_t take_cycles() const = 0;
+  virtual std::uint64_t run_end(std::uint64_t i) const = 0;
+  virtual DspTask making(std::uint64_t i) const = 0;
+  virtual DspTask taking(std::uint64_t i) const = 0;
 };
 
 // The rays of a work, made in chunks.
@@ -70,10 +72,13 @@ class PassMachine {
   void count(std::vector<wire::Counter>& list) const;
 
  private:
-  struct Dsp {
+  // What the DSP is at, as RayEngine of the cycle level.
+  struct Engine {
     Cycle now = 0;
-    std::uint64_t made = 0, sent = 0, taken = 0, overflows = 0, busy = 0;
-    std::deque<std::uint32_t> kept;  // overflowed rays
+    DspCycle free = 0;
+    std::uint32_t batch = 0;
+    bool sends_again = false;
+    std::uint64_t made = 0, sent = 0, taken = 0, overflows = 0, under_way = 0;
   };
 
   // A ray on the bus.
@@ -91,9 +96,15 @@ class PassMachine {
     std::array<std::uint64_t, 2> ends{};  // how many it had been sent after the last but one and after the last of them
   };
 
-  void dsp_works(std::uint64_t cycles);
+  void dsp_works(const DspTask& task);
   void make_rays(PassRaySource& work);
-  void send(std::uint32_t handle, std::uint32_t run, bool first);
+  void send_again();
+  void send(std::uint32_t handle, std::uint32_t run, bool first, bool has_slot = false);
+  bool may_make() const { return engine_.made < count_ && engine_.under_way < config_.dsp().overflow_rays(); }
+  std::size_t list_of(std::uint8_t processor, std::uint32_t queue) const {
+    return processor * std::max<std::size_t>(1, partition_.max_blocks()) + queue;
+  }
+  void take_back(PassRaySource& work);
   PassProcessor* holds(const OnBus& next) const;
   void hand_on(const OnBus& next);
   void run_bus();
@@ -109,8 +120,11 @@ class PassMachine {
   std::vector<std::unique_ptr<PassMemory>> memories_;
   std::vector<std::unique_ptr<PassProcessor>> processors_;
   Dsp dsp_;
-  std::uint64_t count_ = 0;             // of the work in hand
-  std::optional<RayPrefetcher> maker_;  // of it
+  OverflowStore store_;
+  Engine engine_;
+  std::vector<std::uint64_t> index_of_;  // by handle: which ray of the work it is
+  std::uint64_t count_ = 0;              // of the work in hand
+  std::optional<RayPrefetcher> maker_;   // of it
   std::uint32_t runs_ = 0;
   std::vector<Listener> listeners_;   // by processor
   LongQueue<OnBus> bus_;              // behind what a processor can't take yet

@@ -42,6 +42,11 @@ Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
 
 void PassProcessor::release(std::uint32_t queue, Cycle out) {
   const Cycle when = out + kPipelineToPipeline;
+  if (overflowed_[queue] > 0) {
+    --overflowed_[queue];
+    keep_slot(queue, when);
+    return;
+  }
   released_.push({when, queue});
   if (waits_[0] || waits_[1] || waits_[2]) others_ = std::min(others_, when);
 }
@@ -50,7 +55,7 @@ void PassProcessor::release(std::uint32_t queue, Cycle out) {
 void PassProcessor::finish(std::uint32_t handle, Cycle out) {
   release(active_, out);
   hold(-1, out);
-  shared_.up->push(number_, {out + to_dsp_, handle, number_, false});
+  shared_.up->push(number_, {out + to_dsp_, handle, 0, Arrival::Kind::kRay, number_});
   ++in_tree_;
 }
 
@@ -72,7 +77,7 @@ void PassProcessor::change_block(QueuedRay ray, Point at, Cycle out) {
   put(ray, block);
   hold(-1, out);
   ++counters_.rays_sent;
-  out_.push({out + 1, home.processor, {0, ray.ray, home.number, false}});
+  out_.push({out + 1, home.processor, {0, ray.ray, home.number}});
   if (!out_blocked_) enter_links();
 }
 

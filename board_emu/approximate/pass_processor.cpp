@@ -31,6 +31,7 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       ideal_memory_(shared_.config->ideal().memory() != 0),
       queues_(std::max<std::size_t>(1, shared_.partition->blocks_of(number))),
       slots_(queues_.size()),
+      overflowed_(queues_.size()),
       importance_(static_cast<std::uint32_t>(queues_.size())),
       listed_(queues_.size()),
       returning_(queues_.size()),
@@ -67,7 +68,10 @@ void PassProcessor::taken_from_tree(Cycle now) {
 // Slots that were given up are only counted when one is needed.
 inline bool PassProcessor::has_slot(std::uint32_t queue, Cycle now) {
   if (slots_[queue] < capacity_) return true;
-  while (!released_.empty() && released_.front().first <= now) --slots_[released_.pop().second];
+  while (!released_.empty() && released_.front().first <= now) {
+    const std::uint32_t given_up = released_.pop().second;
+    if (given_up != kNone) --slots_[given_up];
+  }
   return slots_[queue] < capacity_;
 }
 
@@ -77,10 +81,28 @@ inline bool PassProcessor::take_slot(std::uint32_t handle, std::uint32_t queue, 
     ++slots_[queue];
     return true;
   }
+  overflow(handle, queue, ready);
+  return false;
+}
+
+// The first slot that the queue gives up is kept for it. It may be known already when that will be.
+void PassProcessor::overflow(std::uint32_t handle, std::uint32_t queue, Cycle ready) {
   ++counters_.overflows;
   ++in_tree_;
-  shared_.up->push(number_, {ready - kSorterToPipeline + to_dsp_, handle, number_, true});
-  return false;
+  shared_.up->push(number_, {ready - kSorterToPipeline + to_dsp_, handle, queue, Arrival::Kind::kOverflowed, number_});
+  for (std::size_t i = released_.begin(); i != released_.end(); ++i) {
+    if (released_[i].second != queue) continue;
+    released_[i].second = kNone;
+    keep_slot(queue, released_[i].first);
+    return;
+  }
+  ++overflowed_[queue];
+}
+
+// A slot that is given up so that it can be taken in cycle `when` stays taken, and the DSP is told.
+void PassProcessor::keep_slot(std::uint32_t queue, Cycle when) {
+  ++in_tree_;
+  shared_.up->push(number_, {when - kSorterToPipeline + to_dsp_, 0, queue, Arrival::Kind::kSlot, number_});
 }
 
 // Into its queue, when it is ready.
@@ -107,7 +129,8 @@ void PassProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
     waits_[next_input_] = comes(next_input_);
     if (!waits_[next_input_]) continue;
     LongQueue<Arrival>& from = from_[next_input_];
-    const bool slot = has_slot(from.front().queue, now), same = from.front().queue == written && slot;
+    const bool own = from.front().kind == Arrival::Kind::kToItsSlot;
+    const bool slot = own || has_slot(from.front().queue, now), same = from.front().queue == written && slot;
     if (taken[next_input_] == cycles) continue;
     if (room == 0 || (same && beside == 0)) {
       others_ = room == 0 ? now + 1 : next_gap(now);
@@ -124,7 +147,7 @@ void PassProcessor::take_others(Cycle now, Cycle cycles, Cycle returned, std::ui
     ++taken[next_input_];
     tried = kNone;  // all once more
     const Arrival ray = from.pop();
-    if (take_slot(ray.ray, ray.queue, ray.ready)) {
+    if (own || take_slot(ray.ray, ray.queue, ray.ready)) {
       write(queued_ray(ray.ray, ray.ready), ray.queue);
       hold(1, ray.ready);
     }

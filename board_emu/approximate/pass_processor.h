@@ -185,6 +185,8 @@ class PassProcessor {
   void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
   bool take_slot(std::uint32_t handle, std::uint32_t queue, Cycle ready);
+  void overflow(std::uint32_t handle, std::uint32_t queue, Cycle ready);
+  void keep_slot(std::uint32_t queue, Cycle when);
   void write(const QueuedRay& ray, std::uint32_t queue);
   void take_in(Cycle now);
   bool choose(Cycle now);
@@ -250,9 +252,10 @@ class PassProcessor {
 
   std::vector<LongQueue<QueuedRay>> queues_;
   std::vector<std::uint32_t> slots_;
-  ExactMaximum importance_;            // by the importance that the sorter knows of
-  LongQueue<std::uint32_t> modified_;  // queues whose new importance waits to be taken in, one a cycle
-  std::vector<std::uint8_t> listed_;   // there
+  std::vector<std::uint32_t> overflowed_;  // rays of each queue that no slot is kept for yet
+  ExactMaximum importance_;                // by the importance that the sorter knows of
+  LongQueue<std::uint32_t> modified_;      // queues whose new importance waits to be taken in, one a cycle
+  std::vector<std::uint8_t> listed_;       // there
   std::uint32_t active_ = kNone;
   bool resting_ = false;                  // it was empty since it became active: any other may take its place
   std::uint32_t block_ = 0;               // its

@@ -58,12 +58,17 @@ class LongQueue {
   std::size_t head_ = 0, tail_ = 0;
 };
 
-// A ray on its way to a queue, or to the DSP.
+// A ray on its way to a queue, or to the DSP; or a queue's word to the DSP that it keeps a slot for its first overflowed ray.
 struct Arrival {
+  enum class Kind : std::uint8_t { kRay, kToItsSlot, kOverflowed, kSlot };
+
   Cycle ready = 0;
-  std::uint32_t ray = 0;    // handle
-  std::uint32_t queue = 0;  // to the DSP: the processor that it comes from
-  bool overflowed = false;
+  std::uint32_t ray = 0;  // handle
+  std::uint32_t queue = 0;
+  Kind kind = Kind::kRay;
+  std::uint8_t processor = 0;  // to the DSP: that it comes from
+
+  bool overflow() const { return kind >= Kind::kOverflowed; }  // on that leaf of the merge tree
 };
 
 }  // namespace gicube::emu

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "asic/latencies.h"
 #include "pass_queue.h"
 
 namespace gicube::emu {
@@ -19,13 +20,24 @@ class PassTree {
       : leaves_(std::bit_ceil(2 * processors)), nodes_(2 * leaves_.size(), {kNoCycle, 0}) {}
 
   void push(std::uint8_t processor, const Arrival& ray) {
-    const std::size_t leaf = 2u * processor + (ray.overflowed ? 1u : 0u);
+    const std::size_t leaf = 2u * processor + (ray.overflow() ? 1u : 0u);
     leaves_[leaf].push(ray);
     if (leaves_[leaf].size() == 1) first_changed(leaf);
   }
 
   // The cycle in which the first ray comes out; kNoCycle if there is none.
   Cycle ready() const { return nodes_[1].ready; }
+
+  // As many are ready in cycle `now` as the FIFO behind the root holds.
+  bool is_full(Cycle now) const {
+    std::size_t ready = 0;
+    for (const auto& leaf : leaves_) {
+      for (std::size_t i = 0;
+           i < std::min<std::size_t>(leaf.size(), kFifoPlaces) && leaf[leaf.begin() + i].ready <= now; ++i)
+        ++ready;
+    }
+    return ready >= kFifoPlaces;
+  }
 
   // One of those that are ready in cycle `now`: each node takes from both sides alternately.
   Arrival pop(Cycle now) {

@@ -2,6 +2,7 @@
 // the time of each ray's passes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -19,9 +20,11 @@ class TracedPasses : public PassRaySource {
       : source_(source), which_(which), frame_(frame), tracer_(tracer), threads_(threads) {}
 
   std::uint64_t count() const override { return which_.end - which_.begin; }
-  std::uint64_t row_end(std::uint64_t i) const override { return source_.row_end(which_.begin + i) - which_.begin; }
-  std::uint32_t make_cycles() const override { return source_.make_cycles(); }
-  std::uint32_t take_cycles() const override { return source_.take_cycles(); }
+  std::uint64_t run_end(std::uint64_t i) const override {
+    return std::min(source_.run_end(which_.begin + i), which_.end) - which_.begin;
+  }
+  DspTask making(std::uint64_t i) const override { return source_.making(which_.begin + i); }
+  DspTask taking(std::uint64_t i) const override { return source_.taking(which_.begin + i); }
 
   void make(std::uint64_t begin, std::span<PassRay> out) override;
 

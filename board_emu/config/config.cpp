@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "asic/memory_standards.h"
+#include "words/sdram_map.h"
 
 namespace gicube::emu {
 namespace {
@@ -65,10 +66,28 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
   if (!std::has_single_bit(bits) || bits > 256) {
     report("link.bits", "a power of two from 1 to 256 bits", std::to_string(bits));
   }
+  if (config.cache().irradiance() == v1::in_cells) {
+    if (config.asic().datapath() == v1::wide)
+      report("cache.irradiance", "with_voxels with asic.datapath=wide", "in_cells");
+    if (config.cache().miss_packets() < 16) {  // of a sample's voxels and their irradiance
+      report("cache.miss_packets", "at least 16 with cache.irradiance=in_cells",
+             std::to_string(config.cache().miss_packets()));
+    }
+  }
   // chosen: more often, and the channel does little else.
-  const std::uint32_t rdram = config.rdram().refresh_interval(), ddr = config.ddr().refresh_interval();
+  const std::uint32_t rdram = config.rdram().refresh_interval(), ddr = config.ddr().refresh_interval(),
+                      sdram = config.sdram().refresh_interval();
   if (rdram > 0 && rdram < 64) report("rdram.refresh_interval", "0 or at least 64 tCYCLE", std::to_string(rdram));
   if (ddr > 0 && ddr < 32) report("ddr.refresh_interval", "0 or at least 32 clocks", std::to_string(ddr));
+  if (sdram > 0 && sdram < 32) report("sdram.refresh_interval", "0 or at least 32 clocks", std::to_string(sdram));
+  using sdram_map::kRankBytes;
+  const std::uint64_t needed = sdram_map::kFramebuffer + config.dsp().framebuffer_mb() * std::uint64_t{1'000'000};
+  if (config.sdram().ranks() * kRankBytes < needed) {
+    report("sdram.ranks",
+           fmt::format("at least {}, for dsp.framebuffer_mb = {}", (needed + kRankBytes - 1) / kRankBytes,
+                       config.dsp().framebuffer_mb()),
+           std::to_string(config.sdram().ranks()));
+  }
   const std::uint32_t block = config.asic().block_voxels(), volume = config.asic().max_volume_voxels();
   if (fault_of(config.asic(), *v1::AsicConfig::descriptor()->FindFieldByName("max_volume_voxels"))) return;
   if (!std::has_single_bit(volume)) {
@@ -83,8 +102,9 @@ void check_memory(const v1::BoardConfig& config, const FieldLines& lines, std::v
   const dram::Standard memory = memory_standard(config);
   const std::uint32_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
   const std::uint32_t processors = config.asic().processors();
-  const std::uint32_t blocks =
-      (edge * edge * edge + processors - 1) / processors * std::min(memory.sharing, processors);
+  const std::uint32_t blocks = (edge * edge * edge + processors - 1) / processors *
+                               std::min(memory.sharing, processors) *
+                               (config.cache().irradiance() == v1::in_cells ? 2 : 1);
   const std::uint32_t devices = make_memory(config, blocks)->devices();
   if (devices <= memory.max_devices) return;
   found.push_back(

@@ -32,7 +32,8 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
     for (unsigned i = first; i < std::min(first + sharing, count); ++i) {
       clients.push_back({&processors_[i]->misses(), &processors_[i]->writes()});
     }
-    memories_.push_back(std::make_unique<MemoryPort>(config, clients, partition_.max_blocks()));
+    memories_.push_back(std::make_unique<MemoryPort>(
+        config, clients, partition_.max_blocks() * (config.cache().irradiance() == v1::in_cells ? 2 : 1)));
   }
   std::vector<Fifo<RayToken>*> from_bus, leaves;
   std::vector<Ring::Port> ring;
@@ -45,7 +46,7 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
   ray_bus_ = std::make_unique<RayBus>(down_, runs_, run_pool_, from_bus);
   links_ = std::make_unique<Ring>(config.link().bits(), config.link().rays(), ring);
   tree_ = std::make_unique<MergeTree>(leaves, up_);
-  dsp_ = std::make_unique<RayEngine>(config, rays_, RayEnginePorts{down_, runs_, run_pool_, up_});
+  dsp_ = std::make_unique<RayEngine>(config, partition_, rays_, RayEnginePorts{down_, runs_, run_pool_, up_});
 }
 
 void Machine::invalidate_caches() {
@@ -98,7 +99,7 @@ bool Machine::tick() {
 // Why a processor without rays gets none.
 Cause Machine::upstream() const {
   if (!down_.empty() || !runs_.empty() || !ray_bus_->idle()) return Cause::kRayBus;
-  if (dsp_->has_rays_to_send()) return Cause::kDsp;
+  if (dsp_->has_rays_to_send()) return dsp_->waits(now_) ? Cause::kSdram : Cause::kDsp;
   const bool others =
       std::any_of(processors_.begin(), processors_.end(), [](const auto& p) { return p->holds_rays(); });
   return others ? Cause::kQueueEmpty : Cause::kDsp;
@@ -107,10 +108,6 @@ Cause Machine::upstream() const {
 bool Machine::asic_idle() const {
   return down_.empty() && runs_.empty() && up_.empty() && ray_bus_->idle() && links_->idle() && tree_->idle() &&
          std::all_of(processors_.begin(), processors_.end(), [](const auto& p) { return p->idle(); });
-}
-
-bool Machine::writes_wait() const {
-  return std::any_of(processors_.begin(), processors_.end(), [](const auto& p) { return !p->writes().empty(); });
 }
 
 void Machine::book_millisecond() {
@@ -151,13 +148,13 @@ void Machine::stalled() const {
 
 RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
   for (const auto& processor : processors_) processor->begin(frame);
-  dsp_->begin(now_, work, frame, partition_, which);
+  dsp_->begin(now_, work, frame, which);
   const Cycle begin = now_;
-  const std::uint64_t dsp_before = dsp_->counters().busy_cycles;
+  const std::uint64_t dsp_before = dsp_->dsp().counters().busy();
   const auto result = [&](bool cancelled) {
     RunResult ran;
     ran.cycles = now_ - begin;
-    ran.dsp_cycles = dsp_->counters().busy_cycles - dsp_before;
+    ran.dsp_cycles = dsp_->dsp().counters().busy() - dsp_before;
     ran.made = dsp_->rays_made();
     ran.rays = dsp_->made();
     ran.cancelled = cancelled;
@@ -166,7 +163,7 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, 
   progress.all = static_cast<std::uint32_t>(which.end - which.begin);
   constexpr Cycle kProgressCycles = 4096;  // chosen: some thousand times a second
   Cycle moved_at = now_, report_at = now_ + kProgressCycles;
-  while (!dsp_->done(now_) || writes_wait()) {
+  while (!dsp_->done(now_) || !asic_idle()) {
     if (now_ >= report_at) {
       report_at = now_ + kProgressCycles;
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
@@ -178,6 +175,9 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, 
       skip_to(dsp_->free_at());
       moved_at = now_;
       continue;
+    }
+    if (dsp_->done(now_)) {
+      for (const auto& processor : processors_) processor->write_rest();
     }
     if (tick()) moved_at = now_;
     if (observer_ != nullptr) observer_->see(now_, *this);

@@ -76,10 +76,9 @@ class Machine {
   bool tick();
   bool tick_part(std::size_t part);
   void skip_to(Cycle cycle);
+  // No ray is on it, and no changed irradiance waits for the memory.
   bool asic_idle() const;
   Cause upstream() const;
-  // Changed irradiance has not reached the memory yet.
-  bool writes_wait() const;
   void book_millisecond();
   [[noreturn]] void stalled() const;
 

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "dsp/count_dsp.h"
 #include "levels/counters.h"
 
 namespace gicube::emu {
@@ -104,7 +105,7 @@ void count(const Machine& machine, std::vector<wire::Counter>& list) {
   list.push_back({"dsp.rays_sent", "ray", dsp.sent});
   list.push_back({"dsp.rays_taken", "ray", dsp.taken});
   list.push_back({"dsp.overflows", "ray", dsp.overflows});
-  list.push_back({"dsp.busy_cycles", "DSP cycle", dsp.busy_cycles});
+  count_dsp(machine.dsp().dsp(), list);
   const std::vector<Machine::Millisecond>& milliseconds = machine.milliseconds();
   for (std::size_t ms = 0; ms < milliseconds.size(); ++ms) {
     list.push_back({"asic.block_loads.ms" + std::to_string(ms), "activation", milliseconds[ms].activations});

@@ -10,11 +10,12 @@ namespace gicube::emu {
 
 namespace {
 
-constexpr std::size_t kMaxPackets = 8;  // of one neighbourhood
+constexpr std::size_t kMaxPackets = 8, kMaxCells = 8;  // of one neighbourhood, and of its irradiance
 
 SorterSetup sorter_setup(const ProcessorConfig& config) {
   const v1::BoardConfig& board = config.board;
   SorterSetup setup;
+  setup.processor = config.number;
   setup.single = board.sorter().queues() == v1::single;
   setup.bus_waits = setup.single;  // else most rays of a frame would come back to the DSP as overflows
   setup.queues = static_cast<std::uint32_t>(std::max<std::size_t>(1, config.partition->blocks_of(config.number)));
@@ -42,10 +43,16 @@ Processor::Processor(const ProcessorConfig& config)
       single_queue_(config.board.sorter().queues() == v1::single),
       ideal_memory_(config.board.ideal().memory() != 0),
       splat_rule_(config.board.cache().splat_rule()),
+      write_policy_(config.board.cache().write_policy()),
       sorter_(sorter_setup(config), {returned_, from_bus, from_left, from_right, released_}, {issue_, overflow}),
       stages_(config.board.pipeline().prefetch_stages(), config.board.pipeline().compute_stages()),
       cache_({static_cast<int>(config.board.asic().block_voxels()), config.board.cache().ways(), single_queue_,
-              config.blocks}),
+              config.blocks, write_policy_ == v1::write_back}),
+      cells_(config.board.cache().irradiance() == v1::in_cells
+                 ? std::optional<VolumeCache>(CacheShape{static_cast<int>(config.board.asic().block_voxels()),
+                                                         config.board.cache().ways(), false, config.blocks,
+                                                         write_policy_ == v1::write_back, 2})
+                 : std::nullopt),
       misses_(config.board.cache().miss_packets()),
       writes_(config.board.cache().write_packets()),
       splats_(std::size_t{config.board.pipeline().prefetch_stages()} + config.board.pipeline().compute_stages() + 1),
@@ -104,6 +111,13 @@ Cause Processor::enter_compute(Cycle now) {
   return cause;
 }
 
+// Asks the memory for what is missing of a block of that number; returns the packets.
+inline std::uint8_t Processor::ask(Cycle now, const Misses& misses, std::uint32_t number) {
+  if (ideal_memory_) return 0;
+  for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
+  return static_cast<std::uint8_t>(misses.count);
+}
+
 // One pass of a ray: its addresses are known, so the tags are checked, missing tiles asked for, and (the values are the
 // same whenever they are worked out) the sample taken and the ray's next queue found.
 void Processor::check_tags(Cycle now, const RayToken& issued) {
@@ -129,10 +143,12 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     const Cell at = carries ? carrier_cell(ray) : cell(ray_state.position, low);
     const SampleSite site{at, view, ray.block, edge_};
     const Misses& misses = cache_.check(ray.block, at.voxel);
-    if (misses.count > 0 && !ideal_memory_) {
-      entry.packets = static_cast<std::uint8_t>(misses.count);
-      const std::uint32_t number = partition_.home(ray.block).number;
-      for (std::uint32_t i = 0; i < misses.count; ++i) misses_.ask(now, number, misses.tiles[i]);
+    for (const TileOfBlock& changed : cache_.victims()) write_back(changed, false);
+    if (misses.count > 0) entry.packets = ask(now, misses, partition_.home(ray.block).number);
+    if (scatters_or_deposits_ && frame_->lit_by_irradiance && packs_irradiance()) {
+      const Misses& words = cells_->check(ray.block, at.voxel);
+      for (const TileOfBlock& changed : cells_->victims()) write_back(changed, true);
+      entry.packets += ask(now, words, irradiance_of(partition_.home(ray.block).number));
     }
     if (carries) {
       splat(ray.block, deposit_of(ray_state, *frame_), entry);
@@ -184,7 +200,8 @@ bool Processor::tick_pipeline(Cycle now) {
     ++compute_clock_;
   }
   if (issue_.can_pop(now)) {
-    if (stages_.can_enter() & (misses_.room() >= kMaxPackets)) {
+    if (stages_.can_enter() & (misses_.room() >= (cells_ ? kMaxPackets + kMaxCells : kMaxPackets)) &
+        has_room_for_victims()) {
       check_tags(now, issue_.front());
       issue_.pop(now);
       fed_ = moved = true;
@@ -209,7 +226,8 @@ void Processor::account_idle(Cycle now, Cycle cycles, Cause upstream) {
 bool Processor::idle() const {
   return sorter_.idle() && issue_.empty() && stages_.empty() && returned_.empty() && released_.empty() &&
          from_bus.empty() && from_left.empty() && from_right.empty() && out_links.empty() && done.empty() &&
-         overflow.empty() && !splats_.has_carrier() && writes_.empty();
+         overflow.empty() && !splats_.has_carrier() && writes_.empty() && !cache_.has_changes() &&
+         !(cells_ && cells_->has_changes());
 }
 
 void Processor::describe(std::ostream& out) const {

@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <iosfwd>
+#include <optional>
 #include <vector>
 
 #include "asic/cache/miss_queue.h"
@@ -46,7 +47,10 @@ class Processor {
 
   // All rays until the next call are of this frame. The processor must be idle.
   void begin(const Frame& frame);
-  void invalidate_cache() { cache_.invalidate(); }
+  void invalidate_cache() {
+    cache_.invalidate();
+    if (cells_) cells_->invalidate();
+  }
 
   bool tick_sorter(Cycle now) {
     const bool moved = sorter_.tick(now);
@@ -62,6 +66,8 @@ class Processor {
   bool idle() const;
   // Some ray is in its queues or its pipeline.
   bool holds_rays() const;
+  // No ray is to come: writes what has changed in its cache back, a tile a call.
+  void write_rest();
   void describe(std::ostream& out) const;
 
   // Ends of the FIFOs, for the ray bus, the ring and the merge tree.
@@ -101,6 +107,16 @@ class Processor {
   bool send_carrier(Cycle now);
   bool splat_waits(Cycle now) const;
   void begin_splat(Cycle now);
+  void write_back(const TileOfBlock& changed, bool irradiance);
+  void write(std::uint32_t block, std::uint32_t tile, bool irradiance);
+  std::uint8_t ask(Cycle now, const Misses& misses, std::uint32_t number);
+  // Irradiance words have packets of their own, and this frame's rays leave or read them.
+  bool packs_irradiance() const { return cells_.has_value() && frame_->sums == nullptr; }
+  bool has_room_for_victims() const { return write_policy_ != v1::write_back || writes_.room() >= 16; }
+  // In memory the irradiance of all blocks lies behind their voxels.
+  std::uint32_t irradiance_of(std::uint32_t number) const {
+    return number + static_cast<std::uint32_t>(partition_.max_blocks());
+  }
   // Always inlined: GCC takes a function that only prefetches for one without effect and drops its calls.
   [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
   Cause bubble(Cause upstream) const;
@@ -111,6 +127,7 @@ class Processor {
   const bool single_queue_;
   const bool ideal_memory_;
   const v1::SplatRule splat_rule_;
+  const v1::WritePolicy write_policy_;
   const Frame* frame_ = nullptr;
   BlockGrid grid_;
   std::size_t edge_ = 0;
@@ -122,6 +139,7 @@ class Processor {
   Stages stages_;
   Cycle compute_clock_ = 0;
   VolumeCache cache_;
+  std::optional<VolumeCache> cells_;  // of irradiance, if it is in packets of its own
   MissQueue misses_;
   WriteQueue writes_;
   SplatUnit splats_;

@@ -73,7 +73,8 @@ Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& e
       held = held && local[axis] >= 0 && local[axis] <= last;
     }
     if (!held) continue;
-    const auto tile = static_cast<std::uint32_t>((local[2] * tiles_x + local[1] / 2) * tiles_x + local[0] / 2);
+    const std::int32_t slice = packs_irradiance() ? local[2] / 2 : local[2];
+    const auto tile = static_cast<std::uint32_t>((slice * tiles_x + local[1] / 2) * tiles_x + local[0] / 2);
     bool known = false;
     for (std::size_t t = 0; t < work.tiles; ++t) known = known || work.tile[t] == tile;
     if (!known) work.tile[work.tiles++] = tile;
@@ -112,6 +113,21 @@ Cell Processor::carrier_cell(const RayUnderWay& ray) const {
   return out;
 }
 
+void Processor::write_back(const TileOfBlock& changed, bool irradiance) {
+  const std::uint32_t number = partition_.home(changed.block).number;
+  writes_.write_back(irradiance ? irradiance_of(number) : number, changed.tile);
+}
+
+// One a cycle.
+void Processor::write_rest() {
+  if (writes_.room() == 0) return;
+  if (cache_.has_changes()) {
+    write_back(cache_.clean(), false);
+  } else if (cells_ && cells_->has_changes()) {
+    write_back(cells_->clean(), true);
+  }
+}
+
 bool Processor::tick_light(Cycle now) {
   writes_.settle(now);
   writes_.ask(now, stages_.empty());
@@ -136,11 +152,28 @@ bool Processor::splat_waits(Cycle now) const {
 
 void Processor::begin_splat(Cycle now) {
   const Splat& work = splats_.oldest();
-  const std::uint32_t number = partition_.home(work.block).number;
-  for (std::size_t i = 0; i < work.tiles; ++i) {
-    writes_.put(number, work.tile[i], ideal_memory_ || cache_.holds(work.block, work.tile[i]));
-  }
+  for (std::size_t i = 0; i < work.tiles; ++i) write(work.block, work.tile[i], packs_irradiance());
   splats_.begin(now);
+}
+
+// A tile has changed. Irradiance in packets of its own comes into the cache here, and not when its voxels are read.
+void Processor::write(std::uint32_t block, std::uint32_t tile, bool irradiance) {
+  VolumeCache& cache = irradiance ? *cells_ : cache_;
+  const bool known = irradiance ? cache.touch(block, tile) : cache.holds(block, tile);
+  const std::uint32_t number = partition_.home(block).number, at = irradiance ? irradiance_of(number) : number;
+  if (write_policy_ != v1::write_back) {
+    writes_.put(at, tile, ideal_memory_ || known, write_policy_ != v1::write_through);
+    return;
+  }
+  if (irradiance) {
+    for (const TileOfBlock& changed : cache.victims()) write_back(changed, true);
+  }
+  if (known || irradiance) {
+    if (!known && !ideal_memory_) writes_.fetch(at, tile);
+    writes_.change(cache.change(block, tile));
+  } else {
+    writes_.put(at, tile, ideal_memory_);
+  }
 }
 
 }  // namespace gicube::emu

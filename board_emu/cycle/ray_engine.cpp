@@ -7,37 +7,35 @@
 
 namespace gicube::emu {
 
-RayEngine::RayEngine(const v1::BoardConfig& config, RayStore& rays, const RayEnginePorts& ports)
+RayEngine::RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays,
+                     const RayEnginePorts& ports)
     : rays_(rays),
       ports_(ports),
       core_khz_(config.asic().core_khz()),
       dsp_khz_(config.dsp().clock_khz()),
-      overflow_cycles_(config.dsp().overflow_ray_cycles()),
-      run_rays_(config.dsp().run_rays()),
-      run_cycles_(config.dsp().run_cycles()),
-      single_queue_(config.sorter().queues() == v1::single) {}
+      single_queue_(config.sorter().queues() == v1::single),
+      partition_(partition),
+      lists_(std::max<std::size_t>(1, partition.max_blocks())),
+      dsp_(config),
+      places_(config.dsp().overflow_rays()),
+      store_(config.asic().processors() * lists_) {}
 
-void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, const Partition& partition, RayRange which) {
+void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange which) {
   work_ = &work;
   frame_ = &frame;
-  partition_ = &partition;
   begin_ = made_ = which.begin;
   end_ = which.end;
-  finished_ = rays_made_ = 0;
+  finished_ = rays_made_ = under_way_ = 0;
   making_ = {};
-  free_at_ = std::max(free_at_, now * dsp_khz_);
+  batch_ = 0;
+  free_at_ = std::max(free_at_, dsp_cycle(now));
 }
 
-Cycle RayEngine::free_at() const { return (free_at_ + dsp_khz_ - 1) / dsp_khz_; }
-
-void RayEngine::work_for(Cycle now, std::uint64_t dsp_cycles) {
-  free_at_ = std::max(free_at_, now * dsp_khz_) + dsp_cycles * core_khz_;
-  counters_.busy_cycles += dsp_cycles;
-}
+Cycle RayEngine::free_at() const { return (free_at_ * core_khz_ + dsp_khz_ - 1) / dsp_khz_; }
 
 RayToken RayEngine::launch(std::uint32_t handle) {
   RayUnderWay& ray = rays_[handle];
-  const Home& home = partition_->home(ray.block);
+  const Home& home = partition_.home(ray.block);
   RayToken token;
   token.ray = handle;
   token.processor = home.processor;
@@ -48,11 +46,14 @@ RayToken RayEngine::launch(std::uint32_t handle) {
 
 void RayEngine::take_back(Cycle now) {
   RayToken token = ports_.up.pop(now);
+  if (token.state == TokenStatus::kSlot) {
+    store_.make_ready(list_of(token.processor, token.queue));
+    return;
+  }
   if (token.state == TokenStatus::kOverflowed) {
     ++counters_.overflows;
-    work_for(now, overflow_cycles_ / 2);
-    token.state = TokenStatus::kUnderWay;
-    kept_.push_back(token);
+    carry_out(now, single_queue_ ? store_.keep_ready(token.ray)
+                                 : store_.keep(list_of(token.processor, token.queue), token.ray));
     return;
   }
   if (token.state == TokenStatus::kTrapped) {
@@ -60,24 +61,30 @@ void RayEngine::take_back(Cycle now) {
     if (scattered == Scattered::kSentAgain) return;
     if (scattered == Scattered::kToHost) {
       rays_.remove(token.ray);
+      --under_way_;
       ++finished_;
       return;
     }
   }
   work_->take(index_of_[token.ray], pack(rays_[token.ray].ray_state, *frame_));
   rays_.remove(token.ray);
+  --under_way_;
   ++counters_.taken;
   ++finished_;
-  work_for(now, work_->take_cycles());
+  carry_out(now, work_->taking(index_of_[token.ray]));
 }
 
-RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
+RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   RayUnderWay& ray = rays_[token.ray];
-  work_for(now, overflow_cycles_ / 2);
   const std::optional<Trap> trap = trap_of(ray.ray_state, *frame_);
-  if (!trap) return Scattered::kToHost;
+  DspTask task{.loop = &kTakeTrap};
+  if (!trap) {
+    carry_out(now, task);
+    return Scattered::kToHost;
+  }
   const ScatterAnswer answer = frame_->routines->scatter(trap->routine, trap->event);
-  work_for(now, answer.cycles);
+  task.more_cycles = answer.cycles;
+  carry_out(now, task);
   const Interaction interaction = answer_trap(ray.ray_state, answer, *frame_, counts_);
   if (interaction.outcome == Outcome::kEnded) {
     count_end(ray.ray_state, Termination::kAbsorbed, *frame_, counts_);
@@ -87,9 +94,8 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, RayToken token) {
     count_end(ray.ray_state, how, *frame_, counts_);
     return Scattered::kEnds;
   }
-  token.state = TokenStatus::kUnderWay;
   ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.ray_state.position));
-  kept_.push_back(token);
+  carry_out(now, store_.keep_ready(token.ray));
   return Scattered::kSentAgain;
 }
 
@@ -114,30 +120,51 @@ std::optional<RayToken> RayEngine::make() {
   const std::uint32_t handle = rays_.add(ray);
   if (index_of_.size() <= handle) index_of_.resize(handle + 1);
   index_of_[handle] = index;
+  ++under_way_;
   return launch(handle);
 }
 
 void RayEngine::make_ray(Cycle now) {
   std::optional<RayToken> ray;
+  std::uint64_t which = made_;
   do {
+    which = made_;
     ray = make();
   } while (!ray && work_->misses_are_free() && made_ < end_);
   if (!ray && work_->misses_are_free()) return;
-  work_for(now, work_->make_cycles());
+  carry_out(now, work_->making(which));
   if (ray) {
     ray_ = *ray;
     outgoing_ = Outgoing::kRay;
   }
 }
 
-void RayEngine::make_run(Cycle now) {
-  work_for(now, run_cycles_);
+void RayEngine::make_run(Cycle now, std::uint64_t last) {
+  carry_out(now, work_->making(made_));
   run_.clear();
-  const std::uint64_t last = std::min(work_->row_end(made_), made_ + run_rays_);
+  last = std::min(last, made_ + places_ - under_way_);
   while (made_ < last) {
     if (const auto ray = make()) run_.push_back(*ray);
   }
   if (!run_.empty()) outgoing_ = Outgoing::kRun;
+}
+
+void RayEngine::make_rays(Cycle now) {
+  const std::uint64_t last = std::min(end_, work_->run_end(made_));
+  if (last > made_ + 1) {
+    make_run(now, last);
+  } else {
+    make_ray(now);
+  }
+}
+
+// An overflowed ray to its queue.
+void RayEngine::send_again(Cycle now) {
+  const OverflowStore::Sent again = store_.send();
+  carry_out(now, again.task);
+  ray_ = launch(again.ray);
+  ray_.keeps_slot = again.has_slot;
+  outgoing_ = Outgoing::kRay;
 }
 
 // Puts what the DSP has made on the ray bus; false if the bus has no room.
@@ -159,32 +186,28 @@ bool RayEngine::tick(Cycle now) {
   if (busy(now)) return true;
   bool moved = false;
   if (outgoing_ != Outgoing::kNothing) moved = send(now);
+  const bool free = outgoing_ == Outgoing::kNothing;
+  if (free && batch_ > 0 && !ports_.up.was_full(now) && (sends_again_ ? store_.has_ready() : may_make())) {
+    --batch_;
+    sends_again_ ? send_again(now) : make_rays(now);
+    return true;
+  }
+  batch_ = 0;
   if (ports_.up.can_pop(now)) {
     take_back(now);
     return true;
   }
-  if (outgoing_ != Outgoing::kNothing) return moved;
-  if (made_ < end_) {
-    if (run_rays_ > 1 && work_->row_end(made_) > made_ + 1) {
-      make_run(now);
-    } else {
-      make_ray(now);
-    }
-    return true;
-  }
-  if (!kept_.empty()) {
-    work_for(now, overflow_cycles_ - overflow_cycles_ / 2);
-    ray_ = launch(kept_.front().ray);
-    kept_.pop_front();
-    outgoing_ = Outgoing::kRay;
-    return true;
-  }
-  return moved;
+  if (!free) return moved;
+  sends_again_ = store_.has_ready();
+  if (!sends_again_ && !may_make()) return moved;
+  batch_ = kBatch - 1;
+  sends_again_ ? send_again(now) : make_rays(now);
+  return true;
 }
 
 void RayEngine::describe(std::ostream& out) const {
   out << "DSP: " << made_ - begin_ << " of " << end_ - begin_ << " rays made, " << finished_ << " finished, "
-      << kept_.size() << " overflowed rays kept, " << rays_.under_way() << " rays under way, "
+      << store_.size() << " overflowed rays kept, " << rays_.under_way() << " rays under way, "
       << (outgoing_ == Outgoing::kNothing ? "nothing" : "something") << " waits to be sent\n";
 }
 

@@ -54,6 +54,30 @@ void Framebuffer::add(const wire::Ray& ray) {
   }
 }
 
+DspTask Framebuffer::task(int u, int v, bool alone) const {
+  if (alone && filter_ == wire::Filter::kBox) {
+    constexpr std::uint64_t kFinishedBytes = 8;
+    return DspTask{.loop = &kStorePixel}.with(
+        {sdram_map::kFramebuffer + index(u / kSubPixels, v / kSubPixels) * kFinishedBytes, kFinishedBytes,
+         SdramUse::Kind::kWrite});
+  }
+  DspTask task{.loop = &kAddToPixel};
+  const auto change = [&](int x, int y) {
+    if (x < 0 || x >= width_ || y < 0 || y >= height_) return;
+    task.with({sdram_map::kFramebuffer + index(x, y) * kBytesPerPixel, kBytesPerPixel, SdramUse::Kind::kChange});
+  };
+  if (filter_ == wire::Filter::kBox) {
+    change(u / kSubPixels, v / kSubPixels);
+    return task;
+  }
+  const int left = (u + kSubPixels / 2) / kSubPixels - 1, top = (v + kSubPixels / 2) / kSubPixels - 1;
+  for (const int y : {top, top + 1}) {
+    for (const int x : {left, left + 1}) change(x, y);
+  }
+  if (task.use_count > 1) task.more_cycles = (task.use_count - 1u) * kAddToPixel.interval();
+  return task;
+}
+
 void Framebuffer::add_alone(const wire::Ray& ray) {
   const int x = ray.u / kSubPixels, y = ray.v / kSubPixels;
   if (filter_ != wire::Filter::kBox || x >= width_ || y >= height_) return add(ray);

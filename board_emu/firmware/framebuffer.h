@@ -9,8 +9,15 @@
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/voxel.h"
+#include "levels/dsp_task.h"
 
 namespace gicube::emu {
+
+// A ray into the sums of one pixel: 4 words of the ray are read, the pixel's 6 are read and written. Its address takes a product;
+// 8 operations check and form it, 6 take the fields apart, 6 add.
+inline constexpr DspLoop kAddToPixel{"pixel", 2, 8 + 6 + 6, 4 + 6 + 6};
+// A ray that is its pixel's only one: the pixel's 36 bits are put together, and written in a word of 8 bytes. Nothing is read or added.
+inline constexpr DspLoop kStorePixel{"finished pixel", 2, 8 + 6, 4 + 2};
 
 class Framebuffer {
  public:
@@ -29,6 +36,9 @@ class Framebuffer {
   void add(const wire::Ray& ray);
   // The same, from a thread that alone adds to the pixel of (u, v). Atomic sums would cost as much as making the ray.
   void add_alone(const wire::Ray& ray);
+
+  // What adding a ray at (u, v) costs. `alone`: no other ray has a part in its pixel, if the filter is a box.
+  DspTask task(int u, int v, bool alone) const;
 
   wire::Pixel pixel(int x, int y) const { return resolve(sums_[index(x, y)]); }
   // All pixels in rows from the top, packed 36 bits each: the host's view of the framebuffer. Made on `threads` threads.

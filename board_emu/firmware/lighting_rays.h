@@ -21,9 +21,17 @@
 #include "firmware/face_cells.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
+#include "levels/dsp_task.h"
 #include "words/words.h"
 
 namespace gicube::emu {
+
+// In words of 32 bits. Two numbers of a scrambled sequence (each 4 products of 32 by 32 bits, 3 multiplications, and 20 operations); a point
+// of the cell (2 products of 2); the flight to it, its length and unit (3 squares of 3, root as a viewing ray's, 3 products of
+// 2); the cell's solid angle (8 products of 3, an arc tangent by table: 4 operations, 6 accesses); the energy's rounding (a hash of 4
+// products, 16 operations). 12 operations put the packet together, 8 accesses send it.
+inline constexpr DspLoop kMakeLightingRay{"lighting ray", 2 * 4 * 3 + 2 * 2 + 3 * 3 + 5 + 3 * 2 + 8 * 3 + 4 * 3,
+                                          2 * 20 + 4 + 3 + 2 + 7 + 6 + 8 * 2 + 4 + 16 + 12, 2 + 1 + 6 + 8};
 
 class LightingRays {
  public:

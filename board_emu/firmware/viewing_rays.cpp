@@ -22,6 +22,24 @@ void cut(Interval& interval, double value, double slope) {
   }
 }
 
+// use(value, slope) of each half space that is kept: along the line it is where value + t * slope >= 0.
+template <typename Use>
+void each_half_space(const Line& line, const Point& extent, std::span<const Plane> planes, const Use& use) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    use(line.origin[axis], line.direction[axis]);
+    use(extent[axis] / kUnitsPerVoxel - line.origin[axis], -line.direction[axis]);
+  }
+  for (const Plane& plane : planes) {
+    double value = -static_cast<double>(plane.offset) / kPlaneUnits, slope = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double normal = plane.normal[axis] / kUnitsPerVoxel;
+      value += normal * line.origin[axis];
+      slope += normal * line.direction[axis];
+    }
+    use(value, slope);
+  }
+}
+
 // std::round() of what a long holds, without a call or a branch.
 std::int64_t rounded(double value) {
   const auto whole = static_cast<std::int64_t>(value);
@@ -45,21 +63,28 @@ Line viewing_line(const wire::RenderCommand& command, double x, double y) {
 
 std::optional<Interval> clip(const Line& line, const Point& extent, std::span<const Plane> planes) {
   Interval interval{0, std::numeric_limits<double>::infinity()};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    cut(interval, line.origin[axis], line.direction[axis]);
-    cut(interval, extent[axis] / kUnitsPerVoxel - line.origin[axis], -line.direction[axis]);
-  }
-  for (const Plane& plane : planes) {
-    double value = -static_cast<double>(plane.offset) / kPlaneUnits, slope = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double normal = plane.normal[axis] / kUnitsPerVoxel;
-      value += normal * line.origin[axis];
-      slope += normal * line.direction[axis];
-    }
-    cut(interval, value, slope);
-  }
+  each_half_space(line, extent, planes, [&interval](double value, double slope) { cut(interval, value, slope); });
   if (interval.begin > interval.end || !std::isfinite(interval.begin)) return std::nullopt;
   return interval;
+}
+
+std::optional<Entry> entry(const Line& line, const Point& extent, std::span<const Plane> planes) {
+  const std::array<double, 3>& d = line.direction;
+  const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+  if (!(length > 0) || !std::isfinite(length)) return std::nullopt;
+  const auto interval = clip(line, extent, planes);
+  if (!interval) return std::nullopt;
+  Entry out;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position[axis] = line.origin[axis] + interval->begin * d[axis];
+    out.direction[axis] = d[axis] / length;
+  }
+  int face = 0;
+  each_half_space(line, extent, planes, [&](double value, double slope) {
+    if (slope > 0 && -value / slope == interval->begin) out.face = face;
+    ++face;
+  });
+  return out;
 }
 
 std::optional<wire::Ray> viewing_ray(const Line& line, std::uint16_t u, std::uint16_t v, const Point& extent,

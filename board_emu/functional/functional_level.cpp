@@ -81,7 +81,7 @@ RunResult FunctionalLevel::run(RaySource& source, const Frame& frame, Progress& 
   ran.rays = counts;
   ran.cancelled = frame.sums == nullptr && progress.cancel;
   const std::uint64_t made = source.misses_are_free() ? counts.made : source.count();
-  ran.dsp_cycles = made * source.make_cycles() + counts.returned * source.take_cycles() + counts.trap_cycles;
+  ran.dsp_cycles = source.dsp_cycles(made, counts.returned) + counts.trap_cycles;
   if (!ran.cancelled) rays_ += ran.rays;
   return ran;
 }

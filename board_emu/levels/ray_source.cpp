@@ -4,6 +4,16 @@
 
 namespace gicube::emu {
 
+std::uint64_t RaySource::dsp_cycles(std::uint64_t made, std::uint64_t taken) const {
+  if (count() == 0) return 0;
+  const DspTask make = making(count() - 1), take = taking(count() - 1);
+  const auto begin = [](const DspTask& each, std::uint64_t times) {
+    return times == 0 || each.loop == nullptr ? 0 : each.loop->setup();
+  };
+  return begin(make, made) + (take.loop == make.loop && made > 0 ? 0 : begin(take, taken)) + made * make.cycles() +
+         taken * take.cycles();
+}
+
 std::size_t RayByRaySource::divide(std::size_t rays) {
   batch_rays_ = rays;
   return static_cast<std::size_t>((count() + rays - 1) / rays);

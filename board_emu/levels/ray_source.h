@@ -12,6 +12,7 @@
 
 #include "datapath/frame.h"
 #include "gicube/wire/ray.h"
+#include "levels/dsp_task.h"
 
 namespace gicube::emu {
 
@@ -56,13 +57,15 @@ class RaySource {
 
   virtual std::uint64_t count() const = 0;
 
-  // DSP cycles of each.
-  virtual std::uint32_t make_cycles() const = 0;
-  virtual std::uint32_t take_cycles() const = 0;
+  // What making ray `i`, or the run that it begins, and taking it back cost the DSP.
+  virtual DspTask making(std::uint64_t i) const = 0;
+  virtual DspTask taking(std::uint64_t i) const = 0;
+  // DSP cycles of making and taking so many, where no order of them is known: each loop is begun once, and nothing waits.
+  virtual std::uint64_t dsp_cycles(std::uint64_t made, std::uint64_t taken) const;
   // A ray that is not made has cost the DSP nothing: it passes over whole faces that the light does not reach.
   virtual bool misses_are_free() const { return false; }
-  // Rays i .. row_end(i) - 1 lie in one row of the image: one differential leads from each to the next [P §3.6].
-  virtual std::uint64_t row_end(std::uint64_t i) const { return i + 1; }
+  // The DSP makes rays i .. run_end(i) - 1 as one run, which goes down as a differential [P §3.6].
+  virtual std::uint64_t run_end(std::uint64_t i) const { return i + 1; }
   // Rays that the DSP's memory holds between two runs of the ASIC: levels with time take so many, and then the next.
   virtual std::uint64_t max_at_once() const { return count(); }
 

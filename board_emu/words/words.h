@@ -39,7 +39,8 @@ constexpr std::int64_t dot(const Point& a, const Point& b) {
 }
 
 // kTrapped waits for a routine of the DSP; kGone was a carrier that has delivered its energy.
-enum class TokenStatus : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone };
+// kSlot is no ray: a queue's word to the DSP that it keeps a slot for its first overflowed ray.
+enum class TokenStatus : std::uint8_t { kUnderWay, kDone, kOverflowed, kTrapped, kGone, kSlot };
 
 // Positions p with normal . p >= offset are kept.
 struct Plane {

@@ -158,7 +158,7 @@ void fdk_view_at_cycle_level(benchmark::State& state) {
   const double cycles = value("asic.cycles");
   state.counters["asic_ms"] = cycles / 1e5;
   state.counters["deposits"] = value("pipeline.deposits");
-  for (const char* cause : {"busy", "splat", "latency", "sorter", "dsp", "queue_empty", "ray_bus"}) {
+  for (const char* cause : {"busy", "splat", "latency", "sorter", "dsp_compute", "sdram", "queue_empty", "ray_bus"}) {
     state.counters[cause] = value(std::string("processor.cycles.") + cause) / (4 * cycles);
   }
   // Of the four RDRAM channels' own cycles, those with data on the wires; the paper has 92% for lighting.

@@ -113,11 +113,14 @@ const std::vector<Rule>& rules() {
       room("board_emu/levels", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath"}),
       room("board_emu/functional",
            {"board_emu/words", "board_emu/memory", "board_emu/datapath", "board_emu/levels"}, {"hwy"}),
+      // Its tasks are the levels', its memory is built as the ASIC's.
+      room("board_emu/dsp", {"board_emu/words", "board_emu/config", "board_emu/asic/dram", "board_emu/levels"}),
       room("board_emu/cycle", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
-                               "board_emu/asic", "board_emu/levels"}),
+                               "board_emu/asic", "board_emu/dsp", "board_emu/levels"}),
       // Has its values from one level, and hands what it does not know to the other.
       room("board_emu/approximate", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
-                                     "board_emu/asic", "board_emu/levels", "board_emu/functional", "board_emu/cycle"}),
+                                     "board_emu/asic", "board_emu/dsp", "board_emu/levels", "board_emu/functional",
+                                     "board_emu/cycle"}),
       // Commands name no level; one file does.
       room("board_emu/firmware", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/datapath",
                                   "board_emu/asic", "board_emu/levels"}),

@@ -77,6 +77,8 @@ done < <(grep -roE '\]\([^) ]+\)' "$doc" --include='*.md' | grep -v '://' | sed 
 protoc -I "$prefix/include" --descriptor_set_out="$scratch/messages" "$prefix"/include/gicube/v1/*.proto
 diff -r "$source/proto/gicube/v1" "$prefix/include/gicube/v1"
 diff -r "$source/driver/scene/presets" "$prefix/share/gicube/presets"
+diff -r "$source/board_emu/config/presets" "$prefix/share/gicube/boards"
+"$prefix/bin/gicube-board" --config "$prefix/share/gicube/boards/paper.textproto" --print-config > /dev/null
 
 [[ $faults -eq 0 ]]
 echo "installed pages: $all_options options, $links links, all is well"

@@ -6,20 +6,69 @@ namespace gicube::emu {
 
 VolumeCache::VolumeCache(const CacheShape& shape)
     : shape_(shape),
-      plain_(shape.ways == 1 && !shape.linear),
+      plain_(shape.ways == 1 && !shape.linear && shape.tile_depth == 1),
       tiles_x_(static_cast<std::size_t>(shape.block_voxels) / 2 + 1),
       slice_tiles_(tiles_x_ * tiles_x_),
-      slices_(static_cast<std::size_t>(shape.block_voxels) + 1),
+      slices_(static_cast<std::size_t>(shape.block_voxels) / shape.tile_depth + 1),
       // A way is a share of the same (n+1)^3 words: more ways, fewer sets.
       sets_((tiles_of_block() + shape.ways - 1) / shape.ways),
-      tags_(sets_ * shape.ways, kNothing) {
+      tags_(sets_ * shape.ways, kNothing),
+      changed_(shape.writes_back ? tags_.size() : 0) {
   if (plain_ || shape.linear) return;
   for (std::size_t tile = 0; tile < tiles_of_block(); ++tile) {
     first_way_.push_back(static_cast<std::uint32_t>(tile % sets_ * shape.ways));
   }
 }
 
-void VolumeCache::invalidate() { std::fill(tags_.begin(), tags_.end(), kNothing); }
+void VolumeCache::invalidate() {
+  std::ranges::fill(tags_, kNothing);
+  std::ranges::fill(changed_, std::uint8_t{0});
+  changes_ = 0;
+}
+
+// The place that tiles of a direct mapped cache take is theirs alone.
+TileOfBlock VolumeCache::tile_at(std::size_t place) const {
+  if (plain_) return {tags_[place], static_cast<std::uint32_t>(place)};
+  const auto tiles = static_cast<std::uint32_t>(tiles_of_block());
+  return {tags_[place] / tiles, tags_[place] % tiles};
+}
+
+std::size_t VolumeCache::place_of(std::uint32_t block, std::uint32_t tile) const {
+  if (plain_) return tile;
+  const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + tile;
+  const std::size_t first = set_of(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
+  const auto way = tags_.begin() + static_cast<std::ptrdiff_t>(first);
+  return static_cast<std::size_t>(std::find(way, way + shape_.ways, tag) - tags_.begin());
+}
+
+bool VolumeCache::change(std::uint32_t block, std::uint32_t tile) {
+  std::uint8_t& changed = changed_[place_of(block, tile)];
+  const bool anew = changed == 0;
+  changed = 1;
+  changes_ += anew ? 1 : 0;
+  return anew;
+}
+
+TileOfBlock VolumeCache::clean() {
+  while (changed_[cleaned_] == 0) cleaned_ = (cleaned_ + 1) % changed_.size();
+  changed_[cleaned_] = 0;
+  --changes_;
+  return tile_at(cleaned_);
+}
+
+// Before the check of a direct mapped cache; where there are ways hit() finds them.
+void VolumeCache::note_victims(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+  victims_.clear();
+  if (!plain_ || changes_ == 0) return;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::size_t x = (voxel[0] + (i & 1)) >> 1, y = (voxel[1] + (i >> 1 & 1)) >> 1, z = voxel[2] + (i >> 2);
+    const std::size_t tile = (z * tiles_x_ + y) * tiles_x_ + x;
+    if (tags_[tile] == block || changed_[tile] == 0) continue;
+    victims_.push_back(tile_at(tile));
+    changed_[tile] = 0;
+    --changes_;
+  }
+}
 
 std::size_t VolumeCache::set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z,
                                 std::size_t tile) const {
@@ -39,6 +88,11 @@ bool VolumeCache::holds(std::uint32_t block, std::uint32_t tile) const {
   return std::find(way, way + shape_.ways, tag) != way + shape_.ways;
 }
 
+bool VolumeCache::touch(std::uint32_t block, std::uint32_t tile) {
+  victims_.clear();
+  return hit(block, tile % tiles_x_, tile / tiles_x_ % tiles_x_, tile / slice_tiles_, tile);
+}
+
 // True if the tile is there; afterwards it is, as the latest used of its set.
 bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) {
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + static_cast<std::uint32_t>(tile);
@@ -47,7 +101,19 @@ bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::si
   std::uint32_t* const end = way + shape_.ways;
   std::uint32_t* const found = std::find(way, end, tag);
   const bool present = found != end;
-  std::copy_backward(way, present ? found : end - 1, present ? found + 1 : end);
+  std::uint32_t* const last = present ? found : end - 1;  // whose place is filled
+  if (!changed_.empty()) {
+    std::uint8_t* const changed = changed_.data() + (way - tags_.data());
+    const auto place = last - way;
+    const std::uint8_t moves = present ? changed[place] : 0;
+    if (!present && changed[place] != 0) {
+      victims_.push_back(tile_at(static_cast<std::size_t>(last - tags_.data())));
+      --changes_;
+    }
+    std::copy_backward(changed, changed + place, changed + place + 1);
+    *changed = moves;
+  }
+  std::copy_backward(way, last, last + 1);
   *way = tag;
   return present;
 }
@@ -57,7 +123,8 @@ const Misses& VolumeCache::check_sets(std::uint32_t block, const std::array<std:
   const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;
   const std::size_t last = tiles_x_ - 1;
   std::uint32_t missing = 0;
-  for (std::size_t z = voxel[2]; z <= voxel[2] + 1; ++z) {
+  const std::size_t depth = shape_.tile_depth, last_z = (voxel[2] + 1) / depth;
+  for (std::size_t z = voxel[2] / depth; z <= last_z; ++z) {
     for (std::size_t j = y; j <= y + two_y; ++j) {
       for (std::size_t i = x; i <= x + two_x; ++i) {
         const std::size_t tile = (z * tiles_x_ + j) * tiles_x_ + i;
@@ -67,7 +134,8 @@ const Misses& VolumeCache::check_sets(std::uint32_t block, const std::array<std:
       }
     }
   }
-  count(missing, 4u >> (two_x + two_y));
+  const std::size_t two_z = last_z - voxel[2] / depth;  // slices of tiles, less one
+  count(missing, 8u >> (two_x + two_y + two_z));
   return misses_;
 }
 

@@ -18,6 +18,16 @@ struct CacheShape {
   // The baseline of [P §5.1]: places are taken by a tile's linear address in the whole volume, not in its block.
   bool linear = false;
   std::array<int, 3> blocks{};  // of the volume
+  bool writes_back = false;     // it remembers which tiles have changed
+  unsigned tile_depth = 1;      // voxels of a tile along z; 2 x 2 across
+};
+
+// A tile of a block.
+struct TileOfBlock {
+  std::uint32_t block = 0;
+  std::uint32_t tile = 0;
+
+  friend bool operator==(const TileOfBlock&, const TileOfBlock&) = default;
 };
 
 struct CacheCounters {
@@ -39,6 +49,8 @@ class VolumeCache {
 
   // Looks up the neighbourhood of the cell at `voxel` of `block`. Missing tiles count as present from now on.
   const Misses& check(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+    if (shape_.writes_back) [[unlikely]]
+      note_victims(block, voxel);
     return plain_ ? check_plain(block, voxel) : check_sets(block, voxel);
   }
 
@@ -58,6 +70,17 @@ class VolumeCache {
 
   // Whether a tile is there, or has been asked for.
   bool holds(std::uint32_t block, std::uint32_t tile) const;
+
+  // Whether a tile is there; it is from now on. Not of a direct mapped cache of tiles that are one voxel deep.
+  bool touch(std::uint32_t block, std::uint32_t tile);
+
+  // Of a cache that writes back. A tile that is there has changed; false if it had before.
+  bool change(std::uint32_t block, std::uint32_t tile);
+  // Changed tiles whose places the latest check() or touch() has given to others.
+  const std::vector<TileOfBlock>& victims() const { return victims_; }
+  bool has_changes() const { return changes_ > 0; }
+  // Any changed tile, which is as in memory from now on; there must be one.
+  TileOfBlock clean();
 
   // Drops every tile: memory has changed.
   void invalidate();
@@ -83,6 +106,11 @@ class VolumeCache {
   std::size_t set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) const;
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
 
+  void note_victims(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  // The place of a tile that is there.
+  std::size_t place_of(std::uint32_t block, std::uint32_t tile) const;
+  TileOfBlock tile_at(std::size_t place) const;
+
   CacheShape shape_;
   bool plain_;           // direct mapped, by the place in the block
   std::size_t tiles_x_;  // of a block along x, and along y
@@ -91,6 +119,10 @@ class VolumeCache {
   std::size_t sets_;
   std::vector<std::uint32_t> tags_;       // sets_ x ways, the latest used first
   std::vector<std::uint32_t> first_way_;  // by tile, where the set begins; not with `linear`
+  std::vector<std::uint8_t> changed_;     // by place, of a cache that writes back
+  std::size_t changes_ = 0;               // of them
+  std::size_t cleaned_ = 0;               // up to which place clean() has looked
+  std::vector<TileOfBlock> victims_;
   Misses misses_;
   CacheCounters counters_;
 };

@@ -1,7 +1,8 @@
 // Packets on their way from a processor's volume cache to its memory: tiles whose irradiance has changed [P §3.4].
 //
 // Writes wait here until there are enough of them to be worth turning the memory's bus round; a tile that changes again
-// while it waits is written once. A tile that the cache has lost in the meantime is fetched first. The memory serves writes
+// while it waits is written once, unless each change is to be written (write_through). With write_back tiles come here when their
+// place in the cache goes to another. A tile that the cache has lost in the meantime is fetched first. The memory serves writes
 // and the misses' reads in the order in which they were asked for; a read of a tile that still waits here takes no longer
 // than one from memory.
 #pragma once
@@ -38,19 +39,32 @@ class WriteQueue {
   bool empty() const { return waiting_.empty() && asked_.empty(); }
   std::size_t size() const { return waiting_.size() + asked_.size(); }
 
-  void put(std::uint32_t block, std::uint32_t tile, bool in_cache) {
+  // A tile has changed: it is written with an earlier change that still waits, if `combines`.
+  void put(std::uint32_t block, std::uint32_t tile, bool in_cache, bool combines = true) {
     ++counters_.tiles;
-    const bool known = std::any_of(waiting_.begin(), waiting_.end(),
-                                   [=](const TileWrite& write) { return write.block == block && write.tile == tile; });
-    if (known) {
+    if (combines && waits(block, tile)) {
       ++counters_.combined;
       return;
     }
-    if (!in_cache) {
-      ++counters_.fetches;
-      waiting_.push_back({block, tile, true, 0, kNoCycle});
+    add(block, tile, in_cache);
+  }
+  // A tile has changed in the cache, from which it is written later; `anew`: it had not before.
+  void change(bool anew) {
+    ++counters_.tiles;
+    counters_.combined += anew ? 0 : 1;
+  }
+  // It is read before it is changed there.
+  void fetch(std::uint32_t block, std::uint32_t tile) {
+    ++counters_.fetches;
+    waiting_.push_back({block, tile, true, 0, kNoCycle});
+  }
+  // That is now.
+  void write_back(std::uint32_t block, std::uint32_t tile) {
+    if (waits(block, tile)) {
+      ++counters_.combined;
+    } else {
+      add(block, tile, true);
     }
-    waiting_.push_back({block, tile, false, 0, kNoCycle});
   }
   // Asks for what waits, if it is time to.
   void ask(Cycle now, bool all) {
@@ -77,6 +91,18 @@ class WriteQueue {
   const WriteCounters& counters() const { return counters_; }
 
  private:
+  bool waits(std::uint32_t block, std::uint32_t tile) const {
+    return std::any_of(waiting_.begin(), waiting_.end(),
+                       [=](const TileWrite& write) { return write.block == block && write.tile == tile; });
+  }
+  void add(std::uint32_t block, std::uint32_t tile, bool in_cache) {
+    if (!in_cache) {
+      ++counters_.fetches;
+      waiting_.push_back({block, tile, true, 0, kNoCycle});
+    }
+    waiting_.push_back({block, tile, false, 0, kNoCycle});
+  }
+
   std::size_t places_;
   std::deque<TileWrite> waiting_;
   std::deque<TileWrite> asked_;

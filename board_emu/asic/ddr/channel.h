@@ -1,11 +1,10 @@
-// One channel of DDR SDRAM: all commands share one bus, one a clock. Each rank has one REF every refresh_interval, for which
-// all its banks are precharged.
+// One channel of DDR SDRAM (asic/dram/ranks.h).
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "asic/dram/channel.h"
+#include "asic/dram/ranks.h"
 #include "gicube/v1/board_config.pb.h"
 
 namespace gicube::emu::ddr {
@@ -17,34 +16,9 @@ inline constexpr std::uint32_t kBurst = 1;         // clocks of a burst of two b
 inline constexpr std::uint32_t kWriteLatency = 1;  // WR to data
 inline constexpr std::uint32_t kRankSwitch = 1;    // clocks between the data of two ranks, for the strobes [C]
 
-// What a channel needs to know (dram/channel.h).
-struct Rules {
-  static constexpr const char *kName = "ddr", *kDevice = "DDR rank", *kDevices = "ranks", *kClock = "clock";
+struct Rules : dram::RankRules {
+  static constexpr const char *kName = "ddr", *kDevice = "DDR rank", *kDevices = "ranks";
   static constexpr Tcycle kPacket = kBurst;
-  static constexpr int kBanks = 4, kBankGroup = 4;
-  static constexpr bool kRefreshOpens = false;
-  static constexpr bool kOneBus = true, kSwitches = true, kLeavesGaps = false;
-
-  static constexpr std::uint32_t must_be_closed(Command opens, int bank) {
-    return opens == Command::kRefresh ? ~0u : 1u << bank;
-  }
-  // Pairs between which the model can hold a constraint; a table may have no others. A device is a rank.
-  static constexpr bool honoured(Scope scope, Command from, Command to) {
-    constexpr auto column = [](Command c) { return c == Command::kRead || c == Command::kWrite; };
-    constexpr auto opens = [](Command c) { return c == Command::kActivate || c == Command::kRefresh; };
-    switch (scope) {
-      case Scope::kBank:
-        return (from == Command::kActivate && to != Command::kRefresh && to != Command::kData) ||
-               (from == Command::kPrecharge && to == Command::kActivate) || (column(from) && to == Command::kPrecharge);
-      case Scope::kDevice:
-        return (opens(from) && opens(to)) || (from == Command::kPrecharge && to == Command::kRefresh) ||
-               (from == Command::kWrite && to == Command::kRead);
-      case Scope::kChannel: return column(from) && (column(to) || to == Command::kData);
-      case Scope::kOtherDevice: return column(from) && column(to);
-      case Scope::kNeighbour: break;
-    }
-    return false;
-  }
 };
 
 using Rank = dram::Device<Rules>;
@@ -65,28 +39,11 @@ class Timing : public dram::ConstraintTable {
   explicit Timing(std::vector<Constraint> rows);
 };
 
-class Channel : public dram::Channel<Channel, Rules> {
+class Channel : public dram::RankChannel<Rules> {
  public:
   // `ranks` from 1 on. Throws std::invalid_argument for 0.
   Channel(const v1::DdrConfig& config, std::uint32_t ranks)
-      : dram::Channel<Channel, Rules>(Timing(config), ranks, config.refresh_interval()),
-        refreshed_until_(ranks),
-        refresh_time_(Timing(config).delay(Scope::kDevice, Command::kRefresh, Command::kActivate)) {}
-
- private:
-  friend dram::Channel<Channel, Rules>;
-
-  bool held_by_refresh(const Location& at, Tcycle arrival) const { return arrival < refreshed_until_[at.device]; }
-  void refresh_until(Tcycle now) {
-    while (refresh_due_ <= now) {
-      const Location at{.device = static_cast<std::uint16_t>(refresh_count_ % devices_.size())};
-      refreshed_until_[at.device] = refresh_next(at) + refresh_time_;
-    }
-    next_event_ = refresh_due_;
-  }
-
-  std::vector<Tcycle> refreshed_until_;  // by rank: its first clock for an ACT after the last REF
-  std::uint32_t refresh_time_;           // tRFC
+      : dram::RankChannel<Rules>(Timing(config), ranks, config.refresh_interval()) {}
 };
 
 }  // namespace gicube::emu::ddr

@@ -21,8 +21,8 @@
 
 namespace gicube::emu::dram {
 
-// `Rules`: of the standard, as Device's, and kName, kDevices, kClock, kPacket, kOneBus (RD and WR share the wires of the other
-// commands), kSwitches (wires.h), kLeavesGaps (activate() below). `Derived` has the standard's way to refresh:
+// `Rules`: of the standard, as Device's, and kName, kDevices, kClock, kCommand (a command's clocks), kPacket (those of its data),
+// kOneBus (RD and WR share the wires of the other commands), kSwitches (wires.h), kLeavesGaps (activate() below). `Derived` has the standard's way to refresh:
 // refresh_until() and held_by_refresh().
 template <typename Derived, typename Rules>
 class Channel {
@@ -92,8 +92,8 @@ class Channel {
     Tcycle wanted = std::max({asked, last_open_, device.bank_ready(kOpens, at.bank), device.device_ready(kOpens)});
     if constexpr (Rules::kLeavesGaps) {
       const Tcycle next = last_precharge_ + precharge_gap_;
-      leave_gap = leave_gap && wanted + Rules::kPacket > next && wanted < next + Rules::kPacket;
-      if (leave_gap) wanted = next + Rules::kPacket;
+      leave_gap = leave_gap && wanted + Rules::kCommand > next && wanted < next + Rules::kCommand;
+      if (leave_gap) wanted = next + Rules::kCommand;
     } else {
       leave_gap = false;
     }
@@ -198,7 +198,7 @@ class Channel {
     trace_->push_back({command, tight, at.device, at.row, at.bank, at.column, begin, asked});
   }
 
-  GapWires<Rules::kPacket> wires_;  // of rows, or of all commands
+  GapWires<Rules::kCommand> wires_;  // of rows, or of all commands
   ColumnWires<Rules::kSwitches> column_wires_;
   Tcycle last_precharge_ = 0;
   Tcycle dq_free_ = 0;

@@ -25,7 +25,7 @@ constexpr std::uint32_t neighbours(int bank) {
 // What a channel needs to know (dram/channel.h).
 struct Rules {
   static constexpr const char *kName = "rdram", *kDevice = "RDRAM device", *kDevices = "devices", *kClock = "tCYCLE";
-  static constexpr Tcycle kPacket = rdram::kPacket;
+  static constexpr Tcycle kCommand = rdram::kPacket, kPacket = rdram::kPacket;
   static constexpr int kBanks = 32;
   static constexpr int kBankGroup = 16;  // the split of "32s": banks 15 and 16 share no sense amp (assumed)
   static constexpr bool kRefreshOpens = true;

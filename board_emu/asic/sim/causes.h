@@ -22,12 +22,13 @@ enum class Cause : std::uint8_t {
   kLink,        // a leaving ray waits for a neighbour link
   kRayBus,      // rays wait on the ray bus, or a finished ray for the merge tree
   kDsp,         // no ray is here: the DSP makes them more slowly
+  kSdram,       // the same, and the DSP waits for its memory
 };
 
-inline constexpr std::size_t kCauses = 13;
+inline constexpr std::size_t kCauses = 14;
 inline constexpr std::array<std::string_view, kCauses> kCauseNames{
     "busy",    "leap",   "splat",       "cache_fill", "cache_miss", "memory_bank", "refresh",
-    "latency", "sorter", "queue_empty", "link",       "ray_bus",    "dsp"};
+    "latency", "sorter", "queue_empty", "link",       "ray_bus",    "dsp_compute", "sdram"};
 
 using CauseCounts = std::array<std::uint64_t, kCauses>;
 

@@ -46,6 +46,8 @@ class Fifo {
   // Holds nothing at all, not even what becomes visible at the next edge.
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
+  // For the side that pops, before it does: nothing more could come before this cycle.
+  bool was_full(Cycle now) const { return size_ - (last_push_ == now ? 1 : 0) == capacity_; }
 
  private:
   std::vector<T> items_;  // a power of two of places

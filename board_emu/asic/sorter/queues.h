@@ -2,7 +2,7 @@
 //
 // A queue of capacity C has C slots. A ray takes one when it is written and gives it up when it has left the queue for
 // good: while it is in the pipeline and may come back its slot is kept. So a ray that comes back to its queue always
-// finds room. The eDRAMs are one pool of records here that grows with the rays that are there, not with the capacity.
+// finds room. A slot that is given up while rays of the queue are with the DSP is kept for the first of them. The eDRAMs are one pool of records here that grows with the rays that are there, not with the capacity.
 #pragma once
 
 #include <algorithm>
@@ -28,10 +28,15 @@ class Queues {
   std::uint32_t write(std::uint32_t queue, const RayToken& token);
   // Takes the ray at the head, which must be there; its slot stays taken, its flag keeps_slot is down.
   RayToken read(std::uint32_t queue);
-  void release_slot(std::uint32_t queue) {
-    assert(states_[queue].slots > states_[queue].waiting);
-    --states_[queue].slots;
+  // A ray has left for good. True if its slot goes to a ray that has overflowed, and stays taken for it.
+  bool release_slot(std::uint32_t queue) {
+    State& state = states_[queue];
+    assert(state.slots > state.waiting);
+    const bool hands_on = state.overflowed > 0;
+    (hands_on ? state.overflowed : state.slots) -= 1;
+    return hands_on;
   }
+  void overflow(std::uint32_t queue) { ++states_[queue].overflowed; }
 
   // As the policy says; 0 = empty.
   std::uint32_t importance(std::uint32_t queue) const {
@@ -49,7 +54,8 @@ class Queues {
   struct State : QueueFacts {
     std::uint32_t head = kNone;  // record
     std::uint32_t tail = kNone;
-    std::uint32_t slots = 0;  // taken: waiting, or issued and not released
+    std::uint32_t slots = 0;       // taken: waiting, issued and not released, or kept for a ray that has overflowed
+    std::uint32_t overflowed = 0;  // rays that no slot is kept for yet
   };
   struct Record {
     RayToken token;

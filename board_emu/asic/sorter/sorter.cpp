@@ -7,7 +7,8 @@
 namespace gicube::emu {
 
 Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOutputs& out)
-    : single_(setup.single),
+    : processor_(setup.processor),
+      single_(setup.single),
       bus_waits_(setup.bus_waits),
       in_(in),
       out_(out),
@@ -80,7 +81,21 @@ inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow, st
   RayToken token = input.pop(now);
   token.state = TokenStatus::kOverflowed;
   out_.overflow.push(now, token);
+  if (!bus_waits_) queues_.overflow(queue);
   ++counters_.overflows;
+  return true;
+}
+
+// After the overflows of the cycle: these hold a FIFO up.
+inline bool Sorter::tell_of_slot(Cycle now) {
+  if (kept_.empty() || !out_.overflow.can_push(now)) return false;
+  RayToken token;
+  token.processor = processor_;
+  token.queue = kept_.front();
+  token.state = TokenStatus::kSlot;
+  out_.overflow.push(now, token);
+  kept_.pop_front();
+  ++counters_.kept_slots;
   return true;
 }
 
@@ -111,8 +126,9 @@ bool Sorter::work(Cycle now, bool others_come) {
   if (ranks_) ranks_->step();
   bool moved = false;
   if (in_.released.can_pop(now)) {
-    const std::uint32_t queue = in_.released.pop(now);
-    queues_.release_slot(single_ ? 0 : queue);
+    const std::uint32_t queue = single_ ? 0 : in_.released.front();
+    in_.released.pop(now);
+    if (queues_.release_slot(queue)) kept_.push_back(queue);
     moved = true;
   }
   if (active_ == kNone && queues_.waiting() > 0) choose_active();
@@ -126,6 +142,7 @@ bool Sorter::work(Cycle now, bool others_come) {
   const bool returned = in_.returned.can_pop(now) && take(now, in_.returned, true, written);
   moved |= returned;
   if (others_come) moved |= accept_others(now, returned ? 1 : 2, written);
+  moved |= tell_of_slot(now);
   if (ranks_) return update_ranks() || moved;
   if (active_ != kNone && queues_.waiting(active_) == 0) {
     maximum_->set(active_, 0);
@@ -141,7 +158,7 @@ bool Sorter::accept_others(Cycle now, std::uint32_t turns, std::uint32_t written
     Fifo<RayToken>& fifo = *others_[input];
     const std::uint32_t next = input == 2 ? 0 : input + 1;
     if (fifo.can_pop(now)) {
-      if (queue_of(fifo.front()) == written && queues_.has_slot(written)) {
+      if (queue_of(fifo.front()) == written && (fifo.front().keeps_slot || queues_.has_slot(written))) {
         ++counters_.conflicts;
         turn_ = input;  // what lost its turn is first in the next cycle
         break;

@@ -13,11 +13,13 @@
 // others take turns. An input whose ray finds neither slot nor place in `overflow` is passed over.
 //
 // Slots: see queues.h. The pipeline sets RayToken::keeps_slot on a ray that goes back to the queue it came from;
-// otherwise it clears the flag and pushes the old queue's number to `released`.
+// otherwise it clears the flag and pushes the old queue's number to `released`. The DSP sets it on a ray that comes again to a slot
+// kept for it, of which a token kSlot on `overflow` has told it.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <iosfwd>
 #include <optional>
 #include <vector>
@@ -30,6 +32,7 @@
 namespace gicube::emu {
 
 struct SorterSetup {
+  std::uint8_t processor = 0;
   std::uint32_t queues = 128;    // N³ / n³ / p
   std::uint32_t capacity = 256;  // rays a queue
   v1::QueuePolicy policy = v1::most_rays;
@@ -39,7 +42,8 @@ struct SorterSetup {
   bool ideal_queues = false;  // never full
   bool ideal_sorter = false;  // the most important queue is known at once
   // A ray from the bus waits for a slot instead of overflowing, and holds up the bus behind it. Rays from links still
-  // overflow: if they waited too, processors could wait for each other.
+  // overflow: if they waited too, processors could wait for each other. No slot is kept for those: they come behind the ray that
+  // holds up the bus.
   bool bus_waits = false;
 };
 
@@ -53,13 +57,14 @@ struct SorterInputs {
 
 struct SorterOutputs {
   Fifo<RayToken>& issue;     // to the pipeline
-  Fifo<RayToken>& overflow;  // to the merge tree, state = kOverflowed
+  Fifo<RayToken>& overflow;  // to the merge tree: rays, state = kOverflowed, and kSlot
 };
 
 struct SorterCounters {
   std::uint64_t written = 0;       // rays into queues
   std::uint64_t conflicts = 0;     // second writes lost since both rays were for one queue
   std::uint64_t overflows = 0;     // rays that found no slot
+  std::uint64_t kept_slots = 0;    // told to the DSP
   std::uint64_t issued = 0;        // rays to the pipeline
   std::uint64_t activations = 0;   // queues that became active
   std::uint64_t inserts = 0;       // modified importances put into the insertion sorter
@@ -77,11 +82,11 @@ class Sorter {
   bool tick(Cycle now) {
     // Rays stay in a processor for many samples, so that mostly all three are empty.
     const bool others_come = (in_.from_bus.size() | in_.from_left.size() | in_.from_right.size()) != 0;
-    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting();
+    const std::size_t rest = in_.returned.size() | in_.released.size() | queues_.waiting() | kept_.size();
     return ((rest != 0) | others_come) && work(now, others_come);
   }
 
-  bool idle() const { return queues_.waiting() == 0; }
+  bool idle() const { return queues_.waiting() == 0 && kept_.empty(); }
   std::uint64_t waiting() const { return queues_.waiting(); }  // rays in queues
   std::uint32_t waiting(std::uint32_t queue) const { return queues_.waiting(queue); }
   bool has_active() const { return active_ != kNone; }
@@ -111,11 +116,13 @@ class Sorter {
   bool accept_others(Cycle now, std::uint32_t turns, std::uint32_t written);
   // Moves the ray at the input's head to its queue, then `written`, or to overflow.
   bool take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written);
+  bool tell_of_slot(Cycle now);
   void modified(std::uint32_t queue);
   bool update_ranks();
   void list_dirty(std::uint32_t queue);
   void unlist_dirty(std::uint32_t queue);
 
+  std::uint8_t processor_;
   bool single_;
   bool bus_waits_;
   SorterInputs in_;
@@ -128,6 +135,7 @@ class Sorter {
   std::uint32_t dirty_head_ = kNone;
   std::uint32_t dirty_tail_ = kNone;
   Queues queues_;
+  std::deque<std::uint32_t> kept_;  // queues that keep a slot of which the DSP is still to be told
   std::optional<InsertionSorter> ranks_;
   std::optional<ExactMaximum> maximum_;  // ideal sorter or single queue: instead of ranks_
   std::vector<Dirty> dirty_;

@@ -103,7 +103,8 @@ void DspCommands::reset() {
 RunResult DspCommands::run_level(RaySource& rays, const Frame& frame, Progress& work) {
   if (level_volume_ != aperture_.volume_writes()) level_.volume_changed();
   level_volume_ = aperture_.volume_writes();
-  const RunResult ran = level_.run(rays, frame, work);
+  RunResult ran = level_.run(rays, frame, work);
+  if (config_.ideal().dsp() != 0) ran.dsp_cycles = 0;
   if (ran.cancelled) throw CommandFault{ErrorCode::kCancelled, ""};
   ++answered_[static_cast<std::size_t>(ran.answered)];
   return ran;
@@ -313,7 +314,8 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   expect_memory(frame, std::uint64_t{command.width} * command.height);
   host_traps_.begin(false, {});
   aperture_.decode(threads_, reads(frame));
-  ImageRays rays(command, frame, aperture_.framebuffer(), config_.dsp());
+  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
+  ImageRays rays(command, frame, aperture_.framebuffer(), runs);
   const RunResult ran = run_level(rays, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   aperture_.resolve_framebuffer(threads_);
@@ -335,7 +337,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Pro
   const unsigned bits = frame.wide ? 24 : command.albedo == wire::Albedo::kHigh ? 4 : 8;  // [P §4.2]
   aperture_.decode(threads_, reads(frame));
   const LightingRays maker(command, frame.extent, frame.spacing, bits, frame.seed);
-  LightRays rays(maker, frame, config_.dsp());
+  LightRays rays(maker, frame);
   const RunResult ran = run_level(rays, frame, work);
   lighting_rays_ += ran.made;
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};

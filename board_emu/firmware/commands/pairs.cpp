@@ -67,7 +67,7 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress
   expect_memory(frame);
   aperture_.decode(threads_, reads(frame));
   std::vector<std::uint8_t> results(job.pairs.size() * wire::kPairResultBytes);
-  PairRays rays(job, config_.dsp(), results);
+  PairRays rays(job, results);
   pair_rays_ += rays.count();
   const RunResult ran = run_level(rays, frame, work);
   const std::uint64_t up_bytes = std::max<std::uint64_t>(results.size(), 4);

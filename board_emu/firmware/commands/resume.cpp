@@ -48,8 +48,7 @@ void DspCommands::add_trap_list(CommandResult& result, std::size_t max_rays) {
   for (const wire::TrappedRay& ray : rays) wire::append(result.payload, ray);
   result.up_bytes = result.payload.size();
   result.returns_rays = !rays.empty();
-  // host_ray_cycles is for both ways; the other half is taken with the answer.
-  const std::uint64_t cycles = rays.size() * (config_.dsp().host_ray_cycles() - config_.dsp().host_ray_cycles() / 2);
+  const std::uint64_t cycles = config_.ideal().dsp() != 0 ? 0 : rays.size() * kPassRay.interval();
   result.dsp_cycles += cycles;
   if (result.asic_ps != 0) result.asic_ps += cycles_to_ps(cycles, config_.dsp().clock_khz());
   host_traps_total_ += rays.size();
@@ -80,7 +79,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
   host_traps_.answered(count);
   RunResult ran;
   if (count > 0) {
-    ResumedRays rays(answers, frame, aperture_.framebuffer(), config_.dsp());
+    ResumedRays rays(answers, frame, aperture_.framebuffer());
     ran = run_level(rays, frame, work);
   }
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};

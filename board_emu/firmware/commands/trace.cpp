@@ -141,8 +141,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
   }
   expect_memory(frame);
   if (!frame.backprojects()) aperture_.decode(threads_, reads(frame));
-  const std::uint32_t both = config_.dsp().host_ray_cycles(), first = both / 2;  // for both ways
-  HostRays source(rays, frame, back, {first, back ? both - first : 0});
+  HostRays source(rays, frame, back);
   const RunResult ran = run_level(source, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   host_rays_ += count;

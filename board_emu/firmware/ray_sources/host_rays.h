@@ -12,20 +12,26 @@
 
 namespace gicube::emu {
 
+// A cut plane: two scalar products, a reciprocal and its product; what it leaves of the ray.
+inline constexpr DspLoop kCutHostRay{"cut plane of a host ray", 2 * 3 * 2 + 4 + 2, 2 * 8 + 8 + 6, 4};
+
 class HostRays : public RaySource {
  public:
-  struct Cycles {  // of the DSP, of each ray
-    std::uint32_t make = 0;
-    std::uint32_t take = 0;
-  };
   // `come_back`: into their places in `rays`; else what stands there afterwards is of no use. A ray that lies behind a cut
   // plane stays as it is. Both must outlive this.
-  HostRays(std::span<wire::Ray> rays, const Frame& frame, bool come_back, const Cycles& cycles)
-      : rays_(rays), frame_(frame), come_back_(come_back), cycles_(cycles) {}
+  HostRays(std::span<wire::Ray> rays, const Frame& frame, bool come_back)
+      : rays_(rays), frame_(frame), come_back_(come_back) {}
 
   std::uint64_t count() const override { return rays_.size(); }
-  std::uint32_t make_cycles() const override { return cycles_.make; }
-  std::uint32_t take_cycles() const override { return cycles_.take; }
+  DspTask making(std::uint64_t i) const override {
+    DspTask task{.loop = &kPassRay,
+                 .more_cycles = static_cast<std::uint32_t>(frame_.cut_planes.size()) * kCutHostRay.interval()};
+    return task.with(in_batch(i, SdramUse::Kind::kRead));
+  }
+  DspTask taking(std::uint64_t i) const override {
+    if (!come_back_) return {};
+    return DspTask{.loop = &kPassRay}.with(in_batch(i, SdramUse::Kind::kWrite));
+  }
 
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
     wire::Ray& ray = rays_[i];
@@ -78,7 +84,6 @@ class HostRays : public RaySource {
   std::span<wire::Ray> rays_;
   const Frame& frame_;
   bool come_back_;
-  Cycles cycles_;
   std::size_t batch_rays_ = 1;
 };
 

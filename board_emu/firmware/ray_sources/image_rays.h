@@ -2,11 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
+#include <vector>
 
 #include "firmware/framebuffer.h"
 #include "firmware/viewing_rays.h"
-#include "gicube/v1/board_config.pb.h"
+#include "firmware/viewing_runs.h"
 #include "gicube/wire/command.h"
 #include "levels/ray_source.h"
 
@@ -15,28 +17,41 @@ namespace gicube::emu {
 class ImageRays : public RaySource {
  public:
   // Clears the framebuffer. All must outlive this.
-  ImageRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer, const v1::DspConfig& dsp)
+  ImageRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
+            const RunRules& rules = {})
       : command_(command),
         frame_(frame),
         framebuffer_(framebuffer),
-        dsp_(dsp),
         across_(std::uint64_t{command.width} * command.samples_per_axis),
         spacing_(kSubPixels / command.samples_per_axis),
-        tiles_across_((command.width + kTile - 1) / kTile) {
+        tiles_across_((command.width + kTile - 1) / kTile),
+        rules_(rules) {
     framebuffer.clear(command.width, command.height, command.filter);
   }
 
   std::uint64_t count() const override { return across_ * command_.height * command_.samples_per_axis; }
-  std::uint64_t row_end(std::uint64_t i) const override { return (i / across_ + 1) * across_; }
-  std::uint32_t make_cycles() const override { return dsp_.viewing_ray_cycles(); }
-  std::uint32_t take_cycles() const override { return dsp_.returned_ray_cycles(); }
+  std::uint64_t run_end(std::uint64_t i) const override {
+    return in_runs() ? i / across_ * across_ + run_at(timed_, i).end : i + 1;
+  }
+  DspTask making(std::uint64_t i) const override {
+    const bool run = in_runs() && run_end(i) > i + 1;
+    DspTask task{.loop = run ? &kMakeRun : &kMakeViewingRay};
+    task.more_cycles = static_cast<std::uint32_t>(frame_.cut_planes.size()) * kCutRay.interval() * (run ? 2 : 1);
+    if (i % across_ == 0) task.more_cycles += kBeginRowCycles;
+    return task;
+  }
+  DspTask taking(std::uint64_t i) const override {
+    return framebuffer_.task(place(i % across_), place(i / across_), command_.samples_per_axis == 1);
+  }
+  std::uint64_t dsp_cycles(std::uint64_t made, std::uint64_t taken) const override {
+    return RaySource::dsp_cycles(in_runs() ? runs_in_batches_.load() : made, taken) +
+           (across_ > 1 ? made / across_ * kBeginRowCycles : 0);
+  }
 
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters&) override {
-    const auto place = [this](std::uint64_t sample) {
-      return static_cast<std::uint16_t>(sample * static_cast<unsigned>(spacing_) + static_cast<unsigned>(spacing_) / 2);
-    };
     wire::Ray miss;
-    const auto ray = viewing_ray_at(place(i % across_), place(i / across_), miss);
+    const std::uint16_t u = place(i % across_), v = place(i / across_);
+    const auto ray = in_runs() ? extrapolated(run_at(made_, i), i % across_, v, miss) : viewing_ray_at(u, v, miss);
     if (!ray) framebuffer_.add(miss);
     return ray;
   }
@@ -51,16 +66,23 @@ class ImageRays : public RaySource {
     const int right = std::min(left + kTile, int{command_.width}), bottom = std::min(top + kTile, int{command_.height});
     const int samples = command_.samples_per_axis;
     batch->room.reserve(static_cast<std::size_t>((right - left) * (bottom - top) * samples * samples));
-    for (int v = top * kSubPixels + spacing_ / 2; v < bottom * kSubPixels; v += spacing_) {
-      for (int u = left * kSubPixels + spacing_ / 2; u < right * kSubPixels; u += spacing_) {
-        wire::Ray miss;
-        const auto ray = viewing_ray_at(static_cast<std::uint16_t>(u), static_cast<std::uint16_t>(v), miss);
-        if (ray) {
-          batch->room.push_back(*ray);
-        } else {
-          framebuffer_.add_alone(miss);  // tiles share no pixel
-        }
+    const auto keep = [&](const std::optional<wire::Ray>& ray, const wire::Ray& miss) {
+      if (ray) {
+        batch->room.push_back(*ray);
+      } else {
+        framebuffer_.add_alone(miss);  // tiles share no pixel
       }
+    };
+    for (int row = top * samples; row < bottom * samples; ++row) {
+      wire::Ray miss;
+      const std::uint16_t v = place(static_cast<std::uint64_t>(row));
+      const auto begin = static_cast<std::uint64_t>(left * samples), end = static_cast<std::uint64_t>(right * samples);
+      if (in_runs()) {
+        for_each_of_runs(v, begin, end,
+                         [&](const ViewingRun& run, std::uint64_t i) { keep(extrapolated(run, i, v, miss), miss); });
+        continue;
+      }
+      for (std::uint64_t i = begin; i < end; ++i) keep(viewing_ray_at(place(i), v, miss), miss);
     }
     batch->rays = batch->room;
     return batch;
@@ -70,30 +92,81 @@ class ImageRays : public RaySource {
   }
 
  private:
+  static constexpr std::uint32_t kBeginRowCycles = kBeginRow.setup() + kBeginRow.interval();
   static constexpr int kSubPixels = 16;  // u and v are 12.4 pixels
   static constexpr int kTile =
       16;  // pixels an edge; chosen: the rays of a tile share the voxels that fit a core's cache
 
+  // Runs of some samples of a row; no run goes beyond them.
+  struct Runs {
+    std::uint64_t row = ~std::uint64_t{0};
+    std::uint64_t begin = 0, end = 0;
+    std::vector<ViewingRun> runs;
+  };
+
+  bool in_runs() const { return rules_.rays > 1; }
+
+  // Runs begin anew at each multiple of their greatest length, so that a tile needs no more of a row than it has.
+  std::vector<ViewingRun> runs_of(std::uint16_t v, std::uint64_t begin) const {
+    const std::uint64_t end = std::min(across_, begin + rules_.rays);
+    const auto line = [&](std::uint64_t i) {
+      return viewing_line(command_, place(i) / double{kSubPixels}, v / double{kSubPixels});
+    };
+    return viewing_runs(begin, end, rules_, line, frame_.extent, frame_.cut_planes);
+  }
+  const ViewingRun& run_at(Runs& known, std::uint64_t i) const {
+    const std::uint64_t row = i / across_, at = i % across_;
+    if (row != known.row || at < known.begin || at >= known.end) {
+      known.row = row;
+      known.begin = at / rules_.rays * rules_.rays;
+      known.runs = runs_of(place(row), known.begin);
+      known.end = known.runs.back().end;
+    }
+    return *std::ranges::find_if(known.runs, [at](const ViewingRun& run) { return at < run.end; });
+  }
+  template <typename Use>
+  void for_each_of_runs(std::uint16_t v, std::uint64_t begin, std::uint64_t end, const Use& use) {
+    for (std::uint64_t at = begin / rules_.rays * rules_.rays; at < end; at += rules_.rays) {
+      for (const ViewingRun& run : runs_of(v, at)) {
+        runs_in_batches_ += run.begin >= begin && run.begin < end ? 1 : 0;
+        for (std::uint64_t i = std::max(begin, run.begin); i < std::min(end, run.end); ++i) use(run, i);
+      }
+    }
+  }
+
+  // Of a sample along u or v, 12.4 pixels.
+  std::uint16_t place(std::uint64_t sample) const {
+    return static_cast<std::uint16_t>(sample * static_cast<unsigned>(spacing_) + static_cast<unsigned>(spacing_) / 2);
+  }
+
   // The ray of a place of the image, 12.4 pixels; else `miss` is what the framebuffer gets for it.
   std::optional<wire::Ray> viewing_ray_at(std::uint16_t u, std::uint16_t v, wire::Ray& miss) const {
     const Line line = viewing_line(command_, u / double{kSubPixels}, v / double{kSubPixels});
-    auto ray = viewing_ray(line, u, v, frame_.extent, frame_.cut_planes);
-    if (ray) {
-      ray->lifetime = frame_.lifetime;
-    } else {
-      miss.u = u;
-      miss.v = v;
-    }
+    return placed(viewing_ray(line, u, v, frame_.extent, frame_.cut_planes), u, v, miss);
+  }
+  std::optional<wire::Ray> extrapolated(const ViewingRun& run, std::uint64_t sample, std::uint16_t v,
+                                        wire::Ray& miss) const {
+    return placed(run.ray(sample, frame_.extent), place(sample), v, miss);
+  }
+  std::optional<wire::Ray> placed(std::optional<wire::Ray> ray, std::uint16_t u, std::uint16_t v,
+                                  wire::Ray& miss) const {
+    wire::Ray& at = ray ? *ray : miss;
+    at.u = u;
+    at.v = v;
+    if (ray) ray->lifetime = frame_.lifetime;
     return ray;
   }
 
   const wire::RenderCommand& command_;
   const Frame& frame_;
   Framebuffer& framebuffer_;
-  const v1::DspConfig& dsp_;
   std::uint64_t across_;  // rays in a row
   int spacing_;           // between samples, in sub-pixels
   int tiles_across_;
+  RunRules rules_;
+  Runs made_;           // for make(), which may run ahead
+  mutable Runs timed_;  // for run_end()
+  std::atomic<std::uint64_t> runs_in_batches_ = 0;
 };
 
 }  // namespace gicube::emu

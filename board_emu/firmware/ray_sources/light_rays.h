@@ -6,7 +6,6 @@
 
 #include "datapath/ray_step.h"
 #include "firmware/lighting_rays.h"
-#include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"
 
 namespace gicube::emu {
@@ -14,12 +13,11 @@ namespace gicube::emu {
 class LightRays : public RayByRaySource {
  public:
   // All must outlive this.
-  LightRays(const LightingRays& rays, const Frame& frame, const v1::DspConfig& dsp)
-      : rays_(rays), frame_(frame), dsp_(dsp) {}
+  LightRays(const LightingRays& rays, const Frame& frame) : rays_(rays), frame_(frame) {}
 
   std::uint64_t count() const override { return rays_.count(); }
-  std::uint32_t make_cycles() const override { return dsp_.lighting_ray_cycles(); }
-  std::uint32_t take_cycles() const override { return 0; }
+  DspTask making(std::uint64_t) const override { return {.loop = &kMakeLightingRay}; }
+  DspTask taking(std::uint64_t) const override { return {}; }
   bool misses_are_free() const override { return true; }
 
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
@@ -39,7 +37,6 @@ class LightRays : public RayByRaySource {
  private:
   const LightingRays& rays_;
   const Frame& frame_;
-  const v1::DspConfig& dsp_;
 };
 
 }  // namespace gicube::emu

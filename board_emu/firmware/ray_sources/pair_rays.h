@@ -6,7 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/pair.h"
 #include "levels/ray_source.h"
 
@@ -20,17 +19,35 @@ struct PairJob {
   wire::Vector spacing{};
 };
 
+// In words of 32 bits. Four numbers of a scrambled sequence (as a lighting ray's); two points (each 3 products of 3 with two edges); the
+// segment, its length and reciprocal; two cosines (3 products of 2 each), their product with the area's share. Packet as a lighting ray's.
+inline constexpr DspLoop kMakePairRay{"ray of a pair", 4 * 4 * 3 + 2 * 6 * 3 + 3 * 3 + 5 + 2 * 6 + 4,
+                                      4 * 20 + 2 * 9 + 3 + 2 + 7 + 2 * 4 + 12, 4 + 2 * 9 + 1 + 8};
+// Its opacity and weight; a product of 32 by 32 bits, and the sums of it and of its square.
+inline constexpr DspLoop kAddToPair{"sum of a pair", 2 * 3, 12, 6};
+
 // Samples without weight are not sent.
 class PairRays : public RaySource {
  public:
   // Writes wire::kPairResultBytes of each pair to `out`. All must outlive this.
-  PairRays(const PairJob& job, const v1::DspConfig& dsp, std::span<std::uint8_t> out)
-      : job_(job), dsp_(dsp), out_(out) {}
+  PairRays(const PairJob& job, std::span<std::uint8_t> out) : job_(job), out_(out) {}
 
   std::uint64_t count() const override { return job_.pairs.size() * std::uint64_t{job_.header.rays}; }
-  // Made like lighting rays, from two points of a sequence; taken back like viewing rays, into a sum.
-  std::uint32_t make_cycles() const override { return dsp_.lighting_ray_cycles(); }
-  std::uint32_t take_cycles() const override { return dsp_.returned_ray_cycles(); }
+  DspTask making(std::uint64_t i) const override {
+    DspTask task{.loop = &kMakePairRay};
+    if (i % job_.header.rays != 0) return task;
+    const wire::Pair& pair = job_.pairs[i / job_.header.rays];
+    for (const std::uint64_t element : {pair.a, pair.b}) {
+      task.with({sdram_map::kTables + element * kElementBytes, kElementBytes, SdramUse::Kind::kRead});
+    }
+    return task;
+  }
+  DspTask taking(std::uint64_t i) const override {
+    DspTask task{.loop = &kAddToPair};
+    if (i % job_.header.rays != 0) return task;
+    return task.with({sdram_map::kBatch + i / job_.header.rays * wire::kPairResultBytes, wire::kPairResultBytes,
+                      SdramUse::Kind::kWrite});
+  }
   std::uint64_t max_at_once() const override {
     return std::max<std::uint64_t>(1, kRaysAtOnce / job_.header.rays) * job_.header.rays;
   }
@@ -91,6 +108,8 @@ class PairRays : public RaySource {
   static constexpr std::uint64_t kRaysAtOnce = 65'536;  // chosen: rays in the DSP's memory between two runs of the ASIC
   static constexpr std::size_t kBatchRays = 2'048;      // chosen: in a thread's cache
 
+  static constexpr std::uint32_t kElementBytes = 64;  // in the SDRAM, with its normal
+
   // Whole pairs, with the weights of all samples.
   struct Batch : RayBatch {
     std::size_t begin = 0, end = 0;
@@ -123,7 +142,6 @@ class PairRays : public RaySource {
   }
 
   const PairJob& job_;
-  const v1::DspConfig& dsp_;
   std::span<std::uint8_t> out_;
   std::size_t batch_pairs_ = 1;
 

@@ -6,7 +6,6 @@
 
 #include "datapath/interaction.h"
 #include "firmware/framebuffer.h"
-#include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"
 
 namespace gicube::emu {
@@ -14,13 +13,16 @@ namespace gicube::emu {
 class ResumedRays : public RayByRaySource {
  public:
   // All must outlive this.
-  ResumedRays(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer,
-              const v1::DspConfig& dsp)
-      : answers_(answers), frame_(frame), framebuffer_(framebuffer), dsp_(dsp) {}
+  ResumedRays(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer)
+      : answers_(answers), frame_(frame), framebuffer_(framebuffer) {}
 
   std::uint64_t count() const override { return answers_.size(); }
-  std::uint32_t make_cycles() const override { return dsp_.host_ray_cycles() / 2; }
-  std::uint32_t take_cycles() const override { return frame_.lights() ? 0 : dsp_.returned_ray_cycles(); }
+  DspTask making(std::uint64_t i) const override {
+    return DspTask{.loop = &kPassRay}.with(in_batch(i, SdramUse::Kind::kRead));
+  }
+  DspTask taking(std::uint64_t i) const override {
+    return frame_.lights() ? DspTask{} : framebuffer_.task(answers_[i].u, answers_[i].v, false);
+  }
 
   // A ray that ends by its answer goes no further. What answers bring and take counts.
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
@@ -40,7 +42,6 @@ class ResumedRays : public RayByRaySource {
   std::span<const wire::Ray> answers_;
   const Frame& frame_;
   Framebuffer& framebuffer_;
-  const v1::DspConfig& dsp_;
 };
 
 }  // namespace gicube::emu

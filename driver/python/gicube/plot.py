@@ -36,7 +36,8 @@ _GROUPS = {
     "queue_empty": "rays",
     "link": "rays",
     "ray_bus": "rays",
-    "dsp": "rays",
+    "dsp_compute": "rays",
+    "sdram": "rays",
 }
 
 

@@ -28,11 +28,12 @@ PROCESSORS = "asic.processors"
 QUEUE = "asic.queue_rays"
 SHARED_MEMORY = {"rdram.processors_per_rdram": 2}
 SKEWED = {PARTITION: "skewed_block"}
-# What feeds the processors is no limit: a DSP 8 times as fast that sends runs of 64 rays, and links that take a ray a cycle.
-FAST_DSP = {"dsp.clock_khz": 1600000}
+# What feeds the processors is no limit: a DSP whose work takes no time, runs of 64 rays, and links that take a ray a cycle.
+IDEAL_DSP = {"ideal.dsp": 1}
 RUNS_OF_RAYS = {"dsp.run_rays": 64}
 WIDE_LINKS = {"link.bits": 256}
-FAST_FRONT_END = FAST_DSP | RUNS_OF_RAYS | WIDE_LINKS
+IDEAL_FRONT_END = IDEAL_DSP | RUNS_OF_RAYS | WIDE_LINKS
+EVEN = SKEWED | {"asic.skew_y": 2, "asic.skew_z": 7}  # on an 8 x 8 x 8 grid for 16 processors (docs/reference/hardware.md)
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class Run:
     step: float = 0.5  # voxels
     leap: bool = True
     jitter: bool = False
+    paper: bool = False  # on a board of the preset of the paper's operating point
     faint: bool = False  # no ray ever gets opaque: without early termination
     orthographic: bool = False
     light_rays: int = 0  # a face voxel, k, of the illumination pass before it (or that it is); 0 = none
@@ -65,14 +67,22 @@ class Run:
     def at_step(self, step):
         return self.but(step=step)
 
+    def at_paper(self):
+        """At the paper's operating point: steps of a voxel, of views jittered [P §2.1], on a board of its preset."""
+        return self.but(step=1, jitter=self.kind != "light", paper=True)
+
     def board(self):
         """Runs of one board share its volume and its light."""
         own = self.step if self.kind == "fill_block" else None  # its cache must be cold
-        return (self.faint, self.scene, self.dims, self.edge, self.light_rays, self.high_albedo, own, self.settings)
+        return (self.paper, self.faint, self.scene, self.dims, self.edge, self.light_rays, self.high_albedo, own, self.settings)
 
     def name(self):
         fields = [f"{field}={value}" for field, value in vars(self).items() if field not in ("scene", "settings") and value]
         return " ".join([self.scene, *fields, *(f"{field}={value}" for field, value in self.settings)])
+
+
+def at_paper(runs):
+    return [run.at_paper() for run in runs]
 
 
 def scanline(run, queue):

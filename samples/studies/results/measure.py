@@ -1,6 +1,7 @@
 """Carries out the runs of bench.py on emulated boards: several at a time, and only those that are not on file yet."""
 import functools
 import os
+import pathlib
 import threading
 from dataclasses import replace
 
@@ -11,13 +12,15 @@ from scenes import faint, make_view, normalise
 from studies.points import Kept
 from studies.runs import all_at_once
 
+PRESET = pathlib.Path(__file__).resolve().parents[3] / "board_emu/config/presets/paper.textproto"
 SCENES = threading.Lock()  # one is made at a time, and once
 scene_of = functools.cache(scenes.make_scene)
 
 
 def open_board(run):
     settings = "".join(f"&set={field}={value}" for field, value in run.settings)
-    return gicube.open(f"emu:?fidelity=cycle&threads=1{settings}")
+    preset = f"&config={PRESET}" if run.paper else ""
+    return gicube.open(f"emu:?fidelity=cycle&threads=1{preset}{settings}")
 
 
 def load(board, scene, be_faint):
@@ -115,7 +118,7 @@ def measure_board(runs, pictures):
 
 def kept_in(folder):
     """What was measured, for the same board, driver and scenes alone."""
-    return Kept(folder, [os.environ["GICUBE_BOARD"], gicube._core.__file__, __file__, scenes.__file__])
+    return Kept(folder, [os.environ["GICUBE_BOARD"], gicube._core.__file__, __file__, scenes.__file__, PRESET])
 
 
 def measure_boards(kept, jobs, pictures, boards):

@@ -19,6 +19,7 @@ class Claim(NamedTuple):
     paper: str
     ours: str
     why: str
+    half: str = "-"  # ours with half-voxel steps
 
 
 def differs(ours, low, high=None):
@@ -81,9 +82,9 @@ class Page:
 
     def claims(self):
         """All claims as a table, and a list of the reasons of those that differ."""
-        rows = [[str(each.number), each.claim, each.paper, each.ours, "no" if each.differs else "yes"] for each in self._claims]
+        rows = [[str(each.number), each.claim, each.paper, each.ours, each.half, "no" if each.differs else "yes"] for each in self._claims]
         reasons = "".join(f"- **{each.number}, {each.claim}**: {each.why}\n" for each in self._claims if each.differs)
-        table = self._table_text("claims", ["row", "claim (paper's section)", "paper", "ours", "within a quarter"], rows)
+        table = self._table_text("claims", ["row", "claim (paper's section)", "paper", "ours", "ours, half-voxel steps", "within a quarter"], rows)
         return f"{table}Differences of more than a quarter:\n\n{reasons}\n"
 
     def write_files(self, folder):

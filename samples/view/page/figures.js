@@ -10,7 +10,7 @@ export const kGroups = [
   { name: "memory", causes: ["memory_bank", "refresh"], colour: "#d55e00", why: "waits for the memory's banks" },
   { name: "latency", causes: ["latency"], colour: "#f0e442", why: "all its rays are on their way through the pipeline" },
   { name: "sorter", causes: ["sorter"], colour: "#0072b2", why: "rays wait in queues for the sorter" },
-  { name: "no rays", causes: ["queue_empty", "dsp"], colour: "#cc79a7", why: "others have the rays, or the DSP has not made them yet" },
+  { name: "no rays", causes: ["queue_empty", "dsp_compute", "sdram"], colour: "#cc79a7", why: "others have the rays, or the DSP has not made them yet" },
   { name: "ray bus, links", causes: ["ray_bus", "link"], colour: "#5b5b5b", why: "a ray waits for the ray bus or a link" },
   { name: "deposits", causes: ["splat"], colour: "#999999", why: "the cache is busy with deposits" },
   { name: "unknown", causes: ["unattributed"], colour: "#d0d0d0", why: "this level does not know the cause" },

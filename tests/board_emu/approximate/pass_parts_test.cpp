@@ -33,9 +33,9 @@ TEST(LongQueue, AnItemThatIsPutInMovesThoseBehindItBack) {
 TEST(PassTree, IsReadyWhenTheFirstOfAllLeavesIs) {
   PassTree tree(3);
   EXPECT_EQ(tree.ready(), kNoCycle);
-  tree.push(2, {40, 1, 2, false});
+  tree.push(2, {40, 1, 2});
   EXPECT_EQ(tree.ready(), 40u);
-  tree.push(0, {30, 2, 0, true});
+  tree.push(0, {30, 2, 0, Arrival::Kind::kOverflowed});
   EXPECT_EQ(tree.ready(), 30u);
   EXPECT_EQ(tree.pop(30).ray, 2u);
   EXPECT_EQ(tree.ready(), 40u);
@@ -47,7 +47,7 @@ TEST(PassTree, IsReadyWhenTheFirstOfAllLeavesIs) {
 TEST(PassTree, TakesFromBothSidesInTurns) {
   PassTree tree(4);
   for (std::uint32_t i = 0; i < 4; ++i) {
-    for (std::uint8_t processor = 0; processor < 3; ++processor) tree.push(processor, {10, processor, 0, false});
+    for (std::uint8_t processor = 0; processor < 3; ++processor) tree.push(processor, {10, processor, 0});
   }
   std::vector<std::uint32_t> order;
   for (int i = 0; i < 8; ++i) order.push_back(tree.pop(10).ray);
@@ -56,9 +56,9 @@ TEST(PassTree, TakesFromBothSidesInTurns) {
 
 TEST(PassTree, ALaterRayWaitsForNoTurn) {
   PassTree tree(2);
-  tree.push(0, {50, 0, 0, false});
-  tree.push(1, {20, 1, 1, false});
-  tree.push(1, {21, 2, 1, false});
+  tree.push(0, {50, 0, 0});
+  tree.push(1, {20, 1, 1});
+  tree.push(1, {21, 2, 1});
   EXPECT_EQ(tree.pop(20).ray, 1u);
   EXPECT_EQ(tree.pop(21).ray, 2u);
   EXPECT_EQ(tree.pop(50).ray, 0u);

@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "bare_board.h"
+#include "firmware/framebuffer.h"
+#include "firmware/viewing_rays.h"
 
 namespace gicube::emu {
 namespace {
@@ -253,7 +255,9 @@ TEST(BoardTime, RendersInDspTimeAndSendsTheImageInBusTime) {
                       returned = board.counter("pipeline.rays") - rays;
   EXPECT_EQ(made, 32u * 32u);
   EXPECT_GT(returned, 50u);
-  EXPECT_EQ(board.now_ps - begin, (28 + 3) * 30'000 + (20 * made + 8 * returned) * 5'000 + (1 + 3) * 30'000);
+  // Ten cycles a ray and four a pixel; 48 a row; each loop is begun once.
+  const std::uint64_t dsp = 10 * made + 4 * returned + 48 * 32 + kMakeViewingRay.setup() + kStorePixel.setup();
+  EXPECT_EQ(board.now_ps - begin, (28 + 3) * 30'000 + dsp * 5'000 + (1 + 3) * 30'000);
   const std::uint64_t before_read = board.now_ps;
   board.read_memory(wire::kFramebuffer.base, 32 * 32 * 9 / 2);
   EXPECT_EQ(board.now_ps - before_read, (4 + 3) * 30'000 + (4 * 259 + 128 + 3) * 30'000);

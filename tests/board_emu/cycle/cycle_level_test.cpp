@@ -158,8 +158,7 @@ void expect_kept(const Board::Snapshot& seen) {
 
 TEST(CycleLevel, WhoAsksInMidCommandSeesRaysWaitAndWhoAsksLaterSeesItsEnd) {
   v1::BoardConfig config = cycle_config();
-  config.mutable_dsp()->set_viewing_ray_cycles(0);  // rays come faster than they are traced
-  config.mutable_dsp()->set_returned_ray_cycles(0);
+  config.mutable_ideal()->set_dsp(1);  // rays come faster than they are traced
   BareBoard board(config);
   load_cloud(board, {30, 30, 30});
   EXPECT_TRUE(board.snapshot().machine.processors.empty()) << "no command has come";

@@ -1,4 +1,4 @@
-// Which samples of a lighting ray write their eight voxels: traffic and time alone depend on it.
+// Which samples of a lighting ray write their eight voxels, and when those go to memory: traffic and time alone depend on it.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -11,13 +11,16 @@ namespace {
 
 struct Pass {
   RayCounters rays;
-  std::uint64_t deposits = 0, carriers = 0, tiles = 0;
+  std::uint64_t deposits = 0, carriers = 0;
+  WriteCounters tiles{};
+  std::uint64_t written = 0;  // packets, to the memories
   Cycle cycles = 0;
   std::vector<std::uint32_t> irradiance;
 };
 
 // Light from above through a box of which one half, in x, is fog.
-Pass light(const char* rule, int block_voxels) {
+Pass light(const char* rule, int block_voxels, const char* policy = "combining", const char* ways = "1",
+           const char* packing = "with_voxels") {
   LitScene lit({16, 16, 16}, block_voxels, false);
   lit.scene.fill([](int x, int, int) { return wire::Voxel{0, 0, static_cast<std::uint8_t>(x < 8 ? 1 : 0), 0}; });
   lit.medium(0.05, 0, wire::Bsdf::kNone, 1);
@@ -26,9 +29,10 @@ Pass light(const char* rule, int block_voxels) {
   lit.scene.set_depths();
   const LightingRays maker = lit.rays(command);
   const v1::BoardConfig config =
-      config_with({std::string("cache.splat_rule=") + rule, "asic.processors=2", "asic.partition=skewed_block",
-                   "asic.block_voxels=" + std::to_string(block_voxels)});
-  LightRays rays(maker, lit.scene.frame, config.dsp());
+      config_with({std::string("cache.splat_rule=") + rule, std::string("cache.write_policy=") + policy,
+                   std::string("cache.ways=") + ways, std::string("cache.irradiance=") + packing, "asic.processors=2",
+                   "asic.partition=skewed_block", "asic.block_voxels=" + std::to_string(block_voxels)});
+  LightRays rays(maker, lit.scene.frame);
   Machine machine(config, lit.scene.volume.blocks());
   Progress work;
   Pass pass;
@@ -37,8 +41,11 @@ Pass light(const char* rule, int block_voxels) {
   for (const auto& processor : machine.processors()) {
     pass.deposits += processor->splats().counters().deposits;
     pass.carriers += processor->splats().counters().carriers;
-    pass.tiles += processor->writes().counters().tiles;
+    pass.tiles.tiles += processor->writes().counters().tiles;
+    pass.tiles.combined += processor->writes().counters().combined;
+    pass.tiles.fetches += processor->writes().counters().fetches;
   }
+  for (const auto& memory : machine.memories()) pass.written += memory->channel().counters().packets_written;
   for (int z = 0; z < 16; ++z) {
     for (int y = 0; y < 16; ++y) {
       for (int x = 0; x < 16; ++x) pass.irradiance.push_back(lit.irradiance_at(x, y, z));
@@ -56,8 +63,8 @@ TEST(SplatRule, DecidesWhichSamplesWriteInABlockThatHasNoNeighbours) {
   EXPECT_LT(visible.deposits, all.deposits);
   // A tile is 2 x 2 x 1 voxels: eight lie in two tiles at least and in eight at most.
   for (const Pass* pass : {&visible, &all}) {
-    EXPECT_GT(pass->tiles, 2 * pass->deposits);
-    EXPECT_LT(pass->tiles, 8 * pass->deposits);
+    EXPECT_GT(pass->tiles.tiles, 2 * pass->deposits);
+    EXPECT_LT(pass->tiles.tiles, 8 * pass->deposits);
   }
 }
 
@@ -84,6 +91,55 @@ TEST(SplatRule, SendsEveryWriteToTheNeighboursThatHaveCopies) {
   EXPECT_GT(all.carriers, units.carriers);
   EXPECT_GE(all.deposits, all.rays.samples);
   EXPECT_LE(all.deposits, all.rays.samples + all.carriers);
+}
+
+TEST(WritePolicy, ChangesNoIrradianceAndNoLedgerAndWritesEachTileThatHasChanged) {
+  for (const int block_voxels : {8, 16}) {
+    for (const char* ways : {"1", "2"}) {
+      SCOPED_TRACE(ways);
+      const Pass combining = light("all_samples", block_voxels, "combining", ways),
+                 through = light("all_samples", block_voxels, "write_through", ways),
+                 back = light("all_samples", block_voxels, "write_back", ways);
+      for (const Pass* pass : {&through, &back}) {
+        EXPECT_EQ(pass->irradiance, combining.irradiance);
+        EXPECT_EQ(pass->rays.energy.deposited.kept, combining.rays.energy.deposited.kept);
+        EXPECT_EQ(pass->written, pass->tiles.tiles - pass->tiles.combined);
+      }
+      EXPECT_EQ(through.tiles.combined, 0u);
+      EXPECT_LT(combining.written, through.written);
+      EXPECT_LT(back.written, combining.written);
+    }
+  }
+}
+
+// Nothing takes the place of a tile of the one block, so each is written once, at the end.
+TEST(WritePolicy, BackWritesEachTileOfAVolumeThatFitsTheCacheOnce) {
+  const Pass back = light("all_samples", 16, "write_back");
+  EXPECT_GT(back.tiles.tiles, 10'000u);
+  EXPECT_LE(back.written, 9u * 9 * 17);
+  EXPECT_GT(back.written, 8u * 8 * 16 * 9 / 10);
+}
+
+TEST(IrradiancePacking, ChangesNoIrradianceAndNoLedgerUnderAnyRuleAndPolicy) {
+  for (const char* rule : {"whole_units", "all_samples"}) {
+    const Pass voxels = light(rule, 8);
+    for (const char* policy : {"combining", "write_through", "write_back"}) {
+      SCOPED_TRACE(policy);
+      const Pass cells = light(rule, 8, policy, "2", "in_cells");
+      EXPECT_EQ(cells.irradiance, voxels.irradiance);
+      EXPECT_EQ(cells.rays.energy.deposited.kept, voxels.rays.energy.deposited.kept);
+      EXPECT_EQ(cells.rays.energy.escaped, voxels.rays.energy.escaped);
+      EXPECT_EQ(cells.written, cells.tiles.tiles - cells.tiles.combined);
+    }
+  }
+}
+
+// Of 2 x 2 x 2 voxels at any place (3/2)^3 = 3.4 cells have some in the mean, and (3/2)^2 * 2 = 4.5 tiles.
+TEST(IrradiancePacking, OfCellsWritesThreeQuartersOfThePacketsOfTiles) {
+  const Pass tiles = light("all_samples", 16, "write_through"),
+             cells = light("all_samples", 16, "write_through", "1", "in_cells");
+  EXPECT_EQ(cells.deposits, tiles.deposits);
+  EXPECT_NEAR(static_cast<double>(cells.written) / static_cast<double>(tiles.written), 0.75, 0.05);
 }
 
 }  // namespace

@@ -20,12 +20,11 @@ void expect_rays_in_the_middle(int pixels) {
   wire::RenderCommand view = corner_view({17, 17, 17}, pixels);
   Frame frame;
   frame.extent = {16 << 14, 16 << 14, 16 << 14};
-  const v1::DspConfig dsp;
   for (const auto& [samples, first, step] : {std::array{1, 8, 16}, {2, 4, 8}, {4, 2, 4}}) {
     view.samples_per_axis = static_cast<std::uint8_t>(samples);
     Framebuffer framebuffer;
     framebuffer.clear(pixels, pixels, wire::Filter::kBox);
-    ImageRays rays(view, frame, framebuffer, dsp);
+    ImageRays rays(view, frame, framebuffer);
     ASSERT_EQ(rays.count(), static_cast<std::uint64_t>(pixels * pixels * samples * samples));
     RayCounters counters;
     const int across = pixels * samples;
@@ -60,14 +59,13 @@ TEST(ImageRays, LieInTheMiddleOfTheirPlaceInThePixel) {
 TEST(ImageRays, AreMadeInTilesThatCoverTheImage) {
   Frame frame;
   frame.extent = {16 << 14, 16 << 14, 16 << 14};
-  const v1::DspConfig dsp;
   for (const auto& [width, height, tiles] :
        {std::array{1, 1, 1}, {16, 16, 1}, {17, 16, 2}, {16, 17, 2}, {18, 33, 6}, {33, 18, 6}, {100, 1, 7}}) {
     wire::RenderCommand view = corner_view({17, 17, 17}, 16);
     view.width = static_cast<std::uint16_t>(width);
     view.height = static_cast<std::uint16_t>(height);
     Framebuffer framebuffer;
-    ImageRays rays(view, frame, framebuffer, dsp);
+    ImageRays rays(view, frame, framebuffer);
     EXPECT_EQ(rays.divide(1000), static_cast<std::size_t>(tiles)) << width << " x " << height;
   }
 }

@@ -26,9 +26,10 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   SCOPED_TRACE(text(assignments));
   const v1::BoardConfig config = config_with(assignments);
 
-  const Picture expected = functional_picture(scene, view);
+  const RunRules runs = runs_of(config);
+  const Picture expected = functional_picture(scene, view, runs);
   Machine machine(config, scene.volume.blocks());
-  const Picture picture = cycle_picture(scene, view, config, machine);
+  const Picture picture = cycle_picture(scene, view, machine, runs);
   EXPECT_EQ(picture.pixels, expected.pixels);
   EXPECT_EQ(picture.rays.rays, expected.rays.rays);
   EXPECT_EQ(picture.rays.samples, expected.rays.samples);
@@ -61,7 +62,7 @@ TEST_P(RandomMachine, GivesTheBitsOfTheFunctionalLevelAndAccountsForEveryRayAndC
   // Ticking in another order changes neither bits nor cycles, and a second frame finds warm caches.
   Machine shuffled(config, scene.volume.blocks());
   shuffled.shuffle_ticks(GetParam() + 1);
-  const Picture again = cycle_picture(scene, view, config, shuffled);
+  const Picture again = cycle_picture(scene, view, shuffled, runs);
   EXPECT_EQ(again.pixels, expected.pixels);
   EXPECT_EQ(again.ran.cycles, picture.ran.cycles);
   std::vector<wire::Ray> shuffled_rays = rays;
@@ -83,7 +84,7 @@ TEST(BlockSize, ChangesNoBitWithoutLeaping) {
       const v1::BoardConfig config = config_with({"asic.block_voxels=" + std::to_string(n), "asic.processors=3",
                                                   "asic.partition=skewed_block", "asic.max_volume_voxels=128"});
       Machine machine(config, scene.volume.blocks());
-      const Picture picture = cycle_picture(scene, view, config, machine);
+      const Picture picture = cycle_picture(scene, view, machine);
       if (expected.empty()) expected = functional_picture(scene, view).pixels;
       EXPECT_EQ(picture.pixels, expected) << "n = " << n << ", seed " << seed;
     }

@@ -152,7 +152,7 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   scene.set_depths();
   const unsigned bits = wide ? 24 : light.albedo == wire::Albedo::kHigh ? 4 : 8;
   const LightingRays maker(light, frame.extent, frame.spacing, bits, frame.seed);
-  LightRays rays(maker, frame, config.dsp());
+  LightRays rays(maker, frame);
 
   Irradiance expected(scene, wide), held(scene, wide), shuffled_held(scene, wide);
   Progress work;
@@ -204,7 +204,8 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   if (wide) scene.widen();
   const wire::RenderCommand view = draw_view(scene, dice);
   const RayCounters before = ray_counters(machine);
-  const Picture picture = cycle_picture(scene, view, config, machine), functional = functional_picture(scene, view);
+  const RunRules runs = runs_of(config);
+  const Picture picture = cycle_picture(scene, view, machine, runs), functional = functional_picture(scene, view, runs);
   EXPECT_EQ(picture.pixels, functional.pixels);
   expect_equal(ray_counters(machine) - before, functional.rays);
 }

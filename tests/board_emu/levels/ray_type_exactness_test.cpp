@@ -95,6 +95,7 @@ TEST_P(RayTypesOnRandomMachines, GiveTheBitsOfTheFunctionalLevel) {
   std::vector<std::string> assignments = draw_machine(dice, n);
   const bool wide = dice.chance(50);
   assignments.push_back(wide ? "asic.datapath=wide" : "asic.datapath=paper");
+  if (wide) assignments.push_back("cache.irradiance=with_voxels");  // wide words do not fit a cell's packet
   assignments.push_back("asic.max_volume_voxels=64");
   assignments.push_back("threads=1");
   SCOPED_TRACE(text(assignments));

@@ -29,7 +29,7 @@ ReadTrace traced(const v1::BoardConfig& config, Machine& machine, int frames = 1
     machine.set_observer(&trace);
     for (int i = 0; i < frames; ++i) {
       trace.begin(at, config);
-      cycle_picture(scene, corner_view(kObservedSize, 24), config, machine);
+      cycle_picture(scene, corner_view(kObservedSize, 24), machine);
       trace.end();
       at = trace.end_ps() + 1'000'000;
     }
@@ -39,8 +39,7 @@ ReadTrace traced(const v1::BoardConfig& config, Machine& machine, int frames = 1
 }
 
 TEST(MachineTrace, TheCausesOfATrackAreTheCountersOfTheProcessor) {
-  for (const auto& more :
-       std::vector<std::vector<std::string>>{{}, {"sorter.queues=single"}, {"dsp.viewing_ray_cycles=900"}}) {
+  for (const auto& more : std::vector<std::vector<std::string>>{{}, {"sorter.queues=single"}, {"dsp.clock_khz=4000"}}) {
     const v1::BoardConfig config = observed_config(more);
     Machine machine(config, {3, 3, 3});
     const ReadTrace trace = traced(config, machine);
@@ -131,7 +130,7 @@ TEST(MachineTrace, CommandsFollowOneAnotherAndMachinesToo) {
       machine.set_observer(&trace);
       for (int frame = 0; frame < 2; ++frame) {
         trace.begin(at, config);
-        cycle_picture(scene, corner_view(kObservedSize, 12), config, machine);
+        cycle_picture(scene, corner_view(kObservedSize, 12), machine);
         trace.end();
         at = trace.end_ps() + 1'000'000;
       }
@@ -148,8 +147,7 @@ TEST(MachineTrace, ObservingChangesNoBitAndNoCycle) {
   class Nothing : public Observer {
     void see(Cycle, const Machine&) override {}
   };
-  for (const auto& more :
-       std::vector<std::vector<std::string>>{{}, {"dsp.viewing_ray_cycles=900"}, {"dsp.run_rays=8"}}) {
+  for (const auto& more : std::vector<std::vector<std::string>>{{}, {"dsp.clock_khz=4000"}, {"dsp.run_rays=8"}}) {
     const v1::BoardConfig config = observed_config(more);
     const ObservedScene scene;
     const wire::RenderCommand view = corner_view(kObservedSize, 24);
@@ -157,7 +155,8 @@ TEST(MachineTrace, ObservingChangesNoBitAndNoCycle) {
     Nothing nothing;
     observed.set_observer(&nothing);
     for (int frame = 0; frame < 2; ++frame) {
-      const Picture a = cycle_picture(scene, view, config, plain), b = cycle_picture(scene, view, config, observed);
+      const RunRules runs = runs_of(config);
+      const Picture a = cycle_picture(scene, view, plain, runs), b = cycle_picture(scene, view, observed, runs);
       EXPECT_EQ(a.pixels, b.pixels);
       EXPECT_EQ(a.ran.cycles, b.ran.cycles);
     }

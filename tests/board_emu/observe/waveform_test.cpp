@@ -99,7 +99,7 @@ Recorded record(const v1::BoardConfig& config, const CycleWindow& window) {
     Both both(recorded.recorder, waveform);
     Machine machine(config, {3, 3, 3});
     machine.set_observer(&both);
-    cycle_picture(scene, corner_view(kObservedSize, 16), config, machine);
+    cycle_picture(scene, corner_view(kObservedSize, 16), machine);
     recorded.cycles = machine.now();
   }
   recorded.vcd = read_vcd(read_text(folder.file("v")));
@@ -126,7 +126,7 @@ TEST(Waveform, HasTheValuesThatAnotherObserverSees) {
 
 TEST(Waveform, ShowsCyclesInWhichOnlyTheDspWorks) {
   const CycleWindow window{0, 5000};
-  const Recorded recorded = record(observed_config({"dsp.viewing_ray_cycles=900"}), window);
+  const Recorded recorded = record(observed_config({"dsp.clock_khz=4000"}), window);
   EXPECT_EQ(recorded.recorder.cycles.size(), recorded.cycles);  // not one is left out
   expect_same(recorded, window, 1);
 }
@@ -166,7 +166,7 @@ TEST(Waveform, IsOfOneMachine) {
     for (int i = 0; i < 2; ++i) {
       Machine machine(config, {3, 3, 3});
       machine.set_observer(&waveform);
-      cycle_picture(scene, corner_view(kObservedSize, 12), config, machine);
+      cycle_picture(scene, corner_view(kObservedSize, 12), machine);
       if (i == 0) first = machine.now();
     }
   }

@@ -54,7 +54,7 @@ class LitScene {
     scene.set_depths();
     const LightingRays maker = rays(command);
     const v1::DspConfig dsp;
-    LightRays source(maker, scene.frame, dsp);
+    LightRays source(maker, scene.frame);
     return run_functional(source, scene.frame, threads).rays;
   }
   std::uint32_t irradiance_at(int x, int y, int z) const {

@@ -57,23 +57,23 @@ RunResult run_functional(RaySource& rays, const Frame& frame, unsigned threads) 
   return level.run(rays, frame, progress);
 }
 
-Picture functional_picture(const Scene& scene, const wire::RenderCommand& view) {
+RunRules runs_of(const v1::BoardConfig& config) { return {config.dsp().run_rays(), config.dsp().run_error()}; }
+
+Picture functional_picture(const Scene& scene, const wire::RenderCommand& view, const RunRules& runs) {
   Picture picture;
   Framebuffer framebuffer;
-  const v1::DspConfig dsp;
-  ImageRays rays(view, scene.frame, framebuffer, dsp);
+  ImageRays rays(view, scene.frame, framebuffer, runs);
   picture.rays = run_functional(rays, scene.frame).rays;
   picture.pixels = framebuffer.packed();
   return picture;
 }
 
-Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const v1::BoardConfig& config,
-                      Machine& machine) {
+Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs) {
   Picture picture;
   Framebuffer framebuffer;
   Progress progress;
   const RayCounters before = ray_counters(machine);
-  ImageRays rays(view, scene.frame, framebuffer, config.dsp());
+  ImageRays rays(view, scene.frame, framebuffer, runs);
   picture.ran = machine.run(rays, scene.frame, progress);
   picture.pixels = framebuffer.packed();
   picture.rays = ray_counters(machine) - before;
@@ -81,12 +81,12 @@ Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const
 }
 
 RayCounters trace_functional(std::span<wire::Ray> rays, const Frame& frame) {
-  HostRays source(rays, frame, true, {});
+  HostRays source(rays, frame, true);
   return run_functional(source, frame).rays;
 }
 
-RunResult trace_cycle(std::span<wire::Ray> rays, const Frame& frame, Machine& machine, const HostRays::Cycles& cycles) {
-  HostRays source(rays, frame, true, cycles);
+RunResult trace_cycle(std::span<wire::Ray> rays, const Frame& frame, Machine& machine) {
+  HostRays source(rays, frame, true);
   Progress progress;
   return machine.run(source, frame, progress);
 }

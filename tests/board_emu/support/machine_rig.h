@@ -13,6 +13,7 @@
 #include "cycle/machine_counters.h"
 #include "datapath/ray_part.h"
 #include "firmware/ray_sources/host_rays.h"
+#include "firmware/viewing_runs.h"
 #include "functional/functional_level.h"
 #include "gicube/wire/registers.h"
 #include "gicube/wire/voxel.h"
@@ -76,13 +77,12 @@ struct Picture {
 
 // By the functional level, one ray after the other.
 RunResult run_functional(RaySource& rays, const Frame& frame, unsigned threads = 1);
-Picture functional_picture(const Scene& scene, const wire::RenderCommand& view);
-Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, const v1::BoardConfig& config,
-                      Machine& machine);
+Picture functional_picture(const Scene& scene, const wire::RenderCommand& view, const RunRules& runs = {});
+Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs = {});
+RunRules runs_of(const v1::BoardConfig& config);
 
 // Host rays, in place.
 RayCounters trace_functional(std::span<wire::Ray> rays, const Frame& frame);
-RunResult trace_cycle(std::span<wire::Ray> rays, const Frame& frame, Machine& machine,
-                      const HostRays::Cycles& cycles = {6, 6});
+RunResult trace_cycle(std::span<wire::Ray> rays, const Frame& frame, Machine& machine);
 
 }  // namespace gicube::emu

@@ -67,6 +67,7 @@ const char* any_of(const google::protobuf::EnumDescriptor& values, Dice& dice) {
 std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
   const auto set = [](const char* field, auto value) { return std::string(field) + '=' + std::to_string(value); };
   const auto name = [](const char* field, const char* value) { return std::string(field) + '=' + value; };
+  const bool in_cells = dice.chance(30);
   return {
       set("asic.block_voxels", block_voxels),
       set("asic.processors", dice.number(1, 16)),
@@ -80,17 +81,21 @@ std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
       set("pipeline.prefetch_stages", dice.one_of({1, 3, 16, 40})),
       set("pipeline.compute_stages", dice.one_of({1, 5, 16})),
       set("cache.ways", dice.one_of({1, 1, 2, 8})),
-      set("cache.miss_packets", dice.one_of({8, 32, 100})),
+      set("cache.miss_packets", dice.one_of({in_cells ? 16 : 8, 32, 100})),
+      name("cache.irradiance", in_cells ? "in_cells" : "with_voxels"),
       name("cache.splat_rule", any_of(*v1::SplatRule_descriptor(), dice)),
+      name("cache.write_policy", any_of(*v1::WritePolicy_descriptor(), dice)),
       set("link.bits", dice.one_of({1, 8, 32, 256})),
       set("link.rays", dice.one_of({2, 4})),
       set("rdram.processors_per_rdram", dice.number(1, 2)),
       set("rdram.clocks_per_core_cycle", dice.one_of({1, 4, 8})),
       set("rdram.refresh_interval", dice.one_of({0, 100, 781})),
-      set("dsp.viewing_ray_cycles", dice.one_of({0, 2, 20})),
-      set("dsp.returned_ray_cycles", dice.one_of({0, 8})),
-      set("dsp.overflow_ray_cycles", dice.one_of({0, 1, 12})),
+      set("dsp.overflow_rays", dice.one_of({1, 7, 300, 65'536})),
+      set("sdram.dsp_cycles_per_clock", dice.one_of({1, 2, 7})),
+      set("sdram.t_rcd", dice.one_of({1, 2, 9})),
+      set("ideal.dsp", dice.one_of({0, 0, 1})),
       set("dsp.run_rays", dice.one_of({0, 0, 4, 64})),
+      set("dsp.run_error", dice.one_of({1, 1'024, 16'384})),
       set("ideal.memory", dice.chance(10) ? 1 : 0),
       set("ideal.queues", dice.chance(10) ? 1 : 0),
       set("ideal.sorter", dice.chance(10) ? 1 : 0),

@@ -14,7 +14,7 @@ constexpr double kHeaderDwords = wire::kTraceHeaderBytes / 4.0;  // of each comm
 // One by one: a batch of n rays comes down with its header, passes the DSP, goes up, and nothing else happens meanwhile.
 double one_by_one_ps(const BusForm& bus, double n) {
   const double dwords = kDwordsPerRay * n;
-  return bus.down_ps(dwords + kHeaderDwords, bus.down) + kDspPsPerRay * n + bus.up_ps(dwords, bus.up);
+  return bus.down_ps(dwords + kHeaderDwords, bus.down) + kDspPsPerBatch + kDspPsPerRay * n + bus.up_ps(dwords, bus.up);
 }
 
 // In a stream the bus is the narrowest stage: each batch costs it its bursts down and its bursts up, which take turns.

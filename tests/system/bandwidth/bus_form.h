@@ -8,8 +8,9 @@
 
 namespace gicube::bandwidth {
 
-inline constexpr double kDwordsPerRay = 8;      // 32 bytes, each way
-inline constexpr double kDspPsPerRay = 60'000;  // 12 DSP cycles of 5 ns, there and back
+inline constexpr double kDwordsPerRay = 8;        // 32 bytes, each way
+inline constexpr double kDspPsPerRay = 80'000;    // 16 DSP cycles of 5 ns, there and back
+inline constexpr double kDspPsPerBatch = 70'000;  // 14, to begin with the loop
 
 // The longest burst of one direction.
 struct Burst {

@@ -1,5 +1,5 @@
 """Global illumination: passes of lighting rays, and the frames that they light."""
-from bench import FAST_DSP, FAST_FRONT_END, LIT_SCENES, QUEUE, SHARED_MEMORY, SKEWED, WIDE_LINKS, cells
+from bench import IDEAL_DSP, IDEAL_FRONT_END, LIT_SCENES, PROCESSORS, QUEUE, SHARED_MEMORY, SKEWED, WIDE_LINKS, at_paper, cells
 from figures import (Measurement, asic_ms, deposits_a_sample, frame_ms, issued_in_short_residencies, mean_of, memory_gb_s, memory_turnaround,
                      memory_use, memory_use_uncombined, milliseconds, rate_hz, ratio, residencies, samples_per_second,
                      scatterings_a_ray, tiles_a_deposit, tiles_combined)
@@ -7,6 +7,7 @@ from page import differs, number, percent
 
 BALL = "mirror-buckyball"
 PAPER_SAMPLES = 122e6  # a second, lighting [P §5.1]
+EVERY_SAMPLE = {"cache.splat_rule": "all_samples"}
 PAPER_USE = 0.92  # of the memory interface, lighting [P §3.6]
 
 
@@ -41,40 +42,37 @@ def illumination(bench, page):
     memory_claims(bench, page)
 
 
-def at_voxel_steps(bench):
-    """Passes in low albedo with samples a voxel apart."""
-    return [run.at_step(1) for run in bench.lights()]
-
-
 def sample_claims(bench, page):
-    low, high, seen, apart = (bench.spread(runs, samples_per_second)
-                              for runs in (bench.lights(), bench.lights(True), bench.lit_scenes(), at_voxel_steps(bench)))
-    page.claim("2 lighting", differs(low.mean, PAPER_SAMPLES) or differs(high.mean, PAPER_SAMPLES), low=low.text(1e6, 0), high=high.text(1e6, 0),
-               lost=bench.lost_cycles(bench.lights()), apart=apart.text(1e6, 0))
-    page.claim("2 scattered", differs(seen.mean, 231e6), seen=seen.text(1e6, 0), lost=bench.lost_cycles(bench.lit_scenes()))
+    def text(spread):
+        return spread.text(1e6, 0)
+    low, high, seen = (bench.spread(at_paper(runs), samples_per_second) for runs in (bench.lights(), bench.lights(True), bench.lit_scenes()))
+    half_low, half_high, half_seen = (bench.spread(runs, samples_per_second) for runs in (bench.lights(), bench.lights(True), bench.lit_scenes()))
+    page.claim("2 lighting", differs(low.mean, PAPER_SAMPLES) or differs(high.mean, PAPER_SAMPLES), low=text(low), high=text(high),
+               half_low=text(half_low), half_high=text(half_high), lost=bench.lost_cycles(at_paper(bench.lights())))
+    page.claim("2 scattered", differs(seen.mean, 231e6), seen=text(seen), half=text(half_seen), lost=bench.lost_cycles(at_paper(bench.lit_scenes())))
 
 
 def mirrors_claim(bench, page):
     """Volume rendering with reflections: no illumination pass, the reflectance map lights it."""
     size = bench.image * 300 // 256
-    run = bench.lit("mirror-head").but(light_rays=0, width=size, height=size)
-    m, apart = bench.get(run), bench.get(run.at_step(1))
+    half = bench.lit("mirror-head").but(light_rays=0, width=size, height=size)
+    run = half.at_paper()
+    m = bench.get(run)
     page.claim(3, differs(frame_ms(m), 22.7), size=size, ms=frame_ms(m), asic=asic_ms(m), samples=millions(m, "processor.samples"),
-               scatterings=100 * scatterings_a_ray(m), bus=frame_ms(m) - asic_ms(m), apart_ms=frame_ms(apart),
-               apart_samples=millions(apart, "processor.samples"), fast=frame_ms(bench.get(run.at_step(1).on(FAST_FRONT_END))),
-               lost=bench.lost_cycles([run]))
+               scatterings=100 * scatterings_a_ray(m), bus=frame_ms(m) - asic_ms(m), half_ms=frame_ms(bench.get(half)),
+               fast=frame_ms(bench.get(run.on(IDEAL_FRONT_END))), lost=bench.lost_cycles([run]))
 
 
 def memory_claims(bench, page):
-    low, apart, fog = bench.lights(), at_voxel_steps(bench), bench.light("fog-box")
-    fine, coarse = bench.get(fog.on({"asic.datapath": "wide"})), bench.get(fog.at_step(1))
+    low, half, fog = at_paper(bench.lights()), bench.lights(), bench.light("fog-box").at_paper()
+    every = bench.get(fog.on(EVERY_SAMPLE))
     memory, use = bench.spread(low, memory_gb_s), bench.spread(low, memory_use)
-    page.claim("5 lighting", differs(memory.mean, 4.6), memory=memory.text(1, 1), apart=bench.spread(apart, memory_gb_s).text(1, 1),
+    page.claim("5 lighting", differs(memory.mean, 4.6), memory=memory.text(1, 1), half=bench.spread(half, memory_gb_s).text(1, 1),
                deposits=100 * bench.mean(low, deposits_a_sample), tiles=bench.mean(low, tiles_a_deposit),
-               combined=bench.mean(low, tiles_combined), uncombined=bench.mean(low, memory_use_uncombined), fine_use=memory_use(fine),
-               turnaround=memory_turnaround(fine), fine_samples=samples_per_second(fine) * 1e-6, coarse=memory_gb_s(coarse),
-               coarse_use=memory_use(coarse))
-    page.claim("6 lighting", differs(use.mean, PAPER_USE), use=use.text(0.01, 0), apart=bench.spread(apart, memory_use).text(0.01, 0))
+               combined=bench.mean(low, tiles_combined), fog=memory_gb_s(bench.get(fog)), fog_use=memory_use(bench.get(fog)),
+               every=memory_gb_s(every), every_use=memory_use(every), every_samples=samples_per_second(every) * 1e-6,
+               turnaround=memory_turnaround(every))
+    page.claim("6 lighting", differs(use.mean, PAPER_USE), use=use.text(0.01, 0), half=bench.spread(half, memory_use).text(0.01, 0))
 
 
 def light_sweep(bench, page):
@@ -86,7 +84,7 @@ def light_sweep(bench, page):
 
 def rays_claim(bench, page):
     paper_pass, paper_rate = 361, 39  # ms, Hz
-    counts = (1, 2, 3)  # rays a face voxel, k
+    counts = (1, 2, 3, 4)  # rays a face voxel, k
     rows = []
     times = {"low albedo": [], "high albedo": [], "paper": len(counts) * [paper_pass]}
     for k in counts:
@@ -101,27 +99,36 @@ def rays_claim(bench, page):
     common = ["M samples/s", "memory in use", "steps in short residencies", "energy clipped"]
     page.table("light-rays-table", ["k", "low: M rays", "ms", *common, "high: ms", *common], rows)
 
-    def nearest(high_albedo):
-        return min(counts, key=lambda k: abs(frame_ms(bench.get(bench.light(BALL, k, high_albedo))) - paper_pass))
+    low, high = ([bench.light(BALL, k, albedo) for k in counts] for albedo in (False, True))
 
-    low, high = nearest(False), nearest(True)
-    low_ms, high_ms = frame_ms(bench.get(bench.light(BALL, low))), frame_ms(bench.get(bench.light(BALL, high, True)))
+    def nearest(runs):
+        times = bench.over(runs, frame_ms)
+        best = min(times, key=lambda ms: abs(ms - paper_pass))
+        return best, counts[times.index(best)]
+
     run = bench.lit(BALL)
-    frame, apart = bench.get(run), bench.get(run.at_step(1))
-    page.claim(4, differs(low_ms, paper_pass) or differs(rate_hz(frame), paper_rate), low=low, low_ms=low_ms, high=high, high_ms=high_ms,
-               rate=rate_hz(frame), apart_rate=rate_hz(apart), samples=millions(frame, "processor.samples"),
-               apart_samples=millions(apart, "processor.samples"), ray_ms=low_ms / low, lost=bench.lost_cycles([run]))
+    (low_ms, low_k), (high_ms, high_k), (half_ms, half_k) = map(nearest, (at_paper(low), at_paper(high), low))
+    rate, m = rate_hz(bench.get(run.at_paper())), bench.get(run.at_paper())
+    page.claim(4, differs(low_ms, paper_pass) or differs(rate, paper_rate), low=low_k, low_ms=low_ms, high=high_k, high_ms=high_ms, rate=rate,
+               half_ms=half_ms, half_k=half_k, half_rate=rate_hz(bench.get(run)), samples=millions(m, "processor.samples"), ray_ms=low_ms / low_k)
 
 
 def parameters(bench, page):
     variants = {"design point": {}}
     variants |= {f"{n} changed tiles wait": {"cache.write_packets": n} for n in (64, 1024)}
-    variants |= {f"{n} DSP cycles a lighting ray": {"dsp.lighting_ray_cycles": n} for n in (15, 120)}
+    variants |= {f"DSP of {mhz} MHz": {"dsp.clock_khz": 1000 * mhz} for mhz in (100,)} | {"ideal DSP": IDEAL_DSP}
     variants |= {f"{n} compute stages": {"pipeline.compute_stages": n} for n in (4, 32)}
-    variants |= {"queues of 1024 rays": {QUEUE: 1024}, "skewed blocks": SKEWED,
-                 "skewed blocks, DSP 8 times as fast, wide links": SKEWED | FAST_DSP | WIDE_LINKS,
-                 "wide datapath: energies of 24 bits": {"asic.datapath": "wide"}, "two processors share an RDRAM": SHARED_MEMORY,
-                 "perfect memory": {"ideal.memory": 1}, "voxel steps": {}, "voxel steps, two processors share an RDRAM": SHARED_MEMORY}
+    variants |= {"32768 rays under way": {"dsp.overflow_rays": 32768}, "queues of 1024 rays": {QUEUE: 1024}, "skewed blocks": SKEWED,
+                 "skewed blocks, ideal DSP, wide links": SKEWED | IDEAL_DSP | WIDE_LINKS, "wide datapath: energies of 24 bits": {"asic.datapath": "wide"},
+                 "two processors share an RDRAM": SHARED_MEMORY, "perfect memory": {"ideal.memory": 1}, "voxel steps": {},
+                 "voxel steps, two processors share an RDRAM": SHARED_MEMORY}
+    # Which samples write the eight voxels round them, where irradiance lies, and when it is written.
+    rules = {"visible samples": {"cache.splat_rule": "visible_samples"}, "all samples": EVERY_SAMPLE}
+    places = {"": {}, ", in cells": {"cache.irradiance": "in_cells"}}
+    policies = {"": {}, ", written through": {"cache.write_policy": "write_through"}, ", written back": {"cache.write_policy": "write_back"}}
+    variants |= {f"voxel steps, {rule}{place}": rules[rule] | places[place] for rule in rules for place in places}
+    variants |= {f"voxel steps, all samples{place}{policy}": EVERY_SAMPLE | places[place] | policies[policy]
+                 for place in places for policy in policies if policy}
     others = {"ms": lambda m: number(asic_ms(m)), "combined": lambda m: percent(tiles_combined(m)),
               "short residencies": lambda m: percent(issued_in_short_residencies(m), 1)}
     columns = ["ms", "M samples/s", "memory GB/s", "memory in use", "combined", "short residencies"]
@@ -183,10 +190,13 @@ def block_loads(bench, page):
     page.table("block-loads", ["scene", "part", "block loads", "steps a load", "steps in residencies of 32 or more", "loads in short residencies",
                                "tail: share of time", "of samples", "of block loads"], rows)
 
-    def short_with(settings):
-        return issued_in_short_residencies(bench.get(bench.light(BALL).on(settings)))
+    def shorts_of(runs):
+        return mean_of([issued_in_short_residencies(bench.get(run)) for run in runs])
 
-    tail, short = mean_of(tails), mean_of(shorts)
-    page.claim(18, differs(short, 0.004), long=1 - short, short=short, tail=tail, plain=short_with({}), skewed=short_with(SKEWED),
-               quick=short_with({"dsp.lighting_ray_cycles": 15}), queues=short_with({QUEUE: 1024}),
-               stages=short_with({"pipeline.compute_stages": 4}), lost=bench.lost_cycles(bench.lights()))
+    # The paper's exact simulator had one processor [P §4.2].
+    alone = [run.on({PROCESSORS: 1}).at_paper() for run in bench.lights()]
+    tail, short, half = mean_of([tail_of(milliseconds(bench.get(run)))[1] for run in alone]), shorts_of(alone), mean_of(shorts)
+    ball = bench.light(BALL).at_paper()
+    page.claim(18, differs(short, 0.004), long=1 - short, short=short, tail=tail, half_long=1 - half, half_short=half, half_tail=mean_of(tails),
+               four=shorts_of(at_paper(bench.lights())), plain=shorts_of([ball]), skewed=shorts_of([ball.on(SKEWED)]), quick=shorts_of([ball.on(IDEAL_DSP)]),
+               queues=shorts_of([ball.on({QUEUE: 1024})]), lost=bench.lost_cycles(alone))

@@ -49,10 +49,10 @@ def queue_table(bench, name, variants, get):
 
 def cache(bench, page):
     """Rows 15 and 16."""
-    grids = [Grid(bench, scene, bench.run(scene)) for scene in ("buckyball", "head")]
+    grids = [Grid(bench, scene, bench.run(scene).at_paper()) for scene in ("buckyball", "head")]
     # One volume of as many voxels as the largest block has, and one processor: n = N.
     whole = grids[0].blocks[-1]
-    small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole, height=whole).on({"asic.processors": 1}))
+    small = Grid(bench, "small", bench.run("head", dims=3 * (whole,), edge=whole, width=whole, height=whole).on({"asic.processors": 1}).at_paper())
     page.say("cache", whole=whole)
     for grid in grids:
         grid.report(f"Figure 13: large blocks n and long queues hit more often ({grid.name})",
@@ -79,7 +79,7 @@ def blocks_table(bench, blocks):
     rows, best = [], []
     for scene in SCENES:
         for leap in (True, False):
-            grid = Grid(bench, scene, bench.run(scene, leap=leap))
+            grid = Grid(bench, scene, bench.run(scene, leap=leap).at_paper())
             times = [grid.ms(n) for n in blocks]
             fastest = blocks[times.index(min(times))]
             rows.append([scene, "yes" if leap else "no", *(number(time, 2) for time in times), str(fastest)])

@@ -2,14 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ddr_checker.h"
 #include "ddr_traffic.h"
+#include "rank_checker.h"
 
 namespace gicube::emu::ddr {
 namespace {
 
-using reference::check_ddr_trace;
-using reference::DdrRules;
+using reference::check_rank_trace;
+using reference::RankRules;
 using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::StartsWith;
@@ -40,11 +40,11 @@ void PrintTo(const Edge& edge, std::ostream* out) { *out << edge.rule; }
 class DdrChecker : public testing::TestWithParam<Edge> {};
 
 TEST_P(DdrChecker, SeesTheFaultOneClockTooEarlyAndNoneInTime) {
-  const DdrRules rules{.ranks = 2};
+  const RankRules rules{.ranks = 2};
   Trace trace = GetParam().trace;
-  EXPECT_THAT(check_ddr_trace(rules, trace).faults, IsEmpty());
+  EXPECT_THAT(check_rank_trace(rules, trace).faults, IsEmpty());
   trace.back().begin -= 1;
-  EXPECT_THAT(check_ddr_trace(rules, trace).faults, ElementsAre(StartsWith(std::string(GetParam().rule) + ":")));
+  EXPECT_THAT(check_rank_trace(rules, trace).faults, ElementsAre(StartsWith(std::string(GetParam().rule) + ":")));
 }
 
 const Edge kEdges[] = {
@@ -68,7 +68,7 @@ const Edge kEdges[] = {
 
 INSTANTIATE_TEST_SUITE_P(Rule, DdrChecker, testing::ValuesIn(kEdges));
 
-std::vector<std::string> faults(const Trace& trace) { return check_ddr_trace(DdrRules{.ranks = 1}, trace).faults; }
+std::vector<std::string> faults(const Trace& trace) { return check_rank_trace(RankRules{.ranks = 1}, trace).faults; }
 
 TEST(DdrCheckerOfStates, SeesWhatNoTimeMakesRight) {
   EXPECT_THAT(faults({command(kActivate, 1, 100), command(kActivate, 1, 900)}), ElementsAre(StartsWith("open:")));
@@ -95,10 +95,10 @@ TEST(DdrCheckerOfStates, SeesAFalseClaimToBeTight) {
 }
 
 TEST(DdrCheckerOfStates, SeesARefreshOutOfTime) {
-  const DdrRules rules{.refresh_interval = 1562, .refresh_slack = 100, .ranks = 1};
-  EXPECT_THAT(check_ddr_trace(rules, {command(kRefresh, 0, 1562)}).faults, IsEmpty());
-  EXPECT_THAT(check_ddr_trace(rules, {command(kRefresh, 0, 1561)}).faults, ElementsAre(StartsWith("refresh-time:")));
-  EXPECT_THAT(check_ddr_trace(rules, {command(kRefresh, 0, 1663)}).faults, ElementsAre(StartsWith("refresh-time:")));
+  const RankRules rules{.refresh_interval = 1562, .refresh_slack = 100, .ranks = 1};
+  EXPECT_THAT(check_rank_trace(rules, {command(kRefresh, 0, 1562)}).faults, IsEmpty());
+  EXPECT_THAT(check_rank_trace(rules, {command(kRefresh, 0, 1561)}).faults, ElementsAre(StartsWith("refresh-time:")));
+  EXPECT_THAT(check_rank_trace(rules, {command(kRefresh, 0, 1663)}).faults, ElementsAre(StartsWith("refresh-time:")));
 }
 
 class DdrTrace : public testing::TestWithParam<unsigned> {};  // ranks
@@ -110,7 +110,7 @@ TEST_P(DdrTrace, OfRandomTrafficBreaksNoRuleAndIsTight) {
     Channel channel(v1::DdrConfig(), ranks);
     channel.set_trace(&trace);
     const std::vector<Tcycle> begins = random_traffic(channel, ranks, 20'000, seed);
-    const auto verdict = check_ddr_trace({.refresh_interval = 1562, .ranks = ranks}, trace);
+    const auto verdict = check_rank_trace({.refresh_interval = 1562, .ranks = ranks}, trace);
     EXPECT_THAT(verdict.faults, IsEmpty());
     EXPECT_EQ(verdict.data_begins, begins) << "data do not come when the controller said";
     EXPECT_GT(verdict.tight_commands, trace.size() * 9 / 10);
@@ -126,22 +126,22 @@ TEST(DdrTraceOfOtherTimings, FollowsTheConfiguration) {
   v1::DdrConfig config;
   config.set_t_ras(8), config.set_t_rc(13), config.set_t_rp(3), config.set_t_rrd(4), config.set_t_rcd(5);
   config.set_t_cl(3), config.set_t_wr(5), config.set_t_wtr(3), config.set_t_rfc(20), config.set_refresh_interval(500);
-  const DdrRules rules{.ras = 80,
-                       .rc = 130,
-                       .rp = 30,
-                       .rrd = 40,
-                       .rcd = 50,
-                       .wr = 50,
-                       .rfc = 200,
-                       .cl = 3,
-                       .wtr = 3,
-                       .refresh_interval = 500,
-                       .ranks = 2};
+  const RankRules rules{.ras = 80,
+                        .rc = 130,
+                        .rp = 30,
+                        .rrd = 40,
+                        .rcd = 50,
+                        .wr = 50,
+                        .rfc = 200,
+                        .cl = 3,
+                        .wtr = 3,
+                        .refresh_interval = 500,
+                        .ranks = 2};
   Trace trace;
   Channel channel(config, 2);
   channel.set_trace(&trace);
   const std::vector<Tcycle> begins = random_traffic(channel, 2, 20'000, 9);
-  const auto verdict = check_ddr_trace(rules, trace);
+  const auto verdict = check_rank_trace(rules, trace);
   EXPECT_THAT(verdict.faults, IsEmpty());
   EXPECT_EQ(verdict.data_begins, begins);
 }

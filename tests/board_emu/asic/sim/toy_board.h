@@ -14,6 +14,7 @@
 #include "asic/raybus/merge_tree.h"
 #include "asic/raybus/ray_bus.h"
 #include "asic/sorter/sorter.h"
+#include "dsp/overflow_store.h"
 
 namespace gicube::emu {
 
@@ -40,7 +41,7 @@ class ToyProcessor {
       : scene_(scene),
         number_(number),
         hops_(hops),
-        sorter_(scene.sorter, {returned, bus, left, right, released}, {issue, overflow}) {}
+        sorter_(of_processor(scene.sorter, number), {returned, bus, left, right, released}, {issue, overflow}) {}
 
   void tick_sorter(Cycle now) { sorter_.tick(now); }
 
@@ -70,6 +71,10 @@ class ToyProcessor {
   const Sorter& sorter() const { return sorter_; }
 
  private:
+  static SorterSetup of_processor(SorterSetup setup, std::uint8_t number) {
+    setup.processor = number;
+    return setup;
+  }
   void leave(Cycle now, const RayToken& from) {
     const std::uint32_t hop = ++hops_[from.ray];
     log.push_back({now, from.ray, hop});
@@ -143,23 +148,32 @@ class ToyBoard {
       if (token.state == TokenStatus::kDone) {
         ++finished_[token.ray];
         ++done_;
+      } else if (token.state == TokenStatus::kSlot) {
+        store_.make_ready(list_of(token));
       } else {
-        token.state = TokenStatus::kUnderWay;
-        again_.push_back(token);
         ++overflows_;
+        if (scene_.sorter.bus_waits) {
+          store_.keep_ready(token.ray);
+        } else {
+          store_.keep(list_of(token), token.ray);
+        }
       }
     }
     if (scene_.runs && made_ % 16 == 0 && made_ + 8 <= scene_.rays && runs_.can_push(now)) {
       std::vector<RayToken> run;
       for (int i = 0; i < 8; ++i) run.push_back(ToyProcessor::aim(scene_, made_++, 0));
       runs_.push(now, pool_.add(run));
-    } else if (down_.can_push(now) && !again_.empty()) {
-      down_.push(now, again_.front());
-      again_.pop_front();
+    } else if (down_.can_push(now) && store_.has_ready()) {
+      const OverflowStore::Sent again = store_.send();
+      RayToken token = ToyProcessor::aim(scene_, again.ray, hops_[again.ray]);
+      token.keeps_slot = again.has_slot;
+      down_.push(now, token);
     } else if (down_.can_push(now) && made_ < scene_.rays) {
       down_.push(now, ToyProcessor::aim(scene_, made_++, 0));
     }
   }
+
+  std::size_t list_of(const RayToken& token) const { return token.processor * scene_.queues + token.queue; }
 
   ToyScene scene_;
   std::vector<std::uint32_t> hops_;
@@ -167,7 +181,7 @@ class ToyBoard {
   std::uint32_t made_ = 0;
   std::uint32_t done_ = 0;
   std::uint64_t overflows_ = 0;
-  std::deque<RayToken> again_;
+  OverflowStore store_{std::size_t{scene_.processors} * scene_.queues};
   Fifo<RayToken> down_{2}, up_{2};
   Fifo<RunPool::Run> runs_{2};
   RunPool pool_{scene_.processors};

@@ -285,10 +285,12 @@ TEST(Sorter, KeepsTheOrderOfComingWithASingleQueue) {
   ASSERT_TRUE(rig.issue.can_pop(rig.now));
   EXPECT_EQ(rig.issue.front().queue, 1000u);
   EXPECT_EQ(rig.issued(), (Rays{0, 1, 2}));
-  rig.released.push(rig.now, 1001);
-  rig.bus.push(rig.now, rig.ray(9, 5));
+  rig.released.push(rig.now, 1001);  // a slot, for the ray that has overflowed
+  RayToken again = rig.ray(3, 1001);
+  again.keeps_slot = true;
+  rig.bus.push(rig.now, again);
   rig.tick(3);
-  EXPECT_EQ(rig.issued(), Rays{9});
+  EXPECT_EQ(rig.issued(), Rays{3});
   EXPECT_EQ(rig.sorter.counters().inserts, 0u);
 }
 

@@ -208,35 +208,18 @@ TEST(HostTraps, AreForgottenByAReset) {
       << "no rays, and no ledger of a light";
 }
 
-// Of 101 cycles the DSP takes 51 to hand a ray out, the larger half.
-TEST(HostTraps, CostTheDspHalfOfAHostRaysCyclesEachWay) {
-  for (const auto& [both, out] : {std::pair{101u, 51u}, {12u, 6u}, {1u, 1u}, {0u, 0u}}) {
+TEST(HostTraps, CostTheDspThePassingOnOfARay) {
+  for (const bool ideal : {false, true}) {
     v1::BoardConfig config = config_of(1);
-    config.mutable_dsp()->set_host_ray_cycles(both);
+    config.mutable_ideal()->set_dsp(ideal ? 1 : 0);
     HostFog fog(config);
     fog.light();
     const std::uint64_t before = fog.board.counter("dsp.busy_ps");
     ASSERT_EQ(fog.resume({}, 30).rays.size(), 30u);
     const double busy_ps = static_cast<double>(fog.board.counter("dsp.busy_ps") - before);
-    EXPECT_NEAR(busy_ps * config.dsp().clock_khz() * 1e-9, 30 * out, 0.01) << both;
+    EXPECT_NEAR(busy_ps * config.dsp().clock_khz() * 1e-9, ideal ? 0 : 30 * 8, 0.01);
     EXPECT_EQ(fog.board.counter("dsp.host_traps"), 30u);
   }
-}
-
-// Of 101 cycles an answer takes 50, beside what else its ray costs.
-TEST(HostTraps, AnswersCostTheOtherHalf) {
-  const auto busy_ps_of_answers = [](unsigned both) {
-    v1::BoardConfig config = config_of(1);
-    config.mutable_dsp()->set_host_ray_cycles(both);
-    HostFog fog(config);
-    fog.light();
-    const std::vector<wire::Ray> answers = straight_on(fog.resume({}, 30).rays);
-    const std::uint64_t before = fog.board.counter("dsp.busy_ps");
-    EXPECT_EQ(fog.resume(answers, 0).error, wire::ErrorCode::kNone);
-    return static_cast<double>(fog.board.counter("dsp.busy_ps") - before);
-  };
-  const double more_ps = busy_ps_of_answers(101) - busy_ps_of_answers(1);
-  EXPECT_NEAR(more_ps * config_of(1).dsp().clock_khz() * 1e-9, 30 * 50, 0.01);
 }
 
 // All that does not absorb scatters: by the printed rules a ray loses its opacity all the same, by the others nothing.

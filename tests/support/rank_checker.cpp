@@ -1,4 +1,4 @@
-#include "ddr_checker.h"
+#include "rank_checker.h"
 
 #include <algorithm>
 #include <array>
@@ -25,14 +25,14 @@ struct RankHistory {
 };
 
 struct Burst {
-  Time begin;  // one clock long
+  Time begin;
   bool write;
   unsigned rank;
 };
 
 class Replay {
  public:
-  explicit Replay(const DdrRules& rules) : rules_(rules), ranks_(rules.ranks) {}
+  explicit Replay(const RankRules& rules) : rules_(rules), ranks_(rules.ranks) {}
 
   // The first rule that the command would break at `t`; empty if none.
   std::string broken_rule(const IssuedCommand& c, Time t) const {
@@ -52,7 +52,7 @@ class Replay {
     return "command";
   }
 
-  void carry_out(const IssuedCommand& c, DdrVerdict& verdict) {
+  void carry_out(const IssuedCommand& c, RankVerdict& verdict) {
     RankHistory& rank = ranks_[c.device];
     BankHistory& bank = rank.banks[c.bank];
     last_ = c.begin;
@@ -86,7 +86,7 @@ class Replay {
   // `ns` after the end of the data that were written by a WR at `before`.
   bool too_soon_after_data(const Past& before, Time ns, Time t) const {
     if (!before.has_value()) return false;
-    const Time end = *before + rules_.wl + 1;
+    const Time end = *before + rules_.wl + rules_.burst;
     return t < end || (t - end) * rules_.tck < ns;
   }
 
@@ -105,7 +105,7 @@ class Replay {
   std::string broken_by_precharge(const BankHistory& bank, Time t) const {
     if (!bank.open) return "closed";
     if (too_soon(bank.opened, rules_.ras, t)) return "tRAS";
-    if (bank.read && t < *bank.read + 1) return "BL";
+    if (bank.read && t < *bank.read + rules_.burst) return "BL";
     return too_soon_after_data(bank.written, rules_.wr, t) ? "tWR" : "";
   }
 
@@ -135,12 +135,12 @@ class Replay {
       Time gap = 0;
       if (!other.write && mine.write) gap = 1;
       if (other.rank != mine.rank && !mine.write) gap = rules_.rank_switch;
-      if (mine.begin < other.begin + 1 + gap) return "DQ";
+      if (mine.begin < other.begin + rules_.burst + gap) return "DQ";
     }
     return {};
   }
 
-  DdrRules rules_;
+  RankRules rules_;
   std::vector<RankHistory> ranks_;
   Past last_;
   std::vector<Burst> bursts_;
@@ -153,9 +153,9 @@ std::string fault(const std::string& rule, const IssuedCommand& c) {
 
 }  // namespace
 
-DdrVerdict check_ddr_trace(const DdrRules& rules, std::vector<IssuedCommand> trace) {
+RankVerdict check_rank_trace(const RankRules& rules, std::vector<IssuedCommand> trace) {
   std::stable_sort(trace.begin(), trace.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
-  DdrVerdict verdict;
+  RankVerdict verdict;
   Replay replay(rules);
   for (const IssuedCommand& c : trace) {
     const std::string rule = replay.broken_rule(c, c.begin);

@@ -1,5 +1,5 @@
-// Holds a trace of DDR SDRAM commands against the data sheets' rules, one by one. Slow and plain; shares no code and no
-// numbers with the memory model that makes the traces.
+// Holds a trace of the commands of SDRAM ranks, of single or double data rate, against the data sheets' rules, one by one. Slow and
+// plain; shares no code and no numbers with the memory model that makes the traces.
 #pragma once
 
 #include <cstdint>
@@ -10,24 +10,25 @@
 
 namespace gicube::reference {
 
-// Nanoseconds as the data sheets of DDR-200 parts print them, and clocks where they do.
-struct DdrRules {
+// Nanoseconds as the data sheets of DDR-200 parts print them, and clocks where they do. wr counts from the data's end.
+struct RankRules {
   std::uint64_t tck = 10;                                                           // ns
   std::uint64_t ras = 50, rc = 70, rp = 20, rrd = 15, rcd = 20, wr = 15, rfc = 80;  // ns
   std::uint64_t cl = 2, wl = 1, wtr = 1;                                            // clocks
+  std::uint64_t burst = 1;                                                          // clocks of the data
   std::uint64_t rank_switch = 1;       // clocks between the data of two ranks, of which one reads
   std::uint64_t refresh_interval = 0;  // clocks, of each rank; 0 = refreshes are not checked
   std::uint64_t refresh_slack = 250;   // how late a refresh may be: 32 packets of one bank, asked for before it
   std::uint32_t ranks = 1;
 };
 
-struct DdrVerdict {
+struct RankVerdict {
   std::vector<std::string> faults;         // "tRCD: RD of rank 0 bank 3 at 1006"; the first word is the rule
   std::vector<std::uint64_t> data_begins;  // of each RD and WR, in the order of their commands
   std::uint64_t tight_commands = 0;        // that were shown to be impossible one clock earlier
 };
 
 // `trace` in any order. Commands that claim to be tight and are possible one clock earlier are faults of rule "tight".
-DdrVerdict check_ddr_trace(const DdrRules& rules, std::vector<emu::dram::IssuedCommand> trace);
+RankVerdict check_rank_trace(const RankRules& rules, std::vector<emu::dram::IssuedCommand> trace);
 
 }  // namespace gicube::reference

@@ -1,0 +1,100 @@
+#include "dsp.h"
+
+#include <algorithm>
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::uint64_t kCodeOfLoop = Dsp::kProgramBytes;  // chosen: the most that a loop may have
+
+}  // namespace
+
+Dsp::Dsp(const v1::BoardConfig& config)
+    : ideal_(config.ideal().dsp() != 0),
+      ratio_(config.sdram().dsp_cycles_per_clock()),
+      latency_(config.sdram().controller_latency()),
+      memory_(config.sdram()),
+      sets_(kDataBytes / kLineBytes / kWays) {}
+
+// Returns the cycle in which its data are there.
+DspCycle Dsp::read(std::uint64_t line, DspCycle at) {
+  const dram::Access access = memory_.read(sdram::locate(line * kLineBytes), (at + ratio_ - 1) / ratio_);
+  return access.data_end * ratio_ + latency_;
+}
+
+// Returns the cycle in which it is in the buffer.
+DspCycle Dsp::write(std::uint64_t line, DspCycle at) {
+  at = std::max(at, written_[next_write_]);
+  const dram::Access access = memory_.write(sdram::locate(line * kLineBytes), (at + ratio_ - 1) / ratio_);
+  written_[next_write_] = access.data_end * ratio_;
+  next_write_ = (next_write_ + 1) % kWrites;
+  return at;
+}
+
+// Returns the cycle in which the DSP can go on.
+DspCycle Dsp::touch(std::uint64_t line, SdramUse::Kind kind, DspCycle at) {
+  auto& set = sets_[line % sets_.size()];
+  if (set[0].number != line && set[1].number == line) std::swap(set[0], set[1]);
+  if (set[0].number == line) {
+    ++counters_.hits;
+    set[0].changed |= kind != SdramUse::Kind::kRead;
+    return at;
+  }
+  ++counters_.misses;
+  if (kind == SdramUse::Kind::kWrite) return write(line, at);
+  if (set[1].changed) at = write(set[1].number, at);
+  set[1] = set[0];
+  set[0] = {line, kind == SdramUse::Kind::kChange};
+  return read(line, at);
+}
+
+// A code that does not fit drives out what was used longest ago.
+DspCycle Dsp::fetch(const DspLoop& loop, DspCycle at) {
+  const auto linked = std::ranges::find(linked_, &loop);
+  const auto place = static_cast<std::uint64_t>(linked - linked_.begin());
+  if (linked == linked_.end()) linked_.push_back(&loop);
+  const std::uint64_t first = (sdram_map::kCode + place * kCodeOfLoop) / kLineBytes;
+  const std::uint64_t lines = (std::min(loop.code_bytes(), kProgramBytes) + kLineBytes - 1) / kLineBytes;
+  DspCycle there = at;
+  for (std::uint64_t i = 0; i < lines; ++i) there = read(first + i, at);
+  counters_.code += lines * kLineBytes;
+  return there;
+}
+
+// Returns the cycle in which its code is there.
+DspCycle Dsp::begin_loop(const DspLoop& loop, DspCycle at) {
+  loop_ = &loop;
+  ++counters_.loops;
+  const auto cached = std::ranges::find(program_, &loop);
+  const bool miss = cached == program_.end();
+  if (miss) {
+    program_.insert(program_.begin(), &loop);
+  } else {
+    std::rotate(program_.begin(), cached, cached + 1);
+  }
+  std::uint32_t bytes = loop.code_bytes();
+  const auto fits = [&bytes](const DspLoop* each) { return (bytes += each->code_bytes()) <= kProgramBytes; };
+  program_.erase(std::find_if_not(program_.begin() + 1, program_.end(), fits), program_.end());
+  return miss ? fetch(loop, at) : at;
+}
+
+DspCycle Dsp::work(const DspTask& task, DspCycle begin) {
+  if (task.loop == nullptr || ideal_) return begin;
+  DspCycle compute = task.cycles(), there = begin;
+  if (task.loop != loop_) {
+    there = begin_loop(*task.loop, begin);
+    compute += task.loop->setup();
+  }
+  for (std::size_t i = 0; i < task.use_count; ++i) {
+    const SdramUse& use = task.uses[i];
+    const std::uint64_t first = use.address / kLineBytes, last = (use.address + use.bytes - 1) / kLineBytes;
+    for (std::uint64_t line = first; line <= last; ++line) there = touch(line, use.kind, there);
+  }
+  waited_until_ = there;
+  counters_.compute += compute;
+  counters_.waits += there - begin;
+  return there + compute;
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,112 @@
+// Rays that the ASIC has sent back since their queue was full, and trapped rays with a new direction: in the SDRAM until they go
+// down again [P §3.2].
+//
+// A list for each queue, first in first out. A slot that a queue's ray gives up goes to the first of its list, which is then ready;
+// so a ray overflows once where it comes to a full queue, and finds its slot when it comes again.
+//
+// Irradiance carriers overflow too. Rays are no more than dsp.overflow_rays, carriers are bounded by nothing: a command whose
+// carriers fill the store ends with a fault.
+#pragma once
+
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "levels/dsp_task.h"
+
+namespace gicube::emu {
+
+// A ray to its place or back: 8 words from the merge tree or to the ray bus, 8 of the SDRAM; 4 words of the lists, in the DSP's own
+// memory, and 8 operations on them. What tells of a slot is taken by the way.
+inline constexpr DspLoop kStoreRay{"overflowed ray", 0, 8, 8 + 8 + 4};
+// A trapped ray and its sample: 16 words from the merge tree; what its routine takes comes to this.
+inline constexpr DspLoop kTakeTrap{"trapped ray", 0, 12, 16};
+
+class OverflowStore {
+ public:
+  static constexpr std::size_t kPlaces = (sdram_map::kCode - sdram_map::kOverflow) / kRayBytesInSdram;
+
+  explicit OverflowStore(std::size_t queues) : lists_(queues) {}
+
+  std::size_t size() const { return kept_; }
+  bool has_ready() const { return ready_.first != kNone; }
+
+  // The task of keeping a ray until its queue has a slot for it.
+  DspTask keep(std::size_t queue, std::uint32_t ray) { return put(lists_[queue], ray, false); }
+  // Of one that may go at once, without a slot that is its own.
+  DspTask keep_ready(std::uint32_t ray) { return put(ready_, ray, false); }
+  // A queue has given a slot to the first of its list.
+  void make_ready(std::size_t queue) {
+    const std::uint32_t place = unlink(lists_[queue]);
+    entries_[place].has_slot = true;
+    link(ready_, place);
+  }
+
+  struct Sent {
+    std::uint32_t ray;
+    bool has_slot;
+    DspTask task;
+  };
+  Sent send() {
+    const std::uint32_t place = unlink(ready_);
+    const Entry entry = entries_[place];
+    free_.push_back(place);
+    --kept_;
+    return {entry.ray, entry.has_slot, DspTask{.loop = &kStoreRay}.with(use(place, SdramUse::Kind::kRead))};
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  struct Entry {
+    std::uint32_t ray = 0;
+    std::uint32_t next = kNone;
+    bool has_slot = false;
+  };
+  struct List {
+    std::uint32_t first = kNone, last = kNone;  // places
+  };
+
+  static SdramUse use(std::uint32_t place, SdramUse::Kind kind) {
+    return {sdram_map::kOverflow + place * kRayBytesInSdram, kRayBytesInSdram, kind};
+  }
+  DspTask put(List& list, std::uint32_t ray, bool has_slot) {
+    std::uint32_t place = static_cast<std::uint32_t>(entries_.size());
+    if (free_.empty()) {
+      if (place == kPlaces) {
+        throw std::length_error("overflowed rays: expected at most " + std::to_string(kPlaces) +
+                                " and their carriers, got more");
+      }
+      entries_.emplace_back();
+    } else {
+      place = free_.back();
+      free_.pop_back();
+    }
+    entries_[place] = {ray, kNone, has_slot};
+    ++kept_;
+    link(list, place);
+    return DspTask{.loop = &kStoreRay}.with(use(place, SdramUse::Kind::kWrite));
+  }
+  void link(List& list, std::uint32_t place) {
+    entries_[place].next = kNone;
+    (list.first == kNone ? list.first : entries_[list.last].next) = place;
+    list.last = place;
+  }
+  std::uint32_t unlink(List& list) {
+    assert(list.first != kNone);
+    const std::uint32_t place = list.first;
+    list.first = entries_[place].next;
+    return place;
+  }
+
+  std::size_t kept_ = 0;
+  std::vector<List> lists_;  // by queue
+  List ready_;
+  std::vector<Entry> entries_;       // by place
+  std::vector<std::uint32_t> free_;  // places
+};
+
+}  // namespace gicube::emu

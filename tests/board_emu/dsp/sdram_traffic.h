@@ -1,0 +1,45 @@
+// Bursts for tests of the DSP's memory.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "dsp/sdram.h"
+
+namespace gicube::emu::sdram::test_traffic {
+
+inline Location at(unsigned bank, unsigned row, unsigned column = 0, unsigned rank = 0) {
+  return {static_cast<std::uint16_t>(rank), static_cast<std::uint16_t>(row), static_cast<std::uint8_t>(bank),
+          static_cast<std::uint16_t>(column)};
+}
+
+inline v1::SdramConfig ranks(unsigned count, bool refresh = false) {
+  v1::SdramConfig config;
+  config.set_ranks(count);
+  if (!refresh) config.set_refresh_interval(0);
+  return config;
+}
+
+// When the data of random bursts begin: reads and writes, in sequence and after pauses, few rows so that some are open.
+inline std::vector<Tcycle> random_traffic(Channel& channel, unsigned ranks, int bursts, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto draw = [&random](unsigned limit) { return static_cast<unsigned>(random() % limit); };
+  std::vector<Tcycle> begins;
+  Tcycle now = 0;
+  while (bursts > 0) {
+    if (draw(8) == 0) now += draw(50);
+    if (draw(400) == 0) now += 5'000;
+    if (begins.size() > 8) now = std::max(now, begins[begins.size() - 8]);
+    const bool write = draw(3) == 0;
+    const Location first = at(draw(4), draw(3), draw(128), draw(ranks));
+    for (unsigned n = draw(4); n-- > 0 && bursts > 0; --bursts) {
+      begins.push_back((write ? channel.write(first, now) : channel.read(first, now)).data_begin);
+      now += draw(2);
+    }
+  }
+  return begins;
+}
+
+}  // namespace gicube::emu::sdram::test_traffic
