@@ -15,8 +15,7 @@ namespace {
 
 constexpr Cycle kSlack = 96;  // chosen: cycles by which a part may run ahead of the next
 constexpr std::size_t kOnTheWay =
-    kFifoPlaces;                     // rays between the bus and one sorter, and sends between the DSP and the bus
-constexpr std::uint32_t kBatch = 8;  // rays that the DSP makes before it looks at what has come, as at the cycle level
+    kFifoPlaces;                       // rays between the bus and one sorter, and sends between the DSP and the bus
 constexpr std::size_t kChunk = 4'096;  // chosen: rays whose values are worked out at a time
 
 }  // namespace
@@ -62,7 +61,7 @@ PassMachine::PassMachine(const v1::BoardConfig& config, const std::array<int, 3>
 bool PassMachine::covers(const v1::BoardConfig& config) {
   return memory_standard(config).sharing == 1 && config.sorter().policy() == v1::most_rays &&
          config.sorter().queues() == v1::per_block && config.ideal().sorter() == 0 &&
-         config.cache().irradiance() == v1::with_voxels;
+         config.cache().irradiance() == v1::with_voxels && config.cache().ports() == 1;
 }
 
 void PassMachine::invalidate_caches() {
@@ -132,7 +131,7 @@ void PassMachine::run_bus() {
 
 // One ray, or a run of them.
 void PassMachine::make_rays(PassRaySource& work) {
-  const std::uint64_t places = config_.dsp().overflow_rays() - engine_.under_way;
+  const std::uint64_t places = may_be_under_way_ - engine_.under_way;
   const std::uint64_t last = std::min(work.run_end(engine_.made), engine_.made + places);
   const std::uint32_t run = last > engine_.made + 1 ? ++runs_ : 0;
   dsp_works(work.making(engine_.made));
@@ -194,7 +193,7 @@ bool PassMachine::dsp_acts(PassRaySource& work) {
   engine_.sends_again = store_.has_ready();
   if (bus_is_full || (!engine_.sends_again && !may_make())) return false;
   engine_.now = std::max(engine_.now, bus_free_);
-  engine_.batch = kBatch - 1;
+  engine_.batch = Dsp::kBatch - 1;
   engine_.sends_again ? send_again() : make_rays(work);
   return true;
 }
@@ -203,6 +202,7 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   const Cycle begin = now_;
   const std::uint64_t busy = dsp_.counters().busy(), taken = engine_.taken;
   count_ = work.count();
+  may_be_under_way_ = std::min<std::uint64_t>(config_.dsp().overflow_rays(), work.max_under_way());
   maker_.emplace(work, ahead);
   engine_.made = engine_.under_way = 0;
   engine_.batch = 0;

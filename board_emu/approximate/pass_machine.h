@@ -32,6 +32,7 @@ class PassRaySource {
   virtual void make(std::uint64_t begin, std::span<PassRay> out) = 0;
   // As RaySource.
   virtual std::uint64_t run_end(std::uint64_t i) const = 0;
+  virtual std::uint64_t max_under_way() const = 0;
   virtual DspTask making(std::uint64_t i) const = 0;
   virtual DspTask taking(std::uint64_t i) const = 0;
 };
@@ -100,7 +101,7 @@ class PassMachine {
   void make_rays(PassRaySource& work);
   void send_again();
   void send(std::uint32_t handle, std::uint32_t run, bool first, bool has_slot = false);
-  bool may_make() const { return engine_.made < count_ && engine_.under_way < config_.dsp().overflow_rays(); }
+  bool may_make() const { return engine_.made < count_ && engine_.under_way < may_be_under_way_; }
   std::size_t list_of(std::uint8_t processor, std::uint32_t queue) const {
     return processor * std::max<std::size_t>(1, partition_.max_blocks()) + queue;
   }
@@ -124,6 +125,7 @@ class PassMachine {
   Engine engine_;
   std::vector<std::uint64_t> index_of_;  // by handle: which ray of the work it is
   std::uint64_t count_ = 0;              // of the work in hand
+  std::uint64_t may_be_under_way_ = 0;   // of its rays
   std::optional<RayPrefetcher> maker_;   // of it
   std::uint32_t runs_ = 0;
   std::vector<Listener> listeners_;   // by processor

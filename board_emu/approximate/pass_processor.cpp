@@ -36,7 +36,7 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       listed_(queues_.size()),
       returning_(queues_.size()),
       cache_({static_cast<int>(shared_.config->asic().block_voxels()), shared_.config->cache().ways(), false,
-              shared_.blocks}) {}
+              shared_.blocks, false, 1, shared_.config->cache().tags() == v1::of_voxels}) {}
 
 void PassProcessor::begin(Cycle now, const Frame& frame) {
   now_ = std::max(now_, now);

@@ -23,6 +23,7 @@ class TracedPasses : public PassRaySource {
   std::uint64_t run_end(std::uint64_t i) const override {
     return std::min(source_.run_end(which_.begin + i), which_.end) - which_.begin;
   }
+  std::uint64_t max_under_way() const override { return source_.max_under_way(); }
   DspTask making(std::uint64_t i) const override { return source_.making(which_.begin + i); }
   DspTask taking(std::uint64_t i) const override { return source_.taking(which_.begin + i); }
 

@@ -66,6 +66,12 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
   if (!std::has_single_bit(bits) || bits > 256) {
     report("link.bits", "a power of two from 1 to 256 bits", std::to_string(bits));
   }
+  if (config.cache().tags() == v1::of_voxels) {
+    if (config.cache().ways() != 1)
+      report("cache.ways", "1 with cache.tags=of_voxels", std::to_string(config.cache().ways()));
+    if (config.cache().write_policy() == v1::write_back)
+      report("cache.write_policy", "combining or write_through with cache.tags=of_voxels", "write_back");
+  }
   if (config.cache().irradiance() == v1::in_cells) {
     if (config.asic().datapath() == v1::wide)
       report("cache.irradiance", "with_voxels with asic.datapath=wide", "in_cells");
@@ -102,10 +108,9 @@ void check_memory(const v1::BoardConfig& config, const FieldLines& lines, std::v
   const dram::Standard memory = memory_standard(config);
   const std::uint32_t edge = config.asic().max_volume_voxels() / config.asic().block_voxels();
   const std::uint32_t processors = config.asic().processors();
-  const std::uint32_t blocks = (edge * edge * edge + processors - 1) / processors *
-                               std::min(memory.sharing, processors) *
-                               (config.cache().irradiance() == v1::in_cells ? 2 : 1);
-  const std::uint32_t devices = make_memory(config, blocks)->devices();
+  const std::uint32_t blocks =
+      (edge * edge * edge + processors - 1) / processors * std::min(memory.sharing, processors);
+  const auto devices = make_memory(config, static_cast<std::uint32_t>(blocks_in_memory(config, blocks)))->devices();
   if (devices <= memory.max_devices) return;
   found.push_back(
       {"asic.max_volume_voxels",

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "asic/memory_standards.h"
 #include "datapath/jitter.h"
 
 namespace gicube::emu {
@@ -32,8 +33,8 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
     for (unsigned i = first; i < std::min(first + sharing, count); ++i) {
       clients.push_back({&processors_[i]->misses(), &processors_[i]->writes()});
     }
-    memories_.push_back(std::make_unique<MemoryPort>(
-        config, clients, partition_.max_blocks() * (config.cache().irradiance() == v1::in_cells ? 2 : 1)));
+    memories_.push_back(
+        std::make_unique<MemoryPort>(config, clients, blocks_in_memory(config, partition_.max_blocks())));
   }
   std::vector<Fifo<RayToken>*> from_bus, leaves;
   std::vector<Ring::Port> ring;

@@ -42,12 +42,13 @@ Processor::Processor(const ProcessorConfig& config)
       rays_(*config.rays),
       single_queue_(config.board.sorter().queues() == v1::single),
       ideal_memory_(config.board.ideal().memory() != 0),
+      two_ports_(config.board.cache().ports() == 2),
       splat_rule_(config.board.cache().splat_rule()),
       write_policy_(config.board.cache().write_policy()),
       sorter_(sorter_setup(config), {returned_, from_bus, from_left, from_right, released_}, {issue_, overflow}),
       stages_(config.board.pipeline().prefetch_stages(), config.board.pipeline().compute_stages()),
       cache_({static_cast<int>(config.board.asic().block_voxels()), config.board.cache().ways(), single_queue_,
-              config.blocks, write_policy_ == v1::write_back}),
+              config.blocks, write_policy_ == v1::write_back, 1, config.board.cache().tags() == v1::of_voxels}),
       cells_(config.board.cache().irradiance() == v1::in_cells
                  ? std::optional<VolumeCache>(CacheShape{static_cast<int>(config.board.asic().block_voxels()),
                                                          config.board.cache().ways(), false, config.blocks,
@@ -55,7 +56,8 @@ Processor::Processor(const ProcessorConfig& config)
                  : std::nullopt),
       misses_(config.board.cache().miss_packets()),
       writes_(config.board.cache().write_packets()),
-      splats_(std::size_t{config.board.pipeline().prefetch_stages()} + config.board.pipeline().compute_stages() + 1),
+      splats_(std::size_t{config.board.pipeline().prefetch_stages()} + config.board.pipeline().compute_stages() + 1,
+              config.board.cache().ports()),
       unfed_(std::bit_ceil(std::size_t{config.board.pipeline().prefetch_stages()} + 1), Cause::kDsp),
       unfed_mask_(unfed_.size() - 1) {}
 
@@ -92,6 +94,22 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
   return true;
 }
 
+// Of banks with two ports: writes a packet that has arrived into the cache while samples are read, unless it takes places from which
+// an older sample has yet to read, which is of another block.
+bool Processor::fill(Cycle now) {
+  if (misses_.empty() || misses_.oldest().arrival > now || splats_.takes_write_port(now)) return false;
+  std::size_t owner = 0;
+  while (stages_.prefetching(owner).packets == 0) ++owner;
+  InFlight& sample = stages_.prefetching(owner);
+  for (std::size_t i = 0; i < owner; ++i) {
+    const InFlight& older = stages_.prefetching(i);
+    if (older.sampled && older.block != sample.block) return false;
+  }
+  misses_.take();
+  --sample.packets;
+  return true;
+}
+
 // Moves the oldest sample of the prefetch line on, if it has come through and its packets are there.
 Cause Processor::enter_compute(Cycle now) {
   if ((stages_.prefetching() == 0) | (stages_.oldest_prefetching().ready > now)) {
@@ -103,6 +121,7 @@ Cause Processor::enter_compute(Cycle now) {
   if (head.packets > 0) {
     const Packet& packet = misses_.oldest();
     if (packet.arrival > now) return packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss;
+    if (two_ports_) return Cause::kFill;  // one was written, or the port is taken
     misses_.take();
     if (--head.packets > 0) return Cause::kFill;
   }
@@ -132,6 +151,7 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   entry.from = issued.queue;
   entry.packets = 0;
   entry.splats = false;
+  entry.block = ray.block;
   const Point low = grid_.low(ray_state.position);
   const BlockView view = frame_->volume->view(ray.block);
   const bool carries = scatters_or_deposits_ && ray_state.is(wire::kIrradianceCarrier);
@@ -186,6 +206,7 @@ bool Processor::tick_pipeline(Cycle now) {
     bubble_ = true;
     return moved;
   }
+  if (two_ports_) moved |= fill(now);
   if ((stages_.computing() > 0) & (stages_.oldest_computing().ready <= compute_clock_)) {
     if (deliver(now, stages_.oldest_computing())) {
       stages_.leave();

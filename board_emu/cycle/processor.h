@@ -94,6 +94,7 @@ class Processor {
 
  private:
   bool deliver(Cycle now, const InFlight& ray);
+  bool fill(Cycle now);
   Cause enter_compute(Cycle now);
   void check_tags(Cycle now, const RayToken& issued);
   Termination after(const Interaction& interaction, const Point& place, RayUnderWay& ray, InFlight& entry);
@@ -126,6 +127,7 @@ class Processor {
   RayStore& rays_;
   const bool single_queue_;
   const bool ideal_memory_;
+  const bool two_ports_;
   const v1::SplatRule splat_rule_;
   const v1::WritePolicy write_policy_;
   const Frame* frame_ = nullptr;

@@ -18,6 +18,7 @@ RayEngine::RayEngine(const v1::BoardConfig& config, const Partition& partition, 
       lists_(std::max<std::size_t>(1, partition.max_blocks())),
       dsp_(config),
       places_(config.dsp().overflow_rays()),
+      may_be_under_way_(places_),
       store_(config.asic().processors() * lists_) {}
 
 void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange which) {
@@ -25,6 +26,7 @@ void RayEngine::begin(Cycle now, RaySource& work, const Frame& frame, RayRange w
   frame_ = &frame;
   begin_ = made_ = which.begin;
   end_ = which.end;
+  may_be_under_way_ = std::min<std::uint64_t>(places_, work.max_under_way());
   finished_ = rays_made_ = under_way_ = 0;
   making_ = {};
   batch_ = 0;
@@ -142,7 +144,7 @@ void RayEngine::make_ray(Cycle now) {
 void RayEngine::make_run(Cycle now, std::uint64_t last) {
   carry_out(now, work_->making(made_));
   run_.clear();
-  last = std::min(last, made_ + places_ - under_way_);
+  last = std::min(last, made_ + may_be_under_way_ - under_way_);
   while (made_ < last) {
     if (const auto ray = make()) run_.push_back(*ray);
   }
@@ -200,7 +202,7 @@ bool RayEngine::tick(Cycle now) {
   if (!free) return moved;
   sends_again_ = store_.has_ready();
   if (!sends_again_ && !may_make()) return moved;
-  batch_ = kBatch - 1;
+  batch_ = Dsp::kBatch - 1;
   sends_again_ ? send_again(now) : make_rays(now);
   return true;
 }

@@ -2,9 +2,9 @@
 // overflowed rays in its SDRAM until their queue has a slot for them [P §3.1, §3.2].
 //
 // One task at a time, each at its cost (dsp/dsp.h). What comes back goes first, so the way up always drains; then overflowed rays
-// that have a slot; then new rays. Once it sends either it sends up to kBatch of them, or until the way up is
-// full, before it looks at what has come, since a change of loop costs about as much as a ray. No more rays are under way than dsp.overflow_rays says, so
-// that all of them find a place there.
+// that have a slot; then new rays. Once it sends either it sends up to Dsp::kBatch of them, or until the way up
+// is full, before it looks at what has come. No more rays are under way than dsp.overflow_rays says, so that all of them find a
+// place there, and no more than their source allows.
 #pragma once
 
 #include <algorithm>
@@ -39,8 +39,6 @@ struct RayEngineCounters {
 
 class RayEngine {
  public:
-  static constexpr std::uint32_t kBatch = 8;  // rays; chosen
-
   RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays, const RayEnginePorts& ports);
 
   // Begins with the rays `which` of `work` at core cycle `now`. `work` and `frame` must live until done().
@@ -79,7 +77,7 @@ class RayEngine {
   DspCycle dsp_cycle(Cycle now) const { return (now * dsp_khz_ + core_khz_ - 1) / core_khz_; }
   void carry_out(Cycle now, const DspTask& task) { free_at_ = dsp_.work(task, std::max(free_at_, dsp_cycle(now))); }
   std::size_t list_of(std::uint8_t processor, std::uint32_t queue) const { return processor * lists_ + queue; }
-  bool may_make() const { return made_ < end_ && under_way_ < places_; }
+  bool may_make() const { return made_ < end_ && under_way_ < may_be_under_way_; }
   void take_back(Cycle now);
   // Scatters a trapped ray by its routine. kToHost: the application has the ray and must answer.
   enum class Scattered : std::uint8_t { kSentAgain, kEnds, kToHost };
@@ -102,8 +100,9 @@ class RayEngine {
   const Partition& partition_;
   std::size_t lists_;  // of overflowed rays, of a processor
   Dsp dsp_;
-  std::size_t places_;         // rays under way at most
-  std::size_t under_way_ = 0;  // rays that were made and have not come back; without carriers
+  std::size_t places_;            // for overflowed rays
+  std::size_t may_be_under_way_;  // rays of the work in hand
+  std::size_t under_way_ = 0;     // rays that were made and have not come back; without carriers
   OverflowStore store_;
 
   RaySource* work_ = nullptr;

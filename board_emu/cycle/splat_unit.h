@@ -1,7 +1,8 @@
 // Takes deposits from the pipeline's end into the irradiance words: it reads, adds and writes in the volume cache, sends changed
 // tiles to the memory, and sends carriers to the neighbour blocks that hold copies of the voxels [P §3.4].
 //
-// A bank reads or writes one word a cycle, so a deposit takes the cache for two cycles, in which no sample is read.
+// A bank reads or writes one word a cycle, so a deposit takes the cache for two cycles, in which no sample is read. Of banks with two
+// ports it takes the one that reads for a cycle, and then the one that writes.
 #pragma once
 
 #include <array>
@@ -30,10 +31,8 @@ struct SplatCounters {
 
 class SplatUnit {
  public:
-  static constexpr Cycle kCacheCycles = 2;
-
   // A sample's splat waits beside its entry in the pipeline; entries come out in the order in which they went in.
-  explicit SplatUnit(std::size_t stages) : splats_(stages) {}
+  explicit SplatUnit(std::size_t stages, unsigned ports = 1) : splats_(stages), cache_cycles_(ports == 1 ? 2 : 1) {}
 
   Splat& add() {
     Splat& splat = splats_[(head_ + count_++) % splats_.size()];
@@ -48,10 +47,12 @@ class SplatUnit {
     --count_;
     next_ = 0;
     counters_.deposits += current_.tiles > 0 ? 1 : 0;
-    if (current_.tiles > 0) busy_until_ = now + kCacheCycles;
+    if (current_.tiles > 0) busy_until_ = now + cache_cycles_;
   }
 
   bool takes_cache(Cycle now) const { return now < busy_until_; }
+  // Of two ports, the one that writes.
+  bool takes_write_port(Cycle now) const { return now == busy_until_; }
   bool busy(Cycle now) const { return takes_cache(now) || has_carrier(); }
   bool has_carrier() const { return next_ < current_.carriers; }
   const RayToken& carrier() const { return current_.carrier[next_]; }
@@ -63,6 +64,7 @@ class SplatUnit {
 
  private:
   std::vector<Splat> splats_;
+  Cycle cache_cycles_;
   std::size_t head_ = 0;
   std::size_t count_ = 0;
   Splat current_;

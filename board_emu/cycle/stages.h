@@ -21,6 +21,7 @@ struct InFlight {
   std::uint8_t packets = 0;  // that the sample still waits for
   bool sampled = false;      // else it leapt
   bool splats = false;       // leaves something in the irradiance words
+  std::uint32_t block = 0;   // whose voxels it reads, if it has sampled
 };
 
 class Stages {
@@ -44,6 +45,8 @@ class Stages {
     return ray;
   }
   InFlight& oldest_prefetching() { return ring_[(head_ + computing_) & mask_]; }
+  // Of those in the prefetch stages, the oldest first.
+  InFlight& prefetching(std::size_t i) { return ring_[(head_ + computing_ + i) & mask_]; }
   const InFlight& oldest_prefetching() const { return ring_[(head_ + computing_) & mask_]; }
   // The oldest of the prefetch stages moves on. `clock` counts the cycles in which the compute stages move.
   void start_computing(Cycle clock) {

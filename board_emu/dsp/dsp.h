@@ -36,6 +36,8 @@ class Dsp {
   // bytes that are taken in by reads alone; four writes wait for the memory.
   static constexpr std::uint32_t kProgramBytes = 4096, kDataBytes = 4096, kLineBytes = sdram::kBurstBytes, kWays = 2;
   static constexpr std::size_t kWrites = 4;
+  // Rays that it sends before it looks at what has come, since a change of loop costs about as much as a ray; chosen.
+  static constexpr std::uint32_t kBatch = 8;
 
   explicit Dsp(const v1::BoardConfig& config);
 

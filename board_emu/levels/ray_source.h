@@ -51,6 +51,10 @@ struct RayRange {
   std::uint64_t end = 0;
 };
 
+// Viewing rays under way at most. Neighbours go through the same blocks at the same time: with more of them queues overflow more
+// often and nothing is gained (docs/reference/hardware.md).
+inline constexpr std::uint64_t kViewingRaysUnderWay = 8192;
+
 class RaySource {
  public:
   virtual ~RaySource() = default;
@@ -68,6 +72,8 @@ class RaySource {
   virtual std::uint64_t run_end(std::uint64_t i) const { return i + 1; }
   // Rays that the DSP's memory holds between two runs of the ASIC: levels with time take so many, and then the next.
   virtual std::uint64_t max_at_once() const { return count(); }
+  // Rays of it under way at most, if the overflow store has room for so many.
+  virtual std::uint64_t max_under_way() const { return count(); }
 
   // Makes ray `i`, once for each. Nothing is returned for a ray that does not go to the ASIC: the source has done with it, and
   // has counted it in `counters`.

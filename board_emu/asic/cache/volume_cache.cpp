@@ -1,20 +1,30 @@
 #include "asic/cache/volume_cache.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace gicube::emu {
 
+namespace {
+
+std::size_t voxels_of_block(const CacheShape& shape) {
+  const auto edge = static_cast<std::size_t>(shape.block_voxels) + 1;
+  return edge * edge * edge;
+}
+
+}  // namespace
+
 VolumeCache::VolumeCache(const CacheShape& shape)
     : shape_(shape),
-      plain_(shape.ways == 1 && !shape.linear && shape.tile_depth == 1),
+      plain_(shape.ways == 1 && !shape.linear && shape.tile_depth == 1 && !shape.tags_of_voxels),
       tiles_x_(static_cast<std::size_t>(shape.block_voxels) / 2 + 1),
       slice_tiles_(tiles_x_ * tiles_x_),
       slices_(static_cast<std::size_t>(shape.block_voxels) / shape.tile_depth + 1),
       // A way is a share of the same (n+1)^3 words: more ways, fewer sets.
-      sets_((tiles_of_block() + shape.ways - 1) / shape.ways),
+      sets_(((shape.tags_of_voxels ? voxels_of_block(shape) : tiles_of_block()) + shape.ways - 1) / shape.ways),
       tags_(sets_ * shape.ways, kNothing),
       changed_(shape.writes_back ? tags_.size() : 0) {
-  if (plain_ || shape.linear) return;
+  if (plain_ || shape.linear || shape.tags_of_voxels) return;
   for (std::size_t tile = 0; tile < tiles_of_block(); ++tile) {
     first_way_.push_back(static_cast<std::uint32_t>(tile % sets_ * shape.ways));
   }
@@ -80,7 +90,58 @@ std::size_t VolumeCache::set_of(std::uint32_t block, std::size_t x, std::size_t 
   return ((gz * down * half + gy) * across * half + gx) % sets_ * shape_.ways;
 }
 
+VolumeCache::Place VolumeCache::place_of_voxel(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z) const {
+  const auto n = static_cast<std::size_t>(shape_.block_voxels);
+  if (!shape_.linear) return {(z * (n + 1) + y) * (n + 1) + x, block};
+  const auto across = static_cast<std::size_t>(shape_.blocks[0]), down = static_cast<std::size_t>(shape_.blocks[1]);
+  const std::size_t gx = block % across * n + x, gy = block / across % down * n + y,
+                    gz = block / (across * down) * n + z;
+  const std::size_t address = (gz * down * n + gy) * across * n + gx;
+  return {address % sets_, static_cast<std::uint32_t>(address)};
+}
+
+// A packet is asked for once, however many of its voxels are missing.
+const Misses& VolumeCache::check_voxels(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+  std::uint32_t packets = 0, missing = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::size_t x = voxel[0] + (i & 1), y = voxel[1] + (i >> 1 & 1), z = voxel[2] + (i >> 2);
+    const Place place = place_of_voxel(block, x, y, z);
+    if (std::exchange(tags_[place.at], place.tag) == place.tag) continue;
+    ++missing;
+    const auto tile = static_cast<std::uint32_t>((z / shape_.tile_depth * tiles_x_ + (y >> 1)) * tiles_x_ + (x >> 1));
+    const auto asked = misses_.tiles.begin() + packets;
+    if (std::find(misses_.tiles.begin(), asked, tile) == asked) misses_.tiles[packets++] = tile;
+  }
+  misses_.count = packets;
+  ++counters_.checks;
+  ++counters_.misses[missing];
+  counters_.packets += packets;
+  counters_.missed_voxels += missing;
+  counters_.filled_voxels += missing;
+  return misses_;
+}
+
+bool VolumeCache::has_neighbourhood(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Place place = place_of_voxel(block, voxel[0] + (i & 1), voxel[1] + (i >> 1 & 1), voxel[2] + (i >> 2));
+    if (tags_[place.at] != place.tag) return false;
+  }
+  return true;
+}
+
+bool VolumeCache::holds_voxels(std::uint32_t block, std::uint32_t tile) const {
+  const auto n = static_cast<std::size_t>(shape_.block_voxels), depth = std::size_t{shape_.tile_depth};
+  const std::size_t x = tile % tiles_x_ * 2, y = tile / tiles_x_ % tiles_x_ * 2, z = tile / slice_tiles_ * depth;
+  for (std::size_t i = 0; i < 4 * depth; ++i) {  // the last tile of a row holds fewer voxels of the block, and padding
+    const Place place =
+        place_of_voxel(block, std::min(x + (i & 1), n), std::min(y + (i >> 1 & 1), n), std::min(z + (i >> 2), n));
+    if (tags_[place.at] != place.tag) return false;
+  }
+  return true;
+}
+
 bool VolumeCache::holds(std::uint32_t block, std::uint32_t tile) const {
+  if (shape_.tags_of_voxels) return holds_voxels(block, tile);
   if (plain_) return tags_[tile] == block;
   const auto tag = block * static_cast<std::uint32_t>(tiles_of_block()) + tile;
   const std::uint32_t* const way =
@@ -119,6 +180,7 @@ bool VolumeCache::hit(std::uint32_t block, std::size_t x, std::size_t y, std::si
 }
 
 const Misses& VolumeCache::check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) {
+  if (shape_.tags_of_voxels) return check_voxels(block, voxel);
   const std::size_t x = voxel[0] >> 1, y = voxel[1] >> 1;
   const std::size_t two_x = voxel[0] & 1, two_y = voxel[1] & 1;
   const std::size_t last = tiles_x_ - 1;

@@ -1,7 +1,7 @@
 // The tags of a processor's volume cache: which tiles of which block it holds, or has asked for [P §2.1, §3.3].
 //
 // The cache has a place for each of a block's (n+1)^3 voxels. Memory brings 2x2x1 tiles (docs/reference/hardware.md), so the tags of
-// a tile's four voxels are always the same and are kept once. Lazy: nothing is fetched before a sample needs it.
+// a tile's four voxels are always the same and are kept once, unless tags of single voxels are asked for. Lazy: nothing is fetched before a sample needs it.
 #pragma once
 
 #include <array>
@@ -20,6 +20,7 @@ struct CacheShape {
   std::array<int, 3> blocks{};  // of the volume
   bool writes_back = false;     // it remembers which tiles have changed
   unsigned tile_depth = 1;      // voxels of a tile along z; 2 x 2 across
+  bool tags_of_voxels = false;  // direct mapped; of what a packet brings only the voxels asked for are kept
 };
 
 // A tile of a block.
@@ -95,6 +96,9 @@ class VolumeCache {
   // The same if something is missing; `first` is the neighbourhood's lowest tile.
   const Misses& fetch_plain(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel, std::size_t first);
   const Misses& check_sets(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  const Misses& check_voxels(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel);
+  bool has_neighbourhood(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const;
+  bool holds_voxels(std::uint32_t block, std::uint32_t tile) const;
   void count(std::uint32_t packets, std::uint32_t voxels_of_tile) {
     misses_.count = packets;
     ++counters_.checks;
@@ -102,6 +106,12 @@ class VolumeCache {
     counters_.missed_voxels += packets * voxels_of_tile;
     ++counters_.misses[packets * voxels_of_tile];
   }
+  // Of a single voxel.
+  struct Place {
+    std::size_t at = 0;
+    std::uint32_t tag = 0;
+  };
+  Place place_of_voxel(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z) const;
   // The place of the set's first way.
   std::size_t set_of(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile) const;
   bool hit(std::uint32_t block, std::size_t x, std::size_t y, std::size_t z, std::size_t tile);
@@ -171,6 +181,7 @@ inline const Misses& VolumeCache::fetch_plain(std::uint32_t block, const std::ar
 }
 
 inline bool VolumeCache::latest(std::uint32_t block, const std::array<std::uint32_t, 3>& voxel) const {
+  if (shape_.tags_of_voxels) return has_neighbourhood(block, voxel);
   const std::size_t two_x = voxel[0] & 1, row = (voxel[1] & 1) * tiles_x_;
   const std::size_t first = (voxel[2] * tiles_x_ + (voxel[1] >> 1)) * tiles_x_ + (voxel[0] >> 1);
   const std::uint32_t tags = block * static_cast<std::uint32_t>(tiles_of_block());

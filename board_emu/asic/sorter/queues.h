@@ -2,7 +2,9 @@
 //
 // A queue of capacity C has C slots. A ray takes one when it is written and gives it up when it has left the queue for
 // good: while it is in the pipeline and may come back its slot is kept. So a ray that comes back to its queue always
-// finds room. A slot that is given up while rays of the queue are with the DSP is kept for the first of them. The eDRAMs are one pool of records here that grows with the rays that are there, not with the capacity.
+// finds room. A slot that is given up while rays of the queue are with the DSP is kept for the first of them.
+//
+// The eDRAMs are one pool of records here, which grows with the rays that are there and not with the capacity.
 #pragma once
 
 #include <algorithm>

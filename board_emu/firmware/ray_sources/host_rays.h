@@ -23,6 +23,7 @@ class HostRays : public RaySource {
       : rays_(rays), frame_(frame), come_back_(come_back) {}
 
   std::uint64_t count() const override { return rays_.size(); }
+  std::uint64_t max_under_way() const override { return kViewingRaysUnderWay; }
   DspTask making(std::uint64_t i) const override {
     DspTask task{.loop = &kPassRay,
                  .more_cycles = static_cast<std::uint32_t>(frame_.cut_planes.size()) * kCutHostRay.interval()};

@@ -33,6 +33,7 @@ class ImageRays : public RaySource {
   std::uint64_t run_end(std::uint64_t i) const override {
     return in_runs() ? i / across_ * across_ + run_at(timed_, i).end : i + 1;
   }
+  std::uint64_t max_under_way() const override { return kViewingRaysUnderWay; }
   DspTask making(std::uint64_t i) const override {
     const bool run = in_runs() && run_end(i) > i + 1;
     DspTask task{.loop = run ? &kMakeRun : &kMakeViewingRay};

@@ -88,6 +88,8 @@ const std::vector<Field> kFields{
     light("cache.splat_rule", "all_samples"),
     light("cache.write_policy", "write_back"),
     light("cache.irradiance", "in_cells"),
+    asic("cache.tags", "of_voxels"),
+    handed_on("cache.ports", "2"),
     asic("link.bits", "1"),
     asic("link.rays", "2", {"link.bits=1"}),
     asic("memory", "ddr"),

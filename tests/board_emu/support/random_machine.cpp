@@ -68,6 +68,7 @@ std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
   const auto set = [](const char* field, auto value) { return std::string(field) + '=' + std::to_string(value); };
   const auto name = [](const char* field, const char* value) { return std::string(field) + '=' + value; };
   const bool in_cells = dice.chance(30);
+  const bool tags_of_voxels = dice.chance(15);  // direct mapped, and not written back
   return {
       set("asic.block_voxels", block_voxels),
       set("asic.processors", dice.number(1, 16)),
@@ -80,11 +81,14 @@ std::vector<std::string> draw_machine(Dice& dice, int block_voxels) {
       name("sorter.queues", dice.chance(15) ? "single" : "per_block"),
       set("pipeline.prefetch_stages", dice.one_of({1, 3, 16, 40})),
       set("pipeline.compute_stages", dice.one_of({1, 5, 16})),
-      set("cache.ways", dice.one_of({1, 1, 2, 8})),
+      set("cache.ways", tags_of_voxels ? 1 : dice.one_of({1, 1, 2, 8})),
+      name("cache.tags", tags_of_voxels ? "of_voxels" : "of_tiles"),
       set("cache.miss_packets", dice.one_of({in_cells ? 16 : 8, 32, 100})),
       name("cache.irradiance", in_cells ? "in_cells" : "with_voxels"),
+      set("cache.ports", dice.number(1, 2)),
       name("cache.splat_rule", any_of(*v1::SplatRule_descriptor(), dice)),
-      name("cache.write_policy", any_of(*v1::WritePolicy_descriptor(), dice)),
+      name("cache.write_policy",
+           tags_of_voxels ? dice.one_of({"combining", "write_through"}) : any_of(*v1::WritePolicy_descriptor(), dice)),
       set("link.bits", dice.one_of({1, 8, 32, 256})),
       set("link.rays", dice.one_of({2, 4})),
       set("rdram.processors_per_rdram", dice.number(1, 2)),

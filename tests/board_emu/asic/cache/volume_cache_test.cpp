@@ -109,6 +109,42 @@ TEST(VolumeCache, ALinearCacheTakesPlacesByTheAddressInTheVolume) {
   EXPECT_EQ(cache.check(0, Voxel{0, 0, 0}).count, 2u);
 }
 
+// A neighbourhood of odd x and y takes one voxel of each of four tiles a slice, and of even ones all four of one.
+TEST(VolumeCache, WithTagsOfVoxelsKeepsOfAPacketOnlyWhatWasAskedFor) {
+  for (const bool linear : {false, true}) {
+    VolumeCache cache({.block_voxels = 8, .linear = linear, .blocks = {2, 2, 2}, .tags_of_voxels = true});
+    EXPECT_EQ(cache.check(0, Voxel{3, 3, 2}).count, 8u);
+    EXPECT_EQ(cache.check(0, Voxel{3, 3, 2}).count, 0u);
+    EXPECT_TRUE(cache.latest(0, Voxel{3, 3, 2}));
+    EXPECT_FALSE(cache.latest(0, Voxel{4, 3, 2}));
+    EXPECT_EQ(cache.check(0, Voxel{4, 3, 2}).count, 4u);  // packets that came before, for the voxels at x = 5
+    EXPECT_EQ(cache.counters().missed_voxels, 8u + 4u);
+    EXPECT_FALSE(cache.holds(0, (2 * 5 + 2) * 5 + 2));    // y = 5 was never asked for
+    EXPECT_EQ(cache.check(0, Voxel{4, 4, 2}).count, 2u);  // two voxels each
+    EXPECT_TRUE(cache.holds(0, (2 * 5 + 2) * 5 + 2));
+    EXPECT_EQ(cache.counters().missed_voxels, 8u + 4u + 4u);
+    EXPECT_EQ(cache.counters().filled_voxels, 16u);
+  }
+}
+
+TEST(VolumeCache, OfATileAtABlocksFaceHoldsTheVoxelsThatThereAre) {
+  VolumeCache cache({.block_voxels = 8, .blocks = {1, 1, 1}, .tags_of_voxels = true});
+  cache.check(0, Voxel{7, 7, 0});
+  EXPECT_TRUE(cache.holds(0, 4 * 5 + 4));
+}
+
+// 9 x 9 x 9 places; 16 voxels are a row of two blocks.
+TEST(VolumeCache, WithLinearTagsOfVoxelsTakesPlacesByTheAddressInTheVolume) {
+  VolumeCache cache({.block_voxels = 8, .linear = true, .blocks = {2, 2, 2}, .tags_of_voxels = true});
+  cache.check(0, Voxel{0, 0, 0});
+  EXPECT_EQ(cache.check(1, Voxel{0, 0, 0}).count, 2u);
+  EXPECT_TRUE(cache.latest(0, Voxel{0, 0, 0}));
+  EXPECT_TRUE(cache.latest(1, Voxel{0, 0, 0}));
+  EXPECT_EQ(cache.check(2, Voxel{0, 5, 1}).count, 4u);  // up to voxel (1, 14, 2), at 2 * 256 + 14 * 16 + 1 = 729 + 8
+  EXPECT_TRUE(cache.latest(0, Voxel{0, 0, 0}));
+  EXPECT_FALSE(cache.latest(1, Voxel{0, 0, 0}));
+}
+
 TEST(VolumeCache, AsksForWhatACheckWouldAskFor) {
   for (const unsigned ways : {1u, 2u}) {
     VolumeCache checked({.block_voxels = 8, .ways = ways}), asked(checked);
