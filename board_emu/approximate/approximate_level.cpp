@@ -8,7 +8,9 @@
 namespace gicube::emu {
 
 // Passes know nothing of deposits and scattering, nor of the packets of two processors that alternate on one channel.
-bool ApproximateLevel::answers(const Frame& frame) const { return frame.plain() && PassMachine::covers(config_); }
+bool ApproximateLevel::answers(const Frame& frame) const {
+  return frame.plain() && !frame.ends_at_borders && PassMachine::covers(config_);
+}
 
 PassMachine& ApproximateLevel::machine_for(const Frame& frame) {
   if (machine_ && machine_->blocks() != frame.volume->blocks()) drop_machines();

@@ -66,6 +66,14 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
   if (!std::has_single_bit(bits) || bits > 256) {
     report("link.bits", "a power of two from 1 to 256 bits", std::to_string(bits));
   }
+  if (config.dsp().segments() != 0) {
+    if (config.asic().partition() == v1::skewed_block)
+      report("dsp.segments", "0 with asic.partition=skewed_block", std::to_string(config.dsp().segments()));
+    if (config.asic().datapath() == v1::wide)
+      report("dsp.segments", "0 with asic.datapath=wide", std::to_string(config.dsp().segments()));
+    if (config.dsp().run_rays() > 1)
+      report("dsp.segments", "0 with dsp.run_rays of more than 1", std::to_string(config.dsp().segments()));
+  }
   if (config.cache().tags() == v1::of_voxels) {
     if (config.cache().ways() != 1)
       report("cache.ways", "1 with cache.tags=of_voxels", std::to_string(config.cache().ways()));
@@ -169,6 +177,31 @@ std::vector<Diagnostic> check(const v1::BoardConfig& config, const FieldLines& l
   check_fields_together(config, lines, found);
   if (found.empty() && config.fidelity() != v1::functional) check_memory(config, lines, found);
   return found;
+}
+
+std::string explained(const v1::BoardConfig& config) {
+  std::string text;
+  const auto explain = [&](const auto& self, const Message& message, const std::string& path) -> void {
+    const auto& type = *message.GetDescriptor();
+    for (int i = 0; i < type.field_count(); ++i) {
+      const FieldDescriptor& field = *type.field(i);
+      const std::string name = path + std::string(field.name());
+      if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+        self(self, message.GetReflection()->GetMessage(message, &field), name + '.');
+        continue;
+      }
+      if (!field.options().HasExtension(v1::source)) continue;
+      const bool is_enum = field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM;
+      const std::string value = is_enum ? message.GetReflection()->GetEnum(message, &field)->name()
+                                        : std::to_string(message.GetReflection()->GetUInt32(message, &field));
+      const std::string usual =
+          is_enum ? field.default_value_enum()->name() : std::to_string(field.default_value_uint32());
+      text += fmt::format("{:<32} {:<14} {}{}\n", name, value, value == usual ? "" : "default " + usual + ": ",
+                          field.options().GetExtension(v1::source));
+    }
+  };
+  explain(explain, resolve(config), "");
+  return text;
 }
 
 std::string config_text(const v1::BoardConfig& config) {

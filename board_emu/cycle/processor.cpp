@@ -192,6 +192,10 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     const Home& home = partition_.home(ray.block);
     token.processor = home.processor;
     token.queue = single_queue_ ? 0 : home.number;
+    if (frame_->ends_at_borders && home.processor != number_) {
+      token.state = TokenStatus::kDone;
+      count_end(ray_state, Termination::kLeft, *frame_, counts_);
+    }
   } else {
     prefetch(view, ray_state.position, low);
   }

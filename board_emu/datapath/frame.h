@@ -39,6 +39,7 @@ struct Frame {
   bool jitter = false;
   bool shade = false;
   bool leap = false;
+  bool ends_at_borders = false;  // a ray ends where it would go on at another processor
   std::vector<Plane> cut_planes;
 
   // What all rays of the frame do. Viewing rays are kIntegrate and the rays of a light kDeposit, as if the host had made them.

@@ -27,7 +27,8 @@ class Framebuffer {
   // A black, transparent image; what was there is gone.
   void clear(int width, int height, wire::Filter filter);
 
-  std::uint64_t memory_bytes() const { return sums_.capacity() * sizeof(Sum); }  // of the host's
+  std::uint64_t bytes() const { return std::uint64_t{kBytesPerPixel} * sums_.size(); }  // of the SDRAM
+  std::uint64_t memory_bytes() const { return sums_.capacity() * sizeof(Sum); }         // of the host's
 
   int width() const { return width_; }
   int height() const { return height_; }

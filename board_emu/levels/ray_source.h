@@ -41,6 +41,7 @@ struct RayBatch {
   std::span<wire::Ray> rays;         // those that go to the ASIC
   std::vector<wire::Ray> room;       // where they are kept, unless the source has a place for them
   std::vector<std::uint64_t> index;  // which of the source's rays they are; empty if it knows
+  const Frame* frame = nullptr;      // in which they fly; null: the run's
   std::uint64_t returned = 0;        // rays that did not go there, and yet cost the DSP as much as one that comes back
   RayCounters counters;              // of what happened as they were made
 };

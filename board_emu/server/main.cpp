@@ -192,9 +192,10 @@ int run(int argc, const char* const* argv) {
   if (line.options.print_config) {
     fmt::print("{}# config_hash: {}\n", config_text(line.options.config), config_hash_text(line.options.config));
   }
+  if (line.options.explain_config) fmt::print("{}", explained(line.options.config));
   if (line.options.print_registers) fmt::print("{}\n{}", wire::register_markdown(), wire::memory_markdown());
   if (line.options.print_hardware_cost) fmt::print("{}", to_string(hardware_cost(line.options.config)));
-  if (line.options.print_config || line.options.print_registers || line.options.print_hardware_cost) {
+  if (line.options.prints_only()) {
     check_standard_output();
     return 0;
   }

@@ -103,6 +103,8 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--set", flags.overrides, "FIELD=VALUE", "set one field after that, as asic.processors=8; may come several times")
       ->allow_extra_args(false);
   app.add_flag("--print-config", options.print_config, "print the resolved configuration and its hash, then end");
+  app.add_flag("--explain-config", options.explain_config,
+               "print each field of the configuration with where its default comes from, then end");
   app.add_flag("--hardware-cost", options.print_hardware_cost,
                "print what the configuration's ASIC holds in memories, Table 1 of the paper, then end");
   app.add_flag("--registers", options.print_registers, "print the register table and the memory map, then end");
@@ -186,8 +188,7 @@ void read_listen(const Flags& flags, Options& options, std::vector<std::string>&
     errors.push_back(fmt::format("--boards: expected 1 to {}, got {}", kMaxBoards, options.boards));
   }
   if (flags.listen.empty()) {
-    const bool prints_only = options.print_config || options.print_registers || options.print_hardware_cost;
-    if (!prints_only) errors.push_back("--listen: expected unix:PATH, tcp:HOST:PORT or fd:N, got nothing");
+    if (!options.prints_only()) errors.push_back("--listen: expected unix:PATH, tcp:HOST:PORT or fd:N, got nothing");
     return;
   }
   const std::optional<Endpoint> endpoint = read_endpoint("--listen", flags.listen, errors);

@@ -40,8 +40,12 @@ struct Options {
   bool is_private = false;
   bool quiet = false;
   bool print_config = false;
+  bool explain_config = false;
   bool print_registers = false;
   bool print_hardware_cost = false;
+
+  // Something to standard output, and runs no board.
+  bool prints_only() const { return print_config || explain_config || print_registers || print_hardware_cost; }
 };
 
 // What the command line asks for, or what there is to print instead.

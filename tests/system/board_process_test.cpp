@@ -251,7 +251,8 @@ TEST(BoardProcess, PrintsAConfigurationThatItTakesBack) {
 
 TEST(BoardProcess, FailsIfWhatItPrintsGetsNowhere) {
   const TemporaryDirectory folder;
-  for (const std::string flag : {"--print-config", "--registers", "--hardware-cost", "--help", "--version"}) {
+  for (const std::string flag :
+       {"--print-config", "--explain-config", "--registers", "--hardware-cost", "--help", "--version"}) {
     const std::string command = GICUBE_BIN_DIR "/gicube-board " + flag + " >/dev/full 2>" + folder.file("errors");
     const int status = std::system(command.c_str());
     EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << flag;

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "asic/partition.h"
 #include "command_fault.h"
 #include "datapath/interaction.h"
 #include "datapath/scattering.h"
 #include "firmware/lighting_rays.h"
 #include "firmware/ray_sources/image_rays.h"
 #include "firmware/ray_sources/light_rays.h"
+#include "firmware/ray_sources/segment_rays.h"
 #include "gicube/parallel_for.h"
 #include "gicube/wire/command.h"
 
@@ -310,18 +312,41 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   check_volume();
   check_materials();
 
-  const Frame frame = this->frame();
+  Frame frame = this->frame();
   expect_memory(frame, std::uint64_t{command.width} * command.height);
   host_traps_.begin(false, {});
   aperture_.decode(threads_, reads(frame));
-  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
-  ImageRays rays(command, frame, aperture_.framebuffer(), runs);
-  const RunResult ran = run_level(rays, frame, work);
+  const RunResult ran = frame.plain() && config_.dsp().segments() != 0 ? render_segments(command, frame, work)
+                                                                       : render_rays(command, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   aperture_.resolve_framebuffer(threads_);
-  viewing_rays_ += rays.count();
   add_trap_list(result, 0);
   return result;
+}
+
+RunResult DspCommands::render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work) {
+  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
+  ImageRays rays(command, frame, aperture_.framebuffer(), runs);
+  viewing_rays_ += rays.count();
+  return run_level(rays, frame, work);
+}
+
+RunResult DspCommands::render_segments(const wire::RenderCommand& command, Frame& frame, Progress& work) {
+  std::vector<int> borders =
+      Partition(config_.asic(), aperture_.volume().blocks()).borders(aperture_.volume().blocks()[0]);
+  const std::uint64_t samples =
+      std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
+  const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel +
+                              samples * (borders.size() + 1) * SegmentRays::kBytesPerPart;
+  if (bytes > config_.dsp().framebuffer_mb() * std::uint64_t{1'000'000}) {
+    refuse("width x height: expected an image whose sums and segments fit dsp.framebuffer_mb = " +
+           std::to_string(config_.dsp().framebuffer_mb()) + ", got " + std::to_string(bytes) + " bytes");
+  }
+  for (int& border : borders) border *= static_cast<int>(config_.asic().block_voxels()) * wire::kVoxel;
+  frame.ends_at_borders = true;
+  SegmentRays rays(command, frame, aperture_.framebuffer(), std::move(borders));
+  viewing_rays_ += rays.samples();
+  return run_level(rays, frame, work);
 }
 
 CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Progress& work) {

@@ -97,6 +97,9 @@ class DspCommands {
   std::array<int, 3> volume_size() const;  // 0 in every direction until all are set
   Frame frame();
   void set_light(Frame& frame, wire::EnergyRules rules);
+  // The picture by whole rays, or by their segments.
+  RunResult render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work);
+  RunResult render_segments(const wire::RenderCommand& command, Frame& frame, Progress& work);
   // The level's answer to a command. Throws CommandFault if it was cancelled.
   RunResult run_level(RaySource& rays, const Frame& frame, Progress& work);
   std::span<const float> current_wide_depths();

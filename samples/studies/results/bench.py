@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from figures import (Measurement, asic_ms, cause_shares, dsp_use, frame_ms, hit_ratio, mean_of, memory_gb_s, memory_use,
                      overflows_a_ray, rate_hz, samples_per_second, spread_of, throughput)
 from page import number, percent
+from scenes import BRAIN, DESIGN_EDGE, SCANS, load_scan
 from studies.runs import progress
 
 # Scenes and what they are there for.
@@ -88,7 +89,7 @@ def at_paper(runs):
 def scanline(run, queue):
     """On the machine of [P §5.1] that reordering is measured against: one queue a processor, rays in the order in which they
     come."""
-    return run.on({"sorter.queues": "single", QUEUE: queue})
+    return run.on({"sorter.queues": "single", "cache.tags": "of_voxels", QUEUE: queue})
 
 
 class Bench:
@@ -120,6 +121,17 @@ class Bench:
 
     def oblique(self):
         return [self.run(scene) for scene in SCENES]
+
+    def scans(self):
+        """Those that are at hand, at the paper's operating point. They have one size."""
+        if self.edge != DESIGN_EDGE:
+            return []
+        at_hand = [name for name, (path, _) in SCANS.items() if path.exists()]
+        return [self.run(name, dims=load_scan(name).shape[::-1]).at_paper() for name in at_hand]
+
+    def mirrors(self):
+        """The paper's brain between mirrors, or a head if there is no scan."""
+        return self.lit("mirror-brain" if BRAIN.exists() and self.edge == DESIGN_EDGE else "mirror-head").but(light_rays=0)
 
     def lit_scenes(self):
         return [self.lit(scene) for scene in LIT_SCENES]

@@ -1,4 +1,5 @@
-"""The scenes that are measured: all procedural, no scan is needed, and any size shows the same thing."""
+"""The scenes that are measured: procedural ones, of which any size shows the same thing, and scans where they are at hand."""
+import functools
 import math
 import pathlib
 import re
@@ -10,6 +11,13 @@ import numpy as np
 FAINT = 0.003  # chosen: 443 voxels of opacity 0.003 let a quarter through
 DESIGN_EDGE = 256  # voxels: opacities below are those of a volume of this edge
 FILES = pathlib.Path(__file__).resolve().parents[2] / "scenes"
+DATA = FILES.parents[2] / "shared/data"  # scans beside the source's folder; they don't come with it
+BRAIN = DATA / "stroke_brain_mri/T1.nii.gz"
+# Scans and the opacities of their voxels' values, 0..255.
+SCANS = {"engine": (DATA / "engine_ct/engine.nii.gz", [(60, 0), (150, 0.03), (200, 0.3)]),
+         "mouse": (DATA / "mouse_head_microct/C57BL6_J_.nii.gz", [(25, 0), (60, 0.1), (140, 0.3)]),
+         "brain": (BRAIN, [(30, 0), (90, 0.3)]),
+         "human": (DATA / "visible_human_female_head_ct", [(20, 0), (50, 0.02), (80, 0.02), (110, 0.3)])}
 TOWARDS_THE_EYE = {"along x": (-1, 0, 0), "along y": (0, -1, 0), "along z": (0, 0, -1), "diagonal": (-1, -1, 1)}
 
 
@@ -125,21 +133,38 @@ def make_noise(dims, edge, low, high, dark, light):
     return SceneData(voxelise(dims, lambda k: 0.1 + 0.8 * noise.slice(k)), [look])
 
 
+@functools.cache
+def load_scan(name):
+    """Samples of 0..255 [z, y, x]; of slices that have more than the design point's voxels along an edge every second."""
+    samples = gicube.read_volume(SCANS[name][0]).samples
+    return samples[:, ::2, ::2] if max(samples.shape) > DESIGN_EDGE else samples
+
+
+def make_scan(name):
+    words = load_scan(name).astype("u2") * 16
+    look = gicube.TransferFunction([(400, (0.8, 0.6, 0.5)), (2400, (1, 0.95, 0.9))],
+                                   [(16 * value, opacity) for value, opacity in SCANS[name][1]])
+    return SceneData(gicube.Volume(words, sample_type=gicube.SampleType.UINT12), [look], be_whole=False)
+
+
 def make_scene(name, dims, edge):
-    """`name`: buckyball, head, cloud, rock, or that of a file of samples/scenes that has a world. `edge`: voxels to which lengths
+    """`name`: buckyball, head, cloud, rock, one of SCANS, "mirror-brain", or that of a file of samples/scenes that has a world. `edge`: voxels to which lengths
     refer, those along the longest edge of a world; all dims are equal to it but for boxes cut from a larger whole (cloud and rock
     only, which look the same everywhere). Raises gicube.InputError (a size out of range), OSError (no such file)."""
+    if name in SCANS:
+        return make_scan(name)
     if name == "head":
         return make_head(dims, edge)
     if name == "cloud":
         return make_noise(dims, edge, 0.001, 0.007, (0.5, 0.6, 0.8), (1, 1, 1))
     if name == "rock":
         return make_noise(dims, edge, 0.03, 0.12, (0.3, 0.2, 0.15), (0.8, 0.75, 0.6))
+    folder = pathlib.Path(__file__).parent if name == "mirror-brain" else FILES
     if name == "buckyball":
         text = f'volume {{ builtin: "{name}" size: {edge} }}'
     else:
-        text = re.sub(r"(?m)^  size: \d+", f"  size: {edge}", (FILES / f"{name.replace('-', '_')}.scene").read_text(), count=1)
-    setup = gicube.parse_scene(text, name, FILES).set_up()
+        text = re.sub(r"(?m)^  size: \d+", f"  size: {edge}", (folder / f"{name.replace('-', '_')}.scene").read_text(), count=1)
+    setup = gicube.parse_scene(text, name, folder).set_up()
     return SceneData(setup.volume, setup.looks, setup)
 
 

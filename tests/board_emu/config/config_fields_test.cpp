@@ -73,6 +73,7 @@ const std::vector<Field> kFields{
     {"dsp.run_rays", "8", kRays, kValues, kValues, kValues},
     {"dsp.run_error", "16384", kRays, kValues, kValues, kValues, {"dsp.run_rays=8"}},
     asic("dsp.overflow_rays", "3"),
+    {"dsp.segments", "1", kRays, kValues, kValues, kValues},
     {"dsp.framebuffer_mb", "1", kRays, kLimit, kLimit, kLimit},
     everywhere("bus.model", "agp4x", kTransfer),
     everywhere("bus.max_burst_dwords", "4", kTransfer),

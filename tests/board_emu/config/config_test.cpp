@@ -161,6 +161,25 @@ TEST(Config, ChecksThePartsOfTheCycleLevel) {
                                             HasSubstr("sorter.policy: expected one of most_rays, most_contribution")));
 }
 
+TEST(Config, TagsOfVoxelsAreOfADirectMappedCacheThatIsNotWrittenBack) {
+  EXPECT_THAT(texts(check(with({"cache.tags=of_voxels", "cache.ways=2", "cache.write_policy=write_back"}))),
+              testing::UnorderedElementsAre(
+                  "cache.ways: expected 1 with cache.tags=of_voxels, got 2",
+                  "cache.write_policy: expected combining or write_through with cache.tags=of_voxels, got write_back"));
+  EXPECT_THAT(texts(check(with({"cache.tags=of_voxels", "cache.write_policy=write_through"}))), IsEmpty());
+  EXPECT_THAT(texts(check(with({"cache.ports=3"}))), testing::ElementsAre("cache.ports: expected 1 to 2 ports, got 3"));
+}
+
+TEST(Config, SegmentsAreOfSlabsThePapersDatapathAndRaysOneByOne) {
+  EXPECT_THAT(texts(check(with({"dsp.segments=1"}))), IsEmpty());
+  EXPECT_THAT(texts(check(with({"dsp.segments=1", "asic.partition=repeated_slab"}))), IsEmpty());
+  EXPECT_THAT(
+      texts(check(with({"dsp.segments=1", "asic.partition=skewed_block", "asic.datapath=wide", "dsp.run_rays=4"}))),
+      testing::UnorderedElementsAre("dsp.segments: expected 0 with asic.partition=skewed_block, got 1",
+                                    "dsp.segments: expected 0 with asic.datapath=wide, got 1",
+                                    "dsp.segments: expected 0 with dsp.run_rays of more than 1, got 1"));
+}
+
 TEST(Config, RefusesACycleLevelVolumeThatItsMemoryChannelsCannotHold) {
   EXPECT_THAT(
       texts(check(with({"fidelity=cycle", "asic.max_volume_voxels=1024", "asic.processors=1"}))),
@@ -242,7 +261,36 @@ TEST(Config, TheHashIgnoresOrderOfFieldsSpelledOutDefaultsAndThreads) {
 }
 
 // The hash stands in result files: it may change only with the schema or its defaults.
-TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "ed931c5f4edbc451"); }
+// What may be without: what no result and no simulated time depends on, and the level itself.
+TEST(Config, EachFieldSaysWhereItsDefaultComesFrom) {
+  std::vector<std::string> without;
+  std::size_t sourced = 0;
+  const auto look = [&](const auto& self, const google::protobuf::Descriptor& type, const std::string& path) -> void {
+    for (int i = 0; i < type.field_count(); ++i) {
+      const auto& field = *type.field(i);
+      const std::string name = path + std::string(field.name());
+      if (field.message_type() != nullptr) {
+        self(self, *field.message_type(), name + '.');
+      } else if (!field.options().HasExtension(v1::source)) {
+        without.push_back(name);
+      } else {
+        ++sourced;
+        EXPECT_THAT(field.options().GetExtension(v1::source),
+                    testing::AnyOf(testing::StartsWith("paper §"), testing::StartsWith("datasheet "),
+                                   testing::StartsWith("derived: "), testing::StartsWith("chosen: ")))
+            << name;
+      }
+    }
+  };
+  look(look, *v1::BoardConfig::descriptor(), "");
+  EXPECT_THAT(without, testing::UnorderedElementsAre("fidelity", "pace", "threads"));
+  const std::string text = explained(with({"asic.processors=8"}));
+  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(text, '\n')), sourced);
+  EXPECT_THAT(text, HasSubstr("asic.processors                  8              default 4: paper §4.1"));
+  EXPECT_THAT(text, HasSubstr("rdram.t_ras                      20             datasheet SPD of Samsung"));
+}
+
+TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "7a4b8547d6e36e23"); }
 
 TEST(Config, ChoosesTheMemoryByItsStandard) {
   v1::BoardConfig config = with({"memory=ddr", "fidelity=cycle"});

@@ -147,6 +147,76 @@ TEST(Machine, CausesOfALoneRayInColdMemoryAreMissesAndFills) {
   EXPECT_EQ(std::accumulate(causes.begin(), causes.end(), std::uint64_t{0}), machine.now());
 }
 
+// At odd x and y the first sample needs eight packets, and each further one the four of a slice. All have come before it leaves the
+// prefetch line, so with one port it stands still for all but the last, and with two not at all.
+TEST(Machine, WithTwoPortsPacketsThatHaveComeHoldNoSampleUp) {
+  for (const int samples : {1, 2, 5}) {
+    Scene scene({33, 33, 33}, 32);
+    std::uint64_t took[2] = {0, 0};
+    for (const unsigned ports : {1u, 2u}) {
+      const v1::BoardConfig config =
+          config_with({"asic.processors=1", "rdram.refresh_interval=0", "ideal.dsp=1", "pipeline.prefetch_stages=100",
+                       "cache.ports=" + std::to_string(ports)});
+      Machine machine(config, scene.volume.blocks());
+      took[ports - 1] = run(machine, scene, {host_ray(0, {5.5, 5.5, 33 - samples - 0.5}, {0, 0, 1})}).cycles;
+      EXPECT_EQ(cycles(machine, Cause::kBusy), static_cast<unsigned>(samples));
+      EXPECT_EQ(cycles(machine, Cause::kFill), ports == 1 ? 7u + 3 * static_cast<unsigned>(samples - 1) : 0u);
+      EXPECT_EQ(machine.memories()[0]->channel().counters().packets_read, 8u + 4 * static_cast<unsigned>(samples - 1));
+    }
+    EXPECT_EQ(took[0] - took[1], 7u + 3 * static_cast<unsigned>(samples - 1)) << samples;
+  }
+}
+
+// The second block's packets would take the places of the first's, whose last samples are still in the prefetch line.
+TEST(Machine, WithTwoPortsAPacketWaitsForOlderSamplesOfAnotherBlock) {
+  const auto fills = [](bool of_one_block) {
+    Scene scene({64, 33, 33}, 32);
+    const v1::BoardConfig config = config_with({"asic.processors=1", "rdram.refresh_interval=0", "ideal.dsp=1",
+                                                "pipeline.prefetch_stages=100", "cache.ports=2"});
+    Machine machine(config, scene.volume.blocks());
+    const double x = of_one_block ? 9.5 : 37.5;
+    run(machine, scene, {host_ray(0, {5.5, 5.5, 31.5}, {0, 0, 1}), host_ray(1, {x, 5.5, 31.5}, {0, 0, 1})});
+    return cycles(machine, Cause::kFill);
+  };
+  EXPECT_EQ(fills(true), 0u);
+  EXPECT_GE(fills(false), 6u);
+}
+
+// Passes on what another source makes, and notes how many of its rays are under way.
+class FewUnderWay : public HostRays {
+ public:
+  FewUnderWay(std::span<wire::Ray> rays, const Frame& frame, std::uint64_t most)
+      : HostRays(rays, frame, true), most_(most) {}
+  std::uint64_t max_under_way() const override { return most_; }
+  std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
+    seen = std::max(seen, ++under_way_);
+    return HostRays::make(i, counters);
+  }
+  void take(std::uint64_t i, const wire::Ray& ray) override {
+    --under_way_;
+    HostRays::take(i, ray);
+  }
+  std::uint64_t seen = 0;
+
+ private:
+  std::uint64_t most_, under_way_ = 0;
+};
+
+TEST(Machine, HasNoMoreRaysUnderWayThanTheirSourceAndTheOverflowStoreAllow) {
+  Scene scene({33, 33, 33}, 32);
+  for (const auto& [of_source, places] : {std::pair{5u, 65'536u}, {100u, 7u}}) {
+    const v1::BoardConfig config =
+        config_with({"asic.processors=1", "ideal.dsp=1", "dsp.overflow_rays=" + std::to_string(places)});
+    Machine machine(config, scene.volume.blocks());
+    std::vector<wire::Ray> rays = columns(16, 8);
+    FewUnderWay source(rays, scene.frame, of_source);
+    Progress progress;
+    machine.run(source, scene.frame, progress);
+    EXPECT_EQ(source.seen, std::min(of_source, places));
+    EXPECT_EQ(machine.dsp().counters().taken, 128u);
+  }
+}
+
 TEST(Machine, RunsOfRaysTakeLessOfTheDsp) {
   Scene scene({33, 33, 33}, 8);
   scene.fill([](int x, int y, int z) { return wire::Voxel{static_cast<std::uint16_t>(x * y * z % 4096), 0, 0, 0}; });

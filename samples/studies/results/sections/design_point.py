@@ -51,7 +51,12 @@ def rate_claim(bench, page):
         if rate_hz(m) < REAL_TIME:
             slow.append(WORDS["row 23 slow"].format(
                 scene=run.scene, samples=samples * 1e-6, alone=ratio(samples, m.processors * m.core_hz) * 1e3, bus=frame_ms(m) - asic_ms(m)))
-    page.claim(23, differs(min(rate.min, REAL_TIME), REAL_TIME), rate=rate.text(1, 1), half=half.text(1, 1), slow="; ".join(slow))
+    scanned = f"; {names_of(bench.scans())} {bench.spread(bench.scans(), rate_hz).text(1, 1)}" if bench.scans() else ""
+    page.claim(23, differs(min(rate.min, REAL_TIME), REAL_TIME), rate=rate.text(1, 1), scanned=scanned, half=half.text(1, 1), slow="; ".join(slow))
+
+
+def names_of(scans):
+    return f"scans ({', '.join(run.scene for run in scans)})"
 
 
 def bounds(bench, page):
@@ -78,7 +83,9 @@ def gains(bench, page):
     (leap, end, worth), rows = gains_of(bench, at_paper(bench.all()))
     (half_leap, half_end, half_worth), half_rows = gains_of(bench, bench.all())
     columns = ["scene", "view", "ms", "without leaps", "gain", "without termination", "gain", "M samples/s", "worth, M samples/s"]
-    page.table("gains", ["steps", *columns], [[steps, *row] for steps, of_steps in (("paper", rows), ("half", half_rows)) for row in of_steps])
+    scans = bench.scans()
+    (scan_leap, scan_end, _), scan_rows = gains_of(bench, scans)
+    page.table("gains", ["steps", *columns], [[steps, *row] for steps, of_steps in (("paper", rows + scan_rows), ("half", half_rows)) for row in of_steps])
 
     def text(leap, end):
         return f"{leap.min:.0f} / {leap.mean:.0f} / {leap.max:.0f}%; {end.min:.0f} / {end.mean:.0f} / {end.max:.0f}%"
@@ -89,7 +96,7 @@ def gains(bench, page):
 
     leap, end = leap.times(100), end.times(100)
     page.claim(11, differs(leap.mean, 21) or differs(leap.max, 34) or differs(end.mean, 12) or differs(end.max, 24),
-               gains=text(leap, end), half=text(half_leap.times(100), half_end.times(100)), most_leaps=most(4), most_ends=most(6))
+               gains=text(leap, end), scanned=f"; {names_of(scans)} {text(scan_leap.times(100), scan_end.times(100))}" if scans else "", half=text(half_leap.times(100), half_end.times(100)), most_leaps=most(4), most_ends=most(6))
     page.claim(20, worth.mean < volume_pro, worth=worth.text(1e6, 0), half=half_worth.text(1e6, 0))
 
 
@@ -115,9 +122,10 @@ def parameters(bench, page):
         variants[f"pipeline split {prefetch} + {compute}"] = {"pipeline.prefetch_stages": prefetch, "pipeline.compute_stages": compute}
     variants |= {f"{n} packets asked for at a time": {"cache.miss_packets": n} for n in (8, 16, 64, 256)}
     variants |= {f"cache of {n} ways": {"cache.ways": n} for n in (2, 4, 8)}
+    variants |= {"cache banks of two ports": {"cache.ports": 2}, "tags of voxels": {"cache.tags": "of_voxels"}}
     variants |= {f"DSP of {mhz} MHz": {"dsp.clock_khz": 1000 * mhz} for mhz in (50, 100, 400)} | {"ideal DSP": IDEAL_DSP}
     variants |= {f"runs of {n} rays": {"dsp.run_rays": n} for n in (4, 16, 64, 256)}
-    variants |= {f"{n} rays under way": {"dsp.overflow_rays": n} for n in (2048, 32768)}
+    variants |= {f"{n} rays under way": {"dsp.overflow_rays": n} for n in (1024, 2048)}
     variants["queues by contribution"] = {"sorter.policy": "most_contribution"}
 
     page.say("parameters")

@@ -55,10 +55,10 @@ def sample_claims(bench, page):
 def mirrors_claim(bench, page):
     """Volume rendering with reflections: no illumination pass, the reflectance map lights it."""
     size = bench.image * 300 // 256
-    half = bench.lit("mirror-head").but(light_rays=0, width=size, height=size)
+    half = bench.mirrors().but(width=size, height=size)
     run = half.at_paper()
     m = bench.get(run)
-    page.claim(3, differs(frame_ms(m), 22.7), size=size, ms=frame_ms(m), asic=asic_ms(m), samples=millions(m, "processor.samples"),
+    page.claim(3, differs(frame_ms(m), 22.7), what=run.scene.removeprefix("mirror-"), size=size, ms=frame_ms(m), asic=asic_ms(m), samples=millions(m, "processor.samples"),
                scatterings=100 * scatterings_a_ray(m), bus=frame_ms(m) - asic_ms(m), half_ms=frame_ms(bench.get(half)),
                fast=frame_ms(bench.get(run.on(IDEAL_FRONT_END))), lost=bench.lost_cycles([run]))
 
@@ -118,7 +118,7 @@ def parameters(bench, page):
     variants |= {f"{n} changed tiles wait": {"cache.write_packets": n} for n in (64, 1024)}
     variants |= {f"DSP of {mhz} MHz": {"dsp.clock_khz": 1000 * mhz} for mhz in (100,)} | {"ideal DSP": IDEAL_DSP}
     variants |= {f"{n} compute stages": {"pipeline.compute_stages": n} for n in (4, 32)}
-    variants |= {"32768 rays under way": {"dsp.overflow_rays": 32768}, "queues of 1024 rays": {QUEUE: 1024}, "skewed blocks": SKEWED,
+    variants |= {"8192 rays under way": {"dsp.overflow_rays": 8192}, "cache banks of two ports": {"cache.ports": 2}, "queues of 1024 rays": {QUEUE: 1024}, "skewed blocks": SKEWED,
                  "skewed blocks, ideal DSP, wide links": SKEWED | IDEAL_DSP | WIDE_LINKS, "wide datapath: energies of 24 bits": {"asic.datapath": "wide"},
                  "two processors share an RDRAM": SHARED_MEMORY, "perfect memory": {"ideal.memory": 1}, "voxel steps": {},
                  "voxel steps, two processors share an RDRAM": SHARED_MEMORY}

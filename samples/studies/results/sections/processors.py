@@ -1,13 +1,14 @@
 """Several processors: partitions of the volume, links, load balance, and scaling."""
 import math
 
-from bench import (EVEN, IDEAL_DSP, IDEAL_FRONT_END, PARTITION, PROCESSORS, RUNS_OF_RAYS, SCENES, SKEWED, WIDE_LINKS, at_paper, cells)
+from bench import (EVEN, IDEAL_DSP, IDEAL_FRONT_END, PARTITION, PROCESSORS, RUNS_OF_RAYS, SCENES, SKEWED, at_paper, cells)
 from figures import (asic_ms, balance_held, balance_working, bisection_mb_s, dsp_use, links_busy, mean_of, rays_sent, ratio,
                      spread_of, stalled_by_links, throughput, work_balance)
 from page import differs, number, percent
 
 PARTITIONS = {"slab": {}, "repeated slab": {PARTITION: "repeated_slab"}, "skewed": SKEWED}
 SLAB = PARTITIONS["slab"]
+IDEAL = IDEAL_DSP | {"ideal.memory": 1, "ideal.queues": 1}
 LINK_BITS = (1, 2, 4, 8, 16, 32, 64, 256)
 DESIGN_BITS, DESIGN_PROCESSORS = 32, 4
 
@@ -90,10 +91,13 @@ def along_and_across(bench, page):
 
 def partition_claims(bench, page):
     ours, half = ([on(runs, settings) for settings in PARTITIONS.values()] for runs in (at_paper(bench.all()), bench.all()))
-    links, sent, cut, held = ([bench.mean(runs, figure) for runs in ours] for figure in (links_busy, rays_sent, bisection_mb_s, balance_held))
-    half_links, half_cut, half_held = ([bench.mean(runs, figure) for runs in half] for figure in (links_busy, bisection_mb_s, balance_held))
-    page.claim(7, differs(links[0], 2, 4) or differs(links[1], 7) or differs(links[2], 20), links=links, half=half_links, sent=sent,
-               sums=[DESIGN_PROCESSORS * each for each in sent])
+    sent, cut, held = ([bench.mean(runs, figure) for runs in ours] for figure in (rays_sent, bisection_mb_s, balance_held))
+    half_cut, half_held = ([bench.mean(runs, figure) for runs in half] for figure in (bisection_mb_s, balance_held))
+    steady = [run.but(jitter=False, leap=False) for run in at_paper(bench.all())]
+    sums, half_sums, most_sums = ([DESIGN_PROCESSORS * bench.mean(runs, rays_sent) for runs in of_all]
+                                  for of_all in (ours, half, [on(steady, settings | IDEAL) for settings in PARTITIONS.values()]))
+    page.claim(7, differs(sums[0], 2, 4) or differs(sums[1], 7) or differs(sums[2], 20), sums=sums, half=half_sums, most=most_sums, sent=sent,
+               busy=bench.mean(ours[2], throughput), steady_busy=bench.mean(on(steady, SKEWED | IDEAL), throughput))
     ray_megabytes = 32 * 100  # a second, of one ray of 32 bytes a cycle at 100 MHz
     in_all = sent[2] / 100 * DESIGN_PROCESSORS * ray_megabytes
     page.claim(8, differs(cut[2], 12) or differs(cut[0], 0, 1), skewed=cut[2], slab=cut[0], half_skewed=half_cut[2], half_slab=half_cut[0],
@@ -102,7 +106,8 @@ def partition_claims(bench, page):
     works, slab_works = bench.mean(ours[2], balance_working), bench.mean(ours[0], balance_working)
     page.claim(9, differs(held[0], 0.91) or differs(held[1], 0.92) or differs(held[2], 0.76) or differs(time, 1.19), held=held,
                more=100 * (time - 1), half=half_held, half_more=100 * (half_time - 1), works=works, slab_works=slab_works,
-               less=ratio(works, slab_works), stalled=bench.mean(ours[2], stalled_by_links))
+               less=ratio(works, slab_works), narrow=100 * (time_over_slab(bench, swept(bench), SKEWED, 8).mean - 1),
+               stalled=bench.mean(on(swept(bench), with_links(SKEWED, 8)), stalled_by_links))
 
 
 def speed_up(bench, page):
@@ -145,9 +150,9 @@ def speed_up(bench, page):
         one, many = (at_paper(on(bench.oblique(), settings | {PROCESSORS: p})) for p in (1, most))
         return mean_of([ratio(a, b) for a, b in zip(bench.over(one, asic_ms), bench.over(many, asic_ms))]), many
 
-    (ours, many), (quick, _), (linked, _) = map(at_point, (EVEN, EVEN | IDEAL_DSP | WIDE_LINKS, EVEN | WIDE_LINKS))
+    (ours, many), (quick, _), (large, _) = map(at_point, (EVEN, EVEN | IDEAL_DSP, EVEN | {"asic.queue_rays": 1024}))
     half, even, half_fast, half_small = (mean_of(speed_ups(settings, most)) for settings in (SKEWED, EVEN, fast, small))
-    page.claim(12, differs(ours, 13.8, 16), ours=ours, quick=quick, linked=linked, half=half, even=even, half_fast=half_fast, half_small=half_small,
+    page.claim(12, differs(ours, 13.8, 16), ours=ours, quick=quick, large=large, half=half, even=even, half_fast=half_fast, half_small=half_small,
                lost=bench.lost_cycles(many), bound=most * bench.mean(many, work_balance),
                uneven=most * bench.mean(runs_on(SKEWED, most), work_balance), dsp=bench.mean(many, dsp_use))
 

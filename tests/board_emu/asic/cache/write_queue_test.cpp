@@ -120,6 +120,17 @@ TEST(SplatUnit, TakesTheCacheForTwoCyclesADeposit) {
   EXPECT_EQ(unit.counters().deposits, 1u);
 }
 
+TEST(SplatUnit, OfTwoPortsTakesOneForACycleAndThenTheOther) {
+  SplatUnit unit(4, 2);
+  unit.add().tiles = 3;
+  unit.begin(10);
+  EXPECT_TRUE(unit.takes_cache(10));
+  EXPECT_FALSE(unit.takes_write_port(10));
+  EXPECT_FALSE(unit.takes_cache(11));
+  EXPECT_TRUE(unit.takes_write_port(11));
+  EXPECT_FALSE(unit.takes_write_port(12));
+}
+
 TEST(SplatUnit, IsBusyUntilItsLastCarrierIsSent) {
   SplatUnit unit(4);
   Splat& splat = unit.add();
