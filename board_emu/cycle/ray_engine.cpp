@@ -68,11 +68,13 @@ void RayEngine::take_back(Cycle now) {
       return;
     }
   }
-  work_->take(index_of_[token.ray], pack(rays_[token.ray].ray_state, *frame_));
+  const wire::Ray ray = pack_ended(rays_[token.ray].ray_state, *frame_);
+  work_->take(index_of_[token.ray], ray);
   rays_.remove(token.ray);
   --under_way_;
   ++counters_.taken;
   ++finished_;
+  carry_out(now, work_->looking(ray));
   carry_out(now, work_->taking(index_of_[token.ray]));
 }
 
@@ -114,7 +116,7 @@ std::optional<RayToken> RayEngine::make() {
   if (const Termination how = end(ray.ray_state, *frame_);
       how != Termination::kNot) {  // its clipping leaves nothing of it
     count_end(ray.ray_state, how, *frame_, counts_);
-    work_->take(index, pack(ray.ray_state, *frame_));
+    work_->take(index, pack_ended(ray.ray_state, *frame_));
     ++finished_;
     return std::nullopt;
   }

@@ -60,6 +60,7 @@ struct Frame {
   std::uint32_t exposure = 0;  // 16.16
   std::uint32_t seed = 0;
   std::uint16_t lifetime = 0;  // of the rays that the DSP makes
+  bool lamps = false;          // scattered rays that leave may see lamps (firmware/lamps.h)
 
   bool lights() const { return type == wire::RayType::kDeposit; }
   bool integral() const { return type == wire::RayType::kIntegral; }  // rays sum the densities

@@ -211,6 +211,26 @@ inline Termination end(const RayState& ray, const Frame& frame) {
   return ray.opacity >= frame.opacity_threshold ? Termination::kOpaque : Termination::kNot;
 }
 
+// The packet of a ray that has come to its end. With lamps it has the last place within the volume if the ray left, which is on its
+// line, as a place clamped to a face is not; else it has no contribution, since nothing outside can add to it.
+inline void pack_ended(const RayState& ray, const Frame& frame, wire::Ray& out) {
+  pack(ray, frame, out);
+  if (!frame.lamps) return;
+  if (end(ray, frame) != Termination::kLeft) {
+    out.contribution = 0;
+    return;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    out.position[axis] =
+        static_cast<std::uint32_t>(std::clamp(ray.position[axis] - ray.step[axis], 0, frame.extent[axis]));
+  }
+}
+inline wire::Ray pack_ended(const RayState& ray, const Frame& frame) {
+  wire::Ray out = pack(ray, frame);
+  if (frame.lamps) pack_ended(ray, frame, out);
+  return out;
+}
+
 // The channels round a sample whose least voxel is the block's `first`-th; without voxels the density alone.
 inline Channels resample_view(const BlockView& view, std::size_t first, const Cell& at, std::size_t row,
                               std::size_t slice) {

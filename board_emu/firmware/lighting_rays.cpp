@@ -32,7 +32,9 @@ Vector unit(const Vector& v) {
   return scaled(moderate, 1 / length(moderate));
 }
 
-std::optional<std::string> geometry_fault(const wire::IlluminateCommand& command) {
+}  // namespace
+
+std::optional<std::string> LightingRays::geometry_fault(const wire::IlluminateCommand& command) {
   const std::string range = " must be finite and within 1e9";
   switch (command.kind) {
     case wire::LightKind::kDirectional:
@@ -57,8 +59,6 @@ std::optional<std::string> geometry_fault(const wire::IlluminateCommand& command
   if (!all_within(command.position, kFarthest)) return "position" + range;
   return std::nullopt;
 }
-
-}  // namespace
 
 std::optional<std::string> LightingRays::fault(const wire::IlluminateCommand& command, const Point& extent) {
   if (command.kind > wire::LightKind::kSphere)

@@ -39,6 +39,9 @@ class LightingRays {
   // be carried out. The constructor takes such commands alone.
   static std::optional<std::string> fault(const wire::IlluminateCommand& command, const Point& extent);
 
+  // The same of kind, position, u and v alone.
+  static std::optional<std::string> geometry_fault(const wire::IlluminateCommand& command);
+
   // `spacing`: voxel edges, 16.16. `energy_bits`: whole bits of the rays' energy words, 1..24.
   LightingRays(const wire::IlluminateCommand& command, const Point& extent, const std::array<std::uint32_t, 3>& spacing,
                unsigned energy_bits, std::uint32_t seed);

@@ -112,7 +112,7 @@ class Flights {
 
   void end_with(const Flight& flight, Termination how) {
     count_end(flight.ray_state, how, frame_, counters_);
-    pack(flight.ray_state, frame_, rays_[flight.ray]);
+    pack_ended(flight.ray_state, frame_, rays_[flight.ray]);
     ended_[flight.ray] = true;
   }
 

@@ -17,11 +17,13 @@ constexpr std::size_t kScalarRays = 64;
 struct Counts : RayCounters {
   std::uint64_t made = 0;
   std::uint64_t returned = 0;
+  std::uint64_t looked = 0;  // DSP cycles
 
   Counts& operator+=(const Counts& other) {
     RayCounters::operator+=(other);
     made += other.made;
     returned += other.returned;
+    looked += other.looked;
     return *this;
   }
 };
@@ -61,6 +63,9 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
       batch->keep_if([&](const wire::Ray&) { return ended[ray++]; });
     }
     counts.returned += batch->rays.size() + batch->returned;
+    if (frame.lamps) {
+      for (const wire::Ray& ray : batch->rays) counts.looked += source.looking(ray).cycles();
+    }
     source.take_batch(*batch);
     ++progress.done;
   });
@@ -82,7 +87,7 @@ RunResult FunctionalLevel::run(RaySource& source, const Frame& frame, Progress& 
   ran.rays = counts;
   ran.cancelled = frame.sums == nullptr && progress.cancel;
   const std::uint64_t made = source.misses_are_free() ? counts.made : source.count();
-  ran.dsp_cycles = source.dsp_cycles(made, counts.returned) + counts.trap_cycles;
+  ran.dsp_cycles = source.dsp_cycles(made, counts.returned) + counts.looked + counts.trap_cycles;
   if (!ran.cancelled) rays_ += ran.rays;
   return ran;
 }

@@ -65,6 +65,8 @@ class RaySource {
   // What making ray `i`, or the run that it begins, and taking it back cost the DSP.
   virtual DspTask making(std::uint64_t i) const = 0;
   virtual DspTask taking(std::uint64_t i) const = 0;
+  // And before it is taken back: the search for a lamp that the ray sees where it has left.
+  virtual DspTask looking(const wire::Ray&) const { return {}; }
   // DSP cycles of making and taking so many, where no order of them is known: each loop is begun once, and nothing waits.
   virtual std::uint64_t dsp_cycles(std::uint64_t made, std::uint64_t taken) const;
   // A ray that is not made has cost the DSP nothing: it passes over whole faces that the light does not reach.

@@ -92,6 +92,7 @@ double exposure_for(const LightField& field) {
 Image picture_of(Board& board, const LightField& field, View view, double exposure,
                  const std::optional<Background>& background, const Progress& progress) {
   view.irradiance = view.incident = true;
+  view.lamps.clear();  // the field's light is of its own unit
   view.exposure = exposure;
   Image picture;
   for (int channel = 0; channel < field.channels; ++channel) {

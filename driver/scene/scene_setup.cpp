@@ -118,6 +118,17 @@ void set_optics(const Scene& scene, SceneSetup& setup) {
   }
 }
 
+// What mirrors show of the lights: of distant and point lights there is no image.
+void set_lamps(const Scene& scene, SceneSetup& setup) {
+  setup.view.lamps.clear();
+  if (!scene.lighting.on || !setup.view.scatter) return;
+  for (std::size_t i = 0; i < setup.lights.size(); ++i) {
+    const Light& light = setup.lights[i];
+    if (!std::holds_alternative<RectangleLight>(light) && !std::holds_alternative<SphereLight>(light)) continue;
+    setup.view.lamps.push_back({light, scene.lighting.colour_passes ? setup.light_colours[i] : Colour{1, 1, 1}});
+  }
+}
+
 }  // namespace
 
 VolumeView SceneSetup::volume_view() const {
@@ -164,6 +175,7 @@ void set_look(const Scene& scene, SceneSetup& setup) {
   set_camera(scene, setup);
   set_lights(scene, setup);
   set_optics(scene, setup);
+  set_lamps(scene, setup);
   setup.view.irradiance = scene.lighting.on;
 }
 

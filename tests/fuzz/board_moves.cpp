@@ -132,11 +132,21 @@ std::vector<std::uint8_t> render(Input& input) {
   if (kind & 4) view.projection = static_cast<wire::Projection>(input.u8() % 3);
   if (kind & 8) view.samples_per_axis = static_cast<std::uint8_t>(input.u8() % 5);
   if (kind & 8) view.filter = static_cast<wire::Filter>(input.u8() % 3);
+  const std::uint8_t lamps = kind & 16 ? input.u8() : std::uint8_t{0};  // from 200 on: a count without records
+  view.lamps = lamps % 40;
   if (kind & 16) put_vector(input, view.origin);
   if (kind & 32) put_vector(input, view.forward);
   if (kind & 64) put_vector(input, view.du);
   if (kind & 128) put_vector(input, view.dv);
-  return payload_of(view);
+  std::vector<std::uint8_t> payload = payload_of(view);
+  for (int i = 0; lamps < 200 && i < view.lamps; ++i) {
+    wire::Lamp lamp{.kind = static_cast<wire::LightKind>(1 + input.u8() % 4), .colour = {input.u32(), 65536, 0}};
+    put_vector(input, lamp.position);
+    put_vector(input, lamp.u);
+    put_vector(input, lamp.v);
+    wire::append(payload, lamp);
+  }
+  return payload;
 }
 
 std::vector<std::uint8_t> illuminate(Input& input) {

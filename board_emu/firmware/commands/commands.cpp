@@ -56,6 +56,22 @@ void check_image(const wire::RenderCommand& command, std::uint64_t framebuffer_m
   }
 }
 
+std::vector<wire::Lamp> checked_lamps(const wire::RenderCommand& command, std::span<const std::uint8_t> records) {
+  expect(command.lamps <= wire::kMaxLamps, "lamps", "0..32", command.lamps);
+  if (records.size() != command.lamps * wire::kLampBytes) {
+    refuse("payload", "112 + 88 bytes for each of its " + std::to_string(command.lamps) + " lamps",
+           wire::kRenderCommandBytes + records.size());
+  }
+  std::vector<wire::Lamp> lamps;
+  for (std::size_t i = 0; i < command.lamps; ++i) {
+    lamps.push_back(wire::decode<wire::Lamp>(records.subspan(i * wire::kLampBytes)));
+    check_part("lamp", i, [&] {
+      if (const auto what = Lamps::fault(lamps.back())) refuse(*what);
+    });
+  }
+  return lamps;
+}
+
 std::uint32_t max_irradiance(const v1::BoardConfig& config) {
   return config.asic().datapath() == v1::wide ? IrradianceMemory::kWideMost : IrradianceMemory::kPaperMost;
 }
@@ -306,16 +322,19 @@ void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
 }
 
 CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progress& work) {
-  expect(payload.size() == wire::kRenderCommandBytes, "payload", "112 bytes", payload.size());
+  expect(payload.size() >= wire::kRenderCommandBytes, "payload", "at least 112 bytes", payload.size());
   const auto command = wire::decode<wire::RenderCommand>(payload);
   check_image(command, config_.dsp().framebuffer_mb());
+  const std::vector<wire::Lamp> lamps = checked_lamps(command, payload.subspan(wire::kRenderCommandBytes));
   check_volume();
   check_materials();
 
   Frame frame = this->frame();
+  frame.lamps = !lamps.empty();
   expect_memory(frame, std::uint64_t{command.width} * command.height);
   host_traps_.begin(false, {});
   aperture_.decode(threads_, reads(frame));
+  lamps_ = Lamps(lamps, frame.spacing);
   const RunResult ran = frame.plain() && config_.dsp().segments() != 0 ? render_segments(command, frame, work)
                                                                        : render_rays(command, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
@@ -326,7 +345,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
 
 RunResult DspCommands::render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work) {
   const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
-  ImageRays rays(command, frame, aperture_.framebuffer(), runs);
+  ImageRays rays(command, frame, aperture_.framebuffer(), runs, lamps_);
   viewing_rays_ += rays.count();
   return run_level(rays, frame, work);
 }

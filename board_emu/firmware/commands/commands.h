@@ -13,6 +13,7 @@
 #include "datapath/ray_part.h"
 #include "firmware/aperture.h"
 #include "firmware/host_traps.h"
+#include "firmware/lamps.h"
 #include "firmware/register_file.h"
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/frame.h"
@@ -125,6 +126,7 @@ class DspCommands {
   const Routines* routines_ = nullptr;
   std::uint16_t minor_version_ = wire::kMinorVersion;
   HostTraps host_traps_;
+  Lamps lamps_;                            // of the last image
   std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet
   std::vector<wire::Ray> host_ray_room_;   // of the command in work
   std::uint64_t level_volume_ = 0;         // Aperture::volume_writes() that the level knows of

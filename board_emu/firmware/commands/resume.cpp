@@ -69,6 +69,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
   Frame frame = this->frame();
   const bool light = host_traps_.is_light();
   if (light) set_light(frame, host_traps_.rules());
+  frame.lamps = !light && !lamps_.empty();
   std::vector<wire::Ray> answers(count);
   for (std::size_t i = 0; i < count; ++i) {
     answers[i] = wire::decode<wire::Ray>(payload.subspan(wire::kResumeHeaderBytes + i * wire::kRayBytes));
@@ -79,7 +80,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
   host_traps_.answered(count);
   RunResult ran;
   if (count > 0) {
-    ResumedRays rays(answers, frame, aperture_.framebuffer());
+    ResumedRays rays(answers, frame, aperture_.framebuffer(), lamps_);
     ran = run_level(rays, frame, work);
   }
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};

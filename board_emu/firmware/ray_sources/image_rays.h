@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firmware/framebuffer.h"
+#include "firmware/lamps.h"
 #include "firmware/viewing_rays.h"
 #include "firmware/viewing_runs.h"
 #include "gicube/wire/command.h"
@@ -18,14 +19,15 @@ class ImageRays : public RaySource {
  public:
   // Clears the framebuffer. All must outlive this.
   ImageRays(const wire::RenderCommand& command, const Frame& frame, Framebuffer& framebuffer,
-            const RunRules& rules = {})
+            const RunRules& rules = {}, const Lamps& lamps = {})
       : command_(command),
         frame_(frame),
         framebuffer_(framebuffer),
         across_(std::uint64_t{command.width} * command.samples_per_axis),
         spacing_(kSubPixels / command.samples_per_axis),
         tiles_across_((command.width + kTile - 1) / kTile),
-        rules_(rules) {
+        rules_(rules),
+        lamps_(lamps) {
     framebuffer.clear(command.width, command.height, command.filter);
   }
 
@@ -44,6 +46,7 @@ class ImageRays : public RaySource {
   DspTask taking(std::uint64_t i) const override {
     return framebuffer_.task(place(i % across_), place(i / across_), command_.samples_per_axis == 1);
   }
+  DspTask looking(const wire::Ray& ray) const override { return lamps_.task(ray); }
   std::uint64_t dsp_cycles(std::uint64_t made, std::uint64_t taken) const override {
     return RaySource::dsp_cycles(in_runs() ? runs_in_batches_.load() : made, taken) +
            (across_ > 1 ? made / across_ * kBeginRowCycles : 0);
@@ -56,7 +59,7 @@ class ImageRays : public RaySource {
     if (!ray) framebuffer_.add(miss);
     return ray;
   }
-  void take(std::uint64_t, const wire::Ray& ray) override { framebuffer_.add(ray); }
+  void take(std::uint64_t, const wire::Ray& ray) override { framebuffer_.add(lamps_.seen_by(ray)); }
 
   std::size_t divide(std::size_t) override {
     return static_cast<std::size_t>(tiles_across_) * static_cast<std::size_t>((command_.height + kTile - 1) / kTile);
@@ -89,7 +92,7 @@ class ImageRays : public RaySource {
     return batch;
   }
   void take_batch(RayBatch& batch) override {
-    for (const wire::Ray& ray : batch.rays) framebuffer_.add_alone(ray);
+    for (const wire::Ray& ray : batch.rays) framebuffer_.add_alone(lamps_.seen_by(ray));
   }
 
  private:
@@ -165,6 +168,7 @@ class ImageRays : public RaySource {
   int spacing_;           // between samples, in sub-pixels
   int tiles_across_;
   RunRules rules_;
+  Lamps lamps_;
   Runs made_;           // for make(), which may run ahead
   mutable Runs timed_;  // for run_end()
   std::atomic<std::uint64_t> runs_in_batches_ = 0;

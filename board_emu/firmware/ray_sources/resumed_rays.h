@@ -6,6 +6,7 @@
 
 #include "datapath/interaction.h"
 #include "firmware/framebuffer.h"
+#include "firmware/lamps.h"
 #include "levels/ray_source.h"
 
 namespace gicube::emu {
@@ -13,8 +14,8 @@ namespace gicube::emu {
 class ResumedRays : public RayByRaySource {
  public:
   // All must outlive this.
-  ResumedRays(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer)
-      : answers_(answers), frame_(frame), framebuffer_(framebuffer) {}
+  ResumedRays(std::span<const wire::Ray> answers, const Frame& frame, Framebuffer& framebuffer, const Lamps& lamps)
+      : answers_(answers), frame_(frame), framebuffer_(framebuffer), lamps_(lamps) {}
 
   std::uint64_t count() const override { return answers_.size(); }
   DspTask making(std::uint64_t i) const override {
@@ -23,6 +24,7 @@ class ResumedRays : public RayByRaySource {
   DspTask taking(std::uint64_t i) const override {
     return frame_.lights() ? DspTask{} : framebuffer_.task(answers_[i].u, answers_[i].v, false);
   }
+  DspTask looking(const wire::Ray& ray) const override { return lamps_.task(ray); }
 
   // A ray that ends by its answer goes no further. What answers bring and take counts.
   std::optional<wire::Ray> make(std::uint64_t i, RayCounters& counters) override {
@@ -32,7 +34,7 @@ class ResumedRays : public RayByRaySource {
     return std::nullopt;
   }
   void take(std::uint64_t, const wire::Ray& ray) override {
-    if (!frame_.lights()) framebuffer_.add(ray);
+    if (!frame_.lights()) framebuffer_.add(lamps_.seen_by(ray));
   }
 
  protected:
@@ -42,6 +44,7 @@ class ResumedRays : public RayByRaySource {
   std::span<const wire::Ray> answers_;
   const Frame& frame_;
   Framebuffer& framebuffer_;
+  const Lamps& lamps_;
 };
 
 }  // namespace gicube::emu

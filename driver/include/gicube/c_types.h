@@ -225,6 +225,10 @@ typedef struct gicube_cut_plane {
   double normal[3];
   double offset;
 } gicube_cut_plane;
+typedef struct gicube_lamp {
+  gicube_light light; /* a rectangle or a sphere */
+  double colour[3];
+} gicube_lamp;
 typedef struct gicube_view {
   uint32_t size;
   int32_t width, height;
@@ -243,6 +247,8 @@ typedef struct gicube_view {
   const gicube_cut_plane* cut_planes;
   int32_t incident;
   int32_t reserved; /* 0 */
+  const gicube_lamp* lamps;
+  size_t lamp_count; /* at most 32 */
 } gicube_view;
 
 /* gicube/image.h: Pixel */

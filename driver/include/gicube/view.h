@@ -1,9 +1,12 @@
 // What a picture is taken from: camera, image, sampling.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "gicube/illumination.h"
+#include "gicube/transfer_function.h"
 #include "gicube/vector.h"
 
 namespace gicube {
@@ -13,6 +16,16 @@ struct CutPlane {
   Vec3 normal;  // any length but 0
   double offset = 0;
 };
+
+// What scattered rays see where they leave the volume, as in a mirror: a RectangleLight, from the side to which it shines, or a
+// SphereLight, from outside. Its brightness is that of a white surface which all its power reaches: power / area x exposure, the
+// view's or the chosen one (without View::irradiance and without an exposure: x 1), times `colour`. It lights nothing:
+// illuminate() does.
+struct Lamp {
+  Light light = SphereLight{};
+  Colour colour{1, 1, 1};  // not below 0
+};
+inline constexpr std::size_t kMaxLamps = 32;
 
 enum class PixelFilter { kBox, kTent };
 
@@ -48,6 +61,10 @@ struct View {
   int lifetime = 8;          // scatterings until a ray is given up, 0..1023
   std::uint32_t seed = 0;    // of the scatterings' random choices
   std::vector<CutPlane> cut_planes{};  // at most 6
+  // With `scatter`: a ray that was scattered and leaves the volume, or by a cut plane, takes the light of the nearest in its way, times
+  // what it still lets through, and the pixel is opaque there. Rays straight from the eye see none, and nothing is seen of a lamp
+  // that is inside of the volume. At most kMaxLamps; needs a board of protocol 2.3.
+  std::vector<Lamp> lamps{};
 };
 
 }  // namespace gicube

@@ -65,7 +65,7 @@ PYBIND11_MODULE(_core, module) {
   using namespace gicube::python;
   module.attr("__version__") = GICUBE_VERSION;
   add_dtypes(module);
-  add_defaults<ValueRange, Phong, Shading, Material, View, CutPlane, PointLight, DirectionalLight, RectangleLight,
+  add_defaults<ValueRange, Phong, Shading, Material, View, CutPlane, Lamp, PointLight, DirectionalLight, RectangleLight,
                SphereLight, Illumination, RayRequest, PairRequest, Placement, ScatterAnswer, TransferFunction>(module);
   end_forked_ones();
   add_errors();

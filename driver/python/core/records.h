@@ -29,9 +29,11 @@ GICUBE_RECORD(Shading, F(phong), F(light));
 GICUBE_RECORD(Material, F(scattering), F(bsdf), F(gloss), F(seen_through_scattering), F(routine), F(surface),
               F(parameters));
 GICUBE_RECORD(CutPlane, F(normal), F(offset));
+GICUBE_RECORD(Lamp, F(light), F(colour));
 GICUBE_RECORD(View, F(eye), F(look_at), F(up), F(fov_degrees), F(orthographic_height), F(width), F(height),
               F(samples_per_axis), F(filter), F(step), F(opacity_threshold), F(shade), F(jitter), F(leap),
-              F(irradiance), F(incident), F(exposure), F(scatter), F(high_albedo), F(lifetime), F(seed), F(cut_planes));
+              F(irradiance), F(incident), F(exposure), F(scatter), F(high_albedo), F(lifetime), F(seed), F(cut_planes),
+              F(lamps));
 GICUBE_RECORD(PointLight, F(position), F(power));
 GICUBE_RECORD(DirectionalLight, F(towards), F(irradiance));
 GICUBE_RECORD(RectangleLight, F(corner), F(edge_u), F(edge_v), F(power));

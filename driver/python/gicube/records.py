@@ -19,7 +19,7 @@ from gicube import _core
 __all__ = [  # of the package
     "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo",
     "BackPressure", "BoardInfo", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
-    "EnergyRules", "Fidelity", "Illumination", "LevelError", "Light", "LightingReport", "LightPoint", "Loss", "Material",
+    "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "Light", "LightingReport", "LightPoint", "Loss", "Material",
     "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter", "Placement", "PlanPoint", "PointLight", "RawLayout",
     "RayBatch", "RayRequest", "RayType", "RectangleLight", "Reopened", "SampleType", "ScatterAnswer", "ScatterEvent", "Shading",
     "SphereLight", "SumWords", "Ticket", "TransferFunction", "ValueRange", "View", "VoxelBox"
@@ -247,34 +247,6 @@ class CutPlane:
 
 
 @dataclass
-class View:
-    """What a picture is taken from: camera, image, sampling (gicube/view.h). Lengths in voxels, angles in degrees."""
-
-    eye: Vec3 = (0.0, 0.0, 0.0)
-    look_at: Vec3 = (0.0, 0.0, 0.0)
-    up: Vec3 = (0.0, 1.0, 0.0)
-    fov_degrees: float = 30.0
-    orthographic_height: float = 0.0
-    width: int = 512
-    height: int = 512
-    samples_per_axis: int = 1
-    filter: PixelFilter = PixelFilter.BOX
-    step: float = 0.5
-    opacity_threshold: float = 0.98
-    shade: bool = True
-    jitter: bool = False
-    leap: bool = True
-    irradiance: bool = False
-    incident: bool = False
-    exposure: float = 0.0
-    scatter: bool = False
-    high_albedo: bool = False
-    lifetime: int = 8
-    seed: int = 0
-    cut_planes: Sequence[CutPlane] = field(default_factory=list)
-
-
-@dataclass
 class PointLight:
     """Positions in voxels; all lights of a pass in one unit of power."""
 
@@ -310,6 +282,44 @@ class SphereLight:
 
 
 Light = Union[PointLight, DirectionalLight, RectangleLight, SphereLight]
+
+
+@dataclass
+class Lamp:
+    """What scattered rays see where they leave the volume: a RectangleLight or a SphereLight, as bright as a white surface
+    that all its power reaches, times `colour` (gicube/view.h)."""
+
+    light: Light = field(default_factory=SphereLight)
+    colour: Colour = (1.0, 1.0, 1.0)
+
+
+@dataclass
+class View:
+    """What a picture is taken from: camera, image, sampling (gicube/view.h). Lengths in voxels, angles in degrees."""
+
+    eye: Vec3 = (0.0, 0.0, 0.0)
+    look_at: Vec3 = (0.0, 0.0, 0.0)
+    up: Vec3 = (0.0, 1.0, 0.0)
+    fov_degrees: float = 30.0
+    orthographic_height: float = 0.0
+    width: int = 512
+    height: int = 512
+    samples_per_axis: int = 1
+    filter: PixelFilter = PixelFilter.BOX
+    step: float = 0.5
+    opacity_threshold: float = 0.98
+    shade: bool = True
+    jitter: bool = False
+    leap: bool = True
+    irradiance: bool = False
+    incident: bool = False
+    exposure: float = 0.0
+    scatter: bool = False
+    high_albedo: bool = False
+    lifetime: int = 8
+    seed: int = 0
+    cut_planes: Sequence[CutPlane] = field(default_factory=list)
+    lamps: Sequence[Lamp] = field(default_factory=list)
 
 
 @dataclass

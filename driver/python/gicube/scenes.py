@@ -149,7 +149,7 @@ def load_scene(board: Board, setup: _core.SceneSetup, *, light: bool = True, pro
     lit = setup.is_lit and light
     if lit:
         board.illuminate(setup.lights, setup.illumination, progress=progress)
-    return replace(setup.view, irradiance=lit)
+    return replace(setup.view, irradiance=lit, lamps=setup.view.lamps if lit else [])
 
 
 def make_plan(

@@ -43,12 +43,18 @@ void take_pixels(std::span<const std::uint8_t> words, std::span<Pixel> pixels) {
 
 }  // namespace
 
+// Of a unit of power on a unit of area.
+double Board::State::exposure_of(const View& view) const {
+  constexpr double kFull = 0.8;  // chosen: of white, where the light of the volume's middle falls on a surface
+  if (view.exposure > 0) return view.exposure;
+  if (!view.irradiance) return 1;
+  return bright_flux > 0 ? kFull / bright_flux : 0;
+}
+
 // Brightness of a unit of irradiance, 16.16. On the wide datapath the pipeline drops the words' low 16 bits first.
 std::uint32_t Board::State::exposure_word(const View& view) const {
-  constexpr double kFull = 0.8;  // chosen: of white, where the light of the volume's middle falls on a surface
-  const double chosen = bright_flux > 0 ? kFull / bright_flux : 0;
   const double unit = irradiance_unit * (info.wide ? 65536.0 : 1.0);
-  const double word = (view.exposure > 0 ? view.exposure : chosen) * unit * 65536;
+  const double word = exposure_of(view) * unit * 65536;
   return static_cast<std::uint32_t>(std::clamp(std::round(word), 0.0, 4294967295.0));
 }
 
@@ -93,6 +99,11 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
     throw Rejected("View::irradiance needs light: illuminate() first");
   }
   if (view.scatter) state_->need_routine(false);
+  const bool sees_lamps = view.scatter && !view.lamps.empty();
+  if (sees_lamps && state_->device.agreed().minor < wire::kLampsMinor) {
+    throw Rejected(fmt::format("View::lamps needs a board of protocol 2.{}, this one has 2.{}", wire::kLampsMinor,
+                               state_->device.agreed().minor));
+  }
   state_->check_drift("step", view.step);
   const Vec3 eye = towards_eye(view, volume.relative_spacing);
   std::uint32_t parts = 1;  // of which the board tells now and then
@@ -101,8 +112,13 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   const Progress told = state_->watched(part);
   state_->set_sampling(view);
   if (view.shade) state_->tables.send_reflectance(eye);
-  const CommandResult result =
-      state_->device.run(wire::encoded(viewing_command(view, volume.relative_spacing)), told, state_->deadline());
+  wire::RenderCommand command = viewing_command(view, volume.relative_spacing);
+  std::vector<wire::Lamp> lamps;
+  if (sees_lamps) lamps = lamp_records(view, state_->exposure_of(view));
+  command.lamps = static_cast<std::uint8_t>(lamps.size());
+  std::vector<std::uint8_t> payload = wire::encoded(command);
+  for (const wire::Lamp& lamp : lamps) wire::append(payload, lamp);
+  const CommandResult result = state_->device.run(payload, told, state_->deadline());
   state_->sampling = view;
   state_->sampling_towards_eye = eye;
   state_->framebuffer_size = {};  // no picture until all rays have come to their ends
@@ -154,7 +170,7 @@ void Board::State::set_lighting(const Illumination& settings) {
 LightingReport Board::illuminate(std::span<const Light> lights, const Illumination& settings,
                                  const Progress& progress) {
   const auto lock = state_->begin();
-  for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], i);
+  for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], fmt::format("lights[{}]", i));
   check(settings);
   const LoadedVolume& volume = state_->loaded("illuminate()");
   state_->check_drift("step", settings.step);

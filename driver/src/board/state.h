@@ -134,6 +134,7 @@ struct GICUBE_HIDDEN Board::State {
   // Answers rays that wait on the board after a command with that result, until none does. Ledgers go to `take_ledger`.
   using TakeLedger = std::function<void(const wire::LightingLedger&)>;
   void scatter_waiting(std::span<const std::uint8_t> trap_list, const TakeLedger& take_ledger);
+  double exposure_of(const View& view) const;
   std::uint32_t exposure_word(const View& view) const;
 
   const bool keep_volume;

@@ -89,8 +89,7 @@ gicube_status write_box(gicube_board* board, const gicube_box* box, const float*
   });
 }
 
-Light to_light(const gicube_light& light, std::size_t index) {
-  const std::string name = "lights[" + std::to_string(index) + "]";
+Light to_light(const gicube_light& light, const std::string& name) {
   expect(light.reserved == 0, name + ".reserved", "0", light.reserved);
   switch (light.kind) {
     case GICUBE_LIGHT_POINT: return PointLight{to_vec3(light.position), light.power};
@@ -109,6 +108,12 @@ View to_view(const gicube_view* given) {
   const auto* planes = checked("view.cut_planes", record.cut_planes, record.cut_plane_count);
   for (const auto& [normal, offset] : std::span(planes, record.cut_plane_count)) {
     view.cut_planes.push_back({to_vec3(normal), offset});
+  }
+  expect(record.lamp_count <= kMaxLamps, "view.lamp_count", "at most 32", record.lamp_count);
+  const auto* lamps = checked("view.lamps", record.lamps, record.lamp_count);
+  for (std::size_t i = 0; i < record.lamp_count; ++i) {
+    const auto& [red, green, blue] = lamps[i].colour;
+    view.lamps.push_back({to_light(lamps[i].light, "view.lamps[" + std::to_string(i) + "].light"), {red, green, blue}});
   }
   return view;
 }
@@ -285,7 +290,7 @@ gicube_status gicube_illuminate(gicube_board* board, const gicube_light* lights,
     const auto how = read_fields<gicube::Illumination>("settings", settings);
     check_optional("report", report);
     std::vector<gicube::Light> all;
-    for (std::size_t i = 0; i < count; ++i) all.push_back(to_light(lights[i], i));
+    for (std::size_t i = 0; i < count; ++i) all.push_back(to_light(lights[i], "lights[" + std::to_string(i) + "]"));
     const gicube::LightingReport result = handle.board.illuminate(all, how, to_progress(progress, user));
     if (report != nullptr) write_record("report", report, to_c(result));
     const std::scoped_lock lock(handle.mutex);

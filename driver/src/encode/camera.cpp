@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "encode/argument.h"
+#include "encode/lights.h"
 #include "gicube/wire/ray.h"
 #include "gicube/wire/registers.h"
 
@@ -38,6 +39,21 @@ void check_cut_planes(const std::vector<CutPlane>& planes) {
     const double distance = planes[i].offset / std::hypot(planes[i].normal.x, planes[i].normal.y, planes[i].normal.z);
     expect(std::abs(distance) < kOffsetLimit, field + ".offset",
            fmt::format("a plane within {} voxels of the origin", kOffsetLimit), fmt::format("{} voxels", distance));
+  }
+}
+
+void check_lamps(const std::vector<Lamp>& lamps) {
+  static_assert(kMaxLamps == wire::kMaxLamps);
+  expect(lamps.size() <= kMaxLamps, "lamps", fmt::format("at most {}", kMaxLamps), lamps.size());
+  for (std::size_t i = 0; i < lamps.size(); ++i) {
+    const std::string field = fmt::format("lamps[{}]", i);
+    const Light& light = lamps[i].light;
+    const bool has_area = std::holds_alternative<RectangleLight>(light) || std::holds_alternative<SphereLight>(light);
+    expect(has_area, field + ".light", "a RectangleLight or a SphereLight", "one without an area");
+    check(light, field + ".light");
+    for (const double part : lamps[i].colour) {
+      expect_within(field + ".colour", part, 0, std::numeric_limits<double>::max());
+    }
   }
 }
 
@@ -78,6 +94,7 @@ void check(const View& view) {
   expect_within("step", view.step, kShortestStep, kLongestStep);
   expect_within("opacity_threshold", view.opacity_threshold, 0, 1);
   check_cut_planes(view.cut_planes);
+  check_lamps(view.lamps);
   expect_within("exposure", view.exposure, 0, std::numeric_limits<double>::max());
   expect_within("lifetime", view.lifetime, 0, wire::kLifetimeMax);
 }

@@ -95,8 +95,8 @@ void check(const Material& material) {
   for (const float value : material.parameters) expect_finite("material.parameters", value);
 }
 
-void check(const Light& light, std::size_t index) {
-  const std::string name = "lights[" + std::to_string(index) + "].";
+void check(const Light& light, const std::string& list_place) {
+  const std::string name = list_place + ".";
   expect_positive(name + (std::holds_alternative<DirectionalLight>(light) ? "irradiance" : "power"), power_of(light));
   if (const auto* point = std::get_if<PointLight>(&light)) expect_finite(name + "position", point->position);
   if (const auto* sun = std::get_if<DirectionalLight>(&light)) {
@@ -179,6 +179,24 @@ double energy_unit(std::span<const Light> lights, const Illumination& settings, 
     voxel += max.voxel;
   }
   return std::max(ray / full, 2 * voxel / saturated);
+}
+
+std::vector<wire::Lamp> lamp_records(const View& view, double exposure) {
+  std::vector<wire::Lamp> lamps;
+  for (const Lamp& lamp : view.lamps) {
+    const wire::IlluminateCommand place = light_command(lamp.light, {}, 1);
+    const double radius = place.u[0];
+    const double area = place.kind == wire::LightKind::kSphere
+                            ? 4 * kPi * radius * radius
+                            : length(cross({place.u[0], place.u[1], place.u[2]}, {place.v[0], place.v[1], place.v[2]}));
+    wire::Lamp record{.kind = place.kind, .position = place.position, .u = place.u, .v = place.v};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double word = lamp.colour[c] * power_of(lamp.light) / area * exposure * 65536;
+      record.colour[c] = static_cast<std::uint32_t>(std::clamp(std::round(word), 0.0, 4294967295.0));
+    }
+    lamps.push_back(record);
+  }
+  return lamps;
 }
 
 wire::IlluminateCommand light_command(const Light& light, const Illumination& settings, double unit) {

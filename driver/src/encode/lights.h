@@ -2,9 +2,12 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <vector>
 
 #include "gicube/illumination.h"
 #include "gicube/material.h"
+#include "gicube/view.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/material.h"
 
@@ -12,7 +15,7 @@ namespace gicube {
 
 // Throw BadArgument naming the field.
 void check(const Material& material);
-void check(const Light& light, std::size_t index);
+void check(const Light& light, const std::string& name);  // "lights[2]"
 void check(const Illumination& settings);
 
 wire::Material material_record(const Material& material);
@@ -36,6 +39,9 @@ double flux_in_the_middle(const Light& light, const Illumination& settings, cons
 // Power for one unit of the energy words: small enough that the brightest ray fills its word, and large enough that a
 // voxel of the nearest face, absorbing all, stays at half of a saturated irradiance word.
 double energy_unit(std::span<const Light> lights, const Illumination& settings, const LitBox& box, bool wide);
+
+// The view's lamps; `exposure`: brightness of a unit of power on a unit of area. For a view that passed check().
+std::vector<wire::Lamp> lamp_records(const View& view, double exposure);
 
 wire::IlluminateCommand light_command(const Light& light, const Illumination& settings, double unit);
 

@@ -108,6 +108,18 @@ View Placement::view(View original) const {
   original.look_at = moved(original.look_at);
   original.orthographic_height /= edge;
   for (CutPlane& plane : original.cut_planes) plane.offset = (plane.offset - dot(plane.normal, low)) / edge;
+  for (Lamp& lamp : original.lamps) {
+    if (auto* area = std::get_if<RectangleLight>(&lamp.light)) {
+      area->corner = moved(area->corner);
+      area->edge_u = (1 / edge) * area->edge_u;
+      area->edge_v = (1 / edge) * area->edge_v;
+      area->power /= edge * edge;  // as bright as before
+    } else if (auto* sphere = std::get_if<SphereLight>(&lamp.light)) {
+      sphere->centre = moved(sphere->centre);
+      sphere->radius /= edge;
+      sphere->power /= edge * edge;
+    }
+  }
   return original;
 }
 

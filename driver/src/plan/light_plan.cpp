@@ -30,7 +30,7 @@ constexpr int kTries = 8;
 constexpr double kLightTimeMargin = 1.25;  // as of pictures
 
 void check_request(const LightPlanRequest& request) {
-  for (std::size_t i = 0; i < request.lights.size(); ++i) check(request.lights[i], i);
+  for (std::size_t i = 0; i < request.lights.size(); ++i) check(request.lights[i], fmt::format("lights[{}]", i));
   check(request.settings);
   check(request.view);
   expect_within("max_error", request.max_error, 0, 1);

@@ -24,19 +24,25 @@ inline constexpr int kMaxImageSize = 4095;  // u, v are 12.4 pixels
 //   perspective   origin = origin,                 direction = forward + x du + y dv
 //   orthographic  origin = origin + x du + y dv,   direction = forward
 // The DSP checks every field's range and names the one that is wrong; so it does with all commands.
+//
+// `lamps` records of Lamp follow. They are what scattered rays see: a ray that was scattered and leaves the volume takes the colour
+// of the nearest lamp in its way, times what it still lets through, and is opaque then. Other rays see no lamps, and no ray sees
+// one within the volume, since it is tested from where it leaves on.
 struct RenderCommand {
   std::uint16_t width = 0;  // pixels
   std::uint16_t height = 0;
   Projection projection = Projection::kPerspective;
   std::uint8_t samples_per_axis = 1;  // 1, 2 or 4: rays per pixel are its square
   Filter filter = Filter::kBox;
+  std::uint8_t lamps = 0;          // records behind the command, at most kMaxLamps
   std::array<double, 3> origin{};  // voxels, as all below
   std::array<double, 3> forward{};
   std::array<double, 3> du{};
   std::array<double, 3> dv{};
 
   constexpr void fields(auto&& list) {
-    list(Opcode::kRender, width, height, projection, samples_per_axis, filter, Reserved<5>{}, origin, forward, du, dv);
+    list(Opcode::kRender, width, height, projection, samples_per_axis, filter, lamps, Reserved<4>{}, origin, forward,
+         du, dv);
   }
   friend constexpr bool operator==(const RenderCommand&, const RenderCommand&) = default;
 };
@@ -165,6 +171,20 @@ struct IlluminateCommand {
   friend constexpr bool operator==(const IlluminateCommand&, const IlluminateCommand&) = default;
 };
 inline constexpr std::size_t kIlluminateCommandBytes = bytes_of<IlluminateCommand>();
+
+// What scattered rays of a render command see. kRectangle: `position` is a corner, u and v its edges; it is seen from the side of u x v.
+// kSphere: `position` is the centre, u[0] the radius; it is seen from outside. Units as above.
+inline constexpr std::size_t kMaxLamps = 32;  // chosen: their records in the DSP's tables fill half of its data cache
+inline constexpr std::uint16_t kLampsMinor = 3;
+struct Lamp {
+  LightKind kind = LightKind::kRectangle;
+  std::array<std::uint32_t, 3> colour{};  // 16.16, 65536 = full colour
+  std::array<double, 3> position{}, u{}, v{};
+
+  constexpr void fields(auto&& list) { list(kind, Reserved<3>{}, colour, position, u, v); }
+  friend constexpr bool operator==(const Lamp&, const Lamp&) = default;
+};
+inline constexpr std::size_t kLampBytes = bytes_of<Lamp>();
 
 // Where the energy of a lighting command went, in units of the energy words:
 // emitted = deposited + escaped + scattered_away + clipped + what rays carry that wait for the host (trap.h).

@@ -199,7 +199,7 @@ TEST(RenderCommand, RefusesWhatIsBeyondItsFields) {
   EXPECT_EQ(refused([](View& view) { view.dv[2] = HUGE_VAL; }), "origin, forward, du, dv: expected finite numbers");
   std::vector<std::uint8_t> cut = wire::encoded(corner_view({17, 17, 17}, 8));
   cut.pop_back();
-  EXPECT_EQ(refusal(board, cut), "payload: expected 112 bytes, got 111");
+  EXPECT_EQ(refusal(board, cut), "payload: expected at least 112 bytes, got 111");
 }
 
 TEST(Materials, AreCheckedByEveryCommandWhoseRaysMeetThem) {

@@ -205,8 +205,17 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   const wire::RenderCommand view = draw_view(scene, dice);
   const RayCounters before = ray_counters(machine);
   const RunRules runs = runs_of(config);
-  const Picture picture = cycle_picture(scene, view, machine, runs), functional = functional_picture(scene, view, runs);
+  const std::vector<wire::Lamp> records = draw_lamps(scene, dice);
+  const Lamps lamps(records, frame.spacing);
+  const Picture dark = functional_picture(scene, view, runs);
+  frame.lamps = !lamps.empty();
+  const Picture picture = cycle_picture(scene, view, machine, runs, lamps),
+                functional = functional_picture(scene, view, runs, lamps);
   EXPECT_EQ(picture.pixels, functional.pixels);
+  if (records.empty() || !frame.scatter) {
+    EXPECT_EQ(functional.pixels, dark.pixels);
+  }
+  expect_equal(functional.rays, dark.rays);
   expect_equal(ray_counters(machine) - before, functional.rays);
 }
 

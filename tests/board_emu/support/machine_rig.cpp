@@ -59,21 +59,23 @@ RunResult run_functional(RaySource& rays, const Frame& frame, unsigned threads) 
 
 RunRules runs_of(const v1::BoardConfig& config) { return {config.dsp().run_rays(), config.dsp().run_error()}; }
 
-Picture functional_picture(const Scene& scene, const wire::RenderCommand& view, const RunRules& runs) {
+Picture functional_picture(const Scene& scene, const wire::RenderCommand& view, const RunRules& runs,
+                           const Lamps& lamps) {
   Picture picture;
   Framebuffer framebuffer;
-  ImageRays rays(view, scene.frame, framebuffer, runs);
+  ImageRays rays(view, scene.frame, framebuffer, runs, lamps);
   picture.rays = run_functional(rays, scene.frame).rays;
   picture.pixels = framebuffer.packed();
   return picture;
 }
 
-Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs) {
+Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs,
+                      const Lamps& lamps) {
   Picture picture;
   Framebuffer framebuffer;
   Progress progress;
   const RayCounters before = ray_counters(machine);
-  ImageRays rays(view, scene.frame, framebuffer, runs);
+  ImageRays rays(view, scene.frame, framebuffer, runs, lamps);
   picture.ran = machine.run(rays, scene.frame, progress);
   picture.pixels = framebuffer.packed();
   picture.rays = ray_counters(machine) - before;

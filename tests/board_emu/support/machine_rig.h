@@ -12,6 +12,7 @@
 #include "cycle/machine.h"
 #include "cycle/machine_counters.h"
 #include "datapath/ray_part.h"
+#include "firmware/lamps.h"
 #include "firmware/ray_sources/host_rays.h"
 #include "firmware/viewing_runs.h"
 #include "functional/functional_level.h"
@@ -77,8 +78,10 @@ struct Picture {
 
 // By the functional level, one ray after the other.
 RunResult run_functional(RaySource& rays, const Frame& frame, unsigned threads = 1);
-Picture functional_picture(const Scene& scene, const wire::RenderCommand& view, const RunRules& runs = {});
-Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs = {});
+Picture functional_picture(const Scene& scene, const wire::RenderCommand& view, const RunRules& runs = {},
+                           const Lamps& lamps = {});
+Picture cycle_picture(const Scene& scene, const wire::RenderCommand& view, Machine& machine, const RunRules& runs = {},
+                      const Lamps& lamps = {});
 RunRules runs_of(const v1::BoardConfig& config);
 
 // Host rays, in place.

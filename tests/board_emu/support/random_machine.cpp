@@ -124,6 +124,23 @@ wire::RenderCommand draw_view(const Scene& scene, Dice& dice) {
   return view;
 }
 
+std::vector<wire::Lamp> draw_lamps(const Scene& scene, Dice& dice) {
+  std::vector<wire::Lamp> lamps(static_cast<std::size_t>(dice.one_of({0, 1, 5, 32})));
+  for (wire::Lamp& lamp : lamps) {
+    const bool sphere = dice.chance(50);
+    lamp.kind = sphere ? wire::LightKind::kSphere : wire::LightKind::kRectangle;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int size = scene.volume.size()[axis];
+      lamp.position[axis] = dice.number(-size, 2 * size) + 0.3;
+      lamp.colour[axis] = static_cast<std::uint32_t>(dice.number(0, 1 << 18));
+      lamp.u[axis] = dice.number(-40, 40) + 0.5;
+      lamp.v[axis] = dice.number(-40, 40) * (axis == 2 ? -1.25 : 1) + 0.25;
+    }
+    if (sphere) lamp.u = {dice.number(1, 200) / 10.0, 0, 0};
+  }
+  return lamps;
+}
+
 std::vector<wire::Ray> draw_rays(const Scene& scene, Dice& dice) {
   std::vector<wire::Ray> rays;
   for (int i = dice.number(0, 60); i > 0; --i) {

@@ -29,6 +29,8 @@ class Dice {
 void draw(Scene& scene, Dice& dice);
 // Assignments for config_with().
 std::vector<std::string> draw_machine(Dice& dice, int block_voxels);
+// Some lamps round the volume, or none.
+std::vector<wire::Lamp> draw_lamps(const Scene& scene, Dice& dice);
 wire::RenderCommand draw_view(const Scene& scene, Dice& dice);
 // Host rays from anywhere in the volume to anywhere; some carry what an earlier flight gathered.
 std::vector<wire::Ray> draw_rays(const Scene& scene, Dice& dice);

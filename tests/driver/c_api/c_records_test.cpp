@@ -36,7 +36,8 @@ auto fields(Illumination& settings) {
   return std::tie(a, b, c, d, e, f, g, h);
 }
 auto fields(View& view) {
-  auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, planes] = view;  // cut planes: see to_view()
+  auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u, planes, lamps] =
+      view;  // the last: see to_view()
   return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, q, r, s, t, u);
 }
 auto fields(RayRequest& request) {

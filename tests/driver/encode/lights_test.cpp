@@ -22,7 +22,7 @@ std::string refused_material(Edit&& edit) {
   return refusal([&] { check(material); });
 }
 std::string refused(const Light& light) {
-  return refusal([&] { check(light, 3); });
+  return refusal([&] { check(light, "lights[3]"); });
 }
 template <typename Edit>
 std::string refused_settings(Edit&& edit) {

@@ -166,5 +166,14 @@ TEST(PlacementView, SeesTheSamePointsThroughTheSamePixels) {
   EXPECT_NEAR(dot(moved.cut_planes[0].normal, 0.25 * (on_plane - placement.low)), moved.cut_planes[0].offset, 1e-12);
 }
 
+TEST(PlacementView, SeesLampsAtTheSamePlaceAndAsBright) {
+  View view;
+  view.lamps = {{SphereLight{{9.5, 1.5, 5.5}, 8, 32}, {1, 1, 1}},
+                {RectangleLight{{1.5, 1.5, 5.5}, {4, 0, 0}, {0, 8, 0}, 64}, {1, 1, 1}}};
+  const View moved = Placement{{1.5, 1.5, 1.5}, 4}.view(view);
+  EXPECT_EQ(moved.lamps[0].light, Light(SphereLight{{2, 0, 1}, 2, 2}));
+  EXPECT_EQ(moved.lamps[1].light, Light(RectangleLight{{0, 0, 1}, {1, 0, 0}, {0, 2, 0}, 4}));
+}
+
 }  // namespace
 }  // namespace gicube

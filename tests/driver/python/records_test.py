@@ -15,7 +15,7 @@ HEADERS = Path(__file__).parents[3] / "driver/include/gicube"
 
 
 def test_hold_what_the_drivers_records_hold_if_nothing_is_said():
-    assert len(_core.defaults()) == 16
+    assert len(_core.defaults()) == 17
     for held in _core.defaults():
         assert type(held)() == held
 
@@ -81,6 +81,7 @@ def test_enumerations_have_the_values_of_the_headers():
         (lambda board: board.render(gicube.View(width=1.5)), "width: expected an integer, got 1.5"),
         (lambda board: board.render(gicube.View(width=2**40)), "width: expected -2147483648..2147483647"),
         (lambda board: board.render(gicube.View(shade="no")), "shade: expected True or False, got 'no'"),
+        (lambda board: board.render(gicube.View(lamps=[gicube.Lamp(light="sun")])), "lamps[0].light: expected one of PointLight, DirectionalLight"),
         (lambda board: board.render(gicube.View(filter="sinc")), "filter: expected a PixelFilter: box, tent, got 'sinc'"),
         (lambda board: board.render("a view"), "expected a View, got 'a view'"),
         (lambda board: board.illuminate(["lamp"]), "lights[0]: expected one of PointLight, DirectionalLight"),

@@ -76,6 +76,15 @@ inline VersionInfo any_version() {
           any_bits<std::uint32_t>(32), any_bits<std::uint32_t>(32)};
 }
 
+inline Lamp any_lamp() {
+  Lamp lamp{.kind = static_cast<LightKind>(any_bits<std::uint8_t>(8)),
+            .colour = {any_bits<std::uint32_t>(32), any_bits<std::uint32_t>(32), any_bits<std::uint32_t>(32)}};
+  for (auto* vector : {&lamp.position, &lamp.u, &lamp.v}) {
+    for (double& x : *vector) x = *rc::gen::arbitrary<double>();
+  }
+  return lamp;
+}
+
 inline RenderCommand any_render() {
   RenderCommand command;
   command.width = any_bits<std::uint16_t>(16);
@@ -83,6 +92,7 @@ inline RenderCommand any_render() {
   command.projection = static_cast<Projection>(any_bits<std::uint8_t>(1));
   command.samples_per_axis = any_bits<std::uint8_t>(8);
   command.filter = static_cast<Filter>(any_bits<std::uint8_t>(1));
+  command.lamps = any_bits<std::uint8_t>(8);
   for (auto* vector : {&command.origin, &command.forward, &command.du, &command.dv}) {
     for (double& x : *vector) x = *rc::gen::arbitrary<double>();
   }

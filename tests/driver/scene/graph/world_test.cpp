@@ -171,6 +171,31 @@ TEST(World, IsSetUpWithCameraLightsAndCutPlanesInVoxels) {
   EXPECT_EQ(setup.optics[2].bsdf, Bsdf::kSpecular);
 }
 
+TEST(World, GivesItsAreaLightsToMirrorsIfItIsLit) {
+  Scene scene;
+  scene.world.emplace();
+  scene.world->size = 41;  // 0.05 a voxel
+  scene.materials = kWhite;
+  scene.materials[0].optics = {0.5, Bsdf::kSpecular, 0, true};
+  scene.lights = {{"bulb", PointLight{{0, 0, 2}, 3}, {1, 1, 1}},
+                  {"panel", RectangleLight{{0, 0, 2}, {0, 1, 0}, {1, 0, 0}, 5}, {1, 0.5, 0}},
+                  {"moon", SphereLight{{0, 0, 3}, 0.5, 5}, {0.25, 1, 1}}};
+  EXPECT_TRUE(set_up(scene).view.lamps.empty()) << "without illumination";
+  scene.lighting.on = true;
+  SceneSetup setup = set_up(scene);
+  ASSERT_EQ(setup.view.lamps.size(), 2u);
+  EXPECT_EQ(setup.view.lamps[0].light, setup.lights[1]);
+  EXPECT_EQ(setup.view.lamps[1].light, setup.lights[2]);
+  EXPECT_EQ(setup.view.lamps[1].colour, (Colour{1, 1, 1}));
+  EXPECT_NEAR(std::get<SphereLight>(setup.view.lamps[1].light).radius, 10, 1e-9);
+  scene.lighting.colour_passes = true;
+  set_look(scene, setup);
+  ASSERT_EQ(setup.view.lamps.size(), 2u);
+  EXPECT_EQ(setup.view.lamps[0].colour, (Colour{1, 0.5, 0}));
+  scene.materials[0].optics.seen_through_scattering = false;
+  EXPECT_TRUE(set_up(scene).view.lamps.empty()) << "without mirrors";
+}
+
 TEST(World, NamesTheLightThatIsWrong) {
   Scene scene;
   scene.world.emplace();
