@@ -17,13 +17,15 @@ constexpr std::size_t kScalarRays = 64;
 struct Counts : RayCounters {
   std::uint64_t made = 0;
   std::uint64_t returned = 0;
-  std::uint64_t looked = 0;  // DSP cycles
+  std::uint64_t looking = 0;           // DSP cycles
+  const DspLoop* looked_in = nullptr;  // the loop that took them
 
   Counts& operator+=(const Counts& other) {
     RayCounters::operator+=(other);
     made += other.made;
     returned += other.returned;
-    looked += other.looked;
+    looking += other.looking;
+    if (other.looked_in != nullptr) looked_in = other.looked_in;
     return *this;
   }
 };
@@ -64,7 +66,11 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
     }
     counts.returned += batch->rays.size() + batch->returned;
     if (frame.lamps) {
-      for (const wire::Ray& ray : batch->rays) counts.looked += source.looking(ray).cycles();
+      for (const wire::Ray& ray : batch->rays) {
+        const DspTask task = source.looking(ray);
+        counts.looking += task.cycles();
+        if (task.loop != nullptr) counts.looked_in = task.loop;
+      }
     }
     source.take_batch(*batch);
     ++progress.done;
@@ -87,7 +93,8 @@ RunResult FunctionalLevel::run(RaySource& source, const Frame& frame, Progress& 
   ran.rays = counts;
   ran.cancelled = frame.sums == nullptr && progress.cancel;
   const std::uint64_t made = source.misses_are_free() ? counts.made : source.count();
-  ran.dsp_cycles = source.dsp_cycles(made, counts.returned) + counts.looked + counts.trap_cycles;
+  ran.dsp_cycles = source.dsp_cycles(made, counts.returned) + counts.looking + counts.trap_cycles;
+  if (counts.looked_in != nullptr) ran.dsp_cycles += counts.looked_in->setup();
   if (!ran.cancelled) rays_ += ran.rays;
   return ran;
 }

@@ -107,6 +107,25 @@ TEST(Lamps, CostADspEachTheirTestAndTheRayItsOwnWords) {
   }
 }
 
+// Each lamp more costs each ray that looks 18 cycles of 5 ns, the first one 5 more; beginning with the loop takes 24.
+TEST(Lamps, CostAFrameTheirTestsAlone) {
+  const auto busy = [](std::size_t lamps) {
+    BareBoard board(blocks_of_eight());
+    load_fog(board, 20'000);
+    const wire::Material material{
+        .bsdf = wire::Bsdf::kIsotropic, .flags = wire::kScattersRenderingRays, .scattering = wire::kScatteringOne};
+    board.write_memory(wire::kMaterials.base, wire::encoded(material));
+    board.write_register(wire::reg::kPipeline, wire::kPipelineScatter);
+    carry_out(board, with_lamps(std::vector(lamps, sphere_lamp({30, 8, 8}, 2))));
+    EXPECT_GT(board.counter("pipeline.scatterings"), 10u);
+    return board.counter("dsp.busy_ps");
+  };
+  constexpr std::uint64_t kCycle = 5000;  // ps
+  const std::uint64_t none = busy(0), one = busy(1), two = busy(2);
+  EXPECT_GT(two, one);
+  EXPECT_EQ((one - none - 24 * kCycle) * 18, (two - one) * 23);
+}
+
 // Rays that scatter nowhere cost what they cost without lamps.
 TEST(Lamps, CostNothingWhereNoRayIsScattered) {
   for (const v1::FidelityLevel level : {v1::functional, v1::approximate, v1::cycle}) {
