@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "asic/partition.h"
 #include "command_fault.h"
 #include "datapath/interaction.h"
 #include "datapath/scattering.h"
 #include "firmware/lighting_rays.h"
-#include "firmware/ray_sources/image_rays.h"
 #include "firmware/ray_sources/light_rays.h"
-#include "firmware/ray_sources/segment_rays.h"
 #include "gicube/parallel_for.h"
 #include "gicube/wire/command.h"
 
@@ -34,42 +31,6 @@ bool light_in_solid(const wire::IlluminateCommand& command, const Frame& frame) 
     at[axis] = static_cast<std::int32_t>(voxels * wire::kVoxel);
   }
   return opacity_at(at, frame) >= wire::kClassifiedOpacityOne / 2;
-}
-
-void check_image(const wire::RenderCommand& command, std::uint64_t framebuffer_mb) {
-  expect(command.width >= 1 && command.width <= wire::kMaxImageSize, "width", "1..4095", command.width);
-  expect(command.height >= 1 && command.height <= wire::kMaxImageSize, "height", "1..4095", command.height);
-  expect(command.projection <= wire::Projection::kPerspective, "projection", "0 or 1",
-         static_cast<std::uint64_t>(command.projection));
-  const int samples = command.samples_per_axis;
-  expect(samples == 1 || samples == 2 || samples == 4, "samples_per_axis", "1, 2 or 4", command.samples_per_axis);
-  expect(command.filter <= wire::Filter::kTent, "filter", "0 or 1", static_cast<std::uint64_t>(command.filter));
-  for (const auto* vector : {&command.origin, &command.forward, &command.du, &command.dv}) {
-    if (!std::ranges::all_of(*vector, [](double x) { return std::isfinite(x); })) {
-      refuse("origin, forward, du, dv: expected finite numbers");
-    }
-  }
-  const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel;
-  if (bytes > framebuffer_mb * 1'000'000) {
-    refuse("width x height: expected an image whose sums fit dsp.framebuffer_mb = " + std::to_string(framebuffer_mb) +
-           ", got " + std::to_string(bytes) + " bytes");
-  }
-}
-
-std::vector<wire::Lamp> checked_lamps(const wire::RenderCommand& command, std::span<const std::uint8_t> records) {
-  expect(command.lamps <= wire::kMaxLamps, "lamps", "0..32", command.lamps);
-  if (records.size() != command.lamps * wire::kLampBytes) {
-    refuse("payload", "112 + 88 bytes for each of its " + std::to_string(command.lamps) + " lamps",
-           wire::kRenderCommandBytes + records.size());
-  }
-  std::vector<wire::Lamp> lamps;
-  for (std::size_t i = 0; i < command.lamps; ++i) {
-    lamps.push_back(wire::decode<wire::Lamp>(records.subspan(i * wire::kLampBytes)));
-    check_part("lamp", i, [&] {
-      if (const auto what = Lamps::fault(lamps.back())) refuse(*what);
-    });
-  }
-  return lamps;
 }
 
 std::uint32_t max_irradiance(const v1::BoardConfig& config) {
@@ -319,53 +280,6 @@ void DspCommands::set_light(Frame& frame, wire::EnergyRules rules) {
   if (!depths_ || depths_of_ != frame.segmentation_writes) depths_.emplace(frame.segmentation);
   depths_of_ = frame.segmentation_writes;
   frame.depths = &*depths_;
-}
-
-CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progress& work) {
-  expect(payload.size() >= wire::kRenderCommandBytes, "payload", "at least 112 bytes", payload.size());
-  const auto command = wire::decode<wire::RenderCommand>(payload);
-  check_image(command, config_.dsp().framebuffer_mb());
-  const std::vector<wire::Lamp> lamps = checked_lamps(command, payload.subspan(wire::kRenderCommandBytes));
-  check_volume();
-  check_materials();
-
-  Frame frame = this->frame();
-  frame.lamps = !lamps.empty();
-  expect_memory(frame, std::uint64_t{command.width} * command.height);
-  host_traps_.begin(false, {});
-  aperture_.decode(threads_, reads(frame));
-  lamps_ = Lamps(lamps, frame.spacing);
-  const RunResult ran = frame.plain() && config_.dsp().segments() != 0 ? render_segments(command, frame, work)
-                                                                       : render_rays(command, frame, work);
-  CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  aperture_.resolve_framebuffer(threads_);
-  add_trap_list(result, 0);
-  return result;
-}
-
-RunResult DspCommands::render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work) {
-  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
-  ImageRays rays(command, frame, aperture_.framebuffer(), runs, lamps_);
-  viewing_rays_ += rays.count();
-  return run_level(rays, frame, work);
-}
-
-RunResult DspCommands::render_segments(const wire::RenderCommand& command, Frame& frame, Progress& work) {
-  std::vector<int> borders =
-      Partition(config_.asic(), aperture_.volume().blocks()).borders(aperture_.volume().blocks()[0]);
-  const std::uint64_t samples =
-      std::uint64_t{command.width} * command.height * command.samples_per_axis * command.samples_per_axis;
-  const std::uint64_t bytes = std::uint64_t{command.width} * command.height * Framebuffer::kBytesPerPixel +
-                              samples * (borders.size() + 1) * SegmentRays::kBytesPerPart;
-  if (bytes > config_.dsp().framebuffer_mb() * std::uint64_t{1'000'000}) {
-    refuse("width x height: expected an image whose sums and segments fit dsp.framebuffer_mb = " +
-           std::to_string(config_.dsp().framebuffer_mb()) + ", got " + std::to_string(bytes) + " bytes");
-  }
-  for (int& border : borders) border *= static_cast<int>(config_.asic().block_voxels()) * wire::kVoxel;
-  frame.ends_at_borders = true;
-  SegmentRays rays(command, frame, aperture_.framebuffer(), std::move(borders));
-  viewing_rays_ += rays.samples();
-  return run_level(rays, frame, work);
 }
 
 CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Progress& work) {
