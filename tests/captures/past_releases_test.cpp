@@ -75,6 +75,24 @@ TEST_P(PastRelease, ItsBoardsAnswersGiveThisDriverTheSameValues) {
   EXPECT_EQ(values, contents(GetParam().file(".txt")));
 }
 
+TEST(LampsOfAView, NeedABoardThatKnowsThem) {
+  constexpr std::uint16_t kMinor = 2;
+  const Past picture{kMinor, sessions().front()};
+  const reference::TemporaryDirectory folder;
+  PastBoard past(picture.file(".cap.gz"), kMinor);
+  reference::FakeBoard fake(folder.file("bus"), [&past](reference::FakeBoard& board) { past.serve(board); });
+  Board board = Board::open("unix:" + folder.file("bus"));
+  picture.session.use(board);
+  View view;
+  view.eye = {5, 6, -90};
+  view.scatter = true;
+  view.lamps = {{SphereLight{{0, 0, 90}, 5}, {1, 1, 1}}};
+  EXPECT_THAT(
+      [&] { board.render(view); },
+      testing::ThrowsMessage<Rejected>(HasSubstr("View::lamps needs a board of protocol 2.3, this one has 2.2")));
+  EXPECT_THAT(past.refused(), IsEmpty()) << "nothing was sent";
+}
+
 INSTANTIATE_TEST_SUITE_P(, PastRelease, testing::ValuesIn(all_past()), [](const auto& test) {
   return "Of2_" + std::to_string(test.param.minor) + '_' + test.param.session.name;
 });

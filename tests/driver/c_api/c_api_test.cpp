@@ -37,6 +37,42 @@ TEST_F(CApi, RendersTheBitsOfTheCppApiInTheSameTime) {
   EXPECT_EQ(height, 30);
 }
 
+// A mirror whose face z = 8 shows a lamp.
+TEST_F(CApi, ShowsLampsAsTheCppApiDoes) {
+  load();
+  gicube_material mirror = made(gicube_material_init);
+  mirror.scattering = 1;
+  mirror.bsdf = GICUBE_BSDF_SPECULAR;
+  mirror.seen_through_scattering = 1;
+  ASSERT_EQ(gicube_set_material(board_, 0, &mirror), GICUBE_OK) << gicube_last_error();
+  const double power = 4 * 3.14159 * 90 * 90;
+  const gicube_lamp lamp{{GICUBE_LIGHT_SPHERE, 0, {-66, -36, -64}, {}, {}, 90, power}, {0.25, 0.5, 1}};
+  gicube_view record = view();
+  record.scatter = 1;
+  record.lamps = &lamp;
+  record.lamp_count = 1;
+  std::vector<gicube_pixel> pixels(40 * 30);
+  ASSERT_EQ(gicube_render(board_, &record, pixels.data(), pixels.size(), nullptr, nullptr), GICUBE_OK)
+      << gicube_last_error();
+  Board board = twin(voxels_);
+  board.set_material({.scattering = 1, .bsdf = Bsdf::kSpecular, .seen_through_scattering = true});
+  View same;
+  same.width = 40;
+  same.height = 30;
+  same.eye = {70, 50, -40};
+  same.look_at = {15.5, 15.5, 15.5};
+  same.scatter = true;
+  same.lamps = {{SphereLight{{-66, -36, -64}, 90, power}, {0.25, 0.5, 1}}};
+  const Image image = board.render(same);
+  int lit = 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Pixel pixel{pixels[i].red, pixels[i].green, pixels[i].blue, pixels[i].alpha};
+    ASSERT_EQ(pixel, image.pixels[i]) << i;
+    lit += pixel.alpha == 4095 && pixel.blue == 255;
+  }
+  EXPECT_GT(lit, 0);
+}
+
 TEST_F(CApi, ReadsAndWritesBoxesOfTheVolume) {
   load();
   double low = 1, high = 0;

@@ -67,6 +67,20 @@ def test_sums_of_rays_are_what_they_carried(loaded):
     assert loaded.read_sums().sum() == pytest.approx(30, rel=1e-3)
 
 
+def test_a_mirror_shows_the_lamps_of_a_view(loaded):
+    loaded.set_material(gicube.Material(scattering=1, bsdf=gicube.Bsdf.SPECULAR, seen_through_scattering=True))
+    view = view_of_ball(scatter=True)
+    dark = loaded.render(view)
+    back = np.subtract(view.eye, view.look_at)
+    radius = 0.9 * float(np.linalg.norm(back))
+    lamp = gicube.SphereLight(tuple(view.look_at + 2 * back), radius, 4 * math.pi * radius**2)
+    view.lamps = [gicube.Lamp(lamp, (0.25, 0.5, 1))]
+    lit = loaded.render(view)
+    seen = (lit.alpha == 4095) & (dark.alpha < 4095)
+    assert seen.sum() > 20
+    assert abs(np.median(lit.rgb[seen], axis=0) - (64, 128, 255)).max() <= 1
+
+
 def test_a_routine_of_the_application_scatters(loaded):
     seen = []
 
