@@ -131,12 +131,12 @@ std::vector<wire::Lamp> draw_lamps(const Scene& scene, Dice& dice) {
     lamp.kind = sphere ? wire::LightKind::kSphere : wire::LightKind::kRectangle;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const int size = scene.volume.size()[axis];
-      lamp.position[axis] = dice.number(-size, 2 * size) + 0.3;
+      lamp.position[axis] = dice.number(-2 * size, 3 * size) + 0.3;
       lamp.colour[axis] = static_cast<std::uint32_t>(dice.number(0, 1 << 18));
-      lamp.u[axis] = dice.number(-40, 40) + 0.5;
-      lamp.v[axis] = dice.number(-40, 40) * (axis == 2 ? -1.25 : 1) + 0.25;
+      lamp.u[axis] = dice.number(-200, 200) + 0.5;
+      lamp.v[axis] = dice.number(-200, 200) * (axis == 2 ? -1.25 : 1) + 0.25;
     }
-    if (sphere) lamp.u = {dice.number(1, 200) / 10.0, 0, 0};
+    if (sphere) lamp.u = {dice.number(1, 600) / 10.0, 0, 0};
   }
   return lamps;
 }
