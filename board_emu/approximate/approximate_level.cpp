@@ -7,9 +7,9 @@
 
 namespace gicube::emu {
 
-// Passes know nothing of deposits and scattering, nor of the packets of two processors that alternate on one channel.
+// Passes know nothing of deposits, scattering and rays that wait, nor of the packets of two processors that alternate on one channel.
 bool ApproximateLevel::answers(const Frame& frame) const {
-  return frame.plain() && !frame.ends_at_borders && PassMachine::covers(config_);
+  return frame.plain() && !frame.in_bricks() && !frame.ends_at_borders && PassMachine::covers(config_);
 }
 
 PassMachine& ApproximateLevel::machine_for(const Frame& frame) {

@@ -50,7 +50,7 @@ constexpr std::uint64_t kReadRequestBytes = 16;
 constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
 
 const char* command_name(std::span<const std::uint8_t> payload) {
-  constexpr std::array kNames{"render", "render", "trace", "illuminate", "resume", "verify", "pairs"};  // by opcode
+  constexpr std::array kNames{"render", "render", "trace", "illuminate", "resume", "verify", "pairs", "continue"};  // by opcode
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
   return kNames[opcode < kNames.size() ? opcode : 0];
 }
@@ -141,6 +141,7 @@ void Board::Parts::control(std::uint32_t bits) {
   if ((bits & wire::kControlClearVolume) != 0) commands.clear_volume();
   if ((bits & wire::kControlClearIrradiance) != 0) commands.clear_irradiance();
   if ((bits & wire::kControlClearSums) != 0) commands.clear_sums();
+  if ((bits & wire::kControlDropBlocks) != 0) commands.drop_blocks();
 }
 
 Reply Board::Parts::transact_word(const wire::FrameHeader& header, std::span<const std::uint8_t> payload) {

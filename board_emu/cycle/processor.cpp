@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "datapath/interaction.h"
+#include "datapath/waiting_ray.h"
 
 namespace gicube::emu {
 
@@ -189,12 +190,16 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     if (!carries) count_end(ray_state, how, *frame_, counts_);
   } else if (!grid_.same(ray_state.position, low)) {
     ray.block = static_cast<std::uint32_t>(grid_.block(ray_state.position));
-    const Home& home = partition_.home(ray.block);
-    token.processor = home.processor;
-    token.queue = single_queue_ ? 0 : home.number;
-    if (frame_->ends_at_borders && home.processor != number_) {
-      token.state = TokenStatus::kDone;
-      count_end(ray_state, Termination::kLeft, *frame_, counts_);
+    if (is_absent(ray.block, *frame_)) {
+      token.state = TokenStatus::kTrapped;
+    } else {
+      const Home& home = partition_.home(ray.block);
+      token.processor = home.processor;
+      token.queue = single_queue_ ? 0 : home.number;
+      if (frame_->ends_at_borders && home.processor != number_) {
+        token.state = TokenStatus::kDone;
+        count_end(ray_state, Termination::kLeft, *frame_, counts_);
+      }
     }
   } else {
     prefetch(view, ray_state.position, low);

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "datapath/interaction.h"
+#include "datapath/waiting_ray.h"
 
 namespace gicube::emu {
 
@@ -61,7 +62,7 @@ void RayEngine::take_back(Cycle now) {
   if (token.state == TokenStatus::kTrapped) {
     const Scattered scattered = scatter(now, token);
     if (scattered == Scattered::kSentAgain) return;
-    if (scattered == Scattered::kToHost) {
+    if (scattered == Scattered::kWaits) {
       rays_.remove(token.ray);
       --under_way_;
       ++finished_;
@@ -80,11 +81,16 @@ void RayEngine::take_back(Cycle now) {
 
 RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   RayUnderWay& ray = rays_[token.ray];
+  if (frame_->in_bricks()) {
+    wait_for(ray.block, ray.ray_state, *frame_);
+    carry_out(now, {.loop = &kPassRay});
+    return Scattered::kWaits;
+  }
   const std::optional<Trap> trap = trap_of(ray.ray_state, *frame_);
   DspTask task{.loop = &kTakeTrap};
   if (!trap) {
     carry_out(now, task);
-    return Scattered::kToHost;
+    return Scattered::kWaits;
   }
   const ScatterAnswer answer = frame_->routines->scatter(trap->routine, trap->event);
   task.more_cycles = answer.cycles;
@@ -112,7 +118,7 @@ std::optional<RayToken> RayEngine::make() {
     return std::nullopt;
   }
   ++rays_made_;
-  RayUnderWay ray{0, unpack(*made, *frame_)};
+  RayUnderWay ray{0, unpack_or_continue(*made, *frame_)};
   if (const Termination how = end(ray.ray_state, *frame_);
       how != Termination::kNot) {  // its clipping leaves nothing of it
     count_end(ray.ray_state, how, *frame_, counts_);
@@ -121,6 +127,11 @@ std::optional<RayToken> RayEngine::make() {
     return std::nullopt;
   }
   ray.block = static_cast<std::uint32_t>(BlockGrid(*frame_->volume).block(ray.ray_state.position));
+  if (is_absent(ray.block, *frame_)) {
+    wait_for(ray.block, ray.ray_state, *frame_);
+    ++finished_;
+    return std::nullopt;
+  }
   const std::uint32_t handle = rays_.add(ray);
   if (index_of_.size() <= handle) index_of_.resize(handle + 1);
   index_of_[handle] = index;

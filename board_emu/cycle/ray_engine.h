@@ -79,8 +79,8 @@ class RayEngine {
   std::size_t list_of(std::uint8_t processor, std::uint32_t queue) const { return processor * lists_ + queue; }
   bool may_make() const { return made_ < end_ && under_way_ < may_be_under_way_; }
   void take_back(Cycle now);
-  // Scatters a trapped ray by its routine. kToHost: the application has the ray and must answer.
-  enum class Scattered : std::uint8_t { kSentAgain, kEnds, kToHost };
+  // Scatters a trapped ray by its routine. kWaits: the application has it and must answer, or it waits for a block.
+  enum class Scattered : std::uint8_t { kSentAgain, kEnds, kWaits };
   Scattered scatter(Cycle now, const RayToken& token);
   enum class Outgoing : std::uint8_t { kNothing, kRay, kRun };
 

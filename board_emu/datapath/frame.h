@@ -22,6 +22,7 @@ class DepthTable;
 class HostTrapQueue;
 class Routines;
 class SumMemory;
+class WaitingRayQueue;
 
 // What holds for every ray of a frame: registers, tables, volume. The tables must outlive it.
 struct Frame {
@@ -32,6 +33,8 @@ struct Frame {
   const OpacityCorrection* opacity_correction = nullptr;
   const DepthTable* depths = nullptr;      // of `segmentation`, for lighting rays with the conserving rules
   std::vector<std::uint8_t> empty;         // one a block; nonzero = leap
+  std::vector<std::uint8_t> absent;        // the same; nonzero = rays wait for it. None: all blocks are there
+  WaitingRayQueue* waiting = nullptr;      // if some are absent: where those rays go
   Point extent{};                          // size - 1 in position units
   std::array<std::uint32_t, 3> spacing{};  // 16.16
   std::uint32_t step = 0;                  // 16.16 voxels
@@ -68,6 +71,8 @@ struct Frame {
   bool segments() const { return wire::is_segment(type); }       // each ray has a length, and a step of its own
   bool to_the_hit() const { return wire::has_threshold(type); }  // rays end at the sample that brings them there
   bool colourless() const { return wire::is_one_of<wire::RayType::kFirstHit, wire::RayType::kOpacity>(type); }
+  // Some blocks may be absent; then all rays are rendering rays that gather.
+  bool in_bricks() const { return waiting != nullptr; }
   // Rays do no more than gather.
   bool plain() const { return !(lights() || backprojects() || lit_by_irradiance || scatter || high_albedo); }
 };

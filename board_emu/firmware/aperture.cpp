@@ -22,6 +22,7 @@ Aperture::Aperture(int block_voxels, std::uint32_t max_irradiance)
       sums_(block_voxels),
       reflectance_map_(wire::kReflectanceBytes),
       empty_flags_(wire::kEmptyFlags.bytes),
+      absent_flags_(wire::kAbsentFlags.bytes),
       volume_(block_voxels) {}
 
 bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes) {
@@ -46,7 +47,9 @@ bool Aperture::write(std::uint64_t address, std::span<const std::uint8_t> bytes)
     gradients_.write(at, bytes);
     gradients_changed_ = true;
   } else {
-    std::vector<std::uint8_t>& target = is(region, wire::kReflectanceMap) ? reflectance_map_ : empty_flags_;
+    std::vector<std::uint8_t>& target = is(region, wire::kReflectanceMap) ? reflectance_map_
+                                        : is(region, wire::kEmptyFlags)   ? empty_flags_
+                                                                          : absent_flags_;
     std::copy(bytes.begin(), bytes.end(), target.begin() + static_cast<std::ptrdiff_t>(at));
   }
   return true;
@@ -88,7 +91,8 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
                                               : is(region, wire::kSegmentationLut) ? segmentation_.bytes()
                                               : is(region, wire::kGradientLut)     ? gradients_.bytes()
                                               : is(region, wire::kReflectanceMap)  ? std::span(reflectance_map_)
-                                                                                   : std::span(empty_flags_);
+                                              : is(region, wire::kEmptyFlags)      ? std::span(empty_flags_)
+                                                                                   : std::span(absent_flags_);
   if (offset + length > bytes.size()) return std::nullopt;
   const auto part = bytes.subspan(static_cast<std::size_t>(offset), static_cast<std::size_t>(length));
   return std::vector(part.begin(), part.end());
@@ -100,6 +104,17 @@ void Aperture::resize_volume(const std::array<int, 3>& size) {
   sums_.resize(size);
   ++volume_writes_;
   std::fill(empty_flags_.begin(), empty_flags_.end(), std::uint8_t{0});
+  std::fill(absent_flags_.begin(), absent_flags_.end(), std::uint8_t{0});
+}
+
+void Aperture::drop_blocks() {
+  volume_.resize(volume_.size());
+  ++volume_writes_;
+}
+
+bool Aperture::any_absent() const {
+  const auto flags = std::span(absent_flags_).first((volume_.block_count() + 7) / 8);
+  return std::ranges::any_of(flags, [](std::uint8_t byte) { return byte != 0; });
 }
 
 void Aperture::decode(unsigned threads, const VolumeReads& reads) {

@@ -73,9 +73,13 @@ class Aperture {
 
   // Drops the volume and its empty flags; `size` as VolumeMemory::resize.
   void resize_volume(const std::array<int, 3>& size);
+  // Forgets what the blocks hold.
+  void drop_blocks();
   // Makes the decoded form of what is read of the volume current.
   void decode(unsigned threads, const VolumeReads& reads);
-  bool empty(std::size_t block) const { return (empty_flags_[block / 8] >> (block % 8) & 1) != 0; }
+  bool empty(std::size_t block) const { return flag(empty_flags_, block); }
+  bool absent(std::size_t block) const { return flag(absent_flags_, block); }
+  bool any_absent() const;
 
   const VolumeMemory& volume() const { return volume_; }
   // An RDRAM error: no write, so what a cache holds stays as it is.
@@ -93,6 +97,10 @@ class Aperture {
   void resolve_framebuffer(unsigned threads) { pixels_ = framebuffer_.packed(threads); }
 
  private:
+  static bool flag(const std::vector<std::uint8_t>& flags, std::size_t block) {
+    return (flags[block / 8] >> (block % 8) & 1) != 0;
+  }
+
   Table<wire::SegmentationEntry, wire::kSegmentationEntryBytes> segmentation_;
   Table<wire::GradientEntry, wire::kGradientEntryBytes> gradients_;
   Table<wire::Material, wire::kMaterialBytes> materials_;
@@ -101,6 +109,7 @@ class Aperture {
   bool gradients_changed_ = true;
   std::vector<std::uint8_t> reflectance_map_;
   std::vector<std::uint8_t> empty_flags_;
+  std::vector<std::uint8_t> absent_flags_;
   VolumeMemory volume_;
   std::uint64_t volume_writes_ = 0;
   std::uint64_t segmentation_writes_ = 0;

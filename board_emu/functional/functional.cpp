@@ -5,12 +5,13 @@
 
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
+#include "datapath/waiting_ray.h"
 
 namespace gicube::emu {
 
 namespace {
 
-// A ray that gathers and does nothing else.
+// A ray that gathers and does nothing else. kWaits: for a block.
 Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& counters, std::int32_t& taken) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
@@ -21,6 +22,7 @@ Termination run_plain(RayState& ray_state, const Frame& frame, RayCounters& coun
   while ((how = end(ray_state, frame)) == Termination::kNot) {
     const std::size_t block = grid.block(ray_state.position);
     if (block != here) {
+      if (is_absent(block, frame)) return Termination::kWaits;
       here = block;
       view = frame.volume->view(block);
       low = grid.low(ray_state.position);
@@ -58,13 +60,13 @@ Termination run(RayState& ray_state, const Frame& frame, RayCounters& counters) 
   return how;
 }
 
-// Rays that fly until they end or are trapped.
+// Rays that fly until they end, are trapped or wait for a block.
 class Flights {
  public:
   Flights(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters)
       : rays_(rays), frame_(frame), counters_(counters), ended_(rays.size()) {}
 
-  void begin(std::size_t ray) { fly({ray, unpack(rays_[ray], frame_), {}}); }
+  void begin(std::size_t ray) { fly({ray, unpack_or_continue(rays_[ray], frame_), {}}); }
   bool are_waiting() const { return !waiting_.empty(); }
 
   // The routines scatter those that wait, and they fly on.
@@ -102,8 +104,13 @@ class Flights {
   };
 
   void fly(Flight flight) {
-    const Termination how = run(flight.ray_state, frame_, counters_);
+    std::int32_t taken = 0;
+    const Termination how = frame_.plain() ? run_plain(flight.ray_state, frame_, counters_, taken)
+                                           : run(flight.ray_state, frame_, counters_);
     if (how != Termination::kWaits) return end_with(flight, how);
+    if (frame_.in_bricks()) {
+      return wait_for(BlockGrid(*frame_.volume).block(flight.ray_state.position), flight.ray_state, frame_);
+    }
     if (const auto trap = trap_of(flight.ray_state, frame_)) {
       flight.trap = *trap;
       waiting_.push_back(flight);

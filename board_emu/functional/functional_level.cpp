@@ -57,9 +57,9 @@ Counts trace_all(RaySource& source, const Frame& frame, const SimdTracer* tracer
     static_cast<RayCounters&>(counts) += batch->counters;
     if (tracer != nullptr) {
       tracer->trace(batch->rays, of_batch, counts);
-    } else if (frame.plain()) {
+    } else if (frame.plain() && !frame.in_bricks()) {
       for (wire::Ray& ray : batch->rays) integrate(ray, of_batch, counts);
-    } else {  // those that wait for the host do not come back
+    } else {  // those that wait do not come back
       const std::vector<bool> ended = integrate_all(batch->rays, of_batch, counts);
       std::size_t ray = 0;
       batch->keep_if([&](const wire::Ray&) { return ended[ray++]; });
@@ -84,7 +84,7 @@ RunResult FunctionalLevel::run(RaySource& source, const Frame& frame, Progress& 
   if (frame.sums != nullptr) {
     counts = backproject_all(source, frame, threads_);
   } else {
-    const bool vectors = vectors_ && tracer_.prepare(source.count(), frame, frame.segmentation_writes, threads_);
+    const bool vectors = vectors_ && !frame.in_bricks() && tracer_.prepare(source.count(), frame, frame.segmentation_writes, threads_);
     counts = trace_all(source, frame, vectors ? &tracer_ : nullptr, threads_, progress);
   }
   RunResult ran;

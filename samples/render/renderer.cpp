@@ -130,7 +130,7 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   lit_.reset();
   setup_ = set_up(scene, options_.board.threads);
   set_phong(options_, setup_.shading.phong);
-  check_fits(setup_.volume.dims, board_.info(), setup_.volume.source);
+  check_renders(setup_.volume.dims, board_.info(), setup_.volume.source);
   if (field_) check_size(*field_, setup_.volume.dims);
   board_.set_shading(setup_.shading);
   const bool own_codebook = is_first && scene.world && scene.own_codebook && !moves_nodes(scene);

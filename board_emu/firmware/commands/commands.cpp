@@ -55,6 +55,7 @@ std::array<int, 3> DspCommands::volume_size() const {
 
 void DspCommands::clear_volume() {
   aperture_.resize_volume(volume_size());
+  waiting_rays_.begin();
   words_bytes_ = 0;
   level_.volume_changed();
 }
@@ -72,6 +73,7 @@ void DspCommands::clear_sums() {
 void DspCommands::reset() {
   level_.reset();
   host_traps_.begin(false, {});
+  waiting_rays_.begin();
   memory_errors_.clear();
   aperture_.resize_volume({});  // first: there may be no memory for both
   words_bytes_ = 0;
@@ -98,7 +100,8 @@ Acceptance DspCommands::accept_register(std::uint32_t offset) {
     case reg::kVolumeX:
     case reg::kVolumeY:
     case reg::kVolumeZ: {
-      const Acceptance accepted = within(2, config_.asic().max_volume_voxels());
+      const bool bricks = minor_version_ >= wire::kBricksMinor;
+      const Acceptance accepted = within(2, bricks ? wire::kMaxVolumeEdge : config_.asic().max_volume_voxels());
       if (accepted != Acceptance::kTaken) return accepted;
       const std::uint64_t bytes = Aperture::bytes_of_blocks(volume_size(), config_.asic().block_voxels());
       if (!fits(aperture_.image_bytes() + bytes)) return Acceptance::kTooMuchMemory;
@@ -132,7 +135,19 @@ Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std:
     }
     words_bytes_ += irradiance;
   }
+  if (!has_room(address, bytes.size())) return Acceptance::kOutOfRange;
   return aperture_.write(address, bytes) ? Acceptance::kTaken : Acceptance::kOutOfRange;
+}
+
+// Whether the card stores what would be written.
+bool DspCommands::has_room(std::uint64_t address, std::uint64_t length) const {
+  const VolumeMemory& volume = aperture_.volume();
+  const std::uint64_t offset = address - wire::kVolume.base;
+  if (address < wire::kVolume.base || length == 0 || offset + length > volume.bytes()) return true;
+  const std::uint64_t first = offset / volume.block_bytes(), last = (offset + length - 1) / volume.block_bytes();
+  std::uint64_t more = 0;
+  for (std::uint64_t block = first; block <= last; ++block) more += volume.packed(block).empty() ? 1 : 0;
+  return volume.stored_blocks() + more <= capacity_blocks();
 }
 
 std::uint32_t DspCommands::max_memory_mib() const {
@@ -248,7 +263,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
   };
   using wire::Opcode;
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
-  const bool known = opcode >= 1 && opcode <= static_cast<std::uint32_t>(Opcode::kPairs);
+  const bool known = opcode >= 1 && opcode <= static_cast<std::uint32_t>(Opcode::kContinue);
   try {
     if (known && !memory_errors_.empty()) meet_memory_error();
     switch (static_cast<Opcode>(opcode)) {
@@ -258,8 +273,10 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
       case Opcode::kResume: return resume(payload, work);
       case Opcode::kVerify: return verify(payload, work);
       case Opcode::kPairs: return pairs(payload, work);
+      case Opcode::kContinue: return continue_rays(payload, work);
     }
-    refuse("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs)", opcode);
+    refuse("opcode", "1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify), 6 (pairs) or 7 (continue)",
+           opcode);
   } catch (const CommandFault& fault) {
     return error(fault.error, fault.text);
   } catch (const RoutineFault& fault) {
@@ -286,6 +303,7 @@ CommandResult DspCommands::illuminate(std::span<const std::uint8_t> payload, Pro
   expect(payload.size() == wire::kIlluminateCommandBytes, "payload", "104 bytes", payload.size());
   const auto command = wire::decode<wire::IlluminateCommand>(payload);
   check_volume();
+  check_all_there();
   check_materials();
   Frame frame = this->frame();
   if (const auto what = LightingRays::fault(command, frame.extent)) refuse(*what);
@@ -312,6 +330,7 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
     list.push_back({"fidelity_answered." + v1::FidelityLevel_Name(static_cast<v1::FidelityLevel>(level)), "command",
                     answered_[static_cast<std::size_t>(level)]});
   }
+  if (waits_total_ != 0) list.push_back({"dsp.waits", "ray", waits_total_});
   const RayCounters rays = level_.rays();
   list.push_back({"pipeline.rays", "ray", rays.rays});
   list.push_back({"pipeline.samples", "sample", rays.samples});

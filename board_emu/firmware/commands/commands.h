@@ -15,6 +15,7 @@
 #include "firmware/host_traps.h"
 #include "firmware/lamps.h"
 #include "firmware/register_file.h"
+#include "firmware/waiting_rays.h"
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/frame.h"
 #include "levels/level.h"
@@ -55,6 +56,7 @@ class DspCommands {
   // Nothing is written unless it is kTaken.
   Acceptance write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes);
   void clear_volume();
+  void drop_blocks();
   void clear_irradiance();
   void clear_sums();
   void reset();
@@ -86,12 +88,17 @@ class DspCommands {
   CommandResult resume(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult verify(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult pairs(std::span<const std::uint8_t> payload, Progress& work);
+  CommandResult continue_rays(std::span<const std::uint8_t> payload, Progress& work);
   Picoseconds reading_time(std::size_t first, std::size_t count) const;
   [[noreturn]] void meet_memory_error();
   void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) const;
   void add_trap_list(CommandResult& result, std::size_t max_rays);
+  void set_bricks(Frame& frame);
+  void finish_picture(CommandResult& result);
+  std::uint64_t capacity_blocks() const;  // that the card stores
   bool is_limited() const { return max_memory_bytes_ != kUnlimited; }
   bool fits(std::uint64_t bytes);
+  bool has_room(std::uint64_t address, std::uint64_t length) const;
   std::uint64_t stored_words();  // bytes of irradiance and sums
   // Throws CommandFault if there is no room for what the frame's rays read and leave, and for an image.
   void expect_memory(const Frame& frame, std::uint64_t pixels = 0);
@@ -106,6 +113,7 @@ class DspCommands {
   std::span<const float> current_wide_depths();
   // Throw CommandFault if there is none, or for what is wrong with what the host wrote.
   void check_volume() const;
+  void check_all_there() const;
   void check_materials(bool host_answers = true) const;
 
   static constexpr std::uint64_t kUnlimited = ~std::uint64_t{0};
@@ -127,6 +135,7 @@ class DspCommands {
   std::uint16_t minor_version_ = wire::kMinorVersion;
   HostTraps host_traps_;
   Lamps lamps_;                            // of the last image
+  WaitingRays waiting_rays_;
   std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet
   std::vector<wire::Ray> host_ray_room_;   // of the command in work
   std::uint64_t level_volume_ = 0;         // Aperture::volume_writes() that the level knows of
@@ -136,6 +145,7 @@ class DspCommands {
   std::uint64_t lighting_rays_ = 0;
   std::uint64_t pair_rays_ = 0;
   std::uint64_t host_traps_total_ = 0;
+  std::uint64_t waits_total_ = 0;  // rays that came to wait for a block
 };
 
 }  // namespace gicube::emu

@@ -48,6 +48,7 @@ CommandResult DspCommands::pairs(std::span<const std::uint8_t> payload, Progress
   job.header = wire::decode<wire::PairsHeader>(payload);
   check_header(job.header, payload.size());
   check_volume();
+  check_all_there();
   Frame frame = this->frame();
   set_opacity_rays(frame, job.header.opacity);
   for (std::size_t axis = 0; axis < 3; ++axis) job.spacing[axis] = frame.spacing[axis] / double{wire::kSpacingOne};

@@ -66,14 +66,16 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
 
   Frame frame = this->frame();
   frame.lamps = !lamps.empty();
+  waiting_rays_.begin();
+  set_bricks(frame);
   expect_memory(frame, std::uint64_t{command.width} * command.height);
   host_traps_.begin(false, {});
   aperture_.decode(threads_, reads(frame));
   lamps_ = Lamps(lamps, frame.spacing);
-  const RunResult ran = frame.plain() && config_.dsp().segments() != 0 ? render_segments(command, frame, work)
-                                                                       : render_rays(command, frame, work);
+  const bool in_segments = config_.dsp().segments() != 0 && frame.plain() && !frame.in_bricks();
+  const RunResult ran = in_segments ? render_segments(command, frame, work) : render_rays(command, frame, work);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
-  aperture_.resolve_framebuffer(threads_);
+  finish_picture(result);
   add_trap_list(result, 0);
   return result;
 }

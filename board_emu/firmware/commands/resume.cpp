@@ -65,6 +65,7 @@ CommandResult DspCommands::resume(std::span<const std::uint8_t> payload, Progres
     refuse("count", "at most the rays handed out and not answered, " + std::to_string(host_traps_.out()), count);
   }
   check_volume();
+  check_all_there();
   check_materials();
   Frame frame = this->frame();
   const bool light = host_traps_.is_light();

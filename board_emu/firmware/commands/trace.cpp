@@ -112,6 +112,7 @@ CommandResult DspCommands::trace(std::span<const std::uint8_t> payload, Progress
   const auto header = wire::decode<wire::TraceHeader>(payload);
   check_header(header, payload.size());
   check_volume();
+  check_all_there();
   const bool deposit = header.type == RayType::kDeposit, back = comes_back(header.type);
   Frame frame = this->frame();
   if (deposit) {

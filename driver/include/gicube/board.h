@@ -50,7 +50,7 @@ struct BoardInfo {
   Fidelity fidelity = Fidelity::kFunctional;
   int processors = 0;
   int block_voxels = 0;       // n, voxels
-  int max_volume_voxels = 0;  // N, voxels
+  int max_volume_voxels = 0;  // N: the card stores the blocks of N^3 voxels
   int queue_rays = 0;
   std::uint32_t core_khz = 0;
   std::uint64_t config_hash = 0;  // of the board's resolved configuration
@@ -143,6 +143,9 @@ class GICUBE_API Board {
   // Replaces the volume: converts the samples, quantises gradients by the codebook, cuts all into blocks and sends those that are
   // not zero including their shared faces. The simulated host waits for the transfer. The transfer functions are kept, and
   // the empty flags are found again.
+  // A volume with more blocks than the card stores, (N / n)^3, is kept by the driver: render() sends its blocks as rays need them,
+  // also to a new board after reopen(), and the picture has the same bits. Edges have up to 1024 voxels then, and what else needs
+  // a volume throws Unsupported: lighting, rays, pairs, reading and writing it (docs/guide/bricks.md).
   // Throws BadArgument (dims, samples, spacing, range, NaN sample, gradients, tags): the board keeps its volume. Throws Rejected
   // if the volume needs more memory than the board may take (gicube-board --max-memory): there is no volume then.
   // On DeviceLost or TimedOut the volume is lost with the board.
@@ -219,7 +222,8 @@ class GICUBE_API Board {
   Dims blocks() const;  // how many blocks along each axis
 
   // Renders into the board's framebuffer; the simulated host waits for its completion but does not read the image. Throws
-  // BadArgument (view's fields) and Rejected (no volume, no scattering routine): the framebuffer is unchanged.
+  // BadArgument (view's fields), Rejected (no volume, no scattering routine) and Unsupported (irradiance or scattering in a volume that
+  // the card does not store whole): the framebuffer is unchanged.
   void render_to_framebuffer(const View& view, const Progress& progress = {});
   // Transfers the framebuffer at 36 bits per pixel. Throws Rejected before the first rendering.
   Image read_framebuffer();

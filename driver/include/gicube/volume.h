@@ -43,7 +43,7 @@ struct VolumeView {
   // dims[0] * dims[1] * dims[2] samples of `type`, x fastest: of a std::vector<float>, std::as_bytes(std::span(values)).
   std::span<const std::byte> samples;
   SampleType type = SampleType::kUint8;
-  Dims dims{};            // voxels, 2..the board's max_volume_voxels each
+  Dims dims{};            // voxels, 2..1024 each; see Board::load_volume()
   Vec3 spacing{1, 1, 1};  // physical voxel edge, each within 64 of the smallest; the ratios count, and for
                           // line integrals and backprojection the lengths too
   // Unset: 0..255 for kUint8, 0..4095 for kUint12, the least and the greatest sample for the others.

@@ -170,7 +170,8 @@ class Board:
         """Replaces the volume: an array [z, y, x] of uint8, uint16, int16 or float32, or a gicube.Volume, which has more to say.
 
         Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer functions
-        are kept. Raises BadArgument: the board keeps its volume. Raises Rejected if it needs more memory than the board may take:
+        are kept. A volume with more blocks than the card stores is kept by the driver, and its blocks are sent as pictures need them:
+        rendering gives the same bits, other calls raise Unsupported. Raises BadArgument: the board keeps its volume. Raises Rejected if it needs more memory than the board may take:
         there is no volume then.
         """
         made = volume if isinstance(volume, Volume) else Volume(np.asarray(volume))

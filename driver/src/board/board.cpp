@@ -174,10 +174,14 @@ void Board::State::restore() {
   tables.restore();
   irradiance_unit = sum_unit = 0;
   framebuffer_size = {};
-  if (volume && (!keep_volume || info.block_voxels != block_voxels)) volume.reset();
+  const bool kept = keep_volume || bricks;
+  const bool same = info.block_voxels == block_voxels && (!bricks || bricks->capacity() == capacity_blocks());
+  if (volume && (!kept || !same)) volume.reset();
+  if (!volume) bricks.reset();
   batches_wait = !volume && !batches.empty();
   if (volume) {
     begin_volume(*volume);
+    if (bricks) bricks->begin(device);
     for (const auto& [block, bytes] : kept_blocks) device.write_memory(block_address(block), bytes);
     tables.send_segmentation(volume->range);
     tables.send_flags(volume->flags);

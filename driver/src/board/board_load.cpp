@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "encode/volume/gradients.h"
@@ -15,30 +17,69 @@ namespace gicube {
 
 namespace reg = wire::reg;
 
+namespace {
+
+constexpr std::size_t kMinCapacity = 8;  // blocks: one, and those with the voxels of its +1 faces
+
+std::size_t block_count(Dims dims, int n) {
+  return voxel_count({(dims[0] + n - 1) / n, (dims[1] + n - 1) / n, (dims[2] + n - 1) / n});
+}
+
+}  // namespace
+
+LoadedVolume& Board::State::whole(const char* what) {
+  LoadedVolume& all = loaded(what);
+  if (!bricks) return all;
+  const std::size_t n = static_cast<std::size_t>(info.block_voxels);
+  throw Unsupported(
+      fmt::format("dims: {} expects a volume that the card stores whole, at most {} blocks of {}^3 voxels "
+                  "(asic.max_volume_voxels), got {} x {} x {} voxels in {} blocks",
+                  what, capacity_blocks(), n, all.dims[0], all.dims[1], all.dims[2], all.statistics.size()));
+}
+
 void Board::load_volume(const VolumeView& view, const Progress& progress) {
   const auto lock = state_->begin();
-  check_volume(view, state_->info.max_volume_voxels);
+  const bool can_wait = state_->info.protocol_minor >= wire::kBricksMinor;
+  const std::size_t capacity = state_->capacity_blocks();
+  const bool in_bricks = can_wait && capacity >= kMinCapacity;
+  check_volume(view, in_bricks ? static_cast<int>(wire::kMaxVolumeEdge) : state_->info.max_volume_voxels);
   LoadedVolume loaded;
   loaded.dims = view.dims;
   loaded.range = resolve_range(view);
   loaded.relative_spacing = relative_spacing(view.spacing);
   loaded.min_spacing = std::min({view.spacing.x, view.spacing.y, view.spacing.z});
   loaded.gradients = view.find_gradients || !view.gradients.empty();
-  const auto densities = to_densities(view, loaded.range);
-  const auto codes = gradient_codes(view, loaded.range, state_->tables.codebook(), state_->threads);
-  const VoxelBlocks blocks(view.dims, state_->info.block_voxels, densities, codes, view.tags);
+  auto densities = to_densities(view, loaded.range);
+  auto codes = gradient_codes(view, loaded.range, state_->tables.codebook(), state_->threads);
+  const int n = state_->info.block_voxels;
+  std::optional<VoxelBlocks> whole;
+  std::unique_ptr<Bricks> bricks;
+  if (block_count(view.dims, n) <= capacity) {
+    whole.emplace(view.dims, n, densities, codes, view.tags);
+  } else {
+    bricks = std::make_unique<Bricks>(view.dims, n, std::move(densities), std::move(codes),
+                                      std::vector<std::uint8_t>(view.tags.begin(), view.tags.end()), capacity);
+  }
+  const VoxelBlocks& blocks = bricks ? bricks->blocks() : *whole;
   loaded.blocks = blocks.blocks();
   loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
 
   state_->volume.reset();
+  state_->bricks = std::move(bricks);
   state_->irradiance_unit = state_->sum_unit = 0;  // clearing the volume clears them
   state_->tables.forget_flags();
-  state_->send_volume(blocks, loaded, state_->watched(progress));
+  if (state_->bricks) {
+    state_->kept_blocks.clear();
+    state_->begin_volume(loaded);
+    state_->bricks->begin(state_->device);
+  } else {
+    state_->send_volume(blocks, loaded, state_->watched(progress));
+  }
   state_->tables.send_segmentation(loaded.range);
   state_->find_flags(loaded);
   state_->check_fence();
   state_->volume = std::move(loaded);
-  if (std::exchange(state_->batches_wait, false)) state_->send_batches_again();
+  if (!state_->bricks && std::exchange(state_->batches_wait, false)) state_->send_batches_again();
 }
 
 void Board::State::begin_volume(const LoadedVolume& of) {
@@ -89,7 +130,7 @@ void Board::State::check_fence() {
 
 std::vector<std::size_t> Board::verify_volume() {
   const auto lock = state_->begin();
-  state_->loaded("verify_volume()");
+  state_->whole("verify_volume()");
   Device& device = state_->device;
   const std::vector<std::uint32_t>& sums = state_->block_sums;
   const std::size_t max_blocks = std::min<std::size_t>(wire::kMaxVerifyBlocks, device.agreed().max_payload_bytes / 4);

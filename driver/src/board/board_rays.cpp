@@ -13,7 +13,7 @@ Ticket Board::State::submit(std::span<const std::span<const HostRay>> rays, cons
                             std::vector<std::size_t> lines) {
   if (!info.host_rays) throw Unsupported("this board takes no host rays");
   check(request);
-  const LoadedVolume& of = loaded("submit()");
+  const LoadedVolume& of = whole("submit()");
   check_drift("request.step", request.step);
   const bool deposits = request.type == RayType::kDeposit;
   if (deposits && irradiance_unit <= 0) {
@@ -55,7 +55,7 @@ Ticket Board::submit(std::span<const std::span<const HostRay>> rays, const RayRe
 
 Ticket Board::submit(std::span<const Polyline> lines) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->loaded("submit()");
+  const LoadedVolume& volume = state_->whole("submit()");
   std::vector<HostRay> legs;
   std::vector<std::size_t> legs_of;
   for (std::size_t i = 0; i < lines.size(); ++i) {

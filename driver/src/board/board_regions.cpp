@@ -163,7 +163,7 @@ VoxelBox whole_blocks(const VoxelBox& box, int above, int n, Dims dims) {
 
 std::vector<float> Board::read_volume(const VoxelBox& box) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->loaded("read_volume()");
+  const LoadedVolume& volume = state_->whole("read_volume()");
   check(box, volume.dims);
   const double unit = (volume.range.high - volume.range.low) / wire::kDensityMax;
   Words words(state_->device, wire::kVolume, volume, state_->info.block_voxels);
@@ -172,7 +172,7 @@ std::vector<float> Board::read_volume(const VoxelBox& box) {
 
 void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
   const auto lock = state_->begin();
-  LoadedVolume& volume = state_->loaded("write_volume()");
+  LoadedVolume& volume = state_->whole("write_volume()");
   check(box, volume.dims);
   check_values(box, values, -std::numeric_limits<double>::infinity());
   const int n = state_->info.block_voxels;
@@ -222,7 +222,7 @@ void Board::write_volume(const VoxelBox& box, std::span<const float> values) {
 
 void Board::State::clear_words(const char* what, std::uint32_t bits, double unit, double& kept_unit) {
   expect(std::isfinite(unit) && unit > 0, "unit", "a finite number above 0", unit);
-  loaded(what);
+  whole(what);
   device.write_register(wire::reg::kControl, bits);
   kept_unit = unit;
 }
@@ -239,7 +239,7 @@ void Board::clear_sums(double unit) {
 
 std::vector<float> Board::read_irradiance() {
   const auto lock = state_->begin();
-  return state_->read_irradiance({{0, 0, 0}, state_->loaded("read_irradiance()").dims});
+  return state_->read_irradiance({{0, 0, 0}, state_->whole("read_irradiance()").dims});
 }
 
 std::vector<float> Board::read_irradiance(const VoxelBox& box) {
@@ -248,7 +248,7 @@ std::vector<float> Board::read_irradiance(const VoxelBox& box) {
 }
 
 std::vector<float> Board::State::read_irradiance(const VoxelBox& box) {
-  const LoadedVolume& of = loaded("read_irradiance()");
+  const LoadedVolume& of = whole("read_irradiance()");
   if (irradiance_unit <= 0) throw Rejected("read_irradiance() needs light: illuminate() or clear_irradiance() first");
   check(box, of.dims);
   Words words(device, wire::kIrradiance, of, info.block_voxels);
@@ -257,7 +257,7 @@ std::vector<float> Board::State::read_irradiance(const VoxelBox& box) {
 
 void Board::write_irradiance(const VoxelBox& box, std::span<const float> values) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->loaded("write_irradiance()");
+  const LoadedVolume& volume = state_->whole("write_irradiance()");
   const double unit = state_->irradiance_unit;
   if (unit <= 0) throw Rejected("write_irradiance() needs a unit: illuminate() or clear_irradiance() first");
   check(box, volume.dims);
@@ -271,7 +271,7 @@ void Board::write_irradiance(const VoxelBox& box, std::span<const float> values)
 
 std::vector<float> Board::read_sums(const VoxelBox& box) {
   const auto lock = state_->begin();
-  const LoadedVolume& volume = state_->loaded("read_sums()");
+  const LoadedVolume& volume = state_->whole("read_sums()");
   if (state_->sum_unit <= 0) throw Rejected("read_sums() needs a unit: clear_sums() first");
   check(box, volume.dims);
   Words words(state_->device, wire::kSums, volume, state_->info.block_voxels);

@@ -1,6 +1,9 @@
 // Materials, lights, the irradiance that they leave, and pictures.
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "encode/argument.h"
 #include "encode/camera.h"
@@ -91,14 +94,36 @@ void Board::State::set_sampling(const View& view) {
   device.set_register(reg::kCutPlanes, planes);
 }
 
+void Board::State::render_in_bricks(const View& view, const wire::RenderCommand& camera,
+                                    std::vector<std::uint8_t> payload, Picoseconds deadline) {
+  std::optional<BlockOrder> order;  // if any ray waits
+  while (!payload.empty()) {
+    std::vector<wire::WaitingBlock> waiting;
+    try {
+      waiting = decode_waiting(payload, bricks->blocks().count());
+    } catch (const std::out_of_range& error) {
+      device.give_up(std::string("a list of waiting rays with a wrong ") + error.what());
+    }
+    if (!order) order.emplace(bricks->blocks().blocks(), bricks->block_voxels(), camera, view.cut_planes);
+    bricks->load(device, *order, waiting, view.leap ? std::span(volume->flags) : std::span<std::uint8_t>());
+    check_fence();
+    payload = device.run(wire::encoded(wire::ContinueCommand{}), {}, deadline).payload;
+  }
+}
+
 void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   const auto lock = state_->begin();
   check(view);
   const LoadedVolume& volume = state_->loaded("rendering");
+  if (view.irradiance) state_->whole("View::irradiance");
   if (view.irradiance && state_->irradiance_unit <= 0) {
     throw Rejected("View::irradiance needs light: illuminate() first");
   }
-  if (view.scatter) state_->need_routine(false);
+  if (view.scatter) {
+    state_->whole("View::scatter");
+    state_->need_routine(false);
+  }
+  if (view.high_albedo) state_->whole("View::high_albedo");
   const bool sees_lamps = view.scatter && !view.lamps.empty();
   if (sees_lamps && state_->device.agreed().minor < wire::kLampsMinor) {
     throw Rejected(fmt::format("View::lamps needs a board of protocol 2.{}, this one has 2.{}", wire::kLampsMinor,
@@ -112,17 +137,23 @@ void Board::render_to_framebuffer(const View& view, const Progress& progress) {
   const Progress told = state_->watched(part);
   state_->set_sampling(view);
   if (view.shade) state_->tables.send_reflectance(eye);
-  wire::RenderCommand command = viewing_command(view, volume.relative_spacing);
+  wire::RenderCommand camera = viewing_command(view, volume.relative_spacing);
   std::vector<wire::Lamp> lamps;
   if (sees_lamps) lamps = lamp_records(view, state_->exposure_of(view));
-  command.lamps = static_cast<std::uint8_t>(lamps.size());
-  std::vector<std::uint8_t> payload = wire::encoded(command);
+  camera.lamps = static_cast<std::uint8_t>(lamps.size());
+  std::vector<std::uint8_t> payload = wire::encoded(camera);
   for (const wire::Lamp& lamp : lamps) wire::append(payload, lamp);
-  const CommandResult result = state_->device.run(payload, told, state_->deadline());
+  const Picoseconds deadline = state_->deadline();
+  if (state_->bricks) state_->bricks->recover(state_->device);
+  CommandResult result = state_->device.run(payload, told, deadline);
   state_->sampling = view;
   state_->sampling_towards_eye = eye;
   state_->framebuffer_size = {};  // no picture until all rays have come to their ends
-  state_->scatter_waiting(result.payload, {});
+  if (state_->bricks) {
+    state_->render_in_bricks(view, camera, std::move(result.payload), deadline);
+  } else {
+    state_->scatter_waiting(result.payload, {});
+  }
   state_->framebuffer_size = {view.width, view.height};
   if (told) told(parts, parts);
 }
@@ -172,7 +203,7 @@ LightingReport Board::illuminate(std::span<const Light> lights, const Illuminati
   const auto lock = state_->begin();
   for (std::size_t i = 0; i < lights.size(); ++i) check(lights[i], fmt::format("lights[{}]", i));
   check(settings);
-  const LoadedVolume& volume = state_->loaded("illuminate()");
+  const LoadedVolume& volume = state_->whole("illuminate()");
   state_->check_drift("step", settings.step);
   state_->need_routine(true);
   const LitBox box = lit_box(volume);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "batches.h"
+#include "bricks.h"
 #include "device.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/board.h"
@@ -84,6 +86,16 @@ struct GICUBE_HIDDEN Board::State {
     return *volume;
   }
 
+  // The same for what is done with whole volumes only; throws Unsupported if the card does not store the volume whole.
+  LoadedVolume& whole(const char* what);
+  std::size_t capacity_blocks() const {  // that the card stores
+    const auto edge = static_cast<std::size_t>(info.max_volume_voxels / info.block_voxels);
+    return edge * edge * edge;
+  }
+  // The rays of the picture go on until none waits for a block; `payload`: of the render command's completion.
+  void render_in_bricks(const View& view, const wire::RenderCommand& camera, std::vector<std::uint8_t> payload,
+                        Picoseconds deadline);
+
   static wire::Spacing spacing_words(Vec3 relative) {  // of the SPACING registers
     const auto word = [](double edge) { return static_cast<std::uint32_t>(std::lround(edge * wire::kSpacingOne)); };
     return {word(relative.x), word(relative.y), word(relative.z)};
@@ -149,6 +161,7 @@ struct GICUBE_HIDDEN Board::State {
   Picoseconds time_per_scattering = 0;   // of the host
   Picoseconds time_limit = 0;            // of a rendering or an illumination; 0: none
   std::optional<LoadedVolume> volume;
+  std::unique_ptr<Bricks> bricks;                                // its voxels, if the card does not store it whole
   std::map<std::size_t, std::vector<std::uint8_t>> kept_blocks;  // packed, as last written; with keep_volume
   bool batches_wait = false;                                     // for a volume on a new board, to be sent again
   bool restoring = false;                                        // restore() has begun and not ended

@@ -10,7 +10,15 @@
 
 namespace gicube::wire {
 
-enum class Opcode : std::uint32_t { kRender = 1, kTrace = 2, kIlluminate = 3, kResume = 4, kVerify = 5, kPairs = 6 };
+enum class Opcode : std::uint32_t {
+  kRender = 1,
+  kTrace = 2,
+  kIlluminate = 3,
+  kResume = 4,
+  kVerify = 5,
+  kPairs = 6,
+  kContinue = 7
+};
 
 // ---- kRender: the DSP makes the viewing rays of one image and gathers them in the framebuffer. Its completion is empty, or a
 // trap list without rays if some of its rays wait for the host.
@@ -257,5 +265,36 @@ inline constexpr std::size_t kVerifyCommandBytes = bytes_of<VerifyCommand>();
 
 // ---- kPairs: the DSP makes rays between elements (pair.h), traces them as opacity rays, and sums them up. A PairsHeader, its
 // elements, its pairs; rays of all pairs at most kMaxPairRays. Its completion: a PairResult for each pair.
+
+// ---- kContinue: the rays of the last kRender that wait for blocks which are no longer absent go on. Registers and tables must be as
+// they were. The next kRender forgets the rays that still wait.
+//
+// A ray waits when it comes to a block whose flag of absent_flags (memory_map.h) is set, unless it leaps over the block. It goes on with
+// all its bits. Rays wait of kRender and kContinue alone, and only rendering rays that gather; other commands are refused while
+// a flag is set. The completion of both holds a WaitingHeader and `blocks` WaitingBlocks, ascending, or nothing if no ray waits.
+
+inline constexpr std::uint16_t kBricksMinor = 3;  // the first minor version with it
+
+struct ContinueCommand {
+  constexpr void fields(auto&& list) { list(Opcode::kContinue, Reserved<4>{}); }
+};
+inline constexpr std::size_t kContinueCommandBytes = bytes_of<ContinueCommand>();
+
+struct WaitingHeader {
+  std::uint32_t blocks = 0;  // that rays wait for
+  std::uint32_t rays = 0;    // in all
+
+  constexpr void fields(auto&& list) { list(blocks, rays); }
+};
+inline constexpr std::size_t kWaitingHeaderBytes = bytes_of<WaitingHeader>();
+
+struct WaitingBlock {
+  std::uint32_t block = 0;
+  std::uint32_t rays = 0;  // that wait for it, not 0
+
+  constexpr void fields(auto&& list) { list(block, rays); }
+  friend constexpr bool operator==(const WaitingBlock&, const WaitingBlock&) = default;
+};
+inline constexpr std::size_t kWaitingBlockBytes = bytes_of<WaitingBlock>();
 
 }  // namespace gicube::wire

@@ -22,6 +22,7 @@ struct MemoryRegion {
 // Blocks of the volume: block b = bx + nx * (by + ny * bz), with nx, ny, nz = ceil(size / n), begins at
 // kVolume.base + b * n^3 * 36 / 8. Its n^3 words (x fastest) carry every voxel once; the DSP writes the copies on the
 // shared faces. A block is written whole or in pieces of whole bytes. A block never written is uniformly zero.
+// The card stores (N / n)^3 blocks: the first write into one more sets STATUS.bad_address.
 inline constexpr MemoryRegion kSegmentationLut{"segmentation_lut", 0x0000'0000,
                                                kSegmentationEntries* kSegmentationEntryBytes, true,
                                                "2^14 words of 84 bits, 12 bytes each (lut.h)"};
@@ -31,6 +32,8 @@ inline constexpr MemoryRegion kReflectanceMap{"reflectance_map", 0x0020'0000, kR
                                               "6 x 128 x 128 bytes (lut.h)"};
 inline constexpr MemoryRegion kEmptyFlags{"empty_flags", 0x0030'0000, std::uint64_t{1} << 18, true,
                                           "one bit a block, block 0 in bit 0 of byte 0; 1 = nothing visible"};
+inline constexpr MemoryRegion kAbsentFlags{"absent_flags", 0x0038'0000, std::uint64_t{1} << 18, true,
+                                           "as empty_flags; 1 = rays wait for the block (command.h, kContinue)"};
 inline constexpr MemoryRegion kMaterials{"materials", 0x0040'0000, std::uint64_t{kTags} * kMaterialBytes, true,
                                          "one record a tag (material.h)"};
 inline constexpr MemoryRegion kFramebuffer{"framebuffer", 0x1000'0000, std::uint64_t{4095} * 4095 * 9 / 2 + 1, false,
@@ -50,9 +53,9 @@ inline constexpr MemoryRegion kIrradiance{"irradiance", 0x4'0000'0000,
 inline constexpr MemoryRegion kSums{"sums", 0x2'4000'0000, std::uint64_t{1024} * 1024 * 1024 * 9 / 2, false,
                                     "blocks of packed signed 36-bit sums"};
 
-inline constexpr std::array<MemoryRegion, 9> kMemoryMap{kSegmentationLut, kGradientLut, kReflectanceMap,
-                                                        kEmptyFlags,      kMaterials,   kFramebuffer,
-                                                        kVolume,          kSums,        kIrradiance};
+inline constexpr std::array<MemoryRegion, 10> kMemoryMap{
+    kSegmentationLut, kGradientLut, kReflectanceMap, kEmptyFlags, kAbsentFlags,
+    kMaterials,       kFramebuffer, kVolume,         kSums,       kIrradiance};
 
 // The region that holds [address, address + bytes), or null.
 constexpr const MemoryRegion* find_region(std::uint64_t address, std::uint64_t bytes) {

@@ -58,6 +58,7 @@ inline constexpr std::uint32_t kCutPlane0 = 0x090;  // plane i, word w at kCutPl
 inline constexpr std::uint32_t kIdValue = 0x42434947;  // "GICB"
 inline constexpr std::uint32_t kUnmappedRead = 0xFFFF'FFFF;
 inline constexpr std::uint32_t kMaxCutPlanes = 6;
+inline constexpr std::uint32_t kMaxVolumeEdge = 1024;  // voxels: of the memory map, and of a position's bits
 
 enum StatusBit : std::uint32_t {
   kStatusBadAddress = 1 << 0,
@@ -71,6 +72,7 @@ enum ControlBit : std::uint32_t {
   kControlClearVolume = 1 << 1,
   kControlClearIrradiance = 1 << 2,
   kControlClearSums = 1 << 3,
+  kControlDropBlocks = 1 << 4,
 };
 enum PipelineBit : std::uint32_t {
   kPipelineJitter = 1 << 0,
@@ -98,7 +100,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kId, "ID", Access::kReadOnly, kIdValue, "\"GICB\""},
     RegisterInfo{reg::kStatus, "STATUS", Access::kReadOnly, 0, "sticky: bit 0 bad_address, 1 bad_value, 2 bad_command, 3 memory_error, 4 no_memory"},
     RegisterInfo{reg::kStatusClear, "STATUS_CLEAR", Access::kWriteOnly, 0, "ones clear the same bits of STATUS"},
-    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags, its irradiance and its sums, bit 2 clear the irradiance, bit 3 the sums"},
+    RegisterInfo{reg::kControl, "CONTROL", Access::kWriteOnly, 0, "bit 0 reset all state, bit 1 clear the volume, its empty flags, its irradiance and its sums, bit 2 clear the irradiance, bit 3 the sums, bit 4 forget the words of all blocks, but not the volume's size and flags"},
     RegisterInfo{reg::kErrorAddress, "ERROR_ADDRESS", Access::kReadOnly, 0, "low 32 bits of the address that last set bad_address or bad_value"},
     RegisterInfo{reg::kDatapath, "DATAPATH", Access::kReadOnly, 0, "1 paper, 2 wide; from the configuration"},
     RegisterInfo{reg::kMaxMemory, "MAX_MEMORY", Access::kReadOnly, 0, "what volume, words and image may take of the host's memory, MiB; all ones: no limit; from --max-memory"},
@@ -106,7 +108,7 @@ inline constexpr std::array kRegisterTable{
     RegisterInfo{reg::kFidelity, "FIDELITY", Access::kReadOnly, 0, "1 functional, 2 approximate, 3 cycle; from the configuration"},
     RegisterInfo{reg::kProcessors, "PROCESSORS", Access::kReadOnly, 0, "ray integration processors; from the configuration"},
     RegisterInfo{reg::kBlockVoxels, "BLOCK_VOXELS", Access::kReadOnly, 0, "block edge n in voxels; from the configuration"},
-    RegisterInfo{reg::kMaxVolumeVoxels, "MAX_VOLUME_VOXELS", Access::kReadOnly, 0, "largest volume edge N in voxels; from the configuration"},
+    RegisterInfo{reg::kMaxVolumeVoxels, "MAX_VOLUME_VOXELS", Access::kReadOnly, 0, "N: the card stores the blocks of N^3 voxels; from the configuration"},
     RegisterInfo{reg::kQueueRays, "QUEUE_RAYS", Access::kReadOnly, 0, "rays a queue holds; from the configuration"},
     RegisterInfo{reg::kCoreKhz, "CORE_KHZ", Access::kReadOnly, 0, "core clock in kHz; from the configuration"},
     RegisterInfo{reg::kConfigHashLow, "CONFIG_HASH_LOW", Access::kReadOnly, 0, "hash of the resolved configuration, bits 0-31"},

@@ -21,6 +21,16 @@ Board open_board(const BoardOptions& options, const std::function<void()>& while
   }
 }
 
+void check_renders(const Dims& dims, const BoardInfo& info, const std::string& source) {
+  constexpr int kMaxEdge = 1024, kBricksMinor = 3;
+  if (info.protocol_minor < kBricksMinor || info.max_volume_voxels < 2 * info.block_voxels) {
+    return check_fits(dims, info, source);
+  }
+  if (*std::max_element(dims.begin(), dims.end()) <= kMaxEdge) return;
+  throw InputError(source, fmt::format("at most {} voxels an edge", kMaxEdge),
+                   fmt::format("{} x {} x {}", dims[0], dims[1], dims[2]));
+}
+
 void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source) {
   const int longest = *std::max_element(dims.begin(), dims.end());
   if (longest <= info.max_volume_voxels) return;

@@ -15,7 +15,9 @@ namespace gicube::samples {
 // `while_waiting`: as OpenOptions. Throws UsageError (options that make no URI) and what Board::open() throws.
 Board open_board(const BoardOptions& options, const std::function<void()>& while_waiting = {});
 
-// Throws InputError that says how an emulated board is made larger.
+// Whether pictures can be taken of such a volume, which the card need not store whole (docs/guide/bricks.md). Throws InputError.
+void check_renders(const Dims& dims, const BoardInfo& info, const std::string& source);
+// Whether the card stores it. Throws InputError that says how an emulated board is made larger.
 void check_fits(const Dims& dims, const BoardInfo& info, const std::string& source);
 
 // Wall and simulated time of a part of the work, and what the board counted in it.

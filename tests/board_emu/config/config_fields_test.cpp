@@ -61,7 +61,8 @@ const std::string kDdr = "memory=ddr", kSkewed = "asic.partition=skewed_block";
 const std::vector<Field> kFields{
     asic("asic.processors", "3"),
     everywhere("asic.block_voxels", "16", kTransfer),  // whole blocks come over the bus
-    {"asic.max_volume_voxels", "32", kRays, kLimit, kLimit, kLimit},
+    // Eight blocks; the volume has twelve.
+    {"asic.max_volume_voxels", "32", kRays, kLimit, kLimit, kLimit, {"asic.block_voxels=16"}},
     asic("asic.queue_rays", "1"),
     asic("asic.core_khz", "50000"),
     asic("asic.partition", "skewed_block"),
@@ -187,7 +188,7 @@ Outcome carry_out(const v1::BoardConfig& config, int image_size = 28) {
     });
   };
   write_table();
-  board.read_register(wire::reg::kStep);
+  if (board.read_register(wire::reg::kStatus) != 0) throw std::runtime_error("the card does not take the volume");
   lap(kTransfer);
   out.image = board.render(corner_view(kSize, image_size));
   board.trace(some_rays(60));

@@ -15,8 +15,10 @@ namespace reg = wire::reg;
 TEST(Commands, OfAnUnknownOpcodeAreToldTheKnownOnes) {
   BareBoard board(blocks_of_eight());
   load_fog(board, 100);
-  EXPECT_EQ(refusal(board, {7, 0, 0, 0}),
-            "opcode: expected 1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify) or 6 (pairs), got 7");
+  EXPECT_EQ(
+      refusal(board, {8, 0, 0, 0}),
+      "opcode: expected 1 (render), 2 (trace), 3 (illuminate), 4 (resume), 5 (verify), 6 (pairs) or 7 (continue), got "
+      "8");
 }
 
 TEST(VerifyCommand, HasItsLength) {
@@ -25,6 +27,50 @@ TEST(VerifyCommand, HasItsLength) {
   std::vector<std::uint8_t> payload(15);
   payload[0] = 5;
   EXPECT_EQ(refusal(board, payload), "payload: expected 16 bytes, got 15");
+}
+
+TEST(ContinueCommand, HasItsLengthAndNeedsRaysThatWait) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 100);
+  EXPECT_EQ(refusal(board, {7, 0, 0, 0}), "payload: expected 8 bytes, got 4");
+  EXPECT_EQ(refusal(board, wire::encoded(wire::ContinueCommand{})), "no ray waits for a block");
+}
+
+TEST(AbsentBlocks, RefuseAllThatDoesNotWait) {
+  BareBoard board(blocks_of_eight());
+  load_fog(board, 100);
+  board.write_memory(wire::kAbsentFlags.base, std::vector<std::uint8_t>{2});
+  const std::string refused = "absent_flags: expected none set for this command, got some";
+  EXPECT_EQ(refusal(board, wire::encoded(sunlight(100))), refused);
+  EXPECT_EQ(refusal(board, wire::encoded(wire::TraceHeader{})), refused);
+  EXPECT_EQ(refusal(board, wire::encoded(wire::ResumeHeader{})), refused);
+  wire::RenderCommand picture{.width = 4, .height = 4, .forward = {0, 0, 1}, .du = {0.1, 0, 0}, .dv = {0, 0.1, 0}};
+  EXPECT_EQ(refusal(board, wire::encoded(picture)), "accepted");
+  board.write_register(reg::kPipeline, wire::kPipelineScatter);
+  EXPECT_EQ(refusal(board, wire::encoded(picture)),
+            "PIPELINE: expected neither irradiance nor scattering while blocks are absent");
+}
+
+// 40^3 voxels in 125 blocks, on a card that stores 64.
+TEST(Capacity, IsWhatTheCardStoresOfALargerVolume) {
+  v1::BoardConfig config = blocks_of_eight();
+  config.mutable_asic()->set_max_volume_voxels(32);
+  BareBoard board(config);
+  for (std::uint32_t axis = 0; axis < 3; ++axis) board.write_register(reg::kVolumeX + 4 * axis, 40);
+  constexpr std::uint64_t kBlockBytes = 8 * 8 * 8 * 9 / 2;
+  const std::vector<std::uint8_t> byte{1};
+  for (std::uint64_t block = 60; block < 124; ++block) {
+    board.write_memory(wire::kVolume.base + block * kBlockBytes, byte);
+  }
+  board.write_memory(wire::kVolume.base + 60 * kBlockBytes + 7, byte);  // of a block that it stores
+  EXPECT_EQ(board.read_register(reg::kStatus), 0u);
+  board.write_memory(wire::kVolume.base, byte);
+  EXPECT_EQ(board.read_register(reg::kStatus), wire::kStatusBadAddress);
+  board.write_register(reg::kStatusClear, wire::kStatusBadAddress);
+  board.write_register(reg::kControl, wire::kControlDropBlocks);
+  board.write_memory(wire::kVolume.base, byte);
+  EXPECT_EQ(board.read_register(reg::kStatus), 0u);
+  EXPECT_EQ(board.read_register(reg::kVolumeX), 40u);
 }
 
 wire::LightingLedger lit(BareBoard& board, const wire::IlluminateCommand& command) {

@@ -28,7 +28,7 @@ TEST(Registers, TakeTheLimitsOfEachFieldAndKeepTheirValueBeyond) {
                          {reg::kPipeline, 0, 63},
                          {reg::kLifetime, 0, 1023},
                          {reg::kCutPlanes, 0, 6},
-                         {reg::kVolumeX, 2, 256}}) {
+                         {reg::kVolumeX, 2, 1024}}) {
     for (const std::uint32_t good : {it.low, it.high}) {
       board.write_register(it.offset, good);
       EXPECT_EQ(board.read_register(it.offset), good) << it.offset;

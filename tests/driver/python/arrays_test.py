@@ -46,7 +46,7 @@ def test_any_byte_order_gives_the_same_values(board, kind, order):
         (np.zeros((4, 4, 4)), "samples: expected an array of uint8, uint16, int16 or float32, got float64"),
         (np.zeros((4, 4, 4), "i8"), "got int64"),
         (np.zeros((4, 4), "u1"), "samples: expected three axes, [z, y, x], got the shape (4, 4)"),
-        (np.zeros((4, 4, 1), "u1"), "dims[0]: expected 2..256, got 1"),
+        (np.zeros((4, 4, 1), "u1"), "dims[0]: expected 2..1024, got 1"),
         (np.full((4, 4, 4), np.nan, "f4"), "samples at voxel (0, 0, 0): expected a finite number, got nan"),
     ],
 )

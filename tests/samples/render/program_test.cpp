@@ -219,11 +219,20 @@ TEST_F(RenderProgram, FailsWithOneLineAndCodeOneForWhatIsNotThere) {
   }
 }
 
-TEST_F(RenderProgram, SaysHowAVolumeThatIsTooLargeForTheBoardCanBeLoaded) {
-  std::ofstream(path("long.raw")) << std::string(600 * 2 * 2, 'a');
-  const ProgramResult result = run(path("long.raw") + " --dims 600,2,2 -o " + path("a.png"));
+TEST_F(RenderProgram, SaysHowLongAnEdgeMayBe) {
+  std::ofstream(path("long.raw")) << std::string(1100 * 2 * 2, 'a');
+  const ProgramResult result = run(path("long.raw") + " --dims 1100,2,2 -o " + path("a.png"));
   EXPECT_EQ(result.code, 1);
-  EXPECT_THAT(result.err, HasSubstr("--set asic.max_volume_voxels=1024"));
+  EXPECT_THAT(result.err, HasSubstr("at most 1024 voxels an edge, got 1100 x 2 x 2"));
+}
+
+TEST_F(RenderProgram, RendersAVolumeThatTheCardDoesNotStoreWholeWithTheSameBits) {
+  const std::string picture = "builtin:buckyball --volume-size 72 --size 40x40 --set asic.block_voxels=8 -o ";
+  const ProgramResult small = run(picture + path("small.png") + " --set asic.max_volume_voxels=32");
+  const ProgramResult large = run(picture + path("large.png") + " --set asic.max_volume_voxels=128");
+  ASSERT_EQ(small.code, 0) << small.err;
+  ASSERT_EQ(large.code, 0) << large.err;
+  EXPECT_EQ(pixels_of(path("small.png")), pixels_of(path("large.png")));
 }
 
 TEST_F(RenderProgram, FailsAndLeavesNothingOnAFullDisk) {

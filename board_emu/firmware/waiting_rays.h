@@ -1,0 +1,77 @@
+// Rendering rays that wait in the DSP's memory for blocks which are not on the card.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "datapath/scattering.h"
+#include "datapath/waiting_ray.h"
+#include "gicube/wire/command.h"
+
+namespace gicube::emu {
+
+class WaitingRays : public WaitingRayQueue {
+ public:
+  static constexpr std::size_t kMax = std::size_t{1} << 24;  // chosen: 512 MB of packets in the DSP's SDRAM
+
+  // Forgets all rays.
+  void begin() {
+    waiting_.clear();
+    continued_.clear();
+    before_ = 0;
+  }
+
+  void add(const WaitingRay& ray) override {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() == kMax) {
+      throw RoutineFault("more than " + std::to_string(kMax) +
+                         " rays wait for blocks: a smaller image or fewer samples would help");
+    }
+    waiting_.push_back(ray);
+  }
+
+  // The others: between commands.
+  // Takes those out whose blocks are no longer absent, by their (v, u), which no two rays of a picture share: so their order does
+  // not depend on threads and time.
+  std::span<const WaitingRay> take_ready(const Frame& frame) {
+    const auto ready = std::partition(waiting_.begin(), waiting_.end(),
+                                      [&frame](const WaitingRay& ray) { return is_absent(ray.block, frame); });
+    continued_.assign(ready, waiting_.end());
+    waiting_.erase(ready, waiting_.end());
+    before_ = waiting_.size();
+    std::ranges::sort(continued_, {}, id);
+    return continued_;
+  }
+  const WaitingRay* find(std::uint32_t ray) const override {
+    const auto at = std::ranges::lower_bound(continued_, ray, {}, id);
+    return at != continued_.end() && id(*at) == ray ? &*at : nullptr;
+  }
+  std::size_t count() const { return waiting_.size(); }
+  std::size_t added() const { return waiting_.size() - before_; }  // by the last command
+  std::vector<wire::WaitingBlock> by_block() const {
+    std::vector<std::uint32_t> blocks;
+    for (const WaitingRay& ray : waiting_) blocks.push_back(ray.block);
+    std::ranges::sort(blocks);
+    std::vector<wire::WaitingBlock> out;
+    for (const std::uint32_t block : blocks) {
+      if (out.empty() || out.back().block != block) out.push_back({block, 0});
+      ++out.back().rays;
+    }
+    return out;
+  }
+
+ private:
+  static std::uint32_t id(const WaitingRay& ray) { return ray.ray.host_id(); }
+
+  std::mutex mutex_;  // of waiting_
+  std::vector<WaitingRay> waiting_;
+  std::vector<WaitingRay> continued_;  // of the command in work
+  std::size_t before_ = 0;             // rays that wait on
+};
+
+}  // namespace gicube::emu

@@ -1,0 +1,88 @@
+#include "bricks.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "gicube/wire/memory_map.h"
+#include "gicube/wire/registers.h"
+
+namespace gicube {
+
+Bricks::Bricks(Dims dims, int n, std::vector<std::uint16_t> densities, std::vector<std::uint16_t> codes,
+               std::vector<std::uint8_t> tags, std::size_t capacity)
+    : n_(n),
+      capacity_(capacity),
+      densities_(std::move(densities)),
+      codes_(std::move(codes)),
+      tags_(std::move(tags)),
+      blocks_(dims, n, densities_, codes_, tags_) {}
+
+void Bricks::forget_blocks() {
+  on_card_.assign(blocks_.count(), 0);
+  count_on_card_ = 0;
+  absent_.resize(blocks_.count());
+  for (std::size_t block = 0; block < absent_.size(); ++block) absent_[block] = blocks_.stored(block) ? 1 : 0;
+}
+
+void Bricks::begin(Device& device) {
+  unsure_ = true;
+  forget_blocks();
+  device.write_register(wire::reg::kControl, wire::kControlDropBlocks);
+  device.write_memory(wire::kAbsentFlags.base, pack_flags(absent_));
+  unsure_ = false;
+}
+
+void Bricks::load(Device& device, const BlockOrder& order, std::span<const wire::WaitingBlock> waiting,
+                  std::span<const std::uint8_t> leapt_over) {
+  std::vector<std::uint8_t> chosen(blocks_.count());
+  std::vector<std::size_t> ready, words;  // blocks to be sampled in, blocks whose words that takes
+  std::size_t more = 0;                   // of those, not on the card
+  for (const std::size_t block : order.reached_from(waiting)) {
+    if (!blocks_.stored(block) || (!leapt_over.empty() && leapt_over[block] != 0)) continue;
+    const std::size_t before = words.size();
+    for (const std::size_t each : blocks_sampled_in(block, blocks_.blocks())) {
+      if (chosen[each] == 0 && blocks_.stored(each)) words.push_back(each);
+    }
+    if (words.size() > capacity_) {
+      words.resize(before);
+      break;
+    }
+    for (std::size_t i = before; i < words.size(); ++i) {
+      chosen[words[i]] = 1;
+      more += on_card_[words[i]] == 0 ? 1 : 0;
+    }
+    ready.push_back(block);
+  }
+  unsure_ = true;
+  if (count_on_card_ + more > capacity_) {
+    forget_blocks();
+    device.write_register(wire::reg::kControl, wire::kControlDropBlocks);
+  }
+  std::vector<std::uint8_t> bytes;
+  for (const std::size_t block : words) {
+    if (on_card_[block] != 0) continue;
+    blocks_.pack(block, bytes);
+    device.write_memory(wire::kVolume.base + block * bytes.size(), bytes);
+    on_card_[block] = 1;
+    ++count_on_card_;
+  }
+  for (const std::size_t block : ready) absent_[block] = 0;
+  device.write_memory(wire::kAbsentFlags.base, pack_flags(absent_));
+  unsure_ = false;
+}
+
+std::vector<wire::WaitingBlock> decode_waiting(std::span<const std::uint8_t> payload, std::size_t blocks) {
+  if (payload.empty()) return {};
+  if (payload.size() < wire::kWaitingHeaderBytes) throw std::out_of_range("size");
+  const auto header = wire::decode<wire::WaitingHeader>(payload);
+  payload = payload.subspan(wire::kWaitingHeaderBytes);
+  if (header.blocks == 0 || payload.size() != header.blocks * wire::kWaitingBlockBytes) throw std::out_of_range("size");
+  std::vector<wire::WaitingBlock> out;
+  for (std::size_t at = 0; at < payload.size(); at += wire::kWaitingBlockBytes) {
+    out.push_back(wire::decode<wire::WaitingBlock>(payload.subspan(at)));
+    if (out.back().block >= blocks) throw std::out_of_range("block");
+  }
+  return out;
+}
+
+}  // namespace gicube

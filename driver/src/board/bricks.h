@@ -1,0 +1,59 @@
+// A volume with more blocks than the card stores. It stays in the host's memory; while a picture is rendered, the blocks that its rays
+// wait for are sent to the card front to back, as many as it stores at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "device.h"
+#include "encode/volume/block_order.h"
+#include "encode/volume/voxel_blocks.h"
+#include "gicube/volume.h"
+
+namespace gicube {
+
+class Bricks {
+ public:
+  // As for VoxelBlocks; `capacity`: blocks that the card stores, at least 8.
+  Bricks(Dims dims, int n, std::vector<std::uint16_t> densities, std::vector<std::uint16_t> codes,
+         std::vector<std::uint8_t> tags, std::size_t capacity);
+  Bricks(const Bricks&) = delete;  // blocks_ shows the other members
+  Bricks& operator=(const Bricks&) = delete;
+
+  const VoxelBlocks& blocks() const { return blocks_; }
+  int block_voxels() const { return n_; }
+  std::size_t capacity() const { return capacity_; }  // of the card, blocks
+
+  // The card, which knows the volume's size, forgets all blocks.
+  void begin(Device& device);
+  // To be called before each picture: if a call of load() has thrown, what the card has is unknown, and it begins again.
+  void recover(Device& device) {
+    if (unsure_) begin(device);
+  }
+  // Sends blocks so that rays go on which wait for `waiting`, of the nearest at least. Blocks that are on the card stay there if
+  // there is room, else they are replaced. `leapt_over`: flags, one a block, or none: those that rays leap over are not sent
+  // for their own sake.
+  void load(Device& device, const BlockOrder& order, std::span<const wire::WaitingBlock> waiting,
+            std::span<const std::uint8_t> leapt_over);
+
+ private:
+  void forget_blocks();
+
+  int n_;
+  std::size_t capacity_;
+  std::vector<std::uint16_t> densities_, codes_;
+  std::vector<std::uint8_t> tags_;
+  VoxelBlocks blocks_;
+  std::vector<std::uint8_t> on_card_;  // one a block: its words are there
+  std::size_t count_on_card_ = 0;
+  bool unsure_ = false;               // the card may have other blocks and flags than the members say
+  std::vector<std::uint8_t> absent_;  // one a block: samples in it can't be taken
+};
+
+// The blocks that rays wait for, of the completion of a render or continue command; throws std::out_of_range if it is of wrong size,
+// or names a block beyond `blocks`.
+std::vector<wire::WaitingBlock> decode_waiting(std::span<const std::uint8_t> payload, std::size_t blocks);
+
+}  // namespace gicube

@@ -1,0 +1,120 @@
+#include "encode/volume/block_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+
+#include "encode/volume/samples.h"
+
+namespace gicube {
+namespace {
+
+Vec3 to_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
+
+}  // namespace
+
+BlockOrder::BlockOrder(Dims blocks, int n, const wire::RenderCommand& camera, std::span<const CutPlane> cut_planes)
+    : blocks_(blocks), n_(n) {
+  const bool parallel = camera.projection == wire::Projection::kOrthographic;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int count = blocks[axis];
+    // Parallel rays come from one end, or keep their index; the others from the eye's block.
+    int from = static_cast<int>(std::clamp(std::floor(camera.origin[axis] / n), -1.0, static_cast<double>(count)));
+    const double forward = camera.forward[axis];
+    if (parallel) from = forward < 0 ? count : -1;
+    const bool moves = !parallel || forward != 0;
+    for (int i = 0; i < count; ++i) {
+      axes_[axis].distance.push_back(moves ? std::abs(i - from) : 0);
+      axes_[axis].before.push_back(!moves || i == from ? 0 : i > from ? -1 : 1);
+    }
+  }
+  add_pyramid(camera);
+  for (const CutPlane& plane : cut_planes) seen_.push_back({plane.normal, plane.offset});
+  order_.resize(voxel_count(blocks));
+  std::iota(order_.begin(), order_.end(), std::uint32_t{0});
+  std::vector<int> distance;
+  for (const std::uint32_t block : order_) {
+    const auto at = place(block);
+    int sum = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) sum += axes_[axis].distance[static_cast<std::size_t>(at[axis])];
+    distance.push_back(sum);
+  }
+  std::ranges::stable_sort(order_, {}, [&](std::uint32_t block) { return distance[block]; });
+}
+
+// The four planes between which all rays of the picture lie.
+void BlockOrder::add_pyramid(const wire::RenderCommand& camera) {
+  const Vec3 origin = to_vector(camera.origin), forward = to_vector(camera.forward);
+  const Vec3 across = camera.width * to_vector(camera.du), down = camera.height * to_vector(camera.dv);
+  const std::array<Vec3, 5> corners{Vec3{}, across, across + down, down, 0.5 * (across + down)};
+  const bool parallel = camera.projection == wire::Projection::kOrthographic;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vec3 a = corners[i], b = corners[(i + 1) % 4], middle = corners[4];
+    Vec3 normal = parallel ? cross(forward, b - a) : cross(forward + a, forward + b);
+    const Vec3 point = parallel ? origin + a : origin;
+    if (dot(normal, parallel ? middle - a : forward + middle) < 0) normal = -1.0 * normal;
+    seen_.push_back({normal, dot(normal, point)});
+  }
+}
+
+std::array<int, 3> BlockOrder::place(std::size_t block) const {
+  const auto nx = static_cast<std::size_t>(blocks_[0]), ny = static_cast<std::size_t>(blocks_[1]);
+  return {static_cast<int>(block % nx), static_cast<int>(block / nx % ny), static_cast<int>(block / nx / ny)};
+}
+
+bool BlockOrder::is_seen(const std::array<int, 3>& block) const {
+  constexpr double kDrift = 1;  // voxels: View::step is refused where rays drift further from their lines
+  return std::ranges::all_of(seen_, [&](const HalfSpace& half) {
+    const auto furthest = [&](std::size_t axis, double slope) {
+      const double low = block[axis] * static_cast<double>(n_) - kDrift;
+      return slope * (slope > 0 ? low + n_ + 2 * kDrift : low);
+    };
+    return furthest(0, half.normal.x) + furthest(1, half.normal.y) + furthest(2, half.normal.z) >= half.offset;
+  });
+}
+
+std::vector<std::size_t> BlockOrder::reached_from(std::span<const wire::WaitingBlock> waiting) const {
+  std::vector<std::uint8_t> reached(order_.size());
+  for (const wire::WaitingBlock& each : waiting) reached[each.block] = 1;
+  std::vector<std::size_t> out;
+  const auto nx = static_cast<std::ptrdiff_t>(blocks_[0]), ny = static_cast<std::ptrdiff_t>(blocks_[1]);
+  for (const std::size_t block : order_) {
+    const auto at = place(block);
+    const auto before = [&](std::size_t axis) { return axes_[axis].before[static_cast<std::size_t>(at[axis])]; };
+    for (unsigned axes = 1; axes < 8 && reached[block] == 0; ++axes) {
+      std::ptrdiff_t from = static_cast<std::ptrdiff_t>(block), stride = 1;
+      bool inside = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if ((axes >> axis & 1) != 0) {
+          const int step = before(axis);
+          inside = inside && step != 0 && at[axis] + step >= 0 && at[axis] + step < blocks_[axis];
+          from += step * stride;
+        }
+        stride *= axis == 0 ? nx : ny;
+      }
+      if (inside && reached[static_cast<std::size_t>(from)] != 0 && is_seen(at)) reached[block] = 1;
+    }
+    if (reached[block] != 0) out.push_back(block);
+  }
+  return out;
+}
+
+std::vector<std::size_t> blocks_sampled_in(std::size_t block, Dims blocks) {
+  const auto nx = static_cast<std::size_t>(blocks[0]), ny = static_cast<std::size_t>(blocks[1]);
+  const std::array<std::size_t, 3> at{block % nx, block / nx % ny, block / nx / ny}, stride{1, nx, nx * ny};
+  std::vector<std::size_t> out;
+  for (unsigned above = 0; above < 8; ++above) {
+    std::size_t other = block;
+    bool inside = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if ((above >> axis & 1) == 0) continue;
+      inside = inside && at[axis] + 1 < static_cast<std::size_t>(blocks[axis]);
+      other += stride[axis];
+    }
+    if (inside) out.push_back(other);
+  }
+  return out;
+}
+
+}  // namespace gicube

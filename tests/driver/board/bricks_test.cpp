@@ -1,0 +1,246 @@
+// Pictures of volumes that the card does not store whole have the same bits as on a card that does.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <random>
+#include <string>
+
+#include "gicube/testing.h"
+#include "test_board.h"
+
+namespace gicube::reference {
+namespace {
+
+using testing::HasSubstr;
+
+struct Blobs {
+  Dims dims;
+  std::vector<std::byte> samples;
+
+  VolumeView view() const { return {.samples = samples, .type = SampleType::kUint8, .dims = dims}; }
+};
+
+// Soft balls in a fog that does not fill all blocks.
+Blobs make_blobs(std::mt19937& random, int least, int most) {
+  const auto within = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  Blobs out{};
+  for (int& edge : out.dims) edge = std::uniform_int_distribution(least, most)(random);
+  std::array<std::array<double, 4>, 5> balls{};
+  for (auto& ball : balls) {
+    for (std::size_t axis = 0; axis < 3; ++axis) ball[axis] = within(0, out.dims[axis]);
+    ball[3] = within(4, 16);
+  }
+  for (int z = 0; z < out.dims[2]; ++z) {
+    for (int y = 0; y < out.dims[1]; ++y) {
+      for (int x = 0; x < out.dims[0]; ++x) {
+        double value = x % 32 < 20 ? 30 + 10 * std::sin(0.3 * y + 0.2 * z) : 0;
+        for (const auto& ball : balls) {
+          const double radius = length(Vec3{x - ball[0], y - ball[1], z - ball[2]});
+          value = std::max(value, 60 + 20 * (ball[3] - radius));
+        }
+        out.samples.push_back(static_cast<std::byte>(std::clamp(value, 0.0, 255.0)));
+      }
+    }
+  }
+  return out;
+}
+
+View make_view(std::mt19937& random, const Dims& dims, int pixels) {
+  const auto within = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  const auto flip = [&] { return std::bernoulli_distribution(0.5)(random); };
+  View view;
+  view.width = pixels, view.height = pixels;
+  const bool inside = flip();
+  const double most = std::max({dims[0], dims[1], dims[2]});
+  const auto place = [&](std::size_t axis) {
+    return inside ? within(0, dims[axis] - 1) : dims[axis] / 2.0 + within(-1.5, 1.5) * most;
+  };
+  view.eye = {place(0), place(1), place(2)};
+  view.look_at = {dims[0] * within(0.3, 0.7), dims[1] * within(0.3, 0.7), dims[2] * within(0.3, 0.7)};
+  view.up = {0.1, 1, 0.2};
+  view.fov_degrees = within(20, 100);
+  if (flip() && flip()) view.orthographic_height = most * within(0.5, 1.5);
+  view.samples_per_axis = flip() ? 1 : 2;
+  view.filter = flip() ? PixelFilter::kBox : PixelFilter::kTent;
+  view.step = flip() ? 0.5 : within(0.4, 12);
+  view.jitter = flip();
+  view.shade = flip();
+  view.leap = flip() || flip();
+  view.opacity_threshold = flip() ? 0.95 : 1;
+  if (flip()) view.cut_planes.push_back({{within(-1, 1), within(-1, 1), 1}, dims[2] * within(0.1, 0.4)});
+  return view;
+}
+
+TransferFunction fog_and_balls(double fog) {
+  return {.colours = {{0, {0.2, 0.4, 1}}, {255, {1, 0.6, 0.2}}},
+          .opacities = {{20, 0}, {21, fog}, {60, fog}, {200, 0.6}}};
+}
+
+void expect_same_pictures(const std::string& base, const std::string& card, const std::string& endless, int scenes,
+                          int least, int most, int pixels, unsigned seed) {
+  std::mt19937 random(seed);
+  Board small = open_board(base + "&set=asic.max_volume_voxels=" + card);
+  Board large = open_board(base + "&set=asic.max_volume_voxels=" + endless);
+  for (int scene = 0; scene < scenes; ++scene) {
+    const Blobs blobs = make_blobs(random, least, most);
+    const TransferFunction function = fog_and_balls(scene % 3 == 0 ? 0 : 0.02);
+    for (Board* board : {&small, &large}) {
+      board->set_transfer_function(function);
+      board->load_volume(blobs.view());
+    }
+    for (int frame = 0; frame < 2; ++frame) {
+      const View view = make_view(random, blobs.dims, pixels);
+      const Image expected = large.render(view);
+      ASSERT_EQ(small.render(view).pixels, expected.pixels) << base << ", scene " << scene << ", picture " << frame;
+    }
+  }
+  EXPECT_GT(small.counters().value("dsp.waits"), 0u);
+  EXPECT_EQ(small.counters().value("pipeline.samples"), large.counters().value("pipeline.samples"));
+}
+
+TEST(Bricks, GiveTheBitsOfAnEndlessCard) {
+  expect_same_pictures("emu:?set=asic.block_voxels=8", "32", "128", 25, 36, 90, 40, 1);
+}
+
+TEST(Bricks, GiveTheBitsOfAnEndlessCardThatStoresEightBlocks) {
+  expect_same_pictures("emu:?set=asic.block_voxels=16", "32", "128", 15, 36, 90, 40, 2);
+}
+
+TEST(Bricks, GiveTheBitsOfAnEndlessCardOnTheWideDatapath) {
+  expect_same_pictures("emu:?set=asic.block_voxels=8&set=asic.datapath=wide", "32", "128", 10, 36, 90, 40, 3);
+}
+
+TEST(Bricks, GiveTheBitsOfAnEndlessCardAtTheCycleLevel) {
+  expect_same_pictures("emu:?fidelity=cycle&set=asic.block_voxels=16", "32", "128", 3, 36, 60, 16, 4);
+}
+
+TEST(Bricks, GiveTheBitsOfAnEndlessCardAtTheApproximateLevel) {
+  expect_same_pictures("emu:?fidelity=approximate&set=asic.block_voxels=16&set=asic.datapath=wide", "32", "128", 2, 36,
+                       60, 16, 5);
+}
+
+// 32 x 32 x 128 voxels in 2 x 2 x 8 blocks of 16^3, on a card of 8 blocks: two layers.
+class Column : public testing::Test {
+ protected:
+  static constexpr int kLayers = 8;
+  static constexpr double kBlockBytes = 16 * 16 * 16 * 9 / 2;
+
+  static View along_z() {
+    View view;
+    view.eye = {15.5, 15.5, -100};
+    view.look_at = {15.5, 15.5, 0};
+    view.orthographic_height = 30;
+    view.width = view.height = 24;
+    view.shade = false;  // so that no table goes down with the picture
+    return view;
+  }
+  Board load(std::byte value, double opacity, int from_layer = 0) {
+    Board board = open_board("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=32");
+    std::vector<std::byte> samples(32 * 32 * 128);
+    std::fill(samples.begin() + from_layer * 16 * 32 * 32, samples.end(), value);
+    board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{50, 0}, {60, opacity}}});
+    board.load_volume(
+        {.samples = samples, .type = SampleType::kUint8, .dims = {32, 32, 128}, .range = ValueRange{0, 255}});
+    return board;
+  }
+  // Blocks that go down the bus for the first picture.
+  static double blocks_of(Board& board, const View& view) {
+    const std::uint64_t before = board.counters().value("bus.volume.bytes");
+    board.render_to_framebuffer(view);
+    return static_cast<double>(board.counters().value("bus.volume.bytes") - before) / kBlockBytes;
+  }
+};
+
+// A layer needs the next one's faces: each load has two layers, and samples are taken in one, but the last load's.
+TEST_F(Column, SendsTwoLayersForEachButTheLast) {
+  Board board = load(std::byte{200}, 0.001);
+  EXPECT_EQ(blocks_of(board, along_z()), (kLayers - 1) * 8);
+}
+
+TEST_F(Column, SendsNoLayerBehindWhatIsOpaque) {
+  Board board = load(std::byte{200}, 1);
+  EXPECT_EQ(blocks_of(board, along_z()), 8);
+}
+
+TEST_F(Column, SendsNoEmptyLayer) {
+  Board board = load(std::byte{200}, 0.001, 5);  // layers 5, 6, 7; the faces of 4 have some of 5
+  EXPECT_EQ(blocks_of(board, along_z()), 3 * 8);
+}
+
+TEST_F(Column, StaysOnTheCardForTheNextPictureIfItFits) {
+  Board board = load(std::byte{200}, 0.001, 7);
+  board.render_to_framebuffer(along_z());
+  const std::uint64_t waits = board.counters().value("dsp.waits");
+  EXPECT_GT(waits, 0u);
+  board.render_to_framebuffer(along_z());
+  EXPECT_EQ(board.counters().value("dsp.waits"), waits);
+}
+
+TEST_F(Column, IsRefusedByNameWhereTheCardMustStoreItWhole) {
+  Board board = load(std::byte{200}, 0.1);
+  const auto expect_refused = [&](const auto& call, const char* what) {
+    try {
+      call();
+      ADD_FAILURE() << what;
+    } catch (const Unsupported& error) {
+      EXPECT_THAT(error.what(), HasSubstr(std::string("dims: ") + what));
+      EXPECT_THAT(error.what(), HasSubstr("at most 8 blocks of 16^3 voxels"));
+      EXPECT_THAT(error.what(), HasSubstr("got 32 x 32 x 128 voxels in 32 blocks"));
+    }
+  };
+  expect_refused([&] { board.illuminate({}, {}); }, "illuminate()");
+  expect_refused([&] { board.submit(std::vector<HostRay>(1)); }, "submit()");
+  expect_refused([&] { board.pair_factors({}, {}); }, "pair_factors()");
+  expect_refused([&] { board.clear_irradiance(1); }, "clear_irradiance()");
+  expect_refused([&] { board.clear_sums(1); }, "clear_sums()");
+  expect_refused([&] { board.read_volume({{0, 0, 0}, {1, 1, 1}}); }, "read_volume()");
+  expect_refused([&] { board.verify_volume(); }, "verify_volume()");
+  View view = along_z();
+  view.scatter = true;
+  expect_refused([&] { board.render(view); }, "View::scatter");
+  EXPECT_NO_THROW(board.render(along_z()));
+}
+
+TEST_F(Column, IsForgottenByASmallerVolume) {
+  Board board = load(std::byte{200}, 0.1);
+  board.render_to_framebuffer(along_z());
+  const BoxVolume box(32, 8, 23);
+  board.load_volume(box.view());
+  board.set_transfer_function(step_function(0.1));
+  Board other = open_board("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=32");
+  other.load_volume(box.view());
+  other.set_transfer_function(step_function(0.1));
+  EXPECT_EQ(board.render(front_view(32)).pixels, other.render(front_view(32)).pixels);
+  EXPECT_NO_THROW(board.verify_volume());
+}
+
+TEST_F(Column, GoesOnOnANewBoard) {
+  auto [board, id] = open_board_process();
+  std::vector<std::byte> samples(std::size_t{80} * 80 * 80, std::byte{200});
+  board.set_transfer_function(step_function(0.01));
+  board.load_volume(
+      {.samples = samples, .type = SampleType::kUint8, .dims = {80, 80, 80}, .range = ValueRange{0, 255}});
+  const Image before = board.render(front_view(80));
+  ASSERT_GT(board.counters().value("dsp.waits"), 0u);
+  kill(id, SIGKILL);
+  EXPECT_THROW(board.render(front_view(80)), DeviceLost);
+  EXPECT_TRUE(board.reopen().volume);
+  EXPECT_EQ(board.render(front_view(80)).pixels, before.pixels);
+}
+
+TEST(BricksOfACard, NeedEightBlocks) {
+  Board board = open_board("emu:?set=asic.block_voxels=32&set=asic.max_volume_voxels=32");
+  const BoxVolume box(40, 8, 23);
+  try {
+    board.load_volume(box.view());
+    ADD_FAILURE();
+  } catch (const BadArgument& error) {
+    EXPECT_EQ(error.field(), "dims[0]");
+  }
+}
+
+}  // namespace
+}  // namespace gicube::reference
