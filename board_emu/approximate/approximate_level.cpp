@@ -7,7 +7,8 @@
 
 namespace gicube::emu {
 
-// Passes know nothing of deposits, scattering and rays that wait, nor of the packets of two processors that alternate on one channel.
+// Passes know nothing of deposits, scattering, rays that wait for blocks and rays that end at borders, nor of the packets of two
+// processors that alternate on one channel.
 bool ApproximateLevel::answers(const Frame& frame) const {
   return frame.plain() && !frame.in_bricks() && !frame.ends_at_borders && PassMachine::covers(config_);
 }

@@ -1,7 +1,8 @@
 // The tags of a processor's volume cache: which tiles of which block it holds, or has asked for [P §2.1, §3.3].
 //
 // The cache has a place for each of a block's (n+1)^3 voxels. Memory brings 2x2x1 tiles (docs/reference/hardware.md), so the tags of
-// a tile's four voxels are always the same and are kept once, unless tags of single voxels are asked for. Lazy: nothing is fetched before a sample needs it.
+// a tile's four voxels are always the same and are kept once, unless tags of single voxels are asked for. Lazy: nothing is fetched
+// before a sample needs it.
 #pragma once
 
 #include <array>
