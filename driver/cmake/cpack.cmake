@@ -39,7 +39,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-gicube)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 # The module is for one version of the interpreter.
 math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION}), python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy, python3-openimageio")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "gicube (= ${PROJECT_VERSION}), python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy, python3-openimageio, python3-tqdm")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, python3-pytest, python3-tqdm")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
 set(CPACK_DEBIAN_PYTHON_DESCRIPTION

@@ -68,9 +68,9 @@ def measure(tables, kept, folder, jobs=0):
     left = {name: make for name, make in points.items() if not kept.has(name)}
     if len(left) < len(points):
         print(f"charts: {len(points) - len(left)} of {len(points)} points are there", flush=True)
-    with progress("charts", len(left)) as advance:
+    with progress("charts", len(left)) as bar:
         for _ in all_at_once([functools.partial(kept.of, name, functools.partial(make, kept)) for name, make in left.items()], jobs):
-            advance()
+            bar.update()
     for table in tables:
         found = [(name, kept.of(name, None)) for name in table.points]
         write_whole(folder / f"{table.name}.csv", text_of(table, found))

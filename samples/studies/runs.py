@@ -1,7 +1,7 @@
 """Runs of gicube-render: their commands, the files that they leave, and what those say."""
 import concurrent.futures
-import contextlib
 import functools
+import hashlib
 import json
 import math
 import os
@@ -10,7 +10,8 @@ import shlex
 import subprocess
 import sys
 import threading
-import time
+
+from tqdm import tqdm
 
 from studies.table import FileError
 
@@ -52,15 +53,10 @@ class Run:
         self.arguments = list(arguments)
 
     def key(self):
-        """Names the run in its folder: the same for equal arguments and an input file that has not changed. 64-bit FNV-1a."""
-        text = "".join(argument + "\n" for argument in self.arguments)
-        if self.arguments and os.path.isfile(self.arguments[0]):
-            file = os.stat(self.arguments[0])
-            text += f"{file.st_size} {file.st_mtime_ns - 6437664000 * 10**9}"  # since 2174, as C++ counts
-        hashed = 0xCBF29CE484222325
-        for byte in os.fsencode(text):
-            hashed = (hashed ^ byte) * 0x100000001B3 % 2**64
-        return f"{hashed:016x}"
+        """Names the run in its folder: the same for equal arguments and an input file that has not changed."""
+        file = os.stat(self.arguments[0]) if self.arguments and os.path.isfile(self.arguments[0]) else None
+        state = (file.st_size, file.st_mtime_ns) if file else ()
+        return hashlib.sha256(repr((self.arguments, state)).encode(errors="surrogateescape")).hexdigest()[:16]
 
     def command(self):
         """For a shell, with a picture and statistics of its own."""
@@ -133,35 +129,15 @@ def all_at_once(tasks, jobs):
 def carry_out_all(folder, runs, program, jobs, meter):
     """The runs that have no result yet, as all_at_once() does. `meter`: as progress()."""
     left = [run for run in runs if not folder.has(run)]
-    with meter(len(left)) as advance:
+    with meter(len(left)) as bar:
         for _ in all_at_once([functools.partial(folder.carry_out, run, program) for run in left], jobs):
-            advance()
+            bar.update()
 
 
-@contextlib.contextmanager
 def progress(name, total, quiet=False):
-    """Says how far a long measurement is: on a terminal in place, else a line each tenth. What it yields is called after each run."""
-    done, start, terminal = 0, time.monotonic(), sys.stderr.isatty()
-
-    def show():
-        seconds = time.monotonic() - start
-        left = f", {seconds:.0f} s, about {seconds * (total - done) / done:.0f} s to go" if done else ""
-        begin, end = ("\r\x1b[K", "" if done < total else "\n") if terminal else ("", "\n")
-        print(f"{begin}{name}: {done} of {total} runs{left}", end=end, file=sys.stderr, flush=True)
-
-    def advance():
-        nonlocal done
-        done += 1
-        if not quiet and (terminal or 10 * done // total > 10 * (done - 1) // total):
-            show()
-    in_place = terminal and total and not quiet
-    if in_place:
-        show()
-    try:
-        yield advance
-    finally:
-        if in_place and done < total:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+    """A bar on standard error, whose update() is called after each run; where that is no terminal, it is drawn ten times."""
+    seldom = {} if sys.stderr.isatty() else {"miniters": total / 10, "mininterval": 0}
+    return tqdm(desc=name, total=total, unit=" runs", disable=quiet, dynamic_ncols=True, **seldom)
 
 
 def figure_or_nan(statistics, name):

@@ -175,10 +175,10 @@ class Bench:
         boards = {}  # what a board's caches hold passes from one run to the next, so the order is part of the result
         for run in self._wanted:
             boards.setdefault(run.board(), []).append(run)
-        with progress("results", len(self._wanted), quiet) as advance:
+        with progress("results", len(self._wanted), quiet) as bar:
             for run, result in measured(boards.values()):
                 self._known[run] = Measurement(**result)
-                advance()
+                bar.update()
         self._wanted = {}
 
 
