@@ -152,7 +152,9 @@ def speed_up(bench, page):
 
     (ours, many), (quick, _), (large, _) = map(at_point, (EVEN, EVEN | IDEAL_DSP, EVEN | {"asic.queue_rays": 1024}))
     half, even, half_fast, half_small = (mean_of(speed_ups(settings, most)) for settings in (SKEWED, EVEN, fast, small))
-    page.claim(12, differs(ours, 13.8, 16), ours=ours, quick=quick, large=large, half=half, even=even, half_fast=half_fast, half_small=half_small,
+    # Its cycle-accurate simulator had one processor, and in the other the DSP is a thread without cycles [P §4]: so much of several
+    # compares with a DSP whose work takes no time.
+    page.claim(12, differs(quick, 13.8, 16), ours=ours, quick=quick, large=large, half=half, even=even, half_fast=half_fast, half_small=half_small,
                lost=bench.lost_cycles(many), bound=most * bench.mean(many, work_balance),
                uneven=most * bench.mean(runs_on(SKEWED, most), work_balance), dsp=bench.mean(many, dsp_use))
 
