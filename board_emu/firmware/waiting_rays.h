@@ -19,18 +19,27 @@ class WaitingRays : public WaitingRayQueue {
  public:
   static constexpr std::size_t kMax = std::size_t{1} << 24;  // chosen: 512 MB of packets in the DSP's SDRAM
 
+  // Of the host's memory for each ray, at most: a growing list is there twice, the longer one half empty, and rays that go on are
+  // there besides.
+  static constexpr std::uint64_t kBytesOfRay = 4 * sizeof(WaitingRay);
+
+  // So many bytes of the host's memory are left for rays.
+  void set_room(std::uint64_t bytes) { max_ = std::min<std::uint64_t>(bytes / kBytesOfRay, kMax); }
+  std::uint64_t memory_bytes() const { return (waiting_.capacity() + continued_.capacity()) * sizeof(WaitingRay); }
+
   // Forgets all rays.
   void begin() {
-    waiting_.clear();
-    continued_.clear();
+    waiting_ = {};
+    continued_ = {};
     before_ = 0;
   }
 
   void add(const WaitingRay& ray) override {
     const std::lock_guard lock(mutex_);
-    if (waiting_.size() == kMax) {
-      throw RoutineFault("more than " + std::to_string(kMax) +
-                         " rays wait for blocks: a smaller image or fewer samples would help");
+    if (waiting_.size() >= max_) {
+      throw RoutineFault("more than " + std::to_string(max_) + " rays wait for blocks" +
+                         (max_ < kMax ? ", for which memory is left (gicube-board --max-memory)" : "") +
+                         ": a smaller image or fewer samples would help");
     }
     waiting_.push_back(ray);
   }
@@ -72,6 +81,7 @@ class WaitingRays : public WaitingRayQueue {
   std::vector<WaitingRay> waiting_;
   std::vector<WaitingRay> continued_;  // of the command in work
   std::size_t before_ = 0;             // rays that wait on
+  std::size_t max_ = kMax;             // rays
 };
 
 }  // namespace gicube::emu

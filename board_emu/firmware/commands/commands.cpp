@@ -127,7 +127,8 @@ std::uint64_t DspCommands::stored_words() {
 Acceptance DspCommands::write_memory(std::uint64_t address, std::span<const std::uint8_t> bytes) {
   if (is_limited()) {
     const auto [volume, irradiance] = aperture_.bytes_of_write(address, bytes.size());
-    const std::uint64_t rest = aperture_.volume_bytes() + aperture_.image_bytes() + volume + irradiance;
+    const std::uint64_t rest =
+        aperture_.volume_bytes() + aperture_.image_bytes() + waiting_rays_.memory_bytes() + volume + irradiance;
     const bool more = volume + irradiance > 0;
     if (more && rest + words_bytes_ > max_memory_bytes_) {
       words_bytes_ = stored_words();  // of writes before this one more was expected than came of them
@@ -174,12 +175,14 @@ void DspCommands::expect_memory(const Frame& frame, std::uint64_t pixels) {
       (deposits ? aperture_.irradiance().free_bytes() : 0) + (sums ? aperture_.sums().free_bytes() : 0);
   const std::uint64_t decoded = frame.backprojects() ? 0 : aperture_.volume().bytes_to_decode(reads(frame));
   const std::uint64_t image = pixels > 0 ? Aperture::bytes_of_image(pixels) : aperture_.image_bytes();
-  if (!fits(aperture_.volume_bytes() + words_bytes_ + more_words + decoded + image)) {
+  const std::uint64_t taken = aperture_.volume_bytes() + words_bytes_ + more_words + decoded + image;
+  if (!fits(taken + waiting_rays_.memory_bytes())) {
     refuse("memory: expected at most " + std::to_string(max_memory_mib()) +
            " MiB for volume, words and image (gicube-board --max-memory), got " + std::to_string(memory_asked_mib()) +
            " MiB");
   }
   words_bytes_ += more_words;
+  waiting_rays_.set_room(max_memory_bytes_ - taken);
 }
 
 void DspCommands::check_volume() const {

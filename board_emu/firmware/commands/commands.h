@@ -66,7 +66,9 @@ class DspCommands {
   void set_max_memory(std::uint64_t bytes) { max_memory_bytes_ = bytes; }
   // What counts towards it; 0 without a limit.
   std::uint64_t limited_memory() const {
-    return is_limited() ? aperture_.volume_bytes() + aperture_.image_bytes() + words_bytes_ : 0;
+    return is_limited()
+               ? aperture_.volume_bytes() + aperture_.image_bytes() + words_bytes_ + waiting_rays_.memory_bytes()
+               : 0;
   }
   std::uint32_t max_memory_mib() const;
   // What they would have taken together with the last thing that was refused.
@@ -134,7 +136,7 @@ class DspCommands {
   const Routines* routines_ = nullptr;
   std::uint16_t minor_version_ = wire::kMinorVersion;
   HostTraps host_traps_;
-  Lamps lamps_;                            // of the last image
+  Lamps lamps_;  // of the last image
   WaitingRays waiting_rays_;
   std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet
   std::vector<wire::Ray> host_ray_room_;   // of the command in work

@@ -129,6 +129,24 @@ TEST(MemoryLimit, AnImageCountsBesideWhatIsWrittenAfterIt) {
   EXPECT_EQ(block - 1, 13u);
 }
 
+// Some 13,000 rays come to blocks that are not there.
+TEST(MemoryLimit, RaysThatWaitForBlocksCount) {
+  std::array<Completion, 2> waited;
+  for (const bool much : {false, true}) {
+    BareBoard board = limited(much ? 64 : 4);
+    board.load_volume({64, 64, 32}, [](int, int, int) { return wire::Voxel{100, 0, 0, 0}; });
+    board.write_memory(wire::kAbsentFlags.base, std::vector<std::uint8_t>{0b1111});
+    waited[much] = board.wait(board.command(render_of({64, 64, 32}, 200))).completions.at(0);
+    EXPECT_LE(board.memory_bytes(), (much ? 64 : 4) * kMiB);
+    board.write_memory(wire::kAbsentFlags.base, std::vector<std::uint8_t>{0});
+    EXPECT_EQ(board.render(corner_view({64, 64, 32}, 16)).size(), 16u * 16);
+  }
+  EXPECT_EQ(waited[1].error, ErrorCode::kNone);
+  EXPECT_EQ(waited[0].error, ErrorCode::kBadValue);
+  EXPECT_THAT(std::string(waited[0].payload.begin(), waited[0].payload.end()),
+              AllOf(HasSubstr("rays wait for blocks"), HasSubstr("--max-memory")));
+}
+
 // Of 3 x 1 x 2 blocks of eight: what irradiance (two pointers) and sums (two pointers, two bounds) have for each, and 12 bytes
 // for each of 2^3 cells.
 TEST(MemoryLimit, BlocksCountBeforeAnythingIsStored) {

@@ -157,6 +157,7 @@ class BareBoard {
   }
 
   std::uint64_t held_bytes() const { return board_.held_bytes(); }
+  std::uint64_t memory_bytes() const { return board_.memory_bytes(); }
 
   void add_memory_error(const MemoryError& error) { board_.add_memory_error(error); }
 
