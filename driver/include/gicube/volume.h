@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -55,6 +56,20 @@ struct VolumeView {
   std::span<const std::uint8_t> tags{};
   // False, without `gradients`: no voxel gets a gradient, and nothing of the volume is shaded. For pictures with no
   // View::shade, where a third of load_volume()'s time would go into gradients.
+  bool find_gradients = true;
+};
+
+// Reads the planes z = first .. first + planes - 1 into `out`: dims[0] * dims[1] * planes samples, x fastest, in the machine's byte
+// order. What it throws leaves load_volume(), and the board keeps its volume.
+using PlaneReader = std::function<void(int first, int planes, std::span<std::byte> out)>;
+
+// A volume that is read while it is loaded: for one that is larger than the host's memory. Fields are those of VolumeView.
+struct VolumeStream {
+  PlaneReader read;  // is asked for all planes in their order; for those of 16 bits and floats without a range, twice
+  SampleType type = SampleType::kUint8;
+  Dims dims{};
+  Vec3 spacing{1, 1, 1};
+  std::optional<ValueRange> range{};
   bool find_gradients = true;
 };
 

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <utility>
 
+#include "encode/argument.h"
 #include "encode/volume/gradients.h"
+#include "encode/volume/planes.h"
 #include "encode/volume/samples.h"
 #include "gicube/wire/checksum.h"
 #include "gicube/wire/command.h"
@@ -21,9 +22,7 @@ namespace {
 
 constexpr std::size_t kMinCapacity = 8;  // blocks: one, and those with the voxels of its +1 faces
 
-std::size_t block_count(Dims dims, int n) {
-  return voxel_count({(dims[0] + n - 1) / n, (dims[1] + n - 1) / n, (dims[2] + n - 1) / n});
-}
+Dims block_grid(Dims dims, int n) { return {(dims[0] + n - 1) / n, (dims[1] + n - 1) / n, (dims[2] + n - 1) / n}; }
 
 }  // namespace
 
@@ -39,47 +38,80 @@ LoadedVolume& Board::State::whole(const char* what) {
 
 void Board::load_volume(const VolumeView& view, const Progress& progress) {
   const auto lock = state_->begin();
-  const bool can_wait = state_->info.protocol_minor >= wire::kBricksMinor;
-  const std::size_t capacity = state_->capacity_blocks();
-  const bool in_bricks = can_wait && capacity >= kMinCapacity;
-  check_volume(view, in_bricks ? static_cast<int>(wire::kMaxVolumeEdge) : state_->info.max_volume_voxels);
-  LoadedVolume loaded;
-  loaded.dims = view.dims;
-  loaded.range = resolve_range(view);
-  loaded.relative_spacing = relative_spacing(view.spacing);
-  loaded.min_spacing = std::min({view.spacing.x, view.spacing.y, view.spacing.z});
-  loaded.gradients = view.find_gradients || !view.gradients.empty();
-  auto densities = to_densities(view, loaded.range);
-  auto codes = gradient_codes(view, loaded.range, state_->tables.codebook(), state_->threads);
-  const int n = state_->info.block_voxels;
-  std::optional<VoxelBlocks> whole;
-  std::unique_ptr<Bricks> bricks;
-  if (block_count(view.dims, n) <= capacity) {
-    whole.emplace(view.dims, n, densities, codes, view.tags);
-  } else {
-    bricks = std::make_unique<Bricks>(view.dims, n, std::move(densities), std::move(codes),
-                                      std::vector<std::uint8_t>(view.tags.begin(), view.tags.end()), capacity);
-  }
-  const VoxelBlocks& blocks = bricks ? bricks->blocks() : *whole;
-  loaded.blocks = blocks.blocks();
-  loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
+  check_volume(view, state_->max_edge());
+  state_->load(Planes(view), progress);
+}
 
-  state_->volume.reset();
-  state_->bricks = std::move(bricks);
-  state_->irradiance_unit = state_->sum_unit = 0;  // clearing the volume clears them
-  state_->tables.forget_flags();
-  if (state_->bricks) {
-    state_->kept_blocks.clear();
-    state_->begin_volume(loaded);
-    state_->bricks->begin(state_->device);
+void Board::load_volume(const VolumeStream& stream, const Progress& progress) {
+  const auto lock = state_->begin();
+  expect(stream.read != nullptr, "read", "a function", "none");
+  Planes planes(stream);
+  check_shape(planes.shape(), state_->max_edge());
+  state_->load(std::move(planes), progress);
+}
+
+int Board::State::max_edge() const {
+  const bool in_bricks = info.protocol_minor >= wire::kBricksMinor && capacity_blocks() >= kMinCapacity;
+  return in_bricks ? static_cast<int>(wire::kMaxVolumeEdge) : info.max_volume_voxels;
+}
+
+void Board::State::load(Planes planes, const Progress& progress) {
+  const VolumeView& shape = planes.shape();
+  const int n = info.block_voxels;
+  LoadedVolume loaded;
+  loaded.dims = shape.dims;
+  loaded.range = resolve_range(planes);
+  loaded.relative_spacing = relative_spacing(shape.spacing);
+  loaded.min_spacing = std::min({shape.spacing.x, shape.spacing.y, shape.spacing.z});
+  loaded.gradients = shape.find_gradients || !shape.gradients.empty();
+  loaded.blocks = block_grid(shape.dims, n);
+  if (voxel_count(loaded.blocks) <= capacity_blocks()) {
+    const VolumeView view = planes.window(0, shape.dims[2]);
+    const auto densities = to_densities(view, loaded.range);
+    const auto codes = gradient_codes(view, loaded.range, tables.codebook(), threads);
+    const VoxelBlocks blocks(view.dims, n, densities, codes, view.tags);
+    loaded.statistics.assign(blocks.statistics().begin(), blocks.statistics().end());
+    forget_volume();
+    send_volume(blocks, loaded, watched(progress));
   } else {
-    state_->send_volume(blocks, loaded, state_->watched(progress));
+    BlockStore store = keep_blocks(planes, loaded, watched(progress));
+    forget_volume();
+    bricks = std::make_unique<Bricks>(loaded.blocks, n, std::move(store), capacity_blocks());
+    begin_volume(loaded);
+    bricks->begin(device);
   }
-  state_->tables.send_segmentation(loaded.range);
-  state_->find_flags(loaded);
-  state_->check_fence();
-  state_->volume = std::move(loaded);
-  if (!state_->bricks && std::exchange(state_->batches_wait, false)) state_->send_batches_again();
+  tables.send_segmentation(loaded.range);
+  find_flags(loaded);
+  check_fence();
+  volume = std::move(loaded);
+  if (!bricks && std::exchange(batches_wait, false)) send_batches_again();
+}
+
+void Board::State::forget_volume() {
+  volume.reset();
+  bricks.reset();
+  kept_blocks.clear();
+  irradiance_unit = sum_unit = 0;  // clearing the volume clears them
+  tables.forget_flags();
+}
+
+// The blocks of a volume that the card does not store whole; finds their statistics.
+BlockStore Board::State::keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress) {
+  const std::size_t all = voxel_count(of.blocks), n = static_cast<std::size_t>(info.block_voxels);
+  BlockStore store(all, n * n * n * wire::kVoxelBits / 8,
+                   planes.are_read() ? BlockStore::Place::kFile : BlockStore::Place::kMemory);
+  std::vector<std::uint8_t> bytes;
+  for_each_layer(planes, info.block_voxels, of.range, tables.codebook(), threads, [&](const BlockLayer& layer) {
+    if (progress) progress(static_cast<std::uint32_t>(layer.first), static_cast<std::uint32_t>(all));
+    for (std::size_t block = 0; block < layer.count; ++block) {
+      of.statistics.push_back(layer.blocks.statistics(block));
+      if (!layer.blocks.stored(block)) continue;
+      layer.blocks.pack(block, bytes);
+      store.add(layer.first + block, bytes);
+    }
+  });
+  if (progress) progress(static_cast<std::uint32_t>(all), static_cast<std::uint32_t>(all));
+  return store;
 }
 
 void Board::State::begin_volume(const LoadedVolume& of) {
@@ -93,7 +125,6 @@ void Board::State::begin_volume(const LoadedVolume& of) {
 }
 
 void Board::State::send_volume(const VoxelBlocks& blocks, const LoadedVolume& of, const Progress& progress) {
-  kept_blocks.clear();
   begin_volume(of);
   std::vector<std::size_t> stored;
   for (std::size_t block = 0; block < blocks.count(); ++block) {

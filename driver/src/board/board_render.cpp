@@ -100,11 +100,11 @@ void Board::State::render_in_bricks(const View& view, const wire::RenderCommand&
   while (!payload.empty()) {
     std::vector<wire::WaitingBlock> waiting;
     try {
-      waiting = decode_waiting(payload, bricks->blocks().count());
+      waiting = decode_waiting(payload, bricks->count());
     } catch (const std::out_of_range& error) {
       device.give_up(std::string("a list of waiting rays with a wrong ") + error.what());
     }
-    if (!order) order.emplace(bricks->blocks().blocks(), bricks->block_voxels(), camera, view.cut_planes);
+    if (!order) order.emplace(bricks->blocks(), bricks->block_voxels(), camera, view.cut_planes);
     bricks->load(device, *order, waiting, view.leap ? std::span(volume->flags) : std::span<std::uint8_t>());
     check_fence();
     payload = device.run(wire::encoded(wire::ContinueCommand{}), {}, deadline).payload;

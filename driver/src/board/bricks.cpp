@@ -1,27 +1,17 @@
 #include "bricks.h"
 
 #include <stdexcept>
-#include <utility>
 
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/registers.h"
 
 namespace gicube {
 
-Bricks::Bricks(Dims dims, int n, std::vector<std::uint16_t> densities, std::vector<std::uint16_t> codes,
-               std::vector<std::uint8_t> tags, std::size_t capacity)
-    : n_(n),
-      capacity_(capacity),
-      densities_(std::move(densities)),
-      codes_(std::move(codes)),
-      tags_(std::move(tags)),
-      blocks_(dims, n, densities_, codes_, tags_) {}
-
 void Bricks::forget_blocks() {
-  on_card_.assign(blocks_.count(), 0);
+  on_card_.assign(store_.count(), 0);
   count_on_card_ = 0;
-  absent_.resize(blocks_.count());
-  for (std::size_t block = 0; block < absent_.size(); ++block) absent_[block] = blocks_.stored(block) ? 1 : 0;
+  absent_.resize(store_.count());
+  for (std::size_t block = 0; block < absent_.size(); ++block) absent_[block] = store_.has(block) ? 1 : 0;
 }
 
 void Bricks::begin(Device& device) {
@@ -34,14 +24,14 @@ void Bricks::begin(Device& device) {
 
 void Bricks::load(Device& device, const BlockOrder& order, std::span<const wire::WaitingBlock> waiting,
                   std::span<const std::uint8_t> leapt_over) {
-  std::vector<std::uint8_t> chosen(blocks_.count());
+  std::vector<std::uint8_t> chosen(store_.count());
   std::vector<std::size_t> ready, words;  // blocks to be sampled in, blocks whose words that takes
   std::size_t more = 0;                   // of those, not on the card
   for (const std::size_t block : order.reached_from(waiting)) {
-    if (!blocks_.stored(block) || (!leapt_over.empty() && leapt_over[block] != 0)) continue;
+    if (!store_.has(block) || (!leapt_over.empty() && leapt_over[block] != 0)) continue;
     const std::size_t before = words.size();
-    for (const std::size_t each : blocks_sampled_in(block, blocks_.blocks())) {
-      if (chosen[each] == 0 && blocks_.stored(each)) words.push_back(each);
+    for (const std::size_t each : blocks_sampled_in(block, blocks_)) {
+      if (chosen[each] == 0 && store_.has(each)) words.push_back(each);
     }
     if (words.size() > capacity_) {
       words.resize(before);
@@ -61,7 +51,7 @@ void Bricks::load(Device& device, const BlockOrder& order, std::span<const wire:
   std::vector<std::uint8_t> bytes;
   for (const std::size_t block : words) {
     if (on_card_[block] != 0) continue;
-    blocks_.pack(block, bytes);
+    store_.read(block, bytes);
     device.write_memory(wire::kVolume.base + block * bytes.size(), bytes);
     on_card_[block] = 1;
     ++count_on_card_;

@@ -1,28 +1,29 @@
-// A volume with more blocks than the card stores. It stays in the host's memory; while a picture is rendered, the blocks that its rays
+// A volume with more blocks than the card stores. The host keeps them; while a picture is rendered, the blocks that its rays
 // wait for are sent to the card front to back, as many as it stores at a time.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "block_store.h"
 #include "device.h"
 #include "encode/volume/block_order.h"
-#include "encode/volume/voxel_blocks.h"
-#include "gicube/volume.h"
+#include "gicube/vector.h"
 
 namespace gicube {
 
 class Bricks {
  public:
-  // As for VoxelBlocks; `capacity`: blocks that the card stores, at least 8.
-  Bricks(Dims dims, int n, std::vector<std::uint16_t> densities, std::vector<std::uint16_t> codes,
-         std::vector<std::uint8_t> tags, std::size_t capacity);
-  Bricks(const Bricks&) = delete;  // blocks_ shows the other members
-  Bricks& operator=(const Bricks&) = delete;
+  // Of so many blocks in x, y and z, of n^3 voxels; `store` has those that are not zero with their faces. `capacity`: blocks that the
+  // card stores, at least 8.
+  Bricks(Dims blocks, int n, BlockStore store, std::size_t capacity)
+      : blocks_(blocks), n_(n), capacity_(capacity), store_(std::move(store)) {}
 
-  const VoxelBlocks& blocks() const { return blocks_; }
+  Dims blocks() const { return blocks_; }
+  std::size_t count() const { return store_.count(); }
   int block_voxels() const { return n_; }
   std::size_t capacity() const { return capacity_; }  // of the card, blocks
 
@@ -41,11 +42,10 @@ class Bricks {
  private:
   void forget_blocks();
 
+  Dims blocks_;
   int n_;
   std::size_t capacity_;
-  std::vector<std::uint16_t> densities_, codes_;
-  std::vector<std::uint8_t> tags_;
-  VoxelBlocks blocks_;
+  BlockStore store_;
   std::vector<std::uint8_t> on_card_;  // one a block: its words are there
   std::size_t count_on_card_ = 0;
   bool unsure_ = false;               // the card may have other blocks and flags than the members say

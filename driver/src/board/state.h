@@ -15,6 +15,7 @@
 #include "batches.h"
 #include "bricks.h"
 #include "device.h"
+#include "encode/volume/planes.h"
 #include "encode/volume/voxel_blocks.h"
 #include "gicube/board.h"
 #include "gicube/wire/checksum.h"
@@ -102,6 +103,10 @@ struct GICUBE_HIDDEN Board::State {
   }
   // The board is a new one: brings it to where the lost one was, as far as the driver knows.
   void restore();
+  int max_edge() const;  // of a volume, voxels
+  void load(Planes planes, const Progress& progress);
+  void forget_volume();
+  BlockStore keep_blocks(Planes& planes, LoadedVolume& of, const Progress& progress);
   void begin_volume(const LoadedVolume& volume);
   void send_volume(const VoxelBlocks& blocks, const LoadedVolume& volume, const Progress& progress);
   std::uint64_t block_address(std::size_t block) const {

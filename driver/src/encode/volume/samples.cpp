@@ -19,18 +19,22 @@ constexpr double kLargest = 1e300;  // chosen: 4095 times any difference is stil
 
 constexpr std::array kTypeNames{"uint8", "uint12", "uint16", "int16", "float32"};  // by SampleType
 
-std::string at_voxel(const char* field, std::size_t index, Dims dims) {
+std::string at_voxel(const char* field, std::size_t index, Dims dims, int first_plane = 0) {
   const auto nx = static_cast<std::size_t>(dims[0]), ny = static_cast<std::size_t>(dims[1]);
-  return fmt::format("{} at voxel ({}, {}, {})", field, index % nx, index / nx % ny, index / nx / ny);
+  const std::size_t z = index / nx / ny + static_cast<std::size_t>(first_plane);
+  return fmt::format("{} at voxel ({}, {}, {})", field, index % nx, index / nx % ny, z);
 }
 
-void check_sizes(const VolumeView& view, int max_volume_voxels) {
+const char* check_dims(const VolumeView& view, int max_volume_voxels) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     expect_within(fmt::format("dims[{}]", axis), view.dims[axis], 2, max_volume_voxels);
   }
   const auto number = static_cast<std::size_t>(view.type);
   expect(number < kTypeNames.size(), "type", "a SampleType", view.type);
-  const char* const type = kTypeNames[number];
+  return kTypeNames[number];
+}
+
+void check_sizes(const VolumeView& view, const char* type) {
   const std::size_t count = voxel_count(view.dims), bytes = count * bytes_per_sample(view.type);
   const auto [x, y, z] = view.dims;
   const std::size_t samples = view.samples.size(), gradients = view.gradients.size(), tags = view.tags.size();
@@ -51,22 +55,7 @@ void check_spacing(Vec3 spacing) {
   for (const auto& [field, edge] : axes) expect(edge / smallest <= kSpacingRatio, field, expected, edge);
 }
 
-void check_samples(const VolumeView& view) {
-  const std::size_t count = voxel_count(view.dims);
-  if (view.type == SampleType::kUint12) {
-    const Samples<std::uint16_t> samples(view);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (samples[i] > wire::kDensityMax) {
-        expect_within(at_voxel("samples", i, view.dims), samples[i], 0, wire::kDensityMax);
-      }
-    }
-  }
-  if (view.type == SampleType::kFloat32) {
-    const Samples<float> samples(view);
-    for (std::size_t i = 0; i < count; ++i) {
-      expect_finite([&] { return at_voxel("samples", i, view.dims); }, samples[i]);
-    }
-  }
+void check_gradients_and_tags(const VolumeView& view) {
   for (std::size_t i = 0; i < view.gradients.size(); ++i) {
     expect_finite([&] { return at_voxel("gradients", i / 3, view.dims); }, view.gradients[i]);
   }
@@ -94,20 +83,52 @@ std::vector<std::uint16_t> convert(Samples<T> samples, std::size_t count, ValueR
 
 }  // namespace
 
-void check_volume(const VolumeView& view, int max_volume_voxels) {
-  check_sizes(view, max_volume_voxels);
+void check_samples(const VolumeView& view, int first_plane) {
+  const std::size_t count = voxel_count(view.dims);
+  if (view.type == SampleType::kUint12) {
+    const Samples<std::uint16_t> samples(view);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (samples[i] > wire::kDensityMax) {
+        expect_within(at_voxel("samples", i, view.dims, first_plane), samples[i], 0, wire::kDensityMax);
+      }
+    }
+  }
+  if (view.type == SampleType::kFloat32) {
+    const Samples<float> samples(view);
+    for (std::size_t i = 0; i < count; ++i) {
+      expect_finite([&] { return at_voxel("samples", i, view.dims, first_plane); }, samples[i]);
+    }
+  }
+}
+
+void check_shape(const VolumeView& view, int max_volume_voxels) {
+  check_dims(view, max_volume_voxels);
   check_spacing(view.spacing);
   const ValueRange range = view.range.value_or(ValueRange{});
   expect_within("range.low", range.low, -kLargest, kLargest);
   expect_within("range.high", range.high, -kLargest, kLargest);
   expect(range.low < range.high, "range.high", fmt::format("above range.low, {}", range.low), range.high);
+}
+
+void check_volume(const VolumeView& view, int max_volume_voxels) {
+  check_sizes(view, check_dims(view, max_volume_voxels));
+  check_shape(view, max_volume_voxels);
   check_samples(view);
+  check_gradients_and_tags(view);
+}
+
+bool has_range(const VolumeView& view) {
+  return view.range || view.type == SampleType::kUint8 || view.type == SampleType::kUint12;
 }
 
 ValueRange resolve_range(const VolumeView& view) {
   if (view.range) return *view.range;
   if (view.type == SampleType::kUint8) return {0, 255};
   if (view.type == SampleType::kUint12) return {0, wire::kDensityMax};
+  return with_span(extremes(view));
+}
+
+ValueRange extremes(const VolumeView& view) {
   return with_samples(view, [count = voxel_count(view.dims)](auto samples) {
     auto low = samples[0], high = samples[0];
     for (std::size_t i = 1; i < count; ++i) {
@@ -115,11 +136,14 @@ ValueRange resolve_range(const VolumeView& view) {
       low = value < low ? value : low;
       high = value > high ? value : high;
     }
-    if (low < high) return ValueRange{static_cast<double>(low), static_cast<double>(high)};
-    const double value = low;
-    // Beyond 2^53 adding one changes nothing: the next number up has to do.
-    return ValueRange{value, std::max(value + 1, std::nextafter(value, std::numeric_limits<double>::infinity()))};
+    return ValueRange{static_cast<double>(low), static_cast<double>(high)};
   });
+}
+
+ValueRange with_span(ValueRange range) {
+  if (range.low < range.high) return range;
+  // Beyond 2^53 adding one changes nothing: the next number up has to do.
+  return {range.low, std::max(range.low + 1, std::nextafter(range.low, std::numeric_limits<double>::infinity()))};
 }
 
 Vec3 relative_spacing(Vec3 spacing) {

@@ -14,8 +14,18 @@ namespace gicube {
 // Throws BadArgument naming the field, and the first wrong voxel. `max_volume_voxels`: the board's largest volume edge N.
 void check_volume(const VolumeView& view, int max_volume_voxels);
 
-// The view's own range, or the default that volume.h states. Only for a view that passed check_volume().
+// The same of a volume whose samples are read later: but for them.
+void check_shape(const VolumeView& view, int max_volume_voxels);
+// What check_volume() asks of the samples alone. `first_plane`: of a larger volume whose planes these are, as errors name it.
+void check_samples(const VolumeView& view, int first_plane = 0);
+
+// The least and the greatest sample, which may be equal.
+ValueRange extremes(const VolumeView& view);
+// Whether the range does not depend on the samples.
+bool has_range(const VolumeView& view);
 // A constant volume of value v, which has no span of its own, gets v .. v + 1.
+ValueRange with_span(ValueRange range);
+// The view's own range, or the default that volume.h states. Only for a view that passed check_volume().
 ValueRange resolve_range(const VolumeView& view);
 
 // The voxel edges over the smallest of them: 1..64 each.

@@ -1,0 +1,36 @@
+// The packed words of a volume's blocks, in memory or in a file.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "transport/fd.h"
+
+namespace gicube {
+
+class BlockStore {
+ public:
+  // A file has no name, so it goes with the process; it lies in the folder TMPDIR, or in /var/tmp. Throws Error that names the folder.
+  enum class Place { kMemory, kFile };
+  BlockStore(std::size_t blocks, std::size_t block_bytes, Place place);
+
+  std::size_t count() const { return places_.size(); }
+  bool has(std::size_t block) const { return places_[block] >= 0; }
+  // Each block once. Throws Error: the file can't take it.
+  void add(std::size_t block, std::span<const std::uint8_t> bytes);
+  // Resizes `out`. Throws Error: the file can't be read.
+  void read(std::size_t block, std::vector<std::uint8_t>& out) const;
+
+ private:
+  std::size_t block_bytes_;
+  std::vector<std::int64_t> places_;  // of each block, in blocks; -1: it is not there
+  std::int64_t next_ = 0;
+  std::vector<std::vector<std::uint8_t>> memory_;  // by place
+  Fd file_;
+};
+
+}  // namespace gicube
