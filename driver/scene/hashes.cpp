@@ -7,6 +7,8 @@
 
 #include "gicube/scene/provenance.h"
 
+#include "scene/formats/plane_file.h"
+
 namespace gicube::scene {
 namespace {
 
@@ -49,7 +51,7 @@ std::uint64_t hash_of_voxels(const SceneSetup& setup) {
   const Volume& volume = setup.volume;
   hasher.add(volume.dims[0], volume.dims[1], volume.dims[2], static_cast<int>(volume.type));
   hasher.add(volume.spacing);
-  hasher.add_all(std::span<const std::byte>(volume.samples));
+  for_each_plane(volume, [&hasher](int, std::span<const std::byte> samples) { hasher.add_all(samples); });
   hasher.add_all(std::span<const std::uint8_t>(setup.tags));
   hasher.add_all(std::span<const float>(setup.gradients));
   return hasher.hash;

@@ -14,7 +14,13 @@ void load(Board& board, const SceneSetup& setup, bool own_codebook, const Progre
   const bool gradients = setup.view.shade || setup.view.scatter || setup.lighting.on;
   volume.find_gradients = gradients;
   if (!gradients) volume.gradients = {};
-  board.load_volume(volume, progress);
+  if (setup.volume.planes) {
+    VolumeStream stream = setup.volume.stream();
+    stream.find_gradients = gradients;
+    board.load_volume(stream, progress);
+  } else {
+    board.load_volume(volume, progress);
+  }
   const ValueRange range = board.value_range();
   for (std::size_t tag = 0; tag < setup.materials.size(); ++tag) {
     board.set_transfer_function(in_values_of(range, setup.materials[tag]), static_cast<int>(tag));

@@ -129,6 +129,16 @@ void set_lamps(const Scene& scene, SceneSetup& setup) {
   }
 }
 
+Volume volume_of(const VolumeSource& source) {
+  if (!source.in_planes) return read_volume(source);
+  Volume volume = open_volume(source);
+  if (!volume.planes) return volume;
+  if (voxels_of(volume.dims) * bytes_per_sample(volume.type) <= kMaxWholeBytes) return read_volume(source);
+  const ValueRange range = value_range_of(volume);
+  if (range.low < range.high) volume.range = range;  // else the driver finds it again
+  return volume;
+}
+
 }  // namespace
 
 VolumeView SceneSetup::volume_view() const {
@@ -149,7 +159,7 @@ SceneSetup set_up(const Scene& scene, int threads) {
   if (scene.world) {
     take_world(scene, threads, setup);
   } else if (scene.volume.builtin.empty()) {
-    setup.volume = read_volume(scene.volume);
+    setup.volume = volume_of(scene.volume);
     setup.built_in.materials = {find_preset("ramp")};
   } else if (scene.volume.builtin == "buckyball") {
     take_buckyball(scene, threads, setup);

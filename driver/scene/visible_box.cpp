@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "scene/formats/stored_samples.h"
+#include "scene/formats/plane_file.h"
 
 namespace gicube::scene {
 namespace {
@@ -35,13 +35,13 @@ SceneBox visible_box(const Volume& volume, const TransferFunctionFile& file) {
   };
 
   std::array<int, 3> low = dims, high{-1, -1, -1};
-  with_sample(volume.type, [&](auto sample) {
-    std::size_t row = 0;
-    for (int z = 0; z < dims[2]; ++z) {
+  for_each_plane(volume, [&](int z, std::span<const std::byte> samples) {
+    with_sample(volume.type, [&](auto sample) {
+      std::size_t row = 0;
       for (int y = 0; y < dims[1]; ++y, row += static_cast<std::size_t>(dims[0])) {
         const auto seen_at = [&](int x) {
           const std::size_t index = row + static_cast<std::size_t>(x);
-          return seen(static_cast<double>(sample_at<decltype(sample)>(volume.samples, index)));
+          return seen(static_cast<double>(sample_at<decltype(sample)>(samples, index)));
         };
         int first = 0, last = dims[0] - 1;
         while (first <= last && !seen_at(first)) ++first;
@@ -50,7 +50,7 @@ SceneBox visible_box(const Volume& volume, const TransferFunctionFile& file) {
         low = {std::min(low[0], first), std::min(low[1], y), std::min(low[2], z)};
         high = {std::max(high[0], last), std::max(high[1], y), std::max(high[2], z)};
       }
-    }
+    });
   });
   if (high[0] < 0) return whole_box(dims);
   const auto below = [&low](std::size_t axis) { return std::max(low[axis] - 1.0, 0.0); };

@@ -128,7 +128,10 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   const bool is_first = !set_up_before_;
   loaded_.reset();
   lit_.reset();
-  setup_ = set_up(scene, options_.board.threads);
+  const bool derived = options_.crop || options_.level_of_detail > 0;
+  Scene read = scene;
+  read.volume.in_planes = !derived && !options_.plan.wanted();  // those look at all voxels
+  setup_ = set_up(read, options_.board.threads);
   set_phong(options_, setup_.shading.phong);
   check_renders(setup_.volume.dims, board_.info(), setup_.volume.source);
   if (field_) check_size(*field_, setup_.volume.dims);
@@ -139,7 +142,6 @@ Picoseconds Renderer::set_voxels(const Scene& scene) {
   light_plans_.clear();
   part_.reset();
   const bool unlit = !scene.lighting.on && !setup_.view.scatter && !field_;
-  const bool derived = options_.crop || options_.level_of_detail > 0;
   if (derived && !unlit)
     throw UsageError("--crop, --level-of-detail: expected a picture without light of its own, and no scattering");
   if (options_.plan.wanted() && unlit) {

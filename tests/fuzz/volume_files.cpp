@@ -16,10 +16,11 @@ std::size_t sample_bytes(SampleType type) {
   }
 }
 
-void read(Bytes input, samples::Volume (*reader)(const std::filesystem::path&)) {
+void read(Bytes input, samples::StoredFile (*find)(const std::filesystem::path&)) {
   const MemoryFile file(input);
   try {
-    const samples::Volume volume = samples::with_spacing(reader(file.path()));
+    const samples::StoredFile found = find(file.path());
+    const samples::Volume volume = samples::with_spacing(samples::read_stored(found));
     std::size_t samples = 1;
     for (const int edge : volume.dims) {
       expect(edge >= 1 && edge <= samples::kMaxFileDim, "each edge has 1 to kMaxFileDim voxels");
@@ -29,6 +30,11 @@ void read(Bytes input, samples::Volume (*reader)(const std::filesystem::path&)) 
     for (const double edge : {volume.spacing.x, volume.spacing.y, volume.spacing.z}) {
       expect(edge > 0 && std::isfinite(edge), "spacing is positive and finite");
     }
+    const samples::Volume opened = samples::open_stored(found);
+    if (!opened.planes) return;
+    std::vector<std::byte> samples_in_planes(volume.samples.size());
+    opened.planes(0, volume.dims[2], samples_in_planes);
+    expect(samples_in_planes == volume.samples, "a file read in planes has the same samples");
   } catch (const samples::FileError&) {
   }
 }
@@ -36,11 +42,11 @@ void read(Bytes input, samples::Volume (*reader)(const std::filesystem::path&)) 
 }  // namespace
 
 void nrrd(Bytes input) {
-  read(input, [](const std::filesystem::path& file) { return samples::read_nrrd(file); });
+  read(input, [](const std::filesystem::path& file) { return samples::find_nrrd(file); });
 }
-void nifti(Bytes input) { read(input, samples::read_nifti); }
+void nifti(Bytes input) { read(input, samples::find_nifti); }
 void meta_image(Bytes input) {
-  read(input, [](const std::filesystem::path& file) { return samples::read_meta_image(file); });
+  read(input, [](const std::filesystem::path& file) { return samples::find_meta_image(file); });
 }
 
 }  // namespace gicube::fuzz

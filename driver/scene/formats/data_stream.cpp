@@ -15,11 +15,11 @@ constexpr std::uint64_t kMaxDeflateRatio = 1032;           // zlib's technical n
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;  // chosen: the first allocation for compressed data
 constexpr int kGzipOrZlib = MAX_WBITS + 32;                // zlib.h: detect the header
 
-[[noreturn]] void throw_truncated(const DataPlace& place, std::uint64_t wanted, const std::string& got) {
-  throw FileError(place.file, "data", fmt::format("{} bytes", wanted), got + " (truncated, or the header is wrong)");
-}
-
 }  // namespace
+
+void throw_truncated(const DataPlace& place, std::uint64_t bytes, const std::string& got) {
+  throw FileError(place.file, "data", fmt::format("{} bytes", bytes), got + " (truncated, or the header is wrong)");
+}
 
 DataStream::DataStream(const std::filesystem::path& file, std::uint64_t offset, bool compressed)
     : file_(file), bytes_(file_bytes(file)), compressed_(compressed) {
@@ -112,31 +112,40 @@ std::string file_start(const std::filesystem::path& file, std::size_t max_bytes)
 
 bool starts_as_gzip(const std::filesystem::path& file) { return file_start(file, 2) == "\x1f\x8b"; }
 
-std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes) {
-  DataStream stream(place.file, place.offset, place.compressed);
-  const std::uint64_t max = stream.max_bytes();
+std::unique_ptr<DataStream> open_data(const DataPlace& place, std::size_t bytes) {
+  auto stream = std::make_unique<DataStream>(place.file, place.offset, place.compressed);
+  const std::uint64_t max = stream->max_bytes();
   if (place.skip > max || bytes > max - place.skip) {
     const std::uint64_t left = place.skip > max ? 0 : max - place.skip;
     throw_truncated(place, bytes,
                     fmt::format("{}{}", place.compressed ? "a compressed stream for at most " : "", left));
   }
-  std::vector<std::byte> out;
-  for (std::uint64_t skipped = 0; skipped < place.skip; skipped += out.size()) {
-    out.resize(std::min<std::uint64_t>(kChunkBytes, place.skip - skipped));
-    if (stream.read(out) < out.size()) throw_truncated(place, place.skip, "less before the first sample");
+  std::vector<std::byte> passed;
+  for (std::uint64_t skipped = 0; skipped < place.skip; skipped += passed.size()) {
+    passed.resize(std::min<std::uint64_t>(kChunkBytes, place.skip - skipped));
+    if (stream->read(passed) < passed.size()) throw_truncated(place, place.skip, "less before the first sample");
   }
-  out.clear();
-  while (out.size() < bytes) {
-    const std::size_t had = out.size();
-    const std::size_t grown = std::max(2 * had, kChunkBytes);
-    out.resize(place.compressed ? std::min(bytes, grown) : bytes);
-    const std::size_t came = stream.read(std::span(out).subspan(had));
-    if (had + came < out.size()) throw_truncated(place, bytes, fmt::format("{}", had + came));
-  }
+  return stream;
+}
+
+void end_data(DataStream& stream, const DataPlace& place, std::size_t bytes) {
   // Reading past the end also makes zlib check the stream's checksum.
   std::byte one;
   const bool more = stream.read({&one, 1}) != 0;
   if (more && place.nothing_after) throw FileError(place.file, "data", fmt::format("{} bytes", bytes), "more");
+}
+
+std::vector<std::byte> read_data(const DataPlace& place, std::size_t bytes) {
+  const auto stream = open_data(place, bytes);
+  std::vector<std::byte> out;
+  while (out.size() < bytes) {
+    const std::size_t had = out.size();
+    const std::size_t grown = std::max(2 * had, kChunkBytes);
+    out.resize(place.compressed ? std::min(bytes, grown) : bytes);
+    const std::size_t came = stream->read(std::span(out).subspan(had));
+    if (had + came < out.size()) throw_truncated(place, bytes, fmt::format("{}", had + came));
+  }
+  end_data(*stream, place, bytes);
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -62,6 +63,13 @@ std::uint64_t file_bytes(const std::filesystem::path& file);
 std::string file_start(const std::filesystem::path& file, std::size_t max_bytes);
 
 bool starts_as_gzip(const std::filesystem::path& file);
+
+// A stream that stands at the first sample, once the file's size has shown that so many bytes can be there. Throws FileError.
+std::unique_ptr<DataStream> open_data(const DataPlace& place, std::size_t bytes);
+// To be called behind the last byte: a compressed stream's checksum is checked, and that nothing follows where nothing may. Throws
+// FileError.
+void end_data(DataStream& stream, const DataPlace& place, std::size_t bytes);
+[[noreturn]] void throw_truncated(const DataPlace& place, std::uint64_t bytes, const std::string& got);
 
 // Exactly `bytes` bytes. Nothing is allocated before the file's size has shown that they can be there, and for
 // compressed data not much more than has come. Throws FileError (truncated, damaged, too long).

@@ -149,7 +149,7 @@ bool is_meta_image(const std::filesystem::path& file) {
   return line.find('=') != std::string_view::npos && (key == "ObjectType" || key == "NDims");
 }
 
-Volume read_meta_image(const std::filesystem::path& file, bool allow_outside) {
+StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside) {
   if (!is_meta_image(file))
     throw FileError(file, "header", "\"ObjectType = Image\" or \"NDims = 3\" first", "another beginning");
   const Header header(file);
@@ -159,9 +159,9 @@ Volume read_meta_image(const std::filesystem::path& file, bool allow_outside) {
   StoredLayout layout = layout_of(file, header);
   const std::size_t bytes = checked_bytes(layout);
   const DataPlace place = place_of(file, header, bytes, allow_outside);
-  if (header.flag("BinaryData", true)) return to_volume(read_data(place, bytes), layout);
+  if (header.flag("BinaryData", true)) return {layout, place, Encoding::kBytes};
   layout.big_endian = std::endian::native == std::endian::big;
-  return to_volume(read_numbers(place.file, place.offset, layout.type, bytes / bytes_of(layout.type)), layout);
+  return {layout, place, Encoding::kNumbers};
 }
 
 }  // namespace gicube::scene

@@ -125,12 +125,11 @@ bool is_nifti(const std::filesystem::path& file) {
   return header && (header->magic().starts_with("n+") || header->magic().starts_with("ni"));
 }
 
-Volume read_nifti(const std::filesystem::path& file) {
+StoredFile find_nifti(const std::filesystem::path& file) {
   const auto header = read_header(file);
   if (!header)
     throw FileError(file, "sizeof_hdr", "a NIfTI header (348 or 540)", "another beginning, or a shorter file");
-  const StoredLayout layout = layout_of(file, *header);
-  return to_volume(read_data(place_of(file, *header), checked_bytes(layout)), layout);
+  return {layout_of(file, *header), place_of(file, *header), Encoding::kBytes};
 }
 
 }  // namespace gicube::scene

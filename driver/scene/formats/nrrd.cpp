@@ -210,36 +210,35 @@ DataPlace place_of(const std::filesystem::path& file, const Header& header, bool
   return place;
 }
 
-Volume read_data_of(const std::filesystem::path& file, const Header& header, StoredLayout layout) {
+StoredFile stored_file(const std::filesystem::path& file, const Header& header, StoredLayout layout) {
   const std::size_t bytes = checked_bytes(layout);
   const NrrdEncoding* encoding = header.io->encoding;
   if (encoding == nrrdEncodingRaw || encoding == nrrdEncodingGzip) {
-    return to_volume(read_data(place_of(file, header, encoding == nrrdEncodingGzip, bytes), bytes), layout);
+    return {layout, place_of(file, header, encoding == nrrdEncodingGzip, bytes), Encoding::kBytes};
   }
   const DataPlace place = place_of(file, header, false, bytes);
-  const std::uint64_t begin = place.offset + place.skip;
-  if (encoding == nrrdEncodingHex) return to_volume(read_hex(place.file, begin, bytes), layout);
+  if (encoding == nrrdEncodingHex) return {layout, place, Encoding::kHex};
   if (encoding != nrrdEncodingAscii) {
     throw FileError(file, "encoding", "raw, gzip, ascii or hex", encoding->name);
   }
   layout.big_endian = std::endian::native == std::endian::big;
-  return to_volume(read_numbers(place.file, begin, layout.type, bytes / bytes_of(layout.type)), layout);
+  return {layout, place, Encoding::kNumbers};
 }
 
 }  // namespace
 
 bool is_nrrd(const std::filesystem::path& file) { return file_start(file, 7) == "NRRD000"; }
 
-Volume read_nrrd(const std::filesystem::path& file, bool allow_outside) {
+StoredFile find_nrrd(const std::filesystem::path& file, bool allow_outside) {
   const Header header = read_header(file, allow_outside);
-  return read_data_of(file, header, layout_of(file, header));
+  return stored_file(file, header, layout_of(file, header));
 }
 
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels) {
   const Header header = read_header(file, false);
   const bool vectors = header.nrrd->dim == 4 && header.nrrd->axis[0].size == 3;
   channels = vectors ? 3 : 1;
-  return read_data_of(file, header, layout_of(file, header, vectors ? 3 : 1));
+  return read_stored(stored_file(file, header, layout_of(file, header, vectors ? 3 : 1)));
 }
 
 }  // namespace gicube::scene

@@ -1,4 +1,4 @@
-// The readers of each volume format. Each finds out by a file's beginning whether it is one, and reads it; all throw FileError. Spacing
+// The readers of each volume format. Each finds out by a file's beginning whether it is one, and where its samples lie; all throw FileError. Spacing
 // is what the file says, 1 where it says nothing. `allow_outside` is that of a VolumeSource.
 #pragma once
 
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gicube/scene/volume_file.h"
+#include "scene/formats/plane_file.h"
 
 namespace gicube::scene {
 
@@ -17,19 +18,19 @@ namespace gicube::scene {
 // MET_LONG has 4 bytes, as in MetaIO.
 // HeaderSize counts from the data file's first byte, also where that is this file.
 bool is_meta_image(const std::filesystem::path& file);
-Volume read_meta_image(const std::filesystem::path& file, bool allow_outside = false);
+StoredFile find_meta_image(const std::filesystem::path& file, bool allow_outside = false);
 
 // .nii .nii.gz, NIfTI-1 and NIfTI-2: header and data in one, gzipped or not, of either byte order; libnifti gives the header's layout and byte
 // swapping. A scl_slope of 0 or NaN means "not scaled". Refused: a header whose data lie in another file (.hdr and .img), colour and
 // complex samples.
 bool is_nifti(const std::filesystem::path& file);
-Volume read_nifti(const std::filesystem::path& file);
+StoredFile find_nifti(const std::filesystem::path& file);
 
 // .nrrd .nhdr, NRRD; header attached or detached, encodings raw, gzip, ascii, hex. teem reads the header, from memory and without touching any data; the data are read here, once their size is known to be
 // there. Refused, though NRRD knows them: several data files, bzip2 and zrl encodings, block samples, byte skips below -1 (-1 = data
 // at the file's end). Axes of one sample may stand beside the three that count, wherever they are.
 bool is_nrrd(const std::filesystem::path& file);
-Volume read_nrrd(const std::filesystem::path& file, bool allow_outside = false);
+StoredFile find_nrrd(const std::filesystem::path& file, bool allow_outside = false);
 // Voxels of one sample or, with a first axis of three and three more, of three: those of a row then follow each other, as a
 // volume of three times as many voxels along x. `channels`: 1 or 3.
 Volume read_nrrd_channels(const std::filesystem::path& file, int& channels);
@@ -48,6 +49,8 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
 // bits or float32, the same in all slices, and so are width and height; spacing is 1. Alpha is ignored; colour must be
 // grey (red = green = blue). Throws FileError naming the slice.
 Volume read_slices(const std::filesystem::path& folder);
+// The same, each slice when it is asked for.
+Volume open_slices(const std::filesystem::path& folder);
 
 // One such file, its pages as slices (TIFF; others have one).
 Volume read_pages(const std::filesystem::path& file);

@@ -126,12 +126,20 @@ void check_same(const std::filesystem::path& file, const Slice& slice, const Sli
   if (slice.type != first.type) throw FileError(file, "sample type", "that of the first slice", "another");
 }
 
+StoredLayout layout_of(const std::filesystem::path& source, const Slice& first, std::size_t count) {
+  StoredLayout layout;
+  layout.file = source;
+  layout.dims = {first.width, first.height, static_cast<int>(count)};
+  layout.type = stored_type(first.type);
+  layout.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
+  checked_bytes(layout);
+  return layout;
+}
+
 // A volume of `count` slices; read(z) gives the file and the slice.
 template <typename Read>
 Volume pile(const std::filesystem::path& source, std::size_t count, const Read& read) {
   StoredLayout layout;
-  layout.file = source;
-  layout.big_endian = std::endian::native == std::endian::big;  // OpenImageIO swaps
   Slice first;
   std::vector<std::byte> samples;
   for (std::size_t z = 0; z < count; ++z) {
@@ -141,9 +149,7 @@ Volume pile(const std::filesystem::path& source, std::size_t count, const Read& 
       check_same(file, slice, first);
       continue;
     }
-    layout.dims = {slice.width, slice.height, static_cast<int>(count)};
-    layout.type = stored_type(slice.type);
-    checked_bytes(layout);
+    layout = layout_of(source, slice, count);
     first = std::move(slice);
   }
   return to_volume(std::move(samples), layout);
@@ -188,6 +194,23 @@ std::vector<std::filesystem::path> files_with(const std::filesystem::path& folde
 Volume read_slices(const std::filesystem::path& folder) {
   const auto files = slice_files(folder);
   return pile(folder, files.size(), [&](std::size_t z) { return std::pair(files[z], read_slice(files[z])); });
+}
+
+Volume open_slices(const std::filesystem::path& folder) {
+  const auto files = slice_files(folder);
+  Slice first = read_slice(files.front());
+  Volume volume = to_volume({}, layout_of(folder, first, files.size()));
+  first.samples.clear();
+  volume.planes = [files, first](int z, int count, std::span<std::byte> out) {
+    for (const int end = z + count; z < end; ++z) {
+      const auto& file = files.at(static_cast<std::size_t>(z));
+      const Slice slice = read_slice(file);
+      check_same(file, slice, first);
+      std::ranges::copy(slice.samples, out.begin());
+      out = out.subspan(slice.samples.size());
+    }
+  };
+  return volume;
 }
 
 Volume read_pages(const std::filesystem::path& file) {

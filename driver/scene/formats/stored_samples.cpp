@@ -37,7 +37,8 @@ std::vector<std::byte> scaled_floats(std::span<const std::byte> stored, const St
     const double exact = layout.slope * static_cast<double>(sample_at<Sample>(stored, i)) + layout.intercept;
     const float value = static_cast<float>(exact);
     if (!std::isfinite(value)) {
-      throw FileError(layout.file, fmt::format("sample {}", i), "a finite 32-bit float", fmt::format("{}", exact));
+      throw FileError(layout.file, fmt::format("sample {}", layout.first_sample + i), "a finite 32-bit float",
+                      fmt::format("{}", exact));
     }
     std::memcpy(floats.data() + i * sizeof(float), &value, sizeof(float));
   }
@@ -47,7 +48,9 @@ std::vector<std::byte> scaled_floats(std::span<const std::byte> stored, const St
 void check_12_bits(std::span<const std::byte> samples, const StoredLayout& layout) {
   for (std::size_t i = 0; i < samples.size() / 2; ++i) {
     const auto sample = sample_at<std::uint16_t>(samples, i);
-    if (sample > 4095) throw FileError(layout.file, fmt::format("sample {}", i), "0..4095", fmt::format("{}", sample));
+    if (sample > 4095)
+      throw FileError(layout.file, fmt::format("sample {}", layout.first_sample + i), "0..4095",
+                      fmt::format("{}", sample));
   }
 }
 

@@ -58,6 +58,7 @@ struct StoredLayout {
   bool big_endian = false;
   double slope = 1;  // value = slope * stored + intercept
   double intercept = 0;
+  std::size_t first_sample = 0;  // of a part: the number of its first, as errors name it
 };
 
 // The first three of a file's axis sizes; there must be at least three, each 1..kMaxFileDim, and those beyond must

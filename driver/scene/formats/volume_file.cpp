@@ -14,31 +14,30 @@
 namespace gicube::scene {
 namespace {
 
-using Reader = Volume (*)(const VolumeSource&);
-constexpr Reader kNrrd = [](const VolumeSource&source) { return read_nrrd(source.file, source.allow_outside); },
+using Finder = StoredFile (*)(const VolumeSource&);
+constexpr Finder kNrrd = [](const VolumeSource&source) { return find_nrrd(source.file, source.allow_outside); },
                  kMetaImage =
-                     [](const VolumeSource&source) { return read_meta_image(source.file, source.allow_outside); },
-                 kNifti = [](const VolumeSource&source) { return read_nifti(source.file); },
-                 kSlices = [](const VolumeSource&source) { return read_slices(source.file); };
+                     [](const VolumeSource&source) { return find_meta_image(source.file, source.allow_outside); },
+                 kNifti = [](const VolumeSource&source) { return find_nifti(source.file); };
 
 struct Format {
   const char* extension;  // lower case, at the end of the name
-  Reader read;
+  Finder find;
 };
 
 constexpr std::array kFormats = {Format{".nrrd", kNrrd},     Format{".nhdr", kNrrd}, Format{".mhd", kMetaImage},
                                  Format{".mha", kMetaImage}, Format{".nii", kNifti}, Format{".nii.gz", kNifti}};
 
 // Null: the name says nothing.
-Reader reader_by_name(const std::filesystem::path& path) {
+Finder finder_by_name(const std::filesystem::path& path) {
   const std::string name = lower_case(path.filename().string());
   for (const Format& format : kFormats) {
-    if (name.ends_with(format.extension)) return format.read;
+    if (name.ends_with(format.extension)) return format.find;
   }
   return nullptr;
 }
 
-Reader reader_by_contents(const std::filesystem::path& path) {
+Finder finder_by_contents(const std::filesystem::path& path) {
   if (is_nrrd(path)) return kNrrd;
   if (is_meta_image(path)) return kMetaImage;
   if (is_nifti(path)) return kNifti;
@@ -46,7 +45,7 @@ Reader reader_by_contents(const std::filesystem::path& path) {
                   "an unknown format and no layout");
 }
 
-Volume read_raw(const std::filesystem::path& path, const RawLayout& raw) {
+StoredFile find_raw(const std::filesystem::path& path, const RawLayout& raw) {
   StoredLayout layout;
   layout.file = path;
   const std::array<std::int64_t, 3> sizes{raw.dims[0], raw.dims[1], raw.dims[2]};
@@ -59,7 +58,7 @@ Volume read_raw(const std::filesystem::path& path, const RawLayout& raw) {
   place.compressed = lower_case(path.extension().string()) == ".gz";
   place.skip = raw.skip_bytes;
   place.nothing_after = true;
-  return to_volume(read_data(place, checked_bytes(layout)), layout);
+  return {layout, place, Encoding::kBytes};
 }
 
 }  // namespace
@@ -79,11 +78,13 @@ ValueRange value_range_of(const Volume& volume) {
   if (volume.type == SampleType::kUint8) return {0, 255};
   if (volume.type == SampleType::kUint12) return {0, 4095};
   ValueRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  with_sample(volume.type, [&](auto sample) {
-    for (std::size_t i = 0; i < volume.samples.size() / sizeof sample; ++i) {
-      const auto value = static_cast<double>(sample_at<decltype(sample)>(volume.samples, i));
-      if (std::isfinite(value)) range = {std::min(range.low, value), std::max(range.high, value)};
-    }
+  for_each_plane(volume, [&](int, std::span<const std::byte> samples) {
+    with_sample(volume.type, [&](auto sample) {
+      for (std::size_t i = 0; i < samples.size() / sizeof sample; ++i) {
+        const auto value = static_cast<double>(sample_at<decltype(sample)>(samples, i));
+        if (std::isfinite(value)) range = {std::min(range.low, value), std::max(range.high, value)};
+      }
+    });
   });
   return range;
 }
@@ -110,16 +111,34 @@ Volume with_spacing(Volume volume, const std::optional<Vec3>& given) {
   return volume;
 }
 
-Volume read_volume(const VolumeSource& source) {
-  std::error_code fault;
-  const bool folder = std::filesystem::is_directory(source.file, fault);
-  Reader read = folder ? kSlices : reader_by_name(source.file);
-  if (read != nullptr && source.raw) {
+namespace {
+
+// Where the samples of a file lie that is no folder.
+StoredFile find(const VolumeSource& source) {
+  const Finder named = finder_by_name(source.file);
+  if (named != nullptr && source.raw) {
     throw FileError(source.file, "layout", "none: the file says its own", "the layout of raw samples");
   }
-  if (source.raw) return with_spacing(read_raw(source.file, *source.raw), source.spacing);
-  if (read == nullptr) read = reader_by_contents(source.file);
-  return with_spacing(read(source), source.spacing);
+  if (source.raw) return find_raw(source.file, *source.raw);
+  return (named != nullptr ? named : finder_by_contents(source.file))(source);
+}
+
+bool is_folder(const VolumeSource& source) {
+  std::error_code fault;
+  const bool folder = std::filesystem::is_directory(source.file, fault);
+  if (folder && source.raw)
+    throw FileError(source.file, "layout", "none: slices say their own", "the layout of raw samples");
+  return folder;
+}
+
+}  // namespace
+
+Volume read_volume(const VolumeSource& source) {
+  return with_spacing(is_folder(source) ? read_slices(source.file) : read_stored(find(source)), source.spacing);
+}
+
+Volume open_volume(const VolumeSource& source) {
+  return with_spacing(is_folder(source) ? open_slices(source.file) : open_stored(find(source)), source.spacing);
 }
 
 Volume read_volume(const std::filesystem::path& path, const std::optional<RawLayout>& layout) {

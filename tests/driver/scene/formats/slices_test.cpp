@@ -55,6 +55,11 @@ TEST(Slices, AreStackedInNaturalOrderAndOtherFilesIgnored) {
   EXPECT_EQ(volume.type, SampleType::kUint8);
   EXPECT_EQ(volume.spacing, (Vec3{1, 1, 1}));
   EXPECT_EQ(samples_of<std::uint8_t>(volume), ramp<std::uint8_t>());
+  VolumeSource source;
+  source.file = folder.path();
+  const Volume opened = open_volume(source);
+  EXPECT_TRUE(opened.samples.empty());
+  for (const int planes : {1, 3}) EXPECT_EQ(bytes_in_planes(opened, planes), volume.samples);
 }
 
 TEST(Slices, MayHaveSixteenBitsOrFloats) {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,18 @@ std::vector<Sample> ramp() {
   return samples;
 }
 constexpr Dims kRampDims{2, 3, 4};
+
+// The samples of a volume that is read in planes: in one part, or in several.
+inline std::vector<std::byte> bytes_in_planes(const Volume& volume, int planes) {
+  const std::size_t bytes = voxels_of({volume.dims[0], volume.dims[1], 1}) * bytes_per_sample(volume.type);
+  std::vector<std::byte> out(bytes * static_cast<std::size_t>(volume.dims[2]));
+  for (int z = 0; z < volume.dims[2]; z += planes) {
+    const int count = std::min(planes, volume.dims[2] - z);
+    volume.planes(z, count,
+                  std::span(out).subspan(bytes * static_cast<std::size_t>(z), bytes * static_cast<std::size_t>(count)));
+  }
+  return out;
+}
 
 template <typename Sample>
 std::vector<Sample> samples_of(const Volume& volume) {

@@ -28,15 +28,18 @@ constexpr std::size_t voxels_of(const Dims& dims) {
 }
 
 struct Volume {
-  std::vector<std::byte> samples;  // dims[0] * dims[1] * dims[2], x fastest, the machine's byte order
+  std::vector<std::byte>
+      samples;         // dims[0] * dims[1] * dims[2], x fastest, the machine's byte order; none if there are:
+  PlaneReader planes;  // of open_volume(): to be called as VolumeStream::read is; throws FileError
   SampleType type = SampleType::kUint8;
   Dims dims{};                      // voxels, 1..kMaxFileDim
   Vec3 spacing{1, 1, 1};            // the file's unit of length
   std::optional<ValueRange> range;  // unset: the driver's default for the type
   std::string source;               // the file or folder, for messages
 
-  // Points into this Volume.
+  // Points into this Volume. view(): of one with samples; stream(): with planes.
   VolumeView view() const { return {samples, type, dims, spacing, range, {}, {}}; }
+  VolumeStream stream() const { return {planes, type, dims, spacing, range}; }
 };
 
 // How the samples of a file without a header lie.
@@ -50,6 +53,9 @@ struct RawLayout {
   friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };
 
+constexpr std::uint64_t kMaxWholeBytes = std::uint64_t{256}
+                                         << 20;  // chosen: the driver takes some three times as much besides
+
 constexpr int kMinBuckyballSize = 16, kMaxBuckyballSize = 1024;  // voxels an edge
 
 // Where a volume comes from.
@@ -60,6 +66,8 @@ struct VolumeSource {
   std::optional<RawLayout> raw;  // headerless files only
   std::optional<Vec3> spacing;   // in place of the file's
   bool allow_outside = false;    // a header may name a data file outside of its folder and those below
+  // For set_up(): a file with more than kMaxWholeBytes of samples is read in planes while load() sends it, and SceneSetup has no samples.
+  bool in_planes = false;
 
   friend bool operator==(const VolumeSource&, const VolumeSource&) = default;
 };
@@ -78,7 +86,11 @@ GICUBE_API Volume read_volume(const std::filesystem::path& path, const std::opti
 // The same for a source's file.
 GICUBE_API Volume read_volume(const VolumeSource& source);
 
-// The samples as numbers.
+// The same, but samples are read when Volume::planes is called, from the start of the file on, so that the volume need not fit into
+// memory: NRRD, MetaImage, NIfTI and raw samples, also compressed, and folders of slices. Samples in text are read at once.
+GICUBE_API Volume open_volume(const VolumeSource& source);
+
+// The samples as numbers. Of a volume with samples.
 GICUBE_API std::vector<float> values_of(const Volume& volume);
 
 // The volume's own range, or else the driver's default for its type (VolumeView::range). Not-a-numbers are left out.

@@ -1,0 +1,81 @@
+#include "scene/formats/plane_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace gicube::scene {
+namespace {
+
+// Reads a file's samples in the order of their planes; from plane 0 on again whenever that is asked for.
+class PlaneFile {
+ public:
+  explicit PlaneFile(const StoredFile& file) : file_(file), all_(checked_bytes(file.layout)) {}
+
+  void read(int first, int planes, std::span<std::byte> out) {
+    if (first == 0) {
+      stream_ = open_data(file_.place, all_);
+      next_ = 0;
+    }
+    if (first != next_)
+      throw FileError(file_.place.file, "planes", fmt::format("the next, {}", next_), fmt::format("{}", first));
+    StoredLayout part = file_.layout;
+    part.dims[2] = planes;
+    part.first_sample = voxels_of({part.dims[0], part.dims[1], first});
+    std::vector<std::byte> bytes(voxels_of(part.dims) * bytes_of(part.type));
+    if (const std::size_t came = stream_->read(bytes); came < bytes.size()) {
+      throw_truncated(file_.place, all_, fmt::format("{}", part.first_sample * bytes_of(part.type) + came));
+    }
+    next_ = first + planes;
+    if (next_ == file_.layout.dims[2]) end_data(*stream_, file_.place, all_);
+    const Volume volume = to_volume(std::move(bytes), part);
+    std::ranges::copy(volume.samples, out.begin());
+  }
+
+ private:
+  StoredFile file_;
+  std::size_t all_;  // bytes of samples
+  std::unique_ptr<DataStream> stream_;
+  int next_ = 0;
+};
+
+}  // namespace
+
+Volume read_stored(const StoredFile& file) {
+  const std::size_t bytes = checked_bytes(file.layout);
+  const auto& [layout, place, encoding] = file;
+  const std::uint64_t begin = place.offset + place.skip;
+  switch (encoding) {
+    case Encoding::kBytes: break;
+    case Encoding::kHex: return to_volume(read_hex(place.file, begin, bytes), layout);
+    case Encoding::kNumbers:
+      return to_volume(read_numbers(place.file, begin, layout.type, bytes / bytes_of(layout.type)), layout);
+  }
+  return to_volume(read_data(place, bytes), layout);
+}
+
+Volume open_stored(const StoredFile& file) {
+  if (file.encoding != Encoding::kBytes) return read_stored(file);
+  Volume volume = to_volume({}, file.layout);
+  volume.planes = [planes = std::make_shared<PlaneFile>(file)](int first, int count, std::span<std::byte> out) {
+    planes->read(first, count, out);
+  };
+  return volume;
+}
+
+void for_each_plane(const Volume& volume, const std::function<void(int, std::span<const std::byte>)>& use) {
+  const std::size_t bytes = voxels_of({volume.dims[0], volume.dims[1], 1}) * bytes_per_sample(volume.type);
+  std::vector<std::byte> room(volume.planes ? bytes : 0);
+  for (int z = 0; z < volume.dims[2]; ++z) {
+    if (volume.planes) {
+      volume.planes(z, 1, room);
+      use(z, room);
+    } else {
+      use(z, std::span(volume.samples).subspan(static_cast<std::size_t>(z) * bytes, bytes));
+    }
+  }
+}
+
+}  // namespace gicube::scene
