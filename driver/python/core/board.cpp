@@ -167,7 +167,8 @@ void add_board(py::module_& module) {
   type.def_property_readonly("now", call(&Board::now));
   type.def("reopen", call(&Board::reopen));
 
-  type.def("load_volume", call(&Board::load_volume, "volume", "progress"));
+  using Load = void (Board::*)(const VolumeView&, const Progress&);
+  type.def("load_volume", call(static_cast<Load>(&Board::load_volume), "volume", "progress"));
   type.def("read_volume", call(&Board::read_volume, "box"));
   type.def("write_volume", call(&Board::write_volume, "box", "values"));
   type.def("verify_volume", call(&Board::verify_volume));

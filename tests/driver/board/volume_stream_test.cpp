@@ -1,12 +1,16 @@
 // Volumes that are read in planes while they are loaded are the same as those that are in memory.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <limits>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -143,6 +147,46 @@ TEST(VolumeStream, LeavesTheFormerVolumeIfItCannotBeRead) {
   EXPECT_THAT([&] { board.load_volume(broken); },
               testing::ThrowsMessage<BadArgument>(testing::StrEq("read: expected a function, got none")));
   EXPECT_EQ(board.render(picture()).pixels, before.pixels);
+}
+
+// So much may the process have: as a system that has no more would.
+class AddressSpace {
+ public:
+  explicit AddressSpace(std::size_t more) {
+    ::getrlimit(RLIMIT_AS, &before_);
+    std::ifstream status("/proc/self/statm");
+    std::size_t pages = 0;
+    status >> pages;
+    const rlimit less{pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) + more, before_.rlim_max};
+    ::setrlimit(RLIMIT_AS, &less);
+  }
+  AddressSpace(const AddressSpace&) = delete;
+  AddressSpace& operator=(const AddressSpace&) = delete;
+  ~AddressSpace() { ::setrlimit(RLIMIT_AS, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+// 512 MiB in planes that are alike.
+TEST(VolumeStream, NeedsLessThanAQuarterOfTheVolumesMemory) {
+  Board board = open_board("emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels=64");
+  board.set_transfer_function({.colours = {{0, {1, 1, 1}}}, .opacities = {{0, 0}, {200, 1}}});
+  VolumeStream stream;
+  stream.dims = {1024, 1024, 512};
+  stream.find_gradients = false;
+  stream.read = [](int, int, std::span<std::byte> out) {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = static_cast<std::byte>(i / 1024 % 1024 < 16 ? 200 : 0);
+  };
+  const AddressSpace limit(std::size_t{128} << 20);
+  EXPECT_THROW(std::vector<std::byte>(std::size_t{128} << 20), std::bad_alloc);
+  board.load_volume(stream);
+  View view = picture();
+  view.eye = {512, 300, -300};
+  view.look_at = {512, 8, 256};
+  view.shade = false;
+  const Image image = board.render(view);
+  EXPECT_EQ(image.pixels[20 * 40 + 20].alpha, 4095);
 }
 
 TEST(VolumeStream, NamesTheFolderThatCannotKeepIt) {
