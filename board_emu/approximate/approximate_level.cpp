@@ -41,6 +41,27 @@ RunResult ApproximateLevel::run(RaySource& source, const Frame& frame, Progress&
   return all;
 }
 
+void ApproximateLevel::state(Archive& archive, const std::array<int, 3>& blocks) {
+  archive.within("cycle", [&] { cycle_level_.state(archive, blocks); });
+  archive("rays", rays_);
+  std::vector<wire::Counter> past = past_;
+  const bool is_old = machine_ && machine_->blocks() != blocks;  // it is dropped before the next run
+  if (is_old) {
+    std::vector<wire::Counter> list;
+    machine_->count(list);
+    add_counters(list, past);
+  }
+  counters_state(archive, "past", past);
+  bool has_machine = machine_ != nullptr && !is_old;
+  archive("has_machine", has_machine);
+  if (archive.loads()) {
+    past_ = past;
+    archive.expect(!has_machine || (blocks[0] > 0 && PassMachine::covers(config_)), "has_machine", "0 here", 1);
+    if (has_machine) machine_ = std::make_unique<PassMachine>(config_, blocks);
+  }
+  if (has_machine) archive("machine", *machine_);
+}
+
 void ApproximateLevel::volume_changed() {
   if (machine_) machine_->invalidate_caches();
   cycle_level_.volume_changed();

@@ -29,6 +29,7 @@ class ApproximateLevel : public Level {
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
   MachineLook look() const override { return cycle_level_.look(); }
+  void state(Archive& archive, const std::array<int, 3>& blocks) override;
 
  private:
   bool answers(const Frame& frame) const;

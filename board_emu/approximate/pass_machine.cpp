@@ -252,6 +252,26 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   return ran;
 }
 
+void PassMachine::state(Archive& archive) {
+  archive.expect_idle(bus_.empty() && holding_ == nullptr && up_.ready() == kNoCycle, "a machine of passes");
+  archive("tree", up_);
+  std::size_t number = 0;
+  for (const auto& memory : memories_) {
+    archive.within("memory" + std::to_string(number++), [&] {
+      archive("channel", *memory->channel);
+      archive("asked", memory->asked);
+    });
+  }
+  archive.parts("processor", processors_);
+  archive("core", dsp_);
+  archive("overflows", store_);
+  archive.field("engine", [this](Archive::Record& record) {
+    record(engine_.now, engine_.free, engine_.sends_again, engine_.sent, engine_.taken, engine_.overflows);
+    record(runs_, bus_free_, now_);
+  });
+  archive("listeners", listeners_);
+}
+
 void PassMachine::count(std::vector<wire::Counter>& list) const {
   list.push_back({"asic.cycles", "cycle", now_});
   {

@@ -71,6 +71,8 @@ class PassMachine {
   const std::array<int, 3>& blocks() const { return blocks_; }
   // By the cycle level's names, those that there are.
   void count(std::vector<wire::Counter>& list) const;
+  // Between two runs.
+  void state(Archive& archive);
 
  private:
   // What the DSP is at, as RayEngine of the cycle level.
@@ -95,6 +97,8 @@ class PassMachine {
     std::uint32_t making = 0, made = 0;   // the latest run that the DSP made with rays for it, and how many those are
     std::uint32_t run = 0;                // the latest sent
     std::array<std::uint64_t, 2> ends{};  // how many it had been sent after the last but one and after the last of them
+
+    void state(Archive::Record& record) { record(sent, making, made, run, ends); }
   };
 
   void dsp_works(const DspTask& task);

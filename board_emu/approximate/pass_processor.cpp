@@ -56,6 +56,38 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   slice_ = across_ * static_cast<std::uint32_t>(frame.volume->blocks()[1]);
 }
 
+void PassProcessor::state(Archive& archive) {
+  const auto is_empty = [](const auto& queue) { return queue.empty(); };
+  archive.expect_idle(std::ranges::all_of(queues_, is_empty) && std::ranges::all_of(from_, is_empty) &&
+                          active_rays_.empty() && returned_.empty() && out_.empty() && links_[0].entry.empty() &&
+                          links_[1].entry.empty() && waiting_ == 0,
+                      "a processor of passes");
+  const auto queues = static_cast<std::uint32_t>(queues_.size());
+  archive("cache", cache_);
+  archive("importance", importance_);
+  archive.field("slots", [this](Archive::Record& record) { record(slots_, overflowed_, listed_, modified_); });
+  archive.field("sorter", [this](Archive::Record& record) {
+    record(active_, resting_, block_, corner_, arrived_, sorted_);
+    active_rays_.empty_state(record);
+    record.at_most(next_input_, 2);
+    record(others_, taken_from_, waits_, before_);
+  });
+  archive("released", released_);
+  archive.field("pipeline", [this](Archive::Record& record) {
+    record(now_, computing_, started_, taken_, passes_, packets_);
+    record(in_tree_, stalled_, tree_free_, link_stalled_, out_blocked_, links_);
+    record(holds_, held_since_, held_until_);
+  });
+  archive("counters", counters_);
+  if (!archive.loads()) return;
+  const auto is_queue = [&](const char* field, std::uint32_t queue, bool may_be_none) {
+    archive.expect(queue < queues || (may_be_none && queue == kNone), field, "a queue of the processor", queue);
+  };
+  is_queue("sorter", active_, true);
+  for (std::size_t i = modified_.begin(); i != modified_.end(); ++i) is_queue("slots", modified_[i], false);
+  for (std::size_t i = released_.begin(); i != released_.end(); ++i) is_queue("released", released_[i].second, true);
+}
+
 // What was_stalled goes on when the place that is free has come down the tree.
 void PassProcessor::taken_from_tree(Cycle now) {
   --in_tree_;

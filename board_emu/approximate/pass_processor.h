@@ -90,6 +90,8 @@ struct PassCounters {
   std::uint64_t rays_sent = 0;  // over links
   std::uint64_t hops = 0;
   std::uint64_t held = 0;  // cycles in which a ray was in the queues or the pipeline
+
+  void state(Archive::Record& record) { record(leaps, overflows, conflicts, activations, rays_sent, hops, held); }
 };
 
 class PassProcessor {
@@ -136,6 +138,9 @@ class PassProcessor {
   const CacheCounters& cache() const { return cache_.counters(); }
   Cycle now() const { return now_; }
 
+  // Between two runs: no ray is here.
+  void state(Archive& archive);
+
  private:
   // Three coordinates from the block's least corner, 14 fraction bits, in fields of 21 bits. Blocks have at most 64 voxels,
   // so that the highest bits of a field say that the ray is outside. Steps are added as they are: what they borrow from a
@@ -179,6 +184,8 @@ class PassProcessor {
     LongQueue<Crossing> entry;
     Cycle left = 0;        // when the last ray left it
     bool blocked = false;  // its first ray has no place to go to
+
+    void state(Archive::Record& record) { record(left, blocked); }
   };
 
   Cycle take_returned(Cycle now, Cycle since, std::uint32_t& written);

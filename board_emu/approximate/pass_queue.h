@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -13,6 +15,9 @@ namespace gicube::emu {
 template <typename Item>
 class LongQueue {
  public:
+  LongQueue() = default;
+  explicit LongQueue(std::size_t first) : head_(first), tail_(first) {}
+
   bool empty() const { return head_ == tail_; }
   std::size_t size() const { return tail_ - head_; }
   // Items have the numbers begin() .. end() - 1 for as long as they are here.
@@ -42,6 +47,20 @@ class LongQueue {
     push(item);
     for (std::size_t i = tail_ - 1; i > number; --i) ring_[i & mask_] = ring_[(i - 1) & mask_];
     ring_[number & mask_] = item;
+  }
+  // Its items keep their numbers.
+  void state(Archive::Record& record) {
+    std::vector<Item> items;
+    for (std::size_t i = head_; i != tail_; ++i) items.push_back((*this)[i]);
+    record(head_);
+    record.list(items, std::numeric_limits<std::uint32_t>::max());
+    *this = LongQueue(head_);
+    for (const Item& item : items) push(item);
+  }
+  // Of one that is empty: the number of the next item.
+  void empty_state(Archive::Record& record) {
+    record(head_);
+    tail_ = head_;
   }
 
  private:

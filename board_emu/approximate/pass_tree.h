@@ -52,6 +52,10 @@ class PassTree {
     first_changed(node - leaves_.size());
     return ray;
   }
+  // Between two runs: it is empty, and what is left is whose turn it is.
+  void state(Archive::Record& record) {
+    for (Node& node : nodes_) record.at_most(node.next_side, 1);
+  }
 
  private:
   struct Node {

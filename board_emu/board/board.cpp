@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <stdexcept>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -50,9 +52,9 @@ constexpr std::uint64_t kReadRequestBytes = 16;
 constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
 
 const char* command_name(std::span<const std::uint8_t> payload) {
-  constexpr std::array kNames{"render", "render", "trace", "illuminate", "resume", "verify", "pairs", "continue"};  // by opcode
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
-  return kNames[opcode < kNames.size() ? opcode : 0];
+  const bool known = opcode >= 1 && opcode <= static_cast<std::uint32_t>(wire::Opcode::kContinue);
+  return kTurnNames[known ? opcode : 1];
 }
 
 const char* wait_name(FrameType type) {
@@ -119,6 +121,7 @@ struct Board::Parts {
     return result_bytes + under_way.size() * kBytesOfCompletion + timeline.under_way() * kBytesOfTransaction;
   }
   std::vector<wire::Counter> count() const;
+  void state(Archive& archive, bool with_level);
 
   v1::BoardConfig config;
   BoardObserver* observer;  // may be null
@@ -285,6 +288,35 @@ std::vector<Completion> Board::Parts::take_completions() {
   return completions;
 }
 
+void Board::Parts::state(Archive& archive, bool with_level) {
+  archive("registers", registers);
+  archive("pci", pci);
+  archive("commands", commands);
+  archive("timeline", timeline);
+  archive("next_transaction", next_transaction);
+  std::vector<std::uint64_t> ids;  // of commands
+  for (const auto& [id, completion] : under_way) ids.push_back(id);
+  std::ranges::sort(ids);
+  archive.list("under_way", ids);
+  for (const std::uint64_t id : ids) {
+    Completion& completion = under_way[id];
+    archive.within("command" + std::to_string(id), [&] {
+      archive("ticket", completion.ticket);
+      archive.at_most("error", completion.error, ErrorCode::kForbidden);
+      archive("can_be_cancelled", completion.can_be_cancelled);
+      archive.bytes("payload", completion.payload, 0, ~std::uint64_t{0});
+      if (!archive.loads()) return;
+      archive.expect(timeline.has_watched(id) && id < next_transaction, "ticket", "a command that is under way",
+                     completion.ticket);
+      archive.expect(tickets.emplace(completion.ticket, id).second, "ticket", "each once", completion.ticket);
+      result_bytes += completion.payload.capacity();
+    });
+  }
+  if (with_level) {
+    archive.within("level", [&] { level->state(archive, commands.aperture().volume().blocks()); });
+  }
+}
+
 std::vector<wire::Counter> Board::Parts::count() const {
   std::vector<wire::Counter> list;
   for (const BusDirection direction : {BusDirection::kDown, BusDirection::kUp}) {
@@ -317,6 +349,16 @@ Board::Board(const v1::BoardConfig& config, std::uint64_t config_hash, BoardObse
 }
 
 Board::~Board() = default;
+
+const v1::BoardConfig& Board::config() const { return parts_->config; }
+
+void Board::state(Archive& archive, bool with_level) {
+  if (archive.loads() && parts_->next_transaction != 1) {
+    throw std::logic_error("checkpoint: expected a board on which nothing was done");
+  }
+  parts_->state(archive, with_level);
+  if (archive.loads()) publish(false);
+}
 
 void Board::set_minor_version(std::uint16_t minor) { parts_->commands.set_minor_version(minor); }
 

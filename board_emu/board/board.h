@@ -17,6 +17,7 @@
 #include "gicube/wire/counter_list.h"
 #include "gicube/wire/frame.h"
 #include "levels/level.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -69,6 +70,12 @@ class Board {
   // Called like transact(). Detected: the next command that reads the volume fails with ErrorCode::kMemory and changes
   // nothing; there is no other harm. Silent: that bit is wrong until it is written again; without a volume nothing happens.
   void add_memory_error(const MemoryError& error);
+
+  // Hands all that the board is between two transactions to an archive that saves; or makes a board on which nothing was done
+  // what an archive that loads has, which throws CheckpointFault: the board must not be used any more then. The level's own
+  // state is loaded if `with_level`; else the level is as at power-up. Called like transact().
+  void state(Archive& archive, bool with_level = true);
+  const v1::BoardConfig& config() const;
 
   // Memory for what the host has not fetched: results, and the bookkeeping of what is under way. Called like transact().
   std::uint64_t held_bytes() const;

@@ -5,17 +5,21 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "board/board_observer.h"
 #include "board/bus/host_bus.h"
 #include "gicube/v1/board_config.pb.h"
+#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -30,13 +34,34 @@ struct BusTransaction {
   std::uint64_t up_bytes = 0;
   Cargo up_cargo = Cargo::kCompletion;
   bool watched = false;   // somebody wants to know when it has finished
-  const char* name = "";  // of its turn at the DSP, in a trace
+  const char* name = "";  // of its turn at the DSP, in a trace; one of kTurnNames
+
+  void state(Archive::Record& record);
 };
+
+// Commands by their opcodes, and the one thing besides that the DSP does.
+inline constexpr std::array kTurnNames{"",       "render", "trace",    "illuminate", "resume",
+                                       "verify", "pairs",  "continue", "read memory"};
+
+inline void BusTransaction::state(Archive::Record& record) {
+  record.at_most(kind, TransferKind::kRegisterRead);
+  record.at_most(cargo, Cargo::kCompletion);
+  record(down_bytes, dsp, dsp_cycles, asic_ps, up_bytes);
+  record.at_most(up_cargo, Cargo::kCompletion);
+  record(watched);
+  const auto is_it = [this](const char* each) { return std::string_view(each) == name; };
+  auto which = static_cast<std::size_t>(std::ranges::find_if(kTurnNames, is_it) - kTurnNames.begin());
+  if (which == kTurnNames.size()) which = 0;
+  record.at_most(which, kTurnNames.size() - 1);
+  name = kTurnNames[which];
+}
 
 // A time of a transaction: of its arrival at the DSP, of its end.
 struct TimeOf {
   std::uint64_t id = 0;
   Picoseconds time_ps = 0;
+
+  void state(Archive::Record& record) { record(id, time_ps); }
 };
 
 class Timeline {
@@ -124,6 +149,14 @@ class Timeline {
   // Time in which the DSP had nothing to do while a command for it was on its way down the bus.
   Picoseconds host_bus_wait_ps() const { return host_bus_wait_ps_; }
   const HostBus& bus() const { return bus_; }
+  // Whether finish() would find that transaction.
+  bool has_watched(std::uint64_t id) const {
+    const auto is_it = [id](const TimeOf& finished) { return finished.id == id; };
+    const auto found = under_way_.find(id);
+    if (found != under_way_.end()) return found->second.transaction.watched;
+    return std::ranges::any_of(finished_, is_it);
+  }
+  void state(Archive& archive);
 
  private:
   static constexpr std::uint64_t kCompletionWordBytes = 4;  // in the host's memory
@@ -188,11 +221,38 @@ class Timeline {
   struct Issued {
     BusTransaction transaction;
     Picoseconds stamp_ps = 0;
+
+    void state(Archive::Record& record) { record(transaction, stamp_ps); }
   };
   std::unordered_map<std::uint64_t, Issued> under_way_;
   std::deque<TimeOf> dsp_queue_;          // those that wait for their turns
   std::optional<std::uint64_t> in_turn_;  // the transaction at the DSP, until dsp_free_ps_
   std::vector<TimeOf> finished_;
 };
+
+// Each transaction that is under way stands in one place.
+inline void Timeline::state(Archive& archive) {
+  archive("bus", bus_);
+  archive.field("times",
+                [this](Archive::Record& record) { record(now_ps_, dsp_free_ps_, dsp_busy_ps_, host_bus_wait_ps_); });
+  std::vector<std::pair<std::uint64_t, Issued>> issued(under_way_.begin(), under_way_.end());
+  std::ranges::sort(issued, {}, &std::pair<std::uint64_t, Issued>::first);
+  archive.list("under_way", issued);
+  archive.list("dsp_queue", dsp_queue_);
+  std::vector<std::uint64_t> turn;
+  if (in_turn_) turn.push_back(*in_turn_);
+  archive.list("in_turn", turn, 1);
+  archive.list("finished", finished_);
+  if (!archive.loads()) return;
+  under_way_.insert(issued.begin(), issued.end());
+  if (!turn.empty()) in_turn_ = turn.front();
+  std::vector<std::uint64_t> places = bus_.transfers(), ids;
+  for (const TimeOf& waiting : dsp_queue_) places.push_back(waiting.id);
+  places.insert(places.end(), turn.begin(), turn.end());
+  for (const auto& [id, transaction] : under_way_) ids.push_back(id);
+  std::ranges::sort(places);
+  std::ranges::sort(ids);
+  archive.expect(places == ids, "under_way", "each transaction in one place", places.size());
+}
 
 }  // namespace gicube::emu

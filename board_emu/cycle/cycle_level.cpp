@@ -75,6 +75,23 @@ void CycleLevel::count(std::vector<wire::Counter>& list) const {
   add_counters(mine, list);
 }
 
+// A machine of another volume's size is dropped before the next run, so it is not in the file.
+void CycleLevel::state(Archive& archive, const std::array<int, 3>& blocks) {
+  if (machine_ && machine_->blocks() != blocks) reset();
+  archive("past_rays", past_rays_);
+  counters_state(archive, "past", past_);
+  archive("caches_sums", caches_sums_);
+  bool has_machine = machine_ != nullptr;
+  archive("has_machine", has_machine);
+  if (!has_machine) return;
+  if (archive.loads()) {
+    archive.expect(blocks[0] > 0, "has_machine", "0 without a volume", 1);
+    machine_ = std::make_unique<Machine>(config_, blocks);
+    machine_->set_observer(observer_);
+  }
+  archive("machine", *machine_);
+}
+
 MachineLook CycleLevel::look() const { return machine_ ? emu::look(*machine_) : MachineLook(); }
 
 }  // namespace gicube::emu

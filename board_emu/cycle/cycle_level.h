@@ -25,6 +25,7 @@ class CycleLevel : public Level {
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;
   MachineLook look() const override;
+  void state(Archive& archive, const std::array<int, 3>& blocks) override;
 
  private:
   Machine& machine_for(const Frame& frame);

@@ -147,6 +147,19 @@ void Machine::stalled() const {
   throw Stall(text.str());
 }
 
+void Machine::state(Archive& archive) {
+  archive.expect_idle(asic_idle() && rays_.under_way() == 0, "the ASIC");
+  archive("now", now_);
+  archive.list("milliseconds", milliseconds_);
+  archive("booked", booked_);
+  archive.parts("processor", processors_);
+  archive.parts("memory", memories_);
+  archive("ray_bus", *ray_bus_);
+  archive("links", *links_);
+  archive("tree", *tree_);
+  archive("dsp", *dsp_);
+}
+
 RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
   for (const auto& processor : processors_) processor->begin(frame);
   dsp_->begin(now_, work, frame, which);

@@ -62,6 +62,8 @@ class Machine {
   struct Millisecond {
     std::uint64_t activations = 0;  // of queues
     std::uint64_t samples = 0;
+
+    void state(Archive::Record& record) { record(activations, samples); }
   };
   // What was done in each simulated millisecond, the last entry for all that come later.
   const std::vector<Millisecond>& milliseconds() const { return milliseconds_; }
@@ -71,6 +73,9 @@ class Machine {
   const Fifo<RayToken>& down() const { return down_; }
   const Fifo<RunPool::Run>& runs() const { return runs_; }
   const Fifo<RayToken>& up() const { return up_; }
+
+  // Between two runs: no ray is under way, so FIFOs, queues and stages are as in a new machine.
+  void state(Archive& archive);
 
  private:
   bool tick();

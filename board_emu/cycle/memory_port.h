@@ -51,6 +51,11 @@ class MemoryPort {
   std::uint32_t devices() const { return channel_->devices(); }
   const dram::Memory& channel() const { return *channel_; }
   dram::Memory& channel() { return *channel_; }
+  void state(Archive& archive) {
+    archive("channel", *channel_);
+    archive.at_most("turn", turn_, clients_.size() - 1);
+    archive("latest", latest_);
+  }
 
  private:
   // The blocks of two processors alternate in the memory that they share.

@@ -11,6 +11,7 @@ namespace gicube::emu {
 
 namespace {
 
+constexpr Cause kLastCause = Cause::kSdram;
 constexpr std::size_t kMaxPackets = 8, kMaxCells = 8;  // of one neighbourhood, and of its irradiance
 
 SorterSetup sorter_setup(const ProcessorConfig& config) {
@@ -258,6 +259,23 @@ bool Processor::idle() const {
          from_bus.empty() && from_left.empty() && from_right.empty() && out_links.empty() && done.empty() &&
          overflow.empty() && !splats_.has_carrier() && writes_.empty() && !cache_.has_changes() &&
          !(cells_ && cells_->has_changes());
+}
+
+void Processor::state(Archive& archive) {
+  archive.expect_idle(idle() && misses_.empty(), "a processor");
+  archive("sorter", sorter_);
+  archive("cache", cache_);
+  if (cells_) archive("cells", *cells_);
+  archive("writes", writes_);
+  archive("splats", splats_);
+  archive.at_most("latest", latest_, kLastCause);
+  archive.field("unfed", [this](Archive::Record& record) {
+    for (Cause& cause : unfed_) record.at_most(cause, kLastCause);
+  });
+  archive("rays", counts_);
+  archive.field("cycles", [this](Archive::Record& record) {
+    record(compute_clock_, causes_, holding_cycles_, fed_, backed_up_, bubble_);
+  });
 }
 
 void Processor::describe(std::ostream& out) const {

@@ -69,6 +69,7 @@ class Processor {
   // No ray is to come: writes what has changed in its cache back, a tile a call.
   void write_rest();
   void describe(std::ostream& out) const;
+  void state(Archive& archive);
 
   // Ends of the FIFOs, for the ray bus, the ring and the merge tree.
   Fifo<RayToken> from_bus{kFifoPlaces};

@@ -72,6 +72,15 @@ class RayEngine {
   // Rays that ended before they were sent.
   const RayCounters& rays() const { return counts_; }
   void describe(std::ostream& out) const;
+  void state(Archive& archive) {
+    archive.expect_idle(outgoing_ == Outgoing::kNothing, "the DSP");
+    archive("core", dsp_);
+    archive("overflows", store_);
+    archive("rays", counts_);
+    archive.field("engine", [this](Archive::Record& record) {
+      record(free_at_, sends_again_, counters_.sent, counters_.taken, counters_.overflows);
+    });
+  }
 
  private:
   DspCycle dsp_cycle(Cycle now) const { return (now * dsp_khz_ + core_khz_ - 1) / core_khz_; }

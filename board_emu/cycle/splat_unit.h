@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "words/archive.h"
 #include "words/clock.h"
 #include "words/words.h"
 
@@ -61,6 +62,12 @@ class SplatUnit {
     ++counters_.carriers;
   }
   const SplatCounters& counters() const { return counters_; }
+  // With no splat in work; the cache may be taken for the last one's cycles still.
+  void state(Archive& archive) {
+    archive.expect_idle(count_ == 0 && !has_carrier(), "the splat unit");
+    archive.field("counters",
+                  [this](Archive::Record& record) { record(counters_.deposits, counters_.carriers, busy_until_); });
+  }
 
  private:
   std::vector<Splat> splats_;

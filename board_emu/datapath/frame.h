@@ -14,6 +14,7 @@
 #include "gicube/wire/ray.h"
 #include "memory/irradiance_memory.h"
 #include "memory/volume_memory.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -118,6 +119,9 @@ struct RayCounters {
   RayCounters operator-(const RayCounters& begin) const {
     RayCounters window = *this;
     return window.each(begin, [](std::uint64_t& mine, std::uint64_t its) { mine -= its; });
+  }
+  void state(Archive::Record& record) {
+    each(*this, [&record](std::uint64_t& mine, std::uint64_t) { record(mine); });
   }
 
  private:

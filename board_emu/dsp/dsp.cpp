@@ -79,9 +79,62 @@ DspCycle Dsp::begin_loop(const DspLoop& loop, DspCycle at) {
   return miss ? fetch(loop, at) : at;
 }
 
+// Loops are compared by their places, which another process does not know.
+void Dsp::adopt(const DspLoop& loop) {
+  const auto is_it = [&loop](const NamedLoop& each) { return each.name == loop.name; };
+  const auto found = std::ranges::find_if(named_, is_it);
+  if (found == named_.end()) return;
+  std::ranges::replace(program_, &found->loop, &loop);
+  std::ranges::replace(linked_, &found->loop, &loop);
+  if (loop_ == &found->loop) loop_ = &loop;
+  *found = {"", found->loop};
+}
+
+void Dsp::state(Archive& archive) {
+  archive("sdram", memory_);
+  archive("data_cache", sets_);
+  std::vector<std::string> names;  // in the order of their code
+  std::vector<std::array<std::uint32_t, 3>> costs;
+  for (const DspLoop* loop : linked_) {
+    names.emplace_back(loop->name);
+    costs.push_back({loop->multiplies, loop->operations, loop->accesses});
+  }
+  archive.texts("loops", names);
+  archive.list("loop_costs", costs, names.size());
+  if (archive.loads()) {
+    archive.expect(costs.size() == names.size(), "loop_costs", std::to_string(names.size()) + " loops", costs.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      NamedLoop& each = named_.emplace_back(names[i]);
+      each.loop = {each.name.c_str(), costs[i][0] & 0xFFFF, costs[i][1] & 0xFFFF, costs[i][2] & 0xFFFF};
+      linked_.push_back(&each.loop);
+    }
+  }
+  const auto place_of = [this](const DspLoop* loop) {
+    return static_cast<std::uint32_t>(std::ranges::find(linked_, loop) - linked_.begin());
+  };
+  std::vector<std::uint32_t> cached;
+  for (const DspLoop* loop : program_) cached.push_back(place_of(loop));
+  auto current = place_of(loop_);
+  archive.list("program_cache", cached, linked_.size());
+  archive.at_most("loop", current, static_cast<std::uint32_t>(linked_.size()));
+  if (archive.loads()) {
+    for (const std::uint32_t place : cached) {
+      archive.expect(place < linked_.size(), "program_cache", "places of loops", place);
+      program_.push_back(linked_[place]);
+    }
+    loop_ = current < linked_.size() ? linked_[current] : nullptr;
+  }
+  archive("written", written_);
+  archive.at_most("next_write", next_write_, kWrites - 1);
+  archive("waited_until", waited_until_);
+  archive("counters", counters_);
+}
+
 DspCycle Dsp::work(const DspTask& task, DspCycle begin) {
   if (task.loop == nullptr || ideal_) return begin;
   DspCycle compute = task.cycles(), there = begin;
+  if (task.loop != loop_ && !named_.empty()) [[unlikely]]
+    adopt(*task.loop);
   if (task.loop != loop_) {
     there = begin_loop(*task.loop, begin);
     compute += task.loop->setup();

@@ -9,11 +9,14 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
+#include <string>
 #include <vector>
 
 #include "dsp/sdram.h"
 #include "gicube/v1/board_config.pb.h"
 #include "levels/dsp_task.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -28,6 +31,7 @@ struct DspCounters {
   std::uint64_t code = 0;     // bytes fetched for the program cache
 
   std::uint64_t busy() const { return compute + waits; }
+  void state(Archive::Record& record) { record(compute, waits, loops, hits, misses, code); }
 };
 
 class Dsp {
@@ -49,12 +53,21 @@ class Dsp {
   const DspCounters& counters() const { return counters_; }
   const sdram::Channel& memory() const { return memory_; }
   sdram::Channel& memory() { return memory_; }
+  void state(Archive& archive);
 
  private:
   struct Line {
     std::uint64_t number = ~std::uint64_t{0};
     bool changed = false;
+
+    void state(Archive::Record& record) { record(number, changed); }
   };
+  // A loop of a checkpoint, until one of its name comes.
+  struct NamedLoop {
+    std::string name;
+    DspLoop loop;
+  };
+  void adopt(const DspLoop& loop);
   DspCycle read(std::uint64_t line, DspCycle at);
   DspCycle write(std::uint64_t line, DspCycle at);
   DspCycle touch(std::uint64_t line, SdramUse::Kind kind, DspCycle at);
@@ -69,6 +82,7 @@ class Dsp {
   std::vector<const DspLoop*> program_;        // that the program cache holds, the latest used first
   std::vector<const DspLoop*> linked_;         // in the order in which they were first used: that of their code
   const DspLoop* loop_ = nullptr;
+  std::deque<NamedLoop> named_;              // those lists may point at them
   std::array<DspCycle, kWrites> written_{};  // when the last writes left the buffer, the oldest at next_write_
   std::size_t next_write_ = 0;
   DspCycle waited_until_ = 0;

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "levels/dsp_task.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -56,6 +57,18 @@ class OverflowStore {
     free_.push_back(place);
     --kept_;
     return {entry.ray, entry.has_slot, DspTask{.loop = &kStoreRay}.with(use(place, SdramUse::Kind::kRead))};
+  }
+  // Between commands it is empty; which place the next ray takes depends on those before.
+  void state(Archive& archive) {
+    archive.expect_idle(kept_ == 0, "the store of overflowed rays");
+    archive.list("free", free_, kPlaces);
+    if (!archive.loads()) return;
+    std::vector<bool> seen(free_.size());
+    for (const std::uint32_t place : free_) {
+      archive.expect(place < seen.size() && !seen[place], "free", "each place once", place);
+      seen[place] = true;
+    }
+    entries_.resize(free_.size());
   }
 
  private:

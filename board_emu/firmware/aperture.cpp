@@ -98,6 +98,27 @@ std::optional<std::vector<std::uint8_t>> Aperture::read(std::uint64_t address, s
   return std::vector(part.begin(), part.end());
 }
 
+void Aperture::state(Archive& archive) {
+  archive("segmentation", segmentation_);
+  archive("gradients", gradients_);
+  archive("materials", materials_);
+  archive.bytes("reflectance_map", reflectance_map_, reflectance_map_.size(), reflectance_map_.size());
+  archive.bytes("empty_flags", empty_flags_, empty_flags_.size(), empty_flags_.size());
+  archive.bytes("absent_flags", absent_flags_, absent_flags_.size(), absent_flags_.size());
+  archive("volume", volume_);
+  if (archive.loads()) {
+    irradiance_.resize(volume_.size());
+    sums_.resize(volume_.size());
+    gradients_changed_ = true;
+  }
+  archive("irradiance", irradiance_);
+  archive("sums", sums_);
+  archive("volume_writes", volume_writes_);
+  archive("segmentation_writes", segmentation_writes_);
+  archive("framebuffer", framebuffer_);
+  archive.bytes("pixels", pixels_, 0, wire::kFramebuffer.bytes);
+}
+
 void Aperture::resize_volume(const std::array<int, 3>& size) {
   volume_.resize(size);
   irradiance_.resize(size);

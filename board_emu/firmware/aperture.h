@@ -13,6 +13,7 @@
 #include "memory/irradiance_memory.h"
 #include "memory/sum_memory.h"
 #include "memory/volume_memory.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -33,6 +34,10 @@ class Table {
 
   std::span<const std::uint8_t> bytes() const { return bytes_; }
   std::span<const Word> words() const { return words_; }
+  void state(Archive& archive) {
+    archive.bytes("bytes", bytes_, bytes_.size(), bytes_.size());
+    if (archive.loads()) refresh(0, words_.size());
+  }
 
  private:
   void refresh(std::size_t begin, std::size_t end) {
@@ -95,6 +100,7 @@ class Aperture {
   Framebuffer& framebuffer() { return framebuffer_; }
   // After a rendering: what the host will read.
   void resolve_framebuffer(unsigned threads) { pixels_ = framebuffer_.packed(threads); }
+  void state(Archive& archive);
 
  private:
   static bool flag(const std::vector<std::uint8_t>& flags, std::size_t block) {

@@ -10,6 +10,7 @@
 #include "gicube/wire/ray.h"
 #include "gicube/wire/voxel.h"
 #include "levels/dsp_task.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -44,6 +45,14 @@ class Framebuffer {
   wire::Pixel pixel(int x, int y) const { return resolve(sums_[index(x, y)]); }
   // All pixels in rows from the top, packed 36 bits each: the host's view of the framebuffer. Made on `threads` threads.
   std::vector<std::uint8_t> packed(unsigned threads = 1) const;
+  void state(Archive& archive) {
+    archive.at_most("width", width_, 0xFFFF);
+    archive.at_most("height", height_, 0xFFFF);
+    archive.at_most("filter", filter_, wire::Filter::kTent);
+    archive.list("sums", sums_, ~std::uint64_t{0});
+    const auto pixels = static_cast<std::uint64_t>(width_) * static_cast<std::uint64_t>(height_);
+    archive.expect(sums_.size() == pixels, "sums", "those of " + std::to_string(pixels) + " pixels", sums_.size());
+  }
   // How many of them a thread packs at a time: even, since two pixels share a byte.
   static std::size_t pixels_at_once(std::size_t pixels, unsigned threads) { return pixels / threads / 2 * 2 + 2; }
 
@@ -52,6 +61,8 @@ class Framebuffer {
     std::uint32_t colour[3] = {0, 0, 0};
     std::uint32_t weight = 0;
     std::uint64_t opacity = 0;
+
+    void state(Archive::Record& record) { record(colour, weight, opacity); }
   };
 
   std::size_t index(int x, int y) const {

@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <deque>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "datapath/scattering.h"
 #include "gicube/wire/command.h"
 #include "gicube/wire/trap.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -60,8 +62,26 @@ class HostTraps : public HostTrapQueue {
   // Rays that the host has and has not answered.
   std::uint64_t out() const { return out_; }
   void answered(std::uint64_t rays) { out_ -= rays; }
+  void state(Archive& archive) {
+    rays_state(archive, "added", added_);
+    rays_state(archive, "waiting", waiting_);
+    archive("out", out_);
+    archive("light", light_);
+    archive.at_most("rules", rules_, wire::EnergyRules::kConserving);
+  }
 
  private:
+  template <typename Rays>
+  static void rays_state(Archive& archive, const char* name, Rays& rays) {
+    std::vector<std::uint8_t> packets;
+    for (const wire::TrappedRay& ray : rays) wire::append(packets, ray);
+    archive.bytes(name, packets, 0, kMax * wire::kTrappedRayBytes);
+    rays.clear();
+    for (std::size_t at = 0; at + wire::kTrappedRayBytes <= packets.size(); at += wire::kTrappedRayBytes) {
+      rays.push_back(wire::decode<wire::TrappedRay>(std::span(packets).subspan(at)));
+    }
+  }
+
   std::mutex mutex_;  // of added_
   std::vector<wire::TrappedRay> added_;
   std::deque<wire::TrappedRay> waiting_;

@@ -12,6 +12,7 @@
 #include "gicube/wire/command.h"
 #include "gicube/wire/ray.h"
 #include "levels/dsp_task.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -41,6 +42,10 @@ class Lamps {
   DspTask task(const wire::Ray& ray) const;
   // A returned ray with the light of the lamp that it sees.
   wire::Ray seen_by(wire::Ray ray) const;
+  void state(Archive& archive) {
+    archive.list("shapes", lamps_, wire::kMaxLamps);
+    archive("spacing", spacing_);
+  }
 
  private:
   struct Shape {
@@ -49,6 +54,8 @@ class Lamps {
     Vector place{};   // physical: a corner, or the centre
     Vector normal{}, along_u{}, along_v{};
     double radius = 0;
+
+    void state(Archive::Record& record) { record(sphere, colour, place, normal, along_u, along_v, radius); }
   };
 
   static bool looks(const wire::Ray& ray) { return ray.generation != 0 && ray.contribution != 0; }

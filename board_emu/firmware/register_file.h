@@ -5,10 +5,12 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "gicube/wire/memory_map.h"
 #include "gicube/wire/pci_config.h"
 #include "gicube/wire/registers.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -19,9 +21,7 @@ class RegisterFile {
   // Read-write registers and STATUS back to their reset values; what set_fixed() set stays.
   void reset() {
     for (const wire::RegisterInfo& info : wire::kRegisterTable) {
-      const bool fixed = info.access == wire::Access::kReadOnly && info.offset != wire::reg::kStatus &&
-                         info.offset != wire::reg::kErrorAddress && info.offset != wire::reg::kId;
-      if (!fixed) words_[info.offset / 4] = info.reset;
+      if (!is_fixed(info)) words_[info.offset / 4] = info.reset;
     }
   }
 
@@ -54,8 +54,20 @@ class RegisterFile {
     words_[wire::reg::kStatus / 4] |= bit;
     words_[wire::reg::kErrorAddress / 4] = address;
   }
+  // But for what follows from the configuration.
+  void state(Archive& archive) {
+    for (const wire::RegisterInfo& info : wire::kRegisterTable) {
+      const bool is_last_refusal = info.offset == wire::reg::kMemoryAsked;
+      if (!is_fixed(info) || is_last_refusal) archive(info.name, words_[info.offset / 4]);
+    }
+  }
 
  private:
+  static bool is_fixed(const wire::RegisterInfo& info) {
+    return info.access == wire::Access::kReadOnly && info.offset != wire::reg::kStatus &&
+           info.offset != wire::reg::kErrorAddress && info.offset != wire::reg::kId;
+  }
+
   std::array<std::uint32_t, wire::kBar0Bytes / 4> words_{};
 };
 
@@ -81,6 +93,16 @@ class PciConfigFile {
       case pci::kBar2High: space_[offset / 4] = value & static_cast<std::uint32_t>(~(kBar2Bytes - 1) >> 32); break;
       case pci::kInterrupt: space_[offset / 4] = (space_[offset / 4] & ~0xFFu) | (value & 0xFFu); break;
       default: break;
+    }
+  }
+  // What write() reaches.
+  void state(Archive& archive) {
+    namespace pci = wire::pci;
+    for (const auto offset :
+         {pci::kCommandStatus, pci::kBar0Register, pci::kBar2Low, pci::kBar2High, pci::kInterrupt}) {
+      std::uint32_t value = space_[offset / 4];
+      archive("register" + std::to_string(offset), value);
+      if (archive.loads()) write(offset, value);
     }
   }
 

@@ -12,6 +12,7 @@
 #include "datapath/scattering.h"
 #include "datapath/waiting_ray.h"
 #include "gicube/wire/command.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -72,6 +73,24 @@ class WaitingRays : public WaitingRayQueue {
       ++out.back().rays;
     }
     return out;
+  }
+  // Of a volume with `blocks`, whose rays are in `extent`.
+  void state(Archive& archive, std::size_t blocks, const Point& extent) {
+    std::vector<std::uint8_t> packets;
+    for (const WaitingRay& each : waiting_) wire::append(packets, each.ray);
+    archive.bytes("packets", packets, 0, kMax * wire::kRayBytes);
+    if (archive.loads()) waiting_.resize(packets.size() / wire::kRayBytes);
+    archive.field("beyond_packets", [this](Archive::Record& record) {
+      for (WaitingRay& each : waiting_) record(each.wide.opacity, each.wide.colour, each.rest, each.block);
+    });
+    archive.at_most("before", before_, waiting_.size());
+    for (std::size_t i = 0; archive.loads() && i < waiting_.size(); ++i) {
+      wire::Ray& ray = waiting_[i].ray;
+      ray = wire::decode<wire::Ray>(std::span(packets).subspan(i * wire::kRayBytes));
+      const Point at{static_cast<std::int32_t>(ray.position[0]), static_cast<std::int32_t>(ray.position[1]),
+                     static_cast<std::int32_t>(ray.position[2])};
+      archive.expect(inside(at, extent) && waiting_[i].block < blocks, "packets", "rays in the volume", i);
+    }
   }
 
  private:

@@ -26,6 +26,7 @@ class FunctionalLevel : public Level {
   void reset() override { tracer_.clear(); }
   RayCounters rays() const override { return rays_; }
   void count(std::vector<wire::Counter>&) const override {}
+  void state(Archive& archive, const std::array<int, 3>&) override { archive("rays", rays_); }
 
  private:
   unsigned threads_;

@@ -35,6 +35,22 @@ void add_counters(const std::vector<wire::Counter>& from, std::vector<wire::Coun
   }
 }
 
+void counters_state(Archive& archive, std::string_view name, std::vector<wire::Counter>& list) {
+  std::vector<std::string> texts;
+  std::vector<std::uint64_t> values;
+  for (const wire::Counter& counter : list) {
+    texts.push_back(counter.name);
+    texts.push_back(counter.unit);
+    values.push_back(counter.value);
+  }
+  archive.texts(std::string(name) + "_names", texts);
+  archive.list(name, values);
+  if (!archive.loads()) return;
+  archive.expect(texts.size() == 2 * values.size(), name, "a value for each name and unit", values.size());
+  list.clear();
+  for (std::size_t i = 0; i < values.size(); ++i) list.push_back({texts[2 * i], texts[2 * i + 1], values[i]});
+}
+
 void add_run(RunResult& to, const RunResult& run, std::uint64_t core_khz) {
   to.cycles += run.cycles;
   to.asic_ps += cycles_to_ps(run.cycles, core_khz);

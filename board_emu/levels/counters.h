@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "levels/level.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -31,6 +32,9 @@ class PartCounters {
 
 // Adds counters to those of the same names.
 void add_counters(const std::vector<wire::Counter>& from, std::vector<wire::Counter>& to);
+
+// As one field of a checkpoint; beside it, their texts.
+void counters_state(Archive& archive, std::string_view name, std::vector<wire::Counter>& list);
 
 // Adds what one run of the ASIC took to that of a command. `core_khz`: of the ASIC's clock.
 void add_run(RunResult& to, const RunResult& run, std::uint64_t core_khz);

@@ -14,6 +14,7 @@
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/counter_list.h"
 #include "levels/ray_source.h"
+#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -82,6 +83,9 @@ class Level {
   virtual void count(std::vector<wire::Counter>& list) const = 0;
   // To be called where all counters hold.
   virtual MachineLook look() const { return {}; }
+
+  // Saves what the level is between two runs, or makes a new level what was saved; the volume has `blocks` along x, y, z.
+  virtual void state(Archive& archive, const std::array<int, 3>& blocks) = 0;
 };
 
 }  // namespace gicube::emu

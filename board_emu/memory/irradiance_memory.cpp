@@ -32,6 +32,21 @@ std::uint32_t* IrradianceMemory::storage(std::size_t block) {
   return words;
 }
 
+void IrradianceMemory::state(Archive& archive) {
+  ++changes_;
+  std::vector<std::size_t> stored;
+  for (std::size_t block = 0; block < words_.size(); ++block) {
+    if (words_[block] != nullptr) stored.push_back(block);
+  }
+  archive.list("stored", stored, words_.size());
+  for (const std::size_t block : stored) {
+    archive.expect(block < words_.size(), "stored", "blocks of the volume", block);
+    archive.field("block" + std::to_string(block), [&](Archive::Record& record) {
+      for (std::uint32_t& word : std::span(storage(block), voxels_and_faces())) record.at_most(word, most_);
+    });
+  }
+}
+
 SharingBlocks IrradianceMemory::blocks_of(const Deposit& deposit) const {
   // Along each axis the blocks from the one before the lower voxel, if that lies on its far face, to the upper voxel's.
   std::array<int, 3> first{}, last{};

@@ -17,6 +17,7 @@
 
 #include "gicube/wire/memory_map.h"
 #include "memory/blocked.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -85,6 +86,8 @@ class IrradianceMemory : public Blocked {
   std::uint64_t bytes() const { return words_.size() * block_bytes(); }
   void write(std::uint64_t offset, std::span<const std::uint8_t> bytes);
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
+  // The words; after resize() to the volume that they belong to.
+  void state(Archive& archive);
 
  private:
   using Words = std::atomic<std::uint32_t*>;

@@ -32,6 +32,33 @@ std::size_t SumMemory::stored_blocks() const {
   return count;
 }
 
+void SumMemory::state(Archive& archive) {
+  constexpr std::uint64_t kMaxBound = std::uint64_t{1} << 40;  // chosen: far above what a command leaves unclipped
+  archive.field("bounds", [&](Archive::Record& record) {
+    for (std::uint64_t& bound : bounds_) record.at_most(bound, kMaxBound);
+    for (std::uint64_t& bound : pairs_bounds_) record.at_most(bound, (std::uint64_t{1} << 31) - 1);
+  });
+  for (auto* const all : {&blocks_words_, &blocks_pairs_}) {
+    const std::string what = all == &blocks_words_ ? "words" : "pairs";
+    std::vector<std::size_t> stored;
+    for (std::size_t block = 0; block < all->size(); ++block) {
+      if ((*all)[block] != nullptr) stored.push_back(block);
+    }
+    archive.list("with_" + what, stored, all->size());
+    for (const std::size_t block : stored) {
+      archive.expect(block < all->size(), "with_" + what, "blocks of the volume", block);
+      if (archive.loads()) (*all)[block] = std::make_unique<std::int64_t[]>(voxels_and_faces());
+      const std::span numbers((*all)[block].get(), voxels_and_faces());
+      archive.field(what + std::to_string(block), [&](Archive::Record& record) { record(numbers); });
+      const std::uint64_t bound = all == &blocks_words_ ? kMaxBound : std::uint64_t{1} << 63;
+      const bool fits = std::ranges::all_of(numbers, [&](std::int64_t number) {
+        return number > -static_cast<std::int64_t>(bound - 1) && number <= static_cast<std::int64_t>(bound - 1);
+      });
+      archive.expect(fits, what + std::to_string(block), "numbers within the bounds", bound);
+    }
+  }
+}
+
 std::int64_t* SumMemory::storage(std::size_t block) {
   auto& words = blocks_words_[block];
   if (words == nullptr) words = std::make_unique<std::int64_t[]>(voxels_and_faces());

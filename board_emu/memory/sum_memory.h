@@ -19,6 +19,7 @@
 #include "gicube/wire/command.h"
 #include "memory/blocked.h"
 #include "memory/irradiance_memory.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -60,6 +61,8 @@ class SumMemory : public Blocked {
   void read(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
   std::size_t stored_blocks() const;
+  // As that of irradiance.
+  void state(Archive& archive);
 
   // Memory of the host's, as IrradianceMemory's: of words and pairs.
   std::uint64_t stored_bytes() const { return stored_blocks() * bytes_of_words(); }

@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "gicube/parallel_for.h"
+#include "gicube/wire/registers.h"
 #include "gicube/wire/voxel.h"
 #include "memory/block_decoder.h"
 
@@ -112,6 +113,32 @@ void VolumeMemory::flip(const BitPlace& place) {
   std::uint8_t& byte = packed_[place.block][place.bit / 8];
   byte = static_cast<std::uint8_t>(byte ^ (1u << place.bit % 8));
   mark_stale(place.block);
+}
+
+void VolumeMemory::state(Archive& archive) {
+  std::array<int, 3> size = size_;
+  archive("size", size);
+  if (archive.loads()) {
+    for (const int edge : size) {
+      const bool fits = edge >= 2 && edge <= static_cast<int>(wire::kMaxVolumeEdge);
+      archive.expect(fits || size == std::array<int, 3>{}, "size", "2 to 1024 voxels, or none",
+                     static_cast<std::uint64_t>(edge));
+    }
+    resize(size);
+  }
+  std::vector<std::size_t> stored;
+  for (std::size_t block = 0; block < packed_.size(); ++block) {
+    if (!packed_[block].empty()) stored.push_back(block);
+  }
+  archive.list("stored", stored, packed_.size());
+  for (const std::size_t block : stored) {
+    archive.expect(block < packed_.size() && packed_[block].empty() == archive.loads(), "stored", "each block once",
+                   block);
+    archive.bytes("block" + std::to_string(block), packed_[block], block_bytes_, block_bytes_);
+  }
+  if (!archive.loads()) return;
+  stored_ = stored.size();
+  std::fill(stale_.begin(), stale_.end(), std::uint8_t{1});
 }
 
 bool VolumeMemory::decode_block(std::size_t block, std::span<const DecodedVoxel> codes, bool only_tags) {

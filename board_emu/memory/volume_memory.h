@@ -14,6 +14,7 @@
 #include "gicube/wire/lut.h"
 #include "memory/blocked.h"
 #include "memory/large_array.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -87,6 +88,8 @@ class VolumeMemory : public Blocked {
   std::span<const std::size_t> first() const { return first_; }
   // Counts the calls of decode() that changed anything, over all volumes.
   std::uint64_t decodings() const { return decodings_; }
+  // Size and words. What is decoded of them is made anew.
+  void state(Archive& archive);
 
  private:
   // With the density's copy at the functional level (functional/simd).

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "gicube/wire/ray.h"
+#include "words/archive.h"
 
 namespace gicube::emu {
 
@@ -64,6 +65,8 @@ struct MemoryError {
   std::uint32_t block = 0;
   std::uint32_t bit = 0;
   bool detected = false;
+
+  void state(Archive::Record& record) { record(block, bit, detected); }
 };
 
 // A ray as the cycle level's FIFOs carry it. The 256-bit packet itself stays in one place (ray_store.h); what travels is its

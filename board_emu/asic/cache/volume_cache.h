@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "words/archive.h"
+
 namespace gicube::emu {
 
 struct CacheShape {
@@ -38,6 +40,8 @@ struct CacheCounters {
   std::uint64_t missed_voxels = 0;        // of the eight a check needs
   std::uint64_t filled_voxels = 0;        // that the packets bring, padding left out
   std::array<std::uint64_t, 9> misses{};  // checks by their missed voxels, 0..8
+
+  void state(Archive::Record& record) { record(checks, packets, missed_voxels, filled_voxels, misses); }
 };
 
 struct Misses {
@@ -89,6 +93,13 @@ class VolumeCache {
 
   std::size_t tiles_of_block() const { return slice_tiles_ * slices_; }
   const CacheCounters& counters() const { return counters_; }
+  // Between commands: no tile has changed.
+  void state(Archive& archive) {
+    archive.expect_idle(changes_ == 0, "a cache that writes back");
+    archive("tags", tags_);
+    if (!changed_.empty()) archive.at_most("cleaned", cleaned_, changed_.size() - 1);
+    archive("counters", counters_);
+  }
 
  private:
   static constexpr std::uint32_t kNothing = ~std::uint32_t{0};

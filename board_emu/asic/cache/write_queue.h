@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <deque>
 
+#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -28,6 +29,8 @@ struct WriteCounters {
   std::uint64_t tiles = 0;     // that changed
   std::uint64_t combined = 0;  // of them, written with an earlier change
   std::uint64_t fetches = 0;   // of them, no longer in the cache
+
+  void state(Archive::Record& record) { record(tiles, combined, fetches); }
 };
 
 class WriteQueue {
@@ -89,6 +92,10 @@ class WriteQueue {
   const TileWrite& next() const { return asked_[sent_]; }
   void send(Cycle now) { asked_[sent_++].sent = now; }
   const WriteCounters& counters() const { return counters_; }
+  void state(Archive& archive) {
+    archive.expect_idle(empty(), "the queue of writes");
+    archive("counters", counters_);
+  }
 
  private:
   bool waits(std::uint32_t block, std::uint32_t tile) const {

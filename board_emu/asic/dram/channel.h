@@ -66,6 +66,19 @@ class Channel {
   }
   // Every command from now on is appended, in the order of placing; null stops it.
   void set_trace(std::vector<IssuedCommand>* sink) { trace_ = sink; }
+  void state(Archive& archive) {
+    archive("devices", devices_);
+    archive.field("wires", [this](Archive::Record& record) {
+      record(wires_, column_wires_, last_precharge_, dq_free_, last_was_write_, last_open_, last_open_was_refresh_);
+    });
+    archive.field("refresh", [this](Archive::Record& record) {
+      record(refresh_count_, refresh_due_, next_event_);
+      static_cast<Derived*>(this)->refresh_state(record);
+    });
+    archive.field("counters", [this](Archive::Record& record) {
+      record(reads_, writes_, misses_, conflicts_, precharges_, turnaround_);
+    });
+  }
 
  protected:
   // True if it had to wait for the wires or the device, not for its bank.

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "asic/dram/constraint.h"
+#include "words/archive.h"
 
 namespace gicube::emu::dram {
 
@@ -81,6 +82,7 @@ class Device {
   // Whatever the state: what commands to this bank and its neighbours allow, and those to the whole device.
   Tcycle bank_ready(Command command, int bank) const { return banks_[place(bank)].ready[index(command)]; }
   Tcycle device_ready(Command command) const { return ready_[index(command)]; }
+  void state(Archive::Record& record) { record(banks_, ready_, open_); }
 
  private:
   using Ready = std::array<Tcycle, kCommands - 1>;  // per command, without kData
@@ -90,6 +92,8 @@ class Device {
     Ready ready{};
     std::int32_t row = kClosed;
     std::uint64_t packets = 0;
+
+    void state(Archive::Record& record) { record(ready, row, packets); }
   };
 
   [[noreturn]] static void refuse_data() {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "asic/dram/constraint.h"
+#include "words/archive.h"
 
 namespace gicube::emu::dram {
 
@@ -76,6 +77,7 @@ class Memory {
   virtual void describe(std::ostream& out) const = 0;  // for a stall report
   // Every command from now on is appended, in the order of placing; null stops it.
   virtual void set_trace(std::vector<IssuedCommand>* sink) = 0;
+  virtual void state(Archive& archive) = 0;
 };
 
 // A standard's layout before its channel.
@@ -97,6 +99,7 @@ class LaidOut final : public Memory {
   std::vector<std::uint64_t> bank_packets() const override { return channel_.bank_packets(); }
   void describe(std::ostream& out) const override { channel_.describe(out); }
   void set_trace(std::vector<IssuedCommand>* sink) override { channel_.set_trace(sink); }
+  void state(Archive& archive) override { channel_.state(archive); }
 
  private:
   Layout layout_;

@@ -59,6 +59,7 @@ class RankChannel : public Channel<RankChannel<Rules>, Rules> {
     }
     this->next_event_ = this->refresh_due_;
   }
+  void refresh_state(Archive::Record& record) { record(refreshed_until_); }
 
   std::vector<Tcycle> refreshed_until_;  // by rank: its first clock for an ACT after the last REF
   std::uint32_t refresh_time_;           // tRFC

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "asic/dram/constraint.h"
+#include "words/archive.h"
 
 namespace gicube::emu::dram {
 
@@ -33,6 +34,7 @@ class GapWires {
     base_ += shift;
     blocked_ |= kOverlaps << (t - base_);
   }
+  void state(Archive::Record& record) { record(base_, blocked_); }
 
  private:
   static constexpr Tcycle kBits = 64;
@@ -71,6 +73,7 @@ class ColumnWires {
   }
   // When the data of a packet that begins at `t` begin.
   Tcycle data(Command command, Tcycle t) const { return t + data_[is_write(command)]; }
+  void state(Archive::Record& record) { record(ready_, other_ready_, last_device_); }
 
  private:
   static constexpr std::size_t is_write(Command command) { return command == Command::kWrite ? 1 : 0; }

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "asic/sim/fifo.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -30,6 +31,7 @@ struct RingCounters {                   // of one processor's two links
   std::uint64_t entry_waits = 0;        // cycles in which a ray of this processor could not enter
 
   std::uint64_t hops() const { return rays[0] + rays[1]; }
+  void state(Archive::Record& record) { record(sent, rays, busy, blocked, entry_waits); }
 };
 
 class Ring {
@@ -63,6 +65,10 @@ class Ring {
   // Rays that crossed the two cuts that halve the ring, in both directions.
   std::uint64_t bisection_rays() const;
   void describe(std::ostream& out) const;
+  void state(Archive& archive) {
+    archive.expect_idle(idle(), "the ring");
+    archive("counters", counters_);
+  }
 
  private:
   static constexpr std::uint32_t kPlacesToEnter = 2;  // bubble flow control

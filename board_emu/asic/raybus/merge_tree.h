@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "asic/sim/fifo.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -40,6 +41,11 @@ class MergeTree {
   std::uint64_t inside() const { return inside_; }
   const MergeTreeCounters& counters() const { return counters_; }
   void describe(std::ostream& out) const;
+  void state(Archive& archive) {
+    archive.expect_idle(idle(), "the merge tree");
+    archive("turns", nodes_);
+    archive.field("counters", [this](Archive::Record& record) { record(counters_.rays, counters_.waits); });
+  }
 
  private:
   struct Node {
@@ -47,6 +53,8 @@ class MergeTree {
     std::array<bool, 2> is_leaf{};
     Fifo<RayToken>* output = nullptr;
     std::uint8_t turn = 0;
+
+    void state(Archive::Record& record) { record.at_most(turn, 1); }
   };
 
   bool work(Cycle now);

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "asic/sim/fifo.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -54,6 +55,8 @@ struct RayBusCounters {
   std::uint64_t run_rays = 0;  // extrapolated from runs
   std::uint64_t busy = 0;      // cycles with a packet on the bus
   std::uint64_t waits = 0;     // cycles without, although a ray or run was there
+
+  void state(Archive::Record& record) { record(rays, runs, run_rays, busy, waits); }
 };
 
 class RayBus {
@@ -71,6 +74,12 @@ class RayBus {
   bool idle() const { return !sending_ && extrapolating_ == 0; }
   const RayBusCounters& counters() const { return counters_; }
   void describe(std::ostream& out) const;
+  void state(Archive& archive) {
+    archive.expect_idle(idle() && !sent_run_ && pool_.in_use() == 0, "the ray bus");
+    archive("turns", listeners_);
+    archive("run_next", run_next_);
+    archive("counters", counters_);
+  }
 
  private:
   struct Buffered {
@@ -82,6 +91,8 @@ class RayBus {
     std::array<Buffered, kRunBuffers> runs;  // the older first
     std::uint32_t count = 0;
     bool run_had_turn = false;
+
+    void state(Archive::Record& record) { record(run_had_turn); }
   };
 
   bool send(Cycle now);

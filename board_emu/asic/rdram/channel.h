@@ -83,6 +83,13 @@ class Channel : public dram::Channel<Channel, Rules> {
     int bank = 0;
     Tcycle due = 0;
   };
+  void refresh_state(Archive::Record& record) {
+    record(closing_.pending);
+    record.at_most(closing_.device, static_cast<std::uint16_t>(devices_.size() - 1));
+    record.at_most(closing_.bank, Rules::kBanks - 1);
+    record(closing_.due, refreshed_.device, refreshed_until_);
+    record.at_most(refreshed_.bank, Rules::kBanks - 1);
+  }
 
   void refresh_until(Tcycle now);
   bool held_by_refresh(const Location& at, Tcycle arrival) const;

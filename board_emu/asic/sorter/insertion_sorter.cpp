@@ -72,6 +72,41 @@ void InsertionSorter::catch_up_to(std::uint32_t position) {
   for (; item != moving_.end(); ++item) move_down(*item, std::min(position, item->slot + steps_));
 }
 
+// All comparisons that are due are made first, so that an item in motion is known by its position. Steps are counted anew.
+void InsertionSorter::state(Archive& archive) {
+  if (!archive.loads()) catch_up();
+  archive.at_most("origin", origin_, ranks_);
+  archive.at_most("size", size_, ranks_);
+  archive("entering", entering_);
+  archive("selected", selected_);
+  archive("inserted", inserted_);
+  archive.list("moving", moving_, ranks_);
+  if (!archive.loads()) return;
+  std::vector<Key> found;
+  for (std::size_t at = 0; at < selected_.size(); ++at) {
+    if (selected_[at] == kHole) continue;
+    archive.expect(at >= origin_ && at < origin_ + ranks_, "selected", "none but at a rank", at);
+    found.push_back(selected_[at]);
+  }
+  std::uint32_t before = origin_ + ranks_ + 1;
+  for (Moving& item : moving_) {
+    archive.expect(item.at >= origin_ && item.at < before, "moving", "ranks from the lowest up", item.at);
+    item.slot = item.at - steps_;
+    before = item.at;
+    found.push_back(item.key);
+  }
+  std::vector<Key> known;
+  for (std::uint32_t queue = 0; queue < inserted_.size(); ++queue) {
+    if (inserted_[queue] == kHole) continue;
+    archive.expect(queue_of(inserted_[queue]) == queue, "inserted", "the key of its queue", inserted_[queue]);
+    known.push_back(inserted_[queue]);
+  }
+  std::ranges::sort(found);
+  std::ranges::sort(known);
+  archive.expect(found == known && found.size() == size_, "size", "each inserted queue in one place", found.size());
+  archive.expect(!entering_ || (!moving_.empty() && moving_.back().at == origin_), "entering", "0", 1);
+}
+
 void InsertionSorter::catch_up() {
   behind_ = 0;
   catch_up_to(std::numeric_limits<std::uint32_t>::max());

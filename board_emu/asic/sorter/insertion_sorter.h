@@ -23,6 +23,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "words/archive.h"
+
 namespace gicube::emu {
 
 class InsertionSorter {
@@ -77,6 +79,8 @@ class InsertionSorter {
   }
   bool moving() const { return !caught_up().moving_.empty(); }
 
+  void state(Archive& archive);
+
  private:
   // Importance above, complement of the queue number below: keys compare as items do.
   using Key = std::uint64_t;
@@ -89,6 +93,8 @@ class InsertionSorter {
     Key key = kHole;         // kHole once it has found its place or was wiped
     std::uint32_t at = 0;    // position of the first comparison not yet made
     std::uint32_t slot = 0;  // position minus steps: where it is by now is slot + steps_
+
+    void state(Archive::Record& record) { record(key, at); }
   };
 
   static Key key(std::uint32_t queue, std::uint32_t importance) { return Key{importance} << 32 | ~queue; }
@@ -164,6 +170,8 @@ class ExactMaximum {
     while (node < leaves_) node = 2 * node + (importance_[2 * node] == importance_[node] ? 0 : 1);
     return node - leaves_;
   }
+  // Between commands no queue has rays.
+  void state(Archive& archive) { archive.expect_idle(importance() == 0, "the sorter"); }
 
  private:
   std::uint32_t leaves_;

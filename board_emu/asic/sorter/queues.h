@@ -49,6 +49,11 @@ class Queues {
   std::uint64_t waiting() const { return waiting_; }
   std::uint32_t slots_taken(std::uint32_t queue) const { return states_[queue].slots; }
   std::uint32_t count() const { return static_cast<std::uint32_t>(states_.size()); }
+  // No ray is here, and no slot is kept for one.
+  bool all_free() const {
+    const auto is_free = [](const State& state) { return state.slots == 0 && state.overflowed == 0; };
+    return waiting_ == 0 && std::all_of(states_.begin(), states_.end(), is_free);
+  }
 
  private:
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};

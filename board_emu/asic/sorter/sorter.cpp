@@ -174,6 +174,25 @@ bool Sorter::accept_others(Cycle now, std::uint32_t turns, std::uint32_t written
   return moved;
 }
 
+void Sorter::state(Archive& archive) {
+  archive.expect_idle(idle() && queues_.all_free() && active_ == kNone, "a sorter");
+  archive.at_most("turn", turn_, 2);
+  archive.at_most("latest_active", latest_active_, queues_.count() - 1);
+  archive("issued_since_active", issued_since_active_);
+  archive("counters", counters_);
+  if (maximum_) return archive("maximum", *maximum_);
+  archive("ranks", *ranks_);
+  std::vector<std::uint32_t> changed;  // in the order of their list
+  for (std::uint32_t queue = dirty_head_; queue != kNone; queue = dirty_[queue].next) changed.push_back(queue);
+  archive.list("changed", changed, queues_.count());
+  if (!archive.loads()) return;
+  for (const std::uint32_t queue : changed) {
+    const bool is_new = queue < queues_.count() && dirty_[queue].next == kUnlisted;
+    archive.expect(is_new, "changed", "queues, each once", queue);
+    list_dirty(queue);
+  }
+}
+
 void Sorter::describe(std::ostream& out) const {
   out << "sorter: " << queues_.waiting() << " rays wait in queues";
   if (has_active()) {

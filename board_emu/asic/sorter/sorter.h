@@ -27,6 +27,7 @@
 #include "asic/sim/fifo.h"
 #include "asic/sorter/insertion_sorter.h"
 #include "asic/sorter/queues.h"
+#include "words/archive.h"
 #include "words/words.h"
 
 namespace gicube::emu {
@@ -72,6 +73,11 @@ struct SorterCounters {
   // Activations by the rays issued in them: entry k counts 2^k .. 2^(k+1) - 1.
   std::array<std::uint64_t, 32> activation_rays{};
   std::array<std::uint64_t, 32> activation_issued{};  // the rays issued in them
+
+  void state(Archive::Record& record) {
+    record(written, conflicts, overflows, kept_slots, issued, activations, inserts, peak_waiting, activation_rays,
+           activation_issued);
+  }
 };
 
 class Sorter {
@@ -96,6 +102,7 @@ class Sorter {
   const SorterCounters& counters() const { return counters_; }
   // One fact a line.
   void describe(std::ostream& out) const;
+  void state(Archive& archive);
 
  private:
   static constexpr std::uint32_t kNone = InsertionSorter::kNoQueue;

@@ -10,8 +10,10 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "gicube/v1/board_config.pb.h"
+#include "words/archive.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -92,6 +94,13 @@ struct BusTransfer {
   Cargo cargo = Cargo::kRegister;
   std::uint64_t bytes = 0;  // 0 takes no time, but keeps its place in its direction
   Picoseconds ready_ps = 0;
+
+  void state(Archive::Record& record) {
+    record(id);
+    record.at_most(kind, TransferKind::kRegisterRead);
+    record.at_most(cargo, Cargo::kCompletion);
+    record(bytes, ready_ps);
+  }
 };
 
 struct BusDelivery {
@@ -109,6 +118,8 @@ struct BusCounters {
   std::uint64_t bursts = 0;
   Picoseconds busy_ps = 0;
   Picoseconds wait_ps = 0;  // ready transfers at the head of their direction that had to wait for the bus
+
+  void state(Archive::Record& record) { record(bytes, transfers, bursts, busy_ps, wait_ps); }
 };
 
 // Of one cargo, both directions.
@@ -117,12 +128,22 @@ struct CargoCounters {
   std::uint64_t transfers = 0;
   Picoseconds time_ps =
       0;  // each transfer from its turn in its direction to its delivery: what it waited and what it took
+
+  void state(Archive::Record& record) { record(bytes, transfers, time_ps); }
 };
 
 class HostBus {
  public:
   explicit HostBus(const BusTiming& timing) : timing_(timing) {}
 
+  // The ids of all transfers, in any order.
+  std::vector<std::uint64_t> transfers() const {
+    std::vector<std::uint64_t> ids;
+    for (const Side& side : sides_) {
+      for (const BusTransfer& transfer : side.queue) ids.push_back(transfer.id);
+    }
+    return ids;
+  }
   bool carries(BusDirection direction, std::uint64_t id) const {
     const auto& queue = side(direction).queue;
     return std::any_of(queue.begin(), queue.end(), [id](const BusTransfer& transfer) { return transfer.id == id; });
@@ -137,6 +158,12 @@ class HostBus {
 
   const BusCounters& counters(BusDirection direction) const { return side(direction).counters; }
   const CargoCounters& counters(Cargo cargo) const { return cargoes_[static_cast<std::size_t>(cargo)]; }
+  void state(Archive& archive) {
+    archive.parts("direction", sides_);
+    archive("cargoes", cargoes_);
+    archive("free", free_ps_);
+    archive.at_most("last", last_, BusDirection::kUp);
+  }
 
  private:
   struct Side {
@@ -146,6 +173,14 @@ class HostBus {
     Picoseconds head_begin_ps = 0;
     Picoseconds last_delivery_ps = 0;  // also when the head's turn began, if it was ready by then
     BusCounters counters;
+
+    void state(Archive& archive) {
+      archive.list("queue", queue);
+      archive.field("head", [this](Archive::Record& record) {
+        record(dwords_left, head_started, head_begin_ps, last_delivery_ps);
+      });
+      archive("counters", counters);
+    }
   };
 
   Side& side(BusDirection direction) { return sides_[static_cast<std::size_t>(direction)]; }

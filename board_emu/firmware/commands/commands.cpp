@@ -91,7 +91,8 @@ RunResult DspCommands::run_level(RaySource& rays, const Frame& frame, Progress& 
   return ran;
 }
 
-Acceptance DspCommands::accept_register(std::uint32_t offset) {
+// Whether the register's value is one that it may have.
+Acceptance DspCommands::range_of(std::uint32_t offset) const {
   const std::uint32_t value = registers_.value(offset);
   const auto within = [value](std::uint32_t low, std::uint32_t high) {
     return value >= low && value <= high ? Acceptance::kTaken : Acceptance::kOutOfRange;
@@ -101,12 +102,7 @@ Acceptance DspCommands::accept_register(std::uint32_t offset) {
     case reg::kVolumeY:
     case reg::kVolumeZ: {
       const bool bricks = minor_version_ >= wire::kBricksMinor;
-      const Acceptance accepted = within(2, bricks ? wire::kMaxVolumeEdge : config_.asic().max_volume_voxels());
-      if (accepted != Acceptance::kTaken) return accepted;
-      const std::uint64_t bytes = Aperture::bytes_of_blocks(volume_size(), config_.asic().block_voxels());
-      if (!fits(aperture_.image_bytes() + bytes)) return Acceptance::kTooMuchMemory;
-      clear_volume();
-      return Acceptance::kTaken;
+      return within(2, bricks ? wire::kMaxVolumeEdge : config_.asic().max_volume_voxels());
     }
     case reg::kSpacingX:
     case reg::kSpacingY:
@@ -118,6 +114,43 @@ Acceptance DspCommands::accept_register(std::uint32_t offset) {
     case reg::kCutPlanes: return within(0, wire::kMaxCutPlanes);
     default: return Acceptance::kTaken;
   }
+}
+
+Acceptance DspCommands::accept_register(std::uint32_t offset) {
+  const Acceptance accepted = range_of(offset);
+  const bool is_size = offset == reg::kVolumeX || offset == reg::kVolumeY || offset == reg::kVolumeZ;
+  if (accepted != Acceptance::kTaken || !is_size) return accepted;
+  const std::uint64_t bytes = Aperture::bytes_of_blocks(volume_size(), config_.asic().block_voxels());
+  if (!fits(aperture_.image_bytes() + bytes)) return Acceptance::kTooMuchMemory;
+  clear_volume();
+  return Acceptance::kTaken;
+}
+
+void DspCommands::state(Archive& archive) {
+  archive("aperture", aperture_);
+  archive("host_traps", host_traps_);
+  archive("lamps", lamps_);
+  const VolumeMemory& volume = aperture_.volume();
+  Point extent{};
+  for (std::size_t axis = 0; axis < 3; ++axis) extent[axis] = (volume.size()[axis] - 1) * wire::kVoxel;
+  archive.within("waiting_rays", [&] { waiting_rays_.state(archive, volume.block_count(), extent); });
+  archive.list("memory_errors", memory_errors_);
+  archive.field("counters", [this](Archive::Record& record) {
+    record(answered_, viewing_rays_, host_rays_, lighting_rays_, pair_rays_, host_traps_total_, waits_total_);
+    record(level_volume_, words_bytes_, memory_asked_bytes_);
+  });
+  if (!archive.loads()) return;
+  archive.expect(volume.size() == volume_size(), "aperture.volume.size", "the VOLUME registers", volume.block_count());
+  archive.expect(volume.stored_blocks() <= capacity_blocks(), "aperture.volume.stored",
+                 "at most " + std::to_string(capacity_blocks()) + " blocks", volume.stored_blocks());
+  for (const wire::RegisterInfo& info : wire::kRegisterTable) {
+    const bool is_unset = registers_.value(info.offset) == info.reset;
+    archive.expect(is_unset || range_of(info.offset) == Acceptance::kTaken, info.name, "a value that can be written",
+                   registers_.value(info.offset));
+  }
+  const bool has_room = !is_limited() || limited_memory() <= max_memory_bytes_;
+  archive.expect(has_room, "aperture", std::to_string(max_memory_mib()) + " MiB (gicube-board --max-memory)",
+                 limited_memory());
 }
 
 std::uint64_t DspCommands::stored_words() {

@@ -82,6 +82,8 @@ class DspCommands {
   Aperture& aperture() { return aperture_; }
   void count(std::vector<wire::Counter>& list) const;
   MachineLook look() const { return level_.look(); }
+  // All but the level; of a checkpoint also what was in `registers`.
+  void state(Archive& archive);
 
  private:
   CommandResult render(std::span<const std::uint8_t> payload, Progress& work);
@@ -91,6 +93,7 @@ class DspCommands {
   CommandResult verify(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult pairs(std::span<const std::uint8_t> payload, Progress& work);
   CommandResult continue_rays(std::span<const std::uint8_t> payload, Progress& work);
+  Acceptance range_of(std::uint32_t offset) const;
   Picoseconds reading_time(std::size_t first, std::size_t count) const;
   [[noreturn]] void meet_memory_error();
   void add_ledger(CommandResult& result, const RayCounters& counts, bool light_in_solid) const;

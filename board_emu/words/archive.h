@@ -1,0 +1,219 @@
+// A board's state, listed once for both directions: each part names its members in `void state(Archive& archive)`, records in
+// `void state(Archive::Record& record)`, so that nothing can be saved and not be restored. Bounds are those that the code relies on.
+//
+// Fields come in one order. A file of another order, or with a value that the board can't have, is refused by the field's name.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace gicube::emu {
+
+// A checkpoint that this board can't go on from; what() names the field, what was expected, and what came.
+class CheckpointFault : public std::runtime_error {
+ public:
+  explicit CheckpointFault(const std::string& what) : std::runtime_error("checkpoint: " + what) {}
+  CheckpointFault(const std::string& field, const std::string& expected, const std::string& got)
+      : CheckpointFault(field + ": expected " + expected + ", got " + got) {}
+};
+
+class Archive {
+ public:
+  // What stands in a file under one name.
+  struct Field {
+    std::string name{};
+    std::vector<std::uint64_t> numbers{};
+    std::string bytes{};
+    std::vector<std::string> texts{};
+  };
+
+  explicit Archive(bool loads) : loads_(loads) {}
+  Archive(const Archive&) = delete;
+  Archive& operator=(const Archive&) = delete;
+  virtual ~Archive() = default;
+
+  bool loads() const { return loads_; }
+  [[noreturn]] void refuse(std::string_view name, const std::string& expected, const std::string& got) const {
+    throw CheckpointFault(prefix_ + std::string(name), expected, got);
+  }
+  // Of what was loaded.
+  void expect(bool good, std::string_view name, const std::string& expected, std::uint64_t got) const {
+    if (!good) refuse(name, expected, std::to_string(got));
+  }
+  // A part that has nothing in work between two transactions, which is therefore not in the file.
+  void expect_idle(bool idle, const char* part) const {
+    if (!idle) throw std::logic_error(std::string("checkpoint: ") + part + " is at work between two transactions");
+  }
+
+  // The numbers of one field.
+  class Record {
+   public:
+    template <typename... Values>
+    void operator()(Values&... values) {
+      (put(values), ...);
+    }
+    template <typename Value>
+    void at_most(Value& value, std::type_identity_t<Value> most) {
+      number(value, number_of(most));
+    }
+    // As many as there are; the elements are default made before they are loaded.
+    template <typename List>
+    void list(List& values, std::uint64_t most) {
+      std::uint64_t count = values.size();
+      number(count, most);
+      if (archive_.loads_) {
+        const std::uint64_t left = numbers_.size() - at_;
+        archive_.expect(count <= left, "", "numbers for " + std::to_string(count) + " elements", left);
+        values.resize(static_cast<std::size_t>(count));
+      }
+      for (auto& value : values) put(value);
+    }
+
+   private:
+    friend Archive;
+    Record(Archive& archive, std::vector<std::uint64_t>& numbers) : archive_(archive), numbers_(numbers) {}
+
+    template <typename Value>
+    void put(Value& value) {
+      if constexpr (requires { value.state(*this); }) {
+        value.state(*this);
+      } else if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
+        number(value, ~std::uint64_t{0});
+      } else if constexpr (requires { value.second; }) {
+        put(value.first);
+        put(value.second);
+      } else {  // of a size that follows from the configuration
+        for (auto& each : value) put(each);
+      }
+    }
+    template <typename Value>
+    static std::uint64_t number_of(Value value) {
+      if constexpr (std::is_same_v<Value, double>) {
+        return std::bit_cast<std::uint64_t>(value);
+      } else if constexpr (std::is_same_v<Value, float>) {
+        return std::bit_cast<std::uint32_t>(value);
+      } else {
+        return static_cast<std::uint64_t>(value);
+      }
+    }
+    template <typename Value>
+    static Value value_of(std::uint64_t number) {
+      if constexpr (std::is_same_v<Value, double>) {
+        return std::bit_cast<double>(number);
+      } else if constexpr (std::is_same_v<Value, float>) {
+        return std::bit_cast<float>(static_cast<std::uint32_t>(number));
+      } else {
+        return static_cast<Value>(number);
+      }
+    }
+    template <typename Value>
+    void number(Value& value, std::uint64_t most) {
+      if (!archive_.loads_) return numbers_.push_back(number_of(value));
+      archive_.expect(at_ < numbers_.size(), "", "more numbers", numbers_.size());
+      const std::uint64_t got = numbers_[at_++];
+      const auto read = value_of<Value>(got);
+      const bool fits = got <= most && number_of(read) == got;
+      if (!fits) {
+        const std::string bound =
+            most == ~std::uint64_t{0} ? std::to_string(8 * sizeof(Value)) + " bits" : "at most " + std::to_string(most);
+        archive_.refuse("", bound + " as number " + std::to_string(at_), std::to_string(got));
+      }
+      value = read;
+    }
+
+    Archive& archive_;
+    std::vector<std::uint64_t>& numbers_;
+    std::size_t at_ = 0;
+  };
+
+  // A part with its fields, or one field: a number, a record, or as many of them as the configuration says.
+  template <typename Value>
+  void operator()(std::string_view name, Value& value) {
+    if constexpr (requires { value.state(*this); }) {
+      within(name, [&] { value.state(*this); });
+    } else {
+      field(name, [&](Record& record) { record(value); });
+    }
+  }
+  template <typename Value>
+  void at_most(std::string_view name, Value& value, std::type_identity_t<Value> most) {
+    field(name, [&](Record& record) { record.at_most(value, most); });
+  }
+  template <typename List>
+  void list(std::string_view name, List& values, std::uint64_t most = std::numeric_limits<std::uint32_t>::max()) {
+    field(name, [&](Record& record) { record.list(values, most); });
+  }
+  // Parts, or pointers to them, each with its number.
+  template <typename Parts>
+  void parts(std::string_view name, Parts& parts) {
+    std::size_t number = 0;
+    for (auto& part : parts) {
+      within(std::string(name) + std::to_string(number++), [&] {
+        if constexpr (requires { part->state(*this); }) {
+          part->state(*this);
+        } else {
+          part.state(*this);
+        }
+      });
+    }
+  }
+  void bytes(std::string_view name, std::vector<std::uint8_t>& bytes, std::uint64_t least, std::uint64_t most) {
+    Field field{.name = prefix_ + std::string(name)};
+    if (!loads_) field.bytes.assign(bytes.begin(), bytes.end());
+    exchange(field);
+    if (!loads_) return;
+    const bool fits = field.bytes.size() >= least && field.bytes.size() <= most;
+    const std::string range = (least == most ? "" : std::to_string(least) + " to ") + std::to_string(most) + " bytes";
+    expect(fits, name, range, field.bytes.size());
+    bytes.assign(field.bytes.begin(), field.bytes.end());
+  }
+  void texts(std::string_view name, std::vector<std::string>& texts) {
+    Field field{.name = prefix_ + std::string(name), .texts = texts};
+    exchange(field);
+    texts = std::move(field.texts);
+  }
+  template <typename List>
+  void field(std::string_view name, const List& list) {
+    within(
+        name,
+        [&] {
+          Field field{.name = prefix_};
+          if (loads_) exchange(field);
+          Record record(*this, field.numbers);
+          list(record);
+          if (loads_) {
+            expect(record.at_ == field.numbers.size(), "", std::to_string(record.at_) + " numbers",
+                   field.numbers.size());
+          } else {
+            exchange(field);
+          }
+        },
+        "");
+  }
+  template <typename Work>
+  void within(std::string_view name, const Work& work, std::string_view after = ".") {
+    const std::size_t before = prefix_.size();
+    prefix_.append(name).append(after);
+    work();
+    prefix_.resize(before);
+  }
+
+ private:
+  // Saving: appends the field. Loading: fills it by what stands under its name, which must be next.
+  virtual void exchange(Field& field) = 0;
+
+  const bool loads_;
+  std::string prefix_;
+};
+
+}  // namespace gicube::emu
