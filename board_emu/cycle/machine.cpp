@@ -25,6 +25,7 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
     each.blocks = blocks;
     each.partition = &partition_;
     each.rays = &rays_;
+    each.watch = &watch_;
     processors_.push_back(std::make_unique<Processor>(each));
   }
   const unsigned sharing = standard_.sharing;
@@ -46,8 +47,9 @@ Machine::Machine(const v1::BoardConfig& config, const std::array<int, 3>& blocks
   }
   ray_bus_ = std::make_unique<RayBus>(down_, runs_, run_pool_, from_bus);
   links_ = std::make_unique<Ring>(config.link().bits(), config.link().rays(), ring);
+  links_->set_listener(&watch_);
   tree_ = std::make_unique<MergeTree>(leaves, up_);
-  dsp_ = std::make_unique<RayEngine>(config, partition_, rays_, RayEnginePorts{down_, runs_, run_pool_, up_});
+  dsp_ = std::make_unique<RayEngine>(config, partition_, rays_, watch_, RayEnginePorts{down_, runs_, run_pool_, up_});
 }
 
 void Machine::invalidate_caches() {
@@ -80,7 +82,7 @@ bool Machine::tick() {
       moved |= processor->tick_pipeline(now_);
     }
     for (const auto& memory : memories_) {
-      moved |= observer_ == nullptr ? memory->tick_ahead(now_) : memory->tick(now_);
+      moved |= is_seen_soon() ? memory->tick(now_) : memory->tick_ahead(now_);
     }
     moved |= tree_->tick(now_);
   } else {
@@ -128,10 +130,10 @@ void Machine::book_millisecond() {
 
 void Machine::skip_to(Cycle cycle) {
   const Cause cause = upstream();
-  const Cycle stride = observer_ == nullptr ? cycle - now_ : 1;  // an observer sees each of them
   while (now_ < cycle) {
+    const Cycle stride = now_ < see_at_ ? std::min(cycle, see_at_) - now_ : 1;
     for (const auto& processor : processors_) processor->account_idle(now_, stride, cause);
-    if (observer_ != nullptr) observer_->see(now_, *this);
+    if (stride == 1) show();
     now_ += stride;
   }
 }
@@ -162,6 +164,9 @@ void Machine::state(Archive& archive) {
 
 RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, RayRange which) {
   for (const auto& processor : processors_) processor->begin(frame);
+  watch_.begin(frame);
+  if (observer_ != nullptr) observer_->begins(now_, *this);
+  ask_observer(now_);
   dsp_->begin(now_, work, frame, which);
   const Cycle begin = now_;
   const std::uint64_t dsp_before = dsp_->dsp().counters().busy();
@@ -183,6 +188,7 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, 
       progress.done = static_cast<std::uint32_t>(dsp_->finished());
       book_millisecond();
       if (progress.may_count) progress.may_count();
+      ask_observer(now_);
       if (progress.cancel) return result(true);
     }
     if (dsp_->keeps_all_rays() && dsp_->free_at() > now_ + 1 && asic_idle()) {
@@ -194,7 +200,7 @@ RunResult Machine::run(RaySource& work, const Frame& frame, Progress& progress, 
       for (const auto& processor : processors_) processor->write_rest();
     }
     if (tick()) moved_at = now_;
-    if (observer_ != nullptr) observer_->see(now_, *this);
+    show();
     if (now_ - moved_at > kStallCycles) stalled();
     ++now_;
   }

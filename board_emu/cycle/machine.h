@@ -5,6 +5,7 @@
 // only counted.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -16,19 +17,13 @@
 #include "asic/raybus/ray_bus.h"
 #include "levels/level.h"
 #include "memory_port.h"
+#include "observer.h"
 #include "processor.h"
 #include "ray_engine.h"
 #include "ray_store.h"
+#include "ray_watch.h"
 
 namespace gicube::emu {
-
-// Sees the machine after each of its cycles.
-class Machine;
-class Observer {
- public:
-  virtual ~Observer() = default;
-  virtual void see(Cycle now, const Machine& machine) = 0;
-};
 
 class Machine {
  public:
@@ -47,7 +42,12 @@ class Machine {
   // The volume's words have changed.
   void invalidate_caches();
 
-  void set_observer(Observer* observer) { observer_ = observer; }
+  // It must outlive the machine, or be taken from it. Null: none.
+  void set_observer(Observer* observer) {
+    observer_ = observer;
+    watch_.set_observer(observer);
+    ask_observer(now_);
+  }
   // For tests: parts tick in an order that is drawn anew each cycle. No result may change by it.
   void shuffle_ticks(std::uint64_t seed) { shuffle_ = seed; }
 
@@ -58,6 +58,7 @@ class Machine {
   const std::vector<std::unique_ptr<Processor>>& processors() const { return processors_; }
   const std::vector<std::unique_ptr<MemoryPort>>& memories() const { return memories_; }
   const RayEngine& dsp() const { return *dsp_; }
+  const RayStore& rays() const { return rays_; }
   const RayBus& ray_bus() const { return *ray_bus_; }
   struct Millisecond {
     std::uint64_t activations = 0;  // of queues
@@ -81,6 +82,15 @@ class Machine {
   bool tick();
   bool tick_part(std::size_t part);
   void skip_to(Cycle cycle);
+  // An observer sees the cycle, if it wants to.
+  void show() {
+    if (now_ < see_at_) [[likely]]
+      return;
+    observer_->see(now_, *this);
+    ask_observer(now_ + 1);
+  }
+  void ask_observer(Cycle from) { see_at_ = observer_ == nullptr ? kNoCycle : std::max(from, observer_->next(from)); }
+  bool is_seen_soon() const { return see_at_ - now_ <= kSeenSoon; }
   // No ray is on it, and no changed irradiance waits for the memory.
   bool asic_idle() const;
   Cause upstream() const;
@@ -92,6 +102,8 @@ class Machine {
   Partition partition_;
   dram::Standard standard_;
   RayStore rays_;
+  Cycle see_at_ = kNoCycle;  // from which on the observer wants to see one
+  RayWatch watch_{*this, rays_, see_at_};
   Fifo<RayToken> down_{kFifoPlaces};
   Fifo<RunPool::Run> runs_{kFifoPlaces};
   RunPool run_pool_;
@@ -102,6 +114,8 @@ class Machine {
   std::unique_ptr<Ring> links_;
   std::unique_ptr<MergeTree> tree_;
   std::unique_ptr<RayEngine> dsp_;
+  // Before a cycle that is seen requests are no longer sent ahead of their cycles. Chosen: far above a memory's waiting requests.
+  static constexpr Cycle kSeenSoon = 4096;
   Observer* observer_ = nullptr;
   std::uint64_t shuffle_ = 0;  // 0 = the usual order
   Cycle now_ = 0;

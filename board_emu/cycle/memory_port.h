@@ -35,6 +35,7 @@ class MemoryPort {
   MemoryPort(const v1::BoardConfig& config, std::vector<MemoryClient> clients, std::size_t blocks);
 
   bool tick(Cycle now) {
+    if (now <= latest_) return false;  // a request of this cycle was sent ahead
     for (const MemoryClient& client : clients_) {
       if (client.can_send(now)) return serve(now);
     }

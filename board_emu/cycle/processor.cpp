@@ -42,6 +42,7 @@ Processor::Processor(const ProcessorConfig& config)
     : number_(config.number),
       partition_(*config.partition),
       rays_(*config.rays),
+      watch_(*config.watch),
       single_queue_(config.board.sorter().queues() == v1::single),
       ideal_memory_(config.board.ideal().memory() != 0),
       two_ports_(config.board.cache().ports() == 2),
@@ -61,7 +62,9 @@ Processor::Processor(const ProcessorConfig& config)
       splats_(std::size_t{config.board.pipeline().prefetch_stages()} + config.board.pipeline().compute_stages() + 1,
               config.board.cache().ports()),
       unfed_(std::bit_ceil(std::size_t{config.board.pipeline().prefetch_stages()} + 1), Cause::kDsp),
-      unfed_mask_(unfed_.size() - 1) {}
+      unfed_mask_(unfed_.size() - 1) {
+  sorter_.set_listener(&watch_);
+}
 
 void Processor::begin(const Frame& frame) {
   frame_ = &frame;
@@ -79,6 +82,7 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
   }
   Fifo<RayToken>* to = &returned_;
   if (token.state == TokenStatus::kGone) {
+    if (token.watched) watch_.tell({.step = RayStep::kGone, .cycle = now, .handle = token.ray, .processor = number_});
     rays_.remove(token.ray);
     to = nullptr;
   } else if (token.state != TokenStatus::kUnderWay) {
@@ -92,7 +96,11 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
   }
   if (to != nullptr) to->push(now, token);
   if (!token.keeps_slot) released_.push(now, ray.from);
-  if (ray.splats) begin_splat(now);
+  if (ray.splats) {
+    if (token.watched) [[unlikely]]
+      tell_deposit(now, token);
+    begin_splat(now);
+  }
   return true;
 }
 
@@ -121,13 +129,20 @@ Cause Processor::enter_compute(Cycle now) {
   if (scatters_or_deposits_ && splats_.takes_cache(now)) return Cause::kSplat;
   InFlight& head = stages_.oldest_prefetching();
   if (head.packets > 0) {
+    const auto waits = [this, &head](Cause cause) {
+      if (head.token.watched) [[unlikely]]
+        watch_.waits(head.token.ray);
+      return cause;
+    };
     const Packet& packet = misses_.oldest();
-    if (packet.arrival > now) return packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss;
-    if (two_ports_) return Cause::kFill;  // one was written, or the port is taken
+    if (packet.arrival > now) return waits(packet.sent < now ? waiting_for(packet.delay) : Cause::kMiss);
+    if (two_ports_) return waits(Cause::kFill);  // one was written, or the port is taken
     misses_.take();
-    if (--head.packets > 0) return Cause::kFill;
+    if (--head.packets > 0) return waits(Cause::kFill);
   }
   const Cause cause = head.sampled ? Cause::kBusy : Cause::kLeap;
+  if (head.token.watched) [[unlikely]]
+    watch_.goes_on({.step = RayStep::kFilled, .cycle = now, .handle = head.token.ray, .processor = number_});
   stages_.start_computing(compute_clock_);
   return cause;
 }
@@ -146,6 +161,8 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
   if (scatters_or_deposits_) rays_.make_room(kMaxCarriers);
   RayUnderWay& ray = rays_[issued.ray];
   RayState& ray_state = ray.ray_state;
+  if (issued.watched) [[unlikely]]
+    watch_.before(ray);
   InFlight& entry = stages_.enter(now);
   // Changed in place: a token put together elsewhere and then copied would stall the host on its partial stores.
   RayToken& token = entry.token;
@@ -206,6 +223,26 @@ void Processor::check_tags(Cycle now, const RayToken& issued) {
     prefetch(view, ray_state.position, low);
   }
   token.keeps_slot = token.state == TokenStatus::kUnderWay && token.processor == number_ && token.queue == entry.from;
+  if (token.watched) [[unlikely]]
+    tell_pass(now, entry, how);
+}
+
+void Processor::tell_deposit(Cycle now, const RayToken& token) {
+  watch_.tell({.step = RayStep::kDeposited,
+               .cycle = now,
+               .handle = token.ray,
+               .processor = number_,
+               .count = splats_.oldest().carriers});
+}
+
+void Processor::tell_pass(Cycle now, const InFlight& entry, Termination how) {
+  watch_.after({.step = entry.sampled ? RayStep::kSampled : RayStep::kLeapt,
+                .cycle = now,
+                .handle = entry.token.ray,
+                .processor = number_,
+                .queue = entry.from,
+                .count = entry.packets},
+               how);
 }
 
 // Both halves of most conditions are always worked out: which of them fails is hard to predict.

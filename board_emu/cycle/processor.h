@@ -27,6 +27,7 @@
 #include "datapath/frame.h"
 #include "datapath/ray_step.h"
 #include "ray_store.h"
+#include "ray_watch.h"
 #include "splat_unit.h"
 
 namespace gicube::emu {
@@ -39,6 +40,7 @@ struct ProcessorConfig {
   std::array<int, 3> blocks{};  // of the volume
   const Partition* partition = nullptr;
   RayStore* rays = nullptr;
+  RayWatch* watch = nullptr;
 };
 
 class Processor {
@@ -100,6 +102,7 @@ class Processor {
   void check_tags(Cycle now, const RayToken& issued);
   Termination after(const Interaction& interaction, const Point& place, RayUnderWay& ray, InFlight& entry);
   void splat_and_carry(const Interaction& interaction, RayUnderWay& ray, InFlight& entry);
+  [[gnu::noinline, gnu::cold]] void watch_carrier(std::uint32_t from, RayToken& carrier);
   bool writes_all_voxels() const { return splat_rule_ != v1::whole_units; }
   Splat& add_splat(std::uint32_t block, InFlight& entry);
   Splat& splat(std::uint32_t block, const Deposit& deposit, InFlight& entry);
@@ -122,10 +125,13 @@ class Processor {
   // Always inlined: GCC takes a function that only prefetches for one without effect and drops its calls.
   [[gnu::always_inline]] void prefetch(const BlockView& view, const Point& position, const Point& low) const;
   Cause bubble(Cause upstream) const;
+  [[gnu::noinline, gnu::cold]] void tell_pass(Cycle now, const InFlight& entry, Termination how);
+  [[gnu::noinline, gnu::cold]] void tell_deposit(Cycle now, const RayToken& token);
 
   const std::uint8_t number_;
   const Partition& partition_;
   RayStore& rays_;
+  RayWatch& watch_;
   const bool single_queue_;
   const bool ideal_memory_;
   const bool two_ports_;

@@ -39,7 +39,14 @@ void Processor::splat_and_carry(const Interaction& interaction, RayUnderWay& ray
     if (sharing.block[i] == block) continue;
     if (work == nullptr) work = &add_splat(block, entry);
     work->carrier[work->carriers++] = carrier(ray.ray_state, interaction, sharing.block[i]);
+    if (entry.token.watched) [[unlikely]]
+      watch_carrier(entry.token.ray, work->carrier[work->carriers - 1]);
   }
+}
+
+void Processor::watch_carrier(std::uint32_t from, RayToken& carrier) {
+  carrier.watched = true;
+  watch_.made_carrier(from, carrier.ray);
 }
 
 Splat& Processor::add_splat(std::uint32_t block, InFlight& entry) {

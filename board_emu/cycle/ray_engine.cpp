@@ -8,9 +8,10 @@
 
 namespace gicube::emu {
 
-RayEngine::RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays,
+RayEngine::RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays, RayWatch& watch,
                      const RayEnginePorts& ports)
     : rays_(rays),
+      watch_(watch),
       ports_(ports),
       core_khz_(config.asic().core_khz()),
       dsp_khz_(config.dsp().clock_khz()),
@@ -44,6 +45,7 @@ RayToken RayEngine::launch(std::uint32_t handle) {
   token.processor = home.processor;
   token.queue = single_queue_ ? 0 : home.number;
   token.contribution = contribution(ray.ray_state);
+  token.watched = watch_.watches(handle);
   return token;
 }
 
@@ -55,6 +57,7 @@ void RayEngine::take_back(Cycle now) {
   }
   if (token.state == TokenStatus::kOverflowed) {
     ++counters_.overflows;
+    tell(now, RayStep::kKept, token);
     carry_out(now, single_queue_ ? store_.keep_ready(token.ray)
                                  : store_.keep(list_of(token.processor, token.queue), token.ray));
     return;
@@ -63,6 +66,7 @@ void RayEngine::take_back(Cycle now) {
     const Scattered scattered = scatter(now, token);
     if (scattered == Scattered::kSentAgain) return;
     if (scattered == Scattered::kWaits) {
+      tell(now, RayStep::kWaits, token);
       rays_.remove(token.ray);
       --under_way_;
       ++finished_;
@@ -71,6 +75,7 @@ void RayEngine::take_back(Cycle now) {
   }
   const wire::Ray ray = pack_ended(rays_[token.ray].ray_state, *frame_);
   work_->take(index_of_[token.ray], ray);
+  tell(now, RayStep::kTaken, token);
   rays_.remove(token.ray);
   --under_way_;
   ++counters_.taken;
@@ -96,6 +101,7 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
   task.more_cycles = answer.cycles;
   carry_out(now, task);
   const Interaction interaction = answer_trap(ray.ray_state, answer, *frame_, counts_);
+  tell(now, RayStep::kScattered, token, answer.cycles);
   if (interaction.outcome == Outcome::kEnded) {
     count_end(ray.ray_state, Termination::kAbsorbed, *frame_, counts_);
     return Scattered::kEnds;
@@ -110,7 +116,7 @@ RayEngine::Scattered RayEngine::scatter(Cycle now, const RayToken& token) {
 }
 
 // Makes the next ray; nothing if it never goes to the ASIC.
-std::optional<RayToken> RayEngine::make() {
+std::optional<RayToken> RayEngine::make(Cycle now) {
   const std::uint64_t index = made_++;
   const auto made = work_->make(index, making_);
   if (!made) {
@@ -136,6 +142,7 @@ std::optional<RayToken> RayEngine::make() {
   if (index_of_.size() <= handle) index_of_.resize(handle + 1);
   index_of_[handle] = index;
   ++under_way_;
+  watch_.made(now, handle, index, *made);
   return launch(handle);
 }
 
@@ -144,7 +151,7 @@ void RayEngine::make_ray(Cycle now) {
   std::uint64_t which = made_;
   do {
     which = made_;
-    ray = make();
+    ray = make(now);
   } while (!ray && work_->misses_are_free() && made_ < end_);
   if (!ray && work_->misses_are_free()) return;
   carry_out(now, work_->making(which));
@@ -159,7 +166,7 @@ void RayEngine::make_run(Cycle now, std::uint64_t last) {
   run_.clear();
   last = std::min(last, made_ + may_be_under_way_ - under_way_);
   while (made_ < last) {
-    if (const auto ray = make()) run_.push_back(*ray);
+    if (const auto ray = make(now)) run_.push_back(*ray);
   }
   if (!run_.empty()) outgoing_ = Outgoing::kRun;
 }
@@ -186,10 +193,12 @@ void RayEngine::send_again(Cycle now) {
 bool RayEngine::send(Cycle now) {
   if (outgoing_ == Outgoing::kRay) {
     if (!ports_.down.can_push(now)) return false;
+    tell(now, RayStep::kSent, ray_, sends_again_ ? 1 : 0);
     ports_.down.push(now, ray_);
     ++counters_.sent;
   } else {
     if (!ports_.runs.can_push(now)) return false;
+    for (const RayToken& ray : run_) tell(now, RayStep::kSent, ray);
     ports_.runs.push(now, ports_.pool.add(run_));
     counters_.sent += run_.size();
   }

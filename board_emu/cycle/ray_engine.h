@@ -21,6 +21,7 @@
 #include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"
 #include "ray_store.h"
+#include "ray_watch.h"
 
 namespace gicube::emu {
 
@@ -39,7 +40,8 @@ struct RayEngineCounters {
 
 class RayEngine {
  public:
-  RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays, const RayEnginePorts& ports);
+  RayEngine(const v1::BoardConfig& config, const Partition& partition, RayStore& rays, RayWatch& watch,
+            const RayEnginePorts& ports);
 
   // Begins with the rays `which` of `work` at core cycle `now`. `work` and `frame` must live until done().
   void begin(Cycle now, RaySource& work, const Frame& frame, RayRange which);
@@ -94,14 +96,19 @@ class RayEngine {
   enum class Outgoing : std::uint8_t { kNothing, kRay, kRun };
 
   bool send(Cycle now);
-  std::optional<RayToken> make();
+  std::optional<RayToken> make(Cycle now);
   void make_rays(Cycle now);
   void send_again(Cycle now);
   void make_ray(Cycle now);
   void make_run(Cycle now, std::uint64_t last);
   RayToken launch(std::uint32_t handle);
+  void tell(Cycle now, RayStep step, const RayToken& token, std::uint64_t count = 0) {
+    if (token.watched) [[unlikely]]
+      watch_.tell({.step = step, .cycle = now, .handle = token.ray, .queue = token.queue, .count = count});
+  }
 
   RayStore& rays_;
+  RayWatch& watch_;
   RayEnginePorts ports_;
   std::uint64_t core_khz_;
   std::uint64_t dsp_khz_;

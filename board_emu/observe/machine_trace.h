@@ -25,15 +25,22 @@ class MachineTrace : public Observer {
   // Process numbers of the file; processor i is kProcessor + i.
   static constexpr int kLinks = 4, kMemory = 5, kProcessor = 10;
 
-  explicit MachineTrace(TraceFile& file) : file_(file) {}
+  // Of the cycles in `window`.
+  explicit MachineTrace(TraceFile& file, const CycleWindow& window = {}) : file_(file), window_(window) {}
 
-  // The next cycle that is seen begins at `at`, on a board of that configuration.
+  // The machine's next run begins at `at`, on a board of that configuration.
   void begin(Picoseconds at, const v1::BoardConfig& config) {
     end();
     begin_ps_ = at;
+    has_begun_ = false;
     core_khz_ = config.asic().core_khz();
     single_queue_ = config.sorter().queues() == v1::single;
   }
+  void begins(Cycle now, const Machine& /*machine*/) override {
+    if (!has_begun_) begin_cycle_ = now;
+    has_begun_ = true;
+  }
+  Cycle next(Cycle from) override { return from < window_.end ? std::max(from, window_.begin) : kNoCycle; }
   void see(Cycle now, const Machine& machine) override {
     if (!seen_) [[unlikely]]
       first_cycle(now, machine);
@@ -44,6 +51,7 @@ class MachineTrace : public Observer {
     }
     next_ = now + 1;
     if (next_ >= next_sample_) sample(machine);
+    if (next_ >= window_.end) end();
   }
   // Closes what is open: the cycle that was seen last was the last of its command.
   void end() {
@@ -88,7 +96,6 @@ class MachineTrace : public Observer {
   Picoseconds time(Cycle cycle) const { return begin_ps_ + cycles_to_ps(cycle - begin_cycle_, core_khz_); }
   void first_cycle(Cycle now, const Machine& machine) {
     seen_ = true;
-    begin_cycle_ = now;
     next_sample_ = now + microsecond();
     name_tracks(machine);
     lanes_.resize(machine.processors().size());
@@ -185,6 +192,7 @@ class MachineTrace : public Observer {
   }
 
   TraceFile& file_;
+  const CycleWindow window_;
   Picoseconds begin_ps_ = 0;
   Picoseconds end_ps_ = 0;
   std::uint64_t core_khz_ = 1;
@@ -192,7 +200,8 @@ class MachineTrace : public Observer {
   Cycle begin_cycle_ = 0;
   Cycle next_ = 0;  // after the one seen last
   Cycle next_sample_ = 0;
-  bool seen_ = false;  // a cycle since begin()
+  bool has_begun_ = false;  // a run since begin()
+  bool seen_ = false;       // a cycle since begin(), of the window
   std::vector<Lane> lanes_;
   std::vector<Rate> packets_;  // by memory
   std::uint64_t on_links_ = 0;

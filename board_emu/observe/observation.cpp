@@ -25,7 +25,7 @@ void name_tracks(TraceFile& trace) {
 
 ObservationOptions for_board(const ObservationOptions& options, std::uint32_t board) {
   ObservationOptions own = options;
-  for (std::string* file : {&own.trace_file, &own.vcd_file}) {
+  for (std::string* file : {&own.trace_file, &own.vcd_file, &own.event_file}) {
     if (board > 0 && !file->empty()) *file += '.' + std::to_string(board);
   }
   return own;
@@ -35,9 +35,21 @@ Observation::Observation(const ObservationOptions& options) : options_(options) 
   if (!options.trace_file.empty()) {
     trace_.emplace(options.trace_file, options.trace_creation);
     name_tracks(*trace_);
-    cycles_.emplace(*trace_);
+    cycles_.emplace(*trace_, options.trace_window);
+    observers_.add(*cycles_);
   }
-  if (!options.vcd_file.empty()) waveform_.emplace(options.vcd_file, options.vcd_window);
+  if (!options.vcd_file.empty()) {
+    waveform_.emplace(options.vcd_file, options.vcd_window);
+    observers_.add(*waveform_);
+  }
+  if (!options.event_file.empty()) {
+    event_file_.emplace(options.event_file);
+    events_.emplace(options.events, [this](const gicube_event& event) {
+      event_file_->add("{}\n", to_json(event));
+      event_file_->end_record();
+    });
+    observers_.add(*events_);
+  }
 }
 
 void Observation::power_up(const v1::BoardConfig& config) {
@@ -52,6 +64,7 @@ void Observation::power_up(const v1::BoardConfig& config) {
     waveform_->end_machine();
     waveform_->set_clock(config.asic().core_khz());
   }
+  if (event_file_) event_file_->flush();
 }
 
 void Observation::host_waited(const char* what, Picoseconds begin, Picoseconds end) {
@@ -84,6 +97,7 @@ std::string Observation::fault() const {
   const auto incomplete = [](const TextFile& file) { return "could not write all of " + file.path(); };
   if (trace_ && !trace_->file().good()) return incomplete(trace_->file());
   if (waveform_ && !waveform_->file().good()) return incomplete(waveform_->file());
+  if (event_file_ && !event_file_->good()) return incomplete(*event_file_);
   return {};
 }
 

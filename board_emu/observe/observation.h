@@ -1,4 +1,5 @@
-// What a board shows of its inside while it works: a trace for Perfetto and a waveform for GTKWave, each if asked for.
+// What a board shows of its inside while it works: a trace for Perfetto, a waveform for GTKWave and a file of events, each if asked
+// for.
 //
 // The machine is seen through observer(). Time goes on in the trace where a power-up sets the board's time back to 0.
 #pragma once
@@ -8,7 +9,9 @@
 
 #include "board/timeline.h"
 #include "cycle/machine.h"
+#include "observe/events.h"
 #include "observe/machine_trace.h"
+#include "observe/observers.h"
 #include "observe/trace_file.h"
 #include "observe/waveform.h"
 
@@ -18,15 +21,18 @@ struct ObservationOptions {
   std::string trace_file{};  // empty = none
   std::string vcd_file{};    // empty = none
   CycleWindow vcd_window{};
+  CycleWindow trace_window{};  // of what the machine's cycles leave in the trace
+  std::string event_file{};    // empty = none
+  Selection events{};
   Creation trace_creation = Creation::kReplaces;
 
-  bool any() const { return !trace_file.empty() || !vcd_file.empty(); }
+  bool any() const { return !trace_file.empty() || !vcd_file.empty() || !event_file.empty(); }
 };
 
 // Board 0 writes the files as they are named, board i > 0 to FILE.i.
 ObservationOptions for_board(const ObservationOptions& options, std::uint32_t board);
 
-class Observation : public BoardObserver, private Observer {
+class Observation : public BoardObserver {
  public:
   // Opens the files; throws std::runtime_error that names the one that can't be.
   explicit Observation(const ObservationOptions& options);
@@ -34,7 +40,7 @@ class Observation : public BoardObserver, private Observer {
   const ObservationOptions& options() const { return options_; }
 
   void power_up(const v1::BoardConfig& config) override;
-  Observer* observer() override { return options_.any() ? this : nullptr; }
+  Observer* observer() override { return observers_.empty() ? nullptr : &observers_; }
   bool places_cycles() const override { return cycles_.has_value(); }
   void begin_command(Picoseconds begin) override {
     if (!cycles_) return;
@@ -42,6 +48,7 @@ class Observation : public BoardObserver, private Observer {
     cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_), config_);
   }
   void end_command() override {
+    if (event_file_) event_file_->flush();
     if (!cycles_) return;
     cycles_->end();
     cycles_free_ps_ = cycles_->end_ps();
@@ -54,16 +61,14 @@ class Observation : public BoardObserver, private Observer {
   std::string fault() const;
 
  private:
-  void see(Cycle now, const Machine& machine) override {
-    if (cycles_) cycles_->see(now, machine);
-    if (waveform_) waveform_->see(now, machine);
-  }
-
   const ObservationOptions options_;
   v1::BoardConfig config_;
   std::optional<TraceFile> trace_;
   std::optional<MachineTrace> cycles_;
   std::optional<Waveform> waveform_;
+  std::optional<TextFile> event_file_;
+  std::optional<Events> events_;
+  Observers observers_;
   Picoseconds origin_ps_ = 0;  // of the board's time in the trace
   Picoseconds host_free_ps_ = 0;
   Picoseconds cycles_free_ps_ = 0;

@@ -4,6 +4,7 @@
 // active queue, busy). The window is written once, by the first machine whose clock comes to it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -13,12 +14,6 @@
 #include "observe/vcd_file.h"
 
 namespace gicube::emu {
-
-// Core cycles of the machine's clock, begin <= cycle < end.
-struct CycleWindow {
-  Cycle begin = 0;
-  Cycle end = 0;
-};
 
 class Waveform : public Observer {
  public:
@@ -31,10 +26,13 @@ class Waveform : public Observer {
 
   // Of the machines from now on.
   void set_clock(std::uint64_t core_khz) { core_khz_ = core_khz; }
+  // The cycle before the window too, to know what was before.
+  Cycle next(Cycle from) override {
+    if (state_ == State::kEnded) return kNoCycle;
+    return std::max(from, std::max<Cycle>(window_.begin, 1) - 1);
+  }
   void see(Cycle now, const Machine& machine) override {
-    if (now + 1 < window_.begin || state_ == State::kEnded) [[likely]]
-      return;
-    record(now, machine);
+    if (state_ != State::kEnded) record(now, machine);
   }
   void end_machine() {
     if (state_ != State::kWriting) return;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
@@ -22,7 +21,7 @@ constexpr std::uint32_t kMaxMib = 1u << 24;     // chosen: 16 TiB
 struct Flags {
   std::string listen, management, config_file;
   std::vector<std::string> overrides;
-  std::string trace_file, trace_dir, vcd_file, vcd_window;
+  std::string trace_file, trace_window, trace_dir, vcd_file, vcd_window, event_file, events_of;
   std::string fault_file;
   std::string box = "auto";
   std::uint32_t resume_seconds = 10;
@@ -111,12 +110,19 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
 
   app.option_defaults()->group("Observation");
   add("--trace", flags.trace_file, "FILE", "write a trace for ui.perfetto.dev; board i > 0 writes FILE.i");
+  add("--trace-window", flags.trace_window, "BEGIN:END",
+      "of what clocked parts do write these core cycles only, END left out");
   add("--trace-dir", flags.trace_dir, "FOLDER",
       "where the management plane may have new traces written; unset: the working folder if that plane is at a\n"
       "unix socket, or else nowhere");
   add("--vcd", flags.vcd_file, "FILE",
       "write a waveform for GTKWave of the window; needs fidelity=cycle; board i > 0 writes FILE.i");
   add("--vcd-window", flags.vcd_window, "BEGIN:END", "core cycles of the machine's clock, END left out");
+
+  add("--events", flags.event_file, "FILE",
+      "write what happens to chosen rays, a JSON object a line; needs fidelity=cycle; board i > 0 writes FILE.i");
+  add("--events-of", flags.events_of, "ITEM,...",
+      "which: pixel=X:Y, rays=BEGIN:END, cycles=BEGIN:END, parts=dsp+sorter+pipeline+links, counters=CYCLES");
 
   app.option_defaults()->group("Faults");
   add("--faults", flags.fault_file, "FILE",
@@ -237,30 +243,54 @@ void read_management(const Flags& flags, Options& options, std::vector<std::stri
   for (const Diagnostic& each : check(*options.management)) errors.push_back(to_string(each));
 }
 
-std::optional<CycleWindow> parse_window(const std::string& text) {
-  CycleWindow window;
-  const char* const end = text.data() + text.size();
-  const auto begin_end = std::from_chars(text.data(), end, window.begin);
-  if (begin_end.ec != std::errc() || begin_end.ptr == end || *begin_end.ptr != ':') return std::nullopt;
-  const auto end_end = std::from_chars(begin_end.ptr + 1, end, window.end);
-  if (end_end.ec != std::errc() || end_end.ptr != end || window.end <= window.begin) return std::nullopt;
-  return window;
+constexpr const char* kWindow = "BEGIN:END in core cycles, with BEGIN < END";
+
+// What needs the cycle level, and is given with or without the flag that says what of it.
+void read_events(const Flags& flags, Options& options, std::vector<std::string>& errors) {
+  if (flags.event_file.empty() != flags.events_of.empty()) {
+    errors.push_back(flags.event_file.empty() ? "--events-of: expected --events FILE beside it, got none"
+                                              : "--events: expected --events-of ITEM,... beside it, got none");
+    return;
+  }
+  if (flags.event_file.empty()) return;
+  options.observation.event_file = flags.event_file;
+  try {
+    options.observation.events = parse_selection(flags.events_of);
+  } catch (const std::invalid_argument& error) {
+    errors.push_back(fmt::format("--events-of: {}", error.what()));
+  }
+  if (options.config.fidelity() != v1::cycle) {
+    errors.push_back(fmt::format("--events: expected fidelity=cycle, got {}: only that level has parts with events",
+                                 v1::FidelityLevel_Name(options.config.fidelity())));
+  }
+  if (flags.event_file == flags.trace_file || flags.event_file == flags.vcd_file) {
+    errors.push_back(fmt::format("--events: expected another file than --trace and --vcd, got {}", flags.event_file));
+  }
+}
+
+void read_trace_window(const Flags& flags, Options& options, std::vector<std::string>& errors) {
+  if (flags.trace_window.empty()) return;
+  const auto window = parse_window(flags.trace_window);
+  if (flags.trace_file.empty()) errors.push_back("--trace-window: expected --trace FILE beside it, got none");
+  if (!window) errors.push_back(fmt::format("--trace-window: expected {}, got {}", kWindow, flags.trace_window));
+  options.observation.trace_window = window.value_or(CycleWindow{});
 }
 
 // After read_config().
 void read_observation(const Flags& flags, Options& options, std::vector<std::string>& errors) {
   options.observation = {.trace_file = flags.trace_file, .vcd_file = flags.vcd_file};
+  read_trace_window(flags, options, errors);
+  read_events(flags, options, errors);
   if (flags.vcd_file.empty()) {
     if (!flags.vcd_window.empty()) errors.push_back("--vcd-window: expected --vcd FILE beside it, got none");
     return;
   }
-  const char* const expected = "BEGIN:END in core cycles, with BEGIN < END";
   if (flags.vcd_window.empty()) {
-    errors.push_back(fmt::format("--vcd: expected --vcd-window {} beside it, got none", expected));
+    errors.push_back(fmt::format("--vcd: expected --vcd-window {} beside it, got none", kWindow));
   } else if (const auto window = parse_window(flags.vcd_window)) {
     options.observation.vcd_window = *window;
   } else {
-    errors.push_back(fmt::format("--vcd-window: expected {}, got {}", expected, flags.vcd_window));
+    errors.push_back(fmt::format("--vcd-window: expected {}, got {}", kWindow, flags.vcd_window));
   }
   if (options.config.fidelity() != v1::cycle) {
     errors.push_back(fmt::format("--vcd: expected fidelity=cycle, got {}: only that level has clocked signals",

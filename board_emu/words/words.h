@@ -81,7 +81,8 @@ struct RayToken {
   // overflow. A ray that goes anywhere else has this false, and the pipeline gives the old slot back (sorter/sorter.h).
   bool keeps_slot = false;
   // No odd tail: 13 bytes are copied by two overlapping moves, and reading those back stalls the host's store buffer.
-  std::array<std::uint8_t, 3> unused{};
+  bool watched = false;  // an observer is told of its steps (asic/sim/ray_event.h)
+  std::array<std::uint8_t, 2> unused{};
 };
 
 inline constexpr int kPlaneFractionBits = 2 * wire::kPositionFractionBits;

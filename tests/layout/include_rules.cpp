@@ -79,6 +79,7 @@ const std::vector<Rule>& rules() {
       {"proto/gicube/access.cpp", {"proto"}, {"fcntl.h", "sys/stat.h", "unistd.h"}},
       {"proto/gicube/whole_file.cpp", {"proto"}, {"fcntl.h", "sys/stat.h", "unistd.h"}},
       {"proto/gicube/bsdf.h", {}, {"stddef.h", "stdint.h"}},  // C
+      {"proto/gicube/observer.h", {}, {"stddef.h", "stdint.h"}},  // C
 
       // Public headers name nothing but themselves and the standard library, so that applications need nothing else.
       {"driver/include",     {"driver/include"}, {}},
@@ -138,7 +139,8 @@ const std::vector<Rule>& rules() {
       room("board_emu/board", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/levels",
                                "board_emu/firmware"}, {"fmt"}),
       // Watches the whole machine, and is watched by none of its parts.
-      room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board"}, {"fmt"}),
+      room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board",
+                                 "board_emu/datapath", "board_emu/levels"}, {"fmt"}),
       {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/box/box.h", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
                               "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},

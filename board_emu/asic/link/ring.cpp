@@ -54,7 +54,16 @@ bool Ring::advance(Link& link, Direction direction, RingCounters& counters, Cycl
     return false;
   }
   to.push(now, link.entry.pop(now));
-  if (arrives) --inside_;
+  if (arrives) {
+    --inside_;
+    if (to.back().watched) [[unlikely]] {
+      listener_->tell({.step = RayStep::kArrived,
+                       .cycle = now,
+                       .handle = to.back().ray,
+                       .processor = link.end,
+                       .queue = to.back().queue});
+    }
+  }
   link.sent = 0;
   ++counters.busy;
   ++counters.rays[direction];
@@ -71,6 +80,14 @@ bool Ring::enter(std::uint32_t processor, Cycle now) {
     return false;
   }
   entry.push(now, from.pop(now));
+  if (entry.back().watched) [[unlikely]] {
+    listener_->tell({.step = RayStep::kLinked,
+                     .cycle = now,
+                     .handle = entry.back().ray,
+                     .processor = static_cast<int>(processor),
+                     .queue = entry.back().queue,
+                     .count = entry.back().processor});
+  }
   ++inside_;
   ++counters_[processor].sent;
   return true;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "asic/sim/fifo.h"
+#include "asic/sim/ray_event.h"
 #include "words/archive.h"
 #include "words/words.h"
 
@@ -50,6 +51,9 @@ class Ring {
 
   Ring(const Ring&) = delete;  // its links point at one another
   Ring& operator=(const Ring&) = delete;
+
+  // Is told of rays that are watched; there must be one if there are such rays.
+  void set_listener(RayListener* listener) { listener_ = listener; }
 
   bool tick(Cycle now) {
     // Mostly no ray is on a link or waits for one.
@@ -93,6 +97,7 @@ class Ring {
   std::array<std::vector<Link>, 2> links_;  // by direction and the processor that sends
   std::vector<RingCounters> counters_;
   std::uint64_t inside_ = 0;
+  RayListener* listener_ = nullptr;
 };
 
 }  // namespace gicube::emu

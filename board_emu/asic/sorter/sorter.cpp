@@ -22,6 +22,10 @@ Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOut
   }
 }
 
+void Sorter::tell(Cycle now, RayStep step, const RayToken& token) const {
+  listener_->tell({.step = step, .cycle = now, .handle = token.ray, .processor = processor_, .queue = queue_of(token)});
+}
+
 inline void Sorter::list_dirty(std::uint32_t queue) {
   dirty_[queue] = {dirty_tail_, kNone};
   (dirty_tail_ == kNone ? dirty_head_ : dirty_[dirty_tail_].next) = queue;
@@ -70,6 +74,8 @@ inline void Sorter::choose_active() {
 inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written) {
   const std::uint32_t queue = queue_of(input.front());
   if (input.front().keeps_slot || queues_.has_slot(queue)) {
+    if (input.front().watched) [[unlikely]]
+      tell(now, RayStep::kQueued, input.front());
     const std::uint32_t waiting = queues_.write(queue, input.pop(now));
     written = queue;
     ++counters_.written;
@@ -80,6 +86,8 @@ inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow, st
   if (!may_overflow || !out_.overflow.can_push(now)) return false;
   RayToken token = input.pop(now);
   token.state = TokenStatus::kOverflowed;
+  if (token.watched) [[unlikely]]
+    tell(now, RayStep::kOverflowed, token);
   out_.overflow.push(now, token);
   if (!bus_waits_) queues_.overflow(queue);
   ++counters_.overflows;
@@ -134,6 +142,8 @@ bool Sorter::work(Cycle now, bool others_come) {
   if (active_ == kNone && queues_.waiting() > 0) choose_active();
   if (active_ != kNone && out_.issue.can_push(now)) {
     out_.issue.push(now, queues_.read(active_));
+    if (out_.issue.back().watched) [[unlikely]]
+      tell(now, RayStep::kIssued, out_.issue.back());
     ++counters_.issued;
     ++issued_since_active_;
     moved = true;

@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "asic/sim/fifo.h"
+#include "asic/sim/ray_event.h"
 #include "asic/sorter/insertion_sorter.h"
 #include "asic/sorter/queues.h"
 #include "words/archive.h"
@@ -84,6 +85,9 @@ class Sorter {
  public:
   Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOutputs& out);
 
+  // Is told of rays that are watched; there must be one if there are such rays.
+  void set_listener(RayListener* listener) { listener_ = listener; }
+
   // True if a ray, a slot or an importance moved. Here is only what an empty sorter needs, without a call.
   bool tick(Cycle now) {
     // Rays stay in a processor for many samples, so that mostly all three are empty.
@@ -126,10 +130,12 @@ class Sorter {
   bool tell_of_slot(Cycle now);
   void modified(std::uint32_t queue);
   bool update_ranks();
+  void tell(Cycle now, RayStep step, const RayToken& token) const;
   void list_dirty(std::uint32_t queue);
   void unlist_dirty(std::uint32_t queue);
 
   std::uint8_t processor_;
+  RayListener* listener_ = nullptr;
   bool single_;
   bool bus_waits_;
   SorterInputs in_;

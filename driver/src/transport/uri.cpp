@@ -23,8 +23,8 @@ const Choice kChoices[] = {{"fidelity", "fidelity", {"functional", "approximate"
                            {"bus", "bus.model", {"pci33", "agp1x", "agp2x", "agp4x"}}};
 // Options that name a file, and the board's flag for each. The capture is the driver's own.
 constexpr std::pair<std::string_view, std::string_view> kFiles[] = {
-    {"config", "--config"},       {"bsdf", "--bsdf"},   {"faults", "--faults"},
-    {"fault_log", "--fault-log"}, {"trace", "--trace"}, {"capture", ""}};
+    {"config", "--config"}, {"bsdf", "--bsdf"},     {"faults", "--faults"}, {"fault_log", "--fault-log"},
+    {"trace", "--trace"},   {"events", "--events"}, {"capture", ""}};
 constexpr unsigned kMaxThreads = 1024;  // chosen: beyond any machine, so a slip of the pen is told from a wish
 
 std::string in_quotes(std::string_view text) { return "\"" + std::string(text) + "\""; }
@@ -85,6 +85,9 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
     if (uri.threads > kMaxThreads)
       throw BadArgument(field, fmt::format("a number from 0 to {}", kMaxThreads), in_quotes(value));
     pass_on("--set", fmt::format("threads={}", uri.threads));
+  } else if (name == "trace_window" || name == "events_of") {  // what they may be is the board's to say
+    if (value.empty()) throw BadArgument(field, "a text", in_quotes(value));
+    pass_on(name == "events_of" ? "--events-of" : "--trace-window", value);
   } else if (name == "set") {  // which fields there are is the board's to say
     const std::size_t equals = value.find('=');
     const bool is_whole = equals != 0 && equals != std::string::npos && equals + 1 != value.size();
@@ -92,7 +95,9 @@ void take_option(const std::string& name, const std::string& value, Uri& uri) {
     pass_on("--set", value);
   } else {
     throw BadArgument("URI option",
-                      "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, trace, capture",
+                      "one of fidelity, bus, pace, threads, config, set, bsdf, faults, fault_log, trace, trace_window, "
+                      "events, events_of, "
+                      "capture",
                       in_quotes(name));
   }
 }
