@@ -221,6 +221,7 @@ bool Board::Parts::command(const wire::FrameHeader& header, std::span<const std:
   }
   CommandResult result = commands.run(payload, work);
   if (observer != nullptr) observer->end_command();
+  if (observer != nullptr && observer->wants_counters()) observer->counted(count());
   if (result.error != ErrorCode::kNone) {
     registers.raise(result.error == ErrorCode::kMemory ? wire::kStatusMemory : wire::kStatusBadCommand, 0);
   }

@@ -1,7 +1,10 @@
 // What a board tells of its inside while it works; observe/ makes files of it.
 #pragma once
 
+#include <vector>
+
 #include "gicube/v1/board_config.pb.h"
+#include "gicube/wire/counter_list.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
@@ -24,6 +27,9 @@ class BoardObserver {
   // The machine's next cycles belong to a command whose turn at the DSP begins at `begin`, until end_command().
   virtual void begin_command(Picoseconds /*begin*/) {}
   virtual void end_command() {}
+  // Whether counted() is to be called at a command's end.
+  virtual bool wants_counters() const { return false; }
+  virtual void counted(const std::vector<wire::Counter>& /*counters*/) {}
 
   // The host waited for the board: "read register", "wait".
   virtual void host_waited(const char* /*what*/, Picoseconds /*begin*/, Picoseconds /*end*/) {}

@@ -138,14 +138,18 @@ void Machine::skip_to(Cycle cycle) {
   }
 }
 
+void Machine::describe(std::ostream& out) const {
+  dsp_->describe(out);
+  ray_bus_->describe(out);
+  links_->describe(out);
+  tree_->describe(out);
+  for (const auto& processor : processors_) processor->describe(out);
+}
+
 void Machine::stalled() const {
   std::ostringstream text;
   text << "stall: nothing has moved on the board for " << kStallCycles << " cycles before core cycle " << now_ << '\n';
-  dsp_->describe(text);
-  ray_bus_->describe(text);
-  links_->describe(text);
-  tree_->describe(text);
-  for (const auto& processor : processors_) processor->describe(text);
+  describe(text);
   throw Stall(text.str());
 }
 

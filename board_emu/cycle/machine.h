@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iosfwd>
 #include <memory>
 #include <vector>
 
@@ -59,6 +60,9 @@ class Machine {
   const std::vector<std::unique_ptr<MemoryPort>>& memories() const { return memories_; }
   const RayEngine& dsp() const { return *dsp_; }
   const RayStore& rays() const { return rays_; }
+  RayStore& rays() { return rays_; }
+  // All parts, a line or some each.
+  void describe(std::ostream& out) const;
   const RayBus& ray_bus() const { return *ray_bus_; }
   struct Millisecond {
     std::uint64_t activations = 0;  // of queues

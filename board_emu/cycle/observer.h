@@ -1,4 +1,5 @@
-// Sees the machine after its cycles, and what happens to the rays that it chooses. Nothing on the board depends on it.
+// Sees the machine after its cycles, and what happens to the rays that it chooses. Nothing on the board depends on it, unless it sets a
+// word on purpose.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ class Observer {
   virtual ~Observer() = default;
 
   // A run of the machine begins with cycle `now`.
-  virtual void begins(Cycle /*now*/, const Machine& /*machine*/) {}
+  virtual void begins(Cycle /*now*/, Machine& /*machine*/) {}
   // The first cycle from `from` on after which see() is to be called; kNoCycle: none. Asked at a run's begin, after each call,
   // after happened(), and every 4096 cycles.
   virtual Cycle next(Cycle from) { return from; }

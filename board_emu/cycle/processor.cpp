@@ -36,6 +36,15 @@ Cause waiting_for(Delay delay) {
   }
 }
 
+// Out of the way of all rays that are not watched.
+[[gnu::noinline, gnu::cold]] void count_wait(RayWatch& watch, std::uint32_t ray) { watch.waits(ray); }
+[[gnu::noinline, gnu::cold]] void tell_filled(RayWatch& watch, Cycle now, std::uint32_t ray, int processor) {
+  watch.goes_on({.step = RayStep::kFilled, .cycle = now, .handle = ray, .processor = processor});
+}
+[[gnu::noinline, gnu::cold]] void tell_gone(RayWatch& watch, Cycle now, std::uint32_t ray, int processor) {
+  watch.tell({.step = RayStep::kGone, .cycle = now, .handle = ray, .processor = processor});
+}
+
 }  // namespace
 
 Processor::Processor(const ProcessorConfig& config)
@@ -82,7 +91,8 @@ bool Processor::deliver(Cycle now, const InFlight& ray) {
   }
   Fifo<RayToken>* to = &returned_;
   if (token.state == TokenStatus::kGone) {
-    if (token.watched) watch_.tell({.step = RayStep::kGone, .cycle = now, .handle = token.ray, .processor = number_});
+    if (token.watched) [[unlikely]]
+      tell_gone(watch_, now, token.ray, number_);
     rays_.remove(token.ray);
     to = nullptr;
   } else if (token.state != TokenStatus::kUnderWay) {
@@ -131,7 +141,7 @@ Cause Processor::enter_compute(Cycle now) {
   if (head.packets > 0) {
     const auto waits = [this, &head](Cause cause) {
       if (head.token.watched) [[unlikely]]
-        watch_.waits(head.token.ray);
+        count_wait(watch_, head.token.ray);
       return cause;
     };
     const Packet& packet = misses_.oldest();
@@ -142,7 +152,7 @@ Cause Processor::enter_compute(Cycle now) {
   }
   const Cause cause = head.sampled ? Cause::kBusy : Cause::kLeap;
   if (head.token.watched) [[unlikely]]
-    watch_.goes_on({.step = RayStep::kFilled, .cycle = now, .handle = head.token.ray, .processor = number_});
+    tell_filled(watch_, now, head.token.ray, number_);
   stages_.start_computing(compute_clock_);
   return cause;
 }

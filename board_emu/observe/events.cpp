@@ -18,7 +18,7 @@ void copy(const From& from, To& to) {
 
 }  // namespace
 
-void Events::begins(Cycle /*now*/, const Machine& /*machine*/) { ++runs_; }
+void Events::begins(Cycle /*now*/, Machine& /*machine*/) { ++runs_; }
 
 Cycle Events::next(Cycle from) {
   const Cycle every = selection_.counters_every;

@@ -18,7 +18,7 @@ class Events : public Observer {
 
   Events(const Selection& selection, Take take) : selection_(selection), take_(std::move(take)) {}
 
-  void begins(Cycle now, const Machine& machine) override;
+  void begins(Cycle now, Machine& machine) override;
   Cycle next(Cycle from) override;
   void see(Cycle now, const Machine& machine) override;
   bool watches(std::uint64_t ray, const wire::Ray& made) override { return selection_.has(ray, made); }

@@ -36,7 +36,7 @@ class MachineTrace : public Observer {
     core_khz_ = config.asic().core_khz();
     single_queue_ = config.sorter().queues() == v1::single;
   }
-  void begins(Cycle now, const Machine& /*machine*/) override {
+  void begins(Cycle now, Machine& /*machine*/) override {
     if (!has_begun_) begin_cycle_ = now;
     has_begun_ = true;
   }

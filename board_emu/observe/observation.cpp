@@ -31,7 +31,9 @@ ObservationOptions for_board(const ObservationOptions& options, std::uint32_t bo
   return own;
 }
 
-Observation::Observation(const ObservationOptions& options) : options_(options) {
+Observation::Observation(const ObservationOptions& options, Debugger* debugger)
+    : options_(options), debugger_(debugger) {
+  if (debugger != nullptr) observers_.add(*debugger);
   if (!options.trace_file.empty()) {
     trace_.emplace(options.trace_file, options.trace_creation);
     name_tracks(*trace_);
@@ -42,9 +44,12 @@ Observation::Observation(const ObservationOptions& options) : options_(options) 
     waveform_.emplace(options.vcd_file, options.vcd_window);
     observers_.add(*waveform_);
   }
-  if (!options.event_file.empty()) {
-    event_file_.emplace(options.event_file);
+  if (!options.event_file.empty()) event_file_.emplace(options.event_file);
+  if (!options.observer_file.empty()) observer_.emplace(options.observer_file, options.is_boxed);
+  if (event_file_ || observer_) {
     events_.emplace(options.events, [this](const gicube_event& event) {
+      if (observer_) observer_->add(event);
+      if (!event_file_) return;
       event_file_->add("{}\n", to_json(event));
       event_file_->end_record();
     });
@@ -55,6 +60,7 @@ Observation::Observation(const ObservationOptions& options) : options_(options) 
 void Observation::power_up(const v1::BoardConfig& config) {
   end_command();
   config_ = config;
+  if (debugger_ != nullptr) debugger_->power_up(config.asic().core_khz(), config.fidelity() == v1::cycle);
   if (trace_) {
     origin_ps_ = host_free_ps_ = cycles_free_ps_ = trace_->latest();
     trace_->instant(kDsp, "power-up", origin_ps_);
@@ -98,6 +104,7 @@ std::string Observation::fault() const {
   if (trace_ && !trace_->file().good()) return incomplete(trace_->file());
   if (waveform_ && !waveform_->file().good()) return incomplete(waveform_->file());
   if (event_file_ && !event_file_->good()) return incomplete(*event_file_);
+  if (observer_) return observer_->fault();
   return {};
 }
 

@@ -9,8 +9,10 @@
 
 #include "board/timeline.h"
 #include "cycle/machine.h"
+#include "observe/debugger.h"
 #include "observe/events.h"
 #include "observe/machine_trace.h"
+#include "observe/observer_process.h"
 #include "observe/observers.h"
 #include "observe/trace_file.h"
 #include "observe/waveform.h"
@@ -23,10 +25,13 @@ struct ObservationOptions {
   CycleWindow vcd_window{};
   CycleWindow trace_window{};  // of what the machine's cycles leave in the trace
   std::string event_file{};    // empty = none
+  std::string
+      observer_file{};  // a shared object (gicube/observer.h); empty = none. Gets all boards' events of a process of its own each
+  bool is_boxed = true;  // that process
   Selection events{};
   Creation trace_creation = Creation::kReplaces;
 
-  bool any() const { return !trace_file.empty() || !vcd_file.empty() || !event_file.empty(); }
+  bool any() const { return !trace_file.empty() || !vcd_file.empty() || !event_file.empty() || !observer_file.empty(); }
 };
 
 // Board 0 writes the files as they are named, board i > 0 to FILE.i.
@@ -35,20 +40,25 @@ ObservationOptions for_board(const ObservationOptions& options, std::uint32_t bo
 class Observation : public BoardObserver {
  public:
   // Opens the files; throws std::runtime_error that names the one that can't be.
-  explicit Observation(const ObservationOptions& options);
+  // `debugger`: sees the machine too; null for none. It must outlive this.
+  explicit Observation(const ObservationOptions& options, Debugger* debugger = nullptr);
 
   const ObservationOptions& options() const { return options_; }
 
   void power_up(const v1::BoardConfig& config) override;
   Observer* observer() override { return observers_.empty() ? nullptr : &observers_; }
-  bool places_cycles() const override { return cycles_.has_value(); }
+  bool places_cycles() const override { return cycles_.has_value() || wants_counters(); }
+  bool wants_counters() const override { return debugger_ != nullptr && debugger_->is_attached(); }
+  void counted(const std::vector<wire::Counter>& counters) override { debugger_->counted(counters); }
   void begin_command(Picoseconds begin) override {
+    if (debugger_ != nullptr) debugger_->begin_command(begin);
     if (!cycles_) return;
     // Only behind a command that broke off, whose turn is shorter than what was seen of it, is this not `begin`.
     cycles_->begin(std::max(origin_ps_ + begin, cycles_free_ps_), config_);
   }
   void end_command() override {
     if (event_file_) event_file_->flush();
+    if (observer_) observer_->flush();
     if (!cycles_) return;
     cycles_->end();
     cycles_free_ps_ = cycles_->end_ps();
@@ -62,11 +72,13 @@ class Observation : public BoardObserver {
 
  private:
   const ObservationOptions options_;
+  Debugger* const debugger_;
   v1::BoardConfig config_;
   std::optional<TraceFile> trace_;
   std::optional<MachineTrace> cycles_;
   std::optional<Waveform> waveform_;
   std::optional<TextFile> event_file_;
+  std::optional<ObserverProcess> observer_;
   std::optional<Events> events_;
   Observers observers_;
   Picoseconds origin_ps_ = 0;  // of the board's time in the trace

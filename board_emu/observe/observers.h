@@ -16,7 +16,7 @@ class Observers final : public Observer {
   void add(Observer& observer) { seats_.push_back({&observer}); }
   bool empty() const { return seats_.empty(); }
 
-  void begins(Cycle now, const Machine& machine) override {
+  void begins(Cycle now, Machine& machine) override {
     watched_by_.clear();
     for (Seat& seat : seats_) seat.observer->begins(now, machine);
   }

@@ -13,7 +13,7 @@ namespace gicube::emu {
 namespace {
 
 constexpr std::array kNames{"connected", "refused",    "unknown", "forbidden", "opened",     "resumed",      "forced",
-                            "closed",    "configured", "reset",   "traced",    "faults_set", "limit_reached"};
+                            "closed",    "configured", "reset",   "traced",    "faults_set", "debugged", "limit_reached"};
 
 // In one line, whatever the bytes are.
 std::string printable(std::string_view text) {

@@ -33,6 +33,7 @@ enum class AuditEvent {
   kReset,
   kTraced,
   kFaultsSet,
+  kDebugged,
   kLimitReached,  // of results, or of the time of a command
 };
 

@@ -100,10 +100,8 @@ void serve(const Options& options, const RoutineTable& routines) {
   std::vector<std::unique_ptr<BoardSlot>> slots;
   std::vector<BoardSlot*> boards;
   for (std::uint32_t i = 0; i < options.boards; ++i) {
-    std::unique_ptr<Observation> observation;
-    if (options.observation.any()) observation = std::make_unique<Observation>(for_board(options.observation, i));
-    slots.push_back(
-        std::make_unique<BoardSlot>(i, options.config, std::move(observation), &routines, options.max_memory_bytes));
+    slots.push_back(std::make_unique<BoardSlot>(i, options.config, for_board(options.observation, i), &routines,
+                                                options.max_memory_bytes));
     FaultPoint& faults = slots.back()->faults();
     faults.set_plan(options.fault_plan);  // has been checked
     const std::string suffix = i == 0 ? "" : fmt::format(".{}", i);

@@ -21,7 +21,7 @@ constexpr std::uint32_t kMaxMib = 1u << 24;     // chosen: 16 TiB
 struct Flags {
   std::string listen, management, config_file;
   std::vector<std::string> overrides;
-  std::string trace_file, trace_window, trace_dir, vcd_file, vcd_window, event_file, events_of;
+  std::string trace_file, trace_window, trace_dir, vcd_file, vcd_window, event_file, observer_file, events_of;
   std::string fault_file;
   std::string box = "auto";
   std::uint32_t resume_seconds = 10;
@@ -121,6 +121,8 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
 
   add("--events", flags.event_file, "FILE",
       "write what happens to chosen rays, a JSON object a line; needs fidelity=cycle; board i > 0 writes FILE.i");
+  add("--observer", flags.observer_file, "FILE",
+      "the same events to a shared object (gicube/observer.h), whose code runs in a process of its own for each board");
   add("--events-of", flags.events_of, "ITEM,...",
       "which: pixel=X:Y, rays=BEGIN:END, cycles=BEGIN:END, parts=dsp+sorter+pipeline+links, counters=CYCLES");
 
@@ -245,25 +247,27 @@ void read_management(const Flags& flags, Options& options, std::vector<std::stri
 
 constexpr const char* kWindow = "BEGIN:END in core cycles, with BEGIN < END";
 
-// What needs the cycle level, and is given with or without the flag that says what of it.
 void read_events(const Flags& flags, Options& options, std::vector<std::string>& errors) {
-  if (flags.event_file.empty() != flags.events_of.empty()) {
-    errors.push_back(flags.event_file.empty() ? "--events-of: expected --events FILE beside it, got none"
-                                              : "--events: expected --events-of ITEM,... beside it, got none");
-    return;
+  const bool is_asked = !flags.event_file.empty() || !flags.observer_file.empty();
+  const char* const flag = flags.event_file.empty() ? "--observer" : "--events";
+  if (is_asked == flags.events_of.empty()) {
+    errors.push_back(is_asked ? fmt::format("{}: expected --events-of ITEM,... beside it, got none", flag)
+                              : "--events-of: expected --events FILE or --observer FILE beside it, got none");
   }
-  if (flags.event_file.empty()) return;
+  if (!is_asked || flags.events_of.empty()) return;
   options.observation.event_file = flags.event_file;
+  options.observation.observer_file = flags.observer_file;
+  options.observation.is_boxed = options.is_boxed;
   try {
     options.observation.events = parse_selection(flags.events_of);
   } catch (const std::invalid_argument& error) {
     errors.push_back(fmt::format("--events-of: {}", error.what()));
   }
   if (options.config.fidelity() != v1::cycle) {
-    errors.push_back(fmt::format("--events: expected fidelity=cycle, got {}: only that level has parts with events",
+    errors.push_back(fmt::format("{}: expected fidelity=cycle, got {}: only that level has parts with events", flag,
                                  v1::FidelityLevel_Name(options.config.fidelity())));
   }
-  if (flags.event_file == flags.trace_file || flags.event_file == flags.vcd_file) {
+  if (!flags.event_file.empty() && (flags.event_file == flags.trace_file || flags.event_file == flags.vcd_file)) {
     errors.push_back(fmt::format("--events: expected another file than --trace and --vcd, got {}", flags.event_file));
   }
 }

@@ -141,6 +141,12 @@ const std::vector<Rule>& rules() {
       // Watches the whole machine, and is watched by none of its parts.
       room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board",
                                  "board_emu/datapath", "board_emu/levels"}, {"fmt"}),
+      // Starts the process of an observer.
+      room("board_emu/observe/observer_process.cpp", {"board_emu/observe"},
+           {"fmt", "poll.h", "signal.h", "spawn.h", "sys/socket.h", "sys/wait.h", "unistd.h"}),
+      room("board_emu/observe/observer_process.h", {}, {"sys/types.h"}),
+      {"board_emu/observe/host", {"board_emu/observe/host", "board_emu/box/box.h", "proto/gicube/observer.h"},
+       {"dlfcn.h", "signal.h", "sys/prctl.h", "unistd.h"}},
       {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/box/box.h", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
                               "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},

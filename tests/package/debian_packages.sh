@@ -25,6 +25,7 @@ dpkg-deb -x "$runtime" "$scratch/root"
 [[ ! -e $scratch/root/usr/include ]]
 test -x "$scratch/root/usr/bin/gicube-board"
 test -x "$scratch/root/usr/libexec/gicube/gicube-bsdf-host"
+test -x "$scratch/root/usr/libexec/gicube/gicube-observer-host"
 gzip -t "$scratch/root/usr/share/man/man1/gicube-board.1.gz" "$scratch/root/usr/share/doc/gicube/changelog.gz"
 test -e "$scratch/root/usr/share/bash-completion/completions/gicube-board"
 test -e "$scratch/root/usr/share/gicube/presets/ct-bone.tf"

@@ -22,7 +22,7 @@ Sorter::Sorter(const SorterSetup& setup, const SorterInputs& in, const SorterOut
   }
 }
 
-void Sorter::tell(Cycle now, RayStep step, const RayToken& token) const {
+[[gnu::noinline, gnu::cold]] void Sorter::tell(Cycle now, RayStep step, const RayToken& token) const {
   listener_->tell({.step = step, .cycle = now, .handle = token.ray, .processor = processor_, .queue = queue_of(token)});
 }
 
@@ -71,7 +71,8 @@ inline void Sorter::choose_active() {
   issued_since_active_ = 0;
 }
 
-inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow, std::uint32_t& written) {
+[[gnu::always_inline]] inline bool Sorter::take(Cycle now, Fifo<RayToken>& input, bool may_overflow,
+                                                std::uint32_t& written) {
   const std::uint32_t queue = queue_of(input.front());
   if (input.front().keeps_slot || queues_.has_slot(queue)) {
     if (input.front().watched) [[unlikely]]

@@ -24,16 +24,17 @@ constexpr const char* kNoMemory = "the system has no memory left for the board";
 
 }  // namespace
 
-BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation,
+BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, const ObservationOptions& observation,
                      const RoutineTable* routines, std::uint64_t max_memory_bytes)
     : index_(index),
       config_(resolve(config)),
       routines_(routines != nullptr ? routines : &built_in_routines()),
       max_memory_bytes_(max_memory_bytes),
-      observation_(std::move(observation)),
+      observation_(std::make_unique<Observation>(observation, &debugger_)),
       board_(BoardSlot::build(config_, observation_.get())) {}
 
 BoardSlot::~BoardSlot() {
+  debugger_.let_go();
   compute_.join();
   log_fault(observation_.get());
 }
@@ -89,6 +90,7 @@ Claim BoardSlot::claim(const Claimant& who) {
 void BoardSlot::ask_to_end(wire::ErrorCode error, const std::string& text) {
   if (!end_session_) return;  // it is asked already
   releasing_ = true;
+  debugger_.let_go();
   std::exchange(end_session_, nullptr)(error, text);
 }
 
@@ -161,8 +163,10 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& r
 BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::string& reason,
                                                 const Cancelled& cancelled) {
   std::unique_lock lock(mutex_);
-  if (observation_ && !observation_->options().vcd_file.empty()) {
-    reason = "trace: expected a board without --vcd, got one that writes " + observation_->options().vcd_file;
+  const ObservationOptions& now = observation_->options();
+  for (const std::string& other : {now.vcd_file, now.event_file, now.observer_file}) {
+    if (other.empty()) continue;
+    reason = "trace: expected a board without --vcd, --events and --observer, got one with " + other;
     return Configured::kFaulty;
   }
   if (is_true(cancelled)) return Configured::kCancelled;
@@ -174,10 +178,10 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   std::unique_ptr<Observation> observation;
   std::unique_ptr<Board> board;
   try {
-    if (!file.empty()) {
-      observation =
-          std::make_unique<Observation>(ObservationOptions{.trace_file = file, .trace_creation = Creation::kNew});
-    }
+    ObservationOptions options;
+    options.trace_file = file;
+    options.trace_creation = Creation::kNew;
+    observation = std::make_unique<Observation>(options, &debugger_);
     board = build(config, observation.get());
     const std::lock_guard swapping(mutex_);
     board_.swap(board);

@@ -48,8 +48,9 @@ struct Claimant {
 
 class BoardSlot {
  public:
-  // `config` must be checked; it is resolved here. `observation`: for this board alone, or null. The rest: as Board's.
-  BoardSlot(std::uint32_t index, const v1::BoardConfig& config, std::unique_ptr<Observation> observation = nullptr,
+  // `config` must be checked; it is resolved here. `observation`: of this board alone. Throws as Observation's constructor. The rest: as
+  // Board's.
+  BoardSlot(std::uint32_t index, const v1::BoardConfig& config, const ObservationOptions& observation = {},
             const RoutineTable* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory);
   virtual ~BoardSlot();
 
@@ -129,6 +130,9 @@ class BoardSlot {
     return config_.pace() == v1::realtime;
   }
 
+  // Of this board; any thread.
+  Debugger& debugger() { return debugger_; }
+
   // What goes wrong between a driver and this board; any thread.
   FaultPoint& faults() { return faults_; }
 
@@ -158,7 +162,7 @@ class BoardSlot {
   // The file that the board writes its trace to; empty: none.
   std::string trace_file() const {
     const std::lock_guard lock(mutex_);
-    return observation_ ? observation_->options().trace_file : std::string();
+    return observation_->options().trace_file;
   }
   // Builds the board anew, to write its trace to a file that is not there yet; empty: to none, and the former file is
   // completed.
@@ -198,6 +202,7 @@ class BoardSlot {
   const RoutineTable* const routines_;
   const std::uint64_t max_memory_bytes_;
   std::atomic<std::uint64_t> held_bytes_ = 0;
+  Debugger debugger_;                         // has a lock of its own
   std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
   std::unique_ptr<Board> board_;
   FaultPoint faults_;  // has a lock of its own

@@ -93,6 +93,8 @@ class TokenCheck final : public grpc::AuthMetadataProcessor {
 
 class Service final : public v1::BoardManagement::Service {
  public:
+  using DebugStream = grpc::ServerReaderWriter<v1::DebugAnswer, v1::DebugRequest>;
+
   // `tokens`: null if nobody is asked for one.
   Service(std::vector<BoardSlot*> boards, const ManagementOptions& options, std::shared_ptr<const TokenCheck> tokens)
       : boards_(std::move(boards)),
@@ -186,6 +188,13 @@ class Service final : public v1::BoardManagement::Service {
     });
   }
 
+  Status Debug(ServerContext* context, DebugStream* stream) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
+    v1::DebugRequest first;
+    if (!stream->Read(&first)) return Status::OK;
+    return on_board(first, [&](BoardSlot& slot) { return debug(*context, first, slot, *stream); });
+  }
+
   void stop() {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
@@ -193,6 +202,29 @@ class Service final : public v1::BoardManagement::Service {
   }
 
  private:
+  Status debug(const ServerContext& context, v1::DebugRequest& request, BoardSlot& slot, DebugStream& stream) {
+    Debugger& debugger = slot.debugger();
+    if (!debugger.attach()) {
+      return noted(AuditEvent::kDebugged, context, slot,
+                   {StatusCode::FAILED_PRECONDITION, fmt::format("another caller debugs board {}", slot.index())});
+    }
+    const Finally detached{[&debugger] { debugger.detach(); }};
+    noted(AuditEvent::kDebugged, context, slot, Status::OK, "attached");
+    do {
+      const Debugger::Answer said = debugger.carry_out(request.line(), given_up(context));
+      // What changes values on the board is in the log.
+      if (!said.is_fault && request.line().starts_with("set ")) {
+        noted(AuditEvent::kDebugged, context, slot, Status::OK, request.line().substr(0, 80));
+      }
+      v1::DebugAnswer answer;
+      answer.set_text(said.text);
+      answer.set_is_fault(said.is_fault);
+      answer.set_stands(said.stands);
+      if (!stream.Write(answer)) break;
+    } while (stream.Read(&request));
+    return Status::OK;
+  }
+
   void note(AuditEvent event, const ServerContext& context, const std::string& what) const {
     if (audit_ != nullptr) audit_->note(event, "management caller " + context.peer(), what);
   }

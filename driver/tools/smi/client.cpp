@@ -119,4 +119,21 @@ void Client::watch(std::uint32_t interval_ms, const std::function<bool(const v1:
   if (goes_on) check(status);
 }
 
+void Client::debug(const std::function<std::optional<std::string>()>& next,
+                   const std::function<void(const v1::DebugAnswer&)>& each) {
+  grpc::ClientContext context;
+  prepare(context, false);
+  const auto stream = stub_->Debug(&context);
+  v1::DebugRequest request;
+  request.set_board(board_);
+  while (const auto line = next()) {
+    request.set_line(*line);
+    v1::DebugAnswer answer;
+    if (!stream->Write(request) || !stream->Read(&answer)) break;
+    each(answer);
+  }
+  stream->WritesDone();
+  check(stream->Finish());
+}
+
 }  // namespace gicube::smi

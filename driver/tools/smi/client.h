@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -34,6 +35,9 @@ class Client {
     check((stub_.get()->*method)(&context, request, &response));
     return response;
   }
+  // Attaches a debugger and sends each line of `next` until it has none; `each` gets the answers. Throws CallFailed.
+  void debug(const std::function<std::optional<std::string>()>& next,
+             const std::function<void(const v1::DebugAnswer&)>& each);
   // Calls `each` for every snapshot until it answers false. Throws CallFailed.
   void watch(std::uint32_t interval_ms, const std::function<bool(const v1::CounterSnapshot&)>& each);
 

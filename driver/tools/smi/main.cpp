@@ -142,6 +142,11 @@ int run(int argc, const char* const* argv) {
                     "the power button: ends the session that owns the board, clears all state");
   add_faults(app, options);
   add_trace(app, options);
+  add_board_command(app, options, smi::debug, "debug",
+                    "stops a board at conditions and looks into it; the board goes on when this ends")
+      ->add_option("script", options.script_file, "lines to carry out; - reads standard input (help lists them)")
+      ->type_name("FILE")
+      ->capture_default_str();
   add_export(app, options);
   add_command(app, options, show, "show",
               "where a PNG, EXR, NRRD, NIfTI or JSON file came from: program, command, board, scene")

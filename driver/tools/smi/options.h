@@ -28,8 +28,9 @@ struct Options {
   std::string plan_file;  // faults set; "-" = standard input
   bool clear_log = false;
   std::string trace_file;
-  std::string listen;      // export: ADDRESS:PORT
-  std::string shown_file;  // show
+  std::string listen;             // export: ADDRESS:PORT
+  std::string shown_file;         // show
+  std::string script_file = "-";  // debug; "-" = standard input
 };
 
 // The command line is wrong: exit code 2.
@@ -53,6 +54,7 @@ int log_faults(const Options& options);
 int show_trace(const Options& options);
 int start_trace(const Options& options);
 int stop_trace(const Options& options);
+int debug(const Options& options);
 int doctor(const Options& options);
 int export_metrics(const Options& options);
 int show(const Options& options);

@@ -190,11 +190,15 @@ TEST_F(TokensOfManagement, ThatMayOnlyReadOrUseChangeNothing) {
     EXPECT_EQ(call(token, &Stub::SetFaultPlan), StatusCode::PERMISSION_DENIED);
     EXPECT_EQ(call(token, &Stub::SetTrace), StatusCode::PERMISSION_DENIED);
     EXPECT_EQ(call(token, &Stub::GetFaultLog, clear), StatusCode::PERMISSION_DENIED);
+    Call context;
+    context.AddMetadata("authorization", "Bearer " + std::string(token));
+    const auto stub = v1::BoardManagement::NewStub(channel_);
+    EXPECT_EQ(stub->Debug(&context)->Finish().error_code(), StatusCode::PERMISSION_DENIED);
   }
   EXPECT_EQ(boards_.all()[0]->info().config.asic().processors(), 4u);
   EXPECT_EQ(call(kToken, &Stub::Configure, configure), StatusCode::OK);
   EXPECT_EQ(call(kToken, &Stub::GetFaultLog, clear), StatusCode::OK);
-  EXPECT_EQ(noted(), "forbidden 10 configured 1 ");
+  EXPECT_EQ(noted(), "forbidden 12 configured 1 ");
 }
 
 TEST_F(TokensOfManagement, WhatTheirHoldersDoIsNoted) {

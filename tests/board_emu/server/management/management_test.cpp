@@ -320,6 +320,36 @@ TEST(Management, WithoutAFolderForThemItWritesNoTraces) {
   EXPECT_THROW(trace_path("", "trace"), std::invalid_argument);
 }
 
+TEST(Management, OneCallerAtATimeDebugsABoardWhichAnswersAllOthers) {
+  ManagedBoards managed;
+  const auto say = [](auto& stream, const std::string& line) {
+    v1::DebugRequest request;
+    request.set_line(line);
+    v1::DebugAnswer answer;
+    stream.Write(request);
+    stream.Read(&answer);
+    return answer;
+  };
+  for (int round = 0; round < 2; ++round) {  // the second is let in when the first has left
+    Call call, other_call;
+    const auto debugger = managed.stub->Debug(&call), other = managed.stub->Debug(&other_call);
+    EXPECT_EQ(say(*debugger, "where").text(), "the board does not stand\n");
+    say(*other, "where");
+    EXPECT_EQ(other->Finish().error_code(), StatusCode::FAILED_PRECONDITION);
+    EXPECT_FALSE(say(*debugger, "break command").is_fault());
+    EXPECT_TRUE(say(*debugger, "break nothing").is_fault());
+    EXPECT_EQ(managed.info().board(), 0u);
+    debugger->WritesDone();
+    EXPECT_TRUE(debugger->Finish().ok());
+  }
+  Call call;
+  const auto nobody = managed.stub->Debug(&call);
+  v1::DebugRequest request;
+  request.set_board(7);
+  nobody->Write(request);
+  EXPECT_EQ(nobody->Finish().error_code(), StatusCode::NOT_FOUND);
+}
+
 TEST(Management, AFaultPlanIsSetShownAndTakenBack) {
   ManagedBoards managed(2);
   const std::string plan = "fault { direction: down message: 1000000 kind: drop }";

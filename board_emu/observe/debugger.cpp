@@ -1,0 +1,329 @@
+#include "observe/debugger.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "cycle/machine_counters.h"
+#include "observe/machine_view.h"
+
+namespace gicube::emu {
+
+namespace {
+
+constexpr std::chrono::milliseconds kCancelCheck{50};           // chosen: how late a client that has left is noticed
+constexpr std::size_t kMaxHistory = 200, kMaxHistories = 1000;  // chosen: lines of a ray; rays
+
+constexpr const char* kHelp =
+    "break cycle N | time 12.5us | ray N | pixel X Y | voxel X Y Z | block X Y Z | queue P Q RAYS | overflow | trap |\n"
+    "      conflict | counter NAME VALUE | command        breaks: lists them; delete N\n"
+    "watch ray N | pixel X Y        keeps the history of rays that are made from now on\n"
+    "continue [SECONDS], step [cycle | sample | ray | command] [N], stop [SECONDS], detach\n"
+    "where, why, parts, queue P [Q], cache P X Y Z, bank MEMORY DEVICE BANK, link, counters [BEGIN]\n"
+    "ray N, history N, set ray N colour R G B | opacity N\n";
+
+// Where nothing but the end of a command can be looked at.
+constexpr const char* kNoCycles =
+    "this level has no cycles: expected break command or break counter, which is looked at when a command ends";
+
+}  // namespace
+
+bool Debugger::attach() {
+  const std::lock_guard lock(mutex_);
+  return !is_attached_.exchange(true);
+}
+
+void Debugger::detach() {
+  const std::lock_guard lock(mutex_);
+  breakpoints_.clear();
+  watched_.clear();
+  histories_.clear();
+  step_.reset();
+  stops_soon_ = stops_at_command_ = false;
+  goes_ = true;
+  is_attached_ = false;
+  changed_.notify_all();
+}
+
+void Debugger::let_go() {
+  const std::lock_guard lock(mutex_);
+  step_.reset();
+  stops_soon_ = stops_at_command_ = false;
+  goes_ = is_let_go_ = true;
+  changed_.notify_all();
+}
+
+void Debugger::power_up(std::uint64_t core_khz, bool has_cycles) {
+  const std::lock_guard lock(mutex_);
+  has_cycles_ = has_cycles;
+  clock_ = {0, 0, core_khz};
+  commands_ = 0;
+  machine_ = nullptr;
+}
+
+void Debugger::begin_command(Picoseconds begin) {
+  if (!is_attached()) return;
+  Lock lock(mutex_);
+  clock_.begin_ps = begin;
+  clock_.begin_cycle = now_;
+  is_first_run_ = true;
+  is_let_go_ = false;
+  machine_ = nullptr;
+  ++commands_;
+  const bool is_break = std::ranges::any_of(breakpoints_, &Breakpoint::on_command);
+  if (!is_break && !std::exchange(stops_at_command_, false) && !(stops_soon_ && !has_cycles_)) return;
+  stand(lock, now_, fmt::format("command {} begins", commands_));
+}
+
+void Debugger::counted(const std::vector<wire::Counter>& counters) {
+  if (!is_attached() || has_cycles_) return;
+  Lock lock(mutex_);
+  machine_ = nullptr;
+  for (Breakpoint& each : breakpoints_) {
+    const auto why = each.on_counters ? each.on_counters(counters) : std::nullopt;
+    if (!why) continue;
+    each.on_counters = nullptr;  // it stays above its threshold
+    return stand(lock, now_, fmt::format("break {} ({}): {}", each.number, each.text, *why));
+  }
+}
+
+void Debugger::begins(Cycle now, Machine& machine) {
+  const std::lock_guard lock(mutex_);
+  machine_ = &machine;
+  now_ = now;
+  if (is_first_run_) clock_.begin_cycle = now;
+  if (std::exchange(is_first_run_, false)) histories_.clear();  // numbers are those of the command's rays
+}
+
+Cycle Debugger::next(Cycle from) {
+  if (!is_attached()) return kNoCycle;
+  const std::lock_guard lock(mutex_);
+  if (stops_soon_) return from;
+  Cycle first = kNoCycle;
+  const auto look_at = [&](const Breakpoint& each) {
+    if (each.on_cycle) first = std::min(first, std::max(from, each.cycle.value_or(from)));
+  };
+  if (step_) look_at(*step_);
+  std::ranges::for_each(breakpoints_, look_at);
+  return first;
+}
+
+void Debugger::see(Cycle now, const Machine& machine) {
+  Lock lock(mutex_);
+  now_ = now;
+  if (!is_attached_) return;
+  if (step_) {
+    if (const auto why = step_->on_cycle(now, machine)) return stand(lock, now, *why);
+  }
+  for (Breakpoint& each : breakpoints_) {
+    if (!each.on_cycle || (each.cycle && now < *each.cycle)) continue;
+    const auto why = each.on_cycle(now, machine);
+    if (!why) continue;
+    // A counter above its threshold and a time that is over stay so.
+    if (each.cycle || each.on_counters) each.on_cycle = nullptr;
+    return stand(lock, now, fmt::format("break {} ({}): {}", each.number, each.text, *why));
+  }
+  if (stops_soon_) stand(lock, now, "stopped");
+}
+
+bool Debugger::watches(std::uint64_t ray, const wire::Ray& made) {
+  if (!is_attached()) return false;
+  const std::lock_guard lock(mutex_);
+  const auto has_it = [&](const Breakpoint& each) { return each.watches && each.watches(ray, made); };
+  return std::ranges::any_of(watched_, has_it) || std::ranges::any_of(breakpoints_, has_it);
+}
+
+void Debugger::happened(const RayEvent& event, const Machine& machine) {
+  Lock lock(mutex_);
+  if (!is_attached_) return;
+  now_ = event.cycle;
+  if (!histories_.contains(event.ray) && histories_.size() >= kMaxHistories) {
+    const auto ended = std::ranges::find_if(histories_, [](const auto& each) { return !each.second.is_under_way; });
+    if (ended != histories_.end()) histories_.erase(ended);
+  }
+  History& history = histories_[event.ray];
+  history.lines.push_back(line_of(event));
+  if (history.lines.size() > kMaxHistory) history.lines.pop_front();
+  if (!event.is_carrier) {
+    history.handle = event.handle;
+    history.is_under_way = event.step != RayStep::kTaken && event.step != RayStep::kWaits;
+  }
+  for (const Breakpoint& each : breakpoints_) {
+    if (!each.on_ray) continue;
+    if (const auto why = each.on_ray(event, machine)) {
+      return stand(lock, event.cycle, fmt::format("break {} ({}): {}", each.number, each.text, *why));
+    }
+  }
+}
+
+// The command's thread stands here.
+void Debugger::stand(Lock& lock, Cycle now, const std::string& why) {
+  if (is_let_go_) return;
+  step_.reset();
+  stops_soon_ = goes_ = false;
+  now_ = now;
+  why_ = why;
+  stands_ = true;
+  ++stops_;
+  changed_.notify_all();
+  last_word_ = std::chrono::steady_clock::now();
+  while (!goes_ && is_attached_ && std::chrono::steady_clock::now() < last_word_ + kMaxStand) {
+    changed_.wait_until(lock, last_word_ + kMaxStand);
+  }
+  stands_ = false;
+  changed_.notify_all();
+}
+
+std::string Debugger::where() {
+  told_ = stops_;
+  if (!stands_) return "the board does not stand\n";
+  const std::string at = machine_ == nullptr ? fmt::format("{} ps", clock_.begin_ps)
+                                             : fmt::format("cycle {}, {} ps", now_, clock_.time(now_));
+  return fmt::format("command {}, {}: {}\n", commands_, at, why_);
+}
+
+// `before`: how often it had stopped.
+std::string Debugger::wait_for_stop(Lock& lock, std::uint64_t before, std::chrono::seconds limit,
+                                    const Cancelled& cancelled) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  while (stops_ == before && !cancelled() && std::chrono::steady_clock::now() < end) {
+    changed_.wait_for(lock, kCancelCheck);
+  }
+  return stops_ != before ? where() : fmt::format("nothing has stopped the board for {} s\n", limit.count());
+}
+
+std::string Debugger::go(const Words& words, Lock& lock, const Cancelled& cancelled) {
+  if (stands_ && told_ != stops_) return where();  // it stopped by itself since the client's last line
+  std::chrono::seconds limit = kMaxContinue;
+  const std::uint64_t before = stops_;
+  if (words[0] == "step") {
+    if (!stands_) throw std::invalid_argument("step: expected a board that stands; break or stop comes first");
+    const std::string unit = words.size() > 1 ? words[1] : "cycle";
+    const std::uint64_t count = words.size() > 2 ? number_at(words, 2, "a number of steps") : 1;
+    if (unit == "command") {
+      stops_at_command_ = true;
+    } else {
+      if (machine_ == nullptr)
+        throw std::invalid_argument("step: expected a command that is under way, or step command");
+      step_ = step_of(unit, count, now_, *machine_);
+    }
+  } else if (words.size() > 1) {
+    limit = std::chrono::seconds(std::min<std::uint64_t>(number_at(words, 1, "seconds"), 86'400));
+  }
+  goes_ = true;
+  changed_.notify_all();
+  return wait_for_stop(lock, before, limit, cancelled);
+}
+
+const Debugger::History& Debugger::history_of(const Words& words, std::size_t at) const {
+  const std::uint64_t ray = number_at(words, at, "a ray's number");
+  const auto found = histories_.find(ray);
+  if (found != histories_.end()) return found->second;
+  throw std::invalid_argument(
+      fmt::format("ray {}: expected one that was watched as it was made, by break or watch", ray));
+}
+
+void Debugger::add(Breakpoint breakpoint) {
+  if (!has_cycles_ && !breakpoint.on_command && !breakpoint.on_counters) throw std::invalid_argument(kNoCycles);
+  breakpoint.number = ++last_number_;
+  breakpoints_.push_back(std::move(breakpoint));
+}
+
+std::string Debugger::answer_standing(const Words& words) {
+  const std::string& what = words[0];
+  if (machine_ == nullptr)
+    throw std::invalid_argument(what + ": expected a command that is under way at fidelity=cycle");
+  if (what == "why") return why_nothing_moves(now_, *machine_);
+  if (what == "counters") {
+    std::vector<wire::Counter> counters;
+    count(*machine_, counters);
+    std::string out;
+    for (const wire::Counter& each : counters) {
+      if (words.size() < 2 || each.name.starts_with(words[1])) out += fmt::format("  {} {}\n", each.name, each.value);
+    }
+    return out;
+  }
+  if (what == "ray") {
+    const History& history = history_of(words, 1);
+    if (!history.is_under_way) return "  has ended\n";
+    return words_of(machine_->rays()[history.handle]);
+  }
+  if (what == "set") {
+    const History& history = history_of(words, 2);
+    if (!history.is_under_way) throw std::invalid_argument("expected a ray under way, got one that has ended");
+    RayUnderWay& ray = machine_->rays()[history.handle];
+    set_word(words, 3, ray);
+    return words_of(ray);
+  }
+  return view_of(words, *machine_);
+}
+
+std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& cancelled) {
+  const std::string& what = words[0];
+  const Words rest(words.begin() + 1, words.end());
+  if (what == "help") return kHelp;
+  if (what == "where") return where();
+  if (what == "continue" || what == "step") return go(words, lock, cancelled);
+  if (what == "stop") {
+    if (stands_) return where();
+    stops_soon_ = stops_at_command_ = true;
+    const std::uint64_t seconds =
+        words.size() > 1 ? std::min<std::uint64_t>(number_at(words, 1, "seconds"), 86'400) : 5;
+    const std::string text = wait_for_stop(lock, stops_, std::chrono::seconds(seconds), cancelled);
+    if (stands_) stops_at_command_ = false;
+    return stands_ ? text : "nothing runs on the board; it will stop at its next command\n";
+  }
+  if (what == "break") {
+    add(parse_breakpoint(rest, clock_));
+    return fmt::format("break {}: {}\n", breakpoints_.back().number, breakpoints_.back().text);
+  }
+  if (what == "watch") {
+    Breakpoint watched = parse_breakpoint(rest, clock_);
+    if (!watched.watches) throw std::invalid_argument("watch: expected ray N or pixel X Y");
+    if (!has_cycles_) throw std::invalid_argument(kNoCycles);
+    watched_.push_back(std::move(watched));
+    return "watches " + watched_.back().text + '\n';
+  }
+  if (what == "breaks") {
+    std::string out;
+    for (const Breakpoint& each : breakpoints_) out += fmt::format("break {}: {}\n", each.number, each.text);
+    return out.empty() ? "no breaks\n" : out;
+  }
+  if (what == "delete") {
+    const std::uint64_t number = number_at(words, 1, "the number of a break");
+    if (std::erase_if(breakpoints_, [number](const Breakpoint& each) { return each.number == number; }) > 0)
+      return "\n";
+    throw std::invalid_argument(fmt::format("break {}: there is none", number));
+  }
+  if (what == "history") {
+    std::string out;
+    for (const std::string& line : history_of(words, 1).lines) out += line;
+    return out;
+  }
+  constexpr std::array kOfMachine{"why", "parts", "queue", "cache", "bank", "link", "counters", "ray", "set"};
+  if (std::ranges::find(kOfMachine, what) == kOfMachine.end()) {
+    throw std::invalid_argument(fmt::format("expected a command as help lists them, got \"{}\"", what));
+  }
+  if (!stands_) throw std::invalid_argument(what + ": expected a board that stands; break or stop comes first");
+  return answer_standing(words);
+}
+
+Debugger::Answer Debugger::carry_out(const std::string& line, const Cancelled& cancelled) {
+  std::istringstream text(line.substr(0, line.find('#')));
+  Words words;
+  for (std::string word; text >> word;) words.push_back(word);
+  Lock lock(mutex_);
+  last_word_ = std::chrono::steady_clock::now();
+  if (words.empty()) return {"", false, stands_};
+  try {
+    std::string said = answer(words, lock, cancelled);
+    return {std::move(said), false, stands_};
+  } catch (const std::exception& error) {
+    return {std::string(error.what()) + '\n', true, stands_};
+  }
+}
+
+}  // namespace gicube::emu
