@@ -53,8 +53,7 @@ constexpr Picoseconds kEndOfTime = Picoseconds{1} << 62;
 
 const char* command_name(std::span<const std::uint8_t> payload) {
   const std::uint32_t opcode = payload.size() >= 4 ? wire::load<std::uint32_t>(payload, 0) : 0;
-  const bool known = opcode >= 1 && opcode <= static_cast<std::uint32_t>(wire::Opcode::kContinue);
-  return kTurnNames[known ? opcode : 1];
+  return wire::kOpcodeNames[opcode < wire::kOpcodeNames.size() ? opcode : 0];
 }
 
 const char* wait_name(FrameType type) {
@@ -86,6 +85,7 @@ struct Board::Parts {
     commands.set_max_memory(max_memory_bytes);
     if (observer != nullptr) {
       observer->power_up(config);
+      if (auto pixel = observer->explained_pixel()) commands.set_explained(std::move(*pixel));
       timeline.set_watcher(observer);
     }
     registers.set_fixed(reg::kId, wire::kIdValue);

@@ -1,8 +1,10 @@
 // What a board tells of its inside while it works; observe/ makes files of it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "firmware/pixel_life.h"
 #include "gicube/v1/board_config.pb.h"
 #include "gicube/wire/counter_list.h"
 #include "words/clock.h"
@@ -30,6 +32,9 @@ class BoardObserver {
   // Whether counted() is to be called at a command's end.
   virtual bool wants_counters() const { return false; }
   virtual void counted(const std::vector<wire::Counter>& /*counters*/) {}
+
+  // The pixel whose rays it is to be told with each picture, if any.
+  virtual std::optional<ExplainedPixel> explained_pixel() { return std::nullopt; }
 
   // The host waited for the board: "read register", "wait".
   virtual void host_waited(const char* /*what*/, Picoseconds /*begin*/, Picoseconds /*end*/) {}

@@ -62,10 +62,6 @@ void check_fields_together(const v1::BoardConfig& config, const FieldLines& line
   if (config.fidelity() == v1::approximate && config.sorter().queues() == v1::single) {
     report("fidelity", "functional or cycle with sorter.queues=single", "approximate");
   }
-  const std::uint32_t bits = config.link().bits();
-  if (!std::has_single_bit(bits) || bits > 256) {
-    report("link.bits", "a power of two from 1 to 256 bits", std::to_string(bits));
-  }
   if (config.dsp().segments() != 0) {
     if (config.asic().partition() == v1::skewed_block)
       report("dsp.segments", "0 with asic.partition=skewed_block", std::to_string(config.dsp().segments()));
@@ -196,8 +192,8 @@ std::string explained(const v1::BoardConfig& config) {
                                         : std::to_string(message.GetReflection()->GetUInt32(message, &field));
       const std::string usual =
           is_enum ? field.default_value_enum()->name() : std::to_string(field.default_value_uint32());
-      text += fmt::format("{:<32} {:<14} {}{}\n", name, value, value == usual ? "" : "default " + usual + ": ",
-                          field.options().GetExtension(v1::source));
+      text += fmt::format("{:<32} {:<14} {:<28}  {}{}\n", name, value, field.options().GetExtension(v1::range),
+                          value == usual ? "" : "default " + usual + ": ", field.options().GetExtension(v1::source));
     }
   };
   explain(explain, resolve(config), "");

@@ -46,7 +46,8 @@ struct FrameStatistics {
 };
 
 // Keys: frame_ms load_ms bus_ms host_seconds samples samples_per_second throughput hit_ratio memory_gb_s
-// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting plan host counters. Samples and memory
+// memory_utilisation load_balance dsp_utilisation config_hash fidelity seed time image volume lighting plan host counters
+// fidelity_report (of program/run_json.h). Samples and memory
 // traffic are per second of the ASIC's work, throughput is the share of pipeline cycles that took a sample, hit_ratio is
 // of voxels, load_balance the share of the time in which a processor held rays. A figure that the board's fidelity level
 // does not model is null. lighting: null without lighting rays, else passes, each with channel, reused, pass_ms, the energy

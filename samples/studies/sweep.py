@@ -18,6 +18,7 @@ sys.path.insert(1, str(pathlib.Path(__file__).resolve().parents[1]))  # the pack
 
 from studies.pictures import read_picture, rmse  # noqa: E402
 from studies.runs import InputError, Run, RunFailed, RunFolder, carry_out_all, figure, figure_or_nan, progress, quoted  # noqa: E402
+from studies.sensitivity import sensitivity, table  # noqa: E402
 from studies.table import FileError, cell, csv_text, on_front, write_whole  # noqa: E402
 
 PROGRAM = "gicube-sweep"
@@ -92,6 +93,9 @@ def parser_of_options():
            help="picture: root mean square difference; or a number as for --cost: relative difference")
     repeatable("--also", "FIGURE", "also", str, "further numbers as for --cost, as columns")
     repeatable("--also-error", "FIGURE", "also_errors", str, "the same of further numbers' relative differences")
+    option("--sensitivity", action="store_true",
+           help="in place of --vary: change each number of the board's configuration that was chosen (gicube-board --explain-config) by a "
+           "hundredth or the smallest legal step, one at a time, and sort them by what that does to the cost")
     option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True,
            help="NAME.csv, NAME.json and runs/ go there")
     option("--name", metavar="TEXT=sweep", default="sweep", help="of the files")
@@ -148,9 +152,15 @@ def options_of(arguments):
             parser.error(f"{name}: expected once among INPUT, --vary and --fix, got it twice")
         if name in ITS_OWN:
             parser.error(f"{name}: expected another parameter, it is the sweep's own")
-    if options.reference and options.reference_picture:
+    if options.sensitivity:
+        given = [name for name, value in (("--vary", options.parameters[1:]), ("--reference", options.reference), ("--chart", options.chart),
+                                          ("--reference-picture", options.reference_picture), ("--also", options.also),
+                                          ("--also-error", options.also_errors)) if value]
+        if given or len(inputs) > 1:
+            parser.error(f"--sensitivity: expected one INPUT and none of {given[0] if given else '--vary'}")
+    elif options.reference and options.reference_picture:
         parser.error("--reference: expected without --reference-picture, got both")
-    if not options.reference and not options.reference_picture:
+    elif not options.reference and not options.reference_picture:
         parser.error("--reference or --reference-picture: expected one of them, got none")
     if options.reference_picture and options.error != "picture":
         parser.error(f'--error: expected picture with --reference-picture, got "{options.error}"')
@@ -212,6 +222,23 @@ def run_sweep(options, folder, render):
     return rows
 
 
+def carry_out_sensitivity(options, folder, command):
+    """Prints the table, and writes NAME.csv and NAME.json. Raises as run_sweep()."""
+    meter = functools.partial(progress, PROGRAM, quiet=options.quiet or not sys.stderr.isatty())
+    arguments = arguments_of({"input": options.parameters[0][1][0]} | dict(options.fixed))
+    rows = sensitivity(arguments, options.fixed, options.cost, program("gicube-board"),
+                       lambda runs: carry_out_all(folder, runs, program("gicube-render"), options.jobs, meter), folder.read)
+    lines = [["number", "value", "step to", options.cost, "change", "% for 1%", "command"]]
+    lines += [[row.name, row.value, row.to, cell(row.cost), cell(row.change), cell(row.elasticity), row.run.command()] for row in rows]
+    steps = [{"number": row.name, "value": row.value, "step_to": row.to, options.cost: row.cost, "change": row.change,
+              "elasticity": None if math.isnan(row.elasticity) else row.elasticity, "command": row.run.command()} for row in rows]
+    base = str(options.folder / options.name)
+    write_whole(f"{base}.csv", csv_text(lines))
+    write_whole(f"{base}.json", json_file({"cost": options.cost, "sensitivity": steps}, command))
+    if not options.quiet:
+        print("\n".join(table(rows, options.cost)))
+
+
 def mark_front(rows):
     for row, on in zip(rows, on_front([(row.cost, row.error) for row in rows])):
         row.on_front = on
@@ -237,8 +264,11 @@ def json_text(options, rows, command):
     points = [{"settings": row.point,
                **{name: None if math.isnan(value) else value for name, value in zip(names, [row.cost, row.error, *row.also])},
                "reference": row.is_reference, "front": row.on_front, "command": row.run.command()} for row in rows]
-    whole = {"cost": options.cost, "error": options.error, "front": [point for point in points if point["front"]], "points": points,
-             "provenance": {"program": PROGRAM, "version": version(), "command": command}}
+    return json_file({"cost": options.cost, "error": options.error, "front": [point for point in points if point["front"]], "points": points}, command)
+
+
+def json_file(whole, command):
+    whole["provenance"] = {"program": PROGRAM, "version": version(), "command": command}
     return json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
 
 
@@ -299,10 +329,14 @@ def version():
 def sweep(arguments):
     """What the program does with these arguments. Raises RunFailed, FileError, InputError."""
     options = options_of(arguments)
-    rows = run_sweep(options, RunFolder(options.folder / "runs"), program("gicube-render"))
+    folder, command = RunFolder(options.folder / "runs"), " ".join([PROGRAM, *map(quoted, arguments)])
+    if options.sensitivity:
+        carry_out_sensitivity(options, folder, command)
+        return
+    rows = run_sweep(options, folder, program("gicube-render"))
     base = str(options.folder / options.name)
     write_whole(f"{base}.csv", table_text(options, rows))
-    write_whole(f"{base}.json", json_text(options, rows, " ".join([PROGRAM, *map(quoted, arguments)])))
+    write_whole(f"{base}.json", json_text(options, rows, command))
     if options.chart:
         draw_chart(options, rows, f"{base}.svg")
     if not options.quiet:

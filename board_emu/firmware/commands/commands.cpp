@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <string>
 
 #include "command_fault.h"
 #include "datapath/interaction.h"
@@ -87,7 +89,7 @@ RunResult DspCommands::run_level(RaySource& rays, const Frame& frame, Progress& 
   RunResult ran = level_.run(rays, frame, work);
   if (config_.ideal().dsp() != 0) ran.dsp_cycles = 0;
   if (ran.cancelled) throw CommandFault{ErrorCode::kCancelled, ""};
-  ++answered_[static_cast<std::size_t>(ran.answered)];
+  ++answered_[static_cast<std::size_t>(ran.answered)][opcode_];
   return ran;
 }
 
@@ -302,6 +304,7 @@ CommandResult DspCommands::run(std::span<const std::uint8_t> payload, Progress& 
   const bool known = opcode >= 1 && opcode <= static_cast<std::uint32_t>(Opcode::kContinue);
   try {
     if (known && !memory_errors_.empty()) meet_memory_error();
+    if (known) opcode_ = opcode;
     switch (static_cast<Opcode>(opcode)) {
       case Opcode::kRender: return render(payload, work);
       case Opcode::kTrace: return trace(payload, work);
@@ -363,8 +366,12 @@ void DspCommands::count(std::vector<wire::Counter>& list) const {
   list.push_back({"dsp.host_rays", "ray", host_rays_});
   if (pair_rays_ != 0) list.push_back({"dsp.pair_rays", "ray", pair_rays_});
   for (int level = v1::functional; level <= v1::FidelityLevel_MAX; ++level) {
-    list.push_back({"fidelity_answered." + v1::FidelityLevel_Name(static_cast<v1::FidelityLevel>(level)), "command",
-                    answered_[static_cast<std::size_t>(level)]});
+    const std::string name = "fidelity_answered." + v1::FidelityLevel_Name(static_cast<v1::FidelityLevel>(level));
+    const auto& counts = answered_[static_cast<std::size_t>(level)];
+    list.push_back({name, "command", std::accumulate(counts.begin(), counts.end(), std::uint64_t{0})});
+    for (std::size_t opcode = 0; opcode < counts.size(); ++opcode) {
+      if (counts[opcode] != 0) list.push_back({name + '.' + wire::kOpcodeNames[opcode], "command", counts[opcode]});
+    }
   }
   if (waits_total_ != 0) list.push_back({"dsp.waits", "ray", waits_total_});
   const RayCounters rays = level_.rays();

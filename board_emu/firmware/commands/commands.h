@@ -14,9 +14,11 @@
 #include "firmware/aperture.h"
 #include "firmware/host_traps.h"
 #include "firmware/lamps.h"
+#include "firmware/pixel_life.h"
 #include "firmware/register_file.h"
 #include "firmware/waiting_rays.h"
 #include "gicube/v1/board_config.pb.h"
+#include "gicube/wire/command.h"
 #include "gicube/wire/frame.h"
 #include "levels/level.h"
 #include "words/clock.h"
@@ -79,6 +81,9 @@ class DspCommands {
   // The minor version that the host speaks.
   void set_minor_version(std::uint16_t minor) { minor_version_ = minor; }
 
+  // From now on the rays of that pixel of each picture are told.
+  void set_explained(ExplainedPixel pixel) { explained_ = std::move(pixel); }
+
   Aperture& aperture() { return aperture_; }
   void count(std::vector<wire::Counter>& list) const;
   MachineLook look() const { return level_.look(); }
@@ -113,6 +118,9 @@ class DspCommands {
   // The picture by whole rays, or by their segments.
   RunResult render_rays(const wire::RenderCommand& command, const Frame& frame, Progress& work);
   RunResult render_segments(const wire::RenderCommand& command, Frame& frame, Progress& work);
+  // Tells the rays of the pixel that explained_ names, of a picture that is in the framebuffer.
+  void explain(const wire::RenderCommand& command, const Frame& frame, bool in_segments);
+  void follow_pixel(const wire::RenderCommand& command, const Frame& frame, PixelLife& life);
   // The level's answer to a command. Throws CommandFault if it was cancelled.
   RunResult run_level(RaySource& rays, const Frame& frame, Progress& work);
   std::span<const float> current_wide_depths();
@@ -122,6 +130,7 @@ class DspCommands {
   void check_materials(bool host_answers = true) const;
 
   static constexpr std::uint64_t kUnlimited = ~std::uint64_t{0};
+  static constexpr std::size_t kOpcodes = static_cast<std::size_t>(wire::Opcode::kContinue) + 1;
 
   const v1::BoardConfig& config_;
   const RegisterFile& registers_;
@@ -141,10 +150,13 @@ class DspCommands {
   HostTraps host_traps_;
   Lamps lamps_;  // of the last image
   WaitingRays waiting_rays_;
+  std::optional<ExplainedPixel> explained_;
   std::deque<MemoryError> memory_errors_;  // detected ones that no command has met yet
   std::vector<wire::Ray> host_ray_room_;   // of the command in work
   std::uint64_t level_volume_ = 0;         // Aperture::volume_writes() that the level knows of
-  std::array<std::uint64_t, v1::FidelityLevel_ARRAYSIZE> answered_{};  // commands, by the level that answered them
+  // Commands, by the level that answered them and their opcode.
+  std::array<std::array<std::uint64_t, kOpcodes>, v1::FidelityLevel_ARRAYSIZE> answered_{};
+  std::size_t opcode_ = 0;  // of the command in work
   std::uint64_t viewing_rays_ = 0;
   std::uint64_t host_rays_ = 0;
   std::uint64_t lighting_rays_ = 0;

@@ -74,6 +74,7 @@ CommandResult DspCommands::render(std::span<const std::uint8_t> payload, Progres
   lamps_ = Lamps(lamps, frame.spacing);
   const bool in_segments = config_.dsp().segments() != 0 && frame.plain() && !frame.in_bricks();
   const RunResult ran = in_segments ? render_segments(command, frame, work) : render_rays(command, frame, work);
+  if (explained_) explain(command, frame, in_segments);
   CommandResult result{.dsp_cycles = ran.dsp_cycles, .asic_ps = ran.asic_ps};
   finish_picture(result);
   add_trap_list(result, 0);

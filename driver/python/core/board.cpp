@@ -207,6 +207,12 @@ void add_board(py::module_& module) {
   type.def("set_time_limit", call(&Board::set_time_limit, "limit"));
   type.def("counters", call(&Board::counters));
 
+  using Listed = std::tuple<std::string, std::string, std::uint64_t>;  // a counter's name, unit, value
+  module.def("fidelity_report", [](const std::vector<Listed>& counters) {
+    std::vector<Counter> list;
+    for (const auto& [name, unit, value] : counters) list.push_back({name, unit, value});
+    return write(fidelity_report(Counters(std::move(list))));
+  });
   module.def("clip_to_volume", [](const py::object& rays, const py::object& dims) {
     const auto within = read_as<Dims>(dims, "dims");
     std::vector<HostRay> kept;

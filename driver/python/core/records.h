@@ -3,6 +3,7 @@
 
 #include "convert.h"
 #include "gicube/board.h"
+#include "gicube/fidelity.h"
 #include "gicube/level_of_detail.h"
 #include "gicube/light_plan.h"
 #include "gicube/plan.h"
@@ -48,6 +49,9 @@ GICUBE_RECORD(PairRequest, F(rays), F(first), F(seed), F(opacity), F(step), F(le
 GICUBE_RECORD(BoardInfo, F(protocol_major), F(protocol_minor), F(fidelity), F(processors), F(block_voxels),
               F(max_volume_voxels), F(queue_rays), F(core_khz), F(config_hash), F(vendor_id), F(device_id), F(wide),
               F(agp), F(host_rays));
+GICUBE_RECORD(AnsweredCommand, F(command), F(count));
+GICUBE_RECORD(MeasuredBound, F(quantity), F(within), F(relative), F(measured_on), F(source));
+GICUBE_RECORD(LevelReport, F(level), F(answered), F(not_modelled), F(estimates));
 GICUBE_RECORD(OpenOptions, F(watchdog), F(max_rays), F(back_pressure), F(keep_volume), F(reopen_attempts), F(force),
               F(wait_for_board), F(capture), F(token_file), F(ca_file));
 GICUBE_RECORD(Reopened, F(resumed), F(volume));

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import html
-from typing import Iterable, Iterator, Mapping, Tuple
+from typing import Iterable, Iterator, List, Mapping, Tuple
+
+from gicube import _core
+from gicube.records import LevelReport
 
 
 class Counters(Mapping[str, int]):
@@ -46,3 +49,12 @@ class Counters(Mapping[str, int]):
             for name, (unit, value) in self._held.items()
         )
         return f"<table><tr><th>counter</th><th>value</th><th>unit</th></tr>{rows}</table>"
+
+
+def fidelity_report(window: Counters) -> List[LevelReport]:
+    """Which fidelity level answered which commands, what it does not model, and how far its estimates were off where that was measured.
+
+    `window`: of a run, as `board.counters - before`. One entry for each level that answered, from functional to cycle: a board of level
+    approximate hands some commands to the cycle level. Empty if the window has no command with rays. Nothing happens on the board.
+    """
+    return _core.fidelity_report([(name, window.unit(name), value) for name, value in window.items()])

@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 from gicube import _core
 
 __all__ = [  # of the package
-    "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo",
+    "FIRST_USER_ROUTINE", "FRESNEL_ROUTINE", "HENYEY_GREENSTEIN_ROUTINE", "HOST_ROUTINE", "TABULATED_ROUTINE", "Albedo", "AnsweredCommand",
     "BackPressure", "BoardInfo", "Bsdf", "ColourPoint", "CutPlane", "DepositReport", "DirectionalLight", "ElementKind",
-    "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "Light", "LightingReport", "LightPoint", "Loss", "Material",
+    "EnergyRules", "Fidelity", "Illumination", "Lamp", "LevelError", "LevelReport", "Light", "LightingReport", "LightPoint", "Loss", "Material",
+    "MeasuredBound",
     "OpacityPoint", "PairRays", "PairRequest", "Phong", "PixelFilter", "Placement", "PlanPoint", "PointLight", "RawLayout",
     "RayBatch", "RayRequest", "RayType", "RectangleLight", "Reopened", "SampleType", "ScatterAnswer", "ScatterEvent", "Shading",
     "SphereLight", "SumWords", "Ticket", "TransferFunction", "ValueRange", "View", "VoxelBox"
@@ -505,3 +506,32 @@ class ScatterAnswer:
 
     direction: Vec3 = (0.0, 0.0, 0.0)
     passes: float = 1.0
+
+
+@dataclass
+class AnsweredCommand:
+    """Commands of one kind that a level answered (gicube/fidelity.h)."""
+
+    command: str
+    count: int
+
+
+@dataclass
+class MeasuredBound:
+    """The largest error against the cycle level that was measured for a quantity that a level estimates (gicube/fidelity.h)."""
+
+    quantity: str
+    within: float
+    relative: bool
+    measured_on: str
+    source: str
+
+
+@dataclass
+class LevelReport:
+    """What a fidelity level answered, and what its figures leave out (gicube/fidelity.h)."""
+
+    level: Fidelity
+    answered: Sequence[AnsweredCommand]
+    not_modelled: Sequence[str]
+    estimates: Sequence[MeasuredBound]

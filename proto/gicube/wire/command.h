@@ -20,6 +20,10 @@ enum class Opcode : std::uint32_t {
   kContinue = 7
 };
 
+// By opcode, for counters and traces; what is no opcode is called as the first.
+inline constexpr std::array<const char*, 8> kOpcodeNames{"render", "render", "trace", "illuminate",
+                                                         "resume", "verify", "pairs", "continue"};
+
 // ---- kRender: the DSP makes the viewing rays of one image and gathers them in the framebuffer. Its completion is empty, or a
 // trap list without rays if some of its rays wait for the host.
 

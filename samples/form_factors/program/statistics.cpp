@@ -171,7 +171,8 @@ Json statistics_of(const RadiosityResult& result, const RadiositySettings& setti
           {"settings", settings_json(settings)},
           {"board", to_json(board)},
           {"counters", to_json(counters)},
-          {"plan", plan ? plan_json(*plan) : nullptr}};
+          {"plan", plan ? plan_json(*plan) : nullptr},
+          {"fidelity_report", fidelity_json(counters)}};
 }
 
 }  // namespace gicube::samples

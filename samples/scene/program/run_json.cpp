@@ -4,6 +4,7 @@
 
 #include <cctype>
 
+#include "gicube/fidelity.h"
 #include "scene/common/whole_file.h"
 #include "scene/program/board_options.h"
 #include "scene/program/board_run.h"
@@ -19,6 +20,27 @@ nlohmann::ordered_json to_json(const Counters& counters) {
 
 nlohmann::ordered_json to_json(const BoardInfo& board) {
   return {{"fidelity", name_of(board.fidelity)}, {"config_hash", hex(board.config_hash)}};
+}
+
+nlohmann::ordered_json fidelity_json(const Counters& counters) {
+  auto levels = nlohmann::ordered_json::array();
+  for (const LevelReport& report : fidelity_report(counters)) {
+    nlohmann::ordered_json level{{"level", name_of(report.level)}, {"answered", nlohmann::ordered_json::object()}};
+    for (const AnsweredCommand& each : report.answered) {
+      level["answered"][each.command.empty() ? "any" : each.command] = each.count;
+    }
+    level["not_modelled"] = report.not_modelled;
+    level["estimates"] = nlohmann::ordered_json::array();
+    for (const MeasuredBound& each : report.estimates) {
+      level["estimates"].push_back({{"quantity", each.quantity},
+                                    {"within", each.within},
+                                    {"relative", each.relative},
+                                    {"measured_on", each.measured_on},
+                                    {"source", each.source}});
+    }
+    levels.push_back(std::move(level));
+  }
+  return levels;
 }
 
 double bus_ms(const Counters& counters) {
@@ -43,7 +65,8 @@ nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window) {
           {"bus_up_bytes", counters.value("bus.up.bytes")},
           {"host_seconds", window.host_seconds()},
           {"board", to_json(board)},
-          {"counters", to_json(counters)}};
+          {"counters", to_json(counters)},
+          {"fidelity_report", fidelity_json(counters)}};
 }
 
 Provenance provenance_of(const BoardInfo& board, std::uint64_t scene_hash) {

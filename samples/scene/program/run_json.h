@@ -19,6 +19,10 @@ nlohmann::ordered_json to_json(const Counters& counters);
 // Keys: fidelity config_hash.
 nlohmann::ordered_json to_json(const BoardInfo& board);
 
+// What answered the window's commands, and what its figures leave out (gicube/fidelity.h): an object for each level, with the keys level,
+// answered (commands by kind), not_modelled, estimates (quantity, within, relative, measured_on, source).
+nlohmann::ordered_json fidelity_json(const Counters& counters);
+
 // Time in which the bus was busy, both directions together.
 double bus_ms(const Counters& counters);
 
@@ -26,7 +30,7 @@ double bus_ms(const Counters& counters);
 // "rdram.reads" and so on, those of channel 0 "rdram0.reads". Empty if the board counts none.
 std::string memory_of(const Counters& counters);
 
-// What a part of the work cost. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board counters.
+// What a part of the work cost. Keys: board_ms bus_ms bus_down_bytes bus_up_bytes host_seconds board counters fidelity_report.
 nlohmann::ordered_json cost_json(const BoardInfo& board, RunWindow& window);
 
 // this_run() with the board, and the hash of what was computed with.

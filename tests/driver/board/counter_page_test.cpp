@@ -30,6 +30,7 @@ std::regex pattern_of(const std::string& name) {
   std::string text = replaced(name, ".", "\\.");
   text = replaced(text, "<n>", "[0-9]+");
   text = replaced(text, "<level>", "(functional|approximate|cycle)");
+  text = replaced(text, "<command>", "(render|trace|illuminate|resume|pairs|continue)");
   text = replaced(text, "<cargo>", "(register|table|volume|command|rays|image|completion)");
   return std::regex(std::regex_replace(text, std::regex("^(processor|link|rdram)"), "$1[0-9]*"));
 }

@@ -75,15 +75,18 @@ TEST_F(RenderProgram, SaysInItsStatisticsWhichLevelAnswered) {
         run("builtin:buckyball --volume-size 24 --size 16x16 --quiet --fidelity approximate -o " + path("a.png") +
             " --stats " + path("a.json") + " " + options);
     EXPECT_EQ(result.code, 0) << result.err;
-    const auto counters = nlohmann::json::parse(text_of(path("a.json"))).at("counters");
     std::map<std::string, int> commands;
-    for (const auto& [name, counter] : counters.items()) {
-      if (name.starts_with("fidelity_answered.")) commands[name.substr(18)] = counter.at("value").get<int>();
+    for (const auto& level : nlohmann::json::parse(text_of(path("a.json"))).at("fidelity_report")) {
+      EXPECT_EQ(level.at("estimates").empty(), level.at("level") == "cycle");
+      EXPECT_FALSE(level.at("not_modelled").empty());
+      for (const auto& [command, count] : level.at("answered").items()) {
+        commands[level.at("level").get<std::string>() + ' ' + command] = count.get<int>();
+      }
     }
     return commands;
   };
-  const std::map<std::string, int> approximate{{"functional", 0}, {"approximate", 1}, {"cycle", 0}};
-  const std::map<std::string, int> cycle{{"functional", 0}, {"approximate", 0}, {"cycle", 1}};
+  const std::map<std::string, int> approximate{{"approximate render", 1}};
+  const std::map<std::string, int> cycle{{"cycle render", 1}};
   EXPECT_EQ(answered(""), approximate);
   EXPECT_EQ(answered("--set sorter.policy=longest_wait"), cycle);  // which passes have no model of
 }

@@ -1,0 +1,54 @@
+// The life of a pixel's rays: made again from the picture's command, and followed through the datapath.
+#include <algorithm>
+
+#include "commands.h"
+#include "firmware/pixel_life.h"
+#include "firmware/ray_sources/image_rays.h"
+
+namespace gicube::emu {
+
+void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame, bool in_segments) {
+  PixelLife life{.x = explained_->x, .y = explained_->y};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    life.blocks[axis] = static_cast<std::uint32_t>(aperture_.volume().blocks()[axis]);
+  }
+  if (life.x >= command.width || life.y >= command.height) {
+    life.refused = "pixel: expected one of the picture's " + std::to_string(command.width) + " x " +
+                   std::to_string(command.height) + ", got " + std::to_string(life.x) + "," + std::to_string(life.y);
+  } else if (frame.in_bricks()) {
+    life.refused = "volume: expected one that the card stores whole, got one in bricks";
+  } else if (in_segments) {
+    life.refused = "dsp.segments: expected 0, got 1: a pixel is then made of segments of rays";
+  } else {
+    follow_pixel(command, frame, life);
+  }
+  explained_->tell(life);
+}
+
+void DspCommands::follow_pixel(const wire::RenderCommand& command, const Frame& frame, PixelLife& life) {
+  Framebuffer own;
+  const RunRules runs{config_.dsp().run_rays(), config_.dsp().run_error()};
+  ImageRays rays(command, frame, own, runs, lamps_);
+  // The tent of a pixel reaches to the middle of its neighbours.
+  const int reach = command.filter == wire::Filter::kTent ? 1 : 0, samples = command.samples_per_axis;
+  const auto first = [&](int at) { return std::max(at - reach, 0) * samples; };
+  const auto last = [&](int at, int edge) { return std::min(at + reach + 1, edge) * samples; };
+  const std::uint64_t across = std::uint64_t{command.width} * command.samples_per_axis;
+  for (int row = first(life.y); row < last(life.y, command.height); ++row) {
+    for (int column = first(life.x); column < last(life.x, command.width); ++column) {
+      const std::uint64_t i = static_cast<std::uint64_t>(row) * across + static_cast<std::uint64_t>(column);
+      RayCounters ignored;
+      const auto ray = rays.make(i, ignored);
+      RayLife followed{.ray = {}, .passes = {}, .end = "missed"};
+      if (ray) {
+        followed = follow(*ray, frame);
+        rays.take(i, followed.ray);
+      }
+      life.rays.push_back(std::move(followed));
+    }
+  }
+  life.explained = own.pixel(life.x, life.y);
+  life.pixel = aperture_.framebuffer().pixel(life.x, life.y);
+}
+
+}  // namespace gicube::emu

@@ -1,0 +1,59 @@
+// What the fidelity levels leave out and what they estimate: the table of docs/reference/hardware.md, for the statistics of a run.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace gicube {
+
+// Levels of gicube.v1.FidelityLevel as bits.
+inline constexpr unsigned kAtFunctional = 1, kAtApproximate = 2, kAtCycle = 4, kAtEveryLevel = 7;
+
+struct LeftOut {
+  unsigned levels;  // that do not model it
+  std::string_view what;
+};
+
+inline constexpr std::array kLeftOut{
+    LeftOut{kAtFunctional, "time of the ASIC: queues, volume cache, memory, links, ray bus"},
+    LeftOut{kAtFunctional, "changes between the DSP's loops, and its waits for caches and SDRAM"},
+    LeftOut{kAtFunctional | kAtApproximate, "causes of the pipelines' cycles, but busy and leap"},
+    LeftOut{kAtApproximate, "parts in step: they may be up to 96 cycles apart"},
+    LeftOut{kAtApproximate, "places in the merge tree that processors share"},
+    LeftOut{kAtEveryLevel, "electrical behaviour, power"},
+    LeftOut{kAtEveryLevel, "interrupts as wires: completions stand for them"},
+    LeftOut{kAtEveryLevel, "DMA descriptor fetches, and DMA that fetches ahead of a loop of the DSP"},
+    LeftOut{kAtEveryLevel, "the host's memory"},
+    LeftOut{kAtEveryLevel, "PCI arbitration time, which the standard allows to be hidden"},
+    LeftOut{kAtEveryLevel, "keeping rays that wait for the host's routine in the SDRAM"},
+    LeftOut{kAtEveryLevel, "the host's transfers into the SDRAM: a sixth of its bandwidth on PCI while they last"},
+    LeftOut{kAtEveryLevel, "the limit of 64 MB that the pins of a C6205 or C6211 can address"},
+    LeftOut{kAtEveryLevel, "a code's place within the DSP's program cache"},
+    LeftOut{kAtEveryLevel, "the length of the RDRAM's wires: a later device answers later"},
+    LeftOut{kAtEveryLevel, "the timing of the eDRAM's cells"},
+};
+
+// The largest error against the cycle level that was measured for what the approximate level estimates.
+struct MeasuredError {
+  std::string_view quantity;
+  double within;
+  bool is_relative;  // or in units of the quantity
+  std::string_view measured_on;
+  std::string_view source;  // the page that states it
+};
+
+inline constexpr std::string_view kLevelPage = "docs/reference/hardware.md", kChartsPage = "docs/studies/charts.md";
+
+inline constexpr std::array kApproximateErrors{
+    MeasuredError{"time", 0.024, true, "the 13 scenes and configurations of approximate_level_test", kLevelPage},
+    MeasuredError{"packets", 0.031, true, "the 13 scenes and configurations of approximate_level_test", kLevelPage},
+    MeasuredError{"hit ratio", 0.011, false, "the 13 scenes and configurations of approximate_level_test", kLevelPage},
+    MeasuredError{"time", 0.023, true, "the 26 held-out scenes and configurations", kLevelPage},
+    MeasuredError{"bandwidth", 0.064, true, "the 26 held-out scenes and configurations", kLevelPage},
+    MeasuredError{"hit ratio", 0.002, false, "the 26 held-out scenes and configurations", kLevelPage},
+    MeasuredError{"bandwidth", 0.16, true, "links of 8 bits and less, with two or four places", kLevelPage},
+    MeasuredError{"packets and bandwidth", 0.17, true, "the buckyball of 64^3 voxels, where nearly all voxels hit",
+                  kChartsPage},
+};
+
+}  // namespace gicube
