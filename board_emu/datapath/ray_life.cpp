@@ -78,7 +78,8 @@ Termination pass_of(RayState& ray, RayPass& pass, const Frame& frame, RayCounter
 }  // namespace
 
 RayLife follow(const wire::Ray& ray, const Frame& frame) {
-  RayLife life{ray, {}, ""};
+  RayLife life;
+  life.ray = ray;
   RayCounters ignored;
   RayState state = unpack(ray, frame);
   Termination how = Termination::kNot;

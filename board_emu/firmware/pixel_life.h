@@ -22,7 +22,7 @@ struct PixelLife {
 };
 
 struct ExplainedPixel {
-  std::uint16_t x = 0, y = 0;  // from the left, from the top
+  std::uint16_t x = 0, y = 0;                    // from the left, from the top
   std::function<void(const PixelLife&)> tell{};  // with each picture, before its completion
 };
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "observe/life.h"
+
 namespace gicube::emu {
 
 namespace {
@@ -55,6 +57,13 @@ Observation::Observation(const ObservationOptions& options, Debugger* debugger)
     });
     observers_.add(*events_);
   }
+}
+
+std::optional<ExplainedPixel> Observation::explained_pixel() {
+  const auto& pixel = options_.events.life;
+  if (!pixel) return std::nullopt;
+  return ExplainedPixel{(*pixel)[0], (*pixel)[1],
+                        [this](const PixelLife& life) { event_file_->add("{}\n", to_json(life)); }};
 }
 
 void Observation::power_up(const v1::BoardConfig& config) {

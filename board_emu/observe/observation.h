@@ -63,6 +63,7 @@ class Observation : public BoardObserver {
     cycles_->end();
     cycles_free_ps_ = cycles_->end_ps();
   }
+  std::optional<ExplainedPixel> explained_pixel() override;
   void host_waited(const char* what, Picoseconds begin, Picoseconds end) override;
   void transferred(const BusDelivery& delivery) override;
   void served(const BusTransaction& transaction, Picoseconds begin, Picoseconds end) override;

@@ -64,12 +64,13 @@ Selection parse_selection(std::string_view text) {
   while (!text.empty()) {
     std::string_view value = take_up_to(',', text);
     const std::string_view name = take_up_to('=', value);
-    if (name == "pixel") {
+    if (name == "pixel" || name == "life") {
       constexpr std::uint64_t kMost = std::numeric_limits<std::uint16_t>::max() >> 4;
       const auto pixel = two_numbers(value);
       if (!pixel || (*pixel)[0] > kMost || (*pixel)[1] > kMost)
         refuse(name, fmt::format("X:Y of 0 to {}", kMost), value);
       out.pixel = {static_cast<std::uint16_t>((*pixel)[0]), static_cast<std::uint16_t>((*pixel)[1])};
+      if (name == "life") out.life = out.pixel;
     } else if (name == "rays") {
       const CycleWindow rays = window_of(name, value);
       out.rays = {rays.begin, rays.end};
@@ -86,10 +87,11 @@ Selection parse_selection(std::string_view text) {
         refuse(name, "a number of cycles from 1 on", value);
       }
     } else {
-      refuse("item", "one of pixel, rays, cycles, parts, counters with = and its value", name);
+      refuse("item", "one of pixel, life, rays, cycles, parts, counters with = and its value", name);
     }
   }
-  if (!out.pixel && !out.rays && out.counters_every == 0) refuse("items", "pixel, rays or counters among them", "none");
+  if (!out.pixel && !out.rays && out.counters_every == 0)
+    refuse("items", "pixel, life, rays or counters among them", "none");
   return out;
 }
 

@@ -17,6 +17,7 @@ struct Selection {
   // Rays: of one pixel, of numbers in a range, or both; neither: none.
   std::optional<std::array<std::uint16_t, 2>> pixel{};
   std::optional<RayRange> rays{};
+  std::optional<std::array<std::uint16_t, 2>> life{};  // of this pixel's rays, with their values at every level
   CycleWindow cycles{};
   std::uint32_t steps = ~std::uint32_t{0};  // a bit for each RayStep
   Cycle counters_every = 0;                 // 0: no counters
@@ -31,7 +32,7 @@ struct Selection {
   }
 };
 
-// From items with commas between: pixel=X:Y, rays=BEGIN:END, cycles=BEGIN:END, parts=PART+PART with the parts dsp, sorter,
+// From items with commas between: pixel=X:Y, life=X:Y (which is pixel=X:Y too), rays=BEGIN:END, cycles=BEGIN:END, parts=PART+PART with the parts dsp, sorter,
 // pipeline and links, counters=CYCLES. Ends are left out. Throws std::invalid_argument, "... expected ..., got ...".
 Selection parse_selection(std::string_view text);
 

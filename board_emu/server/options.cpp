@@ -120,11 +120,13 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--vcd-window", flags.vcd_window, "BEGIN:END", "core cycles of the machine's clock, END left out");
 
   add("--events", flags.event_file, "FILE",
-      "write what happens to chosen rays, a JSON object a line; needs fidelity=cycle; board i > 0 writes FILE.i");
+      "write what happens to chosen rays, a JSON object a line; needs fidelity=cycle, but for life=X:Y; board i > 0\n"
+      "writes FILE.i");
   add("--observer", flags.observer_file, "FILE",
       "the same events to a shared object (gicube/observer.h), whose code runs in a process of its own for each board");
   add("--events-of", flags.events_of, "ITEM,...",
-      "which: pixel=X:Y, rays=BEGIN:END, cycles=BEGIN:END, parts=dsp+sorter+pipeline+links, counters=CYCLES");
+      "which: life=X:Y (the values of a pixel's rays at every level too), pixel=X:Y, rays=BEGIN:END, cycles=BEGIN:END, "
+      "parts=dsp+sorter+pipeline+links, counters=CYCLES");
 
   app.option_defaults()->group("Faults");
   add("--faults", flags.fault_file, "FILE",
@@ -263,7 +265,7 @@ void read_events(const Flags& flags, Options& options, std::vector<std::string>&
   } catch (const std::invalid_argument& error) {
     errors.push_back(fmt::format("--events-of: {}", error.what()));
   }
-  if (options.config.fidelity() != v1::cycle) {
+  if (options.config.fidelity() != v1::cycle && !options.observation.events.life) {
     errors.push_back(fmt::format("{}: expected fidelity=cycle, got {}: only that level has parts with events", flag,
                                  v1::FidelityLevel_Name(options.config.fidelity())));
   }

@@ -8,7 +8,9 @@
 
 #include "gicube/scene/image_file.h"
 #include "render/frame.h"
+#include "render/pixel_life.h"
 #include "render/planning.h"
+#include "scene/common/whole_file.h"
 #include "scene/program/program.h"
 #include "scene/program/run_json.h"
 
@@ -53,6 +55,12 @@ void explain_once(const RenderOptions& options, const FrameStatistics& statistic
   last = lines;
 }
 
+void explain_pixel(const RenderOptions& options, const FrameStatistics& statistics) {
+  if (statistics.pixel.is_null()) return;
+  if (!options.board.quiet) fmt::print("{}", pixel_table(statistics.pixel));
+  if (!options.explain_svg.empty()) write_whole(options.explain_svg, pixel_svg(statistics.pixel));
+}
+
 int run(int argc, char** argv) {
   const auto options = parse_options(argc, argv, std::cout);
   if (!options) return 0;
@@ -61,6 +69,7 @@ int run(int argc, char** argv) {
     outputs.push_back({"--output", frame_file(options->output, options->animation, i)});
   }
   outputs.push_back({"--stats", options->board.stats});
+  outputs.push_back({"--explain-svg", options->explain_svg});
   check_outputs(outputs);
   std::vector<FrameStatistics> statistics;
   std::vector<std::string> plan;
@@ -74,6 +83,7 @@ int run(int argc, char** argv) {
       progress.clear();
       if (options->plan.explain) explain_once(*options, frame.statistics, plan);
       if (!options->board.quiet) print_summary(file, frame.statistics);
+      explain_pixel(*options, frame.statistics);
     });
   }
   if (options->board.stats.empty()) return 0;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 
 #include "gicube/scene/error.h"
@@ -154,6 +155,38 @@ void check_plan_options(const CLI::App& app, const RenderOptions& options) {
     throw UsageError("--irradiance: expected none with --max-error and --time-budget");
 }
 
+void add_explain_options(CLI::App& app, RenderOptions& options) {
+  OptionGroup group(app, "One pixel");
+  group.parsed(
+      "--explain-pixel", "X,Y",
+      "print every sample of that pixel's rays, from the left and from the top, each from 0; on a private board",
+      [&](const std::string& name, const std::string& text) {
+        const std::vector<double> place = parse_numbers(name, text, 2);
+        for (const double at : place) {
+          if (at != std::floor(at) || at < 0 || at > 4094)
+            throw CLI::ValidationError(name, "expected two whole numbers from 0 to 4094, got " + in_quotes(text));
+        }
+        options.explain_pixel = {static_cast<int>(place[0]), static_cast<int>(place[1])};
+      });
+  group.file("--explain-svg", options.explain_svg, "draw them as a strip");
+}
+
+// One picture, made by one command of one board.
+void check_explain_options(const RenderOptions& options) {
+  if (!options.explain_pixel) {
+    if (!options.explain_svg.empty())
+      throw UsageError("--explain-svg: expected --explain-pixel X,Y beside it, got none");
+    return;
+  }
+  const char* const against = !options.board.board.starts_with("emu:") ? "a running board (--board)"
+                              : options.plan.wanted()                  ? "--max-error or --time-budget"
+                              : options.animation.frames > 1           ? "more than one of --frames"
+                              : options.lighting.colour_passes         ? "--colour-passes"
+                              : !options.lighting.field.empty()        ? "--irradiance"
+                                                                       : nullptr;
+  if (against != nullptr) throw UsageError(std::string("--explain-pixel: expected without ") + against);
+}
+
 bool has_layout(const RenderOptions& options) {
   return options.dims || options.type || options.big_endian || options.skip_bytes != 0;
 }
@@ -245,11 +278,13 @@ std::optional<RenderOptions> parse_options(int argc, const char* const* argv, st
   add_sampling_options(app, options);
   add_lighting_options(app, options.lighting);
   add_animation_options(app, options.animation);
+  add_explain_options(app, options);
   add_plan_options(app, options.plan, "a picture");
   add_board_options(app, options.board);
   if (!parsed(app, argc, argv, out)) return std::nullopt;
   check_output(options);
   check_animation(options.animation);
+  check_explain_options(options);
   check_plan_options(app, options);
   return options;
 }

@@ -77,6 +77,8 @@ struct RenderOptions {
   LightingOptions lighting;
   AnimationOptions animation;
   std::filesystem::path output = "gicube-render.png";
+  std::optional<std::array<int, 2>> explain_pixel;  // whose rays are told, from the left and from the top
+  std::filesystem::path explain_svg;                // empty: none
   PlanOptions plan;
   BoardOptions board;
 };

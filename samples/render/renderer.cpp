@@ -50,7 +50,8 @@ Renderer::Renderer(const RenderOptions& options, Steps steps, const std::functio
     : options_(options),
       steps_(std::move(steps)),
       input_(input_scene(options)),
-      board_(open_board(board_for(options.plan, options.board), while_waiting)) {
+      events_(events_for(options)),
+      board_(open_board(with_events(board_for(options.plan, options.board), events_.get()), while_waiting)) {
   if (!options.lighting.field.empty()) field_ = read_light_field(options.lighting.field);
 }
 
@@ -226,6 +227,11 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
   }
 
   FrameStatistics& statistics = frame.statistics;
+  if (events_) {
+    if (setup_.lighting.colour_passes)
+      throw UsageError("--explain-pixel: expected a scene without colour passes, which make three pictures");
+    statistics.pixel = pixel_life(events_->path());
+  }
   statistics.frame += window.simulated();
   statistics.host_seconds += window.host_seconds();
   statistics.counters = sum_of(statistics.counters, window.counters());

@@ -15,6 +15,7 @@
 #include "render/colour_passes.h"
 #include "render/frame.h"
 #include "render/options.h"
+#include "render/pixel_life.h"
 
 namespace gicube::samples {
 
@@ -76,6 +77,7 @@ class Renderer {
   RenderOptions options_;
   Steps steps_;
   Scene input_;
+  std::unique_ptr<EventFile> events_;  // of the pixel that is to be explained
   Board board_;
   std::optional<LightField> field_;  // in place of lighting rays
   SceneSetup setup_;

@@ -93,6 +93,7 @@ Json to_json(const FrameStatistics& statistics) {
   json["plan"] = statistics.plan ? to_json(*statistics.plan) : Json(nullptr);
   for (const LightPlan& plan : statistics.light_plans) json["plan"]["light"].push_back(to_json(plan));
   json["host"] = statistics.host ? to_json(*statistics.host) : Json(nullptr);
+  json["pixel"] = statistics.pixel;
   json["counters"] = to_json(statistics.counters);
   json["fidelity_report"] = fidelity_json(statistics.counters);
   return json;

@@ -74,6 +74,7 @@ def elasticity(row):
 def sensitivity(arguments, settings, cost, board, carry_out, read):
     """Rows as of steps_of() with cost (before the step), change (of it) and elasticity, the largest first. `carry_out` has runs carried out,
     `read` gives a run's statistics. Raises what they raise, and InputError."""
+    board_arguments(settings)
     base = Run(arguments)
     carry_out([base])
     statistics = read(base)

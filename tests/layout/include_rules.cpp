@@ -140,7 +140,7 @@ const std::vector<Rule>& rules() {
                                "board_emu/firmware"}, {"fmt"}),
       // Watches the whole machine, and is watched by none of its parts.
       room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board",
-                                 "board_emu/datapath", "board_emu/levels"}, {"fmt"}),
+                                 "board_emu/firmware/pixel_life.h", "board_emu/datapath", "board_emu/levels"}, {"fmt"}),
       // Starts the process of an observer.
       room("board_emu/observe/observer_process.cpp", {"board_emu/observe"},
            {"fmt", "poll.h", "signal.h", "spawn.h", "sys/socket.h", "sys/wait.h", "unistd.h"}),

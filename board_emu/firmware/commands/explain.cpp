@@ -8,7 +8,9 @@
 namespace gicube::emu {
 
 void DspCommands::explain(const wire::RenderCommand& command, const Frame& frame, bool in_segments) {
-  PixelLife life{.x = explained_->x, .y = explained_->y};
+  PixelLife life;
+  life.x = explained_->x;
+  life.y = explained_->y;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     life.blocks[axis] = static_cast<std::uint32_t>(aperture_.volume().blocks()[axis]);
   }
@@ -39,11 +41,13 @@ void DspCommands::follow_pixel(const wire::RenderCommand& command, const Frame& 
       const std::uint64_t i = static_cast<std::uint64_t>(row) * across + static_cast<std::uint64_t>(column);
       RayCounters ignored;
       const auto ray = rays.make(i, ignored);
-      RayLife followed{.ray = {}, .passes = {}, .end = "missed"};
+      RayLife followed;
+      followed.end = "missed";
       if (ray) {
         followed = follow(*ray, frame);
         rays.take(i, followed.ray);
       }
+      followed.number = i;
       life.rays.push_back(std::move(followed));
     }
   }

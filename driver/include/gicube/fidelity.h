@@ -12,7 +12,8 @@
 namespace gicube {
 
 struct AnsweredCommand {
-  std::string command;  // "render", "trace", "illuminate", "resume", "pairs", "continue"; empty: of a board that does not tell
+  // "render", "trace", "illuminate", "resume", "pairs", "continue"; empty: of a board that does not tell.
+  std::string command;
   std::uint64_t count = 0;
 };
 

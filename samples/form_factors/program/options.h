@@ -115,7 +115,7 @@ const char* name_of(PairRays made);  // as on the command line
 // and blue, in the scene's units; balance_error) closure_rms standard_error (of the incident light: mean, greatest, relative)
 // bus_down_bytes bus_up_bytes board_ms bus_ms host_seconds utilisation settings board counters plan: null, or max_error time_budget_ms
 // kept chosen (a point) full_matrix_rays all_rays host_seconds points, each with hierarchy threshold rays_a_link leaf_voxels
-// difference error error_bound rays board_ms.
+// difference error error_bound rays board_ms; fidelity_report: as of program/run_json.h.
 nlohmann::ordered_json statistics_of(const RadiosityResult& result, const RadiositySettings& settings, double area_unit,
                                      const Counters& counters, const BoardInfo& board,
                                      const std::optional<RadiosityPlan>& plan);

@@ -35,7 +35,8 @@ nlohmann::ordered_json statistics_of(const Visibility& seen, const VisibilityOpt
       {"utilisation", to_json(seen.utilisation)},
       {"seed", options.board.seed},
       {"board", to_json(board)},
-      {"counters", to_json(seen.counters)}};
+      {"counters", to_json(seen.counters)},
+      {"fidelity_report", fidelity_json(seen.counters)}};
 }
 
 void print(const Visibility& seen) {

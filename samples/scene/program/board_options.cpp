@@ -143,6 +143,8 @@ std::string board_uri(const BoardOptions& options) {
   if (!options.config.empty()) add("config", options.config.string());
   if (options.threads != 0) add("threads", std::to_string(options.threads));
   for (const std::string& setting : options.settings) add("set", setting);
+  if (!options.events.empty()) add("events", options.events.string());
+  if (!options.events.empty()) add("events_of", options.events_of);
   return uri;
 }
 

@@ -206,7 +206,7 @@ TEST(Events, OfCountersComeInTheirCyclesForEachProcessor) {
 
 TEST(Selection, RefusesWhatIsNoSelectionWithWhatWasExpected) {
   const std::map<std::string, std::string> faulty{
-      {"", "expected pixel, rays or counters among them"},
+      {"", "expected pixel, life, rays or counters among them"},
       {"pixel=3", "pixel: expected X:Y of 0 to 4095, got \"3\""},
       {"pixel=4096:0", "pixel: expected X:Y"},
       {"rays=7:7", "rays: expected BEGIN:END with BEGIN < END, got \"7:7\""},
@@ -214,7 +214,7 @@ TEST(Selection, RefusesWhatIsNoSelectionWithWhatWasExpected) {
       {"rays=0:5,parts=dsp+bus", "parts: expected some of dsp, sorter, pipeline, links with + between, got \"bus\""},
       {"rays=0:5,parts=", "parts: expected some of"},
       {"counters=0", "counters: expected a number of cycles from 1 on, got \"0\""},
-      {"colour=red", "item: expected one of pixel, rays, cycles, parts, counters"}};
+      {"colour=red", "item: expected one of pixel, life, rays, cycles, parts, counters"}};
   for (const auto& [text, expected] : faulty) {
     try {
       parse_selection(text);

@@ -43,7 +43,8 @@ TEST(FidelityReport, HasTheTableOfTheHardwarePage) {
 TEST(FidelityReport, StatesErrorsThatItsSourcesState) {
   for (const MeasuredError& each : kApproximateErrors) {
     char text[32];
-    std::snprintf(text, sizeof text, each.is_relative ? "%g%%" : "within %g", each.within * (each.is_relative ? 100 : 1));
+    std::snprintf(text, sizeof text, each.is_relative ? "%g%%" : "within %g",
+                  each.within * (each.is_relative ? 100 : 1));
     EXPECT_NE(page(each.source).find(text), std::string::npos) << each.source << " has no " << text;
   }
 }

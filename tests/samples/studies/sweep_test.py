@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from studies import runs, sweep
+from studies import runs, sensitivity, sweep
 from studies.pictures import resized, rmse
 from studies.runs import InputError, Run, figure
 
@@ -64,7 +64,8 @@ def test_every_option_of_the_help_is_understood():
     assert given.reference_picture == "/etc/passwd" and given.fixed == [("threads", "2")] and given.parameters == [("input", ["a"])]
     assert (given.cost, given.error, given.name, given.title, given.jobs) == ("frame_ms", "picture", "sweep", None, 0)
     assert not given.chart and not given.quiet and not given.reference and not given.also and not given.also_errors
-    named = set(re.findall("--[a-z-]+", every)) | {"--help", "--output", "--reference-picture"}
+    assert not given.sensitivity and sweep.options_of("a -o out --sensitivity".split()).sensitivity
+    named = set(re.findall("--[a-z-]+", every)) | {"--help", "--output", "--reference-picture", "--sensitivity"}
     assert set(re.findall(r"^  (?:-\w,)?(--[a-z-]+)", sweep.parser_of_options().format_help(), re.MULTILINE)) == named
 
 
@@ -282,11 +283,77 @@ def test_a_failed_run_is_named_with_its_command_and_reason(program):
     assert program.err == "gicube-sweep: /dev/null/x/runs: folder: expected one that can be made, got Not a directory\n"
 
 
+# ---- sensitivity
+
+
+@pytest.mark.parametrize("value, legal, expected", [
+    (16, "1..256 core cycles", [17, 15]), (256, "1..256 dwords", [254]), (200000, "1000..2000000 kHz", [202000, 198000]),
+    (0, "0..4096 rays", [1]), (0, "0..1 (0 or 1)", []), (32, "1, 2, 4, 8, 16, 32, 64, 128 or 256 bits", [64, 16]),
+    (288, "144 or 288 Mbit", [144]), (3, "1.. messages", [4, 2]), (1024, "1..16384 (2^-14 voxels)", [1034, 1014])])
+def test_a_number_goes_to_the_nearest_legal_ones(value, legal, expected):
+    assert sensitivity.stepped(value, legal) == expected
+
+
+EXPLAINED = """\
+asic.processors                  4              1..16 processors              paper: four
+dsp.clock_khz                    200000         1000..2000000 kHz             chosen: a C62x
+bus.model                        pci33                                        chosen: a name is no number
+pipeline.prefetch_stages         16             1..256 core cycles            chosen: half
+memory                           ddr                                          default rdram: paper
+rdram.rac_latency                4              0..255 tCYCLE                 chosen: one
+ddr.controller_latency           2              0..255 clocks                 default 1: chosen: one
+"""
+
+
+def test_of_a_level_those_numbers_are_taken_that_are_chosen_and_that_it_reads():
+    names = [name for name, *_ in sensitivity.chosen_numbers(EXPLAINED, "cycle")]
+    assert names == ["dsp.clock_khz", "pipeline.prefetch_stages", "ddr.controller_latency"]
+    assert sensitivity.chosen_numbers(EXPLAINED, "functional") == [("dsp.clock_khz", 200000, "1000..2000000 kHz")]
+
+
+def test_the_sensitivity_of_a_run_is_what_its_steps_do_to_the_frame(program):
+    small = "builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix fidelity=cycle --fix asic.block_voxels=8 -o out --jobs 2"
+    assert program.run(f"{small} --sensitivity") == 0, program.err
+    rows = program.json()["sensitivity"]
+    by_name = {row["number"]: row for row in rows}
+    assert {"dsp.clock_khz", "pipeline.prefetch_stages", "link.bits", "rdram.t_rtr", "sdram.controller_latency"} <= by_name.keys()
+    assert not any(name.startswith(("ddr.", "ideal.", "asic.")) for name in by_name)
+    known = [abs(row["elasticity"]) for row in rows if row["elasticity"] is not None]
+    assert known == sorted(known, reverse=True) and known[0] > 0
+    clock = by_name["dsp.clock_khz"]
+    assert (clock["value"], clock["step_to"]) == (200000, 202000)
+    subprocess.run(clock["command"], shell=True, check=True, cwd=program.folder, stdout=subprocess.DEVNULL,
+                   env=os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"})
+    assert json.loads(program.text("run.json"))["frame_ms"] == pytest.approx(clock["frame_ms"] + clock["change"], abs=1e-9)
+    assert -1 < clock["elasticity"] < 0  # a quicker DSP takes a part of the frame
+    lines = program.out.splitlines()
+    assert lines[0].split()[:2] == ["chosen", "number"] and lines[1].split()[0] == rows[0]["number"] and len(lines) == len(rows) + 1
+    assert len(program.text("out/sweep.csv").splitlines()) == len(rows) + 1
+
+
+def test_the_functional_level_reads_none_of_the_messages_that_are_left_out(program):
+    """Their fields change no frame time there."""
+    def frame(more):
+        command = f"{BIN}/gicube-render builtin:buckyball --volume-size 32 --size 24x24 --quiet -o a.png --stats a.json {more}"
+        subprocess.run(command, shell=True, check=True, cwd=program.folder)
+        return json.loads(program.text("a.json"))["frame_ms"]
+    others = "cache.miss_packets=40 link.bits=64 pipeline.prefetch_stages=20 rdram.rac_latency=9 sdram.controller_latency=9"
+    assert frame("") == frame(" ".join(f"--set {each}" for each in others.split()))
+    assert frame("") != frame("--set dsp.clock_khz=150000")
+
+
+def test_a_board_that_runs_already_has_no_sensitivity(program):
+    assert program.run("builtin:buckyball --fix volume-size=32 --fix board=unix:/none -o out --sensitivity") == 1
+    assert "board: expected none with --sensitivity, whose boards are private" in program.err
+
+
 @pytest.mark.parametrize("arguments, why", [
     ("b -o out --vary step=1", "--reference or --reference-picture: expected one of them, got none"),
     ("b -o out --vary step=1 --fix step=2 --reference step=1", "step: expected once among INPUT, --vary and --fix, got it twice"),
     ("b -o out --vary output=a,b --reference step=1", "output: expected another parameter, it is the sweep's own"),
     ("-o out", "INPUT is required"),
+    ("a b -o out --sensitivity", "--sensitivity: expected one INPUT and none of --vary"),
+    ("b -o out --sensitivity --reference step=1", "--sensitivity: expected one INPUT and none of --reference"),
     ("b", "the following arguments are required: -o/--output"),
     ("b -o", "argument -o/--output: expected one argument"),
     ("b -o out -o in", "argument -o/--output: expected once, got it twice"),
