@@ -32,6 +32,7 @@ enum class AuditEvent {
   kConfigured,  // and what follows: by the management plane
   kReset,
   kTraced,
+  kSaved,
   kFaultsSet,
   kDebugged,
   kLimitReached,  // of results, or of the time of a command

@@ -101,7 +101,7 @@ void serve(const Options& options, const RoutineTable& routines) {
   std::vector<BoardSlot*> boards;
   for (std::uint32_t i = 0; i < options.boards; ++i) {
     slots.push_back(std::make_unique<BoardSlot>(i, options.config, for_board(options.observation, i), &routines,
-                                                options.max_memory_bytes));
+                                                options.max_memory_bytes, options.checkpoint));
     FaultPoint& faults = slots.back()->faults();
     faults.set_plan(options.fault_plan);  // has been checked
     const std::string suffix = i == 0 ? "" : fmt::format(".{}", i);

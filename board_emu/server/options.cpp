@@ -19,7 +19,7 @@ constexpr std::uint32_t kMaxMib = 1u << 24;     // chosen: 16 TiB
 
 // Those flags that are options only once they have been read.
 struct Flags {
-  std::string listen, management, config_file;
+  std::string listen, management, config_file, restore_file;
   std::vector<std::string> overrides;
   std::string trace_file, trace_window, trace_dir, vcd_file, vcd_window, event_file, observer_file, events_of;
   std::string fault_file;
@@ -101,6 +101,9 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--config", flags.config_file, "FILE", "board configuration, protobuf text of gicube.v1.BoardConfig");
   add("--set", flags.overrides, "FIELD=VALUE", "set one field after that, as asic.processors=8; may come several times")
       ->allow_extra_args(false);
+  add("--restore", flags.restore_file, "FILE",
+      "each board begins as the one that the checkpoint is of, with its configuration; --config and --set change what\n"
+      "does not shape its state (docs/guide/checkpoints.md)");
   app.add_flag("--print-config", options.print_config, "print the resolved configuration and its hash, then end");
   app.add_flag("--explain-config", options.explain_config,
                "print each field of the configuration with where its default comes from, then end");
@@ -113,7 +116,8 @@ void add_flags(CLI::App& app, Flags& flags, Options& options) {
   add("--trace-window", flags.trace_window, "BEGIN:END",
       "of what clocked parts do write these core cycles only, END left out");
   add("--trace-dir", flags.trace_dir, "FOLDER",
-      "where the management plane may have new traces written; unset: the working folder if that plane is at a\n"
+      "where the management plane may have new traces and checkpoints written; unset: the working folder if that plane "
+      "is at a\n"
       "unix socket, or else nowhere");
   add("--vcd", flags.vcd_file, "FILE",
       "write a waveform for GTKWave of the window; needs fidelity=cycle; board i > 0 writes FILE.i");
@@ -151,7 +155,18 @@ std::string read_file(const char* flag, const std::string& path, std::vector<std
   return text;
 }
 
-v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& errors, std::size_t& left_out) {
+void read_checkpoint(const Flags& flags, Options& options, std::vector<std::string>& errors) {
+  if (flags.restore_file.empty()) return;
+  try {
+    options.checkpoint = std::make_shared<const Checkpoint>(Checkpoint::read(flags.restore_file));
+  } catch (const std::exception& error) {
+    errors.push_back(fmt::format("--restore: {}: {}", flags.restore_file, error.what()));
+  }
+}
+
+// After read_checkpoint().
+v1::BoardConfig read_config(const Flags& flags, const Options& options, std::vector<std::string>& errors,
+                            std::size_t& left_out) {
   ParsedConfig parsed = parse_config(read_file("--config", flags.config_file, errors));
   for (const Diagnostic& each : parsed.diagnostics) {
     errors.push_back(fmt::format("{}: {}", flags.config_file, to_string(each)));
@@ -161,6 +176,14 @@ v1::BoardConfig read_config(const Flags& flags, std::vector<std::string>& errors
     for (const Diagnostic& wrong : apply_override(parsed.config, each)) {
       errors.push_back("--set " + each + ": " + to_string(wrong));
     }
+  }
+  if (options.checkpoint) {
+    v1::BoardConfig merged = options.checkpoint->header().config();
+    merged.MergeFrom(parsed.config);
+    for (const Diagnostic& each : fork_faults(options.checkpoint->header().config(), merged)) {
+      errors.push_back("--restore: " + to_string(each));
+    }
+    parsed.config = merged;
   }
   for (const Diagnostic& each : check(parsed.config, parsed.lines)) {
     errors.push_back((each.line > 0 ? flags.config_file + ": " : "") + to_string(each));
@@ -337,7 +360,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   check_tls(result.options, result.errors);
   read_listen(flags, result.options, result.errors);
   read_management(flags, result.options, result.errors);
-  result.options.config = read_config(flags, result.errors, result.errors_left_out);
+  read_checkpoint(flags, result.options, result.errors);
+  result.options.config = read_config(flags, result.options, result.errors, result.errors_left_out);
   read_observation(flags, result.options, result.errors);
   read_fault_plan(flags, result.options, result.errors, result.errors_left_out);
   return result;

@@ -3,10 +3,12 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "board/checkpoint.h"
 #include "config/config.h"
 #include "observe/observation.h"
 #include "server/bus/endpoint.h"
@@ -20,7 +22,8 @@ inline constexpr std::uint32_t kMaxBoards = 64;  // chosen: each has a thread of
 struct Options {
   Endpoint listen;
   std::optional<ManagementOptions> management;
-  v1::BoardConfig config;  // resolved and checked
+  v1::BoardConfig config;                        // resolved and checked
+  std::shared_ptr<const Checkpoint> checkpoint;  // that boards begin with; null: none
   std::uint32_t boards = 1;
   ObservationOptions observation;
   std::string fault_plan;               // its text; empty: no faults

@@ -137,7 +137,7 @@ const std::vector<Rule>& rules() {
        {"dlfcn.h", "linux/capability.h", "poll.h", "signal.h", "sys/mman.h", "sys/prctl.h", "sys/signalfd.h",
         "sys/socket.h", "sys/stat.h", "sys/syscall.h", "sys/wait.h", "unistd.h"}},
       room("board_emu/board", {"board_emu/words", "board_emu/config", "board_emu/memory", "board_emu/levels",
-                               "board_emu/firmware"}, {"fmt"}),
+                               "board_emu/firmware"}, {"fmt", "google/protobuf"}),
       // Watches the whole machine, and is watched by none of its parts.
       room("board_emu/observe", {"board_emu/words", "board_emu/asic", "board_emu/cycle", "board_emu/board",
                                  "board_emu/firmware/pixel_life.h", "board_emu/datapath", "board_emu/levels"}, {"fmt"}),
@@ -147,7 +147,7 @@ const std::vector<Rule>& rules() {
       room("board_emu/observe/observer_process.h", {}, {"sys/types.h"}),
       {"board_emu/observe/host", {"board_emu/observe/host", "board_emu/box/box.h", "proto/gicube/observer.h"},
        {"dlfcn.h", "signal.h", "sys/prctl.h", "unistd.h"}},
-      {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/box/box.h", "board_emu/board/board.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
+      {"board_emu/server",   {"board_emu/server", "board_emu/words", "board_emu/box/box.h", "board_emu/board/board.h", "board_emu/board/checkpoint.h", "board_emu/config/config.h", "board_emu/config/textproto_reader.h",
                               "board_emu/config/hardware_cost.h",
                               "board_emu/firmware/routines/routine_table.h", "board_emu/observe/observation.h", "proto"},
                              {kAnything}},

@@ -1,7 +1,9 @@
 #include "board_slot.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <future>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/chrono.h>
@@ -25,11 +27,13 @@ constexpr const char* kNoMemory = "the system has no memory left for the board";
 }  // namespace
 
 BoardSlot::BoardSlot(std::uint32_t index, const v1::BoardConfig& config, const ObservationOptions& observation,
-                     const RoutineTable* routines, std::uint64_t max_memory_bytes)
+                     const RoutineTable* routines, std::uint64_t max_memory_bytes,
+                     std::shared_ptr<const Checkpoint> start)
     : index_(index),
       config_(resolve(config)),
       routines_(routines != nullptr ? routines : &built_in_routines()),
       max_memory_bytes_(max_memory_bytes),
+      start_(std::move(start)),
       observation_(std::make_unique<Observation>(observation, &debugger_)),
       board_(BoardSlot::build(config_, observation_.get())) {}
 
@@ -40,12 +44,14 @@ BoardSlot::~BoardSlot() {
 }
 
 std::unique_ptr<Board> BoardSlot::build(const v1::BoardConfig& config, Observation* observation) const {
-  return std::make_unique<Board>(config, config_hash(config), observation, routines_, max_memory_bytes_);
+  auto board = std::make_unique<Board>(config, config_hash(config), observation, routines_, max_memory_bytes_);
+  if (start_) start_->restore(*board);
+  return board;
 }
 
 void BoardSlot::drop_board() {
   std::unique_ptr<Board> last;
-  const std::lock_guard lock(mutex_);
+  const std::scoped_lock lock(saving_, mutex_);
   board_.swap(last);
 }
 
@@ -54,7 +60,7 @@ void BoardSlot::renew(std::string& why) {
   drop_board();
   try {
     auto fresh = build(config_, observation_.get());
-    const std::lock_guard lock(mutex_);
+    const std::scoped_lock lock(saving_, mutex_);
     board_.swap(fresh);
   } catch (const std::bad_alloc&) {
     why = kNoMemory;
@@ -139,6 +145,9 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& r
   merged.MergeFrom(parsed.config);
   std::vector<Diagnostic> found = std::move(parsed.diagnostics);
   for (Diagnostic& each : check(merged, parsed.lines)) found.push_back(std::move(each));
+  if (start_) {
+    for (Diagnostic& each : fork_faults(start_->header().config(), merged)) found.push_back(std::move(each));
+  }
   reason = to_string(found);
   if (!found.empty()) return Configured::kFaulty;
   if (is_true(cancelled)) return Configured::kCancelled;
@@ -154,7 +163,7 @@ BoardSlot::Configured BoardSlot::configure(std::string_view text, std::string& r
     return Configured::kFailed;
   }
   if (is_true(cancelled)) return Configured::kCancelled;
-  const std::lock_guard swapping(mutex_);
+  const std::scoped_lock swapping(saving_, mutex_);
   board_.swap(rebuilt);
   config_ = std::move(merged);
   return Configured::kDone;
@@ -183,7 +192,7 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
     options.trace_creation = Creation::kNew;
     observation = std::make_unique<Observation>(options, &debugger_);
     board = build(config, observation.get());
-    const std::lock_guard swapping(mutex_);
+    const std::scoped_lock swapping(saving_, mutex_);
     board_.swap(board);
     observation_.swap(observation);
   } catch (const std::bad_alloc&) {
@@ -196,6 +205,42 @@ BoardSlot::Configured BoardSlot::set_trace_file(const std::string& file, std::st
   board.reset();
   log_fault(observation.get());
   return Configured::kDone;
+}
+
+// The file is written on the board's own thread. A caller who gives up while that is done finds it all the same.
+BoardSlot::Configured BoardSlot::save(const std::string& file, Saved& saved, std::string& reason,
+                                      const Cancelled& cancelled) {
+  struct Answer {
+    std::atomic<bool> unwanted{false};
+    Saved saved;
+    std::string reason;
+    std::promise<Configured> done;
+  };
+  const auto answer = std::make_shared<Answer>();
+  boost::asio::post(compute_, [this, answer, file] {
+    if (answer->unwanted) return;
+    const std::lock_guard here(saving_);
+    Configured result = Configured::kDone;
+    try {
+      if (!board_) throw std::runtime_error("expected a board, got none: it could not be built");
+      if (std::filesystem::exists(file)) throw std::runtime_error("file: expected a new one, got " + file);
+      save_checkpoint(*board_, std::filesystem::path(file));
+      answer->saved = {board_->simulated_ps(), std::filesystem::file_size(file)};
+    } catch (const std::exception& error) {
+      answer->reason = error.what();
+      result = Configured::kFaulty;
+    }
+    answer->done.set_value(result);
+  });
+  std::future<Configured> done = answer->done.get_future();
+  while (done.wait_for(kCancelCheck) != std::future_status::ready) {
+    if (!is_true(cancelled)) continue;
+    answer->unwanted = true;
+    return Configured::kCancelled;
+  }
+  saved = answer->saved;
+  reason = answer->reason;
+  return done.get();
 }
 
 BoardSlot::Configured BoardSlot::power_reset(std::string& reason, const Cancelled& cancelled) {

@@ -23,6 +23,7 @@
 #include <boost/asio/thread_pool.hpp>
 
 #include "board/board.h"
+#include "board/checkpoint.h"
 #include "config/config.h"
 #include "firmware/routines/routine_table.h"
 #include "observe/observation.h"
@@ -48,10 +49,12 @@ struct Claimant {
 
 class BoardSlot {
  public:
-  // `config` must be checked; it is resolved here. `observation`: of this board alone. Throws as Observation's constructor. The rest: as
-  // Board's.
+  // `config` must be checked; it is resolved here. `observation`: of this board alone. Throws as Observation's constructor. `start`: what
+  // each new board is at its power-up, which `config` must fit (fork_faults()); null: nothing. The rest: as Board's. Throws
+  // CheckpointFault.
   BoardSlot(std::uint32_t index, const v1::BoardConfig& config, const ObservationOptions& observation = {},
-            const RoutineTable* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory);
+            const RoutineTable* routines = nullptr, std::uint64_t max_memory_bytes = kUnlimitedMemory,
+            std::shared_ptr<const Checkpoint> start = nullptr);
   virtual ~BoardSlot();
 
   BoardSlot(const BoardSlot&) = delete;
@@ -168,6 +171,13 @@ class BoardSlot {
   // completed.
   Configured set_trace_file(const std::string& file, std::string& reason, const Cancelled& cancelled = {});
 
+  // Writes a checkpoint to a file that is not there yet, between two transactions of the session: once the command in work is
+  // done. `saved`: what it then was.
+  struct Saved {
+    std::uint64_t simulated_ps = 0, bytes = 0;
+  };
+  Configured save(const std::string& file, Saved& saved, std::string& reason, const Cancelled& cancelled = {});
+
   // The power button: ends the owning session and resets the board. kInUse: the session did not end in time. After kInUse and
   // kCancelled it ends all the same, as soon as it can; after kFailed there is no board.
   Configured power_reset(std::string& reason, const Cancelled& cancelled = {});
@@ -201,10 +211,12 @@ class BoardSlot {
   v1::BoardConfig config_;
   const RoutineTable* const routines_;
   const std::uint64_t max_memory_bytes_;
+  const std::shared_ptr<const Checkpoint> start_;
   std::atomic<std::uint64_t> held_bytes_ = 0;
   Debugger debugger_;                         // has a lock of its own
   std::unique_ptr<Observation> observation_;  // only the owner's board speaks to it
   std::unique_ptr<Board> board_;
+  std::mutex saving_;  // keeps board_ where it is; taken before mutex_
   FaultPoint faults_;  // has a lock of its own
   boost::asio::thread_pool compute_{1};
 };

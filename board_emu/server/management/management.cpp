@@ -155,6 +155,29 @@ class Service final : public v1::BoardManagement::Service {
     });
   }
 
+  Status SaveCheckpoint(ServerContext* context, const v1::SaveCheckpointRequest* request,
+                        v1::CheckpointInfo* info) override {
+    if (Status refused = lacks(*context, Right::kControl); !refused.ok()) return refused;
+    return on_board(*request, [&](BoardSlot& slot) -> Status {
+      std::string reason, path;
+      try {
+        path = trace_path(trace_folder_, request->file());
+      } catch (const std::invalid_argument& error) {
+        return noted(AuditEvent::kSaved, *context, slot, {StatusCode::INVALID_ARGUMENT, error.what()});
+      }
+      BoardSlot::Saved saved;
+      const auto result = slot.save(path, saved, reason, given_up(*context));
+      if (result != BoardSlot::Configured::kDone) {
+        return noted(AuditEvent::kSaved, *context, slot, refusal(result, slot, reason), path);
+      }
+      info->set_board(slot.index());
+      info->set_file(path);
+      info->set_simulated_ps(saved.simulated_ps);
+      info->set_bytes(saved.bytes);
+      return noted(AuditEvent::kSaved, *context, slot, Status::OK, path);
+    });
+  }
+
   Status GetTrace(ServerContext*, const v1::GetTraceRequest* in, v1::TraceInfo* out) override { return show(in, out); }
 
   Status WatchCounters(ServerContext* context, const v1::WatchCountersRequest* request,

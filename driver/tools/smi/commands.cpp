@@ -137,4 +137,14 @@ int stop_trace(const Options& options) {
   });
 }
 
+int checkpoint(const Options& options) {
+  Client client(options);
+  v1::SaveCheckpointRequest request;
+  request.set_file(options.checkpoint_file);
+  return show(options, client.call(&Stub::SaveCheckpoint, request), [](const v1::CheckpointInfo& saved) {
+    fmt::print("board {} at {} ps is in {}, {} bytes\n", saved.board(), saved.simulated_ps(), saved.file(),
+               saved.bytes());
+  });
+}
+
 }  // namespace gicube::smi

@@ -105,6 +105,15 @@ void add_trace(CLI::App& app, Options& options) {
   add_board_command(*trace, options, stop_trace, "stop", "completes the file; nobody may own the board");
 }
 
+void add_checkpoint(CLI::App& app, Options& options) {
+  add_board_command(app, options, checkpoint, "checkpoint",
+                    "writes all that a board is to a file, for gicube-board --restore; its session goes on")
+      ->add_option("file", options.checkpoint_file,
+                   "a new file in the folder that gicube-board has for traces (--trace-dir)")
+      ->type_name("FILE")
+      ->required();
+}
+
 void add_export(CLI::App& app, Options& options) {
   CLI::App* sub = app.add_subcommand("export", "the counters of all local boards to Prometheus; ends with Ctrl-C");
   sub->callback([&options] { options.run = export_metrics; });
@@ -147,6 +156,7 @@ int run(int argc, const char* const* argv) {
       ->add_option("script", options.script_file, "lines to carry out; - reads standard input (help lists them)")
       ->type_name("FILE")
       ->capture_default_str();
+  add_checkpoint(app, options);
   add_export(app, options);
   add_command(app, options, show, "show",
               "where a PNG, EXR, NRRD, NIfTI or JSON file came from: program, command, board, scene")

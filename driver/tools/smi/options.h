@@ -30,6 +30,7 @@ struct Options {
   std::string trace_file;
   std::string listen;             // export: ADDRESS:PORT
   std::string shown_file;         // show
+  std::string checkpoint_file;    // checkpoint
   std::string script_file = "-";  // debug; "-" = standard input
 };
 
@@ -55,6 +56,7 @@ int show_trace(const Options& options);
 int start_trace(const Options& options);
 int stop_trace(const Options& options);
 int debug(const Options& options);
+int checkpoint(const Options& options);
 int doctor(const Options& options);
 int export_metrics(const Options& options);
 int show(const Options& options);

@@ -207,6 +207,32 @@ TEST(CommandLine, AWaveformNeedsAWindowTheCycleLevelAndAFileOfItsOwn) {
               ElementsAre(HasSubstr("--vcd: expected fidelity=cycle, got functional")));
 }
 
+TEST(CommandLine, TakesTheConfigurationOfACheckpointAndWhatDoesNotShapeItsState) {
+  const reference::TemporaryDirectory folder;
+  const std::string file = folder.file("warm"), damaged = folder.file("damaged");
+  v1::BoardConfig config = parse({"--listen", "fd:3", "--set", "asic.processors=2"}).options.config;
+  Board board(config, config_hash(config));
+  save_checkpoint(board, std::filesystem::path(file));
+  const auto with = [](std::string from, std::vector<const char*> more = {}) {
+    more.insert(more.begin(), {"--listen", "fd:3", "--restore", from.c_str()});
+    return parse(more);
+  };
+  EXPECT_THAT(with(file).errors, IsEmpty());
+  EXPECT_EQ(with(file).options.config.asic().processors(), 2u);
+  EXPECT_NE(with(file).options.checkpoint, nullptr);
+  const CommandLine fork = with(file, {"--set", "bus.model=agp2x", "--set", "fidelity=cycle"});
+  EXPECT_THAT(fork.errors, IsEmpty());
+  EXPECT_EQ(fork.options.config.bus().model(), v1::agp2x);
+  EXPECT_THAT(with(file, {"--set", "asic.processors=4"}).errors,
+              ElementsAre("--restore: asic.processors: expected 2, as in the checkpoint, got 4"));
+  std::filesystem::copy_file(file, damaged);
+  std::filesystem::resize_file(damaged, 1000);
+  EXPECT_THAT(with(damaged).errors,
+              ElementsAre("--restore: " + damaged +
+                          ": checkpoint: file: expected a checkpoint with its checksum, got 1000 other bytes"));
+  EXPECT_THAT(with(folder.file("none")).errors, ElementsAre(HasSubstr("No such file")));
+}
+
 TEST(CommandLine, HelpAndVersionAreTexts) {
   EXPECT_THAT(parse({"--help"}).text.value_or(""), HasSubstr("--token-file"));
   EXPECT_THAT(parse({"--version"}).text.value_or(""), testing::StartsWith("gicube-board "));

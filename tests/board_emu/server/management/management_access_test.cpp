@@ -189,6 +189,7 @@ TEST_F(TokensOfManagement, ThatMayOnlyReadOrUseChangeNothing) {
     EXPECT_EQ(call(token, &Stub::Reset), StatusCode::PERMISSION_DENIED);
     EXPECT_EQ(call(token, &Stub::SetFaultPlan), StatusCode::PERMISSION_DENIED);
     EXPECT_EQ(call(token, &Stub::SetTrace), StatusCode::PERMISSION_DENIED);
+    EXPECT_EQ(call(token, &Stub::SaveCheckpoint), StatusCode::PERMISSION_DENIED);
     EXPECT_EQ(call(token, &Stub::GetFaultLog, clear), StatusCode::PERMISSION_DENIED);
     Call context;
     context.AddMetadata("authorization", "Bearer " + std::string(token));
@@ -208,8 +209,11 @@ TEST_F(TokensOfManagement, WhatTheirHoldersDoIsNoted) {
   v1::SetTraceRequest trace;
   trace.set_file("/tmp/anywhere");
   EXPECT_EQ(call(kToken, &Stub::SetTrace, trace), StatusCode::INVALID_ARGUMENT);
+  v1::SaveCheckpointRequest checkpoint;
+  checkpoint.set_file("/tmp/anywhere");
+  EXPECT_EQ(call(kToken, &Stub::SaveCheckpoint, checkpoint), StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(call(kToken, &Stub::GetCounters), StatusCode::OK);
-  EXPECT_EQ(noted(), "unknown 1 reset 1 traced 1 faults_set 1 ");
+  EXPECT_EQ(noted(), "unknown 1 reset 1 traced 1 saved 1 faults_set 1 ");
 }
 
 TEST(ManagementAccess, OnlyABearersTokenIsOne) {

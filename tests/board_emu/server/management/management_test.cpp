@@ -316,6 +316,65 @@ TEST(Management, WritesTracesInItsFolderForThemAndNowhereElse) {
   EXPECT_THAT(set_trace(managed, "by_name").error_message(), HasSubstr("expected the name of a new file, got"));
 }
 
+grpc::Status save(ManagedBoards& managed, const std::string& file, v1::CheckpointInfo& info) {
+  Call call;
+  v1::SaveCheckpointRequest request;
+  request.set_file(file);
+  return managed.stub->SaveCheckpoint(&call, request, &info);
+}
+
+// A board that begins with the checkpoint has what the session had written, at its time.
+TEST(Management, WritesACheckpointWhileASessionOwnsTheBoard) {
+  ManagedBoards managed;
+  RawClient client = managed.boards.open();
+  client.write_register(wire::reg::kSeed, 4711);
+  EXPECT_EQ(client.read_register(wire::reg::kSeed), 4711u);
+  v1::CheckpointInfo info;
+  const grpc::Status status = save(managed, "warm", info);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(info.file(), managed.traces() + "/warm");
+  EXPECT_EQ(info.bytes(), std::filesystem::file_size(info.file()));
+  EXPECT_GT(info.simulated_ps(), 0u);
+  client.write_register(wire::reg::kSeed, 1);
+
+  const auto checkpoint = std::make_shared<const Checkpoint>(Checkpoint::read(info.file()));
+  BoardSlot second(0, checkpoint->header().config(), nullptr, nullptr, kUnlimitedMemory, checkpoint);
+  EXPECT_EQ(second.counters().simulated_ps, info.simulated_ps());
+  const auto seed = [&second] {
+    std::vector<std::uint8_t> offset(4);
+    wire::store(std::span(offset), 0, wire::reg::kSeed);
+    wire::FrameHeader header;
+    header.type = wire::FrameType::kRegisterRead;
+    Progress work;
+    return wire::load<std::uint32_t>(second.board().transact(header, offset, work).reply->payload, 0);
+  };
+  EXPECT_EQ(seed(), 4711u);
+  std::string why;
+  second.renew(why);  // as for the next session
+  EXPECT_EQ(why, "");
+  EXPECT_EQ(seed(), 4711u);
+  EXPECT_EQ(second.configure("asic { queue_rays: 17 }", why), BoardSlot::Configured::kFaulty);
+  EXPECT_EQ(why, "asic.queue_rays: expected 256, as in the checkpoint, got 17");
+  EXPECT_EQ(second.configure("bus { model: agp4x }", why), BoardSlot::Configured::kDone);
+  EXPECT_EQ(seed(), 4711u);
+}
+
+TEST(Management, WritesCheckpointsInTheFolderForTracesAndOverNothing) {
+  ManagedBoards managed;
+  v1::CheckpointInfo info;
+  for (const std::string& file :
+       {managed.boards.folder.file("outside"), std::string("sub/warm"), std::string(".warm"), std::string()}) {
+    const grpc::Status status = save(managed, file, info);
+    EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT) << file;
+    EXPECT_THAT(status.error_message(), HasSubstr("expected the name of a new file in " + managed.traces()));
+  }
+  EXPECT_TRUE(save(managed, "warm", info).ok());
+  EXPECT_THAT(save(managed, "warm", info).error_message(), HasSubstr("file: expected a new one, got "));
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& each : std::filesystem::directory_iterator(managed.traces())) ++files;
+  EXPECT_EQ(files, 1u);
+}
+
 TEST(Management, WithoutAFolderForThemItWritesNoTraces) {
   EXPECT_THROW(trace_path("", "trace"), std::invalid_argument);
 }
