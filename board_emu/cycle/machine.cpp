@@ -81,8 +81,9 @@ bool Machine::tick() {
       moved |= processor->tick_sorter(now_);
       moved |= processor->tick_pipeline(now_);
     }
+    const bool is_seen = is_seen_soon();
     for (const auto& memory : memories_) {
-      moved |= is_seen_soon() ? memory->tick(now_) : memory->tick_ahead(now_);
+      moved |= is_seen ? memory->tick(now_) : memory->tick_ahead(now_);
     }
     moved |= tree_->tick(now_);
   } else {

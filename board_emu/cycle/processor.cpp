@@ -36,10 +36,15 @@ Cause waiting_for(Delay delay) {
   }
 }
 
-// Out of the way of all rays that are not watched.
-[[gnu::noinline, gnu::cold]] void count_wait(RayWatch& watch, std::uint32_t ray) { watch.waits(ray); }
-[[gnu::noinline, gnu::cold]] void tell_filled(RayWatch& watch, Cycle now, std::uint32_t ray, int processor) {
+// Out of the way of all rays that are not watched. They hand `cause` on, so that their callers keep nothing for after the call.
+[[gnu::noinline, gnu::cold]] Cause count_wait(RayWatch& watch, std::uint32_t ray, Cause cause) {
+  watch.waits(ray);
+  return cause;
+}
+[[gnu::noinline, gnu::cold]] Cause tell_filled(RayWatch& watch, Cycle now, std::uint32_t ray, int processor,
+                                               Cause cause) {
   watch.goes_on({.step = RayStep::kFilled, .cycle = now, .handle = ray, .processor = processor});
+  return cause;
 }
 [[gnu::noinline, gnu::cold]] void tell_gone(RayWatch& watch, Cycle now, std::uint32_t ray, int processor) {
   watch.tell({.step = RayStep::kGone, .cycle = now, .handle = ray, .processor = processor});
@@ -141,7 +146,7 @@ Cause Processor::enter_compute(Cycle now) {
   if (head.packets > 0) {
     const auto waits = [this, &head](Cause cause) {
       if (head.token.watched) [[unlikely]]
-        count_wait(watch_, head.token.ray);
+        return count_wait(watch_, head.token.ray, cause);
       return cause;
     };
     const Packet& packet = misses_.oldest();
@@ -151,9 +156,9 @@ Cause Processor::enter_compute(Cycle now) {
     if (--head.packets > 0) return waits(Cause::kFill);
   }
   const Cause cause = head.sampled ? Cause::kBusy : Cause::kLeap;
-  if (head.token.watched) [[unlikely]]
-    tell_filled(watch_, now, head.token.ray, number_);
   stages_.start_computing(compute_clock_);
+  if (head.token.watched) [[unlikely]]
+    return tell_filled(watch_, now, head.token.ray, number_, cause);
   return cause;
 }
 

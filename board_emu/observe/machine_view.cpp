@@ -123,6 +123,14 @@ std::string sorter_in_words(Cycle now, std::size_t number, const Machine& machin
   return fmt::format("sorter {}: takes two rays a cycle, {} wait in its queues", number, processor.sorter().waiting());
 }
 
+std::string ray_bus_in_words(Cycle now, const Machine& machine) {
+  if (machine.down().empty()) return "ray bus: moves";
+  const std::size_t to = machine.down().front().processor;
+  if (!is_full(machine.processors()[to]->from_bus)) return fmt::format("ray bus: brings a ray to processor {}", to);
+  return fmt::format("ray bus: its first ray waits for processor {}, whose input is full <- {}", to,
+                     sorter_in_words(now, to, machine));
+}
+
 std::string chain_of(Cycle now, std::size_t number, const Machine& machine) {
   const Processor& processor = *machine.processors()[number];
   std::string out =
@@ -152,12 +160,16 @@ std::string chain_of(Cycle now, std::size_t number, const Machine& machine) {
     case Cause::kLink: {
       if (processor.out_links.empty()) return out + "links";
       const std::size_t to = processor.out_links.front().processor;
-      return out + fmt::format("a ray for processor {} waits for a link ({} rays on links) <- {}", to,
-                               machine.links().inside(), sorter_in_words(now, to, machine));
+      const Processor& there = *machine.processors()[to];
+      out +=
+          fmt::format("a ray for processor {} waits for a link, which each ray holds for {} cycles; {} rays on links",
+                      to, machine.links().cycles_per_ray(), machine.links().inside());
+      const bool is_held_up = is_full(there.from_left) || is_full(there.from_right);
+      return is_held_up ? out + " <- " + sorter_in_words(now, to, machine) : out;
     }
     case Cause::kRayBus:
       if (is_full(processor.done)) return out + "a finished ray waits <- " + way_up(now, machine);
-      return out + "its rays are on the ray bus";
+      return out + "has no ray <- " + ray_bus_in_words(now, machine);
     case Cause::kQueueEmpty: return out + "has no ray; others have";
     case Cause::kDsp:
     case Cause::kSdram: return out + "has no ray <- " + dsp_in_words(now, machine);

@@ -75,7 +75,7 @@ ObserverProcess::ObserverProcess(const std::string& file, bool is_boxed) : file_
     ::waitpid(process_, nullptr, 0);
   }
   ::close(socket_);
-  throw std::runtime_error(fmt::format("{}: {}", file, said));
+  throw std::runtime_error(said.starts_with(object) ? said : fmt::format("{}: {}", file, said));
 }
 
 // In its box the board's process may not end others, and the closed socket does it.

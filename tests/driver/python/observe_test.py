@@ -26,7 +26,8 @@ def test_a_callable_gets_a_rays_life_in_order() -> None:
     steps = []
     with gicube.observe.events(steps.append, of="pixel=16:16") as options:
         draw("emu:?fidelity=cycle&" + options)
-    assert [step["event"] for step in steps[:3]] == ["made", "sent", "queued"]
+    assert [step["event"] for step in steps[:2]] == ["made", "sent"]
+    assert steps[2]["event"] in ("queued", "overflowed")
     assert steps[-1]["event"] == "taken"
     assert sorted(step["cycle"] for step in steps) == [step["cycle"] for step in steps]
     assert sum(step["event"] == "sampled" for step in steps) > 3
@@ -72,6 +73,8 @@ def test_a_debugger_stops_a_board_and_lets_it_go(tmp_path: pathlib.Path) -> None
             assert "was made" in debugger.say("continue 30")
             assert debugger.stands
             assert "DSP: " in debugger.say("why")
+            smi = [PROGRAMS / "gicube-smi", "info", "--management", plane]  # others are answered meanwhile
+            subprocess.run(smi, check=True, stdout=subprocess.DEVNULL)
             with pytest.raises(gicube.Error, match="expected a command as help lists them"):
                 debugger.say("jump")
             with pytest.raises(gicube.Error, match="another caller debugs"):
