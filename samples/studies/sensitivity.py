@@ -12,7 +12,7 @@ SMALL = 100  # a step is this part of the number, or 1: single clocks of a fast 
 
 
 def stepped(value, legal):
-    """The nearest values above and below that a schema's range allows, in the order in which they are to be tried; none of a switch."""
+    """The nearest values above and below that a schema's range allows; none of a switch."""
     numbers = [int(number) for number in re.findall(r"\d+", legal)]
     if ".." in legal:
         low, high = numbers[0], numbers[1] if re.search(r"\.\.\d", legal) else math.inf
@@ -55,44 +55,50 @@ def explain(board, words):
 
 
 def steps_of(board, settings, fidelity):
-    """A row for each number: its name, value, and what it is set to; None where the board takes neither step."""
+    """A row for each number: its name, its value, and the values below and above it to which it is set: those that the board takes."""
     words = board_arguments(settings)
     rows = []
     for name, value, legal in chosen_numbers(explain(board, words) or "", fidelity):
-        to = stepped(value, legal)
+        to = [each for each in sorted(stepped(value, legal)) if explain(board, [*words, "--set", f"{name}={each}"]) is not None]
         if to:
-            taken = next((each for each in to if explain(board, [*words, "--set", f"{name}={each}"]) is not None), None)
-            rows.append(SimpleNamespace(name=name, value=value, to=taken))
+            rows.append(SimpleNamespace(name=name, value=value, to=to))
     return rows
 
 
-def elasticity(row):
-    """Per cent of cost for a per cent of the number; not-a-number if one of them is 0."""
-    return row.change / row.cost / ((row.to - row.value) / row.value) if row.value and row.cost else math.nan
+def finish(row, cost, costs):
+    """The row with the changes of the cost at its steps, the slope over them in per cent of cost for a per cent of the number
+    (not-a-number if one of them is 0), and whether both steps change it in the same direction: that is scatter, and no slope."""
+    row.cost, row.changes = cost, [each - cost for each in costs]
+    points = sorted([(row.value, 0.0), *zip(row.to, row.changes)])
+    (low, first), (high, last) = points[0], points[-1]
+    row.elasticity = (last - first) / cost / ((high - low) / row.value) if row.value and cost else math.nan
+    row.is_scatter = len(row.changes) == 2 and row.changes[0] * row.changes[1] > 0
+    return row
 
 
 def sensitivity(arguments, settings, cost, board, carry_out, read):
-    """Rows as of steps_of() with cost (before the step), change (of it) and elasticity, the largest first. `carry_out` has runs carried out,
-    `read` gives a run's statistics. Raises what they raise, and InputError."""
+    """Rows as finish() makes them, the largest change first, then the slope's. `carry_out` has runs carried out, `read` gives a run's
+    statistics. Raises what they raise, and InputError."""
     board_arguments(settings)
     base = Run(arguments)
     carry_out([base])
     statistics = read(base)
-    rows = [row for row in steps_of(board, settings, statistics["fidelity"]) if row.to is not None]
+    rows = steps_of(board, settings, statistics["fidelity"])
     for row in rows:
-        row.run = Run([*arguments, "--set", f"{row.name}={row.to}"])
-    carry_out([row.run for row in rows])
+        row.runs = [Run([*arguments, "--set", f"{row.name}={to}"]) for to in row.to]
+    carry_out([run for row in rows for run in row.runs])
     for row in rows:
-        row.cost = figure(statistics, cost)
-        row.change = figure(read(row.run), cost) - row.cost
-        row.elasticity = elasticity(row)
-    return sorted(rows, key=lambda row: (-abs(row.elasticity) if row.elasticity == row.elasticity else 1, -abs(row.change)))
+        finish(row, figure(statistics, cost), [figure(read(run), cost) for run in row.runs])
+    return sorted(rows, key=lambda row: (row.is_scatter, -abs(row.elasticity) if row.elasticity == row.elasticity else 1,
+                                         -max(map(abs, row.changes))))
 
 
 def table(rows, cost):
     """Lines for people."""
-    lines = [f"{'chosen number':28} {'value':>8} {'step to':>8} {cost:>12} {'change':>12} {'% for 1%':>9}"]
+    lines = [f"{cost} {rows[0].cost:.6g}" if rows else f"{cost}: no chosen number is read",
+             f"{'chosen number':28} {'value':>8} {'steps to':>15} {'change':>23} {'% for 1%':>9}"]
     for row in rows:
-        share = "" if math.isnan(row.elasticity) else f"{row.elasticity:9.4f}"
-        lines.append(f"{row.name:28} {row.value:8} {row.to:8} {row.cost:12.6g} {row.change:+12.6g} {share:>9}")
+        share = "scatter" if row.is_scatter else "" if math.isnan(row.elasticity) else f"{row.elasticity:.4f}"
+        steps, changes = ", ".join(map(str, row.to)), ", ".join(f"{change:+.6g}" for change in row.changes)
+        lines.append(f"{row.name:28} {row.value:8} {steps:>15} {changes:>23} {share:>9}")
     return lines

@@ -95,7 +95,7 @@ def parser_of_options():
     repeatable("--also-error", "FIGURE", "also_errors", str, "the same of further numbers' relative differences")
     option("--sensitivity", action="store_true",
            help="in place of --vary: change each number of the board's configuration that was chosen (gicube-board --explain-config) by a "
-           "hundredth or the smallest legal step, one at a time, and sort them by what that does to the cost")
+           "hundredth or the smallest legal step down and up, one at a time, and sort them by what that does to the cost")
     option("-o", "--output", metavar="FOLDER REQUIRED", dest="folder", type=pathlib.Path, required=True,
            help="NAME.csv, NAME.json and runs/ go there")
     option("--name", metavar="TEXT=sweep", default="sweep", help="of the files")
@@ -228,10 +228,13 @@ def carry_out_sensitivity(options, folder, command):
     arguments = arguments_of({"input": options.parameters[0][1][0]} | dict(options.fixed))
     rows = sensitivity(arguments, options.fixed, options.cost, program("gicube-board"),
                        lambda runs: carry_out_all(folder, runs, program("gicube-render"), options.jobs, meter), folder.read)
-    lines = [["number", "value", "step to", options.cost, "change", "% for 1%", "command"]]
-    lines += [[row.name, row.value, row.to, cell(row.cost), cell(row.change), cell(row.elasticity), row.run.command()] for row in rows]
-    steps = [{"number": row.name, "value": row.value, "step_to": row.to, options.cost: row.cost, "change": row.change,
-              "elasticity": None if math.isnan(row.elasticity) else row.elasticity, "command": row.run.command()} for row in rows]
+    lines = [["number", "value", options.cost, "% for 1%", "scatter", "step to", "change", "command"]]
+    lines += [[row.name, row.value, cell(row.cost), cell(row.elasticity), int(row.is_scatter), to, cell(change), run.command()]
+              for row in rows for to, change, run in zip(row.to, row.changes, row.runs)]
+    steps = [{"number": row.name, "value": row.value, options.cost: row.cost,
+              "elasticity": None if math.isnan(row.elasticity) else row.elasticity, "scatter": row.is_scatter,
+              "steps": [{"to": to, "change": change, "command": run.command()} for to, change, run in zip(row.to, row.changes, row.runs)]}
+             for row in rows]
     base = str(options.folder / options.name)
     write_whole(f"{base}.csv", csv_text(lines))
     write_whole(f"{base}.json", json_file({"cost": options.cost, "sensitivity": steps}, command))

@@ -62,16 +62,16 @@ class PixelLife : public RenderProgram {
   }
 };
 
-const std::vector<std::string> kBall{"builtin:buckyball", "--volume-size", "32"};
+const std::vector<std::string> kSmallBall{"builtin:buckyball", "--volume-size", "32"};
 
 std::vector<std::string> ball(const std::vector<std::string>& more) {
-  std::vector<std::string> all = kBall;
+  std::vector<std::string> all = kSmallBall;
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
 
 TEST_F(PixelLife, EndsWithThePictureAndHasCyclesWhereTheLevelHasThem) {
-  at_every_level(kBall, 9, 8, [](const Json& life, const std::string& level) {
+  at_every_level(kSmallBall, 9, 8, [](const Json& life, const std::string& level) {
     ASSERT_EQ(life.at("rays").size(), 1u);
     const Json& passes = life.at("rays")[0].at("passes");
     ASSERT_GT(passes.size(), 5u);
@@ -140,7 +140,9 @@ TEST_F(PixelLife, OfLitAndScatteredPicturesIsTheirs) {
     };
     at_every_level({file, "--volume-size", "32", "--light-rays", "1", "--lifetime", "4", "--samples", "1"}, 12, 12,
                    count);
-    if (std::string(scene) == "mirror_buckyball") EXPECT_GT(scattered, 0);
+    if (std::string(scene) == "mirror_buckyball") {
+      EXPECT_GT(scattered, 0);
+    }
   }
 }
 

@@ -318,17 +318,34 @@ def test_the_sensitivity_of_a_run_is_what_its_steps_do_to_the_frame(program):
     by_name = {row["number"]: row for row in rows}
     assert {"dsp.clock_khz", "pipeline.prefetch_stages", "link.bits", "rdram.t_rtr", "sdram.controller_latency"} <= by_name.keys()
     assert not any(name.startswith(("ddr.", "ideal.", "asic.")) for name in by_name)
-    known = [abs(row["elasticity"]) for row in rows if row["elasticity"] is not None]
-    assert known == sorted(known, reverse=True) and known[0] > 0
+    known = [(row["scatter"], -abs(row["elasticity"])) for row in rows if row["elasticity"] is not None]
+    assert known == sorted(known) and any(key < 0 for _, key in known)
     clock = by_name["dsp.clock_khz"]
-    assert (clock["value"], clock["step_to"]) == (200000, 202000)
-    subprocess.run(clock["command"], shell=True, check=True, cwd=program.folder, stdout=subprocess.DEVNULL,
-                   env=os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"})
-    assert json.loads(program.text("run.json"))["frame_ms"] == pytest.approx(clock["frame_ms"] + clock["change"], abs=1e-9)
-    assert -1 < clock["elasticity"] < 0  # a quicker DSP takes a part of the frame
+    assert clock["value"] == 200000 and [step["to"] for step in clock["steps"]] == [198000, 202000]
+    for step in clock["steps"]:
+        subprocess.run(step["command"], shell=True, check=True, cwd=program.folder, stdout=subprocess.DEVNULL,
+                       env=os.environ | {"PATH": f"{BIN}:{os.environ['PATH']}"})
+        assert json.loads(program.text("run.json"))["frame_ms"] == pytest.approx(clock["frame_ms"] + step["change"], abs=1e-9)
     lines = program.out.splitlines()
-    assert lines[0].split()[:2] == ["chosen", "number"] and lines[1].split()[0] == rows[0]["number"] and len(lines) == len(rows) + 1
-    assert len(program.text("out/sweep.csv").splitlines()) == len(rows) + 1
+    assert lines[1].split()[:2] == ["chosen", "number"] and lines[2].split()[0] == rows[0]["number"] and len(lines) == len(rows) + 2
+    assert len(program.text("out/sweep.csv").splitlines()) == sum(len(row["steps"]) for row in rows) + 1
+
+
+def test_a_slope_goes_over_both_steps_and_changes_in_one_direction_are_scatter():
+    def row(value, to, costs):
+        return sensitivity.finish(SimpleNamespace(name="a", value=value, to=to), 10, costs)
+    slope = row(100, [99, 101], [10.1, 9.7])
+    assert slope.elasticity == pytest.approx(-2) and not slope.is_scatter
+    assert row(100, [101], [10.2]).elasticity == pytest.approx(2)
+    assert row(100, [99, 101], [10.1, 10.3]).is_scatter and not row(100, [99, 101], [10, 10.3]).is_scatter
+    assert math.isnan(row(0, [1], [11]).elasticity) and row(0, [1], [11]).changes == [1]
+
+
+def test_a_quicker_dsp_takes_off_its_own_share_of_a_functional_frame(program):
+    assert program.run("builtin:buckyball --fix volume-size=32 --fix size=24x24 --fix fidelity=functional -o out --sensitivity") == 0, program.err
+    by_name = {row["number"]: row for row in program.json()["sensitivity"]}
+    assert -1 < by_name["dsp.clock_khz"]["elasticity"] < 0 and not by_name["dsp.clock_khz"]["scatter"]
+    assert {name.split(".")[0] for name in by_name} == {"dsp", "bus"}
 
 
 def test_the_functional_level_reads_none_of_the_messages_that_are_left_out(program):
