@@ -267,7 +267,7 @@ HWY_INLINE void march(Lanes& lanes, ShadingQueue& seen, const PacketField& field
     const Mask skips = hn::And(going, hn::Lt(first, zero)), samples = hn::AndNot(skips, going);
     V steps = hn::IfThenElseZero(going, one);
     if (!hn::AllFalse(d, skips)) {
-      const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeapt))), unseen = hn::AndNot(leaps, skips);
+      const Mask leaps = hn::And(skips, hn::Eq(first, set(kLeaptOver))), unseen = hn::AndNot(leaps, skips);
       if constexpr (kJitter) pace = pace_of<kWide>(ray);
       const V mask = hn::IfThenElse(leaps, block_mask, set((1 << kCellShift) - 1));
       V out;

@@ -187,7 +187,7 @@ void SimdTracer::find_first(const Frame& frame) {
     for (std::size_t block = begin; block < begin + blocks; ++block, cell += cells) {
       std::int32_t* const out = tables_.first.data() + cell;
       if (frame.leap && frame.empty[block] != 0) {
-        std::fill_n(out, cells, kLeapt);
+        std::fill_n(out, cells, kLeaptOver);
         continue;
       }
       const auto first = static_cast<std::int32_t>(volume.first()[block]);

@@ -29,11 +29,11 @@ struct PacketTables {
   std::vector<std::uint8_t> specular;                              // of lit samples; none if all are 0
   std::array<std::int32_t, kJitterEntries> distance{};             // to the next sample, by what jitter() draws
   std::vector<std::uint32_t> reflectance_map;                      // of each texel the square that begins there
-  LargeArray<std::int32_t> first;  // of each cell (CellRanges): its block's among the decoded ones; kLeapt, kUnseen
+  LargeArray<std::int32_t> first;  // of each cell (CellRanges): its block's among the decoded ones; kLeaptOver, kUnseen
 };
 
-inline constexpr std::int32_t kLeapt = -1;   // in an empty block, which rays leap over
-inline constexpr std::int32_t kUnseen = -2;  // its samples count and add nothing
+inline constexpr std::int32_t kLeaptOver = -1;  // in an empty block, which rays leap over
+inline constexpr std::int32_t kUnseen = -2;     // its samples count and add nothing
 
 enum class Gathers : std::uint8_t { kOpacity, kColour, kIntegral };
 

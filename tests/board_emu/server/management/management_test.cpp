@@ -338,7 +338,7 @@ TEST(Management, WritesACheckpointWhileASessionOwnsTheBoard) {
   client.write_register(wire::reg::kSeed, 1);
 
   const auto checkpoint = std::make_shared<const Checkpoint>(Checkpoint::read(info.file()));
-  BoardSlot second(0, checkpoint->header().config(), nullptr, nullptr, kUnlimitedMemory, checkpoint);
+  BoardSlot second(0, checkpoint->header().config(), {}, nullptr, kUnlimitedMemory, checkpoint);
   EXPECT_EQ(second.counters().simulated_ps, info.simulated_ps());
   const auto seed = [&second] {
     std::vector<std::uint8_t> offset(4);
