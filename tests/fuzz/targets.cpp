@@ -8,6 +8,7 @@ const std::vector<Target>& targets() {
       {"bus", bus},
       {"c_api", c_api},
       {"capture", capture},
+      {"checkpoint", checkpoint},
       {"cone_scan", cone_scan},
       {"config", config},
       {"ctsimu", ctsimu},

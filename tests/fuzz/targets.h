@@ -32,6 +32,7 @@ void uri(Bytes input);
 
 // The board and the bus.
 void board(Bytes input);
+void checkpoint(Bytes input);
 void bus(Bytes input);
 void link(Bytes input);
 
