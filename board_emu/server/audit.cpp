@@ -12,9 +12,9 @@
 namespace gicube::emu {
 namespace {
 
-constexpr std::array kNames{"connected",  "refused",  "unknown",       "forbidden", "opened",
-                            "resumed",    "forced",   "closed",        "configured", "reset",
-                            "traced",     "saved",    "faults_set",    "debugged",  "limit_reached"};
+constexpr std::array kNames{"connected", "refused", "unknown",    "forbidden",  "opened",
+                            "resumed",   "forced",  "closed",     "configured", "reset",
+                            "traced",    "saved",   "faults_set", "debugged",   "limit_reached"};
 
 // In one line, whatever the bytes are.
 std::string printable(std::string_view text) {

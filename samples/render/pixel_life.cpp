@@ -124,7 +124,8 @@ Json pixel_life(const std::filesystem::path& events) {
     }
   }
   if (life.is_null()) throw InputError(events.string(), "the events of a picture", "none");
-  if (life.contains("refused")) throw InputError("--explain-pixel", "a pixel that can be explained", life["refused"].get<std::string>());
+  if (life.contains("refused"))
+    throw InputError("--explain-pixel", "a pixel that can be explained", life["refused"].get<std::string>());
   life.erase("event");
   for (Json& ray : life["rays"]) add_events(of_last[ray.at("ray").get<std::uint64_t>()], ray);
   return life;

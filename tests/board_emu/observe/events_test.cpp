@@ -179,7 +179,8 @@ TEST(Events, ChangeNoCycleNoCounterAndNoBit) {
 TEST(Events, KeepToPartsCyclesAndRays) {
   Machine machine(observed_config(), {3, 3, 3});
   const ObservedScene scene;
-  const std::vector<gicube_event> events = events_of("rays=250:300,parts=sorter+links,cycles=2000:9000", machine, scene);
+  const std::vector<gicube_event> events =
+      events_of("rays=250:300,parts=sorter+links,cycles=2000:9000", machine, scene);
   ASSERT_FALSE(events.empty());
   for (const gicube_event& event : events) {
     EXPECT_TRUE(event.ray >= 250 && event.ray < 300 && event.cycle >= 2000 && event.cycle < 9000);
