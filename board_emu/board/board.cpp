@@ -295,6 +295,7 @@ void Board::Parts::state(Archive& archive, bool with_level) {
   archive("commands", commands);
   archive("timeline", timeline);
   archive("next_transaction", next_transaction);
+  archive.expect(!timeline.has_from(next_transaction), "next_transaction", "a number that none has", next_transaction);
   std::vector<std::uint64_t> ids;  // of commands
   for (const auto& [id, completion] : under_way) ids.push_back(id);
   std::ranges::sort(ids);

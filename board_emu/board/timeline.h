@@ -149,6 +149,12 @@ class Timeline {
   // Time in which the DSP had nothing to do while a command for it was on its way down the bus.
   Picoseconds host_bus_wait_ps() const { return host_bus_wait_ps_; }
   const HostBus& bus() const { return bus_; }
+  // Whether a transaction of that number or a later one is under way, or was not taken yet.
+  bool has_from(std::uint64_t id) const {
+    const auto is_later = [id](const auto& each) { return each.first >= id; };
+    const auto has_finished = [id](const TimeOf& each) { return each.id >= id; };
+    return std::ranges::any_of(under_way_, is_later) || std::ranges::any_of(finished_, has_finished);
+  }
   // Whether finish() would find that transaction.
   bool has_watched(std::uint64_t id) const {
     const auto is_it = [id](const TimeOf& finished) { return finished.id == id; };

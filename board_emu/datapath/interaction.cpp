@@ -306,7 +306,21 @@ Sample sample_at(const Point& position, const Frame& frame) {
   const BlockGrid grid(*frame.volume);
   const auto edge = static_cast<std::size_t>(frame.volume->block_voxels()) + 1;
   const std::size_t block = grid.block(position);
-  return classify({cell(position, grid.low(position)), frame.volume->view(block), block, edge}, frame);
+  const Cell at = cell(position, grid.low(position));
+  const BlockView view = frame.volume->view(block);
+  if (view.voxels != nullptr) return classify({at, view, block, edge}, frame);
+  // No gradients are decoded, since nothing is shaded.
+  const std::size_t first = at.voxel[0] + edge * (at.voxel[1] + edge * at.voxel[2]);
+  constexpr std::uint32_t kHalf = wire::kVoxel / 2;
+  Sample out;
+  if (view.tags != nullptr) {
+    out.tag = view.tags[first + (at.fraction[0] >= kHalf) +
+                        edge * ((at.fraction[1] >= kHalf) + edge * (at.fraction[2] >= kHalf))];
+  }
+  out.channels = resample_view(view, first, at, edge, edge * edge);
+  out.index = segmentation_index(out.channels[0], out.tag);
+  out.entry = &frame.segmentation[out.index];
+  return out;
 }
 
 Deposit nothing_at(const Point& place) {

@@ -28,6 +28,7 @@ struct Sample {
   Point gradient() const { return {channels[1], channels[2], channels[3]}; }
 };
 
+// In a frame for which no gradients are decoded they are 0.
 Sample sample_at(const Point& position, const Frame& frame);
 
 enum class Outcome : std::uint8_t { kGoesOn, kEnded, kTrapped };

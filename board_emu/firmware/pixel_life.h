@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "datapath/ray_life.h"
+#include "firmware/ray_life.h"
 #include "gicube/wire/voxel.h"
 
 namespace gicube::emu {

@@ -277,6 +277,10 @@ std::string Debugger::answer(const Words& words, Lock& lock, const Cancelled& ca
     return stands_ ? text : "nothing runs on the board; it will stop at its next command\n";
   }
   if (what == "break") {
+    // Which cycle a time is follows from when the command began.
+    if (!rest.empty() && rest[0] == "time" && !stands_) {
+      throw std::invalid_argument("time: expected a board that stands in a command; break command or stop comes first");
+    }
     add(parse_breakpoint(rest, clock_));
     return fmt::format("break {}: {}\n", breakpoints_.back().number, breakpoints_.back().text);
   }

@@ -23,11 +23,10 @@ struct ObservationOptions {
   std::string trace_file{};  // empty = none
   std::string vcd_file{};    // empty = none
   CycleWindow vcd_window{};
-  CycleWindow trace_window{};  // of what the machine's cycles leave in the trace
-  std::string event_file{};    // empty = none
-  std::string
-      observer_file{};  // a shared object (gicube/observer.h); empty = none. Gets all boards' events of a process of its own each
-  bool is_boxed = true;  // that process
+  CycleWindow trace_window{};   // of what the machine's cycles leave in the trace
+  std::string event_file{};     // empty = none
+  std::string observer_file{};  // a shared object (gicube/observer.h), which runs in a process of its own; empty = none
+  bool is_boxed = true;         // that process
   Selection events{};
   Creation trace_creation = Creation::kReplaces;
 

@@ -70,6 +70,9 @@ void Renderer::run(const std::vector<double>& times, std::size_t first, std::siz
                    const std::function<void(const Frame&)>& done) {
   const Scene scene = at(times[first]);
   const Picoseconds load = set_voxels(scene);
+  if (events_ && setup_.lighting.colour_passes) {
+    throw UsageError("--explain-pixel: expected a scene without colour passes, which make three pictures");
+  }
   std::vector<Frame> frames(last - first);
   const std::vector<LightPass> passes = passes_of(setup_);
   for (const LightPass& pass : passes) {
@@ -227,11 +230,7 @@ void Renderer::picture(const LightPass& pass, const std::string& what, Frame& fr
   }
 
   FrameStatistics& statistics = frame.statistics;
-  if (events_) {
-    if (setup_.lighting.colour_passes)
-      throw UsageError("--explain-pixel: expected a scene without colour passes, which make three pictures");
-    statistics.pixel = pixel_life(events_->path());
-  }
+  if (events_) statistics.pixel = pixel_life(events_->path());
   statistics.frame += window.simulated();
   statistics.host_seconds += window.host_seconds();
   statistics.counters = sum_of(statistics.counters, window.counters());

@@ -119,9 +119,9 @@ class GICUBE_API Board {
   //   tls:HOST:PORT         the same by TLS: gicube-board --tls-cert; OpenOptions::ca_file names who signed its certificate
   // emu: takes options, as in "emu:?fidelity=functional&bus=agp2x&set=asic.processors=8": fidelity, bus, pace, threads,
   // config=FILE, set=path.to.field=value and bsdf=FILE.so (both repeatable; a bsdf is code that the application trusts:
-  // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), trace=FILE
-  // (docs/guide/observation.md), capture=FILE (docs/guide/capture.md). The program is searched for in this order: by the
-  // environment variable GICUBE_BOARD, beside the running program, where the SDK was installed, on the PATH.
+  // docs/guide/scattering_routines.md), faults=FILE, fault_log=FILE (docs/guide/faults.md), trace=FILE,
+  // trace_window=BEGIN:END, events=FILE, events_of=ITEM,... (docs/guide/observation.md), capture=FILE
+  // (docs/guide/capture.md). The program is searched for in this order: by the environment variable GICUBE_BOARD, beside the running program, where the SDK was installed, on the PATH.
   // Throws BadArgument (URI; a value that the emulated board refuses, in its own words), OpenFailed, BoardBusy, VersionMismatch,
   // TimedOut.
   static Board open(std::string_view uri, const OpenOptions& options = {});

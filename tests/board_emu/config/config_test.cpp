@@ -286,8 +286,13 @@ TEST(Config, EachFieldSaysWhereItsDefaultComesFrom) {
   EXPECT_THAT(without, testing::UnorderedElementsAre("fidelity", "pace", "threads"));
   const std::string text = explained(with({"asic.processors=8"}));
   EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(text, '\n')), sourced);
-  EXPECT_THAT(text, HasSubstr("asic.processors                  8              default 4: paper §4.1"));
-  EXPECT_THAT(text, HasSubstr("rdram.t_ras                      20             datasheet SPD of Samsung"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("asic.processors                  8              1..16 processors              default 4: paper §4.1"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "rdram.t_ras                      20             1..255 tCYCLE                 datasheet SPD of Samsung"));
 }
 
 TEST(Config, TheHashOfTheDesignPointIsStable) { EXPECT_EQ(config_hash_text(v1::BoardConfig()), "7a4b8547d6e36e23"); }

@@ -158,6 +158,7 @@ TEST(Debugger, ShowsARaysWordsAndHistoryAndSetsAWord) {
 TEST(Debugger, SaysWhatEachPartWaitsFor) {
   DebuggedBoard board(observed_config());
   ASSERT_TRUE(board.debugger.attach());
+  EXPECT_THAT(board.refused("break time 3us"), HasSubstr("time: expected a board that stands in a command"));
   board.say("break cycle 1");
   board.render();
   board.say("continue 20");
@@ -166,6 +167,11 @@ TEST(Debugger, SaysWhatEachPartWaitsFor) {
   EXPECT_THAT(board.say("link"), HasSubstr("rays on links"));
   EXPECT_THAT(board.say("bank 0 0 1"), HasSubstr("bank 1: "));
   EXPECT_THAT(board.say("cache 0 0 0 0"), HasSubstr("tiles in its cache"));
+  const std::string at = board.say("where");  // "... cycle 1, N ps: ..."
+  const std::size_t begin = at.find("1, ", at.find("cycle")) + 3;
+  const std::uint64_t now_ps = std::stoull(at.substr(begin));
+  board.say("break time " + std::to_string(now_ps + 500'000) + "ps");
+  EXPECT_THAT(board.say("continue 20"), HasSubstr("cycle 51, " + std::to_string(now_ps + 500'000) + " ps"));
   EXPECT_THAT(board.refused("queue 3"), HasSubstr("processor: expected 0 to 2, got 3"));
   EXPECT_THAT(board.refused("jump"), HasSubstr("expected a command as help lists them, got \"jump\""));
 }

@@ -233,6 +233,35 @@ TEST(CommandLine, TakesTheConfigurationOfACheckpointAndWhatDoesNotShapeItsState)
   EXPECT_THAT(with(folder.file("none")).errors, ElementsAre(HasSubstr("No such file")));
 }
 
+TEST(CommandLine, EventsNeedASelectionTheCycleLevelAndSomewhereToGo) {
+  const auto faults = [](std::vector<const char*> more) {
+    more.insert(more.begin(), {"--listen", "fd:3", "--set", "fidelity=cycle"});
+    return parse(more).errors;
+  };
+  EXPECT_THAT(faults({"--events", "e", "--events-of", "pixel=1:2"}), IsEmpty());
+  EXPECT_THAT(faults({"--observer", "o.so", "--events-of", "counters=100"}), IsEmpty());
+  EXPECT_THAT(faults({"--events", "e"}), ElementsAre(HasSubstr("--events: expected --events-of ITEM,... beside it")));
+  EXPECT_THAT(faults({"--observer", "o"}), ElementsAre(HasSubstr("--observer: expected --events-of ITEM,...")));
+  EXPECT_THAT(faults({"--events-of", "rays=0:1"}), ElementsAre(HasSubstr("expected --events FILE or --observer FILE")));
+  EXPECT_THAT(faults({"--events", "e", "--events-of", "rays=1:0"}),
+              ElementsAre("--events-of: rays: expected BEGIN:END with BEGIN < END, got \"1:0\""));
+  EXPECT_THAT(faults({"--events", "e", "--events-of", "rays=0:1", "--trace", "e"}),
+              ElementsAre(HasSubstr("--events: expected another file")));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--events", "e", "--events-of", "rays=0:1"}).errors,
+              ElementsAre(HasSubstr("--events: expected fidelity=cycle, got functional")));
+}
+
+TEST(CommandLine, ATracesWindowNeedsATrace) {
+  const CommandLine line = parse({"--listen", "fd:3", "--trace", "t", "--trace-window", "5:9"});
+  EXPECT_THAT(line.errors, IsEmpty());
+  EXPECT_EQ(line.options.observation.trace_window.begin, 5u);
+  EXPECT_EQ(line.options.observation.trace_window.end, 9u);
+  EXPECT_THAT(parse({"--listen", "fd:3", "--trace-window", "5:9"}).errors,
+              ElementsAre("--trace-window: expected --trace FILE beside it, got none"));
+  EXPECT_THAT(parse({"--listen", "fd:3", "--trace", "t", "--trace-window", "9:5"}).errors,
+              ElementsAre(HasSubstr("--trace-window: expected BEGIN:END in core cycles, with BEGIN < END, got 9:5")));
+}
+
 TEST(CommandLine, HelpAndVersionAreTexts) {
   EXPECT_THAT(parse({"--help"}).text.value_or(""), HasSubstr("--token-file"));
   EXPECT_THAT(parse({"--version"}).text.value_or(""), testing::StartsWith("gicube-board "));

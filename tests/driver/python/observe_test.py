@@ -1,5 +1,6 @@
 """Events of a private board by a callable, and the debugger of a board with a management plane."""
 
+import collections
 import os
 import pathlib
 import subprocess
@@ -31,6 +32,24 @@ def test_a_callable_gets_a_rays_life_in_order() -> None:
     assert steps[-1]["event"] == "taken"
     assert sorted(step["cycle"] for step in steps) == [step["cycle"] for step in steps]
     assert sum(step["event"] == "sampled" for step in steps) > 3
+
+
+def test_events_of_lit_rays_are_the_boards_counters() -> None:
+    steps = []
+    with gicube.observe.events(steps.append, of="rays=0:1000000") as options:
+        with gicube.open("emu:?fidelity=cycle&set=asic.block_voxels=8&" + options) as board:
+            board.load_volume(ball())
+            board.set_transfer_function(LOOK)
+            board.illuminate([gicube.PointLight((15.5, 15.5, 1))], gicube.Illumination(rays_per_face_voxel=1))
+            counters = board.counters
+    count = collections.Counter((step["event"], "carrier" in step) for step in steps)
+    carriers = counters["processor.splat.carriers"]
+    assert carriers > 0
+    assert sum(step["count"] for step in steps if step["event"] == "deposited") == carriers == count["gone", True]
+    assert count["deposited", False] + carriers == counters["processor.splat.deposits"]
+    assert count["sampled", False] == counters["processor.samples"]
+    assert count["taken", False] == counters["dsp.rays_taken"]
+    assert count["linked", False] + count["linked", True] == counters["link.rays_sent"]
 
 
 def test_what_a_callable_raises_comes_at_the_end() -> None:

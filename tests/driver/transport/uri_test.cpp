@@ -106,6 +106,12 @@ TEST(Uri, AFaultPlanAndItsLogGoToTheBoard) {
   EXPECT_THROW(parse_uri("emu:?faults=a&faults=b"), BadArgument);
 }
 
+TEST(Uri, EventsAndWindowsGoToTheBoard) {
+  EXPECT_EQ(parse_uri("emu:?events=e&events_of=pixel=3:4&trace_window=5:9").board_arguments,
+            (std::vector<std::string>{"--events", "e", "--events-of", "pixel=3:4", "--trace-window", "5:9"}));
+  EXPECT_THROW(parse_uri("emu:?events_of="), BadArgument);
+}
+
 TEST(Uri, ATraceIsWrittenByTheBoard) {
   EXPECT_EQ(parse_uri("emu:?trace=a%20file").board_arguments, (std::vector<std::string>{"--trace", "a file"}));
   EXPECT_THROW(parse_uri("emu:?trace="), BadArgument);

@@ -76,7 +76,8 @@ TEST_F(RenderProgram, SaysInItsStatisticsWhichLevelAnswered) {
             " --stats " + path("a.json") + " " + options);
     EXPECT_EQ(result.code, 0) << result.err;
     std::map<std::string, int> commands;
-    for (const auto& level : nlohmann::json::parse(text_of(path("a.json"))).at("fidelity_report")) {
+    const nlohmann::json statistics = nlohmann::json::parse(text_of(path("a.json")));
+    for (const auto& level : statistics.at("fidelity_report")) {
       EXPECT_EQ(level.at("estimates").empty(), level.at("level") == "cycle");
       EXPECT_FALSE(level.at("not_modelled").empty());
       for (const auto& [command, count] : level.at("answered").items()) {

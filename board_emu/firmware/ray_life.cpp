@@ -1,4 +1,4 @@
-#include "datapath/ray_life.h"
+#include "firmware/ray_life.h"
 
 #include "datapath/interaction.h"
 #include "datapath/ray_step.h"
@@ -9,22 +9,8 @@ namespace gicube::emu {
 namespace {
 
 // What the sample at the ray's place is; `exponent`: of the step that it stands for.
-void look(RayPass& pass, const SampleSite& site, std::uint32_t exponent, const Frame& frame) {
-  Sample sample;
-  if (site.view.voxels != nullptr) {
-    sample = sample_at(pass.position, frame);
-  } else {  // no gradients are decoded, since nothing is shaded
-    const std::size_t row = site.edge, slice = row * row;
-    const std::size_t first = site.cell.voxel[0] + row * site.cell.voxel[1] + slice * site.cell.voxel[2];
-    constexpr std::uint32_t kHalf = wire::kVoxel / 2;
-    if (site.view.tags != nullptr) {
-      sample.tag = site.view.tags[first + (site.cell.fraction[0] >= kHalf) + row * (site.cell.fraction[1] >= kHalf) +
-                                  slice * (site.cell.fraction[2] >= kHalf)];
-    }
-    sample.channels = resample_view(site.view, first, site.cell, row, slice);
-    sample.index = segmentation_index(sample.channels[0], sample.tag);
-    sample.entry = &frame.segmentation[sample.index];
-  }
+void look_at_sample(RayPass& pass, std::uint32_t exponent, const Frame& frame) {
+  const Sample sample = sample_at(pass.position, frame);
   pass.tag = sample.tag;
   pass.channels = sample.channels;
   pass.entry = static_cast<std::uint32_t>(sample.index);
@@ -39,7 +25,7 @@ void look(RayPass& pass, const SampleSite& site, std::uint32_t exponent, const F
 }
 
 // Scatters a trapped ray by a routine of the board. What becomes of it: kWaits if the host must.
-Termination scatter(RayState& ray, const Frame& frame, RayCounters& counters) {
+Termination scatter_by_routine(RayState& ray, const Frame& frame, RayCounters& counters) {
   if (frame.materials[ray.flags >> kTrapTagShift].routine == wire::kHostRoutine) return Termination::kWaits;
   const auto trap = trap_of(ray, frame);
   const ScatterAnswer answer = frame.routines->scatter(trap->routine, trap->event);
@@ -48,7 +34,7 @@ Termination scatter(RayState& ray, const Frame& frame, RayCounters& counters) {
 }
 
 // One pass of a ray that has not ended.
-Termination pass_of(RayState& ray, RayPass& pass, const Frame& frame, RayCounters& counters) {
+Termination life_pass(RayState& ray, RayPass& pass, const Frame& frame, RayCounters& counters) {
   const BlockGrid grid(*frame.volume);
   const Point low = grid.low(ray.position);
   pass.position = ray.position;
@@ -62,7 +48,7 @@ Termination pass_of(RayState& ray, RayPass& pass, const Frame& frame, RayCounter
   const SampleSite site{at, view, pass.block, static_cast<std::size_t>(frame.volume->block_voxels()) + 1};
   RayState drawn = ray;  // with the step that the pass will draw
   jitter_step(drawn, frame);
-  look(pass, site, drawn.exponent, frame);
+  look_at_sample(pass, drawn.exponent, frame);
   if (frame.plain()) {
     gather(ray, site, frame, counters);
     return Termination::kNot;
@@ -70,7 +56,7 @@ Termination pass_of(RayState& ray, RayPass& pass, const Frame& frame, RayCounter
   const auto generation = ray.generation;
   const Outcome outcome = sample(ray, site, frame, counters).outcome;
   Termination how = outcome == Outcome::kEnded ? Termination::kAbsorbed : Termination::kNot;
-  if (outcome == Outcome::kTrapped) how = scatter(ray, frame, counters);
+  if (outcome == Outcome::kTrapped) how = scatter_by_routine(ray, frame, counters);
   pass.scattered = outcome == Outcome::kTrapped || ray.generation != generation;
   return how;
 }
@@ -85,7 +71,7 @@ RayLife follow(const wire::Ray& ray, const Frame& frame) {
   Termination how = Termination::kNot;
   while (how == Termination::kNot && (how = end(state, frame)) == Termination::kNot) {
     RayPass pass;
-    how = pass_of(state, pass, frame, ignored);
+    how = life_pass(state, pass, frame, ignored);
     pass.gathered = state.colour;
     pass.opacity = state.opacity;
     life.passes.push_back(pass);

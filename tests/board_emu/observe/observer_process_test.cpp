@@ -1,0 +1,60 @@
+#include "observe/observer_process.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include "read_trace.h"
+#include "temporary_directory.h"
+
+namespace gicube::emu {
+namespace {
+
+using testing::HasSubstr;
+const std::string kObserver = GICUBE_TEST_OBSERVER;
+
+// Sends so many events to the observer of tests; returns what the board would say of it.
+std::string send(unsigned count, const std::string& file, const char* behaviour) {
+  ::setenv("GICUBE_TEST_OBSERVED", file.c_str(), 1);
+  ::setenv("GICUBE_TEST_OBSERVER", behaviour, 1);
+  ObserverProcess process(kObserver, true);
+  for (unsigned i = 0; i < count; ++i) {
+    gicube_event event{};
+    event.size = sizeof event;
+    event.ray = i;
+    process.add(event);
+  }
+  process.flush();
+  return process.fault();
+}
+
+TEST(ObserverProcess, HasAllEventsInTheirOrderAndMayWriteToFilesThatItOpenedBefore) {
+  const reference::TemporaryDirectory folder;
+  EXPECT_EQ(send(10'001, folder.file("seen"), "counts"), "");
+  // "boxed" or "free": where the kernel has no Landlock, or a build has sanitizers, there is no box.
+  EXPECT_THAT(read_text(folder.file("seen")), testing::StartsWith("10001 50005000 in order "));
+}
+
+TEST(ObserverProcess, ThatEndsByItselfGetsNoMoreAndHoldsNothingUp) {
+  const reference::TemporaryDirectory folder;
+  EXPECT_THAT(send(100'000, folder.file("seen"), "leaves"), HasSubstr("it has ended, or took no events for 30 s"));
+}
+
+TEST(ObserverProcess, SaysWhatIsWrongWithAnObject) {
+  const auto fault = [](const std::string& file) {
+    try {
+      ObserverProcess process(file, true);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(fault("/no/such/observer.so"), HasSubstr("/no/such/observer.so: cannot open shared object file"));
+  EXPECT_THAT(fault(GICUBE_TEST_NO_OBSERVER), HasSubstr(": expected a function gicube_observer_describe, got none"));
+}
+
+}  // namespace
+}  // namespace gicube::emu
