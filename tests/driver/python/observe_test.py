@@ -38,9 +38,9 @@ def test_events_of_lit_rays_are_the_boards_counters() -> None:
     steps = []
     with gicube.observe.events(steps.append, of="rays=0:1000000") as options:
         with gicube.open("emu:?fidelity=cycle&set=asic.block_voxels=8&" + options) as board:
-            board.load_volume(ball())
+            board.load_volume(ball(16, 5))
             board.set_transfer_function(LOOK)
-            board.illuminate([gicube.PointLight((15.5, 15.5, 1))], gicube.Illumination(rays_per_face_voxel=1))
+            board.illuminate([gicube.PointLight((7.5, 7.5, 1))], gicube.Illumination(rays_per_face_voxel=1))
             counters = board.counters
     count = collections.Counter((step["event"], "carrier" in step) for step in steps)
     carriers = counters["processor.splat.carriers"]
