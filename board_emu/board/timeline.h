@@ -46,7 +46,11 @@ inline constexpr std::array kTurnNames{"",       "render", "trace",    "illumina
 inline void BusTransaction::state(Archive::Record& record) {
   record.at_most(kind, TransferKind::kRegisterRead);
   record.at_most(cargo, Cargo::kCompletion);
-  record(down_bytes, dsp, dsp_cycles, asic_ps, up_bytes);
+  record.at_most(down_bytes, kMostBytes);
+  record(dsp);
+  record.at_most(dsp_cycles, kMostBytes);
+  record.at_most(asic_ps, kMostSpan);
+  record.at_most(up_bytes, kMostBytes);
   record.at_most(up_cargo, Cargo::kCompletion);
   record(watched);
   const auto is_it = [this](const char* each) { return std::string_view(each) == name; };
@@ -61,7 +65,10 @@ struct TimeOf {
   std::uint64_t id = 0;
   Picoseconds time_ps = 0;
 
-  void state(Archive::Record& record) { record(id, time_ps); }
+  void state(Archive::Record& record) {
+    record(id);
+    record.at_most(time_ps, kMostTime);
+  }
 };
 
 class Timeline {
@@ -228,7 +235,10 @@ class Timeline {
     BusTransaction transaction;
     Picoseconds stamp_ps = 0;
 
-    void state(Archive::Record& record) { record(transaction, stamp_ps); }
+    void state(Archive::Record& record) {
+      record(transaction);
+      record.at_most(stamp_ps, kMostTime);
+    }
   };
   std::unordered_map<std::uint64_t, Issued> under_way_;
   std::deque<TimeOf> dsp_queue_;          // those that wait for their turns
@@ -239,8 +249,11 @@ class Timeline {
 // Each transaction that is under way stands in one place.
 inline void Timeline::state(Archive& archive) {
   archive("bus", bus_);
-  archive.field("times",
-                [this](Archive::Record& record) { record(now_ps_, dsp_free_ps_, dsp_busy_ps_, host_bus_wait_ps_); });
+  archive.field("times", [this](Archive::Record& record) {
+    record.at_most(now_ps_, kMostTime);
+    record.at_most(dsp_free_ps_, kMostTime);
+    record(dsp_busy_ps_, host_bus_wait_ps_);
+  });
   std::vector<std::pair<std::uint64_t, Issued>> issued(under_way_.begin(), under_way_.end());
   std::ranges::sort(issued, {}, &std::pair<std::uint64_t, Issued>::first);
   archive.list("under_way", issued);

@@ -88,6 +88,10 @@ enum class Cargo : std::uint8_t { kRegister, kTable, kVolume, kCommand, kRays, k
 inline constexpr std::array<const char*, 7> kCargoNames{"register", "table", "volume",    "command",
                                                         "rays",     "image", "completion"};
 
+// What a checkpoint may have (chosen: far above what a board comes to, so low that sums do not overflow).
+inline constexpr Picoseconds kMostTime = Picoseconds{1} << 62, kMostSpan = Picoseconds{1} << 60;
+inline constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;  // or cycles
+
 struct BusTransfer {
   std::uint64_t id = 0;
   TransferKind kind = TransferKind::kBulk;
@@ -99,7 +103,8 @@ struct BusTransfer {
     record(id);
     record.at_most(kind, TransferKind::kRegisterRead);
     record.at_most(cargo, Cargo::kCompletion);
-    record(bytes, ready_ps);
+    record.at_most(bytes, kMostBytes);
+    record.at_most(ready_ps, kMostTime);
   }
 };
 
@@ -161,7 +166,7 @@ class HostBus {
   void state(Archive& archive) {
     archive.parts("direction", sides_);
     archive("cargoes", cargoes_);
-    archive("free", free_ps_);
+    archive.at_most("free", free_ps_, kMostTime);
     archive.at_most("last", last_, BusDirection::kUp);
   }
 
@@ -177,7 +182,10 @@ class HostBus {
     void state(Archive& archive) {
       archive.list("queue", queue);
       archive.field("head", [this](Archive::Record& record) {
-        record(dwords_left, head_started, head_begin_ps, last_delivery_ps);
+        record.at_most(dwords_left, kMostBytes);
+        record(head_started);
+        record.at_most(head_begin_ps, kMostTime);
+        record.at_most(last_delivery_ps, kMostTime);
       });
       archive("counters", counters);
     }
