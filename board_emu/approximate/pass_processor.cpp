@@ -249,7 +249,7 @@ void PassProcessor::activate(std::uint32_t queue, Cycle now) {
   LongQueue<QueuedRay>& from = queues_[queue];
   waiting_ -= from.size();
   block_ = static_cast<std::uint32_t>(shared_.partition->block(number_, queue));
-  if (jitter_) corner_ = grid_.corner(block_);
+  corner_ = grid_.corner(block_);  // also without jitter: the block may still be active when a frame with it begins
   for (std::int32_t& at : corner_) at <<= wire::kPositionFractionBits;
   while (!from.empty()) {
     active_rays_.push(from.pop());

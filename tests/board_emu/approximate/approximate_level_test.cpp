@@ -297,6 +297,28 @@ TEST(PassMachine, TakesALoneRayToItsEndInAsManyCyclesAsTheCycleLevel) {
   }
 }
 
+// The block in which the first ray ended is still active when the second begins there. Which packets that one needs shows its way.
+TEST(PassMachine, DrawsStepsByPlacesInTheVolumeAlsoInABlockThatWasActiveWithoutJitter) {
+  const v1::BoardConfig config = config_with({"asic.processors=1", "ideal.dsp=1", "asic.block_voxels=16"});
+  Scene scene({49, 49, 49}, kBlock);
+  Machine machine(config, scene.volume.blocks());
+  PassMachine passes(config, scene.volume.blocks());
+  const std::vector<wire::Ray> straight{host_ray(0, {20.5, 20.5, 28.5}, {0, 0, -1})},
+      jittered{host_ray(77, {20.5, 20.5, 1.5}, {0.4, 0.3, 1})};
+  for (const bool jitter : {false, true}) {
+    std::vector<wire::Ray> cycle_rays = jitter ? jittered : straight, pass_rays = cycle_rays;
+    scene.frame.jitter = jitter;
+    trace_cycle(cycle_rays, scene.frame, machine);
+    HostRays source(pass_rays, scene.frame, true);
+    TracedPasses traced(source, {0, 1}, scene.frame, nullptr, 1);
+    Progress progress;
+    passes.run(traced, scene.frame, progress, false);
+    std::vector<wire::Counter> list;
+    passes.count(list);
+    EXPECT_EQ(value(list, "rdram.reads"), machine.memories()[0]->channel().counters().packets_read) << jitter;
+  }
+}
+
 TEST(PassMachine, EndsWhenItIsCancelled) {
   Scene scene({kEdge, kEdge, kEdge}, kBlock);
   set_up(scene, {});
