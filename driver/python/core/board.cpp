@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstring>
 
 #include "call.h"
 
@@ -155,6 +156,23 @@ VolumeView view_of(py::handle volume) {
   return view;
 }
 
+VolumeStream stream_of(py::handle volume) {
+  VolumeStream stream;
+  stream.type = read_as<SampleType>(volume.attr("sample_type"), "sample_type");
+  read(volume.attr("dims"), "dims", stream.dims);
+  read(volume.attr("spacing"), "spacing", stream.spacing);
+  read(volume.attr("range"), "range", stream.range);
+  read(volume.attr("find_gradients"), "find_gradients", stream.find_gradients);
+  stream.read = [volume](int first, int planes, std::span<std::byte> out) {
+    const py::gil_scoped_acquire held;
+    const py::array made = volume.attr("_planes")(first, planes);
+    if (static_cast<std::size_t>(made.nbytes()) != out.size())
+      refuse("sample_type", "that of the planes", made.dtype());
+    std::memcpy(out.data(), made.data(), out.size());
+  };
+  return stream;
+}
+
 void add_board(py::module_& module) {
   py::class_<Handle> type(module, "Board");
   type.def(py::init([](const std::string& uri, const py::dict& given) {
@@ -169,6 +187,8 @@ void add_board(py::module_& module) {
 
   using Load = void (Board::*)(const VolumeView&, const Progress&);
   type.def("load_volume", call(static_cast<Load>(&Board::load_volume), "volume", "progress"));
+  using LoadStream = void (Board::*)(const VolumeStream&, const Progress&);
+  type.def("load_stream", call(static_cast<LoadStream>(&Board::load_volume), "volume", "progress"));
   type.def("read_volume", call(&Board::read_volume, "box"));
   type.def("write_volume", call(&Board::write_volume, "box", "values"));
   type.def("verify_volume", call(&Board::verify_volume));

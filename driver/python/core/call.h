@@ -73,6 +73,7 @@ inline DerivedVolume held(Of<DerivedVolume> /*type*/, py::handle from, const cha
   return derived_of(from);
 }
 inline VolumeView held(Of<VolumeView> /*type*/, py::handle from, const char* /*field*/) { return view_of(from); }
+inline VolumeStream held(Of<VolumeStream> /*type*/, py::handle from, const char* /*field*/) { return stream_of(from); }
 inline Progress held(Of<Progress> /*type*/, py::handle from, const char* /*field*/) { return progress_of(from); }
 inline ScatteringRoutine held(Of<ScatteringRoutine> /*type*/, py::handle from, const char* /*field*/) {
   return routine_of(from);

@@ -44,6 +44,7 @@ ScatteringRoutine routine_of(pybind11::handle callable);
 
 // Of a gicube.Volume: points into its arrays.
 VolumeView view_of(pybind11::handle volume);
+VolumeStream stream_of(pybind11::handle volume);
 
 // Of a gicube.Volume that coarser() made.
 DerivedVolume derived_of(pybind11::handle volume);

@@ -22,4 +22,4 @@ from gicube.errors import *
 from gicube.image import Image as Image
 from gicube.records import *
 from gicube.scenes import *
-from gicube.volume import Volume as Volume
+from gicube.volume import Volume as Volume, VolumeStream as VolumeStream

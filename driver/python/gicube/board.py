@@ -25,7 +25,7 @@ from gicube.image import Image
 from gicube.records import Array, BackPressure, BoardInfo, Illumination, Light, LightingReport, Material, PairRequest, RayBatch
 from gicube.records import RayRequest, RayType, Reopened, ScatterAnswer, ScatterEvent, Shading, Ticket, TransferFunction
 from gicube.records import ValueRange, View, VoxelBox
-from gicube.volume import Volume
+from gicube.volume import Volume, VolumeStream
 
 #: progress=...: a callable(done, all), or True: a bar on standard error, by tqdm if it is there.
 ProgressLike = Union[None, bool, Callable[[int, int], object]]
@@ -166,17 +166,21 @@ class Board:
 
     # Volume.
 
-    def load_volume(self, volume: Union[Volume, ArrayLike], *, progress: ProgressLike = None) -> None:
-        """Replaces the volume: an array [z, y, x] of uint8, uint16, int16 or float32, or a gicube.Volume, which has more to say.
+    def load_volume(self, volume: Union[Volume, VolumeStream, ArrayLike], *, progress: ProgressLike = None) -> None:
+        """Replaces the volume: an array [z, y, x] of uint8, uint16, int16 or float32; a gicube.Volume, which has more to say; or a
+        gicube.VolumeStream, which is read in planes.
 
         Quantises gradients, cuts all into blocks and sends those that are not zero. The simulated host waits. Transfer functions
-        are kept. A volume with more blocks than the card stores is kept by the driver, and its blocks are sent as pictures need them:
-        rendering gives the same bits, other calls raise Unsupported. Raises BadArgument: the board keeps its volume. Raises Rejected if it needs more memory than the board may take:
-        there is no volume then.
+        are kept. A volume with more blocks than the card stores is kept by the driver, a stream in a file, and its blocks are sent as
+        pictures need them: rendering gives the same bits, other calls raise Unsupported. Raises BadArgument, and Error if a stream's file
+        can't be written: the board keeps its volume. Raises Rejected if it needs more memory than the board may take: there is no
+        volume then.
         """
-        made = volume if isinstance(volume, Volume) else Volume(np.asarray(volume))
         with shown(progress, "loading") as told:
-            self._core.load_volume(made, told)
+            if isinstance(volume, VolumeStream):
+                self._core.load_stream(volume, told)
+            else:
+                self._core.load_volume(volume if isinstance(volume, Volume) else Volume(np.asarray(volume)), told)
 
     def _read(self, call: Callable[[VoxelBox], Array], box: Optional[VoxelBox]) -> Array:
         """The values of a box, or of all."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Callable, Optional, Tuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from gicube.arrays import as_array
 from gicube.errors import BadArgument
@@ -65,3 +66,27 @@ class Volume:
         assert self.sample_type is not None
         source = f" from {self.source}" if self.source else ""
         return f"<gicube.Volume {x} x {y} x {z} {self.sample_type.value}{source}>"
+
+
+@dataclass
+class VolumeStream:
+    """A volume that is read while it is loaded, for one that does not fit into memory (gicube/volume.h).
+
+    read: called with the first plane and their number, returns these planes [z, y, x] of `sample_type`. It is asked for all of them in their
+        order; for those of uint16, int16 and float32 without a range twice. What it raises leaves load_volume(), and the board keeps its
+        volume.
+    dims: voxels along x, y, z.
+    spacing, range, find_gradients: as Volume's.
+    """
+
+    read: Callable[[int, int], ArrayLike]
+    dims: Tuple[int, int, int]
+    sample_type: SampleType = SampleType.UINT8
+    spacing: Vec3 = (1.0, 1.0, 1.0)
+    range: Optional[ValueRange] = None
+    find_gradients: bool = True
+
+    def _planes(self, first: int, count: int) -> Array:
+        x, y, _ = self.dims
+        kind = "uint16" if self.sample_type is SampleType.UINT12 else self.sample_type.value
+        return as_array(self.read(first, count), "read", kind, (count, y, x))

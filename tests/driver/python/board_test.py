@@ -367,3 +367,31 @@ def test_a_card_that_dies_is_reopened(board):
     assert lost.value.cause is gicube.Loss.CLOSED
     assert not board.reopen().resumed
     board.load_volume(ball())
+
+
+@pytest.mark.parametrize("edge", [32, 128])  # of the card; the smaller one does not store the volume whole
+def test_a_volume_in_planes_has_the_pictures_of_one_in_memory(edge):
+    samples = ball(40, 15).astype("float32")
+    view = gicube.fit_view(gicube.Volume(samples), [LOOK], width=24, height=24)
+    asked = []
+
+    def read(first, count):
+        asked.append((first, count))
+        return samples[first : first + count]
+
+    def broken(first, count):
+        raise OSError("no such plane")
+
+    pictures = []
+    for volume in (samples, gicube.VolumeStream(read, (40, 40, 40), gicube.SampleType.FLOAT32)):
+        with gicube.open(f"emu:?set=asic.block_voxels=16&set=asic.max_volume_voxels={edge}") as board:
+            board.load_volume(volume)
+            board.set_transfer_function(LOOK)
+            pictures.append(board.render(view).pixels)
+            with pytest.raises(OSError, match="no such plane"):
+                board.load_volume(gicube.VolumeStream(broken, (40, 40, 40)))
+            with pytest.raises(gicube.BadArgument, match="^read: "):
+                board.load_volume(gicube.VolumeStream(lambda first, count: samples[:1], (40, 40, 40)))
+            assert (board.render(view).pixels == pictures[-1]).all()
+    assert (pictures[0] == pictures[1]).all()
+    assert sum(count for _, count in asked) == 2 * 40
