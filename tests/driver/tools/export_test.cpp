@@ -190,7 +190,7 @@ TEST(Export, HasTheCountersThatTheApplicationReads) {
   std::map<std::string, double> events;
   const auto [begin, end] = metrics.equal_range("gicube_audit_events_total");
   for (auto each = begin; each != end; ++each) events[each->second.labels.at("event")] = each->second.value;
-  EXPECT_EQ(events.size(), 13u);
+  EXPECT_EQ(events.size(), 15u);
   EXPECT_EQ(events["opened"], 1);
   EXPECT_EQ(events["closed"], 0);
 }

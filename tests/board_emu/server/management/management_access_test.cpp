@@ -199,7 +199,7 @@ TEST_F(TokensOfManagement, ThatMayOnlyReadOrUseChangeNothing) {
   EXPECT_EQ(boards_.all()[0]->info().config.asic().processors(), 4u);
   EXPECT_EQ(call(kToken, &Stub::Configure, configure), StatusCode::OK);
   EXPECT_EQ(call(kToken, &Stub::GetFaultLog, clear), StatusCode::OK);
-  EXPECT_EQ(noted(), "forbidden 12 configured 1 ");
+  EXPECT_EQ(noted(), "forbidden 14 configured 1 ");
 }
 
 TEST_F(TokensOfManagement, WhatTheirHoldersDoIsNoted) {

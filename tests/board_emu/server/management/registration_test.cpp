@@ -95,7 +95,7 @@ TEST(Registration, TellsWhatTheAuditLogCounts) {
   std::map<std::string, std::uint64_t> counts;
   const v1::BoardProcess told = told_by(registration.path());
   for (const v1::AuditCount& each : told.events()) counts[each.event()] = each.count();
-  EXPECT_EQ(counts.size(), 14u);
+  EXPECT_EQ(counts.size(), 15u);
   EXPECT_EQ(counts["reset"], 1u);
   EXPECT_EQ(counts["connected"], 0u);
 }
