@@ -210,6 +210,9 @@ TEST(Checkpoint, WithAValueThatNoBoardCanHaveIsRefusedByItsField) {
   EXPECT_EQ(refusal_of("level.machine.processor0.cache.tags",
                        [](v1::StateField& tags) { tags.mutable_numbers()->RemoveLast(); }),
             "checkpoint: level.machine.processor0.cache.tags: expected more numbers, got 224");
+  EXPECT_EQ(
+      refusal_of("timeline.bus.free", set(~std::uint64_t{0})),
+      "checkpoint: timeline.bus.free: expected at most 4611686018427387904 as number 1, got 18446744073709551615");
   EXPECT_EQ(refusal_of("timeline.bus.free", [](v1::StateField& each) { each.add_numbers(1); }),
             "checkpoint: timeline.bus.free: expected 1 numbers, got 2");
   EXPECT_EQ(refusal_of("timeline.bus.free", [](v1::StateField& each) { each.set_name("timeline.bus.fee"); }),
