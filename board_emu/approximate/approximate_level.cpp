@@ -7,10 +7,11 @@
 
 namespace gicube::emu {
 
-// Passes know nothing of deposits, scattering, rays that wait for blocks and rays that end at borders, nor of the packets of two
-// processors that alternate on one channel.
+// Passes know nothing of rays that backproject, wait for blocks or end at borders, nor of the packets of two processors that alternate
+// on one channel.
 bool ApproximateLevel::answers(const Frame& frame) const {
-  return frame.plain() && !frame.in_bricks() && !frame.ends_at_borders && PassMachine::covers(config_);
+  return !frame.backprojects() && !frame.in_bricks() && !frame.ends_at_borders && PassMachine::covers(config_) &&
+         (!frame.lights() || PassMachine::covers_writes(config_));
 }
 
 PassMachine& ApproximateLevel::machine_for(const Frame& frame) {
@@ -27,15 +28,21 @@ RunResult ApproximateLevel::run(RaySource& source, const Frame& frame, Progress&
   const std::uint64_t count = source.count(), at_once = source.max_at_once();
   const bool vectors = tracer_.prepare(count, frame, frame.segmentation_writes, threads_);
   std::uint64_t begin = 0;
-  do {
-    const std::uint64_t end = std::min(count, begin + at_once);
-    TracedPasses passes(source, {begin, end}, frame, vectors ? &tracer_ : nullptr, threads_);
-    RunResult ran = machine.run(passes, frame, progress, threads_ > 1);
-    ran.made = passes.made();
-    ran.rays = passes.rays();
-    add_run(all, ran, config_.asic().core_khz());
-    begin = end;
-  } while (begin < count && !all.cancelled);
+  try {
+    do {
+      const std::uint64_t end = std::min(count, begin + at_once);
+      TracedPasses passes(source, {begin, end}, frame, vectors ? &tracer_ : nullptr, threads_,
+                          config_.cache().splat_rule());
+      RunResult ran = machine.run(passes, frame, progress, threads_ > 1);
+      ran.made = passes.made();
+      ran.rays = passes.rays();
+      add_run(all, ran, config_.asic().core_khz());
+      begin = end;
+    } while (begin < count && !all.cancelled);
+  } catch (...) {
+    drop_machines();  // rays are left in it
+    throw;
+  }
   rays_ += all.rays;
   if (all.cancelled) drop_machines();
   return all;
@@ -66,6 +73,11 @@ void ApproximateLevel::volume_changed() {
   if (machine_) machine_->invalidate_caches();
   cycle_level_.volume_changed();
   tracer_.clear();
+}
+
+void ApproximateLevel::deposits_cleared() {
+  if (machine_) machine_->invalidate_caches();
+  cycle_level_.deposits_cleared();
 }
 
 void ApproximateLevel::reset() {

@@ -1,6 +1,5 @@
 // The approximate level: values as the functional level, time by the passes that rays take through the pipeline
-// (pass_machine.h). It answers for rays that only gather, on boards that PassMachine::covers(); all else it hands to a cycle
-// level.
+// (pass_machine.h). It answers on boards that PassMachine::covers(); all else it hands to a cycle level.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +23,7 @@ class ApproximateLevel : public Level {
   RunResult run(RaySource& rays, const Frame& frame, Progress& progress) override;
 
   void volume_changed() override;
-  void deposits_cleared() override { cycle_level_.deposits_cleared(); }
+  void deposits_cleared() override;
   void reset() override;
   RayCounters rays() const override;
   void count(std::vector<wire::Counter>& list) const override;

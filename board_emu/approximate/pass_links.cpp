@@ -51,6 +51,11 @@ void PassProcessor::line_goes_on(Cycle moved) {
   for (std::size_t i = std::max(arrived_, active_rays_.begin()); i != active_rays_.end(); ++i)
     active_rays_[i].ready += was_stalled;
   computing_ += was_stalled;
+  for (std::size_t i = held_up_.begin(); i != held_up_.end(); ++i) {
+    if (held_up_[i].begin >= out) held_up_[i].begin += was_stalled;
+  }
+  if (splat_free_ > out) splat_free_ += was_stalled;
+  last_out_ = std::max(last_out_, out) + was_stalled;
 }
 
 void PassProcessor::run_link(Direction way) {

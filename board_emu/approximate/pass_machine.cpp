@@ -64,6 +64,11 @@ bool PassMachine::covers(const v1::BoardConfig& config) {
          config.cache().irradiance() == v1::with_voxels && config.cache().ports() == 1;
 }
 
+// Of tiles that are written when they leave the cache it has no model.
+bool PassMachine::covers_writes(const v1::BoardConfig& config) {
+  return config.cache().write_policy() != v1::write_back;
+}
+
 void PassMachine::invalidate_caches() {
   for (const auto& processor : processors_) processor->invalidate_cache();
 }
@@ -129,8 +134,32 @@ void PassMachine::run_bus() {
   }
 }
 
+void PassMachine::launch(PassRay& ray, std::uint64_t index, std::uint32_t run, bool first) {
+  ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
+  for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
+  const std::uint32_t handle = rays_.add(std::move(ray));
+  if (index_of_.size() <= handle) index_of_.resize(handle + 1);
+  index_of_[handle] = index;
+  ++engine_.under_way;
+  send(handle, run, first);
+}
+
+// The next that goes to the ASIC: those that are not made cost nothing.
+void PassMachine::make_ray_that_is_there(PassRaySource& work) {
+  while (engine_.made < count_) {
+    PassRay& ray = maker_->next();
+    const std::uint64_t index = engine_.made++;
+    if (ray.left <= 0) continue;
+    dsp_works(work.making(index));
+    launch(ray, index, 0, true);
+    break;
+  }
+  run_bus();
+}
+
 // One ray, or a run of them.
 void PassMachine::make_rays(PassRaySource& work) {
+  if (work.misses_are_free()) return make_ray_that_is_there(work);
   const std::uint64_t places = may_be_under_way_ - engine_.under_way;
   const std::uint64_t last = std::min(work.run_end(engine_.made), engine_.made + places);
   const std::uint32_t run = last > engine_.made + 1 ? ++runs_ : 0;
@@ -138,14 +167,7 @@ void PassMachine::make_rays(PassRaySource& work) {
   bool first = true;
   for (; engine_.made < last; ++engine_.made) {
     PassRay& ray = maker_->next();
-    if (ray.left <= 0) continue;
-    ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
-    for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
-    const std::uint32_t handle = rays_.add(ray);
-    if (index_of_.size() <= handle) index_of_.resize(handle + 1);
-    index_of_[handle] = engine_.made;
-    ++engine_.under_way;
-    send(handle, run, std::exchange(first, false));
+    if (ray.left > 0) launch(ray, engine_.made, run, std::exchange(first, false));
   }
   run_bus();
 }
@@ -166,12 +188,38 @@ void PassMachine::take_back(PassRaySource& work) {
   } else if (back.kind == Arrival::Kind::kOverflowed) {
     ++engine_.overflows;
     dsp_works(store_.keep(list_of(back.processor, back.queue), back.ray));
-  } else {
+  } else if (!scatter(back.ray)) {
+    DspTask looking;
+    if (rays_[back.ray].route) looking = rays_[back.ray].route->looking;
     rays_.remove(back.ray);
     --engine_.under_way;
     ++engine_.taken;
+    if (looking.loop != nullptr) dsp_works(looking);
     dsp_works(work.taking(index_of_[back.ray]));
   }
+}
+
+// A trapped ray is told its new direction and goes down again, or is given to the host. False if it has come to its end.
+bool PassMachine::scatter(std::uint32_t handle) {
+  PassRay& ray = rays_[handle];
+  if (!ray.route) return false;
+  const TrailEvent& event = ray.route->events[ray.route->next];
+  if (!event.trapped) return false;
+  DspTask task{.loop = &kTakeTrap};
+  task.more_cycles = event.routine_cycles;
+  dsp_works(task);
+  if (event.waits) {
+    rays_.remove(handle);
+    --engine_.under_way;
+    return true;
+  }
+  if (event.ends) return false;
+  ray.follow(event.way, jitter_);
+  ray.block = static_cast<std::uint32_t>(grid_.block(ray.position));
+  for (std::int32_t& at : ray.position) at &= grid_.size() - 1;
+  ray.left = ray.route->events[++ray.route->next].steps;
+  dsp_works(store_.keep_ready(handle));
+  return true;
 }
 
 // What comes back goes first, then overflowed rays that have a slot, then new ones, as many as it makes in a batch. False if there
@@ -208,6 +256,7 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   engine_.batch = 0;
   engine_.now = now_;
   grid_ = BlockGrid(*frame.volume);
+  jitter_ = frame.jitter;
   for (const auto& processor : processors_) processor->begin(now_, frame);
   progress.all = static_cast<std::uint32_t>(count_);
   RunResult ran;
@@ -245,7 +294,7 @@ RunResult PassMachine::run(PassRaySource& work, const Frame& frame, Progress& pr
   maker_.reset();  // waits for what it makes ahead
   if (!ran.cancelled) {
     now_ = engine_.now;
-    for (const auto& processor : processors_) now_ = std::max(now_, processor->now());
+    for (const auto& processor : processors_) now_ = std::max({now_, processor->now(), processor->finish_writes()});
   }
   ran.cycles = now_ - begin;
   ran.dsp_cycles = dsp_.counters().busy() - busy;
@@ -280,20 +329,26 @@ void PassMachine::count(std::vector<wire::Counter>& list) const {
       const PassProcessor& processor = *processors_[i];
       const std::uint64_t samples = processor.samples(), leaps = processor.counters().leaps;
       part.begin("processor", i);
-      part.put("cycles.busy", "cycle", samples);
+      const PassCounters& counters = processor.counters();
+      part.put("cycles.busy", "cycle", samples + counters.carried);
       part.put("cycles.leap", "cycle", leaps);
       // So that the causes add up to all cycles here too. min: a cancelled run has counted passes, but not their cycles.
-      part.put("cycles.unattributed", "cycle", now_ - std::min(now_, samples + leaps));
+      part.put("cycles.unattributed", "cycle", now_ - std::min(now_, samples + counters.carried + leaps));
       part.put("samples", "sample", samples);
-      part.put("rays_held", "cycle", processor.counters().held);
-      part.put("cache.checks", "sample", samples);
+      part.put("rays_held", "cycle", counters.held);
+      part.put("cache.checks", "sample", samples + counters.carried);
       part.put("cache.packets", "packet", processor.cache().packets);
       part.put("cache.missed_voxels", "voxel", processor.cache().missed_voxels);
       part.put("cache.filled_voxels", "voxel", processor.cache().filled_voxels);
+      part.put("splat.deposits", "deposit", counters.deposits);
+      part.put("splat.carriers", "ray", counters.carriers);
+      part.put("splat.tiles", "tile", processor.writes().tiles);
+      part.put("splat.tiles_combined", "tile", processor.writes().combined);
+      part.put("splat.tiles_fetched", "tile", processor.writes().fetches);
       part.put("sorter.written", "ray", processor.passes());
-      part.put("sorter.overflows", "ray", processor.counters().overflows);
+      part.put("sorter.overflows", "ray", counters.overflows);
       part.put("sorter.issued", "ray", processor.passes());
-      part.put("sorter.activations", "activation", processor.counters().activations);
+      part.put("sorter.activations", "activation", counters.activations);
     }
     for (std::size_t i = 0; i < processors_.size(); ++i) {
       part.begin("link", i);

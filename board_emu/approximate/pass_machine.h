@@ -35,6 +35,7 @@ class PassRaySource {
   virtual std::uint64_t max_under_way() const = 0;
   virtual DspTask making(std::uint64_t i) const = 0;
   virtual DspTask taking(std::uint64_t i) const = 0;
+  virtual bool misses_are_free() const = 0;
 };
 
 // The rays of a work, made in chunks.
@@ -58,9 +59,11 @@ class PassMachine {
  public:
   // For volumes of `blocks` along x, y, z.
   PassMachine(const v1::BoardConfig& config, const std::array<int, 3>& blocks);
-  // Whether it knows all that such a board does. Where it does not, the cycle level is to answer: where processors share
-  // a channel, and with a sorter that it has no model of.
+  // Whether it knows all that such a board does with rays that only gather. Where it does not, the cycle level is to answer: where
+  // processors share a channel, and with a sorter that it has no model of.
   static bool covers(const v1::BoardConfig& config);
+  // And with rays that write words.
+  static bool covers_writes(const v1::BoardConfig& config);
   PassMachine(const PassMachine&) = delete;  // its processors point at it
   PassMachine& operator=(const PassMachine&) = delete;
 
@@ -103,6 +106,9 @@ class PassMachine {
 
   void dsp_works(const DspTask& task);
   void make_rays(PassRaySource& work);
+  void make_ray_that_is_there(PassRaySource& work);
+  void launch(PassRay& ray, std::uint64_t index, std::uint32_t run, bool first);
+  bool scatter(std::uint32_t handle);
   void send_again();
   void send(std::uint32_t handle, std::uint32_t run, bool first, bool has_slot = false);
   bool may_make() const { return engine_.made < count_ && engine_.under_way < may_be_under_way_; }
@@ -138,6 +144,7 @@ class PassMachine {
   PassProcessor* holding_ = nullptr;  // that processor
   Cycle bus_free_ = 0;                // when the last that was held left
   BlockGrid grid_;
+  bool jitter_ = false;  // of its frame
   Cycle now_ = 0;
 };
 

@@ -29,6 +29,7 @@ bool PassProcessor::finds_place() {
 Cycle PassProcessor::fetch(const Misses& misses, Cycle first) {
   if (ideal_memory_) return first;
   PassMemory& memory = *shared_.memory;
+  if (has_events_) send_writes(now_);
   for (std::uint32_t i = 0; i < misses.count; ++i) {
     memory.asked = std::max(memory.asked, now_) + 1;
     const Cycle read = memory.channel->read(active_, misses.tiles[i], memory.asked * ratio_).data_end;
@@ -70,8 +71,7 @@ void PassProcessor::change_block(QueuedRay ray, Point at, Cycle out) {
   if (!keeps_slot) release(active_, out);
   if (home.processor == number_) {
     ray.ready = out + kPipelineToPipeline;
-    returned_.push({ray, home.number, keeps_slot});
-    ++returning_[home.number];
+    comes_back({ray, home.number, keeps_slot});
     return;
   }
   put(ray, block);
@@ -123,10 +123,18 @@ inline std::uint64_t PassProcessor::next_place(const QueuedRay& ray, Rest& rest)
   return packed(units_of(to));
 }
 
+// Whether its last step takes it to the DSP.
+inline bool PassProcessor::goes_to_dsp(std::uint32_t handle) const {
+  const PassRoute* route = (*shared_.rays)[handle].route.get();
+  if (route == nullptr) return true;
+  return !route->carrier && (route->events[route->next].ends || route->events[route->next].trapped);
+}
+
 // One pass of the first ray, which leaps or may not come back to its queue; sets now_ to the cycle in which it enters the
 // pipeline. False if the pipeline stalls instead.
 bool PassProcessor::pass_out(Cycle& now) {
-  if ((active_rays_.front().left == 1 && !finds_place()) || stalls_for_link(now)) {
+  if ((active_rays_.front().left == 1 && goes_to_dsp(active_rays_.front().ray) && !finds_place()) ||
+      stalls_for_link(now)) {
     arrive(now, now);
     return false;
   }
@@ -135,23 +143,28 @@ bool PassProcessor::pass_out(Cycle& now) {
   // The prefetch line is as long as it is, and has room for the packets of a sample. Zeroes stand for what was not.
   now_ = std::max({now, started_[(passes_ - prefetch_) % kRemembered], oldest_taken()});
   now = now_ + 1;
-  computing_ = std::max(computing_ + 1, now_ + prefetch_);
+  const Cycle last_out = std::max(last_out_, computing_ + compute_);
+  if (has_events_ && now_ > last_out) writes_.ask(last_out + 1);  // nothing was in the pipeline
+  Cycle computing = std::max(computing_ + 1, now_ + prefetch_);
   const bool wide = wide_;
-  Rest& rest = (*shared_.rays)[ray.ray].rest;
+  PassRay& of_ray = (*shared_.rays)[ray.ray];
+  Rest& rest = of_ray.rest;
+  const bool carrier = of_ray.route && of_ray.route->carrier;
   const Point step = wide ? Point{} : step_of(ray);
   const FinePoint fine_step = wide ? fine_step_of(ray) : FinePoint{};
   Point at = unpacked(ray.at);
   const FinePoint from = wide ? fine(at, rest) : FinePoint{};
   std::int32_t steps = 1;
-  if (empty_ != nullptr && empty_[block_] != 0) {
+  if (empty_ != nullptr && empty_[block_] != 0 && !carrier) {
     ++counters_.leaps;
     const std::int32_t out_of_block =
         wide ? leap_steps(from, fine_step, FinePoint{}, std::int64_t{grid_.size()} << kRestBits)
              : leap_steps(at, step, Point{}, grid_.size());
     steps = std::min(out_of_block, ray.left);
   } else {
-    computing_ = fetch(cache_.check(block_, cell(at, Point{}).voxel), computing_);
+    computing = fetch(cache_.check(block_, cell(at, Point{}).voxel), computing);
   }
+  computing_ = has_events_ ? enters(computing) : computing;
   started_[passes_++ % kRemembered] = computing_;
   if (wide) {
     const FinePoint to = moved(from, fine_step, steps);
@@ -161,7 +174,10 @@ bool PassProcessor::pass_out(Cycle& now) {
     for (std::size_t axis = 0; axis < 3; ++axis) at[axis] += steps * step[axis];
   }
   ray.left -= steps;
-  const Cycle out = computing_ + compute_;
+  Cycle out = has_events_ ? comes_out(computing_) : computing_ + compute_;
+  const bool goes_on = ray.left > 0 || !has_route(ray.ray) || meets_event(ray, at, out);
+  last_out_ = out;
+  if (!goes_on) return true;
   if (ray.left <= 0) {
     finish(ray.ray, out);
   } else if ((at[0] | at[1] | at[2]) >> block_shift_ != 0) {
@@ -204,6 +220,7 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
     const std::uint64_t passes = passes_ - begin;
     Cycle now = ends, computing = computing_, entered = now_, taken = oldest_taken(), before = before_;
     bool goes_out = leaps || out_.size() > kLeaving;
+    const Cycle undisturbed_until = undisturbed();
     for (; now <= last; ++first) {
       const QueuedRay& ray = places[first & mask];
       if (ray.ready > now) break;
@@ -211,6 +228,9 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
       [[maybe_unused]] Rest rest{};
       const std::uint64_t to = kAlike ? at + step : next_place(ray, rest);
       goes_out = goes_out || (to & leaving) != 0 || ray.left == 1;
+      const Cycle enters = std::max({now, started_[(passes + first - prefetch) % kRemembered], taken});
+      const Cycle computes = std::max(computing + 1, enters + prefetch);
+      goes_out = goes_out || computes >= undisturbed_until;
       if (goes_out) break;
       bool there = false;
       if constexpr (kPlain) {
@@ -229,10 +249,14 @@ void PassProcessor::rotate(Cycle& ends, Cycle until) {
       } else {
         there = cache_.latest(block, cell(unpacked(at), Point{}).voxel);
       }
+      if (!there && undisturbed_until != kNoCycle) {  // it may be later than that
+        goes_out = true;
+        break;
+      }
       before = now;
-      entered = std::max({now, started_[(passes + first - prefetch) % kRemembered], taken});
+      entered = enters;
       now = entered + 1;
-      computing = std::max(computing + 1, entered + prefetch);
+      computing = computes;
       if (!there) {
         now_ = entered;
         computing = fetch(cache_.ask(block, cell(unpacked(at), Point{}).voxel), computing);

@@ -29,6 +29,7 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       to_dsp_(std::bit_width(2 * shared_.config->asic().processors() - 1) + 1u),
       tree_places_(2 * static_cast<std::uint32_t>(to_dsp_)),
       ideal_memory_(shared_.config->ideal().memory() != 0),
+      combines_(shared_.config->cache().write_policy() != v1::write_through),
       queues_(std::max<std::size_t>(1, shared_.partition->blocks_of(number))),
       slots_(queues_.size()),
       overflowed_(queues_.size()),
@@ -36,7 +37,8 @@ PassProcessor::PassProcessor(std::uint8_t number, const Shared& shared)
       listed_(queues_.size()),
       returning_(queues_.size()),
       cache_({static_cast<int>(shared_.config->asic().block_voxels()), shared_.config->cache().ways(), false,
-              shared_.blocks, false, 1, shared_.config->cache().tags() == v1::of_voxels}) {}
+              shared_.blocks, false, 1, shared_.config->cache().tags() == v1::of_voxels}),
+      writes_(shared_.config->cache().write_packets()) {}
 
 void PassProcessor::begin(Cycle now, const Frame& frame) {
   now_ = std::max(now_, now);
@@ -44,6 +46,8 @@ void PassProcessor::begin(Cycle now, const Frame& frame) {
   frame_ = &frame;
   jitter_ = frame.jitter;
   wide_ = frame.wide;
+  has_events_ = !frame.plain();
+  held_up_.clear();
   short_steps_ = frame.step < kLongStep;  // of finer units than positions: those that are have room to spare
   const bool plain = cache_.plain_tags() != nullptr;
   const bool alike = !jitter_ && !wide_;
@@ -79,6 +83,8 @@ void PassProcessor::state(Archive& archive) {
     record(holds_, held_since_, held_until_);
   });
   archive("counters", counters_);
+  archive("writes", writes_);
+  archive.field("splats", [this](Archive::Record& record) { record(last_out_, splat_free_); });
   if (!archive.loads()) return;
   const auto is_queue = [&](const char* field, std::uint32_t queue, bool may_be_none) {
     archive.expect(queue < queues || (may_be_none && queue == kNone), field, "a queue of the processor", queue);
@@ -280,10 +286,7 @@ void PassProcessor::put_back(Cycle now) {
 
 PassProcessor::QueuedRay PassProcessor::queued_ray(std::uint32_t handle, Cycle ready) const {
   const PassRay& ray = (*shared_.rays)[handle];
-  // A step of a block or more leaves it, however long it is.
-  Point step{};
-  for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = std::clamp(ray.step[axis], -kLongStep, kLongStep);
-  return {packed(ray.position), packed(step), ready, handle, ray.left};
+  return {packed(ray.position), packed(field_step(ray.step)), ready, handle, ray.left};
 }
 
 void PassProcessor::put(const QueuedRay& ray, std::size_t block) {

@@ -9,6 +9,8 @@
 // in one line, in the order in which they are back; most passes take the first and put it at the end. Rays that return to
 // other queues wait in a line of their own until their arrival matters.
 //
+// What a ray meets on its way (functional/trail.h) is an input too: splats, turns and traps.
+//
 // Simplified: the sorter knows a queue's new importance as soon as it takes it in, one a cycle. The merge tree's places are
 // counted by processor. Processors that share a channel are not modelled (pass_machine.h, covers()): how often they close
 // each other's rows depends on the cycle.
@@ -30,33 +32,48 @@
 #include "asic/sorter/insertion_sorter.h"
 #include "datapath/frame.h"
 #include "datapath/ray_step.h"
+#include "functional/trail.h"
 #include "gicube/v1/board_config.pb.h"
+#include "levels/dsp_task.h"
 #include "pass_tree.h"
+#include "pass_writes.h"
 #include "words/clock.h"
 
 namespace gicube::emu {
+
+// What a ray that does more than gather meets.
+struct PassRoute {
+  std::vector<TrailEvent> events;
+  std::size_t next = 0;  // of them
+  bool carrier = false;  // an irradiance carrier
+  DspTask looking;       // for lamps, when it comes back
+};
 
 // A ray under way. Of jittered rays `step` has the words from which each step is drawn. `rest`, `step_rest`: of the wide datapath
 // (datapath/advance.h).
 struct PassRay {
   Point position{};  // from its block's least corner
   Point step{};
-  std::int32_t left = 0;  // steps to its end
+  std::int32_t left = 0;  // steps to its end, or to its next event
   std::uint32_t block = 0;
   Rest rest{}, step_rest{};
+  std::unique_ptr<PassRoute> route{};  // null: it has no events but its end
+
+  // It goes on by `way`; its position is then the volume's.
+  inline void follow(const RayWay& way, bool jitter);
 };
 
 // All rays under way, each in one place; what goes from part to part is its handle.
 class PassRays {
  public:
-  std::uint32_t add(const PassRay& ray) {
+  std::uint32_t add(PassRay&& ray) {
     if (free_.empty()) {
       free_.push_back(static_cast<std::uint32_t>(rays_.size()));
       rays_.emplace_back();
     }
     const std::uint32_t handle = free_.back();
     free_.pop_back();
-    rays_[handle] = ray;
+    rays_[handle] = std::move(ray);
     return handle;
   }
   void remove(std::uint32_t handle) { free_.push_back(handle); }
@@ -74,6 +91,13 @@ inline Point drawn_from(const std::array<std::int16_t, 3>& direction, std::uint1
                                                            static_cast<std::uint16_t>(direction[2]), u, v, 0});
 }
 
+inline void PassRay::follow(const RayWay& way, bool jitter) {
+  position = way.position;
+  step = jitter ? drawn_from(way.direction, way.u, way.v) : way.step;
+  rest = way.rest;
+  step_rest = way.step_rest;
+}
+
 // A processor's memory channel.
 struct PassMemory {
   PassMemory(const v1::BoardConfig& config, std::size_t blocks)
@@ -89,9 +113,13 @@ struct PassCounters {
   std::uint64_t activations = 0;
   std::uint64_t rays_sent = 0;  // over links
   std::uint64_t hops = 0;
-  std::uint64_t held = 0;  // cycles in which a ray was in the queues or the pipeline
+  std::uint64_t held = 0;                    // cycles in which a ray was in the queues or the pipeline
+  std::uint64_t deposits = 0, carriers = 0;  // carriers: sent
+  std::uint64_t carried = 0;                 // carriers that came to their blocks
 
-  void state(Archive::Record& record) { record(leaps, overflows, conflicts, activations, rays_sent, hops, held); }
+  void state(Archive::Record& record) {
+    record(leaps, overflows, conflicts, activations, rays_sent, hops, held, deposits, carriers, carried);
+  }
 };
 
 class PassProcessor {
@@ -112,6 +140,8 @@ class PassProcessor {
   // All passes until the next call are of this frame, and none is before cycle `now`.
   void begin(Cycle now, const Frame& frame);
   void invalidate_cache() { cache_.invalidate(); }
+  // Nothing is under way: what waits to be written goes to the memory. Returns the cycle in which that is done; 0 if nothing waits.
+  Cycle finish_writes();
 
   // The cycle of its next pass; kNoCycle if no ray waits or comes.
   Cycle next() const;
@@ -134,7 +164,8 @@ class PassProcessor {
 
   const PassCounters& counters() const { return counters_; }
   std::uint64_t passes() const { return passes_; }
-  std::uint64_t samples() const { return passes_ - counters_.leaps; }
+  std::uint64_t samples() const { return passes_ - counters_.leaps - counters_.carried; }
+  const WriteCounters& writes() const { return writes_.counters(); }
   const CacheCounters& cache() const { return cache_.counters(); }
   Cycle now() const { return now_; }
 
@@ -188,6 +219,33 @@ class PassProcessor {
     void state(Archive::Record& record) { record(left, blocked); }
   };
 
+  // Cycles in which no sample enters the compute line; if it stalls, nothing in it moves either.
+  struct HeldUp {
+    Cycle begin = 0, cycles = 0;
+    bool stalls = false;
+  };
+
+  // In the order in which they are back: carriers leave after the ray that sends them, when others may have left already.
+  void comes_back(const Returning& next) {
+    std::size_t place = returned_.end();
+    while (place != returned_.begin() && returned_[place - 1].ray.ready > next.ray.ready) --place;
+    returned_.insert(place, next);
+    ++returning_[next.queue];
+  }
+  Cycle enters(Cycle first);
+  Cycle comes_out(Cycle computing) const;
+  Cycle undisturbed() const;
+  void send_writes(Cycle now);
+  Cycle splat(const Deposit& deposit, bool carries, Cycle out);
+  void carry(const Deposit& deposit, std::uint32_t block, Cycle when);
+  bool meets_event(QueuedRay& ray, Point& at, Cycle& out);
+  // A step of a block or more leaves it, however long it is.
+  static Point field_step(const Point& step) {
+    Point out{};
+    for (std::size_t axis = 0; axis < 3; ++axis) out[axis] = std::clamp(step[axis], -kLongStep, kLongStep);
+    return out;
+  }
+
   Cycle take_returned(Cycle now, Cycle since, std::uint32_t& written);
   void take_others(Cycle now, Cycle cycles, Cycle returned, std::uint32_t written);
   bool has_slot(std::uint32_t queue, Cycle now);
@@ -204,6 +262,8 @@ class PassProcessor {
   void put(const QueuedRay& ray, std::size_t block);
   template <bool kAlike, bool kPlain>
   void rotate(Cycle& now, Cycle until);
+  bool goes_to_dsp(std::uint32_t handle) const;
+  bool has_route(std::uint32_t handle) const { return (*shared_.rays)[handle].route != nullptr; }
   [[gnu::noinline]] bool pass_out(Cycle& now);
   // When the packet is taken that must be before a sample enters, which may ask for as many as one can.
   Cycle oldest_taken() const { return taken_[(packets_ - room_ - 1) % kRemembered]; }
@@ -250,6 +310,8 @@ class PassProcessor {
   bool ideal_memory_;
   const Frame* frame_ = nullptr;
   bool jitter_ = false, wide_ = false;
+  bool has_events_ = false;                                 // rays of the frame do more than gather
+  bool combines_;                                           // writes of one tile
   bool short_steps_ = false;                                // each fits in its fields
   void (PassProcessor::*rotate_)(Cycle&, Cycle) = nullptr;  // for the frame and the cache
   const std::uint8_t* empty_ = nullptr;                     // by block, if empty ones are leapt over
@@ -280,6 +342,10 @@ class PassProcessor {
   std::array<bool, 3> waits_{};                          // its first has to wait
   LongQueue<std::pair<Cycle, std::uint32_t>> released_;  // when, and of which queue, a slot is given up
   VolumeCache cache_;
+  PassWrites writes_;
+  Cycle last_out_ = 0;         // when the last pass that was worked out one by one came out of the pipeline
+  Cycle splat_free_ = 0;       // when the splat unit has done with the last
+  LongQueue<HeldUp> held_up_;  // in their order
 
   Cycle before_ = 0;                                // up to which the sorter has written
   Cycle now_ = 0;                                   // in which the last pass entered the pipeline

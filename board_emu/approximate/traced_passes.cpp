@@ -1,34 +1,53 @@
 #include "approximate/traced_passes.h"
 
-#include <algorithm>
-#include <vector>
+#include <memory>
+#include <utility>
 
 #include "datapath/ray_step.h"
 #include "functional/functional_level.h"
 
 namespace gicube::emu {
 
+// Of frames that are not plain.
+void TracedPasses::follow(std::span<wire::Ray> rays, std::span<PassRay* const> out, std::vector<std::uint8_t>& ended) {
+  std::vector<RayTrail> trails(rays.size());
+  record_.trails = trails;
+  ended = trace_recorded(rays, frame_, record_, tracers(), counters_);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    std::vector<TrailEvent>& events = trails[k].events;
+    out[k]->left = events.front().steps;
+    if (events.size() == 1 && !events.front().deposits && !events.front().trapped && !frame_.lamps) continue;
+    out[k]->route = std::make_unique<PassRoute>();
+    out[k]->route->events = std::move(events);
+    if (frame_.lamps && ended[k] != 0) out[k]->route->looking = source_.looking(rays[k]);
+  }
+}
+
 void TracedPasses::make(std::uint64_t begin, std::span<PassRay> out) {
   std::vector<wire::Ray> rays;
-  std::vector<std::size_t> places;
+  std::vector<PassRay*> ways;
+  std::vector<std::uint64_t> index;
   for (std::size_t i = 0; i < out.size(); ++i) {
     PassRay& way = out[i] = {};
-    const auto ray = source_.make(which_.begin + begin + i, counters_);
+    const std::uint64_t which = which_.begin + begin + i;
+    const auto ray = source_.make(which, counters_);
     if (!ray) continue;
-    const RayState start = unpack(*ray, frame_);
-    way.position = start.position;
-    way.step = frame_.jitter ? drawn_from(start.direction, start.u, start.v) : start.step;
-    way.rest = start.rest;
-    way.step_rest = start.step_rest;
+    way.follow(way_of(unpack(*ray, frame_)), frame_.jitter);
     rays.push_back(*ray);
-    places.push_back(i);
+    ways.push_back(&way);
+    index.push_back(which);
   }
   made_ += rays.size();
-  std::vector<std::int32_t> steps(rays.size());
-  counters_ += trace(rays, frame_, tracer_, std::max(1u, threads_ - 1), steps);
+  std::vector<std::uint8_t> ended(rays.size(), 1);
+  if (frame_.plain() || tracer_ != nullptr) {
+    std::vector<std::int32_t> steps(rays.size());
+    counters_ += trace(rays, frame_, tracer_, tracers(), steps);
+    for (std::size_t k = 0; k < rays.size(); ++k) ways[k]->left = steps[k];
+  } else {
+    follow(rays, ways, ended);
+  }
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    out[places[k]].left = steps[k];
-    source_.take(which_.begin + begin + places[k], rays[k]);
+    if (ended[k] != 0) source_.take(index[k], rays[k]);
   }
 }
 

@@ -5,19 +5,28 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "approximate/pass_machine.h"
 #include "functional/simd/simd_tracer.h"
+#include "functional/trail.h"
+#include "gicube/v1/board_config.pb.h"
 #include "levels/ray_source.h"
 
 namespace gicube::emu {
 
 class TracedPasses : public PassRaySource {
  public:
-  // The rays `which` of `source`, of a plain frame. `tracer`: prepared for it, or null. Uses `threads` - 1 threads of the host;
-  // the machine has the other.
-  TracedPasses(RaySource& source, RayRange which, const Frame& frame, const SimdTracer* tracer, unsigned threads)
-      : source_(source), which_(which), frame_(frame), tracer_(tracer), threads_(threads) {}
+  // The rays `which` of `source`. `tracer`: prepared for the frame, or null. `rule`: which samples write words though they deposit
+  // nothing. Uses `threads` - 1 threads of the host; the machine has the other.
+  TracedPasses(RaySource& source, RayRange which, const Frame& frame, const SimdTracer* tracer, unsigned threads,
+               v1::SplatRule rule = v1::whole_units)
+      : source_(source),
+        which_(which),
+        frame_(frame),
+        tracer_(tracer),
+        threads_(threads),
+        record_{{}, rule == v1::visible_samples, rule == v1::all_samples} {}
 
   std::uint64_t count() const override { return which_.end - which_.begin; }
   std::uint64_t run_end(std::uint64_t i) const override {
@@ -27,6 +36,8 @@ class TracedPasses : public PassRaySource {
   DspTask making(std::uint64_t i) const override { return source_.making(which_.begin + i); }
   DspTask taking(std::uint64_t i) const override { return source_.taking(which_.begin + i); }
 
+  bool misses_are_free() const override { return source_.misses_are_free(); }
+
   void make(std::uint64_t begin, std::span<PassRay> out) override;
 
   // Once all are made.
@@ -34,11 +45,15 @@ class TracedPasses : public PassRaySource {
   const RayCounters& rays() const { return counters_; }
 
  private:
+  unsigned tracers() const { return threads_ > 1 ? threads_ - 1 : 1; }
+  void follow(std::span<wire::Ray> rays, std::span<PassRay* const> out, std::vector<std::uint8_t>& ended);
+
   RaySource& source_;
   RayRange which_;
   const Frame& frame_;
   const SimdTracer* tracer_;
   unsigned threads_;
+  TrailRecord record_;
   std::uint64_t made_ = 0;
   RayCounters counters_;
 };

@@ -1,6 +1,7 @@
 // The processor's part in global illumination: samples that deposit or scatter, splats and irradiance carriers.
 #include <algorithm>
 
+#include "asic/cache/splat_tiles.h"
 #include "datapath/interaction.h"
 #include "memory/sum_memory.h"
 #include "processor.h"
@@ -68,24 +69,11 @@ Splat& Processor::splat(std::uint32_t block, const Deposit& deposit, InFlight& e
     counts_.energy.deposited += frame_->irradiance->add(deposit, block);
   }
   Splat& work = add_splat(block, entry);
-  const std::array<std::int32_t, 3> corner = grid_.corner(block);
-  const auto tiles_x = static_cast<std::int32_t>(edge_ / 2 + 1),
-             last = static_cast<std::int32_t>(edge_) - (frame_->sums != nullptr ? 2 : 1);
-  for (std::size_t i = 0; i < 8; ++i) {
-    if (deposit.shares[i] == 0 && !all) continue;
-    std::array<std::int32_t, 3> local{};
-    bool held = true;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      local[axis] = deposit.voxel[axis] + static_cast<std::int32_t>(i >> axis & 1) - corner[axis];
-      held = held && local[axis] >= 0 && local[axis] <= last;
-    }
-    if (!held) continue;
-    const std::int32_t slice = packs_irradiance() ? local[2] / 2 : local[2];
-    const auto tile = static_cast<std::uint32_t>((slice * tiles_x + local[1] / 2) * tiles_x + local[0] / 2);
-    bool known = false;
-    for (std::size_t t = 0; t < work.tiles; ++t) known = known || work.tile[t] == tile;
-    if (!known) work.tile[work.tiles++] = tile;
-  }
+  const auto edge = static_cast<std::int32_t>(edge_);
+  const SplatTiles tiles = tiles_of(
+      deposit, {grid_.corner(block), edge, edge - (frame_->sums != nullptr ? 2 : 1), packs_irradiance() ? 2 : 1}, all);
+  work.tiles = static_cast<std::uint8_t>(tiles.count);
+  work.tile = tiles.tile;
   return work;
 }
 

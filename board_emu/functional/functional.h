@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "datapath/frame.h"
+#include "functional/trail.h"
 #include "gicube/wire/ray.h"
 
 namespace gicube::emu {
@@ -18,7 +19,9 @@ namespace gicube::emu {
 void integrate(wire::Ray& ray, const Frame& frame, RayCounters& counters, std::int32_t* steps = nullptr);
 
 // The same for rays that routines may scatter: those that are trapped wait for one another, and are scattered together. Returns
-// which came to their ends; the others wait for the host, and the frame's HostTrapQueue has them.
-std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters);
+// which came to their ends; the others wait for the host, and the frame's HostTrapQueue has them. `record`, if not null: receives
+// the trail of each ray, in a frame that is not plain.
+std::vector<bool> integrate_all(std::span<wire::Ray> rays, const Frame& frame, RayCounters& counters,
+                                const TrailRecord* record = nullptr);
 
 }  // namespace gicube::emu

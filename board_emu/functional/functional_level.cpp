@@ -84,7 +84,8 @@ RunResult FunctionalLevel::run(RaySource& source, const Frame& frame, Progress& 
   if (frame.sums != nullptr) {
     counts = backproject_all(source, frame, threads_);
   } else {
-    const bool vectors = vectors_ && !frame.in_bricks() && tracer_.prepare(source.count(), frame, frame.segmentation_writes, threads_);
+    const bool vectors =
+        vectors_ && !frame.in_bricks() && tracer_.prepare(source.count(), frame, frame.segmentation_writes, threads_);
     counts = trace_all(source, frame, vectors ? &tracer_ : nullptr, threads_, progress);
   }
   RunResult ran;
@@ -110,6 +111,20 @@ RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTrace
     if (tracer != nullptr) return tracer->trace(part, frame, counters, their_steps);
     for (std::size_t i = 0; i < count; ++i) integrate(part[i], frame, counters, &their_steps[i]);
   });
+}
+
+std::vector<std::uint8_t> trace_recorded(std::span<wire::Ray> rays, const Frame& frame, const TrailRecord& record,
+                                         unsigned threads, RayCounters& counters) {
+  const std::size_t runs = (rays.size() + kScalarRays - 1) / kScalarRays;
+  std::vector<std::uint8_t> ended(rays.size());
+  counters += parallel_sum<RayCounters>(runs, threads, [&](std::size_t run, RayCounters& counts) {
+    const std::size_t begin = run * kScalarRays, count = std::min(kScalarRays, rays.size() - begin);
+    TrailRecord part = record;
+    part.trails = record.trails.subspan(begin, count);
+    const std::vector<bool> of_part = integrate_all(rays.subspan(begin, count), frame, counts, &part);
+    std::copy(of_part.begin(), of_part.end(), ended.begin() + static_cast<std::ptrdiff_t>(begin));
+  });
+  return ended;
 }
 
 }  // namespace gicube::emu

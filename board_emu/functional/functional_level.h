@@ -9,6 +9,7 @@
 #include "datapath/frame.h"
 #include "datapath/opacity_correction.h"
 #include "functional/simd/simd_tracer.h"
+#include "functional/trail.h"
 #include "levels/level.h"
 
 namespace gicube::emu {
@@ -40,5 +41,9 @@ class FunctionalLevel : public Level {
 // `steps`: receives each ray's number of steps.
 RayCounters trace(std::span<wire::Ray> rays, const Frame& frame, const SimdTracer* tracer, unsigned threads,
                   std::span<std::int32_t> steps);
+// The same for rays of frames that are not plain, with their trails. Returns by ray whether it came to its end; the others wait for
+// the host.
+std::vector<std::uint8_t> trace_recorded(std::span<wire::Ray> rays, const Frame& frame, const TrailRecord& record,
+                                         unsigned threads, RayCounters& counters);
 
 }  // namespace gicube::emu

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "approximate/pass_machine.h"
+#include "approximate/traced_passes.h"
 #include "datapath/scattering.h"
 #include "firmware/ray_sources/light_rays.h"
 #include "lighting_rig.h"
@@ -123,6 +125,36 @@ void expect_equal(const RayCounters& a, const RayCounters& b) {
   EXPECT_EQ(a.energy.given_up, b.energy.given_up);
 }
 
+std::uint64_t value(const std::vector<wire::Counter>& list, const std::string& name) {
+  for (const wire::Counter& counter : list) {
+    if (counter.name == name) return counter.value;
+  }
+  return 0;
+}
+
+// The approximate level's passes of the same light: the values, and what is written of them, on boards that they cover.
+void expect_passes_to_leave(const Irradiance& expected, const RayCounters& counts, Scene& scene, RaySource& rays,
+                            const v1::BoardConfig& config, const Machine& machine) {
+  if (!PassMachine::covers(config) || !PassMachine::covers_writes(config)) return;
+  Irradiance held(scene, scene.frame.wide);
+  scene.frame.irradiance = &held.memory;
+  PassMachine passes(config, scene.volume.blocks());
+  Progress work;
+  TracedPasses traced(rays, {0, rays.count()}, scene.frame, nullptr, 2, config.cache().splat_rule());
+  const RunResult ran = passes.run(traced, scene.frame, work, true);
+  EXPECT_EQ(held.words(scene), expected.words(scene));
+  expect_equal(traced.rays(), counts);
+  EXPECT_GT(ran.cycles, machine.now() / 2);
+  EXPECT_LT(ran.cycles, 2 * machine.now());
+  std::vector<wire::Counter> mine, exact;
+  passes.count(mine);
+  count(machine, exact);
+  for (const char* name : {"processor.splat.deposits", "processor.splat.carriers", "processor.splat.tiles",
+                           "processor.samples", "dsp.rays_taken"}) {
+    EXPECT_EQ(value(mine, name), value(exact, name)) << name;
+  }
+}
+
 class RandomLight : public testing::TestWithParam<unsigned> {
  protected:
   RandomLight() : dice(GetParam()), n(dice.one_of({8, 8, 16})), wide(dice.chance(30)) {}
@@ -186,6 +218,8 @@ TEST_P(RandomLight, LeavesTheSameIrradianceAndLedgerOnEveryMachineAndPicturesOfI
   }
   EXPECT_EQ(written, tiles);  // each changed tile has gone to the memory
   EXPECT_EQ(read, fetched + (config.ideal().memory() != 0 ? 0 : packets));
+
+  expect_passes_to_leave(expected, counts, scene, rays, config, machine);
 
   frame.irradiance = &shuffled_held.memory;
   Machine shuffled(config, scene.volume.blocks());
